@@ -1,0 +1,262 @@
+//! The simulated body: turns the world into events, carries motions out.
+//!
+//! With the *ideal* sonars all transducers are heard at once, the motion is carried out exactly, and
+//! time is counted, not simulated: 0.64 s for the ring and the way at full speed. With the others
+//! every transducer fires in its own slot of 40 ms while the base steers, accelerates and slips.
+
+use crate::noise::Noise;
+use crate::pilot::Pilot;
+use crate::robot::{Base, BaseLimits, Executed, Motion as BaseMotion, TurretMode};
+use crate::sonar::{FIRING_ORDER, FIRING_SLOT_S, RING_PERIOD_S, Ring, SonarModel};
+use crate::world::{Point, Pose, World};
+use amp::controller::{Decision, Event, Motion, Outputs, Progress};
+use amp::units::{Bearing, Displacement, Millis, Range};
+
+/// A robot in a world.
+pub struct Body<'w> {
+    world: &'w World,
+    base: Base,
+    limits: BaseLimits,
+    turret: TurretMode,
+    ring: Ring,
+    noise: Noise,
+    time_s: f64,
+    slot: usize,
+    ranges_m: [Option<f64>; 16],
+    motion: Motion,
+    /// Where the odometry reported so far puts the base, and the ring's bearing as reported.
+    reported: Point,
+    reported_bearing: Bearing,
+}
+
+/// What one turn of the simulation brought about.
+#[derive(Debug)]
+pub struct Happened {
+    /// Where the robot stood, and when.
+    pub pose: Pose,
+    /// Simulated time, seconds.
+    pub time_s: f64,
+    /// Latest ranges by transducer, metres.
+    pub ranges_m: [Option<f64>; 16],
+    /// A decision was taken.
+    pub decision: Option<Decision<16>>,
+    /// The pilot changed its mode.
+    pub mode_changed: bool,
+    /// A motion under way was shortened.
+    pub shortened: bool,
+    /// The base moved (after the decision, if there was one).
+    pub moved: Option<Moved>,
+}
+
+/// A piece of the way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moved {
+    /// From here.
+    pub from: Point,
+    /// To here.
+    pub to: Point,
+    /// Way travelled, metres.
+    pub travelled_m: f64,
+    /// Least gap between body and surfaces on the way, metres.
+    pub clearance_m: f64,
+    /// The body touched something.
+    pub touched: bool,
+}
+
+impl<'w> Body<'w> {
+    /// A robot at the world's start.
+    #[must_use]
+    pub fn new(world: &'w World, sonar: SonarModel, turret: TurretMode, noise_seed: u64) -> Self {
+        let mut noise = Noise::new(noise_seed);
+        let ring = Ring::new(sonar, &mut noise);
+        let limits = BaseLimits::default();
+        let start = world.start();
+        Self {
+            world,
+            base: Base::new(start, limits, turret),
+            limits,
+            turret,
+            ring,
+            noise,
+            time_s: 0.0,
+            slot: 0,
+            ranges_m: [None; 16],
+            motion: Motion {
+                id: 0,
+                displacement: Displacement::ZERO,
+                speed_mm_s: 0,
+            },
+            reported: start.position,
+            reported_bearing: bearing(start.heading),
+        }
+    }
+
+    /// Simulated time, seconds.
+    #[must_use]
+    pub fn time_s(&self) -> f64 {
+        self.time_s
+    }
+
+    /// Simulated time as the mind hears it.
+    #[must_use]
+    pub fn now(&self) -> Millis {
+        Millis::from_ms((self.time_s * 1e3 + 0.5) as u64 as u32)
+    }
+
+    /// Time one ring takes, seconds.
+    #[must_use]
+    pub fn ring_s(&self) -> f64 {
+        RING_PERIOD_S
+    }
+
+    /// One turn: a whole ring and its motion with the ideal sonars, one firing slot with the others.
+    pub fn advance(&mut self, pilot: &mut impl Pilot) -> Happened {
+        if self.ring.model() == SonarModel::Ideal {
+            self.ideal_ring(pilot)
+        } else {
+            self.slot(pilot)
+        }
+    }
+
+    fn ideal_ring(&mut self, pilot: &mut impl Pilot) -> Happened {
+        let pose = self.base.pose();
+        self.time_s += RING_PERIOD_S;
+        self.ring.scan(self.world, &pose, &mut self.ranges_m);
+        let mut happened = self.nothing_yet(pose);
+        for sensor in 0..self.ranges_m.len() {
+            let outputs = self.echo(pilot, sensor);
+            happened.take(&outputs);
+            if let Some(motion) = outputs.motion {
+                self.motion = motion;
+                let [dx_m, dy_m] = meters(motion.displacement);
+                let done = self.base.move_exactly(self.world, dx_m, dy_m);
+                self.time_s += done.travelled_m / self.limits.speed_m_s;
+                happened.moved = Some(self.report(pilot, pose.position, &done));
+            }
+        }
+        happened
+    }
+
+    fn slot(&mut self, pilot: &mut impl Pilot) -> Happened {
+        let pose = self.base.pose();
+        let sensor = FIRING_ORDER[self.slot % FIRING_ORDER.len()];
+        self.slot += 1;
+        self.ranges_m[sensor] =
+            self.ring
+                .ping(self.world, &pose, sensor, self.time_s, &mut self.noise);
+        let mut happened = self.nothing_yet(pose);
+        let outputs = self.echo(pilot, sensor);
+        happened.take(&outputs);
+        if let Some(motion) = outputs.motion {
+            self.motion = motion;
+            let [dx_m, dy_m] = meters(motion.displacement);
+            let speed_m_s = f64::from(motion.speed_mm_s) / 1e3;
+            self.base.command(
+                BaseMotion {
+                    dx_m,
+                    dy_m,
+                    speed_m_s,
+                },
+                &mut self.noise,
+            );
+        }
+        let done = self.base.advance(FIRING_SLOT_S, self.world);
+        self.time_s += FIRING_SLOT_S;
+        happened.moved = Some(self.report(pilot, pose.position, &done));
+        happened
+    }
+
+    fn nothing_yet(&self, pose: Pose) -> Happened {
+        Happened {
+            pose,
+            time_s: self.time_s,
+            ranges_m: self.ranges_m,
+            decision: None,
+            mode_changed: false,
+            shortened: false,
+            moved: None,
+        }
+    }
+
+    fn echo(&mut self, pilot: &mut impl Pilot, sensor: usize) -> Outputs<16> {
+        // A range beyond 65 m cannot come from a sonar; the cast saturates.
+        let range = self.ranges_m[sensor].map(|m| Range::from_mm((m * 1e3) as u16));
+        pilot.handle(
+            self.now(),
+            Event::Echo {
+                sensor: sensor as u8,
+                range,
+            },
+        )
+    }
+
+    /// Reports what the base has done since its last report, in whole millimetres; what rounding
+    /// leaves over goes into the next report.
+    fn report(&mut self, pilot: &mut impl Pilot, from: Point, done: &Executed) -> Moved {
+        let frame = angle(self.reported_bearing);
+        let (sin, cos) = libm::sincos(frame);
+        let way = self.base.odometry() - self.reported;
+        let (x, y) = (way.x * cos + way.y * sin, way.y * cos - way.x * sin);
+        let moved =
+            Displacement::saturating(libm::rint(x * 1e3) as i32, libm::rint(y * 1e3) as i32);
+        let [x, y] = meters(moved);
+        self.reported = self.reported + Point::new(x * cos - y * sin, x * sin + y * cos);
+        let now = bearing(self.base.pose().heading);
+        let turned = now.minus(self.reported_bearing);
+        self.reported_bearing = now;
+        let progress = match (done.touched, done.moving) {
+            (true, _) => Progress::Touched,
+            (false, true) => Progress::Moving,
+            (false, false) => Progress::Ended,
+        };
+        let _ = pilot.handle(
+            self.now(),
+            Event::Odometry {
+                motion: self.motion.id,
+                moved,
+                turned,
+                progress,
+            },
+        );
+        Moved {
+            from,
+            to: self.base.pose().position,
+            travelled_m: done.travelled_m,
+            clearance_m: done.min_clearance_m,
+            touched: done.touched,
+        }
+    }
+
+    /// Puts the robot back to the world's start, at rest.
+    pub fn restart(&mut self) {
+        let start = self.world.start();
+        self.base = Base::new(start, self.limits, self.turret);
+        self.reported = start.position;
+        self.reported_bearing = bearing(start.heading);
+    }
+}
+
+impl Happened {
+    fn take(&mut self, outputs: &Outputs<16>) {
+        self.decision = self.decision.or(outputs.decision);
+        self.mode_changed |= outputs.mode_changed;
+        self.shortened |=
+            outputs.motion.is_some() && outputs.decision.is_none() && !outputs.mode_changed;
+    }
+}
+
+fn meters(displacement: Displacement) -> [f64; 2] {
+    [
+        f64::from(displacement.dx_mm) / 1e3,
+        f64::from(displacement.dy_mm) / 1e3,
+    ]
+}
+
+fn bearing(angle_rad: f64) -> Bearing {
+    let turns = libm::rint(angle_rad / std::f64::consts::TAU * 65_536.0);
+    Bearing::from_turns(turns as i64 as u16)
+}
+
+fn angle(bearing: Bearing) -> f64 {
+    f64::from(bearing.as_turns()) / 65_536.0 * std::f64::consts::TAU
+}

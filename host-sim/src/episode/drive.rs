@@ -1,0 +1,272 @@
+//! Explore, learn, seek: the course of an episode.
+
+use super::Seeds;
+use super::body::{Body, Happened};
+use super::record::Recorder;
+use super::tally::{Report, Stride, Tally, rounded};
+use crate::pilot::{Mind, Pilot};
+use crate::recording::Recording;
+use crate::robot::TurretMode;
+use crate::scenes::Behavior;
+use crate::sonar::SonarModel;
+use crate::world::World;
+use amp::config::Config;
+use amp::controller::{Command, Decision, Event, Refusal};
+
+/// What an episode is made of, but for its world.
+#[derive(Debug, Clone)]
+pub struct Setup {
+    /// The mind's open choices.
+    pub config: Config<16>,
+    /// Name of the preset they came from.
+    pub preset: String,
+    /// What to do after exploring.
+    pub behavior: Behavior,
+    /// Random moves, 1 … [`MOST_MOVES`](crate::pilot::MOST_MOVES).
+    pub explore_moves: u16,
+    /// Decisions towards the goal, at least 1.
+    pub steps: u32,
+    /// Seed of all randomness.
+    pub seed: u64,
+    /// What the sonars return.
+    pub sonar: SonarModel,
+    /// What the ring does while the base steers.
+    pub turret: TurretMode,
+    /// Keep every step for pictures.
+    pub record: bool,
+}
+
+/// The phases of an episode.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Phase {
+    /// Random moves.
+    Explore,
+    /// Making the maps.
+    Learn,
+    /// Pursuing the goal.
+    Seek,
+}
+
+/// Why an episode ended early.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Failure {
+    /// The mind refused a command.
+    Refused(Refusal),
+    /// The mind has not decided anything for a hundred rings.
+    Silent,
+}
+
+impl std::fmt::Display for Failure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Refused(why) => write!(f, "the mind refused a command: {why:?}"),
+            Self::Silent => f.write_str("the mind has decided nothing for a hundred rings"),
+        }
+    }
+}
+
+impl std::error::Error for Failure {}
+
+/// What came of an episode.
+#[derive(Debug, Clone)]
+pub struct Episode {
+    /// The figures.
+    pub report: Report,
+    /// Every step, if it was to be recorded.
+    pub recording: Option<Recording>,
+}
+
+/// Runs a whole episode; `progress` hears of each phase, what is done of it and what it takes.
+///
+/// # Errors
+/// When the mind refuses a command or falls silent.
+pub fn run(
+    world: &World,
+    setup: &Setup,
+    mut progress: impl FnMut(Phase, u32, u32),
+) -> Result<Episode, Failure> {
+    let seeds = Seeds::of(setup.seed);
+    let mut mind = Mind::new(setup.config.clone());
+    let body = Body::new(world, setup.sonar, setup.turret, seeds.noise);
+    let mut driver = Driver::new(world, body, setup.record);
+
+    let moves = u32::from(setup.explore_moves);
+    driver.command(
+        &mut mind,
+        Command::Explore {
+            moves: setup.explore_moves,
+            seed: seeds.exploration,
+        },
+    )?;
+    driver.drive(&mut mind, u32::MAX, |done| {
+        progress(Phase::Explore, done, moves)
+    })?;
+    let exploration = driver.next_phase(world);
+
+    progress(Phase::Learn, 0, 1);
+    driver.learn(&mut mind)?;
+    progress(Phase::Learn, 1, 1);
+
+    driver.command(&mut mind, Command::Seek(setup.behavior.goal()))?;
+    let began_s = driver.body.time_s();
+    driver.drive(&mut mind, setup.steps, |done| {
+        progress(Phase::Seek, done, setup.steps)
+    })?;
+    let time_s = driver.body.time_s() - began_s;
+    let report = report(world, setup, &exploration, &driver.tally, time_s);
+    let recording = driver
+        .recorder
+        .map(|recorder| recorder.finish(world, setup, &mind));
+    Ok(Episode { report, recording })
+}
+
+/// Lets any pilot drive `steps` steps from the world's start: the tally of a yardstick.
+///
+/// # Errors
+/// When the pilot falls silent.
+pub fn drive_pilot(
+    world: &World,
+    pilot: &mut impl Pilot,
+    mut body: Body<'_>,
+    steps: u32,
+) -> Result<Tally, Failure> {
+    body.restart();
+    let mut driver = Driver::new(world, body, false);
+    driver.drive(pilot, steps, |_| {})?;
+    Ok(driver.tally)
+}
+
+fn report(
+    world: &World,
+    setup: &Setup,
+    exploration: &Tally,
+    seeking: &Tally,
+    time_s: f64,
+) -> Report {
+    let (success, success_unit) = setup.behavior.success(seeking);
+    Report {
+        world: world.name().to_owned(),
+        behavior: setup.behavior.name().to_owned(),
+        preset: setup.preset.clone(),
+        sonar: setup.sonar.name().to_owned(),
+        seed: setup.seed,
+        explore_moves: exploration.steps,
+        explore_contacts: exploration.contacts,
+        steps: seeking.steps,
+        contacts: seeking.contacts,
+        distance_m: rounded(seeking.distance_m),
+        min_clearance_m: rounded(seeking.min_clearance_m.unwrap_or(0.0)),
+        coverage_m2: rounded(seeking.coverage_m2()),
+        goal_steps: seeking.goal_steps,
+        shield_stops: seeking.shield_stops,
+        time_s: rounded(time_s),
+        success: rounded(success),
+        success_unit,
+    }
+}
+
+struct Driver<'w> {
+    body: Body<'w>,
+    tally: Tally,
+    /// The step under way.
+    open: Option<Stride>,
+    recorder: Option<Recorder>,
+}
+
+impl<'w> Driver<'w> {
+    /// Rings without a decision before the mind counts as silent.
+    const PATIENCE: u32 = 100;
+
+    fn new(world: &'w World, body: Body<'w>, record: bool) -> Self {
+        Self {
+            body,
+            tally: Tally::new(world),
+            open: None,
+            recorder: record.then(Recorder::default),
+        }
+    }
+
+    fn command(&mut self, mind: &mut Mind, command: Command<16>) -> Result<(), Failure> {
+        let outputs = mind.handle(self.body.now(), Event::Command(command));
+        outputs
+            .refusal
+            .map_or(Ok(()), |refusal| Err(Failure::Refused(refusal)))
+    }
+
+    fn learn(&mut self, mind: &mut Mind) -> Result<(), Failure> {
+        self.command(mind, Command::Learn)?;
+        while !mind.handle(self.body.now(), Event::Tick).mode_changed {}
+        Ok(())
+    }
+
+    /// Drives until `steps` steps are done or the pilot changes its mode.
+    fn drive(
+        &mut self,
+        pilot: &mut impl Pilot,
+        steps: u32,
+        mut progress: impl FnMut(u32),
+    ) -> Result<(), Failure> {
+        let mut last_decision_s = self.body.time_s();
+        loop {
+            let happened = self.body.advance(pilot);
+            if happened.decision.is_some() || happened.mode_changed {
+                self.close();
+                progress(self.tally.steps);
+                last_decision_s = self.body.time_s();
+            }
+            if happened.mode_changed || self.tally.steps >= steps {
+                return Ok(());
+            }
+            if self.body.time_s() - last_decision_s > f64::from(Self::PATIENCE) * self.body.ring_s()
+            {
+                return Err(Failure::Silent);
+            }
+            if let Some(decision) = &happened.decision {
+                self.open(decision, &happened);
+            }
+            self.follow(&happened);
+        }
+    }
+
+    fn open(&mut self, decision: &Decision<16>, happened: &Happened) {
+        self.open = Some(Stride {
+            at_goal: decision.at_goal,
+            shielded: decision.allowed != decision.wanted,
+            touched: false,
+        });
+        if let Some(recorder) = &mut self.recorder {
+            recorder.open(decision, happened);
+        }
+    }
+
+    fn follow(&mut self, happened: &Happened) {
+        if let Some(moved) = &happened.moved {
+            self.tally
+                .moved(moved.from, moved.to, moved.travelled_m, moved.clearance_m);
+            if let Some(open) = &mut self.open {
+                open.touched |= moved.touched;
+                open.shielded |= happened.shortened;
+            }
+            if let Some(recorder) = &mut self.recorder {
+                recorder.moved(moved);
+            }
+        }
+    }
+
+    fn close(&mut self) {
+        if let Some(stride) = self.open.take() {
+            self.tally.step(stride);
+            if let Some(recorder) = &mut self.recorder {
+                recorder.close(stride);
+            }
+        }
+    }
+
+    /// Begins a new tally; returns the old one.
+    fn next_phase(&mut self, world: &World) -> Tally {
+        if let Some(recorder) = &mut self.recorder {
+            recorder.next_phase();
+        }
+        std::mem::replace(&mut self.tally, Tally::new(world))
+    }
+}

@@ -1,0 +1,120 @@
+//! What is counted while a robot drives, and the line that is printed of it.
+
+use crate::coverage::Coverage;
+use crate::robot::COLLISION_RADIUS_M;
+use crate::world::{Point, World};
+use serde::Serialize;
+
+/// Counts and sums over the steps of one phase.
+#[derive(Debug, Clone)]
+pub struct Tally {
+    /// Decisions carried out.
+    pub steps: u32,
+    /// Steps in which the body touched something.
+    pub contacts: u32,
+    /// Way travelled, metres.
+    pub distance_m: f64,
+    /// Least gap between the body and any surface, metres; `None` before the first step.
+    pub min_clearance_m: Option<f64>,
+    /// Steps decided while the goal held.
+    pub goal_steps: u32,
+    /// Steps the shield shortened or stopped.
+    pub shield_stops: u32,
+    coverage: Coverage,
+}
+
+/// What one step adds to a [`Tally`].
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Stride {
+    /// The body touched something.
+    pub touched: bool,
+    /// The shield shortened or stopped the motion.
+    pub shielded: bool,
+    /// The goal held when the step was decided.
+    pub at_goal: bool,
+}
+
+impl Tally {
+    /// Nothing counted yet.
+    #[must_use]
+    pub fn new(world: &World) -> Self {
+        Self {
+            steps: 0,
+            contacts: 0,
+            distance_m: 0.0,
+            min_clearance_m: None,
+            goal_steps: 0,
+            shield_stops: 0,
+            coverage: Coverage::new(world.bounds(), COLLISION_RADIUS_M),
+        }
+    }
+
+    /// A step has ended.
+    pub fn step(&mut self, stride: Stride) {
+        self.steps += 1;
+        self.contacts += u32::from(stride.touched);
+        self.goal_steps += u32::from(stride.at_goal);
+        self.shield_stops += u32::from(stride.shielded);
+    }
+
+    /// The body has moved straight.
+    pub fn moved(&mut self, from: Point, to: Point, travelled_m: f64, clearance_m: f64) {
+        self.distance_m += travelled_m;
+        let least = self
+            .min_clearance_m
+            .map_or(clearance_m, |least| least.min(clearance_m));
+        self.min_clearance_m = Some(least);
+        self.coverage.sweep(from, to);
+    }
+
+    /// Area swept, square metres.
+    #[must_use]
+    pub fn coverage_m2(&self) -> f64 {
+        self.coverage.area_m2()
+    }
+}
+
+/// One world's line: what `host-sim run` prints, in this order.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// World.
+    pub world: String,
+    /// Behaviour.
+    pub behavior: String,
+    /// Preset of the open choices.
+    pub preset: String,
+    /// Sonar model.
+    pub sonar: String,
+    /// Seed.
+    pub seed: u64,
+    /// Random moves made.
+    pub explore_moves: u32,
+    /// Random moves that touched something.
+    pub explore_contacts: u32,
+    /// Steps towards the goal.
+    pub steps: u32,
+    /// Steps in which the body touched something.
+    pub contacts: u32,
+    /// Way travelled while seeking, metres.
+    pub distance_m: f64,
+    /// Least gap to any surface while seeking, metres.
+    pub min_clearance_m: f64,
+    /// Area swept while seeking, square metres.
+    pub coverage_m2: f64,
+    /// Steps in which the goal held.
+    pub goal_steps: u32,
+    /// Steps the shield shortened or stopped.
+    pub shield_stops: u32,
+    /// Simulated time of the seeking, seconds.
+    pub time_s: f64,
+    /// The behaviour's own measure.
+    pub success: f64,
+    /// Unit of that measure.
+    pub success_unit: &'static str,
+}
+
+/// A figure as printed: four decimals are below a tenth of a millimetre.
+#[must_use]
+pub(super) fn rounded(value: f64) -> f64 {
+    (value * 1e4 + 0.5).floor() / 1e4
+}

@@ -1,0 +1,14 @@
+//! Simulator of a Nomad 200 driven by the `amp` crate.
+pub mod baselines;
+pub mod coverage;
+pub mod episode;
+pub mod error;
+pub mod noise;
+pub mod pilot;
+pub mod plot;
+pub mod recording;
+pub mod robot;
+pub mod scenes;
+pub mod settings;
+pub mod sonar;
+pub mod world;

@@ -1,0 +1,2 @@
+//! The `host-sim` command.
+fn main() {}

@@ -1,0 +1,41 @@
+//! Pictures of what a robot did and what its maps learnt, as SVG text drawn from recorded values only.
+//!
+//! Every picture function takes plain records and returns one SVG document; [`png::render`] turns any of them into a
+//! bitmap with the bundled font. The same data give the same bytes on every machine: numbers are printed with fixed
+//! decimals, angles go through `libm`, nothing is iterated in hash order.
+//!
+//! Pictures are laid out for a page of 800 px: no text is smaller than 11 px there. Colours are the colour-blind-safe
+//! ones of Okabe and Ito, with viridis and cividis for continuous values. World y points up the page; in rosettes the
+//! front of the ring points up and its left to the left.
+
+mod action_map;
+mod code_vectors;
+mod color;
+pub mod demo;
+mod layout;
+mod page;
+mod path;
+pub mod png;
+mod rosette;
+mod scatter;
+mod scene;
+mod sequence;
+mod sequence_panels;
+mod situation_map;
+mod stretch;
+mod svg;
+mod u_matrix;
+mod worlds;
+
+#[cfg(test)]
+pub(crate) mod fixture;
+
+pub use action_map::action_map;
+pub use code_vectors::code_vectors;
+pub use page::{Figure, index_html};
+pub use path::path;
+pub use scatter::scatter;
+pub use sequence::sequence;
+pub use situation_map::{MapMarks, situation_map};
+pub use u_matrix::u_matrix;
+pub use worlds::worlds;

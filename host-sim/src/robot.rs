@@ -1,0 +1,380 @@
+//! The base of a Nomad 200: three wheels that roll and steer together, and a turret of its own.
+//!
+//! Two ways to move it. [`Base::move_exactly`] puts it where the command says, or where it touches
+//! something: instant and without noise. [`Base::command`] and [`Base::advance`] move it as the machine
+//! does: steer first, then roll, each with limited speed and acceleration, and with slip.
+//!
+//! Steering turns the wheels alone: the base keeps its bearing in the world, and its bumpers with it. The
+//! turret carries the ring. *Held*, it keeps its bearing too; *follow*, it turns with the wheels.
+
+use core::f64::consts::{FRAC_PI_2, PI, TAU};
+use core::str::FromStr;
+
+use crate::error::BadInput;
+use crate::noise::Noise;
+use crate::world::{Point, Pose, Sweep, World, wrap_angle};
+
+mod motion;
+mod servo;
+
+pub use motion::{Executed, Motion};
+use servo::{approach, slow};
+
+/// Radius of the disc that touches things, m (the Nomad 200 in ThinkingCap's robot file).
+pub const COLLISION_RADIUS_M: f64 = 0.269;
+
+/// Bumper switches around the base, evenly spaced, number 0 in front, counted to the left.
+pub const BUMPERS: u32 = 20;
+
+/// Longest time step of the timed motion, s.
+const MAX_STEP_S: f64 = 0.010;
+
+/// Way and angle that count as none: far below what the Nomad can measure (m, rad).
+const NEGLIGIBLE: f64 = 1e-9;
+
+/// A new goal this near to the line on which the wheels already roll is reached without stopping, rad.
+const SAME_DIRECTION_RAD: f64 = PI / 180.0;
+
+/// What the motors can do, and how well.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BaseLimits {
+    /// Greatest speed, m/s: 20 in/s, the limit in the Nomad's own software.
+    pub speed_m_s: f64,
+    /// Acceleration and deceleration, m/s²: 30 in/s².
+    pub acceleration_m_s2: f64,
+    /// Greatest rate of steering and turret, rad/s: 45 °/s.
+    pub turn_rate_rad_s: f64,
+    /// Acceleration of steering and turret, rad/s²: 30 °/s².
+    pub turn_acceleration_rad_s2: f64,
+    /// Standard deviation of way (as a share) and direction (rad) of a timed motion, drawn once per
+    /// command: what the wheels slip, unseen by the odometry.
+    pub slip: f64,
+}
+
+impl Default for BaseLimits {
+    fn default() -> Self {
+        Self {
+            speed_m_s: 0.508,
+            acceleration_m_s2: 0.762,
+            turn_rate_rad_s: PI / 4.0,
+            turn_acceleration_rad_s2: PI / 6.0,
+            slip: 0.02,
+        }
+    }
+}
+
+/// What the turret does while the base steers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TurretMode {
+    /// It keeps its bearing in the world.
+    #[default]
+    Held,
+    /// It turns with the wheels, which then always roll forward.
+    Follow,
+}
+
+impl FromStr for TurretMode {
+    type Err = BadInput;
+
+    fn from_str(text: &str) -> Result<Self, BadInput> {
+        match text {
+            "held" => Ok(Self::Held),
+            "follow" => Ok(Self::Follow),
+            _ => Err(BadInput::unknown("turret mode", text, &["held", "follow"])),
+        }
+    }
+}
+
+/// What the wheels are doing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Drive {
+    Still,
+    /// Coming to rest, then on to the goal (odometry frame) if there is one.
+    Brake(Option<Point>),
+    /// Turning the wheels at rest towards the goal.
+    Steer(Point),
+    /// Rolling along the wheels to the goal.
+    Roll(Point),
+}
+
+/// The base: where it is, where its wheels and its turret point, and what it is doing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Base {
+    limits: BaseLimits,
+    turret: TurretMode,
+    position: Point,
+    odometry: Point,
+    /// Bearing of the base itself: fixed.
+    front: f64,
+    steering: f64,
+    ring: f64,
+    drive: Drive,
+    speed_limit: f64,
+    /// Along the wheels; negative in reverse.
+    speed: f64,
+    turn_rate: f64,
+    /// Complex factor from odometry to truth.
+    slip: Point,
+}
+
+impl Base {
+    /// A base at rest: wheels, turret and front along the pose's heading.
+    #[must_use]
+    pub fn new(pose: Pose, limits: BaseLimits, turret: TurretMode) -> Self {
+        Self {
+            limits,
+            turret,
+            position: pose.position,
+            odometry: pose.position,
+            front: pose.heading,
+            steering: pose.heading,
+            ring: pose.heading,
+            drive: Drive::Still,
+            speed_limit: limits.speed_m_s,
+            speed: 0.0,
+            turn_rate: 0.0,
+            slip: Point::new(1.0, 0.0),
+        }
+    }
+
+    /// True position and bearing of the ring.
+    #[must_use]
+    pub fn pose(&self) -> Pose {
+        Pose::new(self.position, self.ring)
+    }
+
+    /// Direction in which the wheels roll forward, in the world, rad.
+    #[must_use]
+    pub fn steering(&self) -> f64 {
+        self.steering
+    }
+
+    /// Where the odometry believes to be, m: the truth without slip, from the same start.
+    #[must_use]
+    pub fn odometry(&self) -> Point {
+        self.odometry
+    }
+
+    /// Direction of travel relative to the ring, rad in [−π, π).
+    #[must_use]
+    pub fn heading_in_ring(&self) -> f64 {
+        let reverse = if self.speed < 0.0 { PI } else { 0.0 };
+        wrap_angle(self.steering + reverse - self.ring)
+    }
+
+    /// Speed along the wheels, m/s; negative in reverse.
+    #[must_use]
+    pub fn speed_m_s(&self) -> f64 {
+        self.speed
+    }
+
+    /// Whether the base is under way.
+    #[must_use]
+    pub fn is_moving(&self) -> bool {
+        self.drive != Drive::Still
+    }
+
+    /// Moves at once by (`dx_m`, `dy_m`) in the ring frame, straight, up to the first touch. In
+    /// [`TurretMode::Follow`] the ring then looks where the motion went.
+    pub fn move_exactly(&mut self, world: &World, dx_m: f64, dy_m: f64) -> Executed {
+        let asked = Point::new(dx_m, dy_m);
+        let length = asked.length();
+        let (from, ring_before) = (self.position, Point::unit(self.ring));
+        let sweep = world.sweep(from, from + asked.turned(ring_before), COLLISION_RADIUS_M);
+        let share = share_of(&sweep, length);
+        let done = asked * share;
+        self.position = from + done.turned(ring_before);
+        self.odometry = self.odometry + done.turned(ring_before);
+        let turned_rad = if length > 0.0 {
+            self.point_wheels(asked)
+        } else {
+            0.0
+        };
+        Executed {
+            dx_m: done.x,
+            dy_m: done.y,
+            odometry_dx_m: done.x,
+            odometry_dy_m: done.y,
+            turned_rad,
+            touched: sweep.touched(),
+            bumpers: self.bumpers_at(&sweep),
+            moving: false,
+            travelled_m: sweep.travelled_m,
+            min_clearance_m: sweep.min_clearance_m,
+        }
+    }
+
+    /// Lets the wheels, and a following turret, point along a displacement in the ring frame at once;
+    /// returns how far the ring turned.
+    fn point_wheels(&mut self, displacement: Point) -> f64 {
+        let bearing = displacement.angle();
+        self.steering = wrap_angle(self.ring + bearing);
+        match self.turret {
+            TurretMode::Held => 0.0,
+            TurretMode::Follow => {
+                self.ring = self.steering;
+                wrap_angle(bearing)
+            }
+        }
+    }
+
+    fn bumpers_at(&self, sweep: &Sweep) -> u32 {
+        let Some(contact) = sweep.contact else {
+            return 0;
+        };
+        let bearing = (contact - self.position).angle() - self.front;
+        let switch = libm::rint(bearing / TAU * f64::from(BUMPERS));
+        // A whole number of switches from the front, within ±2 turns.
+        1 << (switch as i32).rem_euclid(BUMPERS as i32)
+    }
+
+    /// Starts a timed motion; it replaces the present one. A displacement of zero brakes to a stop. A base
+    /// that already rolls towards the new goal keeps rolling (it may pass beside it by 1° of the way left);
+    /// otherwise it stops first. Slip is drawn from `noise`.
+    pub fn command(&mut self, motion: Motion, noise: &mut Noise) {
+        let share = 1.0 + self.limits.slip * noise.normal();
+        self.slip = Point::unit(self.limits.slip * noise.normal()) * share;
+        let asked = Point::new(motion.dx_m, motion.dy_m);
+        let finite = asked.x.is_finite() && asked.y.is_finite() && motion.speed_m_s.is_finite();
+        if !finite || asked.length() <= NEGLIGIBLE || motion.speed_m_s <= 0.0 {
+            self.drive = Drive::Brake(None);
+            return;
+        }
+        self.speed_limit = motion.speed_m_s.min(self.limits.speed_m_s);
+        let goal = self.odometry + asked.turned(Point::unit(self.ring));
+        self.drive = if self.rolls_towards(goal) {
+            Drive::Roll(goal)
+        } else {
+            Drive::Brake(Some(goal))
+        };
+    }
+
+    fn rolls_towards(&self, goal: Point) -> bool {
+        let way = (goal - self.odometry).turned_back(Point::unit(self.steering));
+        let off = way.y.abs() <= way.x.abs() * SAME_DIRECTION_RAD;
+        off && self.turn_rate == 0.0 && self.speed * way.x > 0.0
+    }
+
+    /// Lets `dt_s` seconds pass.
+    pub fn advance(&mut self, dt_s: f64, world: &World) -> Executed {
+        let before = self.clone();
+        let mut done = Executed {
+            min_clearance_m: f64::INFINITY,
+            ..Executed::default()
+        };
+        let steps = libm::ceil(dt_s / MAX_STEP_S).clamp(1.0, 1e7) as u32;
+        let step_s = dt_s.max(0.0) / f64::from(steps);
+        for _ in 0..steps {
+            self.step(step_s, world, &mut done);
+            if self.drive == Drive::Still {
+                break;
+            }
+        }
+        if done.min_clearance_m == f64::INFINITY {
+            // Nothing rolled: the gap where it stands.
+            done.min_clearance_m = (world.clearance(self.position) - COLLISION_RADIUS_M).max(0.0);
+        }
+        let ring = Point::unit(before.ring);
+        let truth = (self.position - before.position).turned_back(ring);
+        let believed = (self.odometry - before.odometry).turned_back(ring);
+        (done.dx_m, done.dy_m) = (truth.x, truth.y);
+        (done.odometry_dx_m, done.odometry_dy_m) = (believed.x, believed.y);
+        done.turned_rad = wrap_angle(self.ring - before.ring);
+        done.moving = self.is_moving();
+        done
+    }
+
+    fn step(&mut self, dt: f64, world: &World, done: &mut Executed) {
+        match self.drive {
+            Drive::Still => {}
+            Drive::Brake(goal) => self.brake(goal, dt, world, done),
+            Drive::Steer(goal) => self.steer(goal, dt),
+            Drive::Roll(goal) => {
+                let way = (goal - self.odometry).dot(Point::unit(self.steering));
+                let (a, limit) = (self.limits.acceleration_m_s2, self.speed_limit);
+                let (moved, speed) = approach(way, self.speed, limit, a, dt);
+                self.speed = speed;
+                self.roll(moved, world, done);
+                let arrived = speed == 0.0 && (way - moved).abs() <= NEGLIGIBLE;
+                if arrived && self.drive != Drive::Still {
+                    self.drive = Drive::Still;
+                }
+            }
+        }
+    }
+
+    /// Slows wheels and steering down; once both rest, goes on to the goal.
+    fn brake(&mut self, goal: Option<Point>, dt: f64, world: &World, done: &mut Executed) {
+        let (turned, rate) = slow(self.turn_rate, self.limits.turn_acceleration_rad_s2, dt);
+        self.turn_rate = rate;
+        self.turn(turned);
+        let (moved, speed) = slow(self.speed, self.limits.acceleration_m_s2, dt);
+        self.speed = speed;
+        self.roll(moved, world, done);
+        if self.drive == Drive::Still || self.speed != 0.0 || self.turn_rate != 0.0 {
+            return;
+        }
+        let goal = goal.filter(|goal| goal.distance(self.odometry) > NEGLIGIBLE);
+        self.drive = goal.map_or(Drive::Still, Drive::Steer);
+    }
+
+    /// Turns the wheels at rest: straight towards the goal, or straight away from it where that is the
+    /// shorter turn and the turret does not follow.
+    fn steer(&mut self, goal: Point, dt: f64) {
+        let mut left = wrap_angle((goal - self.odometry).angle() - self.steering);
+        if self.turret == TurretMode::Held && left.abs() > FRAC_PI_2 {
+            left -= if left > 0.0 { PI } else { -PI };
+        }
+        let (rate, a) = (
+            self.limits.turn_rate_rad_s,
+            self.limits.turn_acceleration_rad_s2,
+        );
+        let (turned, turn_rate) = approach(left, self.turn_rate, rate, a, dt);
+        self.turn_rate = turn_rate;
+        self.turn(turned);
+        if turn_rate == 0.0 && (left - turned).abs() <= NEGLIGIBLE {
+            self.drive = Drive::Roll(goal);
+        }
+    }
+
+    fn turn(&mut self, angle: f64) {
+        self.steering = wrap_angle(self.steering + angle);
+        if self.turret == TurretMode::Follow {
+            self.ring = wrap_angle(self.ring + angle);
+        }
+    }
+
+    /// Rolls `way` m along the wheels, as the odometry counts, up to the first touch.
+    fn roll(&mut self, way: f64, world: &World, done: &mut Executed) {
+        if way == 0.0 {
+            return;
+        }
+        let believed = Point::unit(self.steering) * way;
+        let truth = believed.turned(self.slip);
+        let sweep = world.sweep(self.position, self.position + truth, COLLISION_RADIUS_M);
+        let length = truth.length();
+        let share = share_of(&sweep, length);
+        self.position = self.position + truth * share;
+        self.odometry = self.odometry + believed * share;
+        done.travelled_m += sweep.travelled_m;
+        done.min_clearance_m = done.min_clearance_m.min(sweep.min_clearance_m);
+        if sweep.touched() {
+            done.touched = true;
+            done.bumpers |= self.bumpers_at(&sweep);
+            (self.speed, self.turn_rate) = (0.0, 0.0);
+            self.drive = Drive::Still;
+        }
+    }
+}
+
+/// Share of a way of `length` m that a sweep went.
+fn share_of(sweep: &Sweep, length: f64) -> f64 {
+    if sweep.touched() && length > 0.0 {
+        (sweep.travelled_m / length).min(1.0)
+    } else {
+        1.0
+    }
+}
+
+#[cfg(test)]
+mod tests;

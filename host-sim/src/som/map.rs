@@ -1,0 +1,135 @@
+//! A map of run-time size on the same kernels as the maps of the robot.
+
+use amp::fixed::{Gain, Mask, ONE_BITS, Weight, squared_norm, unit_weight};
+use amp::som::metrics::{MapView, Quality, u_matrix_value};
+use amp::som::neighbourhood::View;
+use amp::som::{Grid, Learn, kernels};
+
+/// A self-organising map whose size is known at run time only.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DynSom {
+    grid: Grid,
+    dims: usize,
+    code: Vec<Weight>,
+    norms: Vec<i64>,
+    /// Room for a search.
+    scores: Vec<i64>,
+}
+
+/// How good a map is for a set of samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measures {
+    /// Mean distance of a sample to its best-matching unit, in units of a weight's 1.0.
+    pub quantization_error: f64,
+    /// Share of the samples whose best two neurons are not direct neighbours, 0 to 1.
+    pub topographic_error: f64,
+    /// How many samples each neuron wins.
+    pub hits: Vec<usize>,
+}
+
+impl DynSom {
+    /// A map of `dims` ≥ 1 components with these code vectors, one after another; components are clamped to [−1, 1],
+    /// missing ones are 0.
+    #[must_use]
+    pub fn new(grid: Grid, dims: usize, mut code: Vec<Weight>) -> Self {
+        let dims = dims.max(1);
+        code.resize(grid.len() * dims, Weight::ZERO);
+        for weight in &mut code {
+            *weight = unit_weight(i32::from(weight.to_bits()));
+        }
+        Self {
+            norms: code.chunks_exact(dims).map(squared_norm).collect(),
+            scores: vec![0; grid.len()],
+            grid,
+            dims,
+            code,
+        }
+    }
+
+    /// The grid.
+    #[must_use]
+    pub const fn grid(&self) -> Grid {
+        self.grid
+    }
+
+    /// Components of a code vector.
+    #[must_use]
+    pub const fn dims(&self) -> usize {
+        self.dims
+    }
+
+    /// The code vectors, neuron by neuron.
+    pub fn code_vectors(&self) -> impl Iterator<Item = &[Weight]> {
+        self.code.chunks_exact(self.dims)
+    }
+
+    /// The best-matching unit of a probe, the lowest index on ties.
+    #[inline]
+    pub fn winner(&mut self, probe: &[Weight]) -> usize {
+        kernels::scores(&self.code, &self.norms, self.dims, probe, &mut self.scores);
+        kernels::least(&self.scores)
+    }
+
+    /// One presentation: moves the winner and its neighbours towards the probe. Returns the winner.
+    #[inline]
+    pub fn learn(&mut self, probe: &[Weight], pull: View<'_>) -> usize {
+        let winner = self.winner(probe);
+        let learn = Learn {
+            grid: self.grid,
+            dims: self.dims,
+            winner,
+            mask: Mask::ALL,
+        };
+        learn.apply(&mut self.code, &mut self.norms, probe, pull);
+        winner
+    }
+
+    /// One presentation of each sample with the same pull; `samples` holds them one after another.
+    pub fn learn_all(&mut self, samples: &[Weight], pull: View<'_>) {
+        for probe in samples.chunks_exact(self.dims) {
+            self.learn(probe, pull);
+        }
+    }
+
+    /// How good the map is for these samples, which stand one after another.
+    pub fn measure(&mut self, samples: &[Weight]) -> Measures {
+        let mut scores = std::mem::take(&mut self.scores);
+        let mut quality = Quality::default();
+        let mut hits = vec![0; self.grid.len()];
+        for sample in samples.chunks_exact(self.dims) {
+            let winner = quality.add(self.view(), sample, &mut scores);
+            if let Some(hit) = hits.get_mut(winner) {
+                *hit += 1;
+            }
+        }
+        self.scores = scores;
+        Measures {
+            quantization_error: quality.quantization_error_q21() as f64 / f64::from(1 << 21),
+            topographic_error: f64::from(quality.apart()) / f64::from(quality.samples().max(1)),
+            hits,
+        }
+    }
+
+    /// Mean distance of each neuron to its direct neighbours, in units of a weight's 1.0.
+    #[must_use]
+    pub fn u_matrix(&self) -> Vec<f64> {
+        (0..self.grid.len())
+            .map(|k| f64::from(u_matrix_value(self.view(), k)) / f64::from(ONE_BITS))
+            .collect()
+    }
+
+    /// Room for the neighbourhood values of a [`View`].
+    #[must_use]
+    pub fn axis(&self) -> Vec<Gain> {
+        vec![Gain::ZERO; self.grid.columns().max(self.grid.rows())]
+    }
+
+    fn view(&self) -> MapView<'_> {
+        MapView {
+            grid: self.grid,
+            code: &self.code,
+            norms: &self.norms,
+            dims: self.dims,
+        }
+    }
+}

@@ -1,0 +1,237 @@
+use super::*;
+use amp::som::metrics::MapView;
+use amp::som::neighbourhood::{Pull, View};
+use amp::som::{Grid, Neighbourhood, Som};
+use clap::{Args as _, FromArgMatches as _};
+use tempfile::TempDir;
+
+/// A folder with `data.csv`: 60 samples of 3 values between 10 and 30, with heading and labels.
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let mut noise = Noise::new(5);
+    let mut text = "width,height,depth,kind\n".to_owned();
+    for index in 0..60 {
+        let center = if index % 2 == 0 { 13.0 } else { 27.0 };
+        let value = |noise: &mut Noise| center + noise.uniform_in(-3.0, 3.0);
+        let [a, b, c] = [(); 3].map(|()| value(&mut noise));
+        text += &format!("{a:.3},{b:.3},{c:.3},kind {}\n", index % 2);
+    }
+    std::fs::write(folder.path().join("data.csv"), text).unwrap();
+    folder
+}
+
+/// Runs `som --data data.csv …` in a folder; `@` stands for the folder.
+fn som(folder: &TempDir, flags: &str) -> Result<String, String> {
+    let flags =
+        format!("som --data @/data.csv {flags}").replace('@', &folder.path().display().to_string());
+    let command = SomArgs::augment_args(clap::Command::new("som"));
+    let matches = command
+        .try_get_matches_from(flags.split_whitespace())
+        .unwrap();
+    run(&SomArgs::from_arg_matches(&matches).unwrap()).map_err(|error| error.to_string())
+}
+
+#[test]
+fn figures_are_in_the_units_of_the_data() {
+    let folder = folder();
+    let text = som(&folder, "--grid 3x2 --epochs 30 --json --out @/out").unwrap();
+    let report: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(
+        (&report["neurons"], &report["dims"]),
+        (&6.into(), &3.into())
+    );
+    assert_eq!(
+        (&report["samples"], &report["epochs"]),
+        (&60.into(), &30.into())
+    );
+    // Measured again in floats, from the code vectors as written.
+    let data = Table::load(&folder.path().join("data.csv")).unwrap();
+    let code = Table::load(&folder.path().join("out/code_vectors.csv")).unwrap();
+    assert_eq!(code.names, ["width", "height", "depth"]);
+    let distance = |a: &[f64], b: &[f64]| {
+        a.iter()
+            .zip(b)
+            .map(|(a, b)| (a - b).powi(2))
+            .sum::<f64>()
+            .sqrt()
+    };
+    let nearest = |sample: &Vec<f64>| {
+        code.rows
+            .iter()
+            .map(|row| distance(row, sample))
+            .fold(f64::INFINITY, f64::min)
+    };
+    let mean = data.rows.iter().map(nearest).sum::<f64>() / 60.0;
+    let told = report["quantization_error"].as_f64().unwrap();
+    assert!(
+        (told - mean).abs() < 0.01 && mean > 0.5 && mean < 3.5,
+        "{told} {mean}"
+    );
+    assert!((0.0..=1.0).contains(&report["topographic_error"].as_f64().unwrap()));
+}
+
+#[test]
+fn the_seed_fixes_every_byte() {
+    let folder = folder();
+    let code = |out: &str| {
+        std::fs::read_to_string(folder.path().join(out).join("code_vectors.csv")).unwrap()
+    };
+    let table = som(&folder, "--out @/a --seed 7 --init random").unwrap();
+    assert_eq!(
+        table,
+        som(&folder, "--out @/b --seed 7 --init random").unwrap()
+    );
+    assert_eq!(code("a"), code("b"));
+    som(&folder, "--out @/c --seed 8 --init random").unwrap();
+    assert_ne!(code("a"), code("c"));
+    // Nothing random is left when start and order are given.
+    som(
+        &folder,
+        "--out @/d --seed 1 --init @/a/code_vectors.csv --order file",
+    )
+    .unwrap();
+    som(
+        &folder,
+        "--out @/e --seed 2 --init @/a/code_vectors.csv --order file",
+    )
+    .unwrap();
+    assert_eq!(code("d"), code("e"));
+}
+
+#[test]
+fn code_vectors_written_are_code_vectors_read() {
+    let folder = folder();
+    som(&folder, "--out @/a").unwrap();
+    // With no learning at all the map stays what it was.
+    som(&folder, "--out @/b --init @/a/code_vectors.csv --rate 0").unwrap();
+    let read = |out: &str| std::fs::read(folder.path().join(out).join("code_vectors.csv")).unwrap();
+    assert_eq!(read("a"), read("b"));
+}
+
+#[test]
+fn bad_input_is_named() {
+    let folder = folder();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write("short.csv", "1,2,3\n4,5,6\n");
+    write("far.csv", &"1,2,300\n".repeat(16));
+    for (flags, why) in [
+        (
+            "--init @/short.csv",
+            "short.csv: 2 x 3 values where the map has 16 neurons of 3 components",
+        ),
+        (
+            "--init @/far.csv",
+            "far.csv, line 1, column 3: 300 lies outside",
+        ),
+        (
+            "--init sample",
+            "sample: there is no such file (--init takes samples, random or a file)",
+        ),
+        ("--scale 0:20", "lies outside 0 to 20"),
+        ("--out @/data.csv", "data.csv: "),
+        ("--out @/data.csv/x", "data.csv/x: "),
+        (
+            "--neighbourhood direct --radius 3:1:linear",
+            "--radius must lie between 0 and 1",
+        ),
+    ] {
+        let error = som(&folder, flags).expect_err(flags);
+        assert!(error.contains(why), "{flags}: {error}");
+        assert!(!error.contains('\n'), "{error}");
+    }
+    write("data.csv", &"1,2\n".repeat(5_000));
+    let error = som(&folder, "--epochs 1000000").unwrap_err();
+    assert!(
+        error.contains("--epochs 1000000 of the 5000 samples"),
+        "{error}"
+    );
+    std::fs::remove_file(folder.path().join("data.csv")).unwrap();
+    assert!(som(&folder, "").unwrap_err().contains("data.csv: "));
+}
+
+#[test]
+fn the_smallest_maps_and_tables_work() {
+    let folder = folder();
+    std::fs::write(folder.path().join("data.csv"), "5\n").unwrap();
+    for flags in [
+        "--grid 1x1",
+        "--grid chain:3",
+        "--grid 3x3 --neighbourhood direct",
+        "--init random",
+    ] {
+        let text = som(&folder, &format!("{flags} --json")).unwrap();
+        assert!(
+            text.contains("\"quantization_error\":0.0,"),
+            "{flags}: {text}"
+        );
+    }
+}
+
+/// A map of run-time size is the same map: 40 components, more than a mask has bits.
+#[test]
+fn it_learns_as_the_robot_does() {
+    let mut noise = Noise::new(3);
+    let mut draw = |count: usize| -> Vec<Weight> {
+        let bits = (0..count).map(|_| noise.index(8_193) as i32);
+        bits.map(amp::fixed::unit_weight).collect()
+    };
+    let (code, samples) = (draw(6 * 40), draw(200 * 40));
+    let grid = Grid::rectangle(3, 2);
+    for shape in [Neighbourhood::Direct, Neighbourhood::Gaussian] {
+        let mut fixed = Som::<6, 40>::new(grid, std::array::from_fn(|k| code.as_chunks().0[k]));
+        let mut dynamic = DynSom::new(grid, 40, code.clone());
+        let mut axis = dynamic.axis();
+        dynamic.learn_all(&samples, View::new(shape, 9_000, 40_000, &mut axis));
+        let pull = Pull::<6>::new(shape, 9_000, 40_000);
+        for probe in samples.as_chunks::<40>().0 {
+            let winner = fixed.winner(probe, amp::fixed::Mask::ALL);
+            fixed.learn(winner, probe, amp::fixed::Mask::ALL, &pull);
+        }
+        let MapView { code, .. } = fixed.view();
+        assert_eq!(
+            dynamic
+                .code_vectors()
+                .flatten()
+                .copied()
+                .collect::<Vec<_>>(),
+            code
+        );
+        let (quality, hits) = fixed.quality(samples.as_chunks().0);
+        let measures = dynamic.measure(&samples);
+        assert_eq!(measures.hits, hits.map(|hit| hit as usize));
+        assert_eq!(
+            measures.topographic_error,
+            f64::from(quality.apart()) / 200.0
+        );
+    }
+}
+
+#[test]
+fn the_shuffle_keeps_every_sample() {
+    let samples: Vec<_> = (0..50).map(amp::fixed::unit_weight).collect();
+    let mut shuffled = samples.clone();
+    train::shuffle(&mut shuffled, 2, &mut Noise::new(1));
+    assert_ne!(shuffled, samples);
+    let mut rows: Vec<_> = shuffled.chunks(2).collect();
+    rows.sort();
+    assert_eq!(rows.concat(), samples);
+}
+
+#[test]
+fn starts_lie_among_the_samples() {
+    let bits = [100, 7_000, 300, 8_000, 200, 7_500];
+    let samples: Vec<_> = bits.map(amp::fixed::unit_weight).to_vec();
+    let map = train::start_at_samples(Grid::chain(3), 2, &samples, &mut Noise::new(1));
+    let mut rows: Vec<_> = map.code_vectors().map(<[_]>::to_vec).collect();
+    rows.sort();
+    assert_eq!(
+        rows.concat(),
+        [100, 7_000, 200, 7_500, 300, 8_000].map(amp::fixed::unit_weight)
+    );
+    let map = train::start_at_random(Grid::chain(100), 2, &samples, &mut Noise::new(1));
+    for row in map.code_vectors() {
+        assert!(
+            (100..=300).contains(&row[0].to_bits()) && (7_000..=8_000).contains(&row[1].to_bits())
+        );
+    }
+}

@@ -1,0 +1,354 @@
+use super::*;
+use crate::world::Shape;
+use core::f64::consts::PI;
+
+fn world(shapes: Vec<Shape>) -> World {
+    // The robot stands elsewhere than the start, which a far post keeps legal.
+    let start = Pose::new(Point::new(500.0, 0.0), 0.0);
+    World::new("test", start, shapes).unwrap()
+}
+
+fn wall(points: &[(f64, f64)]) -> Shape {
+    Shape::Wall {
+        points: points.iter().map(|&(x, y)| Point::new(x, y)).collect(),
+    }
+}
+
+fn post(x: f64, y: f64, radius: f64) -> Shape {
+    Shape::Circle {
+        center: Point::new(x, y),
+        radius,
+    }
+}
+
+/// A wall at 2 m whose normal points `degrees` away from the axis of sonar 0, `half` m to either side.
+fn oblique(degrees: f64, half: f64) -> Shape {
+    let along = Point::unit((90.0 + degrees) * PI / 180.0);
+    let (a, b) = (along * -half, along * half);
+    wall(&[(2.0 + a.x, a.y), (2.0 + b.x, b.y)])
+}
+
+/// Numbers of a model without its chance.
+fn quiet(model: SonarModel) -> SonarConfig {
+    SonarConfig {
+        sigma_m: 0.0,
+        sigma_share: 0.0,
+        missed: 0.0,
+        random: 0.0,
+        crosstalk: 0.0,
+        one_dead: false,
+        ..model.config()
+    }
+}
+
+fn ring(model: SonarModel, config: SonarConfig) -> Ring {
+    Ring::with_config(model, RingGeometry::default(), config, &mut Noise::new(1))
+}
+
+/// What sonar 0 reports, in inches, at the origin.
+fn ping(world: &World, config: SonarConfig) -> u8 {
+    let mut ring = ring(SonarModel::Harsh, config);
+    reading_in(ring.ping(world, &Pose::default(), 0, 0.0, &mut Noise::new(2)))
+}
+
+/// Whole inches from the face of sonar 0 to something `distance` m from the centre.
+fn inches(distance: f64) -> u8 {
+    reading_in(Some(distance - 0.2305))
+}
+
+#[test]
+fn sonar_four_is_on_the_left_and_the_front_fires_first() {
+    let geometry = RingGeometry::default();
+    assert!((geometry.bearing(4) - PI / 2.0).abs() < 1e-15);
+    let mut order = geometry.firing_order();
+    assert_eq!(order, FIRING_ORDER);
+    order.sort_unstable();
+    assert!(order.iter().copied().eq(0..16));
+    assert!((FIRING_SLOT_S * 16.0 - RING_PERIOD_S).abs() < 1e-12);
+    // An echo from 255 in is back before the next firing.
+    let way_m = 2.0 * f64::from(MAX_READING_IN) * M_PER_INCH;
+    assert!(way_m / SOUND_M_S < FIRING_SLOT_S);
+    let eight = RingGeometry {
+        count: 8,
+        ..geometry
+    };
+    assert_eq!(eight.firing_order(), [0, 1, 7, 2, 6, 3, 5, 4]);
+}
+
+#[test]
+fn a_scan_is_exact_and_ends_at_255_inches() {
+    let world = world(vec![
+        wall(&[(0.0, 1.0), (0.5, 1.0)]),
+        wall(&[(0.0, -6.7), (0.5, -6.7)]),
+        wall(&[(-6.8, 0.0), (-6.8, 9.0)]),
+    ]);
+    let mut ring = Ring::new(SonarModel::Ideal, &mut Noise::new(1));
+    let mut out = [None; 16];
+    ring.scan(&world, &Pose::default(), &mut out);
+    assert!((out[4].unwrap() - (1.0 - 0.2305)).abs() < 1e-6);
+    assert!((out[12].unwrap() - (6.7 - 0.2305)).abs() < 1e-5);
+    assert_eq!((out[8], out[0]), (None, None));
+    // A turned turret turns the readings, and one ping is the scan's.
+    let pose = Pose::new(Point::default(), -PI / 2.0);
+    ring.scan(&world, &pose, &mut out);
+    assert!((out[8].unwrap() - (1.0 - 0.2305)).abs() < 1e-6);
+    for (sensor, range) in out.iter().enumerate() {
+        assert_eq!(
+            ring.ping(&world, &pose, sensor, 0.0, &mut Noise::new(1)),
+            *range
+        );
+    }
+    assert_eq!(ring.ping(&world, &pose, 16, 0.0, &mut Noise::new(1)), None);
+}
+
+#[test]
+fn a_wall_answers_near_its_normal_only() {
+    let config = quiet(SonarModel::Nomad);
+    assert_eq!(ping(&world(vec![oblique(0.0, 5.0)]), config), inches(2.0));
+    // The wall's normal 30° off the axis: the lobe's edge meets it at 15°, the foot is outside.
+    let degrees = |d: f64| d * PI / 180.0;
+    let expected = (2.0 - 0.2305) * libm::cos(degrees(30.0)) / libm::cos(degrees(15.0));
+    assert_eq!(
+        ping(&world(vec![oblique(30.0, 8.0)]), config),
+        reading_in(Some(expected))
+    );
+    // At 39° the lobe's edge still meets it at 24°, at 41° nothing answers.
+    assert!(ping(&world(vec![oblique(39.0, 8.0)]), config) < MAX_READING_IN);
+    assert_eq!(
+        ping(&world(vec![oblique(41.0, 8.0)]), config),
+        MAX_READING_IN
+    );
+    assert_eq!(
+        ping(&world(vec![oblique(-41.0, 8.0)]), config),
+        MAX_READING_IN
+    );
+    // What the ideal model sees there nevertheless.
+    assert!(
+        ping(
+            &world(vec![oblique(41.0, 8.0)]),
+            SonarConfig {
+                max_incidence_rad: 1.5,
+                ..config
+            }
+        ) < 100
+    );
+}
+
+#[test]
+fn corners_edges_and_posts_answer_at_any_angle() {
+    let config = quiet(SonarModel::Nomad);
+    // The free end of a wall seen under 60°.
+    let end = world(vec![wall(&[(2.0, 0.1), (4.0, 3.5641)])]);
+    assert_eq!(
+        ping(&end, config),
+        reading_in(Some(Point::new(2.0 - 0.2305, 0.1).length()))
+    );
+    // A box seen edge on: both of its faces look away by 45°, the edge between them answers.
+    let turned = Shape::Box {
+        center: Point::new(3.0, 0.0),
+        size: Point::new(1.0, 1.0),
+        angle: PI / 4.0,
+    };
+    assert_eq!(
+        ping(&world(vec![turned]), config),
+        inches(3.0 - 0.5f64.sqrt())
+    );
+    assert_eq!(
+        ping(&world(vec![post(3.0, 0.4, 0.02)]), config),
+        reading_in(Some(Point::new(3.0 - 0.2305, 0.4).length() - 0.02))
+    );
+    // Outside the lobe of ±15° nothing answers.
+    assert_eq!(
+        ping(&world(vec![post(3.0, 0.9, 0.02)]), config),
+        MAX_READING_IN
+    );
+}
+
+#[test]
+fn what_is_hidden_does_not_answer() {
+    let config = quiet(SonarModel::Nomad);
+    // A wall too oblique to answer hides the post and the wall behind it.
+    let screen = oblique(60.0, 4.0);
+    let behind = [post(5.0, 0.0, 0.05), wall(&[(6.0, -3.0), (6.0, 3.0)])];
+    let mut shapes = behind.to_vec();
+    assert_eq!(ping(&world(shapes.clone()), config), inches(4.95));
+    shapes.push(screen);
+    assert_eq!(ping(&world(shapes), config), MAX_READING_IN);
+    // A corner behind a nearer wall that answers is not heard, even once the wall is blanked out.
+    let near = [wall(&[(0.5, -3.0), (0.5, 3.0)]), post(2.0, 0.0, 0.05)];
+    assert_eq!(ping(&world(near.to_vec()), config), inches(0.5));
+    assert_eq!(
+        ping(&world(near.to_vec()), quiet(SonarModel::Harsh)),
+        MAX_READING_IN
+    );
+}
+
+#[test]
+fn readings_are_whole_inches_from_6_to_255_with_the_spread_they_promise() {
+    let world = world(vec![wall(&[(4.2305, -3.0), (4.2305, 3.0)])]);
+    let mut noise = Noise::new(3);
+    let mut ring = Ring::new(SonarModel::Nomad, &mut noise);
+    let pings = 20_000;
+    let (mut missed, mut wild, mut sum, mut squares, mut near) = (0, 0, 0.0, 0.0, 0.0);
+    for _ in 0..pings {
+        let Some(range) = ring.ping(&world, &Pose::default(), 0, 0.0, &mut noise) else {
+            missed += 1;
+            continue;
+        };
+        let inches = range / M_PER_INCH;
+        let whole = libm::rint(inches);
+        assert!((inches - whole).abs() < 1e-9 && (6.0..255.0).contains(&whole));
+        let error = range - 4.0;
+        if error.abs() > 0.25 {
+            wild += 1;
+        } else {
+            sum += error;
+            squares += error * error;
+            near += 1.0;
+        }
+    }
+    // Four standard deviations of the counts around 1 % and around 0.5 % of the rest.
+    assert!((143..=257).contains(&missed), "{missed}");
+    assert!((54..=136).contains(&wild), "{wild}");
+    let (mean, deviation) = (sum / near, (squares / near).sqrt());
+    // 1 % of 4 m, and the rounding's 25.4 mm / √12 beside it.
+    let expected = (0.04f64.powi(2) + M_PER_INCH.powi(2) / 12.0).sqrt();
+    assert!(
+        mean.abs() < 0.002 && (deviation / expected - 1.0).abs() < 0.03,
+        "{mean} {deviation}"
+    );
+}
+
+#[test]
+fn nearer_than_six_inches_reads_six() {
+    let near = world(vec![wall(&[(0.29, -3.0), (0.29, 3.0)])]);
+    assert_eq!(ping(&near, quiet(SonarModel::Nomad)), 6);
+}
+
+#[test]
+fn a_blanked_echo_gives_way_to_the_next_one() {
+    let config = quiet(SonarModel::Harsh);
+    let far = wall(&[(3.0, -3.0), (3.0, 3.0)]);
+    let at = |x: f64| world(vec![post(x, 0.0, 0.02), far.clone()]);
+    assert_eq!(
+        ping(&at(0.2305 + 0.02 + 0.44), config),
+        reading_in(Some(0.44))
+    );
+    assert_eq!(ping(&at(0.2305 + 0.02 + 0.42), config), inches(3.0));
+    assert_eq!(
+        ping(&at(0.2305 + 0.02 + 0.42), quiet(SonarModel::Nomad)),
+        reading_in(Some(0.42))
+    );
+}
+
+#[test]
+fn a_mirror_shows_what_is_round_the_corner() {
+    // A face at 45°, wider than the lobe, turns sonar 0's beam to the right, on to a wall 3 m away that it
+    // meets head on.
+    let world = world(vec![oblique(45.0, 1.2), wall(&[(-1.0, -3.0), (5.0, -3.0)])]);
+    assert_eq!(ping(&world, quiet(SonarModel::Nomad)), MAX_READING_IN);
+    let way = 2.0 - 0.2305 + 3.0;
+    assert_eq!(
+        ping(&world, quiet(SonarModel::Harsh)),
+        reading_in(Some(way))
+    );
+}
+
+#[test]
+fn reverberation_gives_short_readings_and_only_after_an_echo() {
+    let config = SonarConfig {
+        crosstalk: 1.0,
+        ..quiet(SonarModel::Harsh)
+    };
+    let world = world(vec![wall(&[(2.2305, -3.0), (2.2305, 3.0)])]);
+    let mut noise = Noise::new(1);
+    let mut ring = ring(SonarModel::Harsh, config);
+    let pose = Pose::default();
+    assert_eq!(
+        reading_in(ring.ping(&world, &pose, 8, 0.0, &mut noise)),
+        MAX_READING_IN
+    );
+    let first = ring.ping(&world, &pose, 0, 0.04, &mut noise);
+    assert_eq!(
+        first.map(|r| reading_in(Some(r))),
+        Some(reading_in(Some(2.0)))
+    );
+    // Four times to and fro over 2 m is 8 m; 40 ms are 6.864 m of it.
+    let ghost = ring.ping(&world, &pose, 8, 0.08, &mut noise);
+    assert_eq!(reading_in(ghost), reading_in(Some(8.0 - 0.02 * SOUND_M_S)));
+    // Long after, the sound has died away.
+    assert_eq!(ring.ping(&world, &pose, 8, 0.80, &mut noise), None);
+}
+
+#[test]
+fn one_transducer_of_a_harsh_ring_is_dead_and_the_seed_says_which() {
+    let world = world(vec![
+        post(0.0, 0.0, 0.01),
+        wall(&[
+            (-2.0, -2.0),
+            (2.0, -2.0),
+            (2.0, 2.0),
+            (-2.0, 2.0),
+            (-2.0, -2.0),
+        ]),
+    ]);
+    let mut dead = [false; 16];
+    for seed in 0..100 {
+        let mut noise = Noise::new(seed);
+        let mut ring = Ring::new(SonarModel::Harsh, &mut noise);
+        let index = ring.dead().unwrap();
+        dead[index] = true;
+        for _ in 0..5 {
+            assert_eq!(
+                ring.ping(&world, &Pose::default(), index, 0.0, &mut noise),
+                None
+            );
+        }
+        assert_eq!(Ring::new(SonarModel::Nomad, &mut noise).dead(), None);
+    }
+    assert!(dead.iter().filter(|&&d| d).count() > 12);
+}
+
+#[test]
+fn models_are_known_by_name() {
+    for name in SonarModel::NAMES {
+        assert_eq!(name.parse::<SonarModel>().unwrap().name(), name);
+    }
+    let error = "nomda".parse::<SonarModel>().unwrap_err().to_string();
+    assert!(error.contains("did you mean \"nomad\"?"), "{error}");
+}
+
+#[test]
+fn the_byte_on_the_wire() {
+    assert_eq!(reading_in(None), 255);
+    assert_eq!(reading_in(Some(17.0 * M_PER_INCH)), 17);
+    assert_eq!(reading_in(Some(100.0)), 255);
+    assert_eq!(reading_in(Some(-1.0)), 0);
+}
+
+/// FNV-1a over the bits of many readings: they may not depend on the machine.
+#[test]
+fn readings_have_the_same_bits_everywhere() {
+    let mut hash: u64 = 0xcbf2_9ce4_8422_2325;
+    let mut add = |range: Option<f64>| {
+        for byte in range.unwrap_or(-1.0).to_bits().to_le_bytes() {
+            hash = (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3);
+        }
+    };
+    for seed in 0..20 {
+        let world = World::random(seed);
+        let mut noise = Noise::new(seed);
+        let pose = Pose::new(Point::new(0.1, -0.2), 0.1 * seed as f64);
+        let mut out = [None; 16];
+        Ring::new(SonarModel::Ideal, &mut noise).scan(&world, &pose, &mut out);
+        out.into_iter().for_each(&mut add);
+        for model in [SonarModel::Nomad, SonarModel::Harsh] {
+            let mut ring = Ring::new(model, &mut noise);
+            for (slot, sensor) in FIRING_ORDER.into_iter().enumerate() {
+                let time_s = FIRING_SLOT_S * slot as f64;
+                add(ring.ping(&world, &pose, sensor, time_s, &mut noise));
+            }
+        }
+    }
+    assert_eq!(hash, 0x547b_8f0b_e8d7_0bb4);
+}

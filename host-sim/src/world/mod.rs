@@ -1,0 +1,235 @@
+//! The world: what stands around the robot, and the three questions the simulator asks about it.
+//!
+//! * [`World::sweep`]: a disc moves straight; how far does it get, and how near does it come to anything?
+//! * [`View::nearest_in_cone`]: how far is the nearest surface inside a cone?
+//! * [`Ray queries`](LobeView): what does a single ray of sound meet, and under what angle?
+//!
+//! Worlds come from files ([`World::load`]), from a seed ([`World::random`]) or are built in
+//! ([`World::builtin`]). All are flat: straight pieces and circles, metres and radians.
+
+use std::path::Path;
+
+use crate::error::BadInput;
+use crate::robot::COLLISION_RADIUS_M;
+
+mod builtin;
+mod faces;
+mod geometry;
+mod occupancy;
+mod pgm;
+mod random;
+mod ray;
+mod ros_map;
+mod shapes;
+mod spec;
+mod sweep;
+mod toml_file;
+mod view;
+
+pub use geometry::{Point, Pose, wrap_angle};
+pub use ray::{Hit, LobeView, Surface};
+pub use shapes::Shape;
+pub use spec::{WorldSource, parse_worlds};
+pub use sweep::{Sweep, TOUCH_SLACK_M};
+pub use view::{ConeShape, View};
+
+use faces::Faces;
+
+/// Largest coordinate a world may use, m.
+pub const MAX_COORDINATE_M: f64 = 1e5;
+
+/// Most shapes a world may have.
+pub const MAX_SHAPES: usize = 1_000_000;
+
+/// A solid disc.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Circle {
+    center: Point,
+    radius: f64,
+}
+
+/// Everything that stands still around the robot, and where the robot starts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct World {
+    name: String,
+    start: Pose,
+    shapes: Vec<Shape>,
+    faces: Faces,
+    circles: Vec<Circle>,
+    corners: Vec<Point>,
+    bounds: (Point, Point),
+}
+
+impl World {
+    /// A world of `shapes` in which the robot starts at `start`.
+    ///
+    /// # Errors
+    /// When there is no shape or more than [`MAX_SHAPES`]; a coordinate is not finite or beyond
+    /// [`MAX_COORDINATE_M`]; a size is not positive; or the robot would start inside something.
+    pub fn new(name: impl Into<String>, start: Pose, shapes: Vec<Shape>) -> Result<Self, BadInput> {
+        if shapes.is_empty() {
+            return Err(BadInput::new(
+                "a world needs at least one wall, box or circle",
+            ));
+        }
+        if shapes.len() > MAX_SHAPES {
+            return Err(BadInput::new(format!(
+                "a world may have at most {MAX_SHAPES} shapes, not {}",
+                shapes.len()
+            )));
+        }
+        if let Some(defect) = shapes.iter().find_map(|s| s.defect(MAX_COORDINATE_M)) {
+            return Err(BadInput::new(defect));
+        }
+        let world = Self::prepared(name.into(), start, shapes);
+        world.check_start()?;
+        Ok(world)
+    }
+
+    fn prepared(name: String, start: Pose, shapes: Vec<Shape>) -> Self {
+        let mut corners = Vec::new();
+        for shape in &shapes {
+            shape.for_each_corner(|corner| corners.push(corner));
+        }
+        let circles = shapes.iter().filter_map(|shape| match *shape {
+            Shape::Circle { center, radius } => Some(Circle { center, radius }),
+            _ => None,
+        });
+        Self {
+            faces: Faces::of(&shapes),
+            circles: circles.collect(),
+            corners,
+            bounds: bounds_of(&shapes),
+            name,
+            start,
+            shapes,
+        }
+    }
+
+    fn check_start(&self) -> Result<(), BadInput> {
+        let at = self.start.position;
+        if let Some(defect) = shapes::point_defect(at, MAX_COORDINATE_M) {
+            return Err(BadInput::new(format!("the start: {defect}")));
+        }
+        if !self.start.heading.is_finite() {
+            return Err(BadInput::new("the start: the heading must be finite"));
+        }
+        let clearance = self.clearance(at);
+        if !self.is_inside(at) && clearance >= COLLISION_RADIUS_M {
+            return Ok(());
+        }
+        Err(BadInput::new(format!(
+            "the robot would start inside something: at ({}, {}) the nearest surface is {clearance:.3} m \
+             from its centre, its radius is {COLLISION_RADIUS_M} m",
+            at.x, at.y
+        )))
+    }
+
+    /// Reads a world from a `.toml` world file or a ROS map_server `.yaml` or `.yml` file.
+    ///
+    /// # Errors
+    /// When the file is missing, is not what its extension says, or describes an impossible world.
+    pub fn load(path: &Path) -> Result<Self, BadInput> {
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
+        match extension.to_ascii_lowercase().as_str() {
+            "toml" => toml_file::load(path),
+            "yaml" | "yml" => ros_map::load(path),
+            _ => Err(BadInput::file(
+                path,
+                "a world is a .toml world file or a .yaml map of the ROS map_server",
+            )),
+        }
+    }
+
+    /// Reads the text of a TOML world file; `source` names it in errors, and names the world if it has
+    /// no `name` of its own.
+    ///
+    /// # Errors
+    /// Like [`World::load`].
+    pub fn from_toml(text: &str, source: &str) -> Result<Self, BadInput> {
+        toml_file::parse(text, source, source)
+    }
+
+    /// What the world is called.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Where the robot starts.
+    #[must_use]
+    pub fn start(&self) -> Pose {
+        self.start
+    }
+
+    /// The shapes, as given.
+    #[must_use]
+    pub fn shapes(&self) -> &[Shape] {
+        &self.shapes
+    }
+
+    /// Every straight piece once, with its ends.
+    pub fn segments(&self) -> impl Iterator<Item = (Point, Point)> + '_ {
+        self.shapes.iter().flat_map(|shape| {
+            let mut pieces = Vec::new();
+            shape.for_each_segment(|from, to| pieces.push((from, to)));
+            pieces
+        })
+    }
+
+    /// The lower left and the upper right corner of everything in the world, m.
+    #[must_use]
+    pub fn bounds(&self) -> (Point, Point) {
+        self.bounds
+    }
+
+    /// Distance from `point` to the nearest surface, m, never negative. See [`World::is_inside`].
+    #[must_use]
+    pub fn clearance(&self, point: Point) -> f64 {
+        let faces = self.faces.distance(point);
+        self.circles.iter().fold(faces, |nearest, circle| {
+            nearest.min((point.distance(circle.center) - circle.radius).abs())
+        })
+    }
+
+    /// Whether `point` lies in the body of a box, a circle or an occupied part of a map.
+    #[must_use]
+    pub fn is_inside(&self, point: Point) -> bool {
+        if self.shapes.iter().any(|shape| shape.contains(point)) {
+            return true;
+        }
+        // Even–odd rule over the outlines: an odd number of them to one side.
+        let crossings = self.shapes.iter().filter(|shape| match shape {
+            Shape::Outline { from, to } => {
+                (from.y > point.y) != (to.y > point.y) && {
+                    let share = (point.y - from.y) / (to.y - from.y);
+                    from.x + share * (to.x - from.x) > point.x
+                }
+            }
+            _ => false,
+        });
+        crossings.count() % 2 == 1
+    }
+}
+
+fn bounds_of(shapes: &[Shape]) -> (Point, Point) {
+    let mut low = Point::new(f64::INFINITY, f64::INFINITY);
+    let mut high = -low;
+    let mut include = |point: Point, margin: f64| {
+        low = Point::new(low.x.min(point.x - margin), low.y.min(point.y - margin));
+        high = Point::new(high.x.max(point.x + margin), high.y.max(point.y + margin));
+    };
+    for shape in shapes {
+        if let Shape::Circle { center, radius } = shape {
+            include(*center, *radius);
+        }
+        shape.for_each_segment(|from, to| {
+            include(from, 0.0);
+            include(to, 0.0);
+        });
+    }
+    (low, high)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,214 @@
+//! A disc that moves straight through the world until it touches something.
+//!
+//! The distance from a moving point to a straight piece or a disc is a convex function of the way
+//! travelled, so there is one first touch and it has a closed form: a ray against a capsule, or against
+//! a circle. One vectorised pass finds the distance between the path and every face; only a path that
+//! comes near enough to something pays for the closed form.
+
+use super::World;
+use super::faces::{Face, LANES, clamp, max, min};
+use super::geometry::Point;
+
+/// How far a disc may sink into a surface before it counts as touching, m. It stops at distance
+/// zero, so a disc at rest against a wall may leave it or slide along it, and rounding does no harm.
+pub const TOUCH_SLACK_M: f64 = 1e-6;
+
+/// What a moving disc met.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sweep {
+    /// Way travelled, m; less than asked for only after a touch.
+    pub travelled_m: f64,
+    /// The point touched, if anything was: the disc stopped there.
+    pub contact: Option<Point>,
+    /// Least gap between the disc and any surface along the way travelled, m, never negative.
+    pub min_clearance_m: f64,
+}
+
+impl Sweep {
+    /// Whether the disc touched something.
+    #[must_use]
+    pub fn touched(&self) -> bool {
+        self.contact.is_some()
+    }
+}
+
+/// A straight path: from `start`, `length` metres along the unit vector `direction`.
+struct Path {
+    start: Point,
+    direction: Point,
+    length: f64,
+}
+
+impl Path {
+    fn between(from: Point, to: Point) -> Self {
+        let length = from.distance(to);
+        let direction = if length > 0.0 {
+            (to - from) * (1.0 / length)
+        } else {
+            Point::new(1.0, 0.0)
+        };
+        Self {
+            start: from,
+            direction,
+            length,
+        }
+    }
+
+    fn at(&self, travelled: f64) -> Point {
+        self.start + self.direction * travelled
+    }
+
+    /// Least distance between this path and a point, m.
+    fn distance(&self, point: Point) -> f64 {
+        let offset = point - self.start;
+        let along = clamp(offset.dot(self.direction), 0.0, self.length);
+        point.distance(self.at(along))
+    }
+
+    /// Way at which this path comes within `radius` of `point`, if it does, from outside.
+    fn reaches(&self, point: Point, radius: f64) -> Option<f64> {
+        let offset = point - self.start;
+        let across = offset.cross(self.direction);
+        let depth = radius * radius - across * across;
+        let way = offset.dot(self.direction) - max(depth, 0.0).sqrt();
+        (depth >= 0.0 && way >= 0.0).then_some(way)
+    }
+}
+
+impl World {
+    /// Moves a disc of `radius` m straight `from` one point towards another; it stops at its first touch.
+    /// Sinking further into a surface it already touches counts at once; leaving it does not.
+    #[must_use]
+    pub fn sweep(&self, from: Point, to: Point, radius: f64) -> Sweep {
+        let path = Path::between(from, to);
+        let nearest = self.distance_to_path(&path);
+        let free = Sweep {
+            travelled_m: path.length,
+            contact: None,
+            min_clearance_m: (nearest - radius).max(0.0),
+        };
+        if nearest >= radius - TOUCH_SLACK_M {
+            return free;
+        }
+        let faces = self
+            .faces
+            .iter()
+            .filter_map(|f| touch_face(&path, &f, radius));
+        let circles = self.circles.iter().filter_map(|circle| {
+            let way = touch_point(&path, circle.center, radius + circle.radius)?;
+            let inward = circle.center - path.at(way);
+            let share = (1.0 - circle.radius / max(inward.length(), circle.radius)).max(0.0);
+            Some((way, path.at(way) + inward * share))
+        });
+        let first = faces
+            .chain(circles)
+            .reduce(|a, b| if b.0 < a.0 { b } else { a });
+        match first {
+            None => free,
+            Some((way, contact)) => Sweep {
+                travelled_m: min(way, path.length),
+                contact: Some(contact),
+                min_clearance_m: 0.0,
+            },
+        }
+    }
+
+    /// Least distance between a path and any surface, m.
+    fn distance_to_path(&self, path: &Path) -> f64 {
+        let mut best = [f64::INFINITY; LANES];
+        for block in &self.faces.blocks {
+            for (i, best) in best.iter_mut().enumerate() {
+                let a = Point::new(block.ax[i], block.ay[i]);
+                let u = Point::new(block.ux[i], block.uy[i]);
+                *best = min(*best, gap_squared(path, a, u, block.length[i]));
+            }
+        }
+        let faces = best.into_iter().fold(f64::INFINITY, min).sqrt();
+        self.circles.iter().fold(faces, |nearest, circle| {
+            min(
+                nearest,
+                max(path.distance(circle.center) - circle.radius, 0.0),
+            )
+        })
+    }
+}
+
+/// Squared distance between a path and a face, m²: two pieces that do not cross are nearest at one of
+/// their four ends. Without a branch, so that a loop over a block becomes vector instructions.
+#[inline(always)]
+fn gap_squared(path: &Path, a: Point, u: Point, length: f64) -> f64 {
+    let (e, reach, d) = (path.direction, path.length, a - path.start);
+    let (dot, cross) = (u.dot(e), u.cross(e));
+    // The path's ends in the face's coordinates.
+    let (first, first_off) = (-d.dot(u), d.cross(u));
+    let (last, last_off) = (first + reach * dot, first_off + reach * cross);
+    let first_beyond = first - clamp(first, 0.0, length);
+    let last_beyond = last - clamp(last, 0.0, length);
+    let from_path = min(
+        first_beyond * first_beyond + first_off * first_off,
+        last_beyond * last_beyond + last_off * last_off,
+    );
+    // The face's ends in the path's coordinates.
+    let (a_along, a_off) = (d.dot(e), d.cross(e));
+    let (b_along, b_off) = (a_along + length * dot, a_off + length * cross);
+    let a_beyond = a_along - clamp(a_along, 0.0, reach);
+    let b_beyond = b_along - clamp(b_along, 0.0, reach);
+    let from_face = min(
+        a_beyond * a_beyond + a_off * a_off,
+        b_beyond * b_beyond + b_off * b_off,
+    );
+    let apart = max(first_off * last_off, a_off * b_off) >= 0.0;
+    if apart {
+        min(from_path, from_face)
+    } else {
+        0.0
+    }
+}
+
+/// First touch of a disc with a face: the way travelled and the point touched.
+fn touch_face(path: &Path, face: &Face, radius: f64) -> Option<(f64, Point)> {
+    let end = face.a + face.u * face.length;
+    let nearest_to = |p: Point| face.a + face.u * clamp((p - face.a).dot(face.u), 0.0, face.length);
+    let start_gap = nearest_to(path.start) - path.start;
+    if start_gap.dot(path.direction) <= 0.0 {
+        return None;
+    }
+    if gap_squared(path, face.a, face.u, face.length).sqrt() >= radius - TOUCH_SLACK_M {
+        return None;
+    }
+    let way = if start_gap.length() <= radius {
+        0.0
+    } else {
+        let flat = flat_way(path, face, radius);
+        let ends = [path.reaches(face.a, radius), path.reaches(end, radius)];
+        flat.into_iter()
+            .chain(ends.into_iter().flatten())
+            .fold(path.length, min)
+    };
+    Some((way, nearest_to(path.at(way))))
+}
+
+/// Way at which the path comes within `radius` of the face itself, between its ends.
+fn flat_way(path: &Path, face: &Face, radius: f64) -> Option<f64> {
+    let offset = path.start - face.a;
+    let across = face.u.cross(offset);
+    let closing = face.u.cross(path.direction) * if across > 0.0 { -1.0 } else { 1.0 };
+    if across.abs() <= radius || closing <= 0.0 {
+        return None;
+    }
+    let way = (across.abs() - radius) / closing;
+    let along = (path.at(way) - face.a).dot(face.u);
+    (0.0..=face.length).contains(&along).then_some(way)
+}
+
+/// Way at which a disc of `radius` (the robot's and the post's together) first touches a point.
+fn touch_point(path: &Path, point: Point, radius: f64) -> Option<f64> {
+    let approaching = (point - path.start).dot(path.direction) > 0.0;
+    if !approaching || path.distance(point) >= radius - TOUCH_SLACK_M {
+        return None;
+    }
+    if path.start.distance(point) <= radius {
+        return Some(0.0);
+    }
+    path.reaches(point, radius)
+}

@@ -1,0 +1,262 @@
+//! The TOML world file.
+//!
+//! ```toml
+//! name = "corridor"
+//! [start]
+//! position_m = [0.0, 0.0]
+//! heading_deg = 0.0
+//! [[wall]]
+//! points_m = [[-3.0, -2.0], [5.0, -2.0], [5.0, 2.0]]
+//! [[box]]
+//! center_m = [1.0, 0.5]
+//! size_m = [0.4, 0.4]
+//! angle_deg = 0.0
+//! [[circle]]
+//! center_m = [2.0, -1.0]
+//! radius_m = 0.3
+//! ```
+//!
+//! Metres and degrees. At least one `wall`, `box` or `circle`; everything else has a default: the file's
+//! name, the origin, angle 0. A key that is not listed here is an error, with its line.
+
+use core::ops::Range;
+use std::path::Path;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::geometry::{Point, Pose};
+use super::shapes::Shape;
+use super::{MAX_COORDINATE_M, World};
+use crate::error::{BadInput, suggestion};
+
+/// Larger files are refused, bytes: a million shapes need less.
+const MAX_FILE_BYTES: u64 = 256 << 20;
+
+/// Loads the world file at `path`; without a `name` of its own the world is called after the file.
+pub(super) fn load(path: &Path) -> Result<World, BadInput> {
+    let text = String::from_utf8(read_bytes(path, MAX_FILE_BYTES)?)
+        .map_err(|_| BadInput::file(path, "is not a text file (it is not UTF-8)"))?;
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    parse(&text, &path.display().to_string(), &stem)
+}
+
+/// The bytes of a file of at most `limit` bytes.
+pub(super) fn read_bytes(path: &Path, limit: u64) -> Result<Vec<u8>, BadInput> {
+    let length = std::fs::metadata(path).map(|about| about.len());
+    if length.is_ok_and(|length| length > limit) {
+        let what = format!("is larger than {} MiB", limit >> 20);
+        return Err(BadInput::file(path, what));
+    }
+    std::fs::read(path).map_err(|error| match error.kind() {
+        std::io::ErrorKind::NotFound => BadInput::file(path, "there is no such file"),
+        _ => BadInput::file(path, format!("cannot be read: {error}")),
+    })
+}
+
+/// Reads a world from `text`; `source` names it in errors.
+pub(super) fn parse(text: &str, source: &str, default_name: &str) -> Result<World, BadInput> {
+    let reader = Reader { text, source };
+    if text.trim().is_empty() {
+        return Err(BadInput::new(format!("{source}: the file is empty")));
+    }
+    let document = DeTable::parse(text).map_err(|error| {
+        let first_line = error.message().lines().next().unwrap_or("is not TOML");
+        reader.error(error.span().unwrap_or_default(), first_line)
+    })?;
+    let top = document.get_ref();
+    reader.only_keys(
+        "a world file",
+        top,
+        &["name", "start", "wall", "box", "circle"],
+    )?;
+    let name = match top.get("name") {
+        Some(value) => reader.text(value, "name")?,
+        None => default_name,
+    };
+    let start = reader.start(top)?;
+    let mut shapes = reader.each(top, "wall", Reader::wall)?;
+    shapes.extend(reader.each(top, "box", Reader::rectangle)?);
+    shapes.extend(reader.each(top, "circle", Reader::circle)?);
+    World::new(name, start, shapes).map_err(|error| BadInput::new(format!("{source}: {error}")))
+}
+
+type Table<'a> = DeTable<'a>;
+type Value<'a> = Spanned<DeValue<'a>>;
+
+/// Turns TOML values into ours, and what does not fit into errors that name file, line and key.
+struct Reader<'a> {
+    text: &'a str,
+    source: &'a str,
+}
+
+impl<'a> Reader<'a> {
+    fn error(&self, span: Range<usize>, what: impl core::fmt::Display) -> BadInput {
+        let before = self.text.as_bytes().get(..span.start).unwrap_or_default();
+        let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
+        BadInput::line(self.source, line, what)
+    }
+
+    fn only_keys(&self, what: &str, table: &Table<'_>, known: &[&str]) -> Result<(), BadInput> {
+        let mut keys = table.iter().map(|(key, _)| key);
+        let Some(key) = keys.find(|key| !known.contains(&key.get_ref().as_ref())) else {
+            return Ok(());
+        };
+        let hint = suggestion(key.get_ref(), known);
+        let known = known.join(", ");
+        let what = format!(
+            "{what} has no key \"{}\"{hint} (keys: {known})",
+            key.get_ref()
+        );
+        Err(self.error(key.span(), what))
+    }
+
+    fn start(&self, top: &Table<'_>) -> Result<Pose, BadInput> {
+        let Some(value) = top.get("start") else {
+            return Ok(Pose::default());
+        };
+        let DeValue::Table(table) = value.get_ref() else {
+            return Err(self.error(value.span(), "start must be a table: [start]"));
+        };
+        self.only_keys("[start]", table, &["position_m", "heading_deg"])?;
+        let position = match table.get("position_m") {
+            Some(value) => self.point(value, "position_m")?,
+            None => Point::default(),
+        };
+        Ok(Pose::new(position, self.angle(table, "heading_deg")?))
+    }
+
+    /// The shapes of the array `[[key]]`, each read from its table; none if the key is not there.
+    fn each(
+        &self,
+        top: &Table<'_>,
+        key: &str,
+        read: impl Fn(&Self, &Table<'_>, Range<usize>) -> Result<Shape, BadInput>,
+    ) -> Result<Vec<Shape>, BadInput> {
+        let Some(value) = top.get(key) else {
+            return Ok(Vec::new());
+        };
+        let wrong = |span| {
+            self.error(
+                span,
+                format!("each {key} must be a table of its own: [[{key}]]"),
+            )
+        };
+        let DeValue::Array(entries) = value.get_ref() else {
+            return Err(wrong(value.span()));
+        };
+        let shape = |entry: &Value<'_>| match entry.get_ref() {
+            DeValue::Table(table) => read(self, table, entry.span()),
+            _ => Err(wrong(entry.span())),
+        };
+        entries.iter().map(shape).collect()
+    }
+
+    fn wall(&self, table: &Table<'_>, span: Range<usize>) -> Result<Shape, BadInput> {
+        self.only_keys("a wall", table, &["points_m"])?;
+        let value = self.required(table, "points_m", "a wall", &span)?;
+        let DeValue::Array(entries) = value.get_ref() else {
+            let what = "points_m must be a list of points: [[x, y], [x, y], …]";
+            return Err(self.error(value.span(), what));
+        };
+        let points = entries
+            .iter()
+            .map(|entry| self.point(entry, "each of points_m"));
+        let points = points.collect::<Result<Vec<_>, _>>()?;
+        self.sound(Shape::Wall { points }, value.span())
+    }
+
+    fn rectangle(&self, table: &Table<'_>, span: Range<usize>) -> Result<Shape, BadInput> {
+        self.only_keys("a box", table, &["center_m", "size_m", "angle_deg"])?;
+        let center = self.point(
+            self.required(table, "center_m", "a box", &span)?,
+            "center_m",
+        )?;
+        let size = self.required(table, "size_m", "a box", &span)?;
+        let shape = Shape::Box {
+            center,
+            size: self.point(size, "size_m")?,
+            angle: self.angle(table, "angle_deg")?,
+        };
+        self.sound(shape, size.span())
+    }
+
+    fn circle(&self, table: &Table<'_>, span: Range<usize>) -> Result<Shape, BadInput> {
+        self.only_keys("a circle", table, &["center_m", "radius_m"])?;
+        let center = self.required(table, "center_m", "a circle", &span)?;
+        let radius = self.required(table, "radius_m", "a circle", &span)?;
+        let shape = Shape::Circle {
+            center: self.point(center, "center_m")?,
+            radius: self.number(radius, "radius_m")?,
+        };
+        self.sound(shape, radius.span())
+    }
+
+    fn sound(&self, shape: Shape, span: Range<usize>) -> Result<Shape, BadInput> {
+        match shape.defect(MAX_COORDINATE_M) {
+            Some(defect) => Err(self.error(span, defect)),
+            None => Ok(shape),
+        }
+    }
+
+    fn required<'t, 'i>(
+        &self,
+        table: &'t Table<'i>,
+        key: &str,
+        what: &str,
+        span: &Range<usize>,
+    ) -> Result<&'t Value<'i>, BadInput> {
+        let missing = || self.error(span.clone(), format!("{what} needs the key \"{key}\""));
+        table.get(key).ok_or_else(missing)
+    }
+
+    fn text<'t>(&self, value: &'t Value<'_>, key: &str) -> Result<&'t str, BadInput> {
+        match value.get_ref() {
+            DeValue::String(text) if !text.is_empty() => Ok(text),
+            _ => Err(self.error(
+                value.span(),
+                format!("{key} must be a text that is not empty"),
+            )),
+        }
+    }
+
+    /// An optional angle in degrees, as rad; 0 when left out.
+    fn angle(&self, table: &Table<'_>, key: &str) -> Result<f64, BadInput> {
+        let degrees = table
+            .get(key)
+            .map_or(Ok(0.0), |value| self.number(value, key))?;
+        Ok(degrees * (core::f64::consts::PI / 180.0))
+    }
+
+    fn point(&self, value: &Value<'_>, key: &str) -> Result<Point, BadInput> {
+        let DeValue::Array(entries) = value.get_ref() else {
+            return Err(self.error(value.span(), format!("{key} must be two numbers: [x, y]")));
+        };
+        if entries.len() != 2 {
+            let what = format!("{key} must be two numbers: [x, y], not {}", entries.len());
+            return Err(self.error(value.span(), what));
+        }
+        Ok(Point::new(
+            self.number(&entries[0], key)?,
+            self.number(&entries[1], key)?,
+        ))
+    }
+
+    fn number(&self, value: &Value<'_>, key: &str) -> Result<f64, BadInput> {
+        let number = match value.get_ref() {
+            DeValue::Float(float) => float.as_str().parse().ok(),
+            DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix())
+                .ok()
+                .map(|integer| integer as f64),
+            _ => None,
+        };
+        match number {
+            Some(number) if f64::is_finite(number) => Ok(number),
+            Some(_) => Err(self.error(value.span(), format!("{key} must be a finite number"))),
+            None => Err(self.error(value.span(), format!("{key} must be a number"))),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

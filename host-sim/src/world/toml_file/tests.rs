@@ -1,0 +1,189 @@
+use super::*;
+
+const GOOD: &str = r#"name = "corridor"
+[start]
+position_m = [0, 1.5]
+heading_deg = 90
+[[wall]]
+points_m = [[-3.0, -2.0], [5.0, -2.0], [5.0, 3.0]]
+[[box]]
+center_m = [1.0, 0.5]
+size_m = [0.4, 0.8]
+angle_deg = 180.0
+[[circle]]
+center_m = [2.0, -1.0]
+radius_m = 0.3
+"#;
+
+fn error(text: &str) -> String {
+    World::from_toml(text, "w.toml").unwrap_err().to_string()
+}
+
+#[test]
+fn a_world_file_becomes_a_world() {
+    let world = World::from_toml(GOOD, "w.toml").unwrap();
+    assert_eq!(world.name(), "corridor");
+    let start = world.start();
+    assert_eq!(start.position, Point::new(0.0, 1.5));
+    assert!((start.heading - core::f64::consts::FRAC_PI_2).abs() < 1e-15);
+    assert_eq!(world.segments().count(), 6);
+    let [
+        Shape::Wall { points },
+        Shape::Box {
+            center,
+            size,
+            angle,
+        },
+        Shape::Circle { radius, .. },
+    ] = world.shapes()
+    else {
+        panic!("{:?}", world.shapes());
+    };
+    assert_eq!((points.len(), points[2]), (3, Point::new(5.0, 3.0)));
+    assert_eq!(
+        (*center, *size, *radius),
+        (Point::new(1.0, 0.5), Point::new(0.4, 0.8), 0.3)
+    );
+    assert!((angle - core::f64::consts::PI).abs() < 1e-15);
+}
+
+#[test]
+fn all_but_one_shape_may_be_left_out() {
+    let text = "[[circle]]\ncenter_m = [0x10, 1_0]\nradius_m = 1e-1\n";
+    let world = World::from_toml(text, "post").unwrap();
+    assert_eq!((world.name(), world.start()), ("post", Pose::default()));
+    assert_eq!(world.bounds().0.distance(Point::new(15.9, 9.9)), 0.0);
+}
+
+/// Each change to the good file, and what the sentence must say.
+#[test]
+fn every_mistake_is_named_with_its_line() {
+    for (from, to, words) in [
+        (
+            "heading_deg",
+            "heading",
+            "line 4: [start] has no key \"heading\"",
+        ),
+        ("heading_deg", "headin_deg", "did you mean \"heading_deg\"?"),
+        (
+            "[[circle]]",
+            "[[circel]]",
+            "line 11: a world file has no key \"circel\", did you mean \"circle\"?",
+        ),
+        (
+            "radius_m",
+            "radius",
+            "line 13: a circle has no key \"radius\"",
+        ),
+        (
+            "angle_deg",
+            "angel_deg",
+            "line 10: a box has no key \"angel_deg\", did you mean \"angle_deg\"?",
+        ),
+        (
+            "radius_m = 0.3\n",
+            "",
+            "line 11: a circle needs the key \"radius_m\"",
+        ),
+        ("0.3", "0", "line 13: a circle's radius must be positive"),
+        ("0.3", "-0.3", "not -0.3"),
+        ("0.3", "nan", "line 13: radius_m must be a finite number"),
+        ("0.3", "inf", "line 13: radius_m must be a finite number"),
+        ("0.3", "1e6", "line 13: a circle's radius"),
+        ("0.3", "\"wide\"", "line 13: radius_m must be a number"),
+        ("[0.4, 0.8]", "[0.4, 0.0]", "line 9: a box's depth"),
+        ("[0.4, 0.8]", "[-0.4, 0.8]", "line 9: a box's width"),
+        (
+            "[0.4, 0.8]",
+            "0.4",
+            "line 9: size_m must be two numbers: [x, y]",
+        ),
+        (
+            "[1.0, 0.5]",
+            "[1.0, 0.5, 0.0]",
+            "line 8: center_m must be two numbers: [x, y], not 3",
+        ),
+        ("[1.0, 0.5]", "[1.0, 2e5]", "a coordinate must lie within"),
+        (
+            ", [5.0, -2.0], [5.0, 3.0]",
+            "",
+            "line 6: a wall needs at least 2 points, not 1",
+        ),
+        (
+            "[5.0, 3.0]",
+            "[5.0]",
+            "line 6: each of points_m must be two numbers: [x, y], not 1",
+        ),
+        (
+            "[5.0, 3.0]",
+            "[5.0, -2.0]",
+            "line 6: points 2 and 3 of a wall are the same",
+        ),
+        (
+            "[[-3.0, -2.0], [5.0, -2.0], [5.0, 3.0]]",
+            "7",
+            "line 6: points_m must be a list",
+        ),
+        ("[[wall]]", "[wall]", "[[wall]]"),
+        ("[0, 1.5]", "[1.0, 0.5]", "would start inside something"),
+        ("[0, 1.5]", "[0, -1.74]", "would start inside something"),
+        ("[0, 1.5]", "[0, 1e9]", "the start: a coordinate"),
+        (
+            "name = \"corridor\"",
+            "name = 7",
+            "line 1: name must be a text",
+        ),
+        (
+            "name = \"corridor\"",
+            "name = \"\"",
+            "line 1: name must be a text",
+        ),
+        ("heading_deg = 90", "heading_deg = ", "line 4"),
+        (
+            "heading_deg = 90",
+            "heading_deg = 90\nheading_deg = 91",
+            "line 5",
+        ),
+    ] {
+        assert!(GOOD.contains(from));
+        let error = error(&GOOD.replacen(from, to, 1));
+        assert!(
+            error.contains(words) && error.starts_with("w.toml"),
+            "{error}\n  lacks {words}"
+        );
+        assert!(!error.contains('\n'), "one sentence: {error}");
+    }
+}
+
+#[test]
+fn a_file_without_a_world_is_named() {
+    assert_eq!(error(""), "w.toml: the file is empty");
+    assert_eq!(error(" \n\n"), "w.toml: the file is empty");
+    assert!(error("name = \"x\"").contains("at least one wall, box or circle"));
+    assert!(error("box = []").contains("at least one wall, box or circle"));
+    assert!(error("start = 1\n").contains("line 1: start must be a table"));
+    let folder = tempfile::tempdir().unwrap();
+    let load = |name: &str| {
+        World::load(&folder.path().join(name))
+            .unwrap_err()
+            .to_string()
+    };
+    assert!(load("gone.toml").ends_with("gone.toml: there is no such file"));
+    std::fs::write(folder.path().join("binary.toml"), [0xff, 0xfe, 0, 1]).unwrap();
+    assert!(load("binary.toml").ends_with("binary.toml: is not a text file (it is not UTF-8)"));
+    std::fs::write(folder.path().join("scan.png"), "").unwrap();
+    assert!(load("scan.png").contains("a world is a .toml world file or a .yaml map"));
+    std::fs::create_dir(folder.path().join("folder.toml")).unwrap();
+    assert!(load("folder.toml").contains("cannot be read"));
+}
+
+#[test]
+fn a_damaged_file_is_an_error_or_a_world_but_never_a_panic() {
+    for cut in 0..GOOD.len() {
+        let _ = World::from_toml(&GOOD[..cut], "w.toml");
+        for damage in ["[", "]", "=", "-", "e9", "\u{0}", "\"", "é"] {
+            let text = format!("{}{damage}{}", &GOOD[..cut], &GOOD[cut + 1..]);
+            let _ = World::from_toml(&text, "w.toml");
+        }
+    }
+}

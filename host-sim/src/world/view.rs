@@ -1,0 +1,191 @@
+//! What lies around one place, prepared for cone queries, and the cone query itself.
+//!
+//! For a face seen from distance `q` along its normal, whose start lies `p` along it from the foot of
+//! the perpendicular, the nearest point inside a cone is found without a branch: each edge of the cone
+//! meets the face's line at `q·tan` of its angle to the normal; between the two meeting points and
+//! between the face's ends, the point nearest to the foot is the nearest one. The line of sight to the
+//! nearest point of *all* faces lies in the cone, so nothing can hide it.
+//!
+//! The view is built once per pose in f64; it drops faces that look away or lie too far. The query
+//! runs once per transducer over what is left, in f32 relative to the robot: within 1 µm + 1 ppm.
+
+use super::World;
+use super::faces::{FaceBlock, LANES, clamp, max, min};
+use super::geometry::Point;
+
+/// A squared distance no query can reach, m².
+const NOTHING: f32 = 1e18;
+
+/// A tangent past any face: where the edge of a cone runs parallel to a face or away from it.
+const BEYOND: f32 = 1e9;
+
+/// Faces as seen from the middle of a view, m. `n`, the normal towards the face, is `u` turned right.
+#[derive(Debug, Clone)]
+struct ViewBlock {
+    ux: [f32; LANES],
+    uy: [f32; LANES],
+    /// Start of the face, along `u`.
+    p: [f32; LANES],
+    /// Distance of its line, along `n`; negative when seen from behind.
+    q: [f32; LANES],
+    length: [f32; LANES],
+}
+
+impl ViewBlock {
+    const EMPTY: Self = Self {
+        ux: [1.0; LANES],
+        uy: [0.0; LANES],
+        p: [0.0; LANES],
+        q: [-BEYOND; LANES],
+        length: [0.0; LANES],
+    };
+}
+
+/// The faces and circles that may answer near one place. Reusable: building it again allocates nothing
+/// once it has grown to the size of the world.
+#[derive(Debug, Clone, Default)]
+pub struct View {
+    blocks: Vec<ViewBlock>,
+    used: usize,
+    /// Relative to the middle: x, y, radius, m.
+    circles: Vec<(f64, f64, f64)>,
+}
+
+/// A cone as the query needs it: it opens by `half_angle` on either side of an axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ConeShape {
+    pub(super) sin: f64,
+    pub(super) cos: f64,
+}
+
+impl ConeShape {
+    /// A cone of ±`half_angle` rad, which must lie in (0, π/2).
+    #[must_use]
+    pub fn new(half_angle: f64) -> Self {
+        let (sin, cos) = libm::sincos(half_angle);
+        Self { sin, cos }
+    }
+}
+
+impl View {
+    /// Looks at `world` from `middle`: keeps what the eyes, at most `offset_m` from the middle, can see
+    /// from the front and within `reach_m`.
+    pub fn build(&mut self, world: &World, middle: Point, offset_m: f64, reach_m: f64) {
+        let blocks = &world.faces.blocks;
+        self.blocks.resize(blocks.len() + 1, ViewBlock::EMPTY);
+        let reach = reach_m + offset_m;
+        let mut kept = 0;
+        for block in blocks {
+            kept = self.keep_block(block, middle, -offset_m, reach * reach, kept);
+        }
+        self.used = kept.div_ceil(LANES);
+        if let Some(last) = self.blocks.get_mut(kept / LANES) {
+            for lane in kept % LANES..LANES {
+                last.q[lane] = -BEYOND;
+                last.p[lane] = 0.0;
+            }
+        }
+        self.circles.clear();
+        for circle in &world.circles {
+            let offset = circle.center - middle;
+            if offset.length() - circle.radius <= reach {
+                self.circles.push((offset.x, offset.y, circle.radius));
+            }
+        }
+    }
+
+    /// Appends the faces of a block that may answer; returns how many the view holds.
+    #[inline]
+    fn keep_block(
+        &mut self,
+        block: &FaceBlock,
+        middle: Point,
+        front: f64,
+        reach_squared: f64,
+        mut kept: usize,
+    ) -> usize {
+        let (mut p, mut q, mut keep) = ([0.0; LANES], [0.0; LANES], [false; LANES]);
+        for i in 0..LANES {
+            let (dx, dy) = (block.ax[i] - middle.x, block.ay[i] - middle.y);
+            p[i] = dx * block.ux[i] + dy * block.uy[i];
+            q[i] = dx * block.uy[i] - dy * block.ux[i];
+            let nearest = clamp(0.0, p[i], p[i] + block.length[i]);
+            keep[i] = (q[i] > front) & (nearest * nearest + q[i] * q[i] <= reach_squared);
+        }
+        for i in 0..LANES {
+            // Written in any case and counted if kept: no branch to mispredict.
+            if let Some(seen) = self.blocks.get_mut(kept / LANES) {
+                let lane = kept % LANES;
+                seen.ux[lane] = block.ux[i] as f32;
+                seen.uy[lane] = block.uy[i] as f32;
+                seen.p[lane] = p[i] as f32;
+                seen.q[lane] = q[i] as f32;
+                seen.length[lane] = block.length[i] as f32;
+            }
+            kept += usize::from(keep[i]);
+        }
+        kept
+    }
+
+    /// Distance from an eye, `offset_m` from the middle along the unit vector `axis`, to the nearest
+    /// surface inside the cone around that axis, m; at least 1e9 if there is none.
+    #[must_use]
+    pub fn nearest_in_cone(&self, axis: Point, offset_m: f64, cone: ConeShape) -> f64 {
+        let mut best = [NOTHING; LANES];
+        let (cx, cy, offset) = (axis.x as f32, axis.y as f32, offset_m as f32);
+        let (sin, cos) = (cone.sin as f32, cone.cos as f32);
+        for block in self.blocks.iter().take(self.used) {
+            for (i, best) in best.iter_mut().enumerate() {
+                let (ux, uy) = (block.ux[i], block.uy[i]);
+                let axis_u = cx * ux + cy * uy;
+                let axis_n = cx * uy - cy * ux;
+                let q = block.q[i] - offset * axis_n;
+                let p = block.p[i] - offset * axis_u;
+                let (left_n, left_u) = (axis_n * cos - axis_u * sin, axis_u * cos + axis_n * sin);
+                let (right_n, right_u) = (axis_n * cos + axis_u * sin, axis_u * cos - axis_n * sin);
+                let left = q * left_u / left_n;
+                let right = q * right_u / right_n;
+                let left = if left_n > 0.0 { left } else { BEYOND };
+                let right = if right_n > 0.0 { right } else { -BEYOND };
+                let from = max32(p, right);
+                let to = min32(p + block.length[i], left);
+                let nearest = max32(from, min32(to, 0.0));
+                let squared = nearest * nearest + q * q;
+                let seen = (q > 0.0) & (from <= to) & (max32(left_n, right_n) > 0.0);
+                *best = min32(*best, if seen { squared } else { NOTHING });
+            }
+        }
+        let faces = f64::from(best.into_iter().fold(NOTHING, min32)).sqrt();
+        self.circles.iter().fold(faces, |nearest, &(x, y, radius)| {
+            let center = Point::new(x, y) - axis * offset_m;
+            min(nearest, circle_in_cone(center, radius, axis, cone))
+        })
+    }
+}
+
+#[inline(always)]
+fn min32(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+#[inline(always)]
+fn max32(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// Distance from the tip of a cone to the nearest point of a circle inside it, m. The nearest direction
+/// is the one to the circle's middle, or the edge of the cone next to it.
+pub(super) fn circle_in_cone(center: Point, radius: f64, axis: Point, cone: ConeShape) -> f64 {
+    let (along, across) = (axis.dot(center), axis.cross(center).abs());
+    // Angle from the axis within the half angle, by the sine of the difference.
+    if across * cone.cos <= along * cone.sin {
+        return max((along * along + across * across).sqrt() - radius, 0.0);
+    }
+    let edge_along = along * cone.cos + across * cone.sin;
+    let edge_across = across * cone.cos - along * cone.sin;
+    let depth = radius * radius - edge_across * edge_across;
+    if depth < 0.0 || edge_along <= 0.0 {
+        return f64::from(NOTHING).sqrt();
+    }
+    max(edge_along - depth.sqrt(), 0.0)
+}

@@ -1,0 +1,258 @@
+//! Every open choice of the method as a named value, and the two presets.
+//!
+//! The paper fixes the idea (100 random moves, two maps of 16 neurons, a neighbour nearer to the goal, recall by the
+//! difference) and leaves much open: what an action is, how near is near, how a map is trained, how it is probed, what to
+//! do at the goal. [`Config::touzet`] is the most literal reading of each point, [`Config::recommended`] the best found; the
+//! project's documentation holds the ablation of each choice.
+
+use crate::action_map::{ActionCode, Recall};
+use crate::fixed::{Mask, Weight};
+use crate::robot::RobotSpec;
+use crate::scan::Encoding;
+use crate::shield::Shielding;
+use crate::som::{Decay, Edges, Neighbourhood, Schedule};
+
+/// 1.0 in Q16.
+const ONE_Q16: u32 = 1 << 16;
+
+/// What a robot with `SENSORS` transducers is told before it starts.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Config<const SENSORS: usize> {
+    /// The body.
+    pub robot: RobotSpec<SENSORS>,
+    /// Transducers to believe.
+    pub believed: Mask,
+    /// From ranges to situations.
+    pub encoding: Encoding,
+    /// The random moves.
+    pub exploration: Exploration,
+    /// How an action stands in the map.
+    pub action_code: ActionCode,
+    /// Learning from the memory.
+    pub learning: Learning,
+    /// Learning from each move while seeking; `None` = the maps stay as they are.
+    pub online: Option<Online>,
+    /// From a goal to an action.
+    pub planning: Planning,
+    /// What limits motion by the echoes; `None` = nothing does.
+    pub shield: Option<Shielding>,
+}
+
+/// The random moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Exploration {
+    /// Shortest move, millimetres; the longest is the robot's step. Lengths are uniform in between, bearings uniform.
+    pub shortest_mm: u16,
+    /// Bearings drawn before a move that the shield shortens below half is accepted all the same, at least 1.
+    pub draws: u8,
+}
+
+/// The order in which samples are presented.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Order {
+    /// One after another, epoch by epoch.
+    Recorded,
+    /// A random one each time.
+    Random,
+}
+
+/// Where the code vectors start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Start {
+    /// Random samples.
+    Samples,
+    /// Random values in the range of what is to be learnt.
+    Random,
+    /// Actions spread over the grid as over the plane, changes zero; situations from samples.
+    Plane,
+}
+
+/// Which displacement a sample teaches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Taught {
+    /// What the mind asked for.
+    Commanded,
+    /// What the base carried out.
+    Executed,
+}
+
+/// How one map learns from the memory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Training {
+    /// Shape of the neighbourhood.
+    pub neighbourhood: Neighbourhood,
+    /// Learning rate, Q16.
+    pub rate: Schedule,
+    /// Radius of the neighbourhood, Q16 grid steps (or the direct neighbours' share).
+    pub radius: Schedule,
+}
+
+/// Learning from the memory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Learning {
+    /// Presentations of the whole memory.
+    pub epochs: u16,
+    /// Order of the presentations.
+    pub order: Order,
+    /// Where the code vectors start.
+    pub start: Start,
+    /// Whether each presentation is turned by a random number of ring places (symmetric rings only): a hundred moves
+    /// teach as many situations as the ring has places, times a hundred.
+    pub turned: bool,
+    /// λ, the weight of the action beside the change when the action map's winner is sought, in 1/256.
+    pub action_weight_q8: u16,
+    /// Which displacement a sample teaches.
+    pub taught: Taught,
+    /// Border of both grids.
+    pub edges: Edges,
+    /// The situation map's training.
+    pub situations: Training,
+    /// The action map's training.
+    pub actions: Training,
+    /// Presentations per [`Event::Tick`](crate::controller::Event::Tick): bounds the work between two events.
+    pub slice: u16,
+}
+
+/// Learning from each move while seeking.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Online {
+    /// Learning rate of the situation map, Q16.
+    pub situation_rate_q16: u32,
+    /// Learning rate of the action map, Q16.
+    pub action_rate_q16: u32,
+    /// The direct neighbours' share of the rate, Q16.
+    pub share_q16: u32,
+    /// The action map's learner is the neuron that chose the move, not the one that matches it best: a move that brought
+    /// nothing then weakens its own cause.
+    pub blame_recalled: bool,
+}
+
+/// Which neuron is aimed at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Intermediate {
+    /// The direct neighbour fewest grid steps from the goal neuron (the paper's step 3), the one nearer in code on ties.
+    FewestHops,
+    /// The direct neighbour whose code vector is nearest to the goal, if nearer than the present neuron's.
+    NearestCode,
+    /// The goal itself: no intermediate neuron.
+    Goal,
+}
+
+/// What to do while the goal holds and asks for no change.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AtGoal {
+    /// Keep the last displacement.
+    KeepCourse,
+    /// Straight ahead along transducer 0.
+    StraightAhead,
+}
+
+/// From a goal to an action.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Planning {
+    /// Which neuron is aimed at.
+    pub intermediate: Intermediate,
+    /// How the action map is probed.
+    pub recall: Recall,
+    /// The wanted change starts from the situation as measured, not from the present neuron's code vector.
+    pub from_measured: bool,
+    /// Recalled displacements are stretched to the robot's step.
+    pub full_steps: bool,
+    /// What to do at the goal.
+    pub at_goal: AtGoal,
+    /// A component may deviate this much and the goal still holds.
+    pub tolerance: Weight,
+    /// Decisions for which an action neuron is not recalled again after its move was cut below half; 0 = never.
+    pub inhibition: u8,
+}
+
+impl Config<16> {
+    /// The most literal reading of the paper: an action is (turn, step), the probe is by squared distance, the neighbour
+    /// by grid steps among the four direct ones, learning goes on, straight ahead at the goal. The ring is to turn with
+    /// the heading.
+    #[must_use]
+    pub fn touzet() -> Self {
+        let training = Training {
+            neighbourhood: Neighbourhood::Direct,
+            rate: Schedule::new(ONE_Q16 / 2, ONE_Q16 / 20, Decay::Linear),
+            radius: Schedule::constant(ONE_Q16 / 2),
+        };
+        Self {
+            robot: RobotSpec::nomad200(),
+            believed: Mask::ALL,
+            encoding: Encoding {
+                near_mm: 150,
+                far_mm: 1_000,
+            },
+            exploration: Exploration {
+                shortest_mm: 0,
+                draws: 8,
+            },
+            action_code: ActionCode::TurnStep,
+            learning: Learning {
+                epochs: 100,
+                order: Order::Random,
+                start: Start::Samples,
+                turned: false,
+                action_weight_q8: 256,
+                taught: Taught::Executed,
+                edges: Edges::Open,
+                situations: training,
+                actions: training,
+                slice: 16,
+            },
+            online: Some(Online {
+                situation_rate_q16: ONE_Q16 / 20,
+                action_rate_q16: ONE_Q16 / 20,
+                share_q16: ONE_Q16 / 2,
+                blame_recalled: false,
+            }),
+            planning: Planning {
+                intermediate: Intermediate::FewestHops,
+                recall: Recall::Distance,
+                from_measured: true,
+                full_steps: false,
+                at_goal: AtGoal::StraightAhead,
+                tolerance: Weight::ZERO,
+                inhibition: 0,
+            },
+            shield: Some(Shielding::nomad200()),
+        }
+    }
+
+    /// The best found: see the project's documentation for the measurement behind each choice. The ring is to keep its
+    /// bearing in the world.
+    #[must_use]
+    pub fn recommended() -> Self {
+        let literal = Self::touzet();
+        Self {
+            encoding: Encoding {
+                near_mm: 0,
+                far_mm: 800,
+            },
+            action_code: ActionCode::Displacement,
+            learning: Learning {
+                start: Start::Random,
+                turned: true,
+                actions: Training {
+                    rate: Schedule::new(ONE_Q16 / 2, ONE_Q16 / 100, Decay::Exponential),
+                    radius: Schedule::new(ONE_Q16, ONE_Q16 * 3 / 10, Decay::Linear),
+                    ..literal.learning.actions
+                },
+                ..literal.learning
+            },
+            online: literal.online.map(|online| Online {
+                blame_recalled: true,
+                ..online
+            }),
+            planning: Planning {
+                recall: Recall::Direction,
+                full_steps: true,
+                at_goal: AtGoal::KeepCourse,
+                inhibition: 4,
+                ..literal.planning
+            },
+            ..literal
+        }
+    }
+}

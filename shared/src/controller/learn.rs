@@ -1,0 +1,164 @@
+//! Learning from the memory, in slices.
+
+use super::State;
+use crate::action_map::{ActionMap, Effect};
+use crate::config::{Config, Order, Start, Taught, Training};
+use crate::fixed::{Mask, Weight, unit_weight};
+use crate::memory::{Sample, from_bytes};
+use crate::planner::difference;
+use crate::scan::{Situation, rotated};
+use crate::som::Som;
+use crate::som::neighbourhood::Pull;
+use crate::units::Bearing;
+use rand_core::Rng as _;
+
+/// A sample as the maps learn it.
+struct Lesson<const SENSORS: usize> {
+    after: Situation<SENSORS>,
+    effect: Effect<SENSORS>,
+}
+
+impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
+    State<SENSORS, NEURONS, SAMPLES>
+{
+    /// Presentations of the whole training.
+    pub(super) fn learning_steps(&self, config: &Config<SENSORS>) -> u32 {
+        u32::from(config.learning.epochs) * self.memory.samples().len() as u32
+    }
+
+    /// Gives both maps their starting code vectors.
+    pub(super) fn start_maps(&mut self, config: &Config<SENSORS>) {
+        self.learnt = false;
+        self.inhibited = [0; NEURONS];
+        let grid = self.situations.grid().with_edges(config.learning.edges);
+        let mut situations = [[Weight::ZERO; SENSORS]; NEURONS];
+        let mut changes = [[Weight::ZERO; SENSORS]; NEURONS];
+        let mut actions = [[Weight::ZERO; 2]; NEURONS];
+        for neuron in 0..NEURONS {
+            let (situation, effect) = match config.learning.start {
+                Start::Random => self.random_start(),
+                Start::Samples | Start::Plane => {
+                    let lesson = self.lesson(config, None);
+                    (lesson.after, lesson.effect)
+                }
+            };
+            situations[neuron] = situation;
+            if config.learning.start == Start::Plane {
+                actions[neuron] = on_the_plane(grid, neuron);
+            } else {
+                changes[neuron] = effect.change;
+                actions[neuron] = effect.action;
+            }
+        }
+        self.situations = Som::new(grid, situations);
+        self.actions = ActionMap::new(grid, changes, actions);
+    }
+
+    fn random_start(&mut self) -> (Situation<SENSORS>, Effect<SENSORS>) {
+        // 13 random bits are a value in [0, 1), 14 less one half a value in [-1, 1).
+        let mut bits = |count: u32| (self.generator.next_u32() >> (32 - count)) as i32;
+        let situation = core::array::from_fn(|_| unit_weight(bits(13)));
+        let effect = Effect {
+            change: core::array::from_fn(|_| unit_weight(bits(14) - (1 << 13))),
+            action: core::array::from_fn(|_| unit_weight(bits(14) - (1 << 13))),
+            mask: Mask::ALL,
+        };
+        (situation, effect)
+    }
+
+    /// Teaches both maps the next slice of samples; returns the number of presentations done.
+    pub(super) fn learn_slice(&mut self, config: &Config<SENSORS>, done: u32) -> u32 {
+        let learning = &config.learning;
+        let steps = self.learning_steps(config);
+        let end = done
+            .saturating_add(u32::from(learning.slice.max(1)))
+            .min(steps);
+        let pull = |training: Training| {
+            let (rate, radius) = (
+                training.rate.at(done, steps),
+                training.radius.at(done, steps),
+            );
+            Pull::<NEURONS>::new(training.neighbourhood, rate, radius)
+        };
+        let (for_situations, for_actions) = (pull(learning.situations), pull(learning.actions));
+        for step in done..end {
+            let lesson = self.lesson(config, Some(step));
+            let winner = self.situations.winner(&lesson.after, lesson.effect.mask);
+            self.situations
+                .learn(winner, &lesson.after, lesson.effect.mask, &for_situations);
+            let winner = self
+                .actions
+                .winner(&lesson.effect, learning.action_weight_q8);
+            self.actions.learn(winner, &lesson.effect, &for_actions);
+        }
+        end
+    }
+
+    /// The sample of a presentation (`None` = any), turned by a random number of ring places where that is asked for.
+    fn lesson(&mut self, config: &Config<SENSORS>, step: Option<u32>) -> Lesson<SENSORS> {
+        let count = self.memory.samples().len() as u32;
+        let index = match (config.learning.order, step) {
+            (Order::Recorded, Some(step)) => step.checked_rem(count).unwrap_or(0),
+            _ => self.below(count),
+        };
+        let places = if config.learning.turned && config.robot.symmetric {
+            self.below(SENSORS as u32)
+        } else {
+            0
+        };
+        match self.memory.samples().get(index as usize) {
+            Some(sample) => lesson_of(config, sample, places as usize),
+            None => Lesson {
+                after: [Weight::ZERO; SENSORS],
+                effect: Effect {
+                    change: [Weight::ZERO; SENSORS],
+                    action: [Weight::ZERO; 2],
+                    mask: Mask::ALL,
+                },
+            },
+        }
+    }
+}
+
+fn lesson_of<const SENSORS: usize>(
+    config: &Config<SENSORS>,
+    sample: &Sample<SENSORS>,
+    places: usize,
+) -> Lesson<SENSORS> {
+    let taught = match config.learning.taught {
+        Taught::Commanded => sample.commanded,
+        Taught::Executed => sample.executed,
+    };
+    let action = if places == 0 {
+        taught
+    } else {
+        taught.rotated(
+            config
+                .robot
+                .directions
+                .get(places)
+                .copied()
+                .unwrap_or_else(|| Bearing::ZERO.direction()),
+        )
+    };
+    let before = from_bytes(&rotated(&sample.before, places));
+    let after = from_bytes(&rotated(&sample.after, places));
+    Lesson {
+        effect: Effect {
+            change: difference(&after, &before),
+            action: config.action_code.encode(action, config.robot.step_mm),
+            mask: sample.mask.rotated(places, SENSORS),
+        },
+        after,
+    }
+}
+
+/// The action of a neuron's place: the grid laid over the square [−1, 1]².
+fn on_the_plane(grid: crate::som::Grid, neuron: usize) -> [Weight; 2] {
+    let (x, y) = grid.position(neuron);
+    let place = |at: usize, length: usize| {
+        let span = length.saturating_sub(1).max(1) as i32;
+        unit_weight(((2 * at as i32 - span) * 8_192) / span)
+    };
+    [place(x, grid.columns()), place(y, grid.rows())]
+}

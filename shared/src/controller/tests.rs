@@ -1,0 +1,394 @@
+use super::*;
+use crate::fixed::Weight;
+use crate::goal::Component;
+use crate::planner::Why;
+use std::vec::Vec;
+
+type Robot = State<16, 16, 20>;
+type Out = Outputs<16>;
+
+/// A robot in a square room of 4 m × 4 m, its ring held; ranges along the axes of the transducers.
+struct Bench {
+    config: Config<16>,
+    state: Robot,
+    /// Place in the room, millimetres from its middle.
+    x: i32,
+    y: i32,
+    time: u32,
+    log: Vec<Out>,
+}
+
+const HALF_ROOM_MM: i32 = 2_000;
+
+impl Bench {
+    fn new(config: Config<16>) -> Self {
+        Self {
+            config,
+            state: Robot::new(Grid::rectangle(4, 4)),
+            x: 0,
+            y: 0,
+            time: 0,
+            log: Vec::new(),
+        }
+    }
+
+    fn send(&mut self, event: Event<16>) -> Out {
+        let out = handle(
+            &self.config,
+            &mut self.state,
+            Millis::from_ms(self.time),
+            event,
+        );
+        self.log.push(out);
+        out
+    }
+
+    fn range_mm(&self, sensor: usize) -> i32 {
+        let axis = self.config.robot.directions[sensor];
+        let to_wall = |place: i32, part: i16| {
+            let part = i32::from(part);
+            if part == 0 {
+                return i32::MAX;
+            }
+            let wall = if part > 0 {
+                HALF_ROOM_MM
+            } else {
+                -HALF_ROOM_MM
+            };
+            ((wall - place) << 14) / part
+        };
+        let from_center = to_wall(self.x, axis.x_q14).min(to_wall(self.y, axis.y_q14));
+        (from_center - i32::from(self.config.robot.face_radius_mm)).max(0)
+    }
+
+    /// One ring at standstill.
+    fn ring(&mut self) -> Out {
+        self.time += 640;
+        let mut last = Out::NONE;
+        for sensor in 0..16 {
+            let range = Some(Range::from_mm(self.range_mm(sensor) as u16));
+            last = self.send(Event::Echo {
+                sensor: sensor as u8,
+                range,
+            });
+        }
+        last
+    }
+
+    /// Carries a motion out as far as the walls allow and reports it.
+    fn execute(&mut self, motion: Motion) {
+        let limit = HALF_ROOM_MM - i32::from(self.config.robot.body_radius_mm);
+        let wanted = (
+            self.x + i32::from(motion.displacement.dx_mm),
+            self.y + i32::from(motion.displacement.dy_mm),
+        );
+        let touched = wanted.0.abs() > limit || wanted.1.abs() > limit;
+        let moved = if touched {
+            Displacement::ZERO
+        } else {
+            motion.displacement
+        };
+        self.x += i32::from(moved.dx_mm);
+        self.y += i32::from(moved.dy_mm);
+        self.send(Event::Odometry {
+            motion: motion.id,
+            moved,
+            turned: Bearing::ZERO,
+            progress: if touched {
+                Progress::Touched
+            } else {
+                Progress::Ended
+            },
+        });
+    }
+
+    fn step(&mut self) -> Out {
+        let out = self.ring();
+        if let Some(motion) = out.motion {
+            self.execute(motion);
+        }
+        out
+    }
+
+    fn explore(&mut self, moves: u16) {
+        self.send(Event::Command(Command::Explore { moves, seed: 7 }));
+        while !self.step().mode_changed {}
+    }
+
+    fn learn(&mut self) {
+        self.send(Event::Command(Command::Learn));
+        while !self.send(Event::Tick).mode_changed {}
+    }
+
+    fn ready(config: Config<16>) -> Self {
+        let mut bench = Self::new(config);
+        // Near a wall, so that there is something to learn.
+        bench.x = 1_300;
+        bench.explore(20);
+        bench.learn();
+        bench
+    }
+}
+
+#[test]
+fn commands_that_cannot_be_carried_out_are_refused() {
+    let mut bench = Bench::new(Config::recommended());
+    let mut refusal = |command| bench.send(Event::Command(command)).refusal;
+    assert_eq!(refusal(Command::Learn), Some(Refusal::NoSamples));
+    let goal = Goal::free_of_obstacles();
+    assert_eq!(refusal(Command::Seek(goal)), Some(Refusal::NotLearnt));
+    let explore = |moves| Command::Explore { moves, seed: 1 };
+    assert_eq!(refusal(explore(0)), Some(Refusal::Moves { most: 20 }));
+    assert_eq!(refusal(explore(21)), Some(Refusal::Moves { most: 20 }));
+    assert_eq!(bench.state.mode(), &Mode::Idle);
+}
+
+#[test]
+fn exploring_remembers_each_move() {
+    let mut bench = Bench::new(Config::recommended());
+    bench.explore(20);
+    assert_eq!(bench.state.mode(), &Mode::Idle);
+    let samples = bench.state.memory().samples();
+    assert_eq!(samples.len(), 20);
+    assert!(
+        samples
+            .windows(2)
+            .all(|pair| pair[0].after == pair[1].before)
+    );
+    assert!(
+        samples
+            .iter()
+            .any(|sample| sample.executed != Displacement::ZERO)
+    );
+    let longest = samples.iter().map(|s| s.commanded.length_mm()).max();
+    assert!(
+        longest.is_some_and(|mm| (200..=251).contains(&mm)),
+        "{longest:?}"
+    );
+}
+
+#[test]
+fn learning_takes_the_ticks_it_should_and_stands_still() {
+    let mut bench = Bench::new(Config::recommended());
+    bench.explore(20);
+    bench.log.clear();
+    bench.learn();
+    let presentations = 20 * usize::from(bench.config.learning.epochs);
+    let ticks = presentations.div_ceil(usize::from(bench.config.learning.slice));
+    assert_eq!(bench.log.len(), 1 + ticks);
+    assert!(bench.log.iter().all(|out| out.motion.is_none()));
+}
+
+#[test]
+fn the_same_events_give_the_same_state() {
+    let run = || {
+        let mut bench = Bench::ready(Config::recommended());
+        bench.send(Event::Command(Command::Seek(Goal::free_of_obstacles())));
+        for _ in 0..50 {
+            bench.step();
+        }
+        (bench.state, bench.log)
+    };
+    assert!(run() == run());
+}
+
+#[test]
+fn a_new_goal_acts_within_one_step_and_costs_no_memory() {
+    let mut bench = Bench::ready(Config {
+        online: None,
+        ..Config::recommended()
+    });
+    (bench.x, bench.y) = (1_300, 0);
+    bench.send(Event::Command(Command::Seek(Goal::free_of_obstacles())));
+    let away = bench.ring().motion.expect("a motion");
+    bench.execute(away);
+    (bench.x, bench.y) = (1_300, 0);
+    let before = bench.state.memory().clone();
+    let mut components = [Component::ANY; 16];
+    components[0] = Component::at_least(Weight::ONE);
+    bench.send(Event::Command(Command::Seek(Goal { components })));
+    let towards = bench.ring().motion.expect("a motion");
+    assert!(away.displacement.dx_mm < 0 && towards.displacement.dx_mm > 0);
+    assert_eq!(bench.state.memory(), &before);
+}
+
+#[test]
+fn without_online_learning_the_maps_stay() {
+    let seek = |config: Config<16>| {
+        let mut bench = Bench::ready(config);
+        let maps = (
+            bench.state.situations().clone(),
+            bench.state.actions().clone(),
+        );
+        bench.send(Event::Command(Command::Seek(Goal::free_of_obstacles())));
+        for _ in 0..30 {
+            bench.step();
+        }
+        maps == (
+            bench.state.situations().clone(),
+            bench.state.actions().clone(),
+        )
+    };
+    assert!(seek(Config {
+        online: None,
+        ..Config::recommended()
+    }));
+    assert!(!seek(Config::recommended()));
+}
+
+#[test]
+fn an_echo_in_the_way_shortens_the_motion_under_way() {
+    let mut bench = Bench::new(Config::recommended());
+    bench.config.exploration.shortest_mm = 200;
+    bench.send(Event::Command(Command::Explore { moves: 20, seed: 3 }));
+    let motion = bench.ring().motion.expect("a motion");
+    let bearing = motion.displacement.bearing();
+    let sensor = (bearing.as_turns().wrapping_add(2_048) >> 12) as u8;
+    bench.time += 40;
+    let far = bench.send(Event::Echo {
+        sensor,
+        range: Some(Range::from_mm(2_000)),
+    });
+    assert_eq!(far.motion, None);
+    let near = bench.send(Event::Echo {
+        sensor,
+        range: Some(Range::from_mm(100)),
+    });
+    let shortened = near.motion.expect("a shorter motion");
+    assert_eq!(shortened.id, motion.id);
+    assert!(shortened.displacement.length_mm() < motion.displacement.length_mm());
+}
+
+#[test]
+fn only_the_end_of_the_present_motion_begins_a_new_ring() {
+    let mut bench = Bench::new(Config::recommended());
+    bench.send(Event::Command(Command::Explore { moves: 20, seed: 3 }));
+    let motion = bench.ring().motion.expect("a motion");
+    let report = |id, progress| Event::Odometry {
+        motion: id,
+        moved: Displacement::ZERO,
+        turned: Bearing::ZERO,
+        progress,
+    };
+    bench.send(report(motion.id.wrapping_sub(1), Progress::Ended));
+    assert_eq!(bench.ring().decision, None);
+    bench.send(report(motion.id, Progress::Moving));
+    assert_eq!(bench.ring().decision, None);
+    bench.send(report(motion.id, Progress::Ended));
+    assert!(bench.ring().decision.is_some());
+}
+
+#[test]
+fn stop_stops_a_motion_under_way() {
+    let mut bench = Bench::new(Config::recommended());
+    bench.send(Event::Command(Command::Explore { moves: 20, seed: 3 }));
+    let motion = bench.ring().motion.expect("a motion");
+    let stop = bench
+        .send(Event::Command(Command::Stop))
+        .motion
+        .expect("a stop");
+    assert_eq!(stop.displacement, Displacement::ZERO);
+    assert_ne!(stop.id, motion.id);
+    assert_eq!(bench.state.mode(), &Mode::Stopped(StopReason::Commanded));
+    assert_eq!(bench.ring().motion, None);
+}
+
+#[test]
+fn a_move_cut_short_rests_its_neuron() {
+    let mut bench = Bench::ready(Config {
+        shield: None,
+        online: None,
+        ..Config::recommended()
+    });
+    bench.config.planning.inhibition = 2;
+    // The goal asks for a wall on every side: the robot runs into the corner and is held there.
+    let components = [Component::equal(Weight::ONE); 16];
+    bench.send(Event::Command(Command::Seek(Goal { components })));
+    (bench.x, bench.y) = (1_731, 1_731);
+    let mut neurons = Vec::new();
+    for _ in 0..6 {
+        let plan = bench.ring();
+        let decision = plan
+            .decision
+            .and_then(|decision| decision.plan)
+            .expect("a plan");
+        assert_ne!(decision.why, Why::KeepCourse);
+        neurons.push(decision.action_neuron);
+        // Nothing moves, whatever is asked for.
+        let id = plan.motion.map_or(0, |motion| motion.id);
+        bench.send(Event::Odometry {
+            motion: id,
+            moved: Displacement::ZERO,
+            turned: Bearing::ZERO,
+            progress: Progress::Touched,
+        });
+    }
+    assert!(
+        neurons.windows(2).all(|pair| pair[0] != pair[1]),
+        "{neurons:?}"
+    );
+}
+
+#[test]
+fn while_the_ring_turns_the_executed_move_stays_in_the_frame_of_the_decision() {
+    let mut bench = Bench::new(Config::recommended());
+    bench.send(Event::Command(Command::Explore { moves: 1, seed: 3 }));
+    let motion = bench.ring().motion.expect("a motion");
+    let quarter = Bearing::from_turns(1 << 14);
+    let report = |dx_mm, turned, progress| Event::Odometry {
+        motion: motion.id,
+        moved: Displacement { dx_mm, dy_mm: 0 },
+        turned,
+        progress,
+    };
+    bench.send(report(100, quarter, Progress::Moving));
+    // The ring's x axis now points along what was y at the decision.
+    bench.send(report(50, Bearing::ZERO, Progress::Ended));
+    bench.ring();
+    let executed = bench
+        .state
+        .memory()
+        .samples()
+        .first()
+        .map(|sample| sample.executed);
+    assert_eq!(
+        executed,
+        Some(Displacement {
+            dx_mm: 100,
+            dy_mm: 50
+        })
+    );
+}
+
+#[test]
+fn the_paper_sized_state_fits_eight_kilobytes() {
+    let size = size_of::<NomadState>();
+    assert!(size <= 8 * 1_024, "{size} bytes");
+}
+
+#[test]
+fn wild_events_do_not_panic() {
+    let mut bench = Bench::ready(Config::recommended());
+    bench.send(Event::Command(Command::Seek(Goal::free_of_obstacles())));
+    let wild = Displacement {
+        dx_mm: i16::MIN,
+        dy_mm: i16::MAX,
+    };
+    for sensor in [0, 15, 16, 31, 32, 255] {
+        for range in [
+            None,
+            Some(Range::from_mm(0)),
+            Some(Range::from_mm(u16::MAX)),
+        ] {
+            bench.time = bench.time.wrapping_mul(7).wrapping_sub(1);
+            bench.send(Event::Echo { sensor, range });
+            bench.send(Event::Odometry {
+                motion: bench.state.motion_id,
+                moved: wild,
+                turned: Bearing::from_turns(u16::from(sensor) << 8),
+                progress: Progress::Touched,
+            });
+            bench.ring();
+        }
+    }
+}

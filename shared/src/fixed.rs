@@ -1,0 +1,412 @@
+//! Fixed-point arithmetic: the number format of the maps and the few functions it needs.
+//!
+//! | type | bits | range | resolution | used for |
+//! |---|---|---|---|---|
+//! | [`Weight`] | I3F13 | −4 … 4 | 2⁻¹³ = 0.000122 | code vectors, situations, changes of situation |
+//! | [`Gain`] | Q15 | 0 … 1 | 2⁻¹⁵ | learning rates, neighbourhood values |
+//! | Q16 `u32` | 16.16 | 0 … 65 536 | 2⁻¹⁶ | schedule values, exponents |
+//!
+//! Values in the maps stay within [−1, 1]; then a product of two weights is at most 2²⁶ and the sum of 31 of them fits an
+//! `i32`: [`dot`] adds blocks of 16 products in 32 bits, which compilers turn into paired multiply–adds, and only the
+//! block sums in 64 bits. This is the only module with bit tricks; nothing here can panic, and every operation that could
+//! overflow says what it does instead.
+
+/// A component of a code vector, a situation or a change of situation: I3F13, 1.0 = 8192.
+pub type Weight = ::fixed::types::I3F13;
+
+/// 1.0 as raw bits of a [`Weight`].
+pub const ONE_BITS: i16 = 1 << 13;
+
+/// The weight made of `bits`/8192, clamped to [−1, 1].
+#[must_use]
+pub const fn unit_weight(bits: i32) -> Weight {
+    let one = ONE_BITS as i32;
+    let clamped = if bits > one {
+        one
+    } else if bits < -one {
+        -one
+    } else {
+        bits
+    };
+    Weight::from_bits(clamped as i16)
+}
+
+/// A fraction in [0, 1] with 15 bits behind the point: learning rates and neighbourhood values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub struct Gain(u16);
+
+impl Gain {
+    /// 0: nothing moves.
+    pub const ZERO: Self = Self(0);
+    /// 1: the code vector becomes the probe.
+    pub const ONE: Self = Self(1 << 15);
+
+    /// The gain of `bits`/32768, clamped to 1.
+    #[must_use]
+    pub const fn from_bits(bits: u16) -> Self {
+        if bits > Self::ONE.0 {
+            Self::ONE
+        } else {
+            Self(bits)
+        }
+    }
+
+    /// The gain of a Q16 value (65536 = 1.0), rounded down and clamped to 1.
+    #[must_use]
+    pub const fn from_q16(value: u32) -> Self {
+        if value >= 1 << 16 {
+            Self::ONE
+        } else {
+            Self((value >> 1) as u16)
+        }
+    }
+
+    /// Raw bits, 32768 = 1.0.
+    #[must_use]
+    pub const fn to_bits(self) -> u16 {
+        self.0
+    }
+
+    /// Product of two gains, rounded to nearest.
+    #[must_use]
+    pub const fn times(self, other: Self) -> Self {
+        Self(((self.0 as u32 * other.0 as u32 + (1 << 14)) >> 15) as u16)
+    }
+}
+
+/// `from` moved towards `to` by the fraction `gain`, rounded to nearest: stays between the two; gain 0 and 1 are exact.
+#[inline(always)]
+#[must_use]
+pub fn approach(from: Weight, to: Weight, gain: Gain) -> Weight {
+    let start = i32::from(from.to_bits());
+    // The difference of two 16-bit values times 2¹⁵ can leave 32 bits; values of the maps (|w| <= 1) never do.
+    let step = (i32::from(to.to_bits()) - start)
+        .wrapping_mul(i32::from(gain.0))
+        .wrapping_add(1 << 14)
+        >> 15;
+    Weight::from_bits(start.wrapping_add(step) as i16)
+}
+
+/// Products summed in 32 bits before they are widened: 16 · 2²⁶ = 2³⁰.
+const BLOCK: usize = 16;
+
+/// Sum of products of two vectors in units of 2⁻²⁶; exact while components lie in [−1, 1]. The shorter one decides.
+#[inline(always)]
+#[must_use]
+pub fn dot(a: &[Weight], b: &[Weight]) -> i64 {
+    let shorter = a.len().min(b.len());
+    let (a, b) = (a.get(..shorter).unwrap_or(a), b.get(..shorter).unwrap_or(b));
+    let (blocks_a, rest_a) = a.as_chunks::<BLOCK>();
+    let (blocks_b, rest_b) = b.as_chunks::<BLOCK>();
+    let mut total = i64::from(block_dot(rest_a, rest_b));
+    for (block_a, block_b) in blocks_a.iter().zip(blocks_b) {
+        total = total.wrapping_add(i64::from(block_dot(block_a, block_b)));
+    }
+    total
+}
+
+#[inline(always)]
+fn block_dot(a: &[Weight], b: &[Weight]) -> i32 {
+    let mut sum = 0_i32;
+    for (x, y) in a.iter().zip(b) {
+        sum = sum.wrapping_add(i32::from(x.to_bits()).wrapping_mul(i32::from(y.to_bits())));
+    }
+    sum
+}
+
+/// Squared Euclidean length in units of 2⁻²⁶; exact while components lie in [−1, 1].
+#[inline(always)]
+#[must_use]
+pub fn squared_norm(a: &[Weight]) -> i64 {
+    dot(a, a)
+}
+
+/// Squared Euclidean distance over the components that `mask` believes, in units of 2⁻²⁶.
+#[must_use]
+pub fn squared_distance_masked(a: &[Weight], b: &[Weight], mask: Mask) -> i64 {
+    let mut total = 0_i64;
+    for (index, (x, y)) in a.iter().zip(b).enumerate() {
+        if mask.contains(index) {
+            let difference = i64::from(x.to_bits()) - i64::from(y.to_bits());
+            total = total.wrapping_add(difference * difference);
+        }
+    }
+    total
+}
+
+/// Which components count: bit `i` for component `i`; components from 32 on always count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Mask(u32);
+
+impl Mask {
+    /// Every component counts.
+    pub const ALL: Self = Self(u32::MAX);
+
+    /// None of the first 32 components counts.
+    pub const NONE: Self = Self(0);
+
+    /// The mask with these raw bits.
+    #[must_use]
+    pub const fn from_bits(bits: u32) -> Self {
+        Self(bits)
+    }
+
+    /// Raw bits.
+    #[must_use]
+    pub const fn to_bits(self) -> u32 {
+        self.0
+    }
+
+    /// Whether component `index` counts.
+    #[must_use]
+    pub const fn contains(self, index: usize) -> bool {
+        index >= 32 || self.0 & (1 << index) != 0
+    }
+
+    /// Whether each of the first `dims` components counts.
+    #[must_use]
+    pub const fn covers(self, dims: usize) -> bool {
+        let low = if dims >= 32 {
+            u32::MAX
+        } else {
+            (1 << dims) - 1
+        };
+        self.0 & low == low
+    }
+
+    /// This mask without component `index`.
+    #[must_use]
+    pub const fn without(self, index: usize) -> Self {
+        if index < 32 {
+            Self(self.0 & !(1 << index))
+        } else {
+            self
+        }
+    }
+
+    /// This mask with component `index`.
+    #[must_use]
+    pub const fn with(self, index: usize) -> Self {
+        if index < 32 {
+            Self(self.0 | (1 << index))
+        } else {
+            self
+        }
+    }
+
+    /// The components that count in both.
+    #[must_use]
+    pub const fn and(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+
+    /// The mask of a ring turned by `steps` of `count` places: component `i` becomes component `i + steps`.
+    #[must_use]
+    pub const fn rotated(self, steps: usize, count: usize) -> Self {
+        if count == 0 || count > 32 {
+            return self;
+        }
+        let low = if count == 32 {
+            u32::MAX
+        } else {
+            (1 << count) - 1
+        };
+        let steps = (steps % count) as u32;
+        let bits = self.0 & low;
+        let turned = if steps == 0 {
+            bits
+        } else {
+            ((bits << steps) | (bits >> (count as u32 - steps))) & low
+        };
+        Self(turned | !low)
+    }
+}
+
+/// Integer square root, rounded down.
+///
+/// ```
+/// # use amp::fixed::isqrt;
+/// assert_eq!(isqrt(99), 9);
+/// assert_eq!(isqrt(100), 10);
+/// assert_eq!(isqrt(u64::MAX), u32::MAX);
+/// ```
+#[must_use]
+pub const fn isqrt(value: u64) -> u32 {
+    if value <= u32::MAX as u64 {
+        (value as u32).isqrt()
+    } else {
+        value.isqrt() as u32
+    }
+}
+
+/// `numerator / denominator` rounded to nearest, halves away from zero; 0 for a denominator of 0.
+///
+/// ```
+/// # use amp::fixed::div_round;
+/// assert_eq!(div_round(7, 2), 4);
+/// assert_eq!(div_round(-7, 2), -4);
+/// ```
+#[must_use]
+pub const fn div_round(numerator: i32, denominator: i32) -> i32 {
+    if denominator == 0 {
+        return 0;
+    }
+    let half = (denominator / 2).saturating_abs();
+    let biased = if numerator < 0 {
+        numerator.saturating_sub(half)
+    } else {
+        numerator.saturating_add(half)
+    };
+    biased.wrapping_div(denominator)
+}
+
+/// 2^(−i/64) in Q31 for i = 0 … 64.
+const EXP2_TABLE: [u32; 65] = {
+    let mut table = [0_u32; 65];
+    let mut value = 2_147_483_648.0_f64;
+    let mut i = 0;
+    while i < 65 {
+        table[i] = (value + 0.5) as u32;
+        // 2^(−1/64)
+        value *= 0.989_228_013_193_975_5;
+        i += 1;
+    }
+    table
+};
+
+/// 2^(−x) for x in Q16, as Q31 (2³¹ = 1.0); relative error at most 2·10⁻⁵ (table of 64, linear in
+/// between) beside the rounding to 2⁻³¹.
+#[must_use]
+pub const fn exp2_neg(x_q16: u32) -> u32 {
+    let octaves = x_q16 >> 16;
+    if octaves > 31 {
+        return 0;
+    }
+    let fraction = x_q16 & 0xffff;
+    let index = (fraction >> 10) as usize;
+    let rest = (fraction & 0x3ff) as u64;
+    let (high, low) = (EXP2_TABLE[index], EXP2_TABLE[index + 1]);
+    (high - (((high - low) as u64 * rest) >> 10) as u32) >> octaves
+}
+
+/// log₂ e in Q16.
+const LOG2_E_Q16: u64 = 94_548;
+
+/// e^(−x) for x in Q16, as Q31 (2³¹ = 1.0); absolute error at most 3·10⁻⁵.
+#[must_use]
+pub const fn exp_neg(x_q16: u32) -> u32 {
+    let x = (x_q16 as u64 * LOG2_E_Q16) >> 16;
+    exp2_neg(if x > u32::MAX as u64 {
+        u32::MAX
+    } else {
+        x as u32
+    })
+}
+
+/// log₂(`numerator`/`denominator`) in Q16, rounded down to 2⁻¹⁶; 0 where the ratio is below 1 or not a number.
+#[must_use]
+pub const fn log2_ratio(numerator: u32, denominator: u32) -> u32 {
+    if denominator == 0 || numerator <= denominator {
+        return 0;
+    }
+    // The ratio in Q31 between 1 and 2, then one bit of the logarithm per squaring.
+    let ratio = ((numerator as u64) << 31) / denominator as u64;
+    let octaves = 63 - ratio.leading_zeros() - 31;
+    let mut mantissa = ratio >> octaves;
+    let mut log = octaves;
+    let mut bit = 0;
+    while bit < 16 {
+        mantissa = (mantissa * mantissa) >> 31;
+        log <<= 1;
+        if mantissa >= 1 << 32 {
+            mantissa >>= 1;
+            log |= 1;
+        }
+        bit += 1;
+    }
+    log
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::vec::Vec;
+
+    #[test]
+    fn exp_neg_error_bound() {
+        let (mut worst, mut sum) = (0.0_f64, 0.0_f64);
+        for x in (0..20 << 16).step_by(37) {
+            let exact = libm::exp(-f64::from(x) / 65_536.0);
+            let error = (f64::from(exp_neg(x)) / 2_147_483_648.0 - exact).abs();
+            worst = worst.max(error);
+            sum += error;
+        }
+        assert!(worst <= 3e-5, "worst {worst}");
+        assert!(sum / 35_000.0 <= 2e-6, "mean {}", sum / 35_000.0);
+    }
+
+    #[test]
+    fn log2_ratio_error_bound() {
+        for (a, b) in [
+            (1, 1),
+            (2, 1),
+            (3, 1),
+            (65_536, 3),
+            (32_768, 655),
+            (u32::MAX, 1),
+            (7, 5),
+        ] {
+            let exact = libm::log2(f64::from(a) / f64::from(b));
+            let error = exact - f64::from(log2_ratio(a, b)) / 65_536.0;
+            assert!((-1e-6..3.2e-5).contains(&error), "{a}/{b}: {error}");
+        }
+    }
+
+    #[test]
+    fn mask_rotates_with_the_ring() {
+        let mask = Mask::ALL.without(15);
+        assert!(!mask.rotated(1, 16).contains(0));
+        assert!(mask.rotated(1, 16).contains(15));
+        assert!(!mask.rotated(16, 16).contains(15));
+        assert!(mask.rotated(3, 16).covers(2) && !mask.covers(16));
+    }
+
+    #[test]
+    fn halves_round_away_from_zero() {
+        assert_eq!(
+            (div_round(5, -2), div_round(-5, -2), div_round(4, 3)),
+            (-3, 3, 1)
+        );
+        assert_eq!(div_round(1, 0), 0);
+    }
+
+    proptest! {
+        #[test]
+        fn dot_equals_the_wide_sum(pairs in prop::collection::vec((-8192_i16..=8192, -8192_i16..=8192), 0..70)) {
+            let a: Vec<_> = pairs.iter().map(|p| Weight::from_bits(p.0)).collect();
+            let b: Vec<_> = pairs.iter().map(|p| Weight::from_bits(p.1)).collect();
+            let wide: i64 = pairs.iter().map(|p| i64::from(p.0) * i64::from(p.1)).sum();
+            prop_assert_eq!(dot(&a, &b), wide);
+            let expanded = squared_norm(&a) + squared_norm(&b) - 2 * wide;
+            prop_assert_eq!(squared_distance_masked(&a, &b, Mask::ALL), expanded);
+        }
+
+        #[test]
+        fn approach_stays_between(from in -8192_i16..=8192, to in -8192_i16..=8192, gain in 0_u16..=32_768) {
+            let (a, b) = (Weight::from_bits(from), Weight::from_bits(to));
+            let moved = approach(a, b, Gain::from_bits(gain));
+            prop_assert!(moved >= a.min(b) && moved <= a.max(b));
+            let exact = f64::from(from) + (f64::from(to) - f64::from(from)) * f64::from(gain) / 32_768.0;
+            prop_assert!((f64::from(moved.to_bits()) - exact).abs() <= 0.5);
+            prop_assert_eq!(approach(a, b, Gain::ZERO), a);
+            prop_assert_eq!(approach(a, b, Gain::ONE), b);
+        }
+
+        #[test]
+        fn isqrt_is_the_floor(value in any::<u64>()) {
+            let root = u128::from(isqrt(value));
+            prop_assert!(root * root <= u128::from(value) && (root + 1) * (root + 1) > u128::from(value));
+        }
+    }
+}

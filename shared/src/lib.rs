@@ -1,0 +1,67 @@
+//! **Associative memory programming**: a robot explores with 100 random moves, and from then on any behaviour is had at
+//! once by naming a *goal situation*.
+//!
+//! The method is that of C. Touzet, "Modeling and Simulation of Elementary Robot Behaviors using Associative Memories",
+//! International Journal of Advanced Robotic Systems 3(2), 2006, 165–170 (doi 10.5772/5742); *the paper* below. Two
+//! self-organising maps (T. Kohonen, *Self-Organizing Maps*, Springer 2001) of 16 neurons do the work:
+//!
+//! * the **situation map** knows what can be perceived: its code vectors are situations;
+//! * the **action map** knows which action brings which change of situation: its code vectors are (change, action) pairs.
+//!
+//! # The way of the data
+//!
+//! ```text
+//! echoes ─► Scan ─► Situation ─► Controller ──────────────────────► Shield ─► Motion
+//!                                 │ Explore: random action, remember (S, a, S')
+//!                                 │ Learn:   memory ─► situation map, action map
+//!                                 └ Seek:    goal ─► neuron ─► neighbour ─► change ─► action
+//! ```
+//!
+//! [`controller::handle`] is the whole robot as one pure function of configuration, state and event: integer arithmetic,
+//! no clock, no global randomness, no input or output. The same events give the same bytes on a microcontroller and on a
+//! desktop machine.
+//!
+//! # Modules
+//!
+//! | module | what it knows |
+//! |---|---|
+//! | [`fixed`] | the 16-bit number format of the maps, dot products, roots, exponentials |
+//! | [`units`] | millimetres, milliseconds, bearings, displacements |
+//! | [`robot`] | ring geometry and limits: the robots differ in data only |
+//! | [`scan`] | ranges with age and validity, and the situation made of them |
+//! | [`som`] | self-organising maps: kernels, grids, schedules, error measures |
+//! | [`action_map`] | the map of (change of situation, action) |
+//! | [`memory`] | the lazy memory of samples |
+//! | [`goal`] | behaviours as goal situations |
+//! | [`planner`] | the paper's four steps, with every intermediate value |
+//! | [`shield`] | what the ring hears limits how far and how fast |
+//! | [`config`] | every open choice of the method as a named value; the presets |
+//! | [`controller`] | modes and events: the robot as a function |
+//!
+//! # Limits
+//!
+//! Rings of at most 32 transducers; maps of at most 32 neurons inside the controller (the kernels in [`som`] know no such
+//! limit). No `unsafe`, no allocation, and no panic that data can reach.
+#![no_std]
+#![forbid(unsafe_code)]
+#![deny(missing_docs)]
+#![cfg_attr(
+    not(test),
+    deny(clippy::unwrap_used, clippy::expect_used, clippy::panic)
+)]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod action_map;
+pub mod config;
+pub mod controller;
+pub mod fixed;
+pub mod goal;
+pub mod memory;
+pub mod planner;
+pub mod robot;
+pub mod scan;
+pub mod shield;
+pub mod som;
+pub mod units;

@@ -1,0 +1,205 @@
+//! The paper's four steps (section 2.5, Fig. 3), with every intermediate value.
+//!
+//! 1. find the neuron that stands for the *goal* situation;
+//! 2. find the neuron of the *present* situation;
+//! 3. choose a *neighbour* of it nearer to the goal: the intermediate situation;
+//! 4. probe the action map with the change of situation wanted; it answers with an action.
+
+use crate::action_map::ActionMap;
+use crate::config::{AtGoal, Config, Intermediate};
+use crate::fixed::{Mask, Weight, unit_weight};
+use crate::goal::Goal;
+use crate::scan::Situation;
+use crate::som::{Som, kernels};
+use crate::units::{Bearing, Displacement};
+
+/// Why the planner chose what it chose.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Why {
+    /// A neighbour nearer to the goal was aimed at.
+    Neighbour,
+    /// The present neuron is the goal neuron: the goal itself was aimed at.
+    GoalNeuron,
+    /// No neighbour is nearer to the goal than the present neuron: the goal itself was aimed at.
+    NoNearerNeighbour,
+    /// The choice was to aim at the goal itself.
+    GoalDirectly,
+    /// The goal holds: the last displacement goes on.
+    KeepCourse,
+    /// The goal holds, but the last move on this course was cut short: another course.
+    TurnCourse,
+    /// The goal holds: straight ahead.
+    StraightAhead,
+}
+
+impl core::fmt::Display for Why {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::Neighbour => "neighbour",
+            Self::GoalNeuron => "at the goal neuron",
+            Self::NoNearerNeighbour => "no nearer neighbour",
+            Self::GoalDirectly => "goal directly",
+            Self::KeepCourse => "keep course",
+            Self::TurnCourse => "turn course",
+            Self::StraightAhead => "straight ahead",
+        })
+    }
+}
+
+/// One decision with all its intermediate values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Plan<const SENSORS: usize> {
+    /// The present situation.
+    pub situation: Situation<SENSORS>,
+    /// Neuron that stands for the goal.
+    pub goal_neuron: u8,
+    /// Best-matching unit of the present situation.
+    pub current_neuron: u8,
+    /// Neuron aimed at.
+    pub intermediate_neuron: u8,
+    /// Change of situation wanted: the probe of the action map.
+    pub wanted: [Weight; SENSORS],
+    /// Neuron of the action map that answered.
+    pub action_neuron: u8,
+    /// The goal holds.
+    pub at_goal: bool,
+    /// The action is the one the action map recalled, not what is done at the goal.
+    pub recalled: bool,
+    /// The move asked for, in the ring's frame, before the shield.
+    pub action: Displacement,
+    /// Why.
+    pub why: Why,
+}
+
+/// The maps and the moment a plan is made of.
+#[derive(Debug, Clone, Copy)]
+pub struct Planner<'a, const SENSORS: usize, const NEURONS: usize> {
+    /// The configuration.
+    pub config: &'a Config<SENSORS>,
+    /// The map of situations.
+    pub situations: &'a Som<NEURONS, SENSORS>,
+    /// The map of changes and actions.
+    pub actions: &'a ActionMap<NEURONS, SENSORS>,
+    /// Action neurons that may answer.
+    pub allowed: Mask,
+    /// The last displacement, in the ring's present frame.
+    pub course: Displacement,
+    /// The last displacement was cut below half.
+    pub cut: bool,
+}
+
+impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
+    /// The four steps for one situation and one goal.
+    #[must_use]
+    pub fn plan(&self, situation: &Situation<SENSORS>, goal: &Goal<SENSORS>) -> Plan<SENSORS> {
+        let planning = &self.config.planning;
+        let mask = self.config.believed;
+        let goal_scores = self.goal_scores(goal);
+        let goal_neuron = kernels::least(&goal_scores);
+        let current = self.situations.winner(situation, mask);
+        let (aim, why) = self.aim(current, goal_neuron, &goal_scores);
+        let target = match why {
+            Why::Neighbour => self.situations.code_vector(aim),
+            _ => goal.nearest(situation),
+        };
+        let from = if planning.from_measured {
+            *situation
+        } else {
+            self.situations.code_vector(current)
+        };
+        let wanted = difference(&target, &from);
+        let action_neuron = self
+            .actions
+            .recall(&wanted, mask, planning.recall, self.allowed);
+        let plan = Plan {
+            situation: *situation,
+            goal_neuron: goal_neuron as u8,
+            current_neuron: current as u8,
+            intermediate_neuron: aim as u8,
+            wanted,
+            action_neuron: action_neuron as u8,
+            at_goal: goal.holds(situation, mask, planning.tolerance),
+            recalled: true,
+            action: self.recalled(action_neuron),
+            why,
+        };
+        if plan.at_goal {
+            self.at_goal(plan)
+        } else {
+            plan
+        }
+    }
+
+    fn goal_scores(&self, goal: &Goal<SENSORS>) -> [i64; NEURONS] {
+        let mut scores = [0; NEURONS];
+        for (score, code) in scores.iter_mut().zip(self.situations.code()) {
+            *score = goal.distance(code, self.config.believed);
+        }
+        scores
+    }
+
+    /// Step 3: which neuron to aim at, and why.
+    fn aim(&self, current: usize, goal: usize, goal_scores: &[i64; NEURONS]) -> (usize, Why) {
+        let grid = self.situations.grid();
+        let far = |k: usize| goal_scores.get(k).copied().unwrap_or(i64::MAX);
+        let nearest = match self.config.planning.intermediate {
+            Intermediate::Goal => return (goal, Why::GoalDirectly),
+            _ if current == goal => return (goal, Why::GoalNeuron),
+            Intermediate::FewestHops => grid
+                .neighbours(current)
+                .min_by_key(|&k| (grid.hops(k, goal), far(k), k)),
+            Intermediate::NearestCode => {
+                let nearer = grid.neighbours(current).filter(|&k| far(k) < far(current));
+                nearer.min_by_key(|&k| (far(k), k))
+            }
+        };
+        nearest.map_or((goal, Why::NoNearerNeighbour), |k| (k, Why::Neighbour))
+    }
+
+    fn recalled(&self, action_neuron: usize) -> Displacement {
+        let step = self.config.robot.step_mm;
+        let code = self.actions.actions().code_vector(action_neuron);
+        let action = self.config.action_code.decode(code, step);
+        if self.config.planning.full_steps || action.length_mm() > step {
+            action.with_length(step)
+        } else {
+            action
+        }
+    }
+
+    /// The goal asks for no change, so nothing is recalled: the robot goes on as it went, or, where it
+    /// could not, on a course turned by a part of the ring that comes by every place in turn.
+    fn at_goal(&self, plan: Plan<SENSORS>) -> Plan<SENSORS> {
+        let step = self.config.robot.step_mm;
+        let ahead = Displacement::saturating(i32::from(step), 0);
+        let course = self.course.with_length(step);
+        let keeps = self.config.planning.at_goal == AtGoal::KeepCourse;
+        let (action, why) = match (keeps && course != Displacement::ZERO, self.cut) {
+            (true, false) => (course, Why::KeepCourse),
+            (true, true) => (course.rotated(NEXT_COURSE.direction()), Why::TurnCourse),
+            (false, _) => (ahead, Why::StraightAhead),
+        };
+        Plan {
+            action,
+            why,
+            recalled: false,
+            ..plan
+        }
+    }
+}
+
+/// Five sixteenths of a turn: 112.5°.
+const NEXT_COURSE: Bearing = Bearing::from_turns(5 << 12);
+
+/// Component by component `to − from`, clamped to [−1, 1].
+#[must_use]
+pub fn difference<const SENSORS: usize>(
+    to: &[Weight; SENSORS],
+    from: &[Weight; SENSORS],
+) -> [Weight; SENSORS] {
+    let mut change = *to;
+    for (value, start) in change.iter_mut().zip(from) {
+        *value = unit_weight(i32::from(value.to_bits()).wrapping_sub(i32::from(start.to_bits())));
+    }
+    change
+}

@@ -1,0 +1,68 @@
+//! What the mind has to know of a robot's body: where its transducers look and what must not touch.
+//!
+//! The paper's miniature robot with eight proximity sensors, a robot with 24 sonars and the Nomad 200 differ in this data
+//! only.
+
+use crate::units::{Bearing, Direction};
+
+/// A ring of `SENSORS` transducers on a round body (at most 32).
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RobotSpec<const SENSORS: usize> {
+    /// Directions the transducers look, from the robot's centre in the ring's frame.
+    pub directions: [Direction; SENSORS],
+    /// The transducers are evenly spaced, transducer `i` at `i`/`SENSORS` of a turn, so the ring turned by a place is the
+    /// same ring.
+    pub symmetric: bool,
+    /// Distance of the transducers' faces from the centre, millimetres.
+    pub face_radius_mm: u16,
+    /// Radius of the disc that must not touch anything, millimetres.
+    pub body_radius_mm: u16,
+    /// Longest single displacement, millimetres.
+    pub step_mm: u16,
+    /// Highest speed, millimetres per second.
+    pub speed_mm_s: u16,
+    /// Deceleration when stopping, millimetres per second squared.
+    pub braking_mm_s2: u16,
+}
+
+impl RobotSpec<16> {
+    /// The Nomad 200: 16 sonars at 22.5° steps, faces at 0.2305 m, collision radius 0.269 m, at most 20 in/s and
+    /// 30 in/s² (drivers' software limits), steps of 0.25 m.
+    #[must_use]
+    pub fn nomad200() -> Self {
+        Self {
+            directions: evenly_spaced(),
+            symmetric: true,
+            face_radius_mm: 231,
+            body_radius_mm: 269,
+            step_mm: 250,
+            speed_mm_s: 508,
+            braking_mm_s2: 762,
+        }
+    }
+}
+
+impl RobotSpec<8> {
+    /// The paper's miniature robot (Fig. 2): a body of 55 mm with six sensors in front and two behind; no symmetry.
+    #[must_use]
+    pub fn miniature() -> Self {
+        // Bearings of the Khepera's sensors, left to right and then the two behind, in degrees times 10.
+        let decidegrees = [900, 450, 100, -100, -450, -900, -1_700, 1_700_i32];
+        Self {
+            directions: decidegrees
+                .map(|d| Bearing::from_turns((d * 65_536 / 3_600) as u16).direction()),
+            symmetric: false,
+            face_radius_mm: 27,
+            body_radius_mm: 28,
+            step_mm: 20,
+            speed_mm_s: 100,
+            braking_mm_s2: 1_000,
+        }
+    }
+}
+
+/// Directions of a ring of evenly spaced transducers.
+#[must_use]
+pub fn evenly_spaced<const SENSORS: usize>() -> [Direction; SENSORS] {
+    core::array::from_fn(|index| Bearing::of_place(index, SENSORS).direction())
+}

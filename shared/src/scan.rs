@@ -1,0 +1,153 @@
+//! From echoes to a situation: ranges with age and validity, and their encoding as values in [0, 1].
+//!
+//! A *situation* is what the paper's maps know: one value per transducer, 1.0 for an obstacle at the near limit or nearer,
+//! 0.0 for none within the far limit (Fig. 2 of the paper), linear in between. A transducer without an echo hears nothing
+//! and reads 0.0; one that is masked out does not count at all.
+
+use crate::fixed::{Mask, ONE_BITS, Weight, unit_weight};
+use crate::units::{Millis, Range};
+
+/// A situation: one value in [0, 1] per transducer.
+pub type Situation<const SENSORS: usize> = [Weight; SENSORS];
+
+/// The latest echo of one transducer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Echo {
+    /// Range heard; `None` when nothing answered.
+    pub range: Option<Range>,
+    /// When it was heard.
+    pub at: Millis,
+}
+
+/// The latest echo of every transducer, and which of them are news since the last decision.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Scan<const SENSORS: usize> {
+    echoes: [Echo; SENSORS],
+    fresh: u32,
+}
+
+impl<const SENSORS: usize> Default for Scan<SENSORS> {
+    fn default() -> Self {
+        Self {
+            echoes: [Echo::default(); SENSORS],
+            fresh: 0,
+        }
+    }
+}
+
+impl<const SENSORS: usize> Scan<SENSORS> {
+    /// Takes an echo; one of a transducer that does not exist is ignored.
+    pub fn hear(&mut self, sensor: usize, echo: Echo) {
+        if let Some(place) = self.echoes.get_mut(sensor) {
+            *place = echo;
+            self.fresh |= 1_u32.wrapping_shl(sensor as u32);
+        }
+    }
+
+    /// Begins a new ring: every transducer has to be heard again.
+    pub fn renew(&mut self) {
+        self.fresh = 0;
+    }
+
+    /// Whether every transducer that `believed` counts has been heard since the last [`renew`](Self::renew).
+    #[must_use]
+    pub fn is_complete(&self, believed: Mask) -> bool {
+        Mask::from_bits(self.fresh | !believed.to_bits()).covers(SENSORS)
+    }
+
+    /// The echoes by transducer.
+    #[must_use]
+    pub const fn echoes(&self) -> &[Echo; SENSORS] {
+        &self.echoes
+    }
+}
+
+/// How a range becomes a value of the situation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Encoding {
+    /// At this range and nearer the value is 1, millimetres.
+    pub near_mm: u16,
+    /// From this range on the value is 0, millimetres; above `near_mm`.
+    pub far_mm: u16,
+}
+
+impl Encoding {
+    /// The value of one range, rounded down to 2⁻¹³.
+    #[must_use]
+    pub fn value(self, range: Option<Range>) -> Weight {
+        let Some(range) = range else {
+            return Weight::ZERO;
+        };
+        let (near, far) = (i32::from(self.near_mm), i32::from(self.far_mm));
+        let width = far.wrapping_sub(near).max(1);
+        let beyond = far.wrapping_sub(i32::from(range.as_mm())).clamp(0, width);
+        unit_weight(beyond.wrapping_mul(i32::from(ONE_BITS)).wrapping_div(width))
+    }
+
+    /// The situation of a scan.
+    #[must_use]
+    pub fn situation<const SENSORS: usize>(self, scan: &Scan<SENSORS>) -> Situation<SENSORS> {
+        core::array::from_fn(|sensor| {
+            self.value(scan.echoes.get(sensor).and_then(|echo| echo.range))
+        })
+    }
+}
+
+/// A situation turned with the ring: what transducer `i` saw, transducer `i + steps` sees.
+#[must_use]
+pub fn rotated<const SENSORS: usize, T: Copy + Default>(
+    values: &[T; SENSORS],
+    steps: usize,
+) -> [T; SENSORS] {
+    let mut turned = *values;
+    turned.rotate_right(if SENSORS == 0 { 0 } else { steps % SENSORS });
+    turned
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ENCODING: Encoding = Encoding {
+        near_mm: 200,
+        far_mm: 1_000,
+    };
+
+    #[test]
+    fn values_fall_linearly_between_the_limits() {
+        let value = |mm| ENCODING.value(Some(Range::from_mm(mm))).to_num::<f64>();
+        assert_eq!(
+            (value(0), value(200), value(600), value(1_000), value(6_000)),
+            (1.0, 1.0, 0.5, 0.0, 0.0)
+        );
+        assert_eq!(ENCODING.value(None), Weight::ZERO);
+    }
+
+    #[test]
+    fn limits_that_meet_do_not_divide_by_zero() {
+        let step = Encoding {
+            near_mm: 500,
+            far_mm: 500,
+        };
+        assert_eq!(step.value(Some(Range::from_mm(499))).to_num::<f64>(), 1.0);
+        assert_eq!(step.value(Some(Range::from_mm(500))).to_num::<f64>(), 0.0);
+    }
+
+    #[test]
+    fn a_ring_is_complete_when_every_believed_transducer_was_heard() {
+        let mut scan = Scan::<3>::default();
+        scan.hear(0, Echo::default());
+        scan.hear(7, Echo::default());
+        assert!(!scan.is_complete(Mask::ALL));
+        scan.hear(2, Echo::default());
+        assert!(scan.is_complete(Mask::ALL.without(1)) && !scan.is_complete(Mask::ALL));
+        scan.renew();
+        assert!(!scan.is_complete(Mask::ALL.without(1)));
+    }
+
+    #[test]
+    fn turning_moves_each_value_to_the_next_transducer() {
+        assert_eq!(rotated(&[1, 2, 3, 4], 1), [4, 1, 2, 3]);
+        assert_eq!(rotated(&[1, 2, 3, 4], 6), [3, 4, 1, 2]);
+    }
+}

@@ -1,0 +1,340 @@
+//! What the ring hears limits how far and how fast the robot may go.
+//!
+//! An echo says: the nearest surface within the transducer's lobe lies somewhere on an arc around its face. The shield
+//! keeps the latest arcs of every transducer, moves them along as the robot moves (odometry), and lets a displacement end
+//! where the body would come within a margin of the part of any arc that lies most in the way. A direction that no echo
+//! covers is closed. The speed is such that the robot can stop within the distance left, at the given deceleration.
+//!
+//! What it cannot know: a thing thinner than the gap between two lobes. At the Nomad's faces the gap is 9 cm wide; the
+//! corner of a box can stand 4.5 cm inside it, which the margin covers.
+
+use crate::config::Config;
+use crate::fixed::{Mask, isqrt};
+use crate::scan::Echo;
+use crate::units::{Bearing, Direction, Displacement, Millis, Range};
+
+/// Places per transducer whose echo is kept.
+pub const KEPT: usize = 4;
+
+/// How careful to be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shielding {
+    /// Distance to keep between body and anything heard, millimetres.
+    pub margin_mm: u16,
+    /// Half the opening of a transducer's lobe.
+    pub half_lobe: Bearing,
+    /// Places per transducer from which an echo is looked at, 1 … [`KEPT`].
+    pub places: u8,
+    /// Echoes heard less than this apart come from one place, millimetres: the newer replaces the older.
+    pub spacing_mm: u16,
+    /// A direction is open only while the transducers that look there have been heard within this time,
+    /// milliseconds.
+    pub fresh_ms: u32,
+    /// What was heard longer ago than this is forgotten, milliseconds.
+    pub forget_ms: u32,
+    /// Displacements that would be shorter than this are not begun, millimetres.
+    pub least_mm: u16,
+    /// The shortest range the ring can report, millimetres: a reading this short may be anything nearer, and counts
+    /// as 0.
+    pub least_range_mm: u16,
+    /// Highest speed of things that may come towards the robot, millimetres per second: every echo loses this much range
+    /// per second of its age.
+    pub approach_mm_s: u16,
+}
+
+impl Shielding {
+    /// For the Nomad's ring: lobes of ±15°, at least 6 in, a margin of 90 mm.
+    #[must_use]
+    pub const fn nomad200() -> Self {
+        Self {
+            margin_mm: 90,
+            half_lobe: Bearing::from_turns(2_731),
+            places: 4,
+            spacing_mm: 100,
+            fresh_ms: 2_000,
+            forget_ms: 600_000,
+            least_mm: 10,
+            least_range_mm: 153,
+            approach_mm_s: 0,
+        }
+    }
+}
+
+/// What a transducer heard at one place, in the ring's present frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+struct Arc {
+    /// Place of the transducer's face, millimetres.
+    x_mm: i32,
+    y_mm: i32,
+    /// Where it looked.
+    axis: Direction,
+    /// The nearer of the last two ranges heard here; `None` = nothing answered either time.
+    range: Option<Range>,
+    /// The last range heard here.
+    latest: Option<Range>,
+    at: Millis,
+}
+
+/// What was heard lately.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Shield<const SENSORS: usize> {
+    arcs: [[Option<Arc>; KEPT]; SENSORS],
+}
+
+impl<const SENSORS: usize> Default for Shield<SENSORS> {
+    fn default() -> Self {
+        Self {
+            arcs: [[None; KEPT]; SENSORS],
+        }
+    }
+}
+
+/// What is allowed of a displacement.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Allowed {
+    /// Distance along the displacement, millimetres.
+    pub distance_mm: u16,
+    /// Speed, millimetres per second.
+    pub speed_mm_s: u16,
+}
+
+impl<const SENSORS: usize> Shield<SENSORS> {
+    /// Takes an echo of a transducer.
+    pub fn hear(&mut self, config: &Config<SENSORS>, sensor: usize, echo: Echo) {
+        let (Some(kept), Some(axis)) = (
+            self.arcs.get_mut(sensor),
+            config.robot.directions.get(sensor),
+        ) else {
+            return;
+        };
+        let (x_mm, y_mm) = axis.times(i32::from(config.robot.face_radius_mm));
+        let spacing = config
+            .shield
+            .map_or(0, |shielding| i32::from(shielding.spacing_mm));
+        let same_place = kept.first().copied().flatten().filter(|arc| {
+            let apart = (arc.x_mm - x_mm)
+                .saturating_abs()
+                .max((arc.y_mm - y_mm).saturating_abs());
+            apart < spacing
+        });
+        if same_place.is_none() {
+            kept.rotate_right(1);
+        }
+        let previous = same_place.and_then(|arc| arc.latest);
+        if let Some(place) = kept.first_mut() {
+            *place = Some(Arc {
+                x_mm,
+                y_mm,
+                axis: *axis,
+                range: nearer(echo.range, previous),
+                latest: echo.range,
+                at: echo.at,
+            });
+        }
+    }
+
+    /// The robot has moved and its ring has turned: what was heard stays where it is in the world.
+    pub fn moved(&mut self, by: Displacement, turned: Bearing) {
+        let back = (turned != Bearing::ZERO).then(|| Bearing::ZERO.minus(turned).direction());
+        for arc in self.arcs.iter_mut().flatten().flatten() {
+            arc.x_mm = arc.x_mm.saturating_sub(i32::from(by.dx_mm));
+            arc.y_mm = arc.y_mm.saturating_sub(i32::from(by.dy_mm));
+            if let Some(back) = back {
+                (arc.x_mm, arc.y_mm) = back.rotate(arc.x_mm, arc.y_mm);
+                let (x, y) = back.rotate(i32::from(arc.axis.x_q14), i32::from(arc.axis.y_q14));
+                arc.axis = Direction {
+                    x_q14: x as i16,
+                    y_q14: y as i16,
+                };
+            }
+        }
+    }
+
+    /// How far and how fast the robot may go along `wanted`, by everything heard lately.
+    #[must_use]
+    pub fn allow(&self, config: &Config<SENSORS>, wanted: Displacement, now: Millis) -> Allowed {
+        self.allow_by(config, wanted, now, Mask::ALL)
+    }
+
+    /// As [`allow`](Self::allow), by what the transducers in `among` heard: enough for a motion that the others have
+    /// allowed already.
+    #[must_use]
+    pub fn allow_by(
+        &self,
+        config: &Config<SENSORS>,
+        wanted: Displacement,
+        now: Millis,
+        among: Mask,
+    ) -> Allowed {
+        let Some(shielding) = config.shield else {
+            return Allowed {
+                distance_mm: wanted.length_mm(),
+                speed_mm_s: config.robot.speed_mm_s,
+            };
+        };
+        let length = i32::from(wanted.length_mm());
+        let way = Way::new(config, &shielding, wanted, length, now);
+        let free = self.free_distance(
+            config,
+            &way,
+            length.saturating_add(braking_distance(config)),
+            among,
+        );
+        let distance = free.min(length);
+        let begun = distance >= i32::from(shielding.least_mm).min(length);
+        Allowed {
+            distance_mm: if begun { distance as u16 } else { 0 },
+            speed_mm_s: stopping_speed(config, free),
+        }
+    }
+
+    /// Distance along the way until something heard comes within the margin, at most `limit`.
+    fn free_distance(
+        &self,
+        config: &Config<SENSORS>,
+        way: &Way<'_>,
+        limit: i32,
+        among: Mask,
+    ) -> i32 {
+        let mut distance = limit;
+        for (sensor, kept) in self.arcs.iter().enumerate() {
+            if !config.believed.and(among).contains(sensor) {
+                continue;
+            }
+            let recent = kept
+                .iter()
+                .take(usize::from(way.shielding.places.max(1)))
+                .flatten();
+            let mut fresh = false;
+            for arc in recent.filter(|arc| way.age_ms(arc) <= way.shielding.forget_ms) {
+                fresh |= way.age_ms(arc) <= way.shielding.fresh_ms;
+                distance = distance.min(way.until(arc, distance));
+            }
+            if !fresh && way.is_covered_by(config, sensor) {
+                distance = 0;
+            }
+        }
+        distance
+    }
+}
+
+/// The nearer of two ranges, where nothing heard is farthest.
+fn nearer(a: Option<Range>, b: Option<Range>) -> Option<Range> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(a.min(b)),
+        (a, b) => a.or(b),
+    }
+}
+
+/// Distance in which the robot stops from its highest speed, millimetres.
+fn braking_distance<const SENSORS: usize>(config: &Config<SENSORS>) -> i32 {
+    let speed = i32::from(config.robot.speed_mm_s);
+    speed.saturating_mul(speed) / (2 * i32::from(config.robot.braking_mm_s2.max(1)))
+}
+
+/// The highest speed from which the robot stops within `distance`, at most its limit.
+fn stopping_speed<const SENSORS: usize>(config: &Config<SENSORS>, distance: i32) -> u16 {
+    let squared = 2 * i64::from(distance) * i64::from(config.robot.braking_mm_s2);
+    isqrt(squared.max(0).unsigned_abs()).min(u32::from(config.robot.speed_mm_s)) as u16
+}
+
+/// The way ahead.
+struct Way<'a> {
+    shielding: &'a Shielding,
+    direction: Direction,
+    left_edge: Direction,
+    right_edge: Direction,
+    /// Body and margin.
+    reach_mm: i32,
+    now: Millis,
+}
+
+impl<'a> Way<'a> {
+    fn new<const SENSORS: usize>(
+        config: &Config<SENSORS>,
+        shielding: &'a Shielding,
+        wanted: Displacement,
+        length: i32,
+        now: Millis,
+    ) -> Self {
+        let unit = |mm: i16| crate::fixed::div_round(i32::from(mm) << 14, length.max(1)) as i16;
+        Self {
+            shielding,
+            direction: Direction {
+                x_q14: unit(wanted.dx_mm),
+                y_q14: unit(wanted.dy_mm),
+            },
+            left_edge: shielding.half_lobe.direction(),
+            right_edge: Bearing::ZERO.minus(shielding.half_lobe).direction(),
+            reach_mm: i32::from(config.robot.body_radius_mm) + i32::from(shielding.margin_mm),
+            now,
+        }
+    }
+
+    fn age_ms(&self, arc: &Arc) -> u32 {
+        self.now.since(arc.at)
+    }
+
+    /// Whether the transducer looks where the robot would go.
+    fn is_covered_by<const SENSORS: usize>(&self, config: &Config<SENSORS>, sensor: usize) -> bool {
+        const COS_45_Q14: i32 = 11_585;
+        config.robot.directions.get(sensor).is_some_and(|axis| {
+            self.direction
+                .along(i32::from(axis.x_q14), i32::from(axis.y_q14))
+                > COS_45_Q14
+        })
+    }
+
+    /// Distance until the body would come within the margin of the arc; `limit` where it would not before that.
+    fn until(&self, arc: &Arc, limit: i32) -> i32 {
+        let Some(range) = arc.range else {
+            return limit;
+        };
+        let aged = u64::from(self.age_ms(arc)) * u64::from(self.shielding.approach_mm_s) / 1_000;
+        let range = i32::from(range.as_mm())
+            .saturating_sub(aged.min(65_535) as i32)
+            .max(0);
+        // Nothing on this arc can be reached: its face is at least as far away as the range is long.
+        let slack = arc
+            .x_mm
+            .saturating_abs()
+            .saturating_add(arc.y_mm.saturating_abs());
+        if range > limit.saturating_add(self.reach_mm).saturating_add(slack) {
+            return limit;
+        }
+        let (ax, ay) = (i32::from(arc.axis.x_q14), i32::from(arc.axis.y_q14));
+        let edges = [
+            self.left_edge.rotate(ax, ay),
+            self.right_edge.rotate(ax, ay),
+            (ax, ay),
+        ];
+        let mut nearest = limit;
+        for (x_q14, y_q14) in edges {
+            let x = arc.x_mm.saturating_add(range.saturating_mul(x_q14) >> 14);
+            let y = arc.y_mm.saturating_add(range.saturating_mul(y_q14) >> 14);
+            nearest = nearest.min(self.until_point(x, y, nearest));
+        }
+        nearest
+    }
+
+    /// Distance until the body would come within the margin of a point.
+    fn until_point(&self, x_mm: i32, y_mm: i32, limit: i32) -> i32 {
+        // A point farther than 16 m is out of any step's reach, and its products would leave 32 bits.
+        if x_mm.saturating_abs().max(y_mm.saturating_abs()) > 16_000 {
+            return limit;
+        }
+        let along = self.direction.along(x_mm, y_mm);
+        let across = self.direction.along(y_mm, x_mm.wrapping_neg());
+        let reach = self.reach_mm;
+        if along <= 0 || across.saturating_abs() >= reach {
+            return limit;
+        }
+        let half_chord = isqrt(
+            reach
+                .wrapping_mul(reach)
+                .wrapping_sub(across.wrapping_mul(across))
+                .max(0) as u64,
+        );
+        along.wrapping_sub(half_chord as i32).clamp(0, limit)
+    }
+}

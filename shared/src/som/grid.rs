@@ -1,0 +1,189 @@
+//! Where the neurons stand: a rectangle with four direct neighbours each, or a chain with two.
+
+/// What happens at the border of the grid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Edges {
+    /// Neurons at the border have fewer neighbours.
+    #[default]
+    Open,
+    /// Left meets right and top meets bottom (a torus): every neuron has four neighbours.
+    Wrapped,
+}
+
+/// A rectangular grid; neuron `k` stands in column `k % columns`, row `k / columns`. A chain is a grid of one row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Grid {
+    columns: u16,
+    rows: u16,
+    edges: Edges,
+}
+
+impl Grid {
+    /// A grid of `columns` × `rows` neurons, at least 1 × 1.
+    #[must_use]
+    pub const fn rectangle(columns: u16, rows: u16) -> Self {
+        Self {
+            columns: if columns == 0 { 1 } else { columns },
+            rows: if rows == 0 { 1 } else { rows },
+            edges: Edges::Open,
+        }
+    }
+
+    /// A chain of `neurons` with two neighbours each.
+    #[must_use]
+    pub const fn chain(neurons: u16) -> Self {
+        Self::rectangle(neurons, 1)
+    }
+
+    /// The same grid with other edges.
+    #[must_use]
+    pub const fn with_edges(self, edges: Edges) -> Self {
+        Self { edges, ..self }
+    }
+
+    /// Neurons along a row.
+    #[must_use]
+    pub const fn columns(self) -> usize {
+        self.columns as usize
+    }
+
+    /// Rows.
+    #[must_use]
+    pub const fn rows(self) -> usize {
+        self.rows as usize
+    }
+
+    /// Number of neurons.
+    #[must_use]
+    #[expect(
+        clippy::len_without_is_empty,
+        reason = "a grid has at least one neuron"
+    )]
+    pub const fn len(self) -> usize {
+        self.columns() * self.rows()
+    }
+
+    /// Column and row of neuron `k`.
+    #[must_use]
+    pub const fn position(self, k: usize) -> (usize, usize) {
+        (k % self.columns(), k / self.columns())
+    }
+
+    /// Distance of two neurons along the columns and along the rows, in grid steps.
+    #[inline]
+    #[must_use]
+    pub fn offsets(self, a: usize, b: usize) -> (usize, usize) {
+        let ((ax, ay), (bx, by)) = (self.position(a), self.position(b));
+        (self.column_distance(ax, bx), self.row_distance(ay, by))
+    }
+
+    /// Grid steps between two columns.
+    #[inline]
+    #[must_use]
+    pub fn column_distance(self, a: usize, b: usize) -> usize {
+        self.axis_distance(a.abs_diff(b), self.columns())
+    }
+
+    /// Grid steps between two rows.
+    #[inline]
+    #[must_use]
+    pub fn row_distance(self, a: usize, b: usize) -> usize {
+        self.axis_distance(a.abs_diff(b), self.rows())
+    }
+
+    #[inline]
+    fn axis_distance(self, direct: usize, length: usize) -> usize {
+        match self.edges {
+            Edges::Open => direct,
+            Edges::Wrapped => direct.min(length.saturating_sub(direct)),
+        }
+    }
+
+    /// Length of the shortest walk between two neurons over direct neighbours.
+    #[must_use]
+    pub fn hops(self, a: usize, b: usize) -> usize {
+        let (dx, dy) = self.offsets(a, b);
+        dx.saturating_add(dy)
+    }
+
+    /// The direct neighbours of neuron `k`: left, right, above, below, as far as they exist.
+    pub fn neighbours(self, k: usize) -> impl Iterator<Item = usize> {
+        let (x, y) = self.position(k);
+        let (columns, rows) = (self.columns(), self.rows());
+        let before = move |place: usize, length: usize| match self.edges {
+            Edges::Open => place.checked_sub(1),
+            Edges::Wrapped if length > 2 => Some((place + length - 1) % length),
+            // Along an axis of two the neighbour before is the neighbour after: it counts once.
+            Edges::Wrapped => None,
+        };
+        let after = move |place: usize, length: usize| match self.edges {
+            Edges::Open => Some(place + 1).filter(|&next| next < length),
+            Edges::Wrapped if length > 1 => Some((place + 1) % length),
+            Edges::Wrapped => None,
+        };
+        let at = move |x: Option<usize>, y: Option<usize>| Some(y? * columns + x?);
+        [
+            at(before(x, columns), Some(y)),
+            at(after(x, columns), Some(y)),
+            at(Some(x), before(y, rows)),
+            at(Some(x), after(y, rows)),
+        ]
+        .into_iter()
+        .flatten()
+        .filter(move |_| k < self.len())
+    }
+
+    /// Whether two neurons are direct neighbours.
+    #[must_use]
+    pub fn are_neighbours(self, a: usize, b: usize) -> bool {
+        self.hops(a, b) == 1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::vec::Vec;
+
+    #[test]
+    fn neighbours_of_a_rectangle_and_a_chain() {
+        let list = |grid: Grid, k| grid.neighbours(k).collect::<Vec<_>>();
+        let square = Grid::rectangle(4, 4);
+        assert_eq!(list(square, 0), [1, 4]);
+        assert_eq!(list(square, 5), [4, 6, 1, 9]);
+        assert_eq!(list(Grid::chain(32), 31), [30]);
+        assert_eq!(list(square.with_edges(Edges::Wrapped), 0), [3, 1, 12, 4]);
+        assert_eq!(
+            list(Grid::rectangle(2, 1).with_edges(Edges::Wrapped), 0),
+            [1]
+        );
+        assert_eq!(list(square, 16), Vec::<usize>::new());
+    }
+
+    #[test]
+    fn neighbours_are_one_hop_away_and_mutual() {
+        for edges in [Edges::Open, Edges::Wrapped] {
+            for (columns, rows) in [(4, 4), (32, 1), (5, 3), (2, 2), (1, 1)] {
+                let grid = Grid::rectangle(columns, rows).with_edges(edges);
+                for a in 0..grid.len() {
+                    let direct: Vec<_> = grid.neighbours(a).collect();
+                    for b in 0..grid.len() {
+                        assert_eq!(
+                            direct.contains(&b),
+                            grid.are_neighbours(a, b),
+                            "{grid:?} {a} {b}"
+                        );
+                        assert_eq!(grid.hops(a, b), grid.hops(b, a));
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn hops_count_grid_steps() {
+        let square = Grid::rectangle(4, 4);
+        assert_eq!(square.hops(0, 15), 6);
+        assert_eq!(square.with_edges(Edges::Wrapped).hops(0, 15), 2);
+    }
+}

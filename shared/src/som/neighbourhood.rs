@@ -1,0 +1,148 @@
+//! How strongly the winner's neighbours learn with it.
+
+use crate::fixed::{Gain, exp_neg};
+
+/// The shape of the neighbourhood.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Neighbourhood {
+    /// The paper's: the winner and its direct neighbours (four on a rectangle, two on a chain), nobody else. The radius of
+    /// the schedule is the neighbours' share of the learning rate, at most 1.
+    Direct,
+    /// exp(−d²/2σ²) over the grid distance d, with the schedule's radius as σ.
+    Gaussian,
+}
+
+/// Learning rate and neighbourhood of one step, ready to apply to maps whose grid is at most `REACH` neurons long.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Pull<const REACH: usize> {
+    rate: Gain,
+    shape: Shape<REACH>,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Shape<const REACH: usize> {
+    Direct { share: Gain },
+    Gaussian { axis: [Gain; REACH] },
+}
+
+/// A [`Pull`] without its size, for maps of any size.
+#[derive(Debug, Clone, Copy)]
+pub enum View<'a> {
+    /// The winner's gain and that of its direct neighbours.
+    Direct {
+        /// Gain of the winner.
+        rate: Gain,
+        /// Gain of the direct neighbours.
+        share: Gain,
+    },
+    /// Gains by distance along one axis; the two axes multiply.
+    Gaussian {
+        /// Gain of the winner.
+        rate: Gain,
+        /// Neighbourhood value by grid steps along one axis.
+        axis: &'a [Gain],
+    },
+}
+
+impl<'a> View<'a> {
+    /// The pull at learning rate `rate_q16` and radius `radius_q16` (both Q16); `axis` is room for one value per grid
+    /// step along the longer side of the grid.
+    #[must_use]
+    pub fn new(
+        neighbourhood: Neighbourhood,
+        rate_q16: u32,
+        radius_q16: u32,
+        axis: &'a mut [Gain],
+    ) -> Self {
+        let rate = Gain::from_q16(rate_q16);
+        match neighbourhood {
+            Neighbourhood::Direct => Self::Direct {
+                rate,
+                share: rate.times(Gain::from_q16(radius_q16)),
+            },
+            Neighbourhood::Gaussian => {
+                gaussian(radius_q16, axis);
+                Self::Gaussian { rate, axis }
+            }
+        }
+    }
+}
+
+impl<const REACH: usize> Pull<REACH> {
+    /// The pull at learning rate `rate_q16` and radius `radius_q16` (both Q16).
+    #[must_use]
+    pub fn new(neighbourhood: Neighbourhood, rate_q16: u32, radius_q16: u32) -> Self {
+        let mut axis = [Gain::ZERO; REACH];
+        match View::new(neighbourhood, rate_q16, radius_q16, &mut axis) {
+            View::Direct { rate, share } => Self {
+                rate,
+                shape: Shape::Direct { share },
+            },
+            View::Gaussian { rate, .. } => Self {
+                rate,
+                shape: Shape::Gaussian { axis },
+            },
+        }
+    }
+
+    /// This pull without its size.
+    #[must_use]
+    pub const fn view(&self) -> View<'_> {
+        match &self.shape {
+            Shape::Direct { share } => View::Direct {
+                rate: self.rate,
+                share: *share,
+            },
+            Shape::Gaussian { axis } => View::Gaussian {
+                rate: self.rate,
+                axis,
+            },
+        }
+    }
+}
+
+/// exp(−j²/2σ²) for j = 0, 1, 2 … into `axis`; σ in Q16. A σ of 0 leaves the winner alone. Error at most 10⁻⁴.
+pub fn gaussian(sigma_q16: u32, axis: &mut [Gain]) {
+    // 2σ² in Q16, rounded down; the exponent j²/2σ² saturates, which is e^(−65 535) = 0.
+    let width = (u64::from(sigma_q16) * u64::from(sigma_q16)) >> 15;
+    for (j, gain) in axis.iter_mut().enumerate() {
+        let squared = (j as u64).saturating_mul(j as u64);
+        *gain = if j == 0 {
+            Gain::ONE
+        } else {
+            let exponent = squared
+                .saturating_mul(1 << 32)
+                .checked_div(width)
+                .unwrap_or(u64::MAX);
+            Gain::from_q16(exp_neg(u32::try_from(exponent).unwrap_or(u32::MAX)) >> 15)
+        };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gaussian_follows_its_formula() {
+        for sigma in [0.05, 0.3, 0.7, 1.0, 1.7, 3.0, 9.0] {
+            let mut axis = [Gain::ZERO; 12];
+            gaussian((sigma * 65_536.0) as u32, &mut axis);
+            for (j, gain) in axis.iter().enumerate() {
+                let exact = libm::exp(-((j * j) as f64) / (2.0 * sigma * sigma));
+                let value = f64::from(gain.to_bits()) / 32_768.0;
+                assert!(
+                    (value - exact).abs() < 1e-4,
+                    "sigma {sigma}, j {j}: {value} {exact}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn no_width_leaves_the_winner_alone() {
+        let mut axis = [Gain::ZERO; 3];
+        gaussian(0, &mut axis);
+        assert_eq!(axis, [Gain::ONE, Gain::ZERO, Gain::ZERO]);
+    }
+}
