@@ -10,5 +10,8 @@ pub mod recording;
 pub mod robot;
 pub mod scenes;
 pub mod settings;
+pub mod som;
 pub mod sonar;
 pub mod world;
+pub mod cli;
+pub mod experiments;

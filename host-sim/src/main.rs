@@ -1,2 +1,7 @@
-//! The `host-sim` command.
-fn main() {}
+//! The `host-sim` command: see `host-sim --help`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    host_sim::cli::main()
+}

@@ -252,7 +252,7 @@ impl Base {
     fn rolls_towards(&self, goal: Point) -> bool {
         let way = (goal - self.odometry).turned_back(Point::unit(self.steering));
         let off = way.y.abs() <= way.x.abs() * SAME_DIRECTION_RAD;
-        off && self.turn_rate == 0.0 && self.speed * way.x > 0.0
+        off && self.speed * way.x > 0.0
     }
 
     /// Lets `dt_s` seconds pass.

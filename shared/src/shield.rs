@@ -290,6 +290,9 @@ impl<'a> Way<'a> {
         let Some(range) = arc.range else {
             return limit;
         };
+        if range.as_mm() <= self.shielding.least_range_mm {
+            return self.until_point(arc.x_mm, arc.y_mm, limit);
+        }
         let aged = u64::from(self.age_ms(arc)) * u64::from(self.shielding.approach_mm_s) / 1_000;
         let range = i32::from(range.as_mm())
             .saturating_sub(aged.min(65_535) as i32)

@@ -25,7 +25,7 @@ impl Default for Tuning {
         Self {
             step_m: 0.25,
             far_m: 0.9,
-            push: 4.0,
+            push: 2.0,
         }
     }
 }

@@ -208,6 +208,26 @@ fn a_new_direction_waits_until_the_base_stands() {
 }
 
 #[test]
+fn the_wheels_stop_turning_when_told_to() {
+    let mut base = base(TurretMode::Follow);
+    go(&mut base, 0.0, 1.0);
+    base.advance(0.5, &hall());
+    assert!(base.turn_rate > 0.2);
+    base.command(Motion::default(), &mut Noise::new(1));
+    let (time, sum) = run(&mut base, &hall(), 0.01);
+    assert_eq!((base.turn_rate, sum.travelled_m), (0.0, 0.0));
+    assert!(time > 0.4 && sum.turned_rad > 0.0 && base.pose().heading < FRAC_PI_2);
+    // Told the other way while turning, they still come to where they should.
+    go(&mut base, 0.0, -1.0);
+    base.advance(0.3, &hall());
+    let at = base.pose();
+    go(&mut base, 0.3, 0.0);
+    run(&mut base, &hall(), 0.01);
+    let goal = at.position + Point::unit(at.heading) * 0.3;
+    assert!(base.pose().position.distance(goal) < 1e-8);
+}
+
+#[test]
 fn a_longer_or_shorter_way_ahead_is_taken_rolling() {
     let mut base = base(TurretMode::Held);
     go(&mut base, 1.0, 0.0);

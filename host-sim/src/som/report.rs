@@ -4,6 +4,7 @@ use super::map::{DynSom, Measures};
 use super::scale::Scale;
 use super::table::Table;
 use crate::error::BadInput;
+use crate::plot;
 use crate::recording::MapRecord;
 use serde::Serialize;
 use std::fmt;
@@ -97,12 +98,20 @@ fn quoted(name: &str) -> String {
     }
 }
 
-/// The pictures of a map and its data: file names and SVG documents.
+/// The pictures of a map and its data: file names and SVG documents. Data of two or three columns are also drawn as a
+/// cloud with the map in it.
 #[must_use]
 pub fn pictures(map: &MapRecord, data: &Table) -> Vec<(&'static str, String)> {
-    // To be drawn by the plot module from `map`, `data.rows` and `data.names`.
-    let _ = (map, data);
-    Vec::new()
+    let cloud = plot::scatter(map, &data.rows, &data.names, "Samples and map");
+    let mut pictures = vec![
+        (
+            "code_vectors.svg",
+            plot::code_vectors(map, &data.names, "Code vectors"),
+        ),
+        ("u_matrix.svg", plot::u_matrix(map, "U-matrix and hits")),
+    ];
+    pictures.extend(cloud.map(|picture| ("samples.svg", picture)));
+    pictures
 }
 
 /// Writes files into a folder, which is made if need be. Each appears under its name only when it is complete.

@@ -48,6 +48,10 @@ fn figures_are_in_the_units_of_the_data() {
     let data = Table::load(&folder.path().join("data.csv")).unwrap();
     let code = Table::load(&folder.path().join("out/code_vectors.csv")).unwrap();
     assert_eq!(code.names, ["width", "height", "depth"]);
+    for picture in ["code_vectors.svg", "u_matrix.svg", "samples.svg"] {
+        let svg = std::fs::read_to_string(folder.path().join("out").join(picture)).unwrap();
+        assert!(svg.contains("<svg") && svg.contains("</svg>"), "{picture}");
+    }
     let distance = |a: &[f64], b: &[f64]| {
         a.iter()
             .zip(b)

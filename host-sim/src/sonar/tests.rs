@@ -174,7 +174,14 @@ fn what_is_hidden_does_not_answer() {
     assert_eq!(ping(&world(shapes.clone()), config), inches(4.95));
     shapes.push(screen);
     assert_eq!(ping(&world(shapes), config), MAX_READING_IN);
-    // A corner behind a nearer wall that answers is not heard, even once the wall is blanked out.
+    // Nor does the end of a wall behind it.
+    let end = wall(&[(5.0, 0.0), (8.0, 8.0)]);
+    assert_eq!(ping(&world(vec![end.clone()]), config), inches(5.0));
+    assert_eq!(
+        ping(&world(vec![end, oblique(60.0, 4.0)]), config),
+        MAX_READING_IN
+    );
+    // A post behind a nearer wall that answers is not heard, even once the wall is blanked out.
     let near = [wall(&[(0.5, -3.0), (0.5, 3.0)]), post(2.0, 0.0, 0.05)];
     assert_eq!(ping(&world(near.to_vec()), config), inches(0.5));
     assert_eq!(

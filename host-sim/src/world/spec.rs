@@ -157,7 +157,15 @@ mod tests {
 
         let folder = tempfile::tempdir().unwrap();
         let text = "[[circle]]\ncenter_m = [1, 1]\nradius_m = 0.1\n";
-        for name in ["b.toml", "a.toml", "notes.txt"] {
+        for name in [
+            "d.toml",
+            "a.toml",
+            "f.toml",
+            "b.toml",
+            "e.toml",
+            "c.toml",
+            "notes.txt",
+        ] {
             std::fs::write(folder.path().join(name), text).unwrap();
         }
         let named = parse_worlds(folder.path().to_str().unwrap()).unwrap();
@@ -165,7 +173,7 @@ mod tests {
             .iter()
             .map(|w| w.load().unwrap().name().to_owned())
             .collect();
-        assert_eq!(names, ["a", "b"]);
+        assert_eq!(names, ["a", "b", "c", "d", "e", "f"]);
         let one = folder.path().join("b.toml");
         assert_eq!(
             parse_worlds(one.to_str().unwrap()).unwrap(),

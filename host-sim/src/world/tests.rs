@@ -285,8 +285,26 @@ fn a_disc_at_rest_against_a_wall_may_leave_and_slide_but_not_push() {
         assert!(go(0.1, 0.05).touched());
         let leave = go(-0.1, 0.0);
         assert!(!leave.touched() && (leave.travelled_m - 0.1).abs() < 1e-12);
+        // Within the slack is no touch, and what is too deep already may still get out.
+        assert!(!go(5e-7, 0.0).touched() && go(5e-6, 0.0).touched());
+        let deep = at + Point::new(1e-3, 0.0);
+        assert!(
+            !world
+                .sweep(deep, deep - Point::new(0.1, 0.0), RADIUS)
+                .touched()
+        );
+        let deeper = world.sweep(deep, deep + Point::new(0.1, 0.0), RADIUS);
+        assert!(deeper.touched() && deeper.travelled_m == 0.0);
         assert!(!go(-0.1, 0.1).touched() && !go(0.0, 0.1).touched() && !go(0.0, 0.0).touched());
     }
+}
+
+#[test]
+fn a_disc_slides_along_one_wall_into_the_next() {
+    let world = world(vec![wall(&[(1.0, -3.0), (1.0, 1.0), (-3.0, 1.0)])]);
+    let at = Point::new(1.0 - RADIUS, 0.0);
+    let sweep = world.sweep(at, at + Point::new(1e-9, 1.0), RADIUS);
+    assert!(sweep.touched() && (sweep.travelled_m - (1.0 - RADIUS)).abs() < 1e-8);
 }
 
 #[test]

@@ -3,7 +3,7 @@ use crate::fixed::{ONE_BITS, squared_distance_masked};
 use metrics::{MapView, Quality};
 use neighbourhood::View;
 use proptest::prelude::*;
-use rand_core::{Rng as _, SeedableRng as _};
+use rand_core::SeedableRng as _;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::vec;
 use std::vec::Vec;

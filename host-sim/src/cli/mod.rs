@@ -1,0 +1,147 @@
+//! The command line: what a person types, and what comes back.
+//!
+//! Results go to standard output, progress and times to standard error. Exit code 0: it ran; 2: bad
+//! input, with one sentence that names the file, key or value. A reader that closes the pipe ends the
+//! program quietly.
+
+mod ablation;
+mod demo;
+mod output;
+mod run;
+mod table;
+mod worlds;
+
+use crate::error::BadInput;
+use clap::{CommandFactory, Parser, Subcommand};
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+pub use run::{RunArgs, SonarChoice};
+
+/// What the program calls itself in its help.
+const ABOUT: &str = "A simulated Nomad 200 learns from 100 random moves and then does what its goal asks";
+
+const LONG_ABOUT: &str = "A simulated Nomad 200 with a ring of 16 sonars explores with 100 random moves, makes two \
+self-organising maps of 16 neurons from them, and from then on pursues any goal situation. The mind is the same crate \
+that runs on the microcontroller.\n\nWithout a command: the demo. It explores, learns and avoids obstacles in the \
+arena of the paper's Fig. 5 and leaves its pictures in out/demo/.";
+
+#[derive(Debug, Parser)]
+#[command(name = "host-sim", version, about = ABOUT, long_about = LONG_ABOUT)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Explore, learn and avoid in the paper's arena, with pictures in out/demo/ (the default)
+    Demo(demo::DemoArgs),
+    /// Run episodes in any worlds: a table, or one JSON object per world
+    Run(RunArgs),
+    /// Train a self-organising map on any CSV file and report its errors
+    Som(crate::som::SomArgs),
+    /// List and draw worlds
+    Worlds(worlds::WorldsArgs),
+    /// List the open choices of the method: the keys of --set, with both presets' values
+    Settings,
+    /// Measure each open choice by changing it alone, over many random rooms
+    Ablation(ablation::AblationArgs),
+    /// Print a completion script for a shell
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+}
+
+/// Why a command ended early.
+#[derive(Debug)]
+pub enum Failure {
+    /// The input was bad.
+    Bad(BadInput),
+    /// Standard output could not be written.
+    Output(io::Error),
+}
+
+impl From<BadInput> for Failure {
+    fn from(error: BadInput) -> Self {
+        Self::Bad(error)
+    }
+}
+
+impl From<io::Error> for Failure {
+    fn from(error: io::Error) -> Self {
+        Self::Output(error)
+    }
+}
+
+/// Runs the program with the arguments of this process.
+#[must_use]
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let mut out = io::BufWriter::new(io::stdout().lock());
+    let done = execute(cli.command, &mut out).and_then(|()| Ok(out.flush()?));
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(Failure::Output(error)) => complain(&format!("standard output: {error}")),
+        Err(Failure::Bad(error)) => {
+            // What was printed before the trouble is complete lines: it may stay.
+            let _ = out.flush();
+            complain(&error.to_string())
+        }
+    }
+}
+
+fn complain(sentence: &str) -> ExitCode {
+    eprintln!("host-sim: {sentence}");
+    ExitCode::from(2)
+}
+
+fn execute(command: Option<Command>, out: &mut impl Write) -> Result<(), Failure> {
+    match command {
+        None => demo::demo(&demo::DemoArgs::default(), out),
+        Some(Command::Demo(args)) => demo::demo(&args, out),
+        Some(Command::Run(args)) => run::run(&args, out),
+        Some(Command::Som(args)) => run_som(&args, out),
+        Some(Command::Worlds(args)) => worlds::worlds(&args, out),
+        Some(Command::Settings) => settings(out),
+        Some(Command::Ablation(args)) => ablation::ablation(&args, out),
+        Some(Command::Completions { shell }) => {
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Cli::command(), "host-sim", &mut script);
+            Ok(out.write_all(&script)?)
+        }
+    }
+}
+
+fn run_som(args: &crate::som::SomArgs, out: &mut impl Write) -> Result<(), Failure> {
+    Ok(writeln!(out, "{}", crate::som::run(args)?)?)
+}
+
+fn settings(out: &mut impl Write) -> Result<(), Failure> {
+    let (recommended, literal) = (amp::config::Config::recommended(), amp::config::Config::touzet());
+    let rows: Vec<_> = crate::settings::SETTINGS
+        .iter()
+        .map(|setting| {
+            vec![
+                setting.key.to_owned(),
+                setting.value(&recommended),
+                setting.value(&literal),
+                setting.help.to_owned(),
+            ]
+        })
+        .collect();
+    let heads = ["key", "default", "touzet", "meaning"];
+    Ok(out.write_all(table::plain(&heads, &rows, &[]).as_bytes())?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_well_formed() {
+        Cli::command().debug_assert();
+    }
+}

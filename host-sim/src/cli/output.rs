@@ -1,0 +1,32 @@
+//! Output folders and progress bars.
+
+use crate::error::BadInput;
+use crate::plot::demo::WriteError;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::path::Path;
+
+/// Makes the folder and proves that files can be written there, before hours of work depend on it.
+///
+/// # Errors
+/// When it cannot be made or written.
+pub fn prepare(dir: &Path) -> Result<(), BadInput> {
+    let refuse = |error: std::io::Error| BadInput::file(dir, format!("cannot be written: {error}"));
+    std::fs::create_dir_all(dir).map_err(refuse)?;
+    let probe = dir.join(format!(".probe-{}", std::process::id()));
+    std::fs::write(&probe, []).map_err(refuse)?;
+    std::fs::remove_file(&probe).map_err(refuse)
+}
+
+impl From<WriteError> for BadInput {
+    fn from(error: WriteError) -> Self {
+        Self::new(error.to_string())
+    }
+}
+
+/// A bar on standard error that counts to `length`; silent where nobody watches.
+#[must_use]
+pub fn bar(length: u64, what: &'static str) -> ProgressBar {
+    let template = "{prefix:>8} {wide_bar:.cyan/blue} {pos}/{len} {elapsed_precise} (left {eta_precise})";
+    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::new(length).with_style(style).with_prefix(what)
+}

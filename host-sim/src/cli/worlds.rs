@@ -1,0 +1,71 @@
+//! `host-sim worlds`: what there is to drive in.
+
+use super::output::prepare;
+use super::run::sources;
+use super::{Failure, table};
+use crate::error::BadInput;
+use crate::plot;
+use crate::world::World;
+use clap::Args;
+use std::io::Write;
+use std::path::PathBuf;
+
+/// The `worlds` command's flags.
+#[derive(Debug, Clone, Args)]
+pub struct WorldsArgs {
+    /// Worlds to list and draw, named as for `run` [default: the built-in ones and three random rooms]
+    #[arg(long = "world", value_name = "WORLD")]
+    worlds: Vec<String>,
+    /// Folder for the picture
+    #[arg(long, value_name = "DIR", default_value = "out/worlds")]
+    out: PathBuf,
+}
+
+/// Most worlds in one picture.
+const MOST: usize = 100;
+
+/// Lists the worlds and draws them.
+///
+/// # Errors
+/// Worlds that cannot be loaded, a folder that cannot be written, a closed pipe.
+pub fn worlds(args: &WorldsArgs, out: &mut impl Write) -> Result<(), Failure> {
+    let mut names = args.worlds.clone();
+    if names.is_empty() {
+        names = World::builtin_names().iter().map(|name| (*name).to_owned()).collect();
+        names.push("random:1..=3".to_owned());
+    }
+    let sources = sources(&names)?;
+    if sources.len() > MOST {
+        return Err(BadInput::new(format!(
+            "--world names {} worlds, a picture holds at most {MOST}", sources.len()
+        )).into());
+    }
+    let mut worlds = Vec::new();
+    for source in &sources {
+        worlds.push(source.load()?);
+    }
+    prepare(&args.out)?;
+    let rows: Vec<_> = worlds.iter().map(row).collect();
+    let heads = ["world", "size m", "surfaces", "start m", "clearance at start m"];
+    out.write_all(table::plain(&heads, &rows, &[2, 4]).as_bytes())?;
+
+    let all: Vec<_> = worlds.iter().collect();
+    let svg = plot::worlds("Worlds", &all);
+    let picture = plot::demo::save(&args.out, "worlds.svg", svg.as_bytes()).map_err(BadInput::from)?;
+    let png = plot::png::render(&svg, 2.0).map_err(|error| BadInput::new(format!("worlds.png: {error}")))?;
+    plot::demo::save(&args.out, "worlds.png", &png).map_err(BadInput::from)?;
+    writeln!(out, "\nPicture: {}", picture.display())?;
+    Ok(())
+}
+
+fn row(world: &World) -> Vec<String> {
+    let (least, greatest) = world.bounds();
+    let start = world.start().position;
+    vec![
+        world.name().to_owned(),
+        format!("{:.1} × {:.1}", greatest.x - least.x, greatest.y - least.y),
+        world.segments().count().to_string(),
+        format!("({:.2}, {:.2})", start.x, start.y),
+        format!("{:.2}", world.clearance(start)),
+    ]
+}

@@ -1,0 +1,191 @@
+//! What each open choice is worth: the recommended preset with one choice changed at a time, the
+//! literal preset, and the hand-written yardstick, over the same random rooms.
+
+use crate::baselines::{Braitenberg, Tuning};
+use crate::episode::{Body, Failure, Seeds, Setup, drive_pilot, run};
+use crate::error::BadInput;
+use crate::robot::TurretMode;
+use crate::scenes::Behavior;
+use crate::settings;
+use crate::sonar::SonarModel;
+use crate::world::World;
+use amp::config::Config;
+use rayon::prelude::*;
+
+/// One row: a preset with some choices changed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variant {
+    /// What is changed, in words or as `--set` takes it.
+    pub name: String,
+    /// Who drives.
+    pub driver: Driver,
+}
+
+/// Who drives.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Driver {
+    /// The mind with this configuration.
+    Mind(Box<Config<16>>, TurretMode),
+    /// The hand-written yardstick.
+    Braitenberg,
+}
+
+/// Rooms, steps and sonars of a measurement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Trial {
+    /// First room's seed.
+    pub first: u64,
+    /// How many rooms.
+    pub rooms: u32,
+    /// Random moves.
+    pub explore_moves: u16,
+    /// Steps in each room.
+    pub steps: u32,
+    /// Seed of the episodes.
+    pub seed: u64,
+    /// What the sonars return.
+    pub sonar: SonarModel,
+}
+
+/// Means over the rooms.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Figures {
+    /// Rooms in which nothing was touched while seeking.
+    pub clean: u32,
+    /// Rooms in which nothing was touched while exploring.
+    pub clean_exploring: u32,
+    /// Contacts per room.
+    pub contacts: f64,
+    /// Distance, metres.
+    pub distance_m: f64,
+    /// Area swept, square metres.
+    pub coverage_m2: f64,
+    /// Share of the steps in which the goal held.
+    pub goal_share: f64,
+    /// Steps shortened by the shield.
+    pub shield_stops: f64,
+}
+
+/// The choices changed one at a time.
+const CHANGES: [&str; 42] = [
+    "near=0.15", "far=0.5", "far=0.65", "far=1", "far=1.5",
+    "explore.shortest=0.125", "explore.shortest=0.25",
+    "action=turn-step",
+    "epochs=10", "epochs=30", "epochs=300", "order=recorded", "start=samples", "start=plane", "turned=off",
+    "action-weight=0", "action-weight=0.25", "action-weight=4", "taught=commanded", "edges=wrapped",
+    "situation.neighbourhood=gaussian", "situation.rate=0.2:0.02:inverse", "situation.radius=0.2",
+    "action.neighbourhood=gaussian", "action.rate=0.5:0.05:linear", "action.radius=0.5", "action.radius=0",
+    "online.situation-rate=0", "online.action-rate=0", "online.action-rate=0.02", "online.action-rate=0.2",
+    "online.share=0", "online.learner=best",
+    "intermediate=code", "intermediate=goal", "recall=distance", "recall=projection", "from=code",
+    "full-steps=off", "at-goal=ahead", "tolerance=0.1", "inhibition=0",
+];
+
+/// The rows of the ablation table, in order.
+///
+/// # Errors
+/// When a change is not a setting; a test holds that none is wrong.
+pub fn variants() -> Result<Vec<Variant>, BadInput> {
+    let bare = |mut config: Config<16>| {
+        config.shield = None;
+        Box::new(config)
+    };
+    let mind = |name: &str, config, turret| Variant { name: name.to_owned(), driver: Driver::Mind(config, turret) };
+    let (held, follow) = (TurretMode::Held, TurretMode::Follow);
+    let recommended = Config::recommended;
+    let mut rows = vec![
+        Variant { name: "Braitenberg (yardstick)".to_owned(), driver: Driver::Braitenberg },
+        mind("default, shield on", Box::new(recommended()), held),
+        mind("default", bare(recommended()), held),
+        mind("default, online off", bare(Config { online: None, ..recommended() }), held),
+        mind("default, turret follow", bare(recommended()), follow),
+        mind("touzet, shield on", Box::new(Config::touzet()), follow),
+        mind("touzet", bare(Config::touzet()), follow),
+        mind("touzet, turret held", bare(Config::touzet()), held),
+    ];
+    for change in CHANGES {
+        let mut config = recommended();
+        settings::apply(&mut config, change)?;
+        rows.push(mind(change, bare(config), held));
+    }
+    Ok(rows)
+}
+
+/// Measures one variant over all rooms, on all cores; sums are made in the rooms' order.
+///
+/// # Errors
+/// When an episode fails.
+pub fn measure(variant: &Variant, trial: &Trial) -> Result<Figures, Failure> {
+    let rooms: Result<Vec<_>, _> = (0..trial.rooms)
+        .into_par_iter()
+        .map(|room| one(variant, trial, &World::random(trial.first.wrapping_add(u64::from(room)))))
+        .collect();
+    let count = f64::from(trial.rooms.max(1));
+    Ok(rooms?.iter().fold(Figures::default(), |sum, room| Figures {
+        clean: sum.clean + room.clean,
+        clean_exploring: sum.clean_exploring + room.clean_exploring,
+        contacts: sum.contacts + room.contacts / count,
+        distance_m: sum.distance_m + room.distance_m / count,
+        coverage_m2: sum.coverage_m2 + room.coverage_m2 / count,
+        goal_share: sum.goal_share + room.goal_share / count,
+        shield_stops: sum.shield_stops + room.shield_stops / count,
+    }))
+}
+
+fn one(variant: &Variant, trial: &Trial, world: &World) -> Result<Figures, Failure> {
+    match &variant.driver {
+        Driver::Mind(config, turret) => mind(config, *turret, trial, world),
+        Driver::Braitenberg => braitenberg(trial, world),
+    }
+}
+
+fn mind(config: &Config<16>, turret: TurretMode, trial: &Trial, world: &World) -> Result<Figures, Failure> {
+    let setup = Setup {
+        config: config.clone(),
+        preset: String::new(),
+        behavior: Behavior::Avoid,
+        explore_moves: trial.explore_moves,
+        steps: trial.steps,
+        seed: trial.seed,
+        sonar: trial.sonar,
+        turret,
+        record: false,
+    };
+    let report = run(world, &setup, |_, _, _| {})?.report;
+    Ok(Figures {
+        clean: u32::from(report.contacts == 0),
+        clean_exploring: u32::from(report.explore_contacts == 0),
+        contacts: f64::from(report.contacts),
+        distance_m: report.distance_m,
+        coverage_m2: report.coverage_m2,
+        goal_share: f64::from(report.goal_steps) / f64::from(report.steps.max(1)),
+        shield_stops: f64::from(report.shield_stops),
+    })
+}
+
+fn braitenberg(trial: &Trial, world: &World) -> Result<Figures, Failure> {
+    let body = Body::new(world, trial.sonar, TurretMode::Held, Seeds::of(trial.seed).noise);
+    let tally = drive_pilot(world, &mut Braitenberg::new(Tuning::default()), body, trial.steps)?;
+    Ok(Figures {
+        clean: u32::from(tally.contacts == 0),
+        clean_exploring: 1,
+        contacts: f64::from(tally.contacts),
+        distance_m: tally.distance_m,
+        coverage_m2: tally.coverage_m2(),
+        ..Figures::default()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_change_changes_something() {
+        let rows = variants().expect("every change is a setting");
+        let default = rows.iter().find(|row| row.name == "default").expect("the base row");
+        for row in rows.iter().filter(|row| row.name.contains('=')) {
+            assert_ne!(row.driver, default.driver, "{}", row.name);
+        }
+    }
+}

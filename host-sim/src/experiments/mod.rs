@@ -1,0 +1,3 @@
+//! Measurements over many rooms.
+
+pub mod ablation;
