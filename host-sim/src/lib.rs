@@ -1,8 +1,10 @@
 //! Simulator of a Nomad 200 driven by the `amp` crate.
 pub mod baselines;
+pub mod cli;
 pub mod coverage;
 pub mod episode;
 pub mod error;
+pub mod experiments;
 pub mod noise;
 pub mod pilot;
 pub mod plot;
@@ -13,5 +15,3 @@ pub mod settings;
 pub mod som;
 pub mod sonar;
 pub mod world;
-pub mod cli;
-pub mod experiments;

@@ -2,13 +2,15 @@
 
 use crate::episode::Tally;
 use crate::error::BadInput;
+use amp::config::Config;
 use amp::goal::Goal;
+use amp::units::Range;
 use std::str::FromStr;
 
 /// A behaviour by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Behavior {
-    /// Obstacle avoidance, the paper's experiment: nothing within the far limit.
+    /// Obstacle avoidance, the paper's experiment: nothing nearer than the clearance.
     Avoid,
 }
 
@@ -26,9 +28,11 @@ impl Behavior {
 
     /// Its goal situation.
     #[must_use]
-    pub fn goal(self) -> Goal<16> {
+    pub fn goal(self, config: &Config<16>) -> Goal<16> {
         match self {
-            Self::Avoid => Goal::free_of_obstacles(),
+            Self::Avoid => {
+                Goal::nothing_within(Range::from_mm(config.clearance_mm), config.encoding)
+            }
         }
     }
 

@@ -271,6 +271,30 @@ pub static SETTINGS: Table = &[
         |c: &mut Config<16>, t| put(&mut c.planning.at_goal, choice(AT_GOALS, t))
     ),
     setting!(
+        "straight",
+        "preference for actions that keep the course, beside 1 for the wanted change: 0..255",
+        |c| (f64::from(c.planning.straight_q8) / 256.0).to_string(),
+        |c: &mut Config<16>, t| put(
+            &mut c.planning.straight_q8,
+            number(t, 0.0, 255.0).map(|v| (v * 256.0) as u16)
+        )
+    ),
+    setting!(
+        "inertia",
+        "share of the course added to the recalled action: 0..255",
+        |c| (f64::from(c.planning.inertia_q8) / 256.0).to_string(),
+        |c: &mut Config<16>, t| put(
+            &mut c.planning.inertia_q8,
+            number(t, 0.0, 255.0).map(|v| (v * 256.0) as u16)
+        )
+    ),
+    setting!(
+        "clearance",
+        "what free of obstacles means: nothing nearer than this, metres",
+        |c| meters(c.clearance_mm),
+        |c: &mut Config<16>, t| put(&mut c.clearance_mm, millimeters(t, 0.01, 10.0))
+    ),
+    setting!(
         "tolerance",
         "deviation with which the goal still holds: 0..1",
         |c| c.planning.tolerance.to_string(),

@@ -3,7 +3,7 @@
 //! A neuron holds a change of situation Δ and an action side by side: two codebooks over one grid. Learning finds the
 //! winner by both parts, |Δ − Δ_k|² + λ |a − a_k|²; recall probes with the change alone.
 
-use crate::fixed::{Mask, ONE_BITS, Weight, unit_weight};
+use crate::fixed::{Dither, Mask, ONE_BITS, Weight, isqrt, squared_norm, unit_weight};
 use crate::som::neighbourhood::Pull;
 use crate::som::{Grid, Som, kernels};
 use crate::units::{Bearing, Displacement};
@@ -124,31 +124,87 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
 
     /// One step of learning around `winner`.
     #[inline]
-    pub fn learn(&mut self, winner: usize, effect: &Effect<SENSORS>, pull: &Pull<NEURONS>) {
+    pub fn learn(
+        &mut self,
+        winner: usize,
+        effect: &Effect<SENSORS>,
+        pull: &Pull<NEURONS>,
+        dither: Dither,
+    ) {
         self.changes
-            .learn(winner, &effect.change, effect.mask, pull);
-        self.actions.learn(winner, &effect.action, Mask::ALL, pull);
+            .learn(winner, &effect.change, effect.mask, pull, dither);
+        self.actions
+            .learn(winner, &effect.action, Mask::ALL, pull, dither);
     }
 
-    /// The neuron that answers a wanted change, among those `allowed` counts (all of them where it counts none).
+    /// The neuron that answers a wanted change, among those `allowed` counts (all of them where it counts
+    /// none).
     #[must_use]
     pub fn recall(
         &self,
         wanted: &[Weight; SENSORS],
         mask: Mask,
         recall: Recall,
+        preference: Preference,
         allowed: Mask,
     ) -> usize {
         let scores = match recall {
             Recall::Distance => self
                 .changes
                 .scores_masked(wanted, mask)
-                .map(|score| score.saturating_neg()),
-            Recall::Direction => self.changes.alignments(&stretched(wanted), mask),
+                .map(i64::saturating_neg),
+            Recall::Direction => self.by_direction(&stretched(wanted), mask, preference),
             Recall::Projection => self.changes.projections(wanted, mask),
         };
         kernels::greatest(&scores, allowed)
     }
+
+    /// Cosine of the changes with the wanted one plus the weighted cosine of the actions with the
+    /// preferred one, times 256 and the length of `wanted`.
+    fn by_direction(
+        &self,
+        wanted: &[Weight; SENSORS],
+        mask: Mask,
+        preference: Preference,
+    ) -> [i64; NEURONS] {
+        let mut scores = self
+            .changes
+            .alignments(wanted, mask)
+            .map(|score| score.wrapping_mul(256));
+        let preferred = i64::from(isqrt(squared_norm(&preference.code).unsigned_abs()));
+        if preference.weight_q8 == 0 || preferred == 0 {
+            return scores;
+        }
+        let length = i64::from(isqrt(squared_norm(wanted).unsigned_abs()));
+        let factor = length.wrapping_mul(i64::from(preference.weight_q8));
+        let along = self.actions.alignments(&preference.code, Mask::ALL);
+        for (score, along) in scores.iter_mut().zip(along) {
+            *score = score.wrapping_add(
+                factor
+                    .wrapping_mul(along)
+                    .checked_div(preferred)
+                    .unwrap_or(0),
+            );
+        }
+        scores
+    }
+}
+
+/// An action that is preferred where several would do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Preference {
+    /// Code of the action.
+    pub code: [Weight; 2],
+    /// Weight of its cosine beside that of the change, in 1/256.
+    pub weight_q8: u16,
+}
+
+impl Preference {
+    /// No action is preferred.
+    pub const NONE: Self = Self {
+        code: [Weight::ZERO; 2],
+        weight_q8: 0,
+    };
 }
 
 /// The vector scaled so that its largest component is about 1: short probes keep their direction's precision.
@@ -186,7 +242,7 @@ mod tests {
     #[test]
     fn the_three_recalls_differ_as_described() {
         let wanted = [1_000, 0, 0].map(Weight::from_bits);
-        let recall = |recall| map().recall(&wanted, Mask::ALL, recall, Mask::ALL);
+        let recall = |recall| map().recall(&wanted, Mask::ALL, recall, Preference::NONE, Mask::ALL);
         assert_eq!(
             (recall(Recall::Distance), recall(Recall::Direction)),
             (0, 0)
@@ -197,7 +253,15 @@ mod tests {
     #[test]
     fn inhibited_neurons_do_not_answer_unless_all_are() {
         let wanted = [1_000, 0, 0].map(Weight::from_bits);
-        let without = |mask| map().recall(&wanted, Mask::ALL, Recall::Direction, mask);
+        let without = |mask| {
+            map().recall(
+                &wanted,
+                Mask::ALL,
+                Recall::Direction,
+                Preference::NONE,
+                mask,
+            )
+        };
         assert_eq!(without(Mask::ALL.without(0)), 2);
         assert_eq!(without(Mask::from_bits(0)), 0);
     }
@@ -206,11 +270,23 @@ mod tests {
     fn a_masked_component_does_not_count() {
         let wanted = [1_000, 8_192, 0].map(Weight::from_bits);
         assert_eq!(
-            map().recall(&wanted, Mask::ALL, Recall::Direction, Mask::ALL),
+            map().recall(
+                &wanted,
+                Mask::ALL,
+                Recall::Direction,
+                Preference::NONE,
+                Mask::ALL
+            ),
             1
         );
         assert_ne!(
-            map().recall(&wanted, Mask::ALL.without(1), Recall::Direction, Mask::ALL),
+            map().recall(
+                &wanted,
+                Mask::ALL.without(1),
+                Recall::Direction,
+                Preference::NONE,
+                Mask::ALL
+            ),
             1
         );
     }

@@ -34,6 +34,9 @@ pub struct Config<const SENSORS: usize> {
     pub online: Option<Online>,
     /// From a goal to an action.
     pub planning: Planning,
+    /// What "free of obstacles" means as a goal: nothing nearer than this, millimetres; at the far limit
+    /// or beyond it, nothing perceived at all.
+    pub clearance_mm: u16,
     /// What limits motion by the echoes; `None` = nothing does.
     pub shield: Option<Shielding>,
 }
@@ -156,6 +159,11 @@ pub struct Planning {
     pub recall: Recall,
     /// The wanted change starts from the situation as measured, not from the present neuron's code vector.
     pub from_measured: bool,
+    /// How much a neuron whose action keeps to the course is preferred, beside 1 for the change that
+    /// points the wanted way, in 1/256 (recall by direction only).
+    pub straight_q8: u16,
+    /// Share of the course added to the recalled action, in 1/256.
+    pub inertia_q8: u16,
     /// Recalled displacements are stretched to the robot's step.
     pub full_steps: bool,
     /// What to do at the goal.
@@ -211,11 +219,14 @@ impl Config<16> {
                 intermediate: Intermediate::FewestHops,
                 recall: Recall::Distance,
                 from_measured: true,
+                straight_q8: 0,
+                inertia_q8: 0,
                 full_steps: false,
                 at_goal: AtGoal::StraightAhead,
                 tolerance: Weight::ZERO,
                 inhibition: 0,
             },
+            clearance_mm: 1_000,
             shield: Some(Shielding::nomad200()),
         }
     }
@@ -230,6 +241,7 @@ impl Config<16> {
                 near_mm: 0,
                 far_mm: 800,
             },
+            clearance_mm: 800,
             action_code: ActionCode::Displacement,
             learning: Learning {
                 start: Start::Random,

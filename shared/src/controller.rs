@@ -14,7 +14,7 @@
 
 use crate::action_map::{ActionMap, Effect};
 use crate::config::{Config, Taught};
-use crate::fixed::Mask;
+use crate::fixed::{Dither, Mask};
 use crate::goal::Goal;
 use crate::memory::{self, Memory, Sample};
 use crate::planner::{Plan, Planner, difference};
@@ -215,6 +215,7 @@ pub struct State<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usiz
     generator: Xoshiro128PlusPlus,
     pending: Option<Pending<SENSORS>>,
     motion_id: u16,
+    dither: Dither,
     /// The last displacement, in the ring's present frame.
     course: Displacement,
     /// Decisions for which each action neuron stays inhibited.
@@ -245,6 +246,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             generator: Xoshiro128PlusPlus::seed_from_u64(0),
             pending: None,
             motion_id: 0,
+            dither: Dither::default(),
             course: Displacement::ZERO,
             inhibited: [0; NEURONS],
         }
@@ -554,6 +556,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             mask: config.believed,
         };
         let pull = |rate| Pull::new(Neighbourhood::Direct, rate, online.share_q16);
+        self.dither = self.dither.next();
         let winner = match pending.action_neuron {
             Some(neuron) if online.blame_recalled => usize::from(neuron),
             _ => self
@@ -561,13 +564,14 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 .winner(&effect, config.learning.action_weight_q8),
         };
         self.actions
-            .learn(winner, &effect, &pull(online.action_rate_q16));
+            .learn(winner, &effect, &pull(online.action_rate_q16), self.dither);
         let winner = self.situations.winner(after, config.believed);
         self.situations.learn(
             winner,
             after,
             config.believed,
             &pull(online.situation_rate_q16),
+            self.dither,
         );
     }
 

@@ -5,7 +5,7 @@
 //! 3. choose a *neighbour* of it nearer to the goal: the intermediate situation;
 //! 4. probe the action map with the change of situation wanted; it answers with an action.
 
-use crate::action_map::ActionMap;
+use crate::action_map::{ActionMap, Preference};
 use crate::config::{AtGoal, Config, Intermediate};
 use crate::fixed::{Mask, Weight, unit_weight};
 use crate::goal::Goal;
@@ -107,10 +107,17 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         } else {
             self.situations.code_vector(current)
         };
-        let wanted = difference(&target, &from);
-        let action_neuron = self
-            .actions
-            .recall(&wanted, mask, planning.recall, self.allowed);
+        let mut wanted = difference(&target, &from);
+        let preference = Preference {
+            code: self
+                .config
+                .action_code
+                .encode(self.course, self.config.robot.step_mm),
+            weight_q8: planning.straight_q8,
+        };
+        let action_neuron =
+            self.actions
+                .recall(&wanted, mask, planning.recall, preference, self.allowed);
         let plan = Plan {
             situation: *situation,
             goal_neuron: goal_neuron as u8,
@@ -158,9 +165,15 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
 
     fn recalled(&self, action_neuron: usize) -> Displacement {
         let step = self.config.robot.step_mm;
+        let planning = &self.config.planning;
         let code = self.actions.actions().code_vector(action_neuron);
-        let action = self.config.action_code.decode(code, step);
-        if self.config.planning.full_steps || action.length_mm() > step {
+        let mut action = self.config.action_code.decode(code, step);
+        let inertia = (u32::from(planning.inertia_q8) * u32::from(step)) >> 8;
+        if inertia > 0 {
+            let kept = self.course.with_length(inertia as u16);
+            action = action.with_length(step).plus(kept);
+        }
+        if planning.full_steps || action.length_mm() > step {
             action.with_length(step)
         } else {
             action

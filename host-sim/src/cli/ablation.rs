@@ -35,7 +35,13 @@ pub struct AblationArgs {
 }
 
 const HEADS: [&str; 8] = [
-    "choice", "clean rooms %", "clean exploring %", "contacts/room", "distance m", "coverage m²", "goal held %",
+    "choice",
+    "clean rooms %",
+    "clean exploring %",
+    "contacts/room",
+    "distance m",
+    "coverage m²",
+    "goal held %",
     "shield stops",
 ];
 
@@ -56,7 +62,9 @@ pub fn ablation(args: &AblationArgs, out: &mut impl Write) -> Result<(), Failure
     if let Some(text) = &args.only {
         chosen.retain(|variant| variant.name.contains(text.as_str()));
         if chosen.is_empty() {
-            return Err(BadInput::new(format!("--only \"{text}\": no row has that in its name")).into());
+            return Err(
+                BadInput::new(format!("--only \"{text}\": no row has that in its name")).into(),
+            );
         }
     }
     let progress = bar(chosen.len() as u64, "rows");
@@ -69,7 +77,11 @@ pub fn ablation(args: &AblationArgs, out: &mut impl Write) -> Result<(), Failure
     }
     progress.finish_and_clear();
     let right: Vec<_> = (1..HEADS.len()).collect();
-    let text = if args.markdown { table::markdown } else { table::plain }(&HEADS, &rows, &right);
+    let text = if args.markdown {
+        table::markdown
+    } else {
+        table::plain
+    }(&HEADS, &rows, &right);
     Ok(out.write_all(text.as_bytes())?)
 }
 

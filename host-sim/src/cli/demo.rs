@@ -28,7 +28,10 @@ const DEMO_SEED: u64 = 1;
 
 impl Default for DemoArgs {
     fn default() -> Self {
-        Self { out: "out/demo".into(), seed: DEMO_SEED }
+        Self {
+            out: "out/demo".into(),
+            seed: DEMO_SEED,
+        }
     }
 }
 
@@ -84,12 +87,27 @@ pub fn demo(args: &DemoArgs, out: &mut impl Write) -> Result<(), Failure> {
     print(out, &rows, &files)
 }
 
-fn print(out: &mut impl Write, rows: &[(String, String)], files: &[PathBuf]) -> Result<(), Failure> {
-    writeln!(out, "A Nomad 200 explored with 100 random moves, learnt two maps of 16 neurons and avoided obstacles:\n")?;
-    let cells: Vec<_> = rows.iter().map(|(label, value)| vec![label.clone(), value.clone()]).collect();
+fn print(
+    out: &mut impl Write,
+    rows: &[(String, String)],
+    files: &[PathBuf],
+) -> Result<(), Failure> {
+    writeln!(
+        out,
+        "A Nomad 200 explored with 100 random moves, learnt two maps of 16 neurons and avoided obstacles:\n"
+    )?;
+    let cells: Vec<_> = rows
+        .iter()
+        .map(|(label, value)| vec![label.clone(), value.clone()])
+        .collect();
     out.write_all(table::plain(&["", "result"], &cells, &[]).as_bytes())?;
     if let Some(page) = files.last() {
-        writeln!(out, "\nPictures: open {} in a browser ({} files beside it)", page.display(), files.len() - 1)?;
+        writeln!(
+            out,
+            "\nPictures: open {} in a browser ({} files beside it)",
+            page.display(),
+            files.len() - 1
+        )?;
     }
     writeln!(out, "\nWhat to try next:")?;
     for command in NEXT {

@@ -19,7 +19,8 @@ use std::process::ExitCode;
 pub use run::{RunArgs, SonarChoice};
 
 /// What the program calls itself in its help.
-const ABOUT: &str = "A simulated Nomad 200 learns from 100 random moves and then does what its goal asks";
+const ABOUT: &str =
+    "A simulated Nomad 200 learns from 100 random moves and then does what its goal asks";
 
 const LONG_ABOUT: &str = "A simulated Nomad 200 with a ring of 16 sonars explores with 100 random moves, makes two \
 self-organising maps of 16 neurons from them, and from then on pursues any goal situation. The mind is the same crate \
@@ -83,7 +84,9 @@ pub fn main() -> ExitCode {
     let done = execute(cli.command, &mut out).and_then(|()| Ok(out.flush()?));
     match done {
         Ok(()) => ExitCode::SUCCESS,
-        Err(Failure::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(Failure::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => {
+            ExitCode::SUCCESS
+        }
         Err(Failure::Output(error)) => complain(&format!("standard output: {error}")),
         Err(Failure::Bad(error)) => {
             // What was printed before the trouble is complete lines: it may stay.
@@ -120,7 +123,10 @@ fn run_som(args: &crate::som::SomArgs, out: &mut impl Write) -> Result<(), Failu
 }
 
 fn settings(out: &mut impl Write) -> Result<(), Failure> {
-    let (recommended, literal) = (amp::config::Config::recommended(), amp::config::Config::touzet());
+    let (recommended, literal) = (
+        amp::config::Config::recommended(),
+        amp::config::Config::touzet(),
+    );
     let rows: Vec<_> = crate::settings::SETTINGS
         .iter()
         .map(|setting| {

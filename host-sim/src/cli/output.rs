@@ -26,7 +26,9 @@ impl From<WriteError> for BadInput {
 /// A bar on standard error that counts to `length`; silent where nobody watches.
 #[must_use]
 pub fn bar(length: u64, what: &'static str) -> ProgressBar {
-    let template = "{prefix:>8} {wide_bar:.cyan/blue} {pos}/{len} {elapsed_precise} (left {eta_precise})";
-    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    let template =
+        "{prefix:>8} {wide_bar:.cyan/blue} {pos}/{len} {elapsed_precise} (left {eta_precise})";
+    let style =
+        ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
     ProgressBar::new(length).with_style(style).with_prefix(what)
 }

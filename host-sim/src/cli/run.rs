@@ -171,14 +171,19 @@ pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
     if let Some(dir) = &args.out {
         prepare(dir)?;
     }
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.map_or(0, usize::from)).build();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(args.threads.map_or(0, usize::from))
+        .build();
     let pool = pool.map_err(|error| BadInput::new(format!("--threads: {error}")))?;
     let began = std::time::Instant::now();
     let progress = bar(sources.len() as u64, "worlds");
     let mut reports = Vec::new();
     for (number, chunk) in sources.chunks(CHUNK).enumerate() {
         let one = |(index, source): (usize, &WorldSource)| {
-            let folder = args.out.as_deref().map(|dir| folder(dir, number * CHUNK + index, source, sources.len()));
+            let folder = args
+                .out
+                .as_deref()
+                .map(|dir| folder(dir, number * CHUNK + index, source, sources.len()));
             let report = episode(source, &setup, folder.as_deref());
             progress.inc(1);
             report
@@ -197,7 +202,11 @@ pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
     if !args.json {
         out.write_all(summary(&reports).as_bytes())?;
     }
-    eprintln!("{} episodes in {:.2} s", sources.len(), began.elapsed().as_secs_f64());
+    eprintln!(
+        "{} episodes in {:.2} s",
+        sources.len(),
+        began.elapsed().as_secs_f64()
+    );
     Ok(())
 }
 
@@ -244,9 +253,16 @@ fn folder(dir: &Path, index: usize, source: &WorldSource, count: usize) -> PathB
         return dir.to_owned();
     }
     let name = source.to_string();
-    let name = Path::new(&name).file_stem().and_then(|stem| stem.to_str()).unwrap_or("world");
+    let name = Path::new(&name)
+        .file_stem()
+        .and_then(|stem| stem.to_str())
+        .unwrap_or("world");
     let tame = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
-    dir.join(format!("{:04}-{}", index + 1, name.chars().map(tame).collect::<String>()))
+    dir.join(format!(
+        "{:04}-{}",
+        index + 1,
+        name.chars().map(tame).collect::<String>()
+    ))
 }
 
 fn episode(source: &WorldSource, setup: &Setup, folder: Option<&Path>) -> Result<Report, BadInput> {
@@ -270,16 +286,31 @@ pub(super) fn summary_rows(report: &Report) -> Vec<(String, String)> {
     let rows = [
         ("world", report.world.clone()),
         ("behavior", report.behavior.clone()),
-        ("random moves", format!("{} ({} touched something)", report.explore_moves, report.explore_contacts)),
+        (
+            "random moves",
+            format!(
+                "{} ({} touched something)",
+                report.explore_moves, report.explore_contacts
+            ),
+        ),
         ("steps", report.steps.to_string()),
         ("steps with contact", report.contacts.to_string()),
         ("distance", format!("{:.1} m", report.distance_m)),
-        ("least clearance", format!("{:.3} m", report.min_clearance_m)),
+        (
+            "least clearance",
+            format!("{:.3} m", report.min_clearance_m),
+        ),
         ("area swept", format!("{:.1} m²", report.coverage_m2)),
         ("goal held", format!("{share:.1} % of the steps")),
-        ("shortened by the shield", format!("{} steps", report.shield_stops)),
+        (
+            "shortened by the shield",
+            format!("{} steps", report.shield_stops),
+        ),
         ("simulated time", format!("{:.0} s", report.time_s)),
-        ("success", format!("{:.4} ({})", report.success, report.success_unit)),
+        (
+            "success",
+            format!("{:.4} ({})", report.success, report.success_unit),
+        ),
     ];
     rows.map(|(label, value)| (label.to_owned(), value)).into()
 }
@@ -287,10 +318,21 @@ pub(super) fn summary_rows(report: &Report) -> Vec<(String, String)> {
 /// The table over all worlds, with their means where there are several.
 fn summary(reports: &[Report]) -> String {
     let heads = [
-        "world", "explore contacts", "contacts", "distance m", "clearance m", "coverage m²", "goal %",
-        "shield stops", "time s", "success",
+        "world",
+        "explore contacts",
+        "contacts",
+        "distance m",
+        "clearance m",
+        "coverage m²",
+        "goal %",
+        "shield stops",
+        "time s",
+        "success",
     ];
-    let mut rows: Vec<_> = reports.iter().map(|report| cells(&report.world, &figures(report))).collect();
+    let mut rows: Vec<_> = reports
+        .iter()
+        .map(|report| cells(&report.world, &figures(report)))
+        .collect();
     let count = reports.len() as f64;
     let mut tail = String::new();
     if reports.len() > 1 {
@@ -302,7 +344,10 @@ fn summary(reports: &[Report]) -> String {
         }
         rows.push(cells("mean", &means));
         let clean = reports.iter().filter(|report| report.contacts == 0).count();
-        let untouched = reports.iter().filter(|report| report.explore_contacts == 0).count();
+        let untouched = reports
+            .iter()
+            .filter(|report| report.explore_contacts == 0)
+            .count();
         tail = format!(
             "\n{clean} of {} worlds without contact while seeking ({:.1} %), {untouched} without contact while exploring\n",
             reports.len(),
@@ -332,9 +377,18 @@ fn cells(name: &str, figures: &[f64; 9]) -> Vec<String> {
     let short = |value: f64, digits: usize| {
         let text = format!("{value:.digits$}");
         // A whole count needs no decimals; a mean of counts does.
-        if value.fract() == 0.0 && digits == 2 { format!("{value:.0}") } else { text }
+        if value.fract() == 0.0 && digits == 2 {
+            format!("{value:.0}")
+        } else {
+            text
+        }
     };
     let mut row = vec![name.to_owned()];
-    row.extend(figures.iter().zip(digits).map(|(&value, digits)| short(value, digits)));
+    row.extend(
+        figures
+            .iter()
+            .zip(digits)
+            .map(|(&value, digits)| short(value, digits)),
+    );
     row
 }

@@ -31,14 +31,19 @@ const MOST: usize = 100;
 pub fn worlds(args: &WorldsArgs, out: &mut impl Write) -> Result<(), Failure> {
     let mut names = args.worlds.clone();
     if names.is_empty() {
-        names = World::builtin_names().iter().map(|name| (*name).to_owned()).collect();
+        names = World::builtin_names()
+            .iter()
+            .map(|name| (*name).to_owned())
+            .collect();
         names.push("random:1..=3".to_owned());
     }
     let sources = sources(&names)?;
     if sources.len() > MOST {
         return Err(BadInput::new(format!(
-            "--world names {} worlds, a picture holds at most {MOST}", sources.len()
-        )).into());
+            "--world names {} worlds, a picture holds at most {MOST}",
+            sources.len()
+        ))
+        .into());
     }
     let mut worlds = Vec::new();
     for source in &sources {
@@ -46,13 +51,21 @@ pub fn worlds(args: &WorldsArgs, out: &mut impl Write) -> Result<(), Failure> {
     }
     prepare(&args.out)?;
     let rows: Vec<_> = worlds.iter().map(row).collect();
-    let heads = ["world", "size m", "surfaces", "start m", "clearance at start m"];
+    let heads = [
+        "world",
+        "size m",
+        "surfaces",
+        "start m",
+        "clearance at start m",
+    ];
     out.write_all(table::plain(&heads, &rows, &[2, 4]).as_bytes())?;
 
     let all: Vec<_> = worlds.iter().collect();
     let svg = plot::worlds("Worlds", &all);
-    let picture = plot::demo::save(&args.out, "worlds.svg", svg.as_bytes()).map_err(BadInput::from)?;
-    let png = plot::png::render(&svg, 2.0).map_err(|error| BadInput::new(format!("worlds.png: {error}")))?;
+    let picture =
+        plot::demo::save(&args.out, "worlds.svg", svg.as_bytes()).map_err(BadInput::from)?;
+    let png = plot::png::render(&svg, 2.0)
+        .map_err(|error| BadInput::new(format!("worlds.png: {error}")))?;
     plot::demo::save(&args.out, "worlds.png", &png).map_err(BadInput::from)?;
     writeln!(out, "\nPicture: {}", picture.display())?;
     Ok(())

@@ -107,7 +107,7 @@ pub fn run(
     driver.learn(&mut mind)?;
     progress(Phase::Learn, 1, 1);
 
-    driver.command(&mut mind, Command::Seek(setup.behavior.goal()))?;
+    driver.command(&mut mind, Command::Seek(setup.behavior.goal(&setup.config)))?;
     let began_s = driver.body.time_s();
     driver.drive(&mut mind, setup.steps, |done| {
         progress(Phase::Seek, done, setup.steps)

@@ -68,17 +68,48 @@ pub struct Figures {
 
 /// The choices changed one at a time.
 const CHANGES: [&str; 42] = [
-    "near=0.15", "far=0.5", "far=0.65", "far=1", "far=1.5",
-    "explore.shortest=0.125", "explore.shortest=0.25",
+    "near=0.15",
+    "far=0.5",
+    "far=0.65",
+    "far=1",
+    "far=1.5",
+    "explore.shortest=0.125",
+    "explore.shortest=0.25",
     "action=turn-step",
-    "epochs=10", "epochs=30", "epochs=300", "order=recorded", "start=samples", "start=plane", "turned=off",
-    "action-weight=0", "action-weight=0.25", "action-weight=4", "taught=commanded", "edges=wrapped",
-    "situation.neighbourhood=gaussian", "situation.rate=0.2:0.02:inverse", "situation.radius=0.2",
-    "action.neighbourhood=gaussian", "action.rate=0.5:0.05:linear", "action.radius=0.5", "action.radius=0",
-    "online.situation-rate=0", "online.action-rate=0", "online.action-rate=0.02", "online.action-rate=0.2",
-    "online.share=0", "online.learner=best",
-    "intermediate=code", "intermediate=goal", "recall=distance", "recall=projection", "from=code",
-    "full-steps=off", "at-goal=ahead", "tolerance=0.1", "inhibition=0",
+    "epochs=10",
+    "epochs=30",
+    "epochs=300",
+    "order=recorded",
+    "start=samples",
+    "start=plane",
+    "turned=off",
+    "action-weight=0",
+    "action-weight=0.25",
+    "action-weight=4",
+    "taught=commanded",
+    "edges=wrapped",
+    "situation.neighbourhood=gaussian",
+    "situation.rate=0.2:0.02:inverse",
+    "situation.radius=0.2",
+    "action.neighbourhood=gaussian",
+    "action.rate=0.5:0.05:linear",
+    "action.radius=0.5",
+    "action.radius=0",
+    "online.situation-rate=0",
+    "online.action-rate=0",
+    "online.action-rate=0.02",
+    "online.action-rate=0.2",
+    "online.share=0",
+    "online.learner=best",
+    "intermediate=code",
+    "intermediate=goal",
+    "recall=distance",
+    "recall=projection",
+    "from=code",
+    "full-steps=off",
+    "at-goal=ahead",
+    "tolerance=0.1",
+    "inhibition=0",
 ];
 
 /// The rows of the ablation table, in order.
@@ -90,14 +121,27 @@ pub fn variants() -> Result<Vec<Variant>, BadInput> {
         config.shield = None;
         Box::new(config)
     };
-    let mind = |name: &str, config, turret| Variant { name: name.to_owned(), driver: Driver::Mind(config, turret) };
+    let mind = |name: &str, config, turret| Variant {
+        name: name.to_owned(),
+        driver: Driver::Mind(config, turret),
+    };
     let (held, follow) = (TurretMode::Held, TurretMode::Follow);
     let recommended = Config::recommended;
     let mut rows = vec![
-        Variant { name: "Braitenberg (yardstick)".to_owned(), driver: Driver::Braitenberg },
+        Variant {
+            name: "Braitenberg (yardstick)".to_owned(),
+            driver: Driver::Braitenberg,
+        },
         mind("default, shield on", Box::new(recommended()), held),
         mind("default", bare(recommended()), held),
-        mind("default, online off", bare(Config { online: None, ..recommended() }), held),
+        mind(
+            "default, online off",
+            bare(Config {
+                online: None,
+                ..recommended()
+            }),
+            held,
+        ),
         mind("default, turret follow", bare(recommended()), follow),
         mind("touzet, shield on", Box::new(Config::touzet()), follow),
         mind("touzet", bare(Config::touzet()), follow),
@@ -118,7 +162,13 @@ pub fn variants() -> Result<Vec<Variant>, BadInput> {
 pub fn measure(variant: &Variant, trial: &Trial) -> Result<Figures, Failure> {
     let rooms: Result<Vec<_>, _> = (0..trial.rooms)
         .into_par_iter()
-        .map(|room| one(variant, trial, &World::random(trial.first.wrapping_add(u64::from(room)))))
+        .map(|room| {
+            one(
+                variant,
+                trial,
+                &World::random(trial.first.wrapping_add(u64::from(room))),
+            )
+        })
         .collect();
     let count = f64::from(trial.rooms.max(1));
     Ok(rooms?.iter().fold(Figures::default(), |sum, room| Figures {
@@ -139,7 +189,12 @@ fn one(variant: &Variant, trial: &Trial, world: &World) -> Result<Figures, Failu
     }
 }
 
-fn mind(config: &Config<16>, turret: TurretMode, trial: &Trial, world: &World) -> Result<Figures, Failure> {
+fn mind(
+    config: &Config<16>,
+    turret: TurretMode,
+    trial: &Trial,
+    world: &World,
+) -> Result<Figures, Failure> {
     let setup = Setup {
         config: config.clone(),
         preset: String::new(),
@@ -164,8 +219,18 @@ fn mind(config: &Config<16>, turret: TurretMode, trial: &Trial, world: &World) -
 }
 
 fn braitenberg(trial: &Trial, world: &World) -> Result<Figures, Failure> {
-    let body = Body::new(world, trial.sonar, TurretMode::Held, Seeds::of(trial.seed).noise);
-    let tally = drive_pilot(world, &mut Braitenberg::new(Tuning::default()), body, trial.steps)?;
+    let body = Body::new(
+        world,
+        trial.sonar,
+        TurretMode::Held,
+        Seeds::of(trial.seed).noise,
+    );
+    let tally = drive_pilot(
+        world,
+        &mut Braitenberg::new(Tuning::default()),
+        body,
+        trial.steps,
+    )?;
     Ok(Figures {
         clean: u32::from(tally.contacts == 0),
         clean_exploring: 1,
@@ -183,7 +248,10 @@ mod tests {
     #[test]
     fn every_change_changes_something() {
         let rows = variants().expect("every change is a setting");
-        let default = rows.iter().find(|row| row.name == "default").expect("the base row");
+        let default = rows
+            .iter()
+            .find(|row| row.name == "default")
+            .expect("the base row");
         for row in rows.iter().filter(|row| row.name.contains('=')) {
             assert_ne!(row.driver, default.driver, "{}", row.name);
         }

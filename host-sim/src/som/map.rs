@@ -1,6 +1,6 @@
 //! A map of run-time size on the same kernels as the maps of the robot.
 
-use amp::fixed::{Gain, Mask, ONE_BITS, Weight, squared_norm, unit_weight};
+use amp::fixed::{Dither, Gain, Mask, ONE_BITS, Weight, squared_norm, unit_weight};
 use amp::som::metrics::{MapView, Quality, u_matrix_value};
 use amp::som::neighbourhood::View;
 use amp::som::{Grid, Learn, kernels};
@@ -14,6 +14,7 @@ pub struct DynSom {
     norms: Vec<i64>,
     /// Room for a search.
     scores: Vec<i64>,
+    dither: Dither,
 }
 
 /// How good a map is for a set of samples.
@@ -40,6 +41,7 @@ impl DynSom {
         Self {
             norms: code.chunks_exact(dims).map(squared_norm).collect(),
             scores: vec![0; grid.len()],
+            dither: Dither::default(),
             grid,
             dims,
             code,
@@ -79,7 +81,9 @@ impl DynSom {
             dims: self.dims,
             winner,
             mask: Mask::ALL,
+            dither: self.dither,
         };
+        self.dither = self.dither.next();
         learn.apply(&mut self.code, &mut self.norms, probe, pull);
         winner
     }

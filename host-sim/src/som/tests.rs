@@ -187,9 +187,11 @@ fn it_learns_as_the_robot_does() {
         let mut axis = dynamic.axis();
         dynamic.learn_all(&samples, View::new(shape, 9_000, 40_000, &mut axis));
         let pull = Pull::<6>::new(shape, 9_000, 40_000);
+        let mut dither = amp::fixed::Dither::default();
         for probe in samples.as_chunks::<40>().0 {
             let winner = fixed.winner(probe, amp::fixed::Mask::ALL);
-            fixed.learn(winner, probe, amp::fixed::Mask::ALL, &pull);
+            fixed.learn(winner, probe, amp::fixed::Mask::ALL, &pull, dither);
+            dither = dither.next();
         }
         let MapView { code, .. } = fixed.view();
         assert_eq!(

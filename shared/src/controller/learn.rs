@@ -83,13 +83,20 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let (for_situations, for_actions) = (pull(learning.situations), pull(learning.actions));
         for step in done..end {
             let lesson = self.lesson(config, Some(step));
+            self.dither = self.dither.next();
             let winner = self.situations.winner(&lesson.after, lesson.effect.mask);
-            self.situations
-                .learn(winner, &lesson.after, lesson.effect.mask, &for_situations);
+            self.situations.learn(
+                winner,
+                &lesson.after,
+                lesson.effect.mask,
+                &for_situations,
+                self.dither,
+            );
             let winner = self
                 .actions
                 .winner(&lesson.effect, learning.action_weight_q8);
-            self.actions.learn(winner, &lesson.effect, &for_actions);
+            self.actions
+                .learn(winner, &lesson.effect, &for_actions, self.dither);
         }
         end
     }

@@ -4,7 +4,7 @@
 //! the same functions serve sizes known only at run time. A slice that is too short ends the loop, nothing panics.
 //! Measured in scalar products: a search of 16 neurons of 16 components is 256 multiply–adds and 16 comparisons.
 
-use crate::fixed::{Gain, Mask, Weight, approach, dot, isqrt, squared_norm};
+use crate::fixed::{Dither, Gain, Mask, Weight, approach, dot, isqrt, squared_norm};
 
 /// Squared distance of the probe to each code vector less the probe's own squared length:
 /// |w|² − 2 w·x, in units of 2⁻²⁶.
@@ -125,15 +125,15 @@ pub fn two_least(scores: &[i64]) -> (usize, usize) {
     (first, second.map_or(first, |(index, _)| index))
 }
 
-/// Moves a code vector towards the probe by `gain`, over the components that `mask` believes.
+/// Moves a code vector towards the probe by `gain`, rounded by `dither`, over the components that `mask` believes.
 #[inline(always)]
-pub fn pull(row: &mut [Weight], probe: &[Weight], mask: Mask, gain: Gain) {
+pub fn pull(row: &mut [Weight], probe: &[Weight], mask: Mask, gain: Gain, dither: Dither) {
     if mask.covers(row.len()) {
-        pull_all(row, probe, gain);
+        pull_all(row, probe, gain, dither);
     } else {
         for (index, (w, x)) in row.iter_mut().zip(probe).enumerate() {
             if mask.contains(index) {
-                *w = approach(*w, *x, gain);
+                *w = approach(*w, *x, gain, dither.threshold(index));
             }
         }
     }
@@ -142,36 +142,64 @@ pub fn pull(row: &mut [Weight], probe: &[Weight], mask: Mask, gain: Gain) {
 /// [`approach`] for every component, in products of 16-bit factors, which the vector units of common processors have:
 /// w · 2¹⁵ + (x − w) · g = w · (2¹⁵ − g) + x · g. Both factors fit as long as neither is 2¹⁵ itself.
 #[inline(always)]
-fn pull_all(row: &mut [Weight], probe: &[Weight], gain: Gain) {
+fn pull_all(row: &mut [Weight], probe: &[Weight], gain: Gain, dither: Dither) {
     let towards = gain.to_bits() as i16;
     let keep = Gain::ONE.to_bits().wrapping_sub(gain.to_bits()) as i16;
     let (row_blocks, row_rest) = row.as_chunks_mut();
     let (probe_blocks, probe_rest) = probe.as_chunks();
-    if towards > 0 && keep > 0 {
-        for (w, x) in row_blocks.iter_mut().zip(probe_blocks) {
-            blend(w, x, keep, towards);
+    let whole = row_blocks.len().min(probe_blocks.len()).wrapping_mul(LANES);
+    for (block, (w, x)) in row_blocks.iter_mut().zip(probe_blocks).enumerate() {
+        let shifted = Dither::from_bits(dither.threshold(block.wrapping_mul(LANES)));
+        if towards > 0 && keep > 0 {
+            blend(w, x, keep, towards, shifted);
+        } else {
+            step_by_step(w, x, gain, shifted);
         }
-    } else {
-        let rows = row_blocks.as_flattened_mut().iter_mut();
-        let probes = probe_blocks.as_flattened();
-        rows.zip(probes)
-            .for_each(|(w, x)| *w = approach(*w, *x, gain));
     }
-    for (w, x) in row_rest.iter_mut().zip(probe_rest) {
-        *w = approach(*w, *x, gain);
+    step_by_step(
+        row_rest,
+        probe_rest,
+        gain,
+        Dither::from_bits(dither.threshold(whole)),
+    );
+}
+
+#[inline(always)]
+fn step_by_step(row: &mut [Weight], probe: &[Weight], gain: Gain, dither: Dither) {
+    for (lane, (w, x)) in row.iter_mut().zip(probe).enumerate() {
+        *w = approach(*w, *x, gain, dither.threshold(lane));
     }
 }
 
 /// Components moved at once.
 const LANES: usize = 16;
 
+/// Each lane's threshold for a dither of 0.
+const THRESHOLDS: [u16; LANES] = {
+    let mut thresholds = [0; LANES];
+    let mut lane = 0;
+    while lane < LANES {
+        thresholds[lane] = Dither::from_bits(0).threshold(lane);
+        lane += 1;
+    }
+    thresholds
+};
+
 /// A function of its own, because inside the caller's loop compilers lose sight of the factors' 16 bits.
 #[inline(never)]
-fn blend(row: &mut [Weight; LANES], probe: &[Weight; LANES], keep: i16, towards: i16) {
+fn blend(
+    row: &mut [Weight; LANES],
+    probe: &[Weight; LANES],
+    keep: i16,
+    towards: i16,
+    dither: Dither,
+) {
     let before = *row;
-    for ((w, from), to) in row.iter_mut().zip(before).zip(probe) {
+    for (((w, from), to), threshold) in row.iter_mut().zip(before).zip(probe).zip(THRESHOLDS) {
         let kept = i32::from(from.to_bits()).wrapping_mul(i32::from(keep));
         let come = i32::from(to.to_bits()).wrapping_mul(i32::from(towards));
-        *w = Weight::from_bits((kept.wrapping_add(come).wrapping_add(1 << 14) >> 15) as i16);
+        let threshold = threshold.wrapping_add(dither.to_bits()) & 0x7fff;
+        let sum = kept.wrapping_add(come).wrapping_add(i32::from(threshold));
+        *w = Weight::from_bits((sum >> 15) as i16);
     }
 }

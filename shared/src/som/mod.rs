@@ -24,7 +24,7 @@ pub use grid::{Edges, Grid};
 pub use neighbourhood::Neighbourhood;
 pub use schedule::{Decay, Schedule};
 
-use crate::fixed::{Gain, Mask, Weight, squared_norm};
+use crate::fixed::{Dither, Gain, Mask, Weight, squared_norm};
 use neighbourhood::Pull;
 
 /// A map of `NEURONS` neurons with code vectors of `DIMS` components in [−1, 1].
@@ -142,12 +142,14 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         probe: &[Weight; DIMS],
         mask: Mask,
         pull: &Pull<NEURONS>,
+        dither: Dither,
     ) {
         let learn = Learn {
             grid: self.grid,
             dims: DIMS,
             winner,
             mask,
+            dither,
         };
         learn.apply(
             self.code.as_flattened_mut(),
@@ -169,6 +171,8 @@ pub struct Learn {
     pub winner: usize,
     /// Components to learn.
     pub mask: Mask,
+    /// Where the step is rounded; another one with each step.
+    pub dither: Dither,
 }
 
 impl Learn {
@@ -211,7 +215,7 @@ impl Learn {
 
     #[inline(always)]
     fn move_row(self, row: &mut [Weight], norm: &mut i64, probe: &[Weight], gain: Gain) {
-        kernels::pull(row, probe, self.mask, gain);
+        kernels::pull(row, probe, self.mask, gain, self.dither);
         *norm = squared_norm(row);
     }
 }
