@@ -54,7 +54,8 @@ pub struct MapRecord {
     pub grid: [usize; 2],
     /// Code vectors, one per neuron, row by row from the top.
     pub code: Vec<Vec<f64>>,
-    /// How many probes each neuron has won.
+    /// How many probes each neuron wins: of the situation map every situation of the episode, of the
+    /// action map every remembered change.
     pub hits: Vec<usize>,
     /// Mean distance of each neuron to its direct neighbours (U-matrix).
     pub u_matrix: Vec<f64>,

@@ -29,12 +29,26 @@ impl Setting {
     }
 }
 
-/// Applies one `KEY=VALUE`.
+/// Applies several `KEY=VALUE`, in order.
 ///
 /// # Errors
-/// A sentence that names the key or the value when the text is not `KEY=VALUE`, the key is unknown
-/// (with the nearest known one) or the value is not among those it takes.
-pub fn apply(config: &mut Config<16>, assignment: &str) -> Result<(), BadInput> {
+/// A sentence that names the key or the value when a text is not `KEY=VALUE`, a key is unknown (with
+/// the nearest known one), a value is not among those it takes, or the values do not go together.
+pub fn apply<T: AsRef<str>>(config: &mut Config<16>, assignments: &[T]) -> Result<(), BadInput> {
+    for assignment in assignments {
+        apply_one(config, assignment.as_ref())?;
+    }
+    let (near, far) = (config.encoding.near_mm, config.encoding.far_mm);
+    if far <= near {
+        let (near, far) = (meters(near), meters(far));
+        return Err(BadInput::new(format!(
+            "setting far ({far} m) must lie above setting near ({near} m)"
+        )));
+    }
+    Ok(())
+}
+
+fn apply_one(config: &mut Config<16>, assignment: &str) -> Result<(), BadInput> {
     let Some((key, value)) = assignment.split_once('=') else {
         return Err(BadInput::new(format!(
             "--set takes KEY=VALUE, got \"{assignment}\""
@@ -45,15 +59,7 @@ pub fn apply(config: &mut Config<16>, assignment: &str) -> Result<(), BadInput> 
         return Err(BadInput::unknown("setting", key, &keys));
     };
     (setting.write)(config, value)
-        .map_err(|why| BadInput::new(format!("setting {key} cannot be \"{value}\": {why}")))?;
-    if config.encoding.far_mm <= config.encoding.near_mm {
-        return Err(BadInput::new(format!(
-            "setting {key} = {value} leaves the far limit ({} m) at or below the near limit ({} m)",
-            meters(config.encoding.far_mm),
-            meters(config.encoding.near_mm)
-        )));
-    }
-    Ok(())
+        .map_err(|why| BadInput::new(format!("setting {key} cannot be \"{value}\": {why}")))
 }
 
 macro_rules! setting {
@@ -271,6 +277,18 @@ pub static SETTINGS: Table = &[
         |c: &mut Config<16>, t| put(&mut c.planning.at_goal, choice(AT_GOALS, t))
     ),
     setting!(
+        "wanted",
+        "components whose change is wanted: all | unmet (only what the goal does not have yet)",
+        |c| word(WANTED, &c.planning.unmet_only),
+        |c: &mut Config<16>, t| put(&mut c.planning.unmet_only, choice(WANTED, t))
+    ),
+    setting!(
+        "answer",
+        "who answers the probe of the action map: best | together (all, by how well they match)",
+        |c| word(ANSWERS, &c.planning.together),
+        |c: &mut Config<16>, t| put(&mut c.planning.together, choice(ANSWERS, t))
+    ),
+    setting!(
         "straight",
         "preference for actions that keep the course, beside 1 for the wanted change: 0..255",
         |c| (f64::from(c.planning.straight_q8) / 256.0).to_string(),
@@ -394,6 +412,8 @@ const RECALLS: &[(&str, Recall)] = &[
     ("projection", Recall::Projection),
 ];
 const FROMS: &[(&str, bool)] = &[("measured", true), ("code", false)];
+const WANTED: &[(&str, bool)] = &[("all", false), ("unmet", true)];
+const ANSWERS: &[(&str, bool)] = &[("best", false), ("together", true)];
 const AT_GOALS: &[(&str, AtGoal)] = &[
     ("course", AtGoal::KeepCourse),
     ("ahead", AtGoal::StraightAhead),
@@ -484,14 +504,17 @@ fn q16_text(value: u32) -> String {
 pub(crate) fn schedule(text: &str, most: f64) -> Result<Schedule, String> {
     let q16 = |text: &str| number(text, 0.0, most).map(|value| (value * 65_536.0 + 0.5) as u32);
     let parts: Vec<_> = text.split(':').collect();
+    let falling = |start: &str, end: &str, decay| {
+        let (start, end) = (q16(start)?, q16(end)?);
+        if end > start {
+            return Err("its end must not lie above its start".to_owned());
+        }
+        Ok(Schedule::new(start, end, decay))
+    };
     match parts[..] {
         [value] => Ok(Schedule::constant(q16(value)?)),
-        [start, end] => Ok(Schedule::new(q16(start)?, q16(end)?, Decay::Linear)),
-        [start, end, shape] => Ok(Schedule::new(
-            q16(start)?,
-            q16(end)?,
-            choice(DECAYS, shape)?,
-        )),
+        [start, end] => falling(start, end, Decay::Linear),
+        [start, end, shape] => falling(start, end, choice(DECAYS, shape)?),
         _ => Err("it must be START:END:SHAPE".to_owned()),
     }
 }
@@ -540,24 +563,27 @@ mod tests {
             for setting in SETTINGS {
                 let value = setting.value(&preset);
                 let mut copy = preset.clone();
-                apply(&mut copy, &format!("{}={value}", setting.key)).expect(setting.key);
+                apply(&mut copy, &[format!("{}={value}", setting.key)]).expect(setting.key);
                 assert_eq!(setting.value(&copy), value, "{}", setting.key);
             }
         }
     }
 
     #[test]
-    fn a_setting_changes_what_it_names() {
+    fn settings_change_what_they_name() {
         let mut config = Config::recommended();
-        for assignment in [
-            "far=2.5",
+        let sets = [
+            "near=5",
+            "far=5.5",
             "recall=projection",
             "mask=3+7",
             "action.rate=0.3:0.1:inverse",
-        ] {
-            apply(&mut config, assignment).expect(assignment);
-        }
-        assert_eq!(config.encoding.far_mm, 2_500);
+        ];
+        apply(&mut config, &sets).expect("good settings");
+        assert_eq!(
+            (config.encoding.near_mm, config.encoding.far_mm),
+            (5_000, 5_500)
+        );
         assert_eq!(config.planning.recall, Recall::Projection);
         assert!(!config.believed.contains(3) && !config.believed.contains(7));
         assert_eq!(config.learning.actions.rate.decay(), Decay::Inverse);
@@ -565,18 +591,17 @@ mod tests {
 
     #[test]
     fn bad_assignments_name_the_trouble() {
-        let mut config = Config::recommended();
-        let mut say = |assignment: &str| {
-            apply(&mut config, assignment)
-                .expect_err(assignment)
-                .to_string()
+        let say = |assignment: &str| {
+            let refused = apply(&mut Config::recommended(), &[assignment]);
+            refused.expect_err(assignment).to_string()
         };
         assert!(say("far").contains("KEY=VALUE"));
         assert!(say("fra=1").contains("did you mean \"far\""));
         assert!(say("far=NaN").contains("between"));
         assert!(say("recall=telepathy").contains("distance, direction, projection"));
-        assert!(say("near=2").contains("far limit"));
+        assert!(say("near=6").contains("setting far (4.5 m)"));
         assert!(say("mask=16").contains("between 0 and 15"));
+        assert!(say("action.rate=0.1:0.3").contains("above its start"));
     }
 
     /// The two presets must not share a struct by accident: the literal one trains directly.

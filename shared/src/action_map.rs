@@ -59,7 +59,8 @@ impl ActionCode {
 pub enum Recall {
     /// The neuron whose change is nearest (squared distance): the literal reading of the paper.
     Distance,
-    /// The neuron whose change points the same way (dot product over its length).
+    /// The neuron whose change points the same way: dot product over its length plus the map's mean length, so that a
+    /// change too short to have a direction does not answer.
     Direction,
     /// The neuron whose change goes farthest that way (dot product).
     Projection,
@@ -159,6 +160,39 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         kernels::greatest(&scores, allowed)
     }
 
+    /// The action the map's neurons answer with together: the mean of their actions, weighted with
+    /// the fourth power of the cosine between their change and the wanted one; neurons whose change
+    /// points away, or that `allowed` does not count, have no part in it. Zero where none has.
+    #[must_use]
+    pub fn together(&self, wanted: &[Weight; SENSORS], mask: Mask, allowed: Mask) -> [Weight; 2] {
+        let alignments =
+            self.changes
+                .alignments(&stretched(wanted), mask, self.changes.mean_length());
+        let counted = |k: usize, alignment: i64| {
+            if allowed.contains(k) {
+                alignment.max(0)
+            } else {
+                0
+            }
+        };
+        let values = alignments.iter().enumerate().map(|(k, a)| counted(k, *a));
+        let best = values.max().unwrap_or(0).max(1);
+        let (mut sum, mut total) = ([0_i64; 2], 0_i64);
+        for (k, (alignment, action)) in alignments.iter().zip(self.actions.code()).enumerate() {
+            // The cosine over the best one's, Q10: its fourth power is at most 2^40 before the shift.
+            let share = counted(k, *alignment)
+                .saturating_mul(1 << 10)
+                .wrapping_div(best);
+            let squared = share.wrapping_mul(share) >> 10;
+            let weight = squared.wrapping_mul(squared) >> 10;
+            total = total.wrapping_add(weight);
+            for (sum, part) in sum.iter_mut().zip(action) {
+                *sum = sum.wrapping_add(weight.wrapping_mul(i64::from(part.to_bits())));
+            }
+        }
+        sum.map(|sum| unit_weight(sum.checked_div(total).unwrap_or(0) as i32))
+    }
+
     /// Cosine of the changes with the wanted one plus the weighted cosine of the actions with the
     /// preferred one, times 256 and the length of `wanted`.
     fn by_direction(
@@ -169,7 +203,7 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
     ) -> [i64; NEURONS] {
         let mut scores = self
             .changes
-            .alignments(wanted, mask)
+            .alignments(wanted, mask, self.changes.mean_length())
             .map(|score| score.wrapping_mul(256));
         let preferred = i64::from(isqrt(squared_norm(&preference.code).unsigned_abs()));
         if preference.weight_q8 == 0 || preferred == 0 {
@@ -177,7 +211,7 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         }
         let length = i64::from(isqrt(squared_norm(wanted).unsigned_abs()));
         let factor = length.wrapping_mul(i64::from(preference.weight_q8));
-        let along = self.actions.alignments(&preference.code, Mask::ALL);
+        let along = self.actions.alignments(&preference.code, Mask::ALL, 0);
         for (score, along) in scores.iter_mut().zip(along) {
             *score = score.wrapping_add(
                 factor
@@ -228,12 +262,12 @@ fn stretched<const SENSORS: usize>(vector: &[Weight; SENSORS]) -> [Weight; SENSO
 mod tests {
     use super::*;
 
-    const CHANGES: [[i16; 3]; 3] = [[800, 0, 0], [0, 8_192, 0], [4_000, 100, 0]];
-    const ACTIONS: [[i16; 2]; 3] = [[8_192, 0], [0, 8_192], [-8_192, 0]];
+    const CHANGES: [[i16; 3]; 4] = [[800, 0, 0], [0, 8_192, 0], [6_000, 0, 0], [7_000, 8_000, 0]];
+    const ACTIONS: [[i16; 2]; 4] = [[8_192, 0], [0, 8_192], [-8_192, 0], [0, -8_192]];
 
-    fn map() -> ActionMap<3, 3> {
+    fn map() -> ActionMap<4, 3> {
         ActionMap::new(
-            Grid::chain(3),
+            Grid::chain(4),
             CHANGES.map(|row| row.map(Weight::from_bits)),
             ACTIONS.map(|row| row.map(Weight::from_bits)),
         )
@@ -243,11 +277,9 @@ mod tests {
     fn the_three_recalls_differ_as_described() {
         let wanted = [1_000, 0, 0].map(Weight::from_bits);
         let recall = |recall| map().recall(&wanted, Mask::ALL, recall, Preference::NONE, Mask::ALL);
-        assert_eq!(
-            (recall(Recall::Distance), recall(Recall::Direction)),
-            (0, 0)
-        );
-        assert_eq!(recall(Recall::Projection), 2);
+        assert_eq!(recall(Recall::Distance), 0);
+        assert_eq!(recall(Recall::Direction), 2);
+        assert_eq!(recall(Recall::Projection), 3);
     }
 
     #[test]
@@ -262,13 +294,58 @@ mod tests {
                 mask,
             )
         };
-        assert_eq!(without(Mask::ALL.without(0)), 2);
-        assert_eq!(without(Mask::from_bits(0)), 0);
+        assert_eq!(without(Mask::ALL.without(2)), 3);
+        assert_eq!(without(Mask::from_bits(0)), 2);
+    }
+
+    #[test]
+    fn together_the_better_matches_count_more() {
+        let wanted = [1_000, 1_000, 0].map(Weight::from_bits);
+        let [x, y] = map()
+            .together(&wanted, Mask::ALL, Mask::ALL)
+            .map(|w| w.to_num::<f64>());
+        // N3 matches best, N1 and N2 in part.
+        assert!(y < -0.5 && x.abs() < 0.2, "{x} {y}");
+        let [x, y] = map()
+            .together(&wanted, Mask::ALL, Mask::ALL.without(3))
+            .map(|w| w.to_num::<f64>());
+        assert!(x < -0.1 && y > 0.1, "{x} {y}");
+        let opposite = wanted.map(|w| -w);
+        assert_eq!(
+            map().together(&opposite, Mask::ALL, Mask::ALL),
+            [Weight::ZERO; 2]
+        );
+    }
+
+    #[test]
+    fn a_preferred_action_breaks_a_tie() {
+        let changes = [[4_000, 0, 0], [4_000, 0, 0], [4_000, 0, 0], [0, 0, 0]];
+        let map = ActionMap::new(
+            Grid::chain(4),
+            changes.map(|row| row.map(Weight::from_bits)),
+            ACTIONS.map(|row| row.map(Weight::from_bits)),
+        );
+        let wanted = [1_000, 0, 0].map(Weight::from_bits);
+        let prefer = |k: usize| Preference {
+            code: ACTIONS[k].map(Weight::from_bits),
+            weight_q8: 26,
+        };
+        let recall = |p| map.recall(&wanted, Mask::ALL, Recall::Direction, p, Mask::ALL);
+        assert_eq!(
+            (
+                recall(Preference::NONE),
+                recall(prefer(1)),
+                recall(prefer(2))
+            ),
+            (0, 1, 2)
+        );
+        // A preference is no match: the neuron without the wanted change does not answer.
+        assert_ne!(recall(prefer(3)), 3);
     }
 
     #[test]
     fn a_masked_component_does_not_count() {
-        let wanted = [1_000, 8_192, 0].map(Weight::from_bits);
+        let wanted = [100, 8_192, 0].map(Weight::from_bits);
         assert_eq!(
             map().recall(
                 &wanted,

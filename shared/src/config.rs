@@ -159,6 +159,12 @@ pub struct Planning {
     pub recall: Recall,
     /// The wanted change starts from the situation as measured, not from the present neuron's code vector.
     pub from_measured: bool,
+    /// All neurons of the action map answer together, each as far as its change points the wanted way;
+    /// otherwise the best one alone.
+    pub together: bool,
+    /// Only what the goal asks for and does not have yet is wanted: a component that is as the goal wants
+    /// it may change as it likes.
+    pub unmet_only: bool,
     /// How much a neuron whose action keeps to the course is preferred, beside 1 for the change that
     /// points the wanted way, in 1/256 (recall by direction only).
     pub straight_q8: u16,
@@ -219,6 +225,8 @@ impl Config<16> {
                 intermediate: Intermediate::FewestHops,
                 recall: Recall::Distance,
                 from_measured: true,
+                together: false,
+                unmet_only: false,
                 straight_q8: 0,
                 inertia_q8: 0,
                 full_steps: false,
@@ -239,12 +247,12 @@ impl Config<16> {
         Self {
             encoding: Encoding {
                 near_mm: 0,
-                far_mm: 800,
+                far_mm: 4_500,
             },
-            clearance_mm: 800,
+            clearance_mm: 700,
             action_code: ActionCode::Displacement,
             learning: Learning {
-                start: Start::Random,
+                start: Start::Plane,
                 turned: true,
                 actions: Training {
                     rate: Schedule::new(ONE_Q16 / 2, ONE_Q16 / 100, Decay::Exponential),
@@ -254,14 +262,18 @@ impl Config<16> {
                 ..literal.learning
             },
             online: literal.online.map(|online| Online {
-                blame_recalled: true,
+                action_rate_q16: ONE_Q16 / 50,
+                share_q16: 0,
                 ..online
             }),
             planning: Planning {
+                intermediate: Intermediate::Goal,
                 recall: Recall::Direction,
+                together: true,
+                unmet_only: true,
                 full_steps: true,
                 at_goal: AtGoal::KeepCourse,
-                inhibition: 4,
+                inhibition: 8,
                 ..literal.planning
             },
             ..literal

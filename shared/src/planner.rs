@@ -108,6 +108,14 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             self.situations.code_vector(current)
         };
         let mut wanted = difference(&target, &from);
+        if planning.unmet_only {
+            let met = goal.nearest(situation);
+            for ((change, met), value) in wanted.iter_mut().zip(&met).zip(situation) {
+                if met == value {
+                    *change = Weight::ZERO;
+                }
+            }
+        }
         let preference = Preference {
             code: self
                 .config
@@ -127,7 +135,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             action_neuron: action_neuron as u8,
             at_goal: goal.holds(situation, mask, planning.tolerance),
             recalled: true,
-            action: self.recalled(action_neuron),
+            action: self.recalled(action_neuron, &wanted),
             why,
         };
         if plan.at_goal {
@@ -163,11 +171,21 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         nearest.map_or((goal, Why::NoNearerNeighbour), |k| (k, Why::Neighbour))
     }
 
-    fn recalled(&self, action_neuron: usize) -> Displacement {
+    fn recalled(&self, action_neuron: usize, wanted: &[Weight; SENSORS]) -> Displacement {
         let step = self.config.robot.step_mm;
         let planning = &self.config.planning;
-        let code = self.actions.actions().code_vector(action_neuron);
-        let mut action = self.config.action_code.decode(code, step);
+        let alone = self.actions.actions().code_vector(action_neuron);
+        let mut action = self.config.action_code.decode(alone, step);
+        if planning.together && !self.cut {
+            let answers = self
+                .actions
+                .together(wanted, self.config.believed, self.allowed);
+            let mean = self.config.action_code.decode(answers, step);
+            // Answers that cancel out say nothing: the best one decides.
+            if mean.length_mm() >= step / 8 {
+                action = mean;
+            }
+        }
         let inertia = (u32::from(planning.inertia_q8) * u32::from(step)) >> 8;
         if inertia > 0 {
             let kept = self.course.with_length(inertia as u16);

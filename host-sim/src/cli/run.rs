@@ -212,9 +212,7 @@ pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
 
 fn setup(args: &RunArgs) -> Result<Setup, BadInput> {
     let mut config = args.preset.config();
-    for assignment in &args.sets {
-        settings::apply(&mut config, assignment)?;
-    }
+    settings::apply(&mut config, &args.sets)?;
     if args.shield == Switch::Off {
         config.shield = None;
     }

@@ -60,11 +60,12 @@ impl Recorder {
     pub(super) fn finish(self, world: &World, setup: &Setup, mind: &Mind) -> Recording {
         let state = mind.state();
         let config = mind.config();
-        let samples: Vec<_> = state
-            .memory()
-            .samples()
+        let weights = |step: &Step| std::array::from_fn(|i| Weight::from_num(step.situation[i]));
+        let perceived: Vec<_> = self
+            .earlier
             .iter()
-            .map(|sample| from_bytes(&sample.after))
+            .chain(&self.steps)
+            .map(weights)
             .collect();
         let changes = state.actions().changes();
         let differences: Vec<_> = state
@@ -87,7 +88,7 @@ impl Recorder {
             robot_radius_m: COLLISION_RADIUS_M,
             exploration: self.earlier,
             seeking: self.steps,
-            situation_map: map_record(state.situations(), &samples),
+            situation_map: map_record(state.situations(), &perceived),
             change_map: map_record(changes, &differences),
             actions_m: actions
                 .iter()

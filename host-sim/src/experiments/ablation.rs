@@ -67,12 +67,15 @@ pub struct Figures {
 }
 
 /// The choices changed one at a time.
-const CHANGES: [&str; 42] = [
+const CHANGES: [&str; 49] = [
     "near=0.15",
-    "far=0.5",
-    "far=0.65",
     "far=1",
-    "far=1.5",
+    "far=2",
+    "far=3",
+    "far=6.5",
+    "clearance=0.5",
+    "clearance=0.9",
+    "clearance=1.2",
     "explore.shortest=0.125",
     "explore.shortest=0.25",
     "action=turn-step",
@@ -81,7 +84,7 @@ const CHANGES: [&str; 42] = [
     "epochs=300",
     "order=recorded",
     "start=samples",
-    "start=plane",
+    "start=random",
     "turned=off",
     "action-weight=0",
     "action-weight=0.25",
@@ -97,18 +100,22 @@ const CHANGES: [&str; 42] = [
     "action.radius=0",
     "online.situation-rate=0",
     "online.action-rate=0",
-    "online.action-rate=0.02",
+    "online.action-rate=0.05",
     "online.action-rate=0.2",
-    "online.share=0",
-    "online.learner=best",
+    "online.share=0.5",
+    "online.learner=recalled",
+    "intermediate=hops",
     "intermediate=code",
-    "intermediate=goal",
+    "wanted=all",
+    "answer=best",
     "recall=distance",
     "recall=projection",
     "from=code",
+    "straight=0.1",
+    "inertia=0.25",
     "full-steps=off",
     "at-goal=ahead",
-    "tolerance=0.1",
+    "tolerance=0.05",
     "inhibition=0",
 ];
 
@@ -149,7 +156,7 @@ pub fn variants() -> Result<Vec<Variant>, BadInput> {
     ];
     for change in CHANGES {
         let mut config = recommended();
-        settings::apply(&mut config, change)?;
+        settings::apply(&mut config, &[change])?;
         rows.push(mind(change, bare(config), held));
     }
     Ok(rows)

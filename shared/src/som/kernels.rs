@@ -42,13 +42,16 @@ pub fn projections(
     }
 }
 
-/// Dot product of the probe with each code vector over the length of the code vector, in units of 2⁻¹³ · the probe's.
+/// Dot product of the probe with each code vector over the length of the code vector plus `floor`, in units of 2⁻¹³ · the
+/// probe's. With a floor of 0 this is the probe's length times the cosine; a floor keeps code vectors much shorter than it,
+/// whose direction is mostly chance, from answering.
 pub fn alignments(
     code: &[Weight],
     norms: &[i64],
     dims: usize,
     probe: &[Weight],
     mask: Mask,
+    floor: u32,
     out: &mut [i64],
 ) {
     let whole = mask.covers(dims);
@@ -58,7 +61,7 @@ pub fn alignments(
         } else {
             masked_products(row, probe, mask)
         };
-        let length = i64::from(isqrt(norm.unsigned_abs()));
+        let length = i64::from(isqrt(norm.unsigned_abs())).saturating_add(i64::from(floor));
         *alignment = product.checked_div(length).unwrap_or(0);
     }
 }
