@@ -68,10 +68,7 @@ macro_rules! setting {
             key: $key,
             help: $help,
             read: $read,
-            write: |config, text| {
-                #[expect(clippy::redundant_closure_call, reason = "gives the table one shape")]
-                ($write)(config, text)
-            },
+            write: $write,
         }
     };
 }

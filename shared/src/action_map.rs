@@ -138,49 +138,75 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
             .learn(winner, &effect.action, Mask::ALL, pull, dither);
     }
 
-    /// The neuron that answers a wanted change, among those `allowed` counts (all of them where it counts
-    /// none).
+    /// What the map answers to a wanted change: the best neuron among those `allowed` counts (among all
+    /// where it counts none), and the action of it or, with `together`, of all of them.
     #[must_use]
     pub fn recall(
         &self,
         wanted: &[Weight; SENSORS],
         mask: Mask,
-        recall: Recall,
-        preference: Preference,
+        probe: Probe,
         allowed: Mask,
-    ) -> usize {
-        let scores = match recall {
+    ) -> Answer {
+        let scores = match probe.recall {
             Recall::Distance => self
                 .changes
                 .scores_masked(wanted, mask)
                 .map(i64::saturating_neg),
-            Recall::Direction => self.by_direction(&stretched(wanted), mask, preference),
+            // Nothing wanted: no neuron points that way more than another.
+            Recall::Direction if wanted.iter().all(|w| *w == Weight::ZERO) => [0; NEURONS],
+            Recall::Direction => self.changes.alignments(&stretched(wanted), mask),
             Recall::Projection => self.changes.projections(wanted, mask),
         };
-        kernels::greatest(&scores, allowed)
+        let neuron = match probe.preference {
+            Some(preference) => {
+                kernels::greatest(&self.preferring(&scores, wanted, preference), allowed)
+            }
+            None => kernels::greatest(&scores, allowed),
+        };
+        Answer {
+            neuron,
+            alone: self.actions.code_vector(neuron),
+            together: self.together(&scores, allowed),
+        }
     }
 
-    /// The action the map's neurons answer with together: the mean of their actions, weighted with
-    /// the fourth power of the cosine between their change and the wanted one; neurons whose change
-    /// points away, or that `allowed` does not count, have no part in it. Zero where none has.
-    #[must_use]
-    pub fn together(&self, wanted: &[Weight; SENSORS], mask: Mask, allowed: Mask) -> [Weight; 2] {
-        let alignments =
-            self.changes
-                .alignments(&stretched(wanted), mask, self.changes.mean_length());
-        let counted = |k: usize, alignment: i64| {
-            if allowed.contains(k) {
-                alignment.max(0)
-            } else {
-                0
-            }
-        };
-        let values = alignments.iter().enumerate().map(|(k, a)| counted(k, *a));
-        let best = values.max().unwrap_or(0).max(1);
+    /// The scores plus the weighted cosine of the neurons' actions with the preferred one.
+    fn preferring(
+        &self,
+        scores: &[i64; NEURONS],
+        wanted: &[Weight; SENSORS],
+        preference: Preference,
+    ) -> [i64; NEURONS] {
+        let length = |vector: &[Weight]| i64::from(isqrt(squared_norm(vector).unsigned_abs()));
+        let preferred = length(&preference.code);
+        let factor = length(&stretched(wanted)).wrapping_mul(i64::from(preference.weight_q8));
+        let along = self.actions.alignments(&preference.code, Mask::ALL);
+        let mut sums = *scores;
+        for (sum, along) in sums.iter_mut().zip(along) {
+            let bonus = factor
+                .wrapping_mul(along)
+                .checked_div(preferred)
+                .unwrap_or(0);
+            *sum = sum.wrapping_mul(256).wrapping_add(bonus);
+        }
+        sums
+    }
+
+    /// The mean of the neurons' actions, weighted with the fourth power of their scores; neurons with a
+    /// score below 0, or that `allowed` does not count, have no part in it. Zero where none has.
+    fn together(&self, scores: &[i64; NEURONS], allowed: Mask) -> [Weight; 2] {
+        let counted = |k: usize, score: i64| if allowed.contains(k) { score.max(0) } else { 0 };
+        let best = scores
+            .iter()
+            .enumerate()
+            .map(|(k, score)| counted(k, *score))
+            .max();
+        let best = best.unwrap_or(0).max(1);
         let (mut sum, mut total) = ([0_i64; 2], 0_i64);
-        for (k, (alignment, action)) in alignments.iter().zip(self.actions.code()).enumerate() {
-            // The cosine over the best one's, Q10: its fourth power is at most 2^40 before the shift.
-            let share = counted(k, *alignment)
+        for (k, (score, action)) in scores.iter().zip(self.actions.code()).enumerate() {
+            // The score over the best one's, Q10: its fourth power is at most 2^40 before the shift.
+            let share = counted(k, *score)
                 .saturating_mul(1 << 10)
                 .wrapping_div(best);
             let squared = share.wrapping_mul(share) >> 10;
@@ -192,36 +218,26 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         }
         sum.map(|sum| unit_weight(sum.checked_div(total).unwrap_or(0) as i32))
     }
+}
 
-    /// Cosine of the changes with the wanted one plus the weighted cosine of the actions with the
-    /// preferred one, times 256 and the length of `wanted`.
-    fn by_direction(
-        &self,
-        wanted: &[Weight; SENSORS],
-        mask: Mask,
-        preference: Preference,
-    ) -> [i64; NEURONS] {
-        let mut scores = self
-            .changes
-            .alignments(wanted, mask, self.changes.mean_length())
-            .map(|score| score.wrapping_mul(256));
-        let preferred = i64::from(isqrt(squared_norm(&preference.code).unsigned_abs()));
-        if preference.weight_q8 == 0 || preferred == 0 {
-            return scores;
-        }
-        let length = i64::from(isqrt(squared_norm(wanted).unsigned_abs()));
-        let factor = length.wrapping_mul(i64::from(preference.weight_q8));
-        let along = self.actions.alignments(&preference.code, Mask::ALL, 0);
-        for (score, along) in scores.iter_mut().zip(along) {
-            *score = score.wrapping_add(
-                factor
-                    .wrapping_mul(along)
-                    .checked_div(preferred)
-                    .unwrap_or(0),
-            );
-        }
-        scores
-    }
+/// How to probe the map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Probe {
+    /// What a good match is.
+    pub recall: Recall,
+    /// An action to prefer among good matches.
+    pub preference: Option<Preference>,
+}
+
+/// What the map answers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Answer {
+    /// The best neuron.
+    pub neuron: usize,
+    /// Code of its action.
+    pub alone: [Weight; 2],
+    /// Code of the action of all neurons, weighted by how well they match; zero where none does.
+    pub together: [Weight; 2],
 }
 
 /// An action that is preferred where several would do.
@@ -229,16 +245,8 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
 pub struct Preference {
     /// Code of the action.
     pub code: [Weight; 2],
-    /// Weight of its cosine beside that of the change, in 1/256.
+    /// Weight of its match beside that of the change, in 1/256.
     pub weight_q8: u16,
-}
-
-impl Preference {
-    /// No action is preferred.
-    pub const NONE: Self = Self {
-        code: [Weight::ZERO; 2],
-        weight_q8: 0,
-    };
 }
 
 /// The vector scaled so that its largest component is about 1: short probes keep their direction's precision.
@@ -273,10 +281,17 @@ mod tests {
         )
     }
 
+    fn answer(wanted: [i16; 3], recall: Recall, mask: Mask, allowed: Mask) -> Answer {
+        let probe = Probe {
+            recall,
+            preference: None,
+        };
+        map().recall(&wanted.map(Weight::from_bits), mask, probe, allowed)
+    }
+
     #[test]
     fn the_three_recalls_differ_as_described() {
-        let wanted = [1_000, 0, 0].map(Weight::from_bits);
-        let recall = |recall| map().recall(&wanted, Mask::ALL, recall, Preference::NONE, Mask::ALL);
+        let recall = |recall| answer([1_000, 0, 0], recall, Mask::ALL, Mask::ALL).neuron;
         assert_eq!(recall(Recall::Distance), 0);
         assert_eq!(recall(Recall::Direction), 2);
         assert_eq!(recall(Recall::Projection), 3);
@@ -284,37 +299,32 @@ mod tests {
 
     #[test]
     fn inhibited_neurons_do_not_answer_unless_all_are() {
-        let wanted = [1_000, 0, 0].map(Weight::from_bits);
-        let without = |mask| {
-            map().recall(
-                &wanted,
-                Mask::ALL,
-                Recall::Direction,
-                Preference::NONE,
-                mask,
-            )
-        };
+        let without = |allowed| answer([1_000, 0, 0], Recall::Direction, Mask::ALL, allowed).neuron;
         assert_eq!(without(Mask::ALL.without(2)), 3);
-        assert_eq!(without(Mask::from_bits(0)), 2);
+        assert_eq!(without(Mask::NONE), 2);
+    }
+
+    #[test]
+    fn a_masked_component_does_not_count() {
+        let masked = |mask| answer([100, 8_192, 0], Recall::Direction, mask, Mask::ALL).neuron;
+        assert_eq!(masked(Mask::ALL), 1);
+        assert_ne!(masked(Mask::ALL.without(1)), 1);
     }
 
     #[test]
     fn together_the_better_matches_count_more() {
-        let wanted = [1_000, 1_000, 0].map(Weight::from_bits);
-        let [x, y] = map()
-            .together(&wanted, Mask::ALL, Mask::ALL)
-            .map(|w| w.to_num::<f64>());
+        let together = |wanted, allowed| {
+            answer(wanted, Recall::Direction, Mask::ALL, allowed)
+                .together
+                .map(|w| w.to_num::<f64>())
+        };
         // N3 matches best, N1 and N2 in part.
+        let [x, y] = together([1_000, 1_000, 0], Mask::ALL);
         assert!(y < -0.5 && x.abs() < 0.2, "{x} {y}");
-        let [x, y] = map()
-            .together(&wanted, Mask::ALL, Mask::ALL.without(3))
-            .map(|w| w.to_num::<f64>());
+        let [x, y] = together([1_000, 1_000, 0], Mask::ALL.without(3));
         assert!(x < -0.1 && y > 0.1, "{x} {y}");
-        let opposite = wanted.map(|w| -w);
-        assert_eq!(
-            map().together(&opposite, Mask::ALL, Mask::ALL),
-            [Weight::ZERO; 2]
-        );
+        assert_eq!(together([-1_000, -1_000, 0], Mask::ALL), [0.0; 2]);
+        assert_eq!(together([0; 3], Mask::ALL), [0.0; 2]);
     }
 
     #[test]
@@ -326,46 +336,20 @@ mod tests {
             ACTIONS.map(|row| row.map(Weight::from_bits)),
         );
         let wanted = [1_000, 0, 0].map(Weight::from_bits);
-        let prefer = |k: usize| Preference {
-            code: ACTIONS[k].map(Weight::from_bits),
-            weight_q8: 26,
+        let recall = |preferred: Option<usize>| {
+            let preference = preferred.map(|k| Preference {
+                code: ACTIONS[k].map(Weight::from_bits),
+                weight_q8: 26,
+            });
+            let probe = Probe {
+                recall: Recall::Direction,
+                preference,
+            };
+            map.recall(&wanted, Mask::ALL, probe, Mask::ALL).neuron
         };
-        let recall = |p| map.recall(&wanted, Mask::ALL, Recall::Direction, p, Mask::ALL);
-        assert_eq!(
-            (
-                recall(Preference::NONE),
-                recall(prefer(1)),
-                recall(prefer(2))
-            ),
-            (0, 1, 2)
-        );
+        assert_eq!((recall(None), recall(Some(1)), recall(Some(2))), (0, 1, 2));
         // A preference is no match: the neuron without the wanted change does not answer.
-        assert_ne!(recall(prefer(3)), 3);
-    }
-
-    #[test]
-    fn a_masked_component_does_not_count() {
-        let wanted = [100, 8_192, 0].map(Weight::from_bits);
-        assert_eq!(
-            map().recall(
-                &wanted,
-                Mask::ALL,
-                Recall::Direction,
-                Preference::NONE,
-                Mask::ALL
-            ),
-            1
-        );
-        assert_ne!(
-            map().recall(
-                &wanted,
-                Mask::ALL.without(1),
-                Recall::Direction,
-                Preference::NONE,
-                Mask::ALL
-            ),
-            1
-        );
+        assert_ne!(recall(Some(3)), 3);
     }
 
     #[test]

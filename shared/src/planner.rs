@@ -5,7 +5,7 @@
 //! 3. choose a *neighbour* of it nearer to the goal: the intermediate situation;
 //! 4. probe the action map with the change of situation wanted; it answers with an action.
 
-use crate::action_map::{ActionMap, Preference};
+use crate::action_map::{ActionMap, Answer, Preference, Probe};
 use crate::config::{AtGoal, Config, Intermediate};
 use crate::fixed::{Mask, Weight, unit_weight};
 use crate::goal::Goal;
@@ -116,26 +116,28 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
                 }
             }
         }
-        let preference = Preference {
+        let preference = (planning.straight_q8 > 0).then(|| Preference {
             code: self
                 .config
                 .action_code
                 .encode(self.course, self.config.robot.step_mm),
             weight_q8: planning.straight_q8,
+        });
+        let probe = Probe {
+            recall: planning.recall,
+            preference,
         };
-        let action_neuron =
-            self.actions
-                .recall(&wanted, mask, planning.recall, preference, self.allowed);
+        let answer = self.actions.recall(&wanted, mask, probe, self.allowed);
         let plan = Plan {
             situation: *situation,
             goal_neuron: goal_neuron as u8,
             current_neuron: current as u8,
             intermediate_neuron: aim as u8,
             wanted,
-            action_neuron: action_neuron as u8,
+            action_neuron: answer.neuron as u8,
             at_goal: goal.holds(situation, mask, planning.tolerance),
             recalled: true,
-            action: self.recalled(action_neuron, &wanted),
+            action: self.recalled(&answer),
             why,
         };
         if plan.at_goal {
@@ -171,16 +173,13 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         nearest.map_or((goal, Why::NoNearerNeighbour), |k| (k, Why::Neighbour))
     }
 
-    fn recalled(&self, action_neuron: usize, wanted: &[Weight; SENSORS]) -> Displacement {
+    fn recalled(&self, answer: &Answer) -> Displacement {
         let step = self.config.robot.step_mm;
         let planning = &self.config.planning;
-        let alone = self.actions.actions().code_vector(action_neuron);
-        let mut action = self.config.action_code.decode(alone, step);
+        let decode = |code| self.config.action_code.decode(code, step);
+        let mut action = decode(answer.alone);
         if planning.together && !self.cut {
-            let answers = self
-                .actions
-                .together(wanted, self.config.believed, self.allowed);
-            let mean = self.config.action_code.decode(answers, step);
+            let mean = decode(answer.together);
             // Answers that cancel out say nothing: the best one decides.
             if mean.length_mm() >= step / 8 {
                 action = mean;

@@ -20,7 +20,7 @@ pub struct AblationArgs {
     /// Steps per room
     #[arg(long, value_name = "STEPS", default_value_t = 1_000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     steps: u32,
-    /// Seed of the episodes
+    /// Seed of the first room's episode; each further room has the next one
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
     /// What the sonars return

@@ -41,7 +41,7 @@ pub struct Trial {
     pub explore_moves: u16,
     /// Steps in each room.
     pub steps: u32,
-    /// Seed of the episodes.
+    /// Seed of the first room's episode; each further room has the next one.
     pub seed: u64,
     /// What the sonars return.
     pub sonar: SonarModel,
@@ -167,14 +167,12 @@ pub fn variants() -> Result<Vec<Variant>, BadInput> {
 /// # Errors
 /// When an episode fails.
 pub fn measure(variant: &Variant, trial: &Trial) -> Result<Figures, Failure> {
-    let rooms: Result<Vec<_>, _> = (0..trial.rooms)
+    let rooms: Result<Vec<_>, _> = (0..u64::from(trial.rooms))
         .into_par_iter()
         .map(|room| {
-            one(
-                variant,
-                trial,
-                &World::random(trial.first.wrapping_add(u64::from(room))),
-            )
+            let world = World::random(trial.first.wrapping_add(room));
+            let seed = trial.seed.wrapping_add(room);
+            one(variant, &Trial { seed, ..*trial }, &world)
         })
         .collect();
     let count = f64::from(trial.rooms.max(1));

@@ -34,23 +34,25 @@ const SITUATION: [f64; 2] = [24.0, 44.0];
 const MEASURED: [f64; 2] = [82.0, 58.0];
 const WANTED: [f64; 2] = [154.0, 58.0];
 
-/// The ends of the axes of all panels: of situations and of differences.
+/// The ends of the axes of all panels: of situations, of measured and of wanted differences.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ends {
     /// Value at the top of the situations.
     pub situation: f64,
-    /// Largest difference up and down.
-    pub difference: f64,
+    /// Largest measured difference up and down.
+    pub measured: f64,
+    /// Largest wanted difference up and down.
+    pub wanted: f64,
 }
 
 impl Ends {
     /// Round values that hold everything in the panels.
     pub fn holding(panels: &[Panel]) -> Self {
         let wanted = panels.iter().filter_map(|panel| panel.wanted.as_ref().ok());
-        let differences = panels.iter().map(|panel| &panel.measured).chain(wanted);
         Self {
             situation: axis_end(panels.iter().flat_map(|panel| &panel.situation)),
-            difference: axis_end(differences.flatten()),
+            measured: axis_end(panels.iter().flat_map(|panel| &panel.measured)),
+            wanted: axis_end(wanted.flatten()),
         }
     }
 }
@@ -59,14 +61,14 @@ impl Ends {
 pub fn draw(svg: &mut Svg, corner: [f64; 2], panel: &Panel, ends: Ends, bearings: &[f64]) {
     let [x, y] = corner;
     svg.text([x, y + 14.0], Font::new(12.0).bold(), &panel.title);
-    let full = ends.difference;
+    let full = ends.wanted;
     situation(
         svg,
         area(corner, SITUATION),
         &panel.situation,
         ends.situation,
     );
-    changes(svg, area(corner, MEASURED), &panel.measured, full);
+    changes(svg, area(corner, MEASURED), &panel.measured, ends.measured);
     match &panel.wanted {
         Ok(wanted) => changes(svg, area(corner, WANTED), wanted, full),
         Err(reason) => {
@@ -82,16 +84,22 @@ pub fn draw(svg: &mut Svg, corner: [f64; 2], panel: &Panel, ends: Ends, bearings
 
 /// Draws the numbers and names of the axes left of a panel at `corner`.
 pub fn axes(svg: &mut Svg, corner: [f64; 2], ends: Ends) {
-    let full = ends.difference;
     let unit = [(0.0, ends.situation.to_string()), (1.0, "0".into())];
     numbers(svg, area(corner, SITUATION), &unit, "situation");
-    let ends = [
-        (0.0, format!("+{full}")),
-        (0.5, "0".into()),
-        (1.0, format!("−{full}")),
-    ];
-    numbers(svg, area(corner, MEASURED), &ends, "measured");
-    numbers(svg, area(corner, WANTED), &ends, "wanted");
+    let both = |full: f64| {
+        [
+            (0.0, format!("+{full}")),
+            (0.5, "0".into()),
+            (1.0, format!("−{full}")),
+        ]
+    };
+    numbers(
+        svg,
+        area(corner, MEASURED),
+        &both(ends.measured),
+        "measured",
+    );
+    numbers(svg, area(corner, WANTED), &both(ends.wanted), "wanted");
 }
 
 fn area([x, y]: [f64; 2], [top, height]: [f64; 2]) -> [f64; 4] {
@@ -187,13 +195,14 @@ mod tests {
             measured: vec![0.1, f64::NAN],
             wanted: Ok(vec![value]),
         };
-        for (value, difference) in [(0.05, 0.1), (0.2, 0.25), (-0.4, 0.5), (-1.0, 1.0)] {
+        for (value, wanted) in [(0.05, 0.1), (0.2, 0.25), (-0.4, 0.5), (-1.0, 1.0)] {
             let ends = Ends::holding(&[panel(value)]);
             assert_eq!(
                 ends,
                 Ends {
                     situation: 0.25,
-                    difference
+                    measured: 0.1,
+                    wanted
                 }
             );
         }
@@ -201,6 +210,6 @@ mod tests {
             wanted: Err("goal held"),
             ..panel(0.9)
         };
-        assert_eq!(Ends::holding(&[reason]).difference, 0.1);
+        assert_eq!(Ends::holding(&[reason]).measured, 0.1);
     }
 }

@@ -11,7 +11,7 @@ const PROGRESS: f64 = 1.0;
 /// What a decision that perceives nothing counts, against one that does.
 const QUIET: f64 = 0.1;
 /// From which value on a decision perceives something worth showing.
-const SEEN: f64 = 0.05;
+const SEEN: f64 = 0.005;
 /// Weight of the mean change of situation, against a meeting.
 const CHANGE: f64 = 0.1;
 /// What a contact takes away: an avoidance should show avoiding.
@@ -68,8 +68,15 @@ pub fn difference(before: &[f64], after: &[f64]) -> Vec<f64> {
         .collect()
 }
 
+/// How much the situation asks for a change: the largest one wanted, or, where nobody planned, the
+/// largest value perceived.
 fn nearness(step: &Step) -> f64 {
-    step.situation.iter().copied().fold(0.0, f64::max)
+    let largest = |values: &[f64]| values.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+    match &step.plan {
+        Some(plan) if plan.at_goal => 0.0,
+        Some(plan) => largest(&plan.wanted_change),
+        None => largest(&step.situation),
+    }
 }
 
 /// The straight way between both ends as part of the way travelled, 0 when the robot stood still.
@@ -106,6 +113,7 @@ mod tests {
         for step in &mut steps {
             step.situation.fill(0.0);
             step.touched = false;
+            step.plan = None;
         }
         for (t, value) in [(33, 0.4), (34, 0.9), (35, 0.5)] {
             steps[t].situation[0] = value;

@@ -42,18 +42,22 @@ pub fn projections(
     }
 }
 
-/// Dot product of the probe with each code vector over the length of the code vector plus `floor`, in units of 2⁻¹³ · the
-/// probe's. With a floor of 0 this is the probe's length times the cosine; a floor keeps code vectors much shorter than it,
-/// whose direction is mostly chance, from answering.
+/// How far each code vector points the probe's way: the dot product over the sum of the code vector's length and the mean
+/// length of all, in units of 2⁻¹³ · the probe's. The mean keeps code vectors much shorter than it, whose direction is
+/// mostly chance, from answering; where all are equally long, this is half the probe's length times the cosine.
 pub fn alignments(
     code: &[Weight],
     norms: &[i64],
     dims: usize,
     probe: &[Weight],
     mask: Mask,
-    floor: u32,
     out: &mut [i64],
 ) {
+    let root = |norm: i64| i64::from(isqrt(norm.unsigned_abs()));
+    let sum = norms
+        .iter()
+        .fold(0_i64, |sum, norm| sum.wrapping_add(root(*norm)));
+    let mean = sum.checked_div(norms.len() as i64).unwrap_or(0);
     let whole = mask.covers(dims);
     for ((row, norm), alignment) in rows(code, dims).zip(norms).zip(out) {
         let (norm, product) = if whole {
@@ -61,8 +65,9 @@ pub fn alignments(
         } else {
             masked_products(row, probe, mask)
         };
-        let length = i64::from(isqrt(norm.unsigned_abs())).saturating_add(i64::from(floor));
-        *alignment = product.checked_div(length).unwrap_or(0);
+        *alignment = product
+            .checked_div(root(norm).wrapping_add(mean))
+            .unwrap_or(0);
     }
 }
 

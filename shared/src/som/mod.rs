@@ -104,10 +104,10 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         kernels::least(&self.scores_masked(probe, mask))
     }
 
-    /// How well each code vector points the probe's way: the dot product over the code vector's length plus `floor`
-    /// (2⁻¹³), in the units of a weight when the probe has length 1. Zero for a code vector without length.
+    /// How far each code vector points the probe's way, over the components that `mask` believes: see
+    /// [`kernels::alignments`].
     #[must_use]
-    pub fn alignments(&self, probe: &[Weight; DIMS], mask: Mask, floor: u32) -> [i64; NEURONS] {
+    pub fn alignments(&self, probe: &[Weight; DIMS], mask: Mask) -> [i64; NEURONS] {
         let mut alignments = [0; NEURONS];
         kernels::alignments(
             self.code.as_flattened(),
@@ -115,21 +115,9 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
             DIMS,
             probe,
             mask,
-            floor,
             &mut alignments,
         );
         alignments
-    }
-
-    /// Mean length of the code vectors in units of 2⁻¹³.
-    #[must_use]
-    pub fn mean_length(&self) -> u32 {
-        let lengths = self
-            .norms
-            .iter()
-            .map(|norm| u64::from(crate::fixed::isqrt(norm.unsigned_abs())));
-        let sum: u64 = lengths.sum();
-        sum.checked_div(NEURONS as u64).unwrap_or(0) as u32
     }
 
     /// Dot product of the probe with every code vector over the components that `mask` believes, in units of 2⁻²⁶.

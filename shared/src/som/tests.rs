@@ -93,7 +93,7 @@ proptest! {
         other[off] = Weight::from_bits(junk);
         prop_assert_eq!(map.scores_masked(&probe, mask), map.scores_masked(&other, mask));
         prop_assert_eq!(map.projections(&probe, mask), map.projections(&other, mask));
-        prop_assert_eq!(map.alignments(&probe, mask, 7), map.alignments(&other, mask, 7));
+        prop_assert_eq!(map.alignments(&probe, mask), map.alignments(&other, mask));
         let (mut learnt, winner) = (map.clone(), map.winner(&probe, mask));
         learnt.learn(winner, &probe, mask, &Pull::new(Neighbourhood::Gaussian, 1 << 15, 1 << 16), Dither::default());
         for (before, after) in map.code().iter().zip(learnt.code()) {

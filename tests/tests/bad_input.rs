@@ -1,0 +1,246 @@
+//! Bad input: exit code 2, one clear sentence that names the culprit, nothing else left behind.
+
+use std::io::{BufRead as _, BufReader, Read as _};
+use std::process::Stdio;
+use tests::{Program, host_sim, words};
+
+/// Command line, and what its sentence must hold.
+type Case = (&'static str, &'static [&'static str]);
+
+const WORLDS: &[(&str, &[u8])] = &[
+    ("empty.toml", b""),
+    ("binary.toml", b"\x89PNG\r\n\x1a\n\0\xff\xfe"),
+    ("broken.toml", b"[[circle]]\ncenter_m = [1.0\n"),
+    (
+        "key.toml",
+        b"[[circle]]\ncenter_m = [2, 2]\nradius_mm = 0.3\n",
+    ),
+    (
+        "nan.toml",
+        b"[[circle]]\ncenter_m = [2, nan]\nradius_m = 0.3\n",
+    ),
+    ("infinite.toml", b"[[wall]]\npoints_m = [[1, 1], [inf, 1]]\n"),
+    (
+        "negative.toml",
+        b"[[circle]]\ncenter_m = [2, 2]\nradius_m = -0.3\n",
+    ),
+    (
+        "zero.toml",
+        b"[[box]]\ncenter_m = [2, 2]\nsize_m = [0, 1]\n",
+    ),
+    (
+        "inside.toml",
+        b"[[circle]]\ncenter_m = [0, 0]\nradius_m = 2\n",
+    ),
+    ("nothing.toml", b"name = \"nothing\"\n"),
+    ("map.yaml", b"image: gone.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.2\n"),
+    ("world.txt", b"a wall"),
+];
+
+const TABLES: &[(&str, &[u8])] = &[
+    ("good.csv", b"1,2\n3,4\n5,7\n"),
+    ("ragged.csv", b"1,2\n3\n"),
+    ("text.csv", b"1,x,2\n2,y,3\n"),
+    ("nan.csv", b"1,2\nNaN,3\n"),
+    ("empty.csv", b""),
+    ("heading.csv", b"length,width\n"),
+    ("binary.csv", b"\x89PNG\0\xff"),
+    ("file", b"no folder"),
+];
+
+const CASES: &[Case] = &[
+    // World files.
+    ("run --world missing.toml", &["missing.toml"]),
+    ("run --world empty.toml", &["empty.toml", "empty"]),
+    (
+        "run --world binary.toml",
+        &["binary.toml", "not a text file"],
+    ),
+    ("run --world broken.toml", &["broken.toml, line"]),
+    (
+        "run --world key.toml",
+        &[
+            "key.toml, line 3",
+            "radius_mm",
+            "did you mean \"radius_m\"?",
+        ],
+    ),
+    (
+        "run --world nan.toml",
+        &["nan.toml, line 2", "center_m", "finite"],
+    ),
+    (
+        "run --world infinite.toml",
+        &["infinite.toml, line 2", "points_m", "finite"],
+    ),
+    (
+        "run --world negative.toml",
+        &["negative.toml, line 3", "-0.3"],
+    ),
+    ("run --world zero.toml", &["zero.toml, line 3", "positive"]),
+    ("run --world inside.toml", &["inside.toml", "start inside"]),
+    (
+        "run --world nothing.toml",
+        &["nothing.toml", "at least one"],
+    ),
+    ("run --world map.yaml", &["gone.pgm"]),
+    ("run --world world.txt", &["world.txt", ".toml"]),
+    ("worlds --world key.toml", &["key.toml, line 3"]),
+    // Names and numbers.
+    ("run --world paepr", &["paepr", "did you mean \"paper\"?"]),
+    ("run --world random:x", &["random:x", "not a seed"]),
+    ("run --world random:9..=8", &["random:9..=8", "empty"]),
+    ("run --world random:1..=1000000000000", &["at most 1000000"]),
+    ("run --behavior avod", &["avod", "did you mean \"avoid\"?"]),
+    ("run --steps 0", &["'0'", "--steps"]),
+    ("run --steps -5", &["-5"]),
+    ("run --steps 99999999999", &["--steps", "10000000"]),
+    ("run --explore 0", &["--explore", "1..=1000"]),
+    ("run --explore 1000000000000", &["--explore", "1..=1000"]),
+    ("run --seed=-1", &["--seed", "-1"]),
+    ("run --seed x", &["--seed", "'x'"]),
+    ("run --threads 0", &["--threads"]),
+    ("run --sonar ideel", &["--sonar", "ideel"]),
+    ("run --preset best", &["--preset", "best"]),
+    ("run --shield maybe", &["--shield", "maybe"]),
+    // Open choices.
+    ("run --set farr=1", &["farr", "did you mean \"far\"?"]),
+    ("run --set far=x", &["far", "\"x\"", "not a number"]),
+    ("run --set far=nan", &["far", "\"nan\""]),
+    ("run --set far=-1", &["far", "\"-1\""]),
+    ("run --set far", &["KEY=VALUE", "\"far\""]),
+    ("run --set near=3 --set far=2", &["far", "near"]),
+    // Tables.
+    ("som --data missing.csv", &["missing.csv"]),
+    ("som --data ragged.csv", &["ragged.csv, line 2", "1 fields"]),
+    (
+        "som --data text.csv",
+        &["text.csv, line 1, column 2", "\"x\""],
+    ),
+    ("som --data nan.csv", &["nan.csv, line 2, column 1", "NaN"]),
+    ("som --data empty.csv", &["empty.csv", "empty"]),
+    ("som --data heading.csv", &["heading.csv", "no sample"]),
+    ("som --data binary.csv", &["binary.csv", "not a text file"]),
+    ("som --data good.csv --grid 0x4", &["--grid", "0x4"]),
+    ("som --data good.csv --grid 4", &["--grid", "COLUMNSxROWS"]),
+    ("som --data good.csv --epochs 0", &["--epochs"]),
+    ("som --data good.csv --rate 0.1:0.5", &["--rate", "0.1:0.5"]),
+    ("som --data good.csv --init start.csv", &["start.csv"]),
+    // Folders that cannot be written.
+    ("run --steps 1 --out file", &["file: "]),
+    ("run --steps 1 --out file/below", &["file/below"]),
+    ("demo --out file/below", &["file/below"]),
+    ("worlds --out file/below", &["file/below"]),
+    ("som --data good.csv --out file/below", &["file/below"]),
+    // The command line itself.
+    ("frobnicate", &["frobnicate"]),
+    ("runn", &["runn"]),
+    ("run --frobnicate", &["--frobnicate"]),
+    ("run --world", &["--world"]),
+    ("run extra", &["extra"]),
+    ("ablation --only nothing-like-it", &["nothing-like-it"]),
+    ("ablation --rooms 0", &["--rooms"]),
+    ("completions abacus", &["abacus"]),
+];
+
+fn with_files() -> Program {
+    let program = host_sim!();
+    for (name, content) in WORLDS.iter().chain(TABLES) {
+        program.put(name, content);
+    }
+    program
+}
+
+/// The one sentence on standard error; the command line's own errors may be followed by a usage.
+fn sentence(stderr: &str) -> &str {
+    let (first, rest) = stderr.split_once('\n').unwrap_or((stderr, ""));
+    if let Some(sentence) = first.strip_prefix("host-sim: ") {
+        assert_eq!(rest, "", "more than one sentence: {stderr}");
+        return sentence;
+    }
+    assert!(rest.contains("--help"), "{stderr}");
+    first
+        .strip_prefix("error: ")
+        .unwrap_or_else(|| panic!("an unexpected message: {stderr}"))
+}
+
+#[test]
+fn bad_input_is_one_clear_sentence() {
+    let program = with_files();
+    let mut wrong = Vec::new();
+    for (line, names) in CASES {
+        let output = program.run(&words(line));
+        let sentence = sentence(&output.stderr);
+        let named = names.iter().all(|name| sentence.contains(name));
+        if output.code != Some(2) || !output.stdout.is_empty() || !named {
+            wrong.push(format!("{line}: {names:?}\n{output:#?}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    let left: Vec<_> = program
+        .files("")
+        .into_iter()
+        .map(|(name, _)| name)
+        .collect();
+    assert_eq!(
+        left.len(),
+        WORLDS.len() + TABLES.len(),
+        "left behind: {left:?}"
+    );
+}
+
+#[test]
+fn bad_input_leaves_no_files_in_the_output_folder() {
+    for line in [
+        "run --out out --world key.toml",
+        "run --out out --world inside.toml",
+        "run --out out --set far=x",
+        "run --out out --explore 1000000000000",
+        "run --out out --world paper --world paepr",
+        "worlds --out out --world paper --world nan.toml",
+        "som --out out --data ragged.csv",
+        "som --out out --data good.csv --grid 0x4",
+    ] {
+        let program = with_files();
+        assert_eq!(program.run(&words(line)).code, Some(2), "{line}");
+        assert_eq!(program.files("out"), [], "{line}");
+    }
+}
+
+#[test]
+fn the_worlds_before_a_bad_one_are_whole_lines() {
+    let program = with_files();
+    let output = program.run(&words(
+        "run --world random:1..=3 --world key.toml --json --steps 3",
+    ));
+    assert_eq!(output.code, Some(2));
+    assert!(sentence(&output.stderr).contains("key.toml, line 3"));
+    for line in output.stdout.lines() {
+        serde_json::from_str::<serde_json::Value>(line).expect("a whole line");
+    }
+}
+
+#[test]
+fn a_reader_that_goes_away_ends_the_program_quietly() {
+    let program = host_sim!();
+    let mut child = program
+        .command(&words(
+            "run --world random:1..=600 --json --explore 10 --steps 10",
+        ))
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let mut reader = BufReader::new(child.stdout.take().expect("a pipe"));
+    let mut first = String::new();
+    reader.read_line(&mut first).expect("a line");
+    assert!(first.contains("\"world\":\"random:1\""), "{first}");
+    drop(reader);
+    let mut stderr = String::new();
+    let mut errors = child.stderr.take().expect("a pipe");
+    errors.read_to_string(&mut stderr).expect("text");
+    let status = child.wait().expect("the program ends");
+    assert_eq!(status.code(), Some(0), "{stderr}");
+    // Not even the closing line with the time: the run was cut short, more than a pipe holds was left.
+    assert_eq!(stderr, "");
+}

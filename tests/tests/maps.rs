@@ -1,0 +1,106 @@
+//! Maps learnt once serve any goal: a new one costs no move and no training.
+
+use amp::config::Config;
+use amp::controller::{self, Command, Decision, Event, Mode, Outputs};
+use amp::fixed::Weight;
+use amp::goal::{Component, Goal};
+use amp::som::Grid;
+use amp::units::Millis;
+use host_sim::episode::{Body, Seeds};
+use host_sim::pilot::{Pilot, SimState};
+use host_sim::robot::TurretMode;
+use host_sim::scenes::Behavior;
+use host_sim::sonar::SonarModel;
+use host_sim::world::World;
+
+/// A mind and, from some moment on, its twin: it hears the same and is not obeyed.
+struct Robot {
+    config: Config<16>,
+    mind: Box<SimState>,
+    twin: Option<Box<SimState>>,
+    twins_decision: Option<Decision<16>>,
+}
+
+impl Pilot for Robot {
+    fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
+        if let Some(twin) = &mut self.twin {
+            let outputs = controller::handle(&self.config, twin, at, event);
+            self.twins_decision = self.twins_decision.or(outputs.decision);
+        }
+        controller::handle(&self.config, &mut self.mind, at, event)
+    }
+}
+
+impl Robot {
+    fn told(&mut self, at: Millis, command: Command<16>) -> Outputs<16> {
+        let outputs = controller::handle(&self.config, &mut self.mind, at, Event::Command(command));
+        assert_eq!(outputs.refusal, None);
+        outputs
+    }
+}
+
+/// Nothing near but something very near ahead: nearly the opposite of avoiding.
+fn touch_ahead(config: &Config<16>) -> Goal<16> {
+    let mut goal = Behavior::Avoid.goal(config);
+    for component in goal.components.iter_mut().take(4) {
+        *component = Component::at_least(Weight::ONE);
+    }
+    goal
+}
+
+/// Explores, learns and avoids for `steps` steps in the world.
+fn educated<'w>(world: &'w World, steps: usize) -> (Robot, Body<'w>) {
+    let seeds = Seeds::of(1);
+    let mut robot = Robot {
+        config: Config::recommended(),
+        mind: Box::new(SimState::new(Grid::rectangle(4, 4))),
+        twin: None,
+        twins_decision: None,
+    };
+    let mut body = Body::new(world, SonarModel::Ideal, TurretMode::Held, seeds.noise);
+    let explore = Command::Explore {
+        moves: 100,
+        seed: seeds.exploration,
+    };
+    let _ = robot.told(body.now(), explore);
+    while !body.advance(&mut robot).mode_changed {}
+    let _ = robot.told(body.now(), Command::Learn);
+    while !robot.handle(body.now(), Event::Tick).mode_changed {}
+    let avoid = Behavior::Avoid.goal(&robot.config);
+    let _ = robot.told(body.now(), Command::Seek(avoid));
+    for _ in 0..steps {
+        let _ = body.advance(&mut robot);
+    }
+    (robot, body)
+}
+
+#[test]
+fn a_new_goal_costs_no_move_and_no_training() {
+    let world = World::builtin("paper").expect("a built-in world");
+    let mut other_actions = 0;
+    for steps in 20..40 {
+        let (mut robot, mut body) = educated(&world, steps);
+        let before = robot.mind.clone();
+        robot.twin = Some(before.clone());
+        let goal = touch_ahead(&robot.config);
+        let outputs = robot.told(body.now(), Command::Seek(goal));
+        // No move, no forgetting, no learning ...
+        assert_eq!(outputs.motion, None);
+        assert_eq!(*robot.mind.mode(), Mode::Seek { goal });
+        assert_eq!(robot.mind.memory(), before.memory());
+        assert_eq!(robot.mind.memory().samples().len(), 100);
+        assert_eq!(robot.mind.situations(), before.situations());
+        assert_eq!(robot.mind.actions(), before.actions());
+        // ... and the very next decision serves the new goal, from the same situation and the same maps.
+        let decision = body.advance(&mut robot).decision.expect("a decision");
+        let twins = robot.twins_decision.expect("the twin decides, too");
+        assert_eq!(decision.situation, twins.situation);
+        other_actions += usize::from(decision.wanted != twins.wanted);
+        let twin = robot.twin.expect("still there");
+        assert_eq!(robot.mind.memory(), twin.memory());
+        assert_eq!(robot.mind.memory(), before.memory());
+        assert_eq!(robot.mind.situations(), twin.situations());
+        assert_eq!(robot.mind.actions(), twin.actions());
+    }
+    assert!(other_actions >= 18, "{other_actions} of 20 actions changed");
+}
