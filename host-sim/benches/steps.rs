@@ -20,7 +20,7 @@ fn body(world: &World, sonar: SonarModel) -> Body<'_> {
 /// Explores with 100 moves and learns: what an episode costs before its first step.
 fn set_up(world: &World, config: &Config<16>) -> Mind {
     let mut mind = Mind::new(config.clone());
-    let mut tell = |mind: &mut Mind, event| mind.handle(Millis::from_ms(0), event);
+    let tell = |mind: &mut Mind, event| mind.handle(Millis::from_ms(0), event);
     tell(
         &mut mind,
         Event::Command(Command::Explore {
