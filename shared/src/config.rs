@@ -267,7 +267,7 @@ impl Config<16> {
                 ..online
             }),
             planning: Planning {
-                intermediate: Intermediate::Goal,
+                intermediate: Intermediate::NearestCode,
                 recall: Recall::Direction,
                 together: true,
                 unmet_only: true,
