@@ -180,6 +180,25 @@ pub struct Planning {
     pub inhibition: u8,
 }
 
+impl<const SENSORS: usize> Config<SENSORS> {
+    /// The same choices for another robot, all of whose transducers are believed.
+    #[must_use]
+    pub fn for_robot<const OTHERS: usize>(&self, robot: RobotSpec<OTHERS>) -> Config<OTHERS> {
+        Config {
+            robot,
+            believed: Mask::ALL,
+            encoding: self.encoding,
+            exploration: self.exploration,
+            action_code: self.action_code,
+            learning: self.learning,
+            online: self.online,
+            planning: self.planning,
+            clearance_mm: self.clearance_mm,
+            shield: self.shield,
+        }
+    }
+}
+
 impl Config<16> {
     /// The most literal reading of the paper: an action is (turn, step), the probe is by squared distance, the neighbour
     /// by grid steps among the four direct ones, learning goes on, straight ahead at the goal. The ring is to turn with
