@@ -1,7 +1,7 @@
 //! The mind's open choices by name, for `--set KEY=VALUE`.
 //!
 //! One table names every key, what it means and how it is read and written, so that the help, the
-//! parser and the ablation cannot disagree.
+//! parser and the ablation cannot disagree. The table is most of this file's length.
 
 use crate::error::BadInput;
 use amp::action_map::{ActionCode, Recall};

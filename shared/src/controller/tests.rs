@@ -1,7 +1,9 @@
 use super::*;
 use crate::fixed::Weight;
 use crate::goal::Component;
+use crate::goal::Goal;
 use crate::planner::Why;
+use crate::units::Range;
 use std::vec::Vec;
 
 type Robot = State<16, 16, 20>;

@@ -1,0 +1,203 @@
+//! A ring is complete and the base stands: what now?
+
+use super::{Decision, Mode, Motion, Outputs, Pending, State};
+use crate::action_map::Effect;
+use crate::config::{Config, Taught};
+use crate::fixed::Mask;
+use crate::goal::Goal;
+use crate::memory::{self, Sample};
+use crate::planner::{Plan, Planner, difference};
+use crate::scan::Situation;
+use crate::som::Neighbourhood;
+use crate::som::neighbourhood::Pull;
+use crate::units::{Bearing, Displacement, Millis};
+use rand_core::Rng as _;
+
+impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
+    State<SENSORS, NEURONS, SAMPLES>
+{
+    /// A ring is complete and the base stands.
+    pub(super) fn decide(&mut self, config: &Config<SENSORS>, now: Millis) -> Outputs<SENSORS> {
+        let situation = config.encoding.situation(&self.scan);
+        let pending = self.pending.take();
+        match self.mode {
+            Mode::Explore { left } => self.explore(config, now, situation, pending, left),
+            Mode::Seek { goal } => self.seek(config, now, situation, pending, &goal),
+            Mode::Idle | Mode::Learn { .. } | Mode::Stopped(_) => Outputs::NONE,
+        }
+    }
+
+    fn explore(
+        &mut self,
+        config: &Config<SENSORS>,
+        now: Millis,
+        situation: Situation<SENSORS>,
+        pending: Option<Pending<SENSORS>>,
+        left: u16,
+    ) -> Outputs<SENSORS> {
+        let mut left = left;
+        if let Some(pending) = pending {
+            // The command was refused unless the memory holds all the samples.
+            let _ = self.memory.keep(Sample {
+                before: memory::to_bytes(&pending.before),
+                after: memory::to_bytes(&situation),
+                mask: config.believed,
+                commanded: pending.commanded,
+                executed: pending.executed,
+            });
+            left = left.saturating_sub(1);
+        }
+        if left == 0 {
+            return self.enter(Mode::Idle);
+        }
+        self.mode = Mode::Explore { left };
+        let wanted = self.random_move(config, now);
+        self.go(config, now, situation, wanted, None)
+    }
+
+    /// A random displacement; drawn anew a few times while the shield would take more than half of it.
+    fn random_move(&mut self, config: &Config<SENSORS>, now: Millis) -> Displacement {
+        let (shortest, longest) = (config.exploration.shortest_mm, config.robot.step_mm);
+        let span = u32::from(longest.saturating_sub(shortest));
+        let mut wanted = Displacement::ZERO;
+        for _ in 0..config.exploration.draws.max(1) {
+            let bearing = Bearing::from_turns((self.generator.next_u32() >> 16) as u16);
+            let length = u32::from(shortest).saturating_add(self.below(span.saturating_add(1)));
+            wanted = Displacement::along(bearing, length as i32);
+            let allowed = self.shield.allow(config, wanted, now);
+            if allowed.distance_mm >= wanted.length_mm() / 2 {
+                break;
+            }
+        }
+        wanted
+    }
+
+    fn seek(
+        &mut self,
+        config: &Config<SENSORS>,
+        now: Millis,
+        situation: Situation<SENSORS>,
+        pending: Option<Pending<SENSORS>>,
+        goal: &Goal<SENSORS>,
+    ) -> Outputs<SENSORS> {
+        for left in &mut self.inhibited {
+            *left = left.saturating_sub(1);
+        }
+        let cut = pending.is_some_and(|pending| pending.was_cut());
+        if let Some(pending) = pending {
+            self.learn_online(config, &pending, &situation);
+            self.inhibit(config, &pending);
+        }
+        let mut allowed = Mask::ALL;
+        for (neuron, _) in self
+            .inhibited
+            .iter()
+            .enumerate()
+            .filter(|(_, left)| **left > 0)
+        {
+            allowed = allowed.without(neuron);
+        }
+        let planner = Planner {
+            config,
+            situations: &self.situations,
+            actions: &self.actions,
+            allowed,
+            course: self.course,
+            cut,
+        };
+        let plan = planner.plan(&situation, goal);
+        self.go(config, now, situation, plan.action, Some(plan))
+    }
+
+    /// A move cut below half inhibits the neuron that asked for it.
+    fn inhibit(&mut self, config: &Config<SENSORS>, pending: &Pending<SENSORS>) {
+        let asked = pending.action_neuron.filter(|_| pending.was_cut());
+        let neuron = asked.map(usize::from);
+        if let Some(left) = neuron.and_then(|neuron| self.inhibited.get_mut(neuron)) {
+            *left = config.planning.inhibition;
+        }
+    }
+
+    fn learn_online(
+        &mut self,
+        config: &Config<SENSORS>,
+        pending: &Pending<SENSORS>,
+        after: &Situation<SENSORS>,
+    ) {
+        let Some(online) = config.online else {
+            return;
+        };
+        let taught = match config.learning.taught {
+            Taught::Commanded => pending.commanded,
+            Taught::Executed => pending.executed,
+        };
+        let effect = Effect {
+            change: difference(after, &pending.before),
+            action: config.action_code.encode(taught, config.robot.step_mm),
+            mask: config.believed,
+        };
+        let pull = |rate| Pull::new(Neighbourhood::Direct, rate, online.share_q16);
+        self.dither = self.dither.next();
+        let winner = match pending.action_neuron {
+            Some(neuron) if online.blame_recalled => usize::from(neuron),
+            _ => self
+                .actions
+                .winner(&effect, config.learning.action_weight_q8),
+        };
+        self.actions
+            .learn(winner, &effect, &pull(online.action_rate_q16), self.dither);
+        let winner = self.situations.winner(after, config.believed);
+        self.situations.learn(
+            winner,
+            after,
+            config.believed,
+            &pull(online.situation_rate_q16),
+            self.dither,
+        );
+    }
+
+    /// Sends the base on its way as far as the shield allows.
+    fn go(
+        &mut self,
+        config: &Config<SENSORS>,
+        now: Millis,
+        situation: Situation<SENSORS>,
+        wanted: Displacement,
+        plan: Option<Plan<SENSORS>>,
+    ) -> Outputs<SENSORS> {
+        let limit = self.shield.allow(config, wanted, now);
+        let allowed = if limit.distance_mm >= wanted.length_mm() {
+            wanted
+        } else {
+            wanted.with_length(limit.distance_mm)
+        };
+        self.motion_id = self.motion_id.wrapping_add(1);
+        self.course = wanted;
+        self.scan.renew();
+        self.pending = Some(Pending {
+            before: situation,
+            commanded: wanted,
+            executed: Displacement::ZERO,
+            remaining: allowed,
+            turned: Bearing::ZERO,
+            speed_mm_s: limit.speed_mm_s,
+            action_neuron: plan.and_then(|plan| plan.recalled.then_some(plan.action_neuron)),
+            ended: false,
+        });
+        Outputs {
+            motion: Some(Motion {
+                id: self.motion_id,
+                displacement: allowed,
+                speed_mm_s: limit.speed_mm_s,
+            }),
+            decision: Some(Decision {
+                situation,
+                plan,
+                wanted,
+                allowed,
+                at_goal: plan.is_some_and(|plan| plan.at_goal),
+            }),
+            ..Outputs::NONE
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! What goes into the controller and what comes out of it.
+
+use crate::goal::Goal;
+use crate::planner::Plan;
+use crate::scan::Situation;
+use crate::units::{Bearing, Displacement, Range};
+
+/// What the robot is doing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mode<const SENSORS: usize> {
+    /// Nothing.
+    Idle,
+    /// Random moves.
+    Explore {
+        /// Samples still to be taken.
+        left: u16,
+    },
+    /// Learning from the memory.
+    Learn {
+        /// Presentations done.
+        step: u32,
+    },
+    /// Towards a goal.
+    Seek {
+        /// The goal.
+        goal: Goal<SENSORS>,
+    },
+    /// Standing, for a reason.
+    Stopped(StopReason),
+}
+
+/// Why the robot stopped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StopReason {
+    /// It was told to.
+    Commanded,
+}
+
+/// Why a command was not carried out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Refusal {
+    /// More moves than the memory holds, or none.
+    Moves {
+        /// The most it holds.
+        most: u16,
+    },
+    /// There is nothing to learn from.
+    NoSamples,
+    /// The maps have not been learnt.
+    NotLearnt,
+}
+
+/// What somebody wants of the robot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Command<const SENSORS: usize> {
+    /// Forget the samples and take so many new ones by random moves.
+    Explore {
+        /// Number of moves, at least 1.
+        moves: u16,
+        /// Seed of the robot's own generator.
+        seed: u64,
+    },
+    /// Make the maps from the samples.
+    Learn,
+    /// Pursue a goal from now on.
+    Seek(Goal<SENSORS>),
+    /// Stand still.
+    Stop,
+}
+
+/// What became of a motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Progress {
+    /// Still under way.
+    Moving,
+    /// The base stands, the motion is over.
+    Ended,
+    /// The base stands because something was touched.
+    Touched,
+}
+
+/// Something that happened.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Event<const SENSORS: usize> {
+    /// A transducer listened; `None` = nothing answered.
+    Echo {
+        /// Transducer.
+        sensor: u8,
+        /// What it heard.
+        range: Option<Range>,
+    },
+    /// The base reports what it has done since its last report.
+    Odometry {
+        /// Motion it is carrying out or has carried out last.
+        motion: u16,
+        /// Displacement since the last report, in the ring's frame at that report.
+        moved: Displacement,
+        /// How far the ring has turned since then.
+        turned: Bearing,
+        /// What became of the motion.
+        progress: Progress,
+    },
+    /// Somebody wants something.
+    Command(Command<SENSORS>),
+    /// Time passes.
+    Tick,
+}
+
+/// What the base is asked to do: a straight displacement in the ring's present frame. A newer motion replaces an older
+/// one, zero stops.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Motion {
+    /// Number of the motion; a shortened motion keeps its number.
+    pub id: u16,
+    /// Where to, from here.
+    pub displacement: Displacement,
+    /// At most this fast, millimetres per second.
+    pub speed_mm_s: u16,
+}
+
+/// What one event brought about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Outputs<const SENSORS: usize> {
+    /// What the base is to do.
+    pub motion: Option<Motion>,
+    /// A decision was taken.
+    pub decision: Option<Decision<SENSORS>>,
+    /// The mode changed.
+    pub mode_changed: bool,
+    /// A command was refused.
+    pub refusal: Option<Refusal>,
+}
+
+impl<const SENSORS: usize> Outputs<SENSORS> {
+    /// Nothing.
+    pub const NONE: Self = Self {
+        motion: None,
+        decision: None,
+        mode_changed: false,
+        refusal: None,
+    };
+}
+
+/// A decision as telemetry: what was perceived, wanted and allowed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Decision<const SENSORS: usize> {
+    /// The situation it was taken in.
+    pub situation: Situation<SENSORS>,
+    /// How it came about; `None` for a random move.
+    pub plan: Option<Plan<SENSORS>>,
+    /// Displacement wanted.
+    pub wanted: Displacement,
+    /// Displacement the shield allowed.
+    pub allowed: Displacement,
+    /// The goal holds.
+    pub at_goal: bool,
+}

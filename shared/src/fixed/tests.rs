@@ -1,0 +1,98 @@
+use super::*;
+use proptest::prelude::*;
+use std::vec::Vec;
+
+#[test]
+fn exp_neg_error_bound() {
+    let (mut worst, mut sum) = (0.0_f64, 0.0_f64);
+    for x in (0..20 << 16).step_by(37) {
+        let exact = libm::exp(-f64::from(x) / 65_536.0);
+        let error = (f64::from(exp_neg(x)) / 2_147_483_648.0 - exact).abs();
+        worst = worst.max(error);
+        sum += error;
+    }
+    assert!(worst <= 3e-5, "worst {worst}");
+    assert!(sum / 35_000.0 <= 2e-6, "mean {}", sum / 35_000.0);
+}
+
+#[test]
+fn dithered_steps_are_right_on_the_average() {
+    // A step of 0.02 units of the last place: rounding to nearest would never move.
+    let (from, to, gain) = (Weight::ZERO, Weight::from_bits(10), Gain::from_bits(66));
+    for lane in 0..16 {
+        let (mut dither, mut moved) = (Dither::default(), 0);
+        for _ in 0..10_000 {
+            dither = dither.next();
+            moved += i32::from(approach(from, to, gain, dither.threshold(lane)).to_bits());
+        }
+        let exact = 10_000.0 * 10.0 * 66.0 / 32_768.0;
+        assert!(
+            (f64::from(moved) - exact).abs() < 3.0,
+            "lane {lane}: {moved} {exact}"
+        );
+    }
+}
+
+#[test]
+fn log2_ratio_error_bound() {
+    for (a, b) in [
+        (1, 1),
+        (2, 1),
+        (3, 1),
+        (65_536, 3),
+        (32_768, 655),
+        (u32::MAX, 1),
+        (7, 5),
+    ] {
+        let exact = libm::log2(f64::from(a) / f64::from(b));
+        let error = exact - f64::from(log2_ratio(a, b)) / 65_536.0;
+        assert!((-1e-6..3.2e-5).contains(&error), "{a}/{b}: {error}");
+    }
+}
+
+#[test]
+fn mask_rotates_with_the_ring() {
+    let mask = Mask::ALL.without(15);
+    assert!(!mask.rotated(1, 16).contains(0));
+    assert!(mask.rotated(1, 16).contains(15));
+    assert!(!mask.rotated(16, 16).contains(15));
+    assert!(mask.rotated(3, 16).covers(2) && !mask.covers(16));
+}
+
+#[test]
+fn halves_round_away_from_zero() {
+    assert_eq!(
+        (div_round(5, -2), div_round(-5, -2), div_round(4, 3)),
+        (-3, 3, 1)
+    );
+    assert_eq!(div_round(1, 0), 0);
+}
+
+proptest! {
+    #[test]
+    fn dot_equals_the_wide_sum(pairs in prop::collection::vec((-8192_i16..=8192, -8192_i16..=8192), 0..70)) {
+        let a: Vec<_> = pairs.iter().map(|p| Weight::from_bits(p.0)).collect();
+        let b: Vec<_> = pairs.iter().map(|p| Weight::from_bits(p.1)).collect();
+        let wide: i64 = pairs.iter().map(|p| i64::from(p.0) * i64::from(p.1)).sum();
+        prop_assert_eq!(dot(&a, &b), wide);
+        let expanded = squared_norm(&a) + squared_norm(&b) - 2 * wide;
+        prop_assert_eq!(squared_distance_masked(&a, &b, Mask::ALL), expanded);
+    }
+
+    #[test]
+    fn approach_stays_between(from in -8192_i16..=8192, to in -8192_i16..=8192, gain in 0_u16..=32_768, threshold in 0_u16..32_768) {
+        let (a, b) = (Weight::from_bits(from), Weight::from_bits(to));
+        let moved = approach(a, b, Gain::from_bits(gain), threshold);
+        prop_assert!(moved >= a.min(b) && moved <= a.max(b));
+        let exact = f64::from(from) + (f64::from(to) - f64::from(from)) * f64::from(gain) / 32_768.0;
+        prop_assert!((f64::from(moved.to_bits()) - exact).abs() < 1.0);
+        prop_assert_eq!(approach(a, b, Gain::ZERO, threshold), a);
+        prop_assert_eq!(approach(a, b, Gain::ONE, threshold), b);
+    }
+
+    #[test]
+    fn isqrt_is_the_floor(value in any::<u64>()) {
+        let root = u128::from(isqrt(value));
+        prop_assert!(root * root <= u128::from(value) && (root + 1) * (root + 1) > u128::from(value));
+    }
+}
