@@ -3,7 +3,7 @@
 //! A neuron holds a change of situation Δ and an action side by side: two codebooks over one grid. Learning finds the
 //! winner by both parts, |Δ − Δ_k|² + λ |a − a_k|²; recall probes with the change alone.
 
-use crate::fixed::{Dither, Mask, ONE_BITS, Weight, isqrt, squared_norm, unit_weight};
+use crate::fixed::{Mask, ONE_BITS, Weight, coarse, isqrt, squared_norm, unit_weight};
 use crate::som::neighbourhood::Pull;
 use crate::som::{Grid, Som, kernels};
 use crate::units::{Bearing, Displacement};
@@ -120,22 +120,25 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
             let weighted = action.wrapping_mul(i64::from(action_weight_q8));
             *score = score.wrapping_mul(256).wrapping_add(weighted);
         }
-        kernels::least(&scores)
+        kernels::nearest(
+            &scores,
+            SENSORS.saturating_add(2),
+            256.max(i64::from(action_weight_q8)),
+            |k| {
+                let change = self.changes.distance(k, &effect.change, effect.mask);
+                let action = self.actions.distance(k, &effect.action, Mask::ALL);
+                // Rounded before it is weighted: at most 2^45 times 2^16.
+                change.saturating_add((action >> 8).saturating_mul(u64::from(action_weight_q8)))
+            },
+        )
     }
 
     /// One step of learning around `winner`.
     #[inline]
-    pub fn learn(
-        &mut self,
-        winner: usize,
-        effect: &Effect<SENSORS>,
-        pull: &Pull<NEURONS>,
-        dither: Dither,
-    ) {
+    pub fn learn(&mut self, winner: usize, effect: &Effect<SENSORS>, pull: &Pull<NEURONS>) {
         self.changes
-            .learn(winner, &effect.change, effect.mask, pull, dither);
-        self.actions
-            .learn(winner, &effect.action, Mask::ALL, pull, dither);
+            .learn(winner, &effect.change, effect.mask, pull);
+        self.actions.learn(winner, &effect.action, Mask::ALL, pull);
     }
 
     /// What the map answers to a wanted change: the best neuron among those `allowed` counts (among all
@@ -213,7 +216,7 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
             let weight = squared.wrapping_mul(squared) >> 10;
             total = total.wrapping_add(weight);
             for (sum, part) in sum.iter_mut().zip(action) {
-                *sum = sum.wrapping_add(weight.wrapping_mul(i64::from(part.to_bits())));
+                *sum = sum.wrapping_add(weight.wrapping_mul(i64::from(coarse(*part).to_bits())));
             }
         }
         sum.map(|sum| unit_weight(sum.checked_div(total).unwrap_or(0) as i32))

@@ -112,7 +112,8 @@ pub struct Learning {
     pub situations: Training,
     /// The action map's training.
     pub actions: Training,
-    /// Presentations per [`Event::Tick`](crate::controller::Event::Tick): bounds the work between two events.
+    /// Presentations per [`Event::Tick`](crate::controller::Event::Tick), 1 … 16: bounds the work between two events and
+    /// changes nothing else.
     pub slice: u16,
 }
 
@@ -232,7 +233,7 @@ impl Config<16> {
                 edges: Edges::Open,
                 situations: training,
                 actions: training,
-                slice: 16,
+                slice: 4,
             },
             online: Some(Online {
                 situation_rate_q16: ONE_Q16 / 20,

@@ -14,7 +14,7 @@
 
 use crate::action_map::ActionMap;
 use crate::config::Config;
-use crate::fixed::{Dither, Mask};
+use crate::fixed::Mask;
 use crate::memory::Memory;
 use crate::scan::{Echo, Scan, Situation};
 use crate::shield::Shield;
@@ -65,7 +65,6 @@ pub struct State<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usiz
     generator: Xoshiro128PlusPlus,
     pending: Option<Pending<SENSORS>>,
     motion_id: u16,
-    dither: Dither,
     /// The last displacement, in the ring's present frame.
     course: Displacement,
     /// Decisions for which each action neuron stays inhibited.
@@ -96,7 +95,6 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             generator: Xoshiro128PlusPlus::seed_from_u64(0),
             pending: None,
             motion_id: 0,
-            dither: Dither::default(),
             course: Displacement::ZERO,
             inhibited: [0; NEURONS],
         }

@@ -2,17 +2,35 @@
 //!
 //! | type | bits | range | resolution | used for |
 //! |---|---|---|---|---|
-//! | [`Weight`] | I3F13 | −4 … 4 | 2⁻¹³ = 0.000122 | code vectors, situations, changes of situation |
-//! | [`Gain`] | Q15 | 0 … 1 | 2⁻¹⁵ | learning rates, neighbourhood values |
+//! | [`Weight`] | I3F13 | −4 … 4 | 2⁻¹³ = 0.000122 | situations, changes of situation, probes |
+//! | [`Fine`] | I3F29 | −4 … 4 | 2⁻²⁹ = 1.9·10⁻⁹ | code vectors |
+//! | [`Gain`] | Q30 | 0 … 1 | 2⁻³⁰ | learning rates, neighbourhood values |
 //! | Q16 `u32` | 16.16 | 0 … 65 536 | 2⁻¹⁶ | schedule values, exponents |
+//!
+//! A code vector's components are 16-bit weights with 16 more bits below: searches read the upper half, learning moves the
+//! whole. Without the lower half, learning would lose every change below half a unit (with a rate of 1 % a component stops
+//! 50 units short of what it is taught), and a map would part from the same map in floats.
 //!
 //! Values in the maps stay within [−1, 1]; then a product of two weights is at most 2²⁶ and the sum of 31 of them fits an
 //! `i32`: [`dot`] adds blocks of 16 products in 32 bits, which compilers turn into paired multiply–adds, and only the
 //! block sums in 64 bits. This is the only module with bit tricks; nothing here can panic, and every operation that could
 //! overflow says what it does instead.
 
-/// A component of a code vector, a situation or a change of situation: I3F13, 1.0 = 8192.
+/// A component of a situation or a change of situation: I3F13, 1.0 = 8192.
 pub type Weight = ::fixed::types::I3F13;
+
+/// A component of a code vector: I3F29, 1.0 = 2²⁹. Its upper half is the [`Weight`] below it.
+pub type Fine = ::fixed::types::I3F29;
+
+/// 1.0 as raw bits of a [`Fine`].
+pub const FINE_ONE_BITS: i32 = 1 << 29;
+
+/// The weight at or next below a component: its upper 16 bits.
+#[inline(always)]
+#[must_use]
+pub const fn coarse(component: Fine) -> Weight {
+    Weight::from_bits((component.to_bits() >> 16) as i16)
+}
 
 /// 1.0 as raw bits of a [`Weight`].
 pub const ONE_BITS: i16 = 1 << 13;
@@ -31,109 +49,96 @@ pub const fn unit_weight(bits: i32) -> Weight {
     Weight::from_bits(clamped as i16)
 }
 
-/// A fraction in [0, 1] with 15 bits behind the point: learning rates and neighbourhood values.
+/// A fraction in [0, 1] with 30 bits behind the point: learning rates and neighbourhood values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
-pub struct Gain(u16);
+pub struct Gain(i32);
 
 impl Gain {
     /// 0: nothing moves.
     pub const ZERO: Self = Self(0);
     /// 1: the code vector becomes the probe.
-    pub const ONE: Self = Self(1 << 15);
+    pub const ONE: Self = Self(1 << 30);
 
-    /// The gain of `bits`/32768, clamped to 1.
+    /// The gain of `bits`/2³⁰, clamped to 1.
     #[must_use]
-    pub const fn from_bits(bits: u16) -> Self {
-        if bits > Self::ONE.0 {
+    pub const fn from_bits(bits: u32) -> Self {
+        if bits > 1 << 30 {
             Self::ONE
         } else {
-            Self(bits)
+            Self(bits as i32)
         }
     }
 
-    /// The gain of a Q16 value (65536 = 1.0), rounded down and clamped to 1.
+    /// The gain of a Q16 value (65536 = 1.0), clamped to 1.
     #[must_use]
     pub const fn from_q16(value: u32) -> Self {
-        if value >= 1 << 16 {
-            Self::ONE
-        } else {
-            Self((value >> 1) as u16)
-        }
+        Self::from_bits(value.saturating_mul(1 << 14))
     }
 
-    /// Raw bits, 32768 = 1.0.
+    /// Raw bits, 2³⁰ = 1.0.
     #[must_use]
-    pub const fn to_bits(self) -> u16 {
-        self.0
+    pub const fn to_bits(self) -> u32 {
+        self.0 as u32
     }
 
     /// Product of two gains, rounded to nearest.
     #[must_use]
     pub const fn times(self, other: Self) -> Self {
-        Self(((self.0 as u32 * other.0 as u32 + (1 << 14)) >> 15) as u16)
+        Self(((self.0 as i64 * other.0 as i64 + (1 << 29)) >> 30) as i32)
     }
 }
 
-/// Where the steps of learning are rounded: a threshold that wanders from step to step and from component to component.
-///
-/// Rounding to nearest would leave a dead band: a change below half a unit is lost every time, and with a learning rate
-/// of 1 % a component stops learning 50 units short of what it is taught. A threshold that takes all values equally often
-/// makes the rounding right on the average (dithered, or stochastic, rounding) without a bit of state per weight.
-/// The thresholds are Weyl sequences with steps near the golden ratio, so a few steps already cover the unit evenly.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Dither(u16);
-
-impl Dither {
-    /// Step of the sequence from one component to the next: 2¹⁵ · 0.618, odd.
-    const LANE: u16 = 20_251;
-    /// Step of the sequence from one step of learning to the next: 2¹⁵ · 0.414, odd.
-    const STEP: u16 = 13_573;
-
-    /// The sequence's value `bits`, modulo 2¹⁵.
-    #[must_use]
-    pub const fn from_bits(bits: u16) -> Self {
-        Self(bits & 0x7fff)
-    }
-
-    /// Raw bits, below 2¹⁵.
-    #[must_use]
-    pub const fn to_bits(self) -> u16 {
-        self.0
-    }
-
-    /// The dither of the next step of learning.
-    #[must_use]
-    pub const fn next(self) -> Self {
-        Self::from_bits(self.0.wrapping_add(Self::STEP))
-    }
-
-    /// The threshold of component `lane`, below 2¹⁵.
-    #[inline(always)]
-    #[must_use]
-    pub const fn threshold(self, lane: usize) -> u16 {
-        self.0.wrapping_add(Self::LANE.wrapping_mul(lane as u16)) & 0x7fff
-    }
-}
-
-/// `from` moved towards `to` by the fraction `gain`; `threshold`, 0 … 2¹⁵ − 1, is added below the last bit before rounding
-/// down. Stays between the two; gain 0 and 1 are exact.
+/// `from` moved towards `to` by the fraction `gain`, rounded down to 2⁻²⁹. Stays between the two while both lie in [−1, 1];
+/// gain 0 and 1 are exact.
 #[inline(always)]
 #[must_use]
-pub fn approach(from: Weight, to: Weight, gain: Gain, threshold: u16) -> Weight {
-    let start = i32::from(from.to_bits());
-    // The difference of two 16-bit values times 2¹⁵ can leave 32 bits; values of the maps (|w| <= 1) never do.
-    let scaled = (i32::from(to.to_bits()).wrapping_sub(start)).wrapping_mul(i32::from(gain.0));
-    let step = scaled.wrapping_add(i32::from(threshold)) >> 15;
-    Weight::from_bits(start.wrapping_add(step) as i16)
+pub const fn approach(from: Fine, to: Fine, gain: Gain) -> Fine {
+    // Values of the maps (|w| <= 1) differ by at most 2³⁰.
+    let difference = to.to_bits().wrapping_sub(from.to_bits());
+    let step = (difference as i64 * gain.0 as i64) >> 30;
+    Fine::from_bits(from.to_bits().wrapping_add(step as i32))
 }
 
 /// Products summed in 32 bits before they are widened: 16 · 2²⁶ = 2³⁰.
 const BLOCK: usize = 16;
 
-/// Sum of products of two vectors in units of 2⁻²⁶; exact while components lie in [−1, 1]. The shorter one decides.
+/// A component of a vector, in either precision.
+pub trait Scalar: Copy {
+    /// The 16-bit value at or next below it.
+    fn coarse(self) -> Weight;
+    /// Its value in full precision.
+    fn fine(self) -> Fine;
+}
+
+impl Scalar for Weight {
+    #[inline(always)]
+    fn coarse(self) -> Weight {
+        self
+    }
+
+    #[inline(always)]
+    fn fine(self) -> Fine {
+        Fine::from_bits(i32::from(self.to_bits()) << 16)
+    }
+}
+
+impl Scalar for Fine {
+    #[inline(always)]
+    fn coarse(self) -> Weight {
+        coarse(self)
+    }
+
+    #[inline(always)]
+    fn fine(self) -> Fine {
+        self
+    }
+}
+
+/// Sum of products of the 16-bit values of two vectors in units of 2⁻²⁶; exact while components lie in [−1, 1]. The
+/// shorter one decides.
 #[inline(always)]
 #[must_use]
-pub fn dot(a: &[Weight], b: &[Weight]) -> i64 {
+pub fn dot<A: Scalar, B: Scalar>(a: &[A], b: &[B]) -> i64 {
     let shorter = a.len().min(b.len());
     let (a, b) = (a.get(..shorter).unwrap_or(a), b.get(..shorter).unwrap_or(b));
     let (blocks_a, rest_a) = a.as_chunks::<BLOCK>();
@@ -146,10 +151,11 @@ pub fn dot(a: &[Weight], b: &[Weight]) -> i64 {
 }
 
 #[inline(always)]
-fn block_dot(a: &[Weight], b: &[Weight]) -> i32 {
+fn block_dot<A: Scalar, B: Scalar>(a: &[A], b: &[B]) -> i32 {
     let mut sum = 0_i32;
     for (x, y) in a.iter().zip(b) {
-        sum = sum.wrapping_add(i32::from(x.to_bits()).wrapping_mul(i32::from(y.to_bits())));
+        let (x, y) = (x.coarse().to_bits(), y.coarse().to_bits());
+        sum = sum.wrapping_add(i32::from(x).wrapping_mul(i32::from(y)));
     }
     sum
 }
@@ -157,21 +163,23 @@ fn block_dot(a: &[Weight], b: &[Weight]) -> i32 {
 /// Squared Euclidean length in units of 2⁻²⁶; exact while components lie in [−1, 1].
 #[inline(always)]
 #[must_use]
-pub fn squared_norm(a: &[Weight]) -> i64 {
+pub fn squared_norm<A: Scalar>(a: &[A]) -> i64 {
     dot(a, a)
 }
 
-/// Squared Euclidean distance over the components that `mask` believes, in units of 2⁻²⁶.
+/// Squared Euclidean distance over the components that `mask` believes, in units of 2⁻⁵⁰. Differences are rounded down
+/// to 2⁻²⁵; up to 4096 components in [−1, 1] cannot overflow.
+#[inline(always)]
 #[must_use]
-pub fn squared_distance_masked(a: &[Weight], b: &[Weight], mask: Mask) -> i64 {
+pub fn squared_distance<A: Scalar, B: Scalar>(a: &[A], b: &[B], mask: Mask) -> u64 {
     let mut total = 0_i64;
     for (index, (x, y)) in a.iter().zip(b).enumerate() {
         if mask.contains(index) {
-            let difference = i64::from(x.to_bits()) - i64::from(y.to_bits());
+            let difference = i64::from(x.fine().to_bits().wrapping_sub(y.fine().to_bits()) >> 4);
             total = total.wrapping_add(difference * difference);
         }
     }
-    total
+    total.unsigned_abs()
 }
 
 /// Which components count: bit `i` for component `i`; components from 32 on always count.
@@ -238,27 +246,6 @@ impl Mask {
     #[must_use]
     pub const fn and(self, other: Self) -> Self {
         Self(self.0 & other.0)
-    }
-
-    /// The mask of a ring turned by `steps` of `count` places: component `i` becomes component `i + steps`.
-    #[must_use]
-    pub const fn rotated(self, steps: usize, count: usize) -> Self {
-        if count == 0 || count > 32 {
-            return self;
-        }
-        let low = if count == 32 {
-            u32::MAX
-        } else {
-            (1 << count) - 1
-        };
-        let steps = (steps % count) as u32;
-        let bits = self.0 & low;
-        let turned = if steps == 0 {
-            bits
-        } else {
-            ((bits << steps) | (bits >> (count as u32 - steps))) & low
-        };
-        Self(turned | !low)
     }
 }
 

@@ -25,7 +25,7 @@
 //!
 //! | module | what it knows |
 //! |---|---|
-//! | [`fixed`] | the 16-bit number format of the maps, dot products, roots, exponentials |
+//! | [`fixed`] | the number formats of the maps, dot products, roots, exponentials |
 //! | [`units`] | millimetres, milliseconds, bearings, displacements |
 //! | [`robot`] | ring geometry and limits: the robots differ in data only |
 //! | [`scan`] | ranges with age and validity, and the situation made of them |

@@ -1,7 +1,7 @@
 //! The lazy memory: what the robot saw, did and saw then, kept as it was for whatever is to be learnt from it.
 //!
-//! Situations are kept as bytes (1/255 of the way from the far to the near limit): a sample of a 16-sonar ring takes
-//! 44 bytes, a hundred of them 4.4 kB.
+//! Situations are kept as bytes: 0 … 254 is the way from the far to the near limit, 255 a transducer that was not to be
+//! believed. A sample of a 16-sonar ring takes 40 bytes, a hundred of them 4 kB.
 
 use crate::fixed::{Mask, ONE_BITS, Weight};
 use crate::scan::Situation;
@@ -11,20 +11,43 @@ use heapless::Vec;
 /// A situation as bytes.
 pub type SituationBytes<const SENSORS: usize> = [u8; SENSORS];
 
-/// The nearest byte to each value.
+/// The byte of 1.0.
+const NEAR: i32 = 254;
+/// The byte of a transducer that was not to be believed.
+const UNKNOWN: u8 = 255;
+
+/// The nearest byte to each value that `believed` counts.
 #[must_use]
-pub fn to_bytes<const SENSORS: usize>(situation: &Situation<SENSORS>) -> SituationBytes<SENSORS> {
-    situation.map(|w| {
-        let bits = i32::from(w.to_bits()).clamp(0, i32::from(ONE_BITS));
-        ((bits * 255 + i32::from(ONE_BITS) / 2) >> 13) as u8
-    })
+pub fn to_bytes<const SENSORS: usize>(
+    situation: &Situation<SENSORS>,
+    believed: Mask,
+) -> SituationBytes<SENSORS> {
+    let mut bytes = [UNKNOWN; SENSORS];
+    for (index, (byte, value)) in bytes.iter_mut().zip(situation).enumerate() {
+        if believed.contains(index) {
+            let bits = i32::from(value.to_bits()).clamp(0, i32::from(ONE_BITS));
+            *byte = ((bits * NEAR + i32::from(ONE_BITS) / 2) >> 13) as u8;
+        }
+    }
+    bytes
 }
 
-/// The values of a situation kept as bytes.
+/// The values of a situation kept as bytes, and which of them to believe; the others are 0.
 #[must_use]
-pub fn from_bytes<const SENSORS: usize>(bytes: &SituationBytes<SENSORS>) -> Situation<SENSORS> {
-    bytes
-        .map(|byte| Weight::from_bits(((i32::from(byte) * i32::from(ONE_BITS) + 127) / 255) as i16))
+pub fn from_bytes<const SENSORS: usize>(
+    bytes: &SituationBytes<SENSORS>,
+) -> (Situation<SENSORS>, Mask) {
+    let mut believed = Mask::ALL;
+    let mut situation = [Weight::ZERO; SENSORS];
+    for (index, (value, &byte)) in situation.iter_mut().zip(bytes).enumerate() {
+        if byte == UNKNOWN {
+            believed = believed.without(index);
+        } else {
+            let bits = (i32::from(byte) * i32::from(ONE_BITS) + NEAR / 2) / NEAR;
+            *value = Weight::from_bits(bits as i16);
+        }
+    }
+    (situation, believed)
 }
 
 /// One random move: (S, a, S').
@@ -34,8 +57,6 @@ pub struct Sample<const SENSORS: usize> {
     pub before: SituationBytes<SENSORS>,
     /// Situation after it.
     pub after: SituationBytes<SENSORS>,
-    /// Transducers believed both times.
-    pub mask: Mask,
     /// What the mind asked for, in the ring's frame before the move.
     pub commanded: Displacement,
     /// What the base carried out, in the same frame.
@@ -87,9 +108,17 @@ mod tests {
 
     #[test]
     fn bytes_keep_both_ends_and_every_byte() {
-        let all: [u8; 256] = core::array::from_fn(|i| i as u8);
-        assert_eq!(to_bytes(&from_bytes(&all)), all);
-        assert_eq!(from_bytes(&[0, 255]), [Weight::ZERO, Weight::ONE]);
+        let all: [u8; 255] = core::array::from_fn(|i| i as u8);
+        let (values, believed) = from_bytes(&all);
+        assert_eq!(to_bytes(&values, believed), all);
+        assert_eq!(from_bytes(&[0, 254]).0, [Weight::ZERO, Weight::ONE]);
+    }
+
+    #[test]
+    fn what_was_not_believed_stays_unknown() {
+        let believed = Mask::ALL.without(1);
+        let bytes = to_bytes(&[Weight::ONE, Weight::ONE], believed);
+        assert_eq!(from_bytes(&bytes), ([Weight::ONE, Weight::ZERO], believed));
     }
 
     #[test]
@@ -97,7 +126,6 @@ mod tests {
         let sample = Sample {
             before: [1; 2],
             after: [2; 2],
-            mask: Mask::ALL,
             commanded: Displacement::ZERO,
             executed: Displacement::ZERO,
         };

@@ -149,8 +149,9 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
 
     fn goal_scores(&self, goal: &Goal<SENSORS>) -> [i64; NEURONS] {
         let mut scores = [0; NEURONS];
-        for (score, code) in scores.iter_mut().zip(self.situations.code()) {
-            *score = goal.distance(code, self.config.believed);
+        for (neuron, score) in scores.iter_mut().enumerate() {
+            let code = self.situations.code_vector(neuron);
+            *score = goal.distance(&code, self.config.believed);
         }
         scores
     }

@@ -63,9 +63,8 @@ impl Shielding {
 /// What a transducer heard at one place, in the ring's present frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 struct Arc {
-    /// Place of the transducer's face, millimetres.
-    x_mm: i32,
-    y_mm: i32,
+    /// Place of the transducer's face.
+    face: Displacement,
     /// Where it looked.
     axis: Direction,
     /// The nearer of the last two ranges heard here; `None` = nothing answered either time.
@@ -108,14 +107,12 @@ impl<const SENSORS: usize> Shield<SENSORS> {
             return;
         };
         let (x_mm, y_mm) = axis.times(i32::from(config.robot.face_radius_mm));
-        let spacing = config
-            .shield
-            .map_or(0, |shielding| i32::from(shielding.spacing_mm));
+        let face = Displacement::saturating(x_mm, y_mm);
+        let spacing = config.shield.map_or(0, |shielding| shielding.spacing_mm);
         let same_place = kept.first().copied().flatten().filter(|arc| {
-            let apart = (arc.x_mm - x_mm)
-                .saturating_abs()
-                .max((arc.y_mm - y_mm).saturating_abs());
-            apart < spacing
+            let apart = arc.face.minus(face);
+            let (dx, dy) = (apart.dx_mm.unsigned_abs(), apart.dy_mm.unsigned_abs());
+            dx.max(dy) < spacing
         });
         if same_place.is_none() {
             kept.rotate_right(1);
@@ -123,8 +120,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         let previous = same_place.and_then(|arc| arc.latest);
         if let Some(place) = kept.first_mut() {
             *place = Some(Arc {
-                x_mm,
-                y_mm,
+                face,
                 axis: *axis,
                 range: nearer(echo.range, previous),
                 latest: echo.range,
@@ -137,10 +133,9 @@ impl<const SENSORS: usize> Shield<SENSORS> {
     pub fn moved(&mut self, by: Displacement, turned: Bearing) {
         let back = (turned != Bearing::ZERO).then(|| Bearing::ZERO.minus(turned).direction());
         for arc in self.arcs.iter_mut().flatten().flatten() {
-            arc.x_mm = arc.x_mm.saturating_sub(i32::from(by.dx_mm));
-            arc.y_mm = arc.y_mm.saturating_sub(i32::from(by.dy_mm));
+            arc.face = arc.face.minus(by);
             if let Some(back) = back {
-                (arc.x_mm, arc.y_mm) = back.rotate(arc.x_mm, arc.y_mm);
+                arc.face = arc.face.rotated(back);
                 let (x, y) = back.rotate(i32::from(arc.axis.x_q14), i32::from(arc.axis.y_q14));
                 arc.axis = Direction {
                     x_q14: x as i16,
@@ -290,18 +285,16 @@ impl<'a> Way<'a> {
         let Some(range) = arc.range else {
             return limit;
         };
+        let (face_x, face_y) = (i32::from(arc.face.dx_mm), i32::from(arc.face.dy_mm));
         if range.as_mm() <= self.shielding.least_range_mm {
-            return self.until_point(arc.x_mm, arc.y_mm, limit);
+            return self.until_point(face_x, face_y, limit);
         }
         let aged = u64::from(self.age_ms(arc)) * u64::from(self.shielding.approach_mm_s) / 1_000;
         let range = i32::from(range.as_mm())
             .saturating_sub(aged.min(65_535) as i32)
             .max(0);
         // Nothing on this arc can be reached: its face is at least as far away as the range is long.
-        let slack = arc
-            .x_mm
-            .saturating_abs()
-            .saturating_add(arc.y_mm.saturating_abs());
+        let slack = face_x.abs().wrapping_add(face_y.abs());
         if range > limit.saturating_add(self.reach_mm).saturating_add(slack) {
             return limit;
         }
@@ -313,8 +306,8 @@ impl<'a> Way<'a> {
         ];
         let mut nearest = limit;
         for (x_q14, y_q14) in edges {
-            let x = arc.x_mm.saturating_add(range.saturating_mul(x_q14) >> 14);
-            let y = arc.y_mm.saturating_add(range.saturating_mul(y_q14) >> 14);
+            let x = face_x.saturating_add(range.saturating_mul(x_q14) >> 14);
+            let y = face_y.saturating_add(range.saturating_mul(y_q14) >> 14);
             nearest = nearest.min(self.until_point(x, y, nearest));
         }
         nearest

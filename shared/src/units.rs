@@ -6,23 +6,28 @@
 //! The few floats are micromath's, called by path: with the standard library linked (as in tests) a method call would
 //! silently become the C library's, and the chip and the host would differ.
 
+use core::num::NonZeroU16;
 use micromath::F32Ext;
 
-/// Distance from a transducer's face to what it hears, 0 … 65.535 m in millimetres.
+/// Distance from a transducer's face to what it hears, 0 … 65.534 m in millimetres.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Range(u16);
+pub struct Range(NonZeroU16);
 
 impl Range {
-    /// A range of `mm` millimetres.
+    /// A range of `mm` millimetres, at most 65 534.
     #[must_use]
     pub const fn from_mm(mm: u16) -> Self {
-        Self(mm)
+        // One more than the range, so that an `Option` of it takes two bytes as well.
+        match NonZeroU16::new(mm.saturating_add(1)) {
+            Some(above) => Self(above),
+            None => Self(NonZeroU16::MAX),
+        }
     }
 
     /// Millimetres.
     #[must_use]
     pub const fn as_mm(self) -> u16 {
-        self.0
+        self.0.get().wrapping_sub(1)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use amp::config::Config;
 use amp::controller::{Command, Event, Mode, Outputs, Progress, State, handle};
-use amp::fixed::{Dither, Mask, Weight};
+use amp::fixed::{Mask, Weight};
 use amp::goal::Goal;
 use amp::robot::{RobotSpec, evenly_spaced};
 use amp::scan::Encoding;
@@ -164,7 +164,6 @@ fn a_chain_of_32_spreads_over_points_in_space() {
     let before = map.quality(&probes).0;
     let rate = Schedule::new(32_768, 1_311, Decay::Exponential);
     let radius = Schedule::new(8 << 16, 32_768, Decay::Exponential);
-    let mut dither = Dither::default();
     for step in 0..STEPS {
         let pull = Pull::new(
             Neighbourhood::Gaussian,
@@ -172,14 +171,7 @@ fn a_chain_of_32_spreads_over_points_in_space() {
             radius.at(step, STEPS),
         );
         let probe = point();
-        dither = dither.next();
-        map.learn(
-            map.winner(&probe, Mask::ALL),
-            &probe,
-            Mask::ALL,
-            &pull,
-            dither,
-        );
+        map.learn(map.winner(&probe, Mask::ALL), &probe, Mask::ALL, &pull);
     }
     let (after, hits) = map.quality(&probes);
     assert!(after.topographic_error_q16() < before.topographic_error_q16() / 2);

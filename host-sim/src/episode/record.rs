@@ -8,7 +8,7 @@ use crate::recording::{MapRecord, PlanRecord, Recording, Step};
 use crate::robot::COLLISION_RADIUS_M;
 use crate::world::{Pose, World};
 use amp::controller::Decision;
-use amp::fixed::Weight;
+use amp::fixed::{Scalar, Weight, coarse};
 use amp::memory::from_bytes;
 use amp::planner::Plan;
 use amp::som::Som;
@@ -72,7 +72,7 @@ impl Recorder {
             .memory()
             .samples()
             .iter()
-            .map(|s| amp::planner::difference(&from_bytes(&s.after), &from_bytes(&s.before)))
+            .map(|s| amp::planner::difference(&from_bytes(&s.after).0, &from_bytes(&s.before).0))
             .collect();
         let actions = state.actions().actions().code();
         Recording {
@@ -92,7 +92,13 @@ impl Recorder {
             change_map: map_record(changes, &differences),
             actions_m: actions
                 .iter()
-                .map(|code| meters(config.action_code.decode(*code, config.robot.step_mm)))
+                .map(|code| {
+                    meters(
+                        config
+                            .action_code
+                            .decode(code.map(coarse), config.robot.step_mm),
+                    )
+                })
                 .collect(),
         }
     }
@@ -111,8 +117,11 @@ fn meters(displacement: amp::units::Displacement) -> [f64; 2] {
     ]
 }
 
-fn values(weights: &[Weight]) -> Vec<f64> {
-    weights.iter().map(|weight| weight.to_num()).collect()
+fn values<T: Scalar>(weights: &[T]) -> Vec<f64> {
+    weights
+        .iter()
+        .map(|weight| weight.fine().to_num())
+        .collect()
 }
 
 fn plan_record(plan: &Plan<16>) -> PlanRecord {

@@ -1,6 +1,6 @@
 //! A map of run-time size on the same kernels as the maps of the robot.
 
-use amp::fixed::{Dither, Gain, Mask, ONE_BITS, Weight, squared_norm, unit_weight};
+use amp::fixed::{FINE_ONE_BITS, Fine, Gain, Mask, ONE_BITS, squared_norm};
 use amp::som::metrics::{MapView, Quality, u_matrix_value};
 use amp::som::neighbourhood::View;
 use amp::som::{Grid, Learn, kernels};
@@ -10,11 +10,10 @@ use amp::som::{Grid, Learn, kernels};
 pub struct DynSom {
     grid: Grid,
     dims: usize,
-    code: Vec<Weight>,
+    code: Vec<Fine>,
     norms: Vec<i64>,
     /// Room for a search.
     scores: Vec<i64>,
-    dither: Dither,
 }
 
 /// How good a map is for a set of samples.
@@ -32,16 +31,15 @@ impl DynSom {
     /// A map of `dims` ≥ 1 components with these code vectors, one after another; components are clamped to [−1, 1],
     /// missing ones are 0.
     #[must_use]
-    pub fn new(grid: Grid, dims: usize, mut code: Vec<Weight>) -> Self {
+    pub fn new(grid: Grid, dims: usize, mut code: Vec<Fine>) -> Self {
         let dims = dims.max(1);
-        code.resize(grid.len() * dims, Weight::ZERO);
+        code.resize(grid.len() * dims, Fine::ZERO);
         for weight in &mut code {
-            *weight = unit_weight(i32::from(weight.to_bits()));
+            *weight = Fine::from_bits(weight.to_bits().clamp(-FINE_ONE_BITS, FINE_ONE_BITS));
         }
         Self {
             norms: code.chunks_exact(dims).map(squared_norm).collect(),
             scores: vec![0; grid.len()],
-            dither: Dither::default(),
             grid,
             dims,
             code,
@@ -61,42 +59,46 @@ impl DynSom {
     }
 
     /// The code vectors, neuron by neuron.
-    pub fn code_vectors(&self) -> impl Iterator<Item = &[Weight]> {
+    pub fn code_vectors(&self) -> impl Iterator<Item = &[Fine]> {
         self.code.chunks_exact(self.dims)
     }
 
     /// The best-matching unit of a probe, the lowest index on ties.
     #[inline]
-    pub fn winner(&mut self, probe: &[Weight]) -> usize {
-        kernels::scores(&self.code, &self.norms, self.dims, probe, &mut self.scores);
-        kernels::least(&self.scores)
+    pub fn winner(&mut self, probe: &[Fine]) -> usize {
+        let norms = self.norms.iter().copied();
+        kernels::scores(&self.code, norms, self.dims, probe, &mut self.scores);
+        kernels::nearest(&self.scores, self.dims, 1, |k| {
+            kernels::distance(&self.code, self.dims, k, probe, Mask::ALL)
+        })
     }
 
     /// One presentation: moves the winner and its neighbours towards the probe. Returns the winner.
     #[inline]
-    pub fn learn(&mut self, probe: &[Weight], pull: View<'_>) -> usize {
+    pub fn learn(&mut self, probe: &[Fine], pull: View<'_>) -> usize {
         let winner = self.winner(probe);
         let learn = Learn {
             grid: self.grid,
             dims: self.dims,
             winner,
             mask: Mask::ALL,
-            dither: self.dither,
         };
-        self.dither = self.dither.next();
-        learn.apply(&mut self.code, &mut self.norms, probe, pull);
+        let norms = &mut self.norms;
+        learn.apply(&mut self.code, probe, pull, |k, row| {
+            norms[k] = squared_norm(row)
+        });
         winner
     }
 
     /// One presentation of each sample with the same pull; `samples` holds them one after another.
-    pub fn learn_all(&mut self, samples: &[Weight], pull: View<'_>) {
+    pub fn learn_all(&mut self, samples: &[Fine], pull: View<'_>) {
         for probe in samples.chunks_exact(self.dims) {
             self.learn(probe, pull);
         }
     }
 
     /// How good the map is for these samples, which stand one after another.
-    pub fn measure(&mut self, samples: &[Weight]) -> Measures {
+    pub fn measure(&mut self, samples: &[Fine]) -> Measures {
         let mut scores = std::mem::take(&mut self.scores);
         let mut quality = Quality::default();
         let mut hits = vec![0; self.grid.len()];
@@ -132,7 +134,6 @@ impl DynSom {
         MapView {
             grid: self.grid,
             code: &self.code,
-            norms: &self.norms,
             dims: self.dims,
         }
     }

@@ -16,7 +16,7 @@ pub use report::Report;
 
 use crate::error::BadInput;
 use crate::noise::Noise;
-use amp::fixed::Weight;
+use amp::fixed::Fine;
 use args::Init;
 use scale::Scale;
 use std::path::Path;
@@ -87,7 +87,7 @@ fn training(args: &SomArgs, data: &Table) -> Result<Training, BadInput> {
 fn start(
     args: &SomArgs,
     scale: Scale,
-    samples: &[Weight],
+    samples: &[Fine],
     dims: usize,
     noise: &mut Noise,
 ) -> Result<DynSom, BadInput> {

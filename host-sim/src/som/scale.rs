@@ -2,17 +2,17 @@
 //!
 //! One line serves all columns, so that a Euclidean distance between weights is the distance in the data's units divided
 //! by one number, and no column gains or loses importance. (Columns scaled one by one would make distances that mean
-//! nothing in the data's units; whoever wants that standardises the columns before.) A weight has steps of 2⁻¹³:
-//! columns whose values differ by less than 1/8192 of the whole range look constant.
+//! nothing in the data's units; whoever wants that standardises the columns before.) Samples and code vectors
+//! have steps of 2⁻²⁹ of the whole range.
 
 use super::table::Table;
 use crate::error::BadInput;
-use amp::fixed::{ONE_BITS, Weight, unit_weight};
+use amp::fixed::{FINE_ONE_BITS, Fine};
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 /// Half a step of a weight.
-const HALF_STEP: f64 = 0.5 / ONE_BITS as f64;
+const HALF_STEP: f64 = 0.5 / FINE_ONE_BITS as f64;
 /// Where code vectors may begin: as far below the scale as it is wide, and printed values may be off by their rounding.
 const CODE: RangeInclusive<f64> = -1.0 - HALF_STEP..=1.0 + HALF_STEP;
 
@@ -57,16 +57,16 @@ impl Scale {
     }
 
     /// The weight nearest to a value, or nothing when the value lies outside this part of the scale.
-    fn weight(self, value: f64, part: &RangeInclusive<f64>) -> Option<Weight> {
+    fn weight(self, value: f64, part: &RangeInclusive<f64>) -> Option<Fine> {
         let share = (value - self.least) / self.span;
-        let bits = (share * f64::from(ONE_BITS)).round();
-        part.contains(&share).then(|| unit_weight(bits as i32))
+        let bits = (share.clamp(-1.0, 1.0) * f64::from(FINE_ONE_BITS)).round();
+        part.contains(&share).then(|| Fine::from_bits(bits as i32))
     }
 
     /// The value a weight stands for.
     #[must_use]
-    pub fn value(self, weight: Weight) -> f64 {
-        self.at(f64::from(weight.to_bits()) / f64::from(ONE_BITS))
+    pub fn value(self, weight: Fine) -> f64 {
+        self.at(f64::from(weight.to_bits()) / f64::from(FINE_ONE_BITS))
     }
 
     fn at(self, share: f64) -> f64 {
@@ -76,7 +76,7 @@ impl Scale {
     /// Decimals with which a value tells neighbouring weights apart.
     #[must_use]
     pub fn decimals(self) -> usize {
-        let step = self.span / f64::from(ONE_BITS);
+        let step = self.span / f64::from(FINE_ONE_BITS);
         (1.0 - libm::floor(libm::log10(step))).clamp(0.0, 320.0) as usize
     }
 
@@ -84,7 +84,7 @@ impl Scale {
     ///
     /// # Errors
     /// A sentence naming the line, column and value that lies outside the scale.
-    pub fn samples(self, table: &Table) -> Result<Vec<Weight>, BadInput> {
+    pub fn samples(self, table: &Table) -> Result<Vec<Fine>, BadInput> {
         self.weights(table, &(0.0..=1.0))
     }
 
@@ -93,11 +93,11 @@ impl Scale {
     ///
     /// # Errors
     /// As [`samples`](Self::samples).
-    pub fn code(self, table: &Table) -> Result<Vec<Weight>, BadInput> {
+    pub fn code(self, table: &Table) -> Result<Vec<Fine>, BadInput> {
         self.weights(table, &CODE)
     }
 
-    fn weights(self, table: &Table, part: &RangeInclusive<f64>) -> Result<Vec<Weight>, BadInput> {
+    fn weights(self, table: &Table, part: &RangeInclusive<f64>) -> Result<Vec<Fine>, BadInput> {
         let mut weights = Vec::with_capacity(table.rows.len() * table.columns());
         for (row, &line) in table.rows.iter().zip(&table.lines) {
             for (index, &value) in row.iter().enumerate() {
@@ -145,10 +145,10 @@ mod tests {
             .iter()
             .map(|w| w.to_bits())
             .collect();
-        assert_eq!(bits, [0, 8192, 4096, 1638]);
+        assert_eq!(bits, [0, 1 << 29, 1 << 28, 107_374_182]);
         assert_eq!(scale.span(), 10.0);
         assert_eq!(
-            Scale::of(&table("3,3\n3,3\n")).unwrap().value(Weight::ZERO),
+            Scale::of(&table("3,3\n3,3\n")).unwrap().value(Fine::ZERO),
             3.0
         );
     }
@@ -187,14 +187,14 @@ mod tests {
     proptest! {
         #[test]
         fn printed_values_read_back_as_the_same_weights(
-            least in -1e6_f64..1e6, span in 1e-6_f64..1e6, bits in -8192_i32..=8192,
+            least in -1e6_f64..1e6, span in 1e-6_f64..1e6, bits in -FINE_ONE_BITS..=FINE_ONE_BITS,
         ) {
-            // Below a relative width of 2⁻³⁰ the value's own 53 bits no longer hold the steps.
-            prop_assume!(span / least.abs().max(span) > 1e-9);
+            // Below a relative width of 2⁻²⁰ the value's own 53 bits no longer hold the steps.
+            prop_assume!(span / least.abs().max(span) > 1e-6);
             let scale = Scale::between(least, least + span).unwrap();
-            let printed = format!("{:.*}", scale.decimals(), scale.value(unit_weight(bits)));
+            let printed = format!("{:.*}", scale.decimals(), scale.value(Fine::from_bits(bits)));
             let read = scale.weight(printed.parse().unwrap(), &CODE);
-            prop_assert_eq!(read, Some(unit_weight(bits)));
+            prop_assert_eq!(read, Some(Fine::from_bits(bits)));
         }
     }
 }

@@ -1,4 +1,5 @@
 use super::*;
+use amp::fixed::{Fine, Scalar as _};
 use amp::som::metrics::MapView;
 use amp::som::neighbourhood::{Pull, View};
 use amp::som::{Grid, Neighbourhood, Som};
@@ -171,27 +172,27 @@ fn the_smallest_maps_and_tables_work() {
     }
 }
 
-/// A map of run-time size is the same map: 40 components, more than a mask has bits.
+/// A map of run-time size is the same map: 31 components, the most of the robot's.
 #[test]
 fn it_learns_as_the_robot_does() {
     let mut noise = Noise::new(3);
-    let mut draw = |count: usize| -> Vec<Weight> {
+    let mut draw = |count: usize| -> Vec<amp::fixed::Weight> {
         let bits = (0..count).map(|_| noise.index(8_193) as i32);
         bits.map(amp::fixed::unit_weight).collect()
     };
-    let (code, samples) = (draw(6 * 40), draw(200 * 40));
+    let (code, samples) = (draw(6 * 31), draw(200 * 31));
+    let fine =
+        |weights: &[amp::fixed::Weight]| weights.iter().map(|w| w.fine()).collect::<Vec<_>>();
     let grid = Grid::rectangle(3, 2);
     for shape in [Neighbourhood::Direct, Neighbourhood::Gaussian] {
-        let mut fixed = Som::<6, 40>::new(grid, std::array::from_fn(|k| code.as_chunks().0[k]));
-        let mut dynamic = DynSom::new(grid, 40, code.clone());
+        let mut fixed = Som::<6, 31>::new(grid, std::array::from_fn(|k| code.as_chunks().0[k]));
+        let mut dynamic = DynSom::new(grid, 31, fine(&code));
         let mut axis = dynamic.axis();
-        dynamic.learn_all(&samples, View::new(shape, 9_000, 40_000, &mut axis));
+        dynamic.learn_all(&fine(&samples), View::new(shape, 9_000, 40_000, &mut axis));
         let pull = Pull::<6>::new(shape, 9_000, 40_000);
-        let mut dither = amp::fixed::Dither::default();
-        for probe in samples.as_chunks::<40>().0 {
+        for probe in samples.as_chunks::<31>().0 {
             let winner = fixed.winner(probe, amp::fixed::Mask::ALL);
-            fixed.learn(winner, probe, amp::fixed::Mask::ALL, &pull, dither);
-            dither = dither.next();
+            fixed.learn(winner, probe, amp::fixed::Mask::ALL, &pull);
         }
         let MapView { code, .. } = fixed.view();
         assert_eq!(
@@ -203,7 +204,7 @@ fn it_learns_as_the_robot_does() {
             code
         );
         let (quality, hits) = fixed.quality(samples.as_chunks().0);
-        let measures = dynamic.measure(&samples);
+        let measures = dynamic.measure(&fine(&samples));
         assert_eq!(measures.hits, hits.map(|hit| hit as usize));
         assert_eq!(
             measures.topographic_error,
@@ -214,7 +215,7 @@ fn it_learns_as_the_robot_does() {
 
 #[test]
 fn the_shuffle_keeps_every_sample() {
-    let samples: Vec<_> = (0..50).map(amp::fixed::unit_weight).collect();
+    let samples: Vec<_> = (0..50).map(Fine::from_bits).collect();
     let mut shuffled = samples.clone();
     train::shuffle(&mut shuffled, 2, &mut Noise::new(1));
     assert_ne!(shuffled, samples);
@@ -226,13 +227,13 @@ fn the_shuffle_keeps_every_sample() {
 #[test]
 fn starts_lie_among_the_samples() {
     let bits = [100, 7_000, 300, 8_000, 200, 7_500];
-    let samples: Vec<_> = bits.map(amp::fixed::unit_weight).to_vec();
+    let samples: Vec<_> = bits.map(Fine::from_bits).to_vec();
     let map = train::start_at_samples(Grid::chain(3), 2, &samples, &mut Noise::new(1));
     let mut rows: Vec<_> = map.code_vectors().map(<[_]>::to_vec).collect();
     rows.sort();
     assert_eq!(
         rows.concat(),
-        [100, 7_000, 200, 7_500, 300, 8_000].map(amp::fixed::unit_weight)
+        [100, 7_000, 200, 7_500, 300, 8_000].map(Fine::from_bits)
     );
     let map = train::start_at_random(Grid::chain(100), 2, &samples, &mut Noise::new(1));
     for row in map.code_vectors() {

@@ -39,9 +39,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         if let Some(pending) = pending {
             // The command was refused unless the memory holds all the samples.
             let _ = self.memory.keep(Sample {
-                before: memory::to_bytes(&pending.before),
-                after: memory::to_bytes(&situation),
-                mask: config.believed,
+                before: memory::to_bytes(&pending.before, config.believed),
+                after: memory::to_bytes(&situation, config.believed),
                 commanded: pending.commanded,
                 executed: pending.executed,
             });
@@ -137,7 +136,6 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             mask: config.believed,
         };
         let pull = |rate| Pull::new(Neighbourhood::Direct, rate, online.share_q16);
-        self.dither = self.dither.next();
         let winner = match pending.action_neuron {
             Some(neuron) if online.blame_recalled => usize::from(neuron),
             _ => self
@@ -145,14 +143,13 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 .winner(&effect, config.learning.action_weight_q8),
         };
         self.actions
-            .learn(winner, &effect, &pull(online.action_rate_q16), self.dither);
+            .learn(winner, &effect, &pull(online.action_rate_q16));
         let winner = self.situations.winner(after, config.believed);
         self.situations.learn(
             winner,
             after,
             config.believed,
             &pull(online.situation_rate_q16),
-            self.dither,
         );
     }
 

@@ -12,6 +12,10 @@ use crate::som::neighbourhood::Pull;
 use crate::units::Bearing;
 use rand_core::Rng as _;
 
+/// Presentations between two steps of the schedules. A slice ends with them at the latest, so that the maps do not depend
+/// on the slices' size.
+const RENEWAL: u32 = 16;
+
 /// A sample as the maps learn it.
 struct Lesson<const SENSORS: usize> {
     after: Situation<SENSORS>,
@@ -70,33 +74,28 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     pub(super) fn learn_slice(&mut self, config: &Config<SENSORS>, done: u32) -> u32 {
         let learning = &config.learning;
         let steps = self.learning_steps(config);
+        let renewed = done - done % RENEWAL;
         let end = done
             .saturating_add(u32::from(learning.slice.max(1)))
+            .min(renewed.saturating_add(RENEWAL))
             .min(steps);
         let pull = |training: Training| {
             let (rate, radius) = (
-                training.rate.at(done, steps),
-                training.radius.at(done, steps),
+                training.rate.at(renewed, steps),
+                training.radius.at(renewed, steps),
             );
             Pull::<NEURONS>::new(training.neighbourhood, rate, radius)
         };
         let (for_situations, for_actions) = (pull(learning.situations), pull(learning.actions));
         for step in done..end {
             let lesson = self.lesson(config, Some(step));
-            self.dither = self.dither.next();
             let winner = self.situations.winner(&lesson.after, lesson.effect.mask);
-            self.situations.learn(
-                winner,
-                &lesson.after,
-                lesson.effect.mask,
-                &for_situations,
-                self.dither,
-            );
+            self.situations
+                .learn(winner, &lesson.after, lesson.effect.mask, &for_situations);
             let winner = self
                 .actions
                 .winner(&lesson.effect, learning.action_weight_q8);
-            self.actions
-                .learn(winner, &lesson.effect, &for_actions, self.dither);
+            self.actions.learn(winner, &lesson.effect, &for_actions);
         }
         end
     }
@@ -148,13 +147,13 @@ fn lesson_of<const SENSORS: usize>(
                 .unwrap_or_else(|| Bearing::ZERO.direction()),
         )
     };
-    let before = from_bytes(&rotated(&sample.before, places));
-    let after = from_bytes(&rotated(&sample.after, places));
+    let (before, believed_before) = from_bytes(&rotated(&sample.before, places));
+    let (after, believed_after) = from_bytes(&rotated(&sample.after, places));
     Lesson {
         effect: Effect {
             change: difference(&after, &before),
             action: config.action_code.encode(action, config.robot.step_mm),
-            mask: sample.mask.rotated(places, SENSORS),
+            mask: believed_before.and(believed_after),
         },
         after,
     }

@@ -182,6 +182,20 @@ fn learning_takes_the_ticks_it_should_and_stands_still() {
 }
 
 #[test]
+fn the_maps_do_not_depend_on_the_slices() {
+    let learnt = |slice| {
+        let mut config = Config::recommended();
+        config.learning.slice = slice;
+        let state = Bench::ready(config).state;
+        (state.situations, state.actions)
+    };
+    let whole = learnt(16);
+    for slice in [0, 1, 3, 4, 7, u16::MAX] {
+        assert!(learnt(slice) == whole, "{slice}");
+    }
+}
+
+#[test]
 fn the_same_events_give_the_same_state() {
     let run = || {
         let mut bench = Bench::ready(Config::recommended());

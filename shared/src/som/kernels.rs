@@ -4,25 +4,27 @@
 //! the same functions serve sizes known only at run time. A slice that is too short ends the loop, nothing panics.
 //! Measured in scalar products: a search of 16 neurons of 16 components is 256 multiply–adds and 16 comparisons.
 
-use crate::fixed::{Dither, Gain, Mask, Weight, approach, dot, isqrt, squared_norm};
+use crate::fixed::{
+    Fine, Gain, Mask, Scalar, Weight, approach, dot, isqrt, squared_distance, squared_norm,
+};
 
 /// Squared distance of the probe to each code vector less the probe's own squared length:
 /// |w|² − 2 w·x, in units of 2⁻²⁶.
 #[inline(always)]
-pub fn scores(code: &[Weight], norms: &[i64], dims: usize, probe: &[Weight], scores: &mut [i64]) {
+pub fn scores<P: Scalar>(
+    code: &[Fine],
+    norms: impl Iterator<Item = i64>,
+    dims: usize,
+    probe: &[P],
+    scores: &mut [i64],
+) {
     for ((row, norm), score) in rows(code, dims).zip(norms).zip(scores) {
         *score = norm.wrapping_sub(dot(row, probe).wrapping_mul(2));
     }
 }
 
 /// As [`scores`], over the components that `mask` believes.
-pub fn scores_masked(
-    code: &[Weight],
-    dims: usize,
-    probe: &[Weight],
-    mask: Mask,
-    scores: &mut [i64],
-) {
+pub fn scores_masked(code: &[Fine], dims: usize, probe: &[Weight], mask: Mask, scores: &mut [i64]) {
     for (row, score) in rows(code, dims).zip(scores) {
         let (norm, product) = masked_products(row, probe, mask);
         *score = norm.wrapping_sub(product.wrapping_mul(2));
@@ -31,7 +33,7 @@ pub fn scores_masked(
 
 /// Dot product of the probe with each code vector over the components `mask` believes.
 pub fn projections(
-    code: &[Weight],
+    code: &[Fine],
     dims: usize,
     probe: &[Weight],
     mask: Mask,
@@ -46,22 +48,22 @@ pub fn projections(
 /// length of all, in units of 2⁻¹³ · the probe's. The mean keeps code vectors much shorter than it, whose direction is
 /// mostly chance, from answering; where all are equally long, this is half the probe's length times the cosine.
 pub fn alignments(
-    code: &[Weight],
-    norms: &[i64],
+    code: &[Fine],
+    norms: impl Iterator<Item = i64> + Clone,
     dims: usize,
     probe: &[Weight],
     mask: Mask,
     out: &mut [i64],
 ) {
     let root = |norm: i64| i64::from(isqrt(norm.unsigned_abs()));
-    let sum = norms
-        .iter()
-        .fold(0_i64, |sum, norm| sum.wrapping_add(root(*norm)));
-    let mean = sum.checked_div(norms.len() as i64).unwrap_or(0);
+    let (sum, count) = norms.clone().fold((0_i64, 0_i64), |(sum, count), norm| {
+        (sum.wrapping_add(root(norm)), count.wrapping_add(1))
+    });
+    let mean = sum.checked_div(count).unwrap_or(0);
     let whole = mask.covers(dims);
     for ((row, norm), alignment) in rows(code, dims).zip(norms).zip(out) {
         let (norm, product) = if whole {
-            (*norm, dot(row, probe))
+            (norm, dot(row, probe))
         } else {
             masked_products(row, probe, mask)
         };
@@ -71,14 +73,14 @@ pub fn alignments(
     }
 }
 
-fn masked_products(row: &[Weight], probe: &[Weight], mask: Mask) -> (i64, i64) {
+fn masked_products(row: &[Fine], probe: &[Weight], mask: Mask) -> (i64, i64) {
     if mask.covers(row.len()) {
         return (squared_norm(row), dot(row, probe));
     }
     let (mut norm, mut product) = (0_i64, 0_i64);
     for (index, (w, x)) in row.iter().zip(probe).enumerate() {
         if mask.contains(index) {
-            let (w, x) = (i64::from(w.to_bits()), i64::from(x.to_bits()));
+            let (w, x) = (i64::from(w.coarse().to_bits()), i64::from(x.to_bits()));
             norm = norm.wrapping_add(w * w);
             product = product.wrapping_add(w * x);
         }
@@ -86,7 +88,7 @@ fn masked_products(row: &[Weight], probe: &[Weight], mask: Mask) -> (i64, i64) {
     (norm, product)
 }
 
-fn rows(code: &[Weight], dims: usize) -> impl Iterator<Item = &[Weight]> {
+fn rows(code: &[Fine], dims: usize) -> impl Iterator<Item = &[Fine]> {
     code.chunks_exact(dims.max(1))
 }
 
@@ -133,81 +135,64 @@ pub fn two_least(scores: &[i64]) -> (usize, usize) {
     (first, second.map_or(first, |(index, _)| index))
 }
 
-/// Moves a code vector towards the probe by `gain`, rounded by `dither`, over the components that `mask` believes.
+/// How far scores by 16-bit values may be out of order, per component: a code vector's and a probe's lower halves shift a
+/// difference by less than one unit, its square by less than 2 · 2 · 8192 + 1, and two scores are compared.
+const MARGIN: i64 = 2 * (4 * 8192 + 1);
+
+/// Whether another neuron's score is so close to the least that only distances in full precision tell which is nearer.
 #[inline(always)]
-pub fn pull(row: &mut [Weight], probe: &[Weight], mask: Mask, gain: Gain, dither: Dither) {
+fn is_rival(score: i64, least: i64, margin: i64) -> bool {
+    score.wrapping_sub(least) <= margin
+}
+
+/// The neuron nearest in full precision, the lowest index on ties: `scores` are the 16-bit scores of all neurons and leave
+/// few to ask; `dims` components took part in them with a factor of at most `factor`.
+#[inline(always)]
+#[must_use]
+pub fn nearest(scores: &[i64], dims: usize, factor: i64, distance: impl Fn(usize) -> u64) -> usize {
+    let first = least(scores);
+    let lowest = scores.get(first).copied().unwrap_or(0);
+    let margin = MARGIN.wrapping_mul(factor).wrapping_mul(dims as i64);
+    let rivals = || {
+        let all = scores.iter().enumerate();
+        all.filter(move |(_, score)| is_rival(**score, lowest, margin))
+            .map(|(k, _)| k)
+    };
+    if rivals().count() <= 1 {
+        return first;
+    }
+    let mut best = (first, u64::MAX);
+    for rival in rivals() {
+        let distance = distance(rival);
+        if distance < best.1 {
+            best = (rival, distance);
+        }
+    }
+    best.0
+}
+
+/// Squared distance in full precision of the probe to code vector `k` over the components that `mask` believes, in units
+/// of 2⁻⁵⁰.
+#[inline(always)]
+#[must_use]
+pub fn distance<P: Scalar>(code: &[Fine], dims: usize, k: usize, probe: &[P], mask: Mask) -> u64 {
+    let start = k.wrapping_mul(dims);
+    let row = code.get(start..start.wrapping_add(dims)).unwrap_or(&[]);
+    squared_distance(row, probe, mask)
+}
+
+/// Moves a code vector towards the probe by `gain` over the components that `mask` believes.
+#[inline(always)]
+pub fn pull<P: Scalar>(row: &mut [Fine], probe: &[P], mask: Mask, gain: Gain) {
     if mask.covers(row.len()) {
-        pull_all(row, probe, gain, dither);
+        for (w, x) in row.iter_mut().zip(probe) {
+            *w = approach(*w, x.fine(), gain);
+        }
     } else {
         for (index, (w, x)) in row.iter_mut().zip(probe).enumerate() {
             if mask.contains(index) {
-                *w = approach(*w, *x, gain, dither.threshold(index));
+                *w = approach(*w, x.fine(), gain);
             }
         }
-    }
-}
-
-/// [`approach`] for every component, in products of 16-bit factors, which the vector units of common processors have:
-/// w · 2¹⁵ + (x − w) · g = w · (2¹⁵ − g) + x · g. Both factors fit as long as neither is 2¹⁵ itself.
-#[inline(always)]
-fn pull_all(row: &mut [Weight], probe: &[Weight], gain: Gain, dither: Dither) {
-    let towards = gain.to_bits() as i16;
-    let keep = Gain::ONE.to_bits().wrapping_sub(gain.to_bits()) as i16;
-    let (row_blocks, row_rest) = row.as_chunks_mut();
-    let (probe_blocks, probe_rest) = probe.as_chunks();
-    let whole = row_blocks.len().min(probe_blocks.len()).wrapping_mul(LANES);
-    for (block, (w, x)) in row_blocks.iter_mut().zip(probe_blocks).enumerate() {
-        let shifted = Dither::from_bits(dither.threshold(block.wrapping_mul(LANES)));
-        if towards > 0 && keep > 0 {
-            blend(w, x, keep, towards, shifted);
-        } else {
-            step_by_step(w, x, gain, shifted);
-        }
-    }
-    step_by_step(
-        row_rest,
-        probe_rest,
-        gain,
-        Dither::from_bits(dither.threshold(whole)),
-    );
-}
-
-#[inline(always)]
-fn step_by_step(row: &mut [Weight], probe: &[Weight], gain: Gain, dither: Dither) {
-    for (lane, (w, x)) in row.iter_mut().zip(probe).enumerate() {
-        *w = approach(*w, *x, gain, dither.threshold(lane));
-    }
-}
-
-/// Components moved at once.
-const LANES: usize = 16;
-
-/// Each lane's threshold for a dither of 0.
-const THRESHOLDS: [u16; LANES] = {
-    let mut thresholds = [0; LANES];
-    let mut lane = 0;
-    while lane < LANES {
-        thresholds[lane] = Dither::from_bits(0).threshold(lane);
-        lane += 1;
-    }
-    thresholds
-};
-
-/// A function of its own, because inside the caller's loop compilers lose sight of the factors' 16 bits.
-#[inline(never)]
-fn blend(
-    row: &mut [Weight; LANES],
-    probe: &[Weight; LANES],
-    keep: i16,
-    towards: i16,
-    dither: Dither,
-) {
-    let before = *row;
-    for (((w, from), to), threshold) in row.iter_mut().zip(before).zip(probe).zip(THRESHOLDS) {
-        let kept = i32::from(from.to_bits()).wrapping_mul(i32::from(keep));
-        let come = i32::from(to.to_bits()).wrapping_mul(i32::from(towards));
-        let threshold = threshold.wrapping_add(dither.to_bits()) & 0x7fff;
-        let sum = kept.wrapping_add(come).wrapping_add(i32::from(threshold));
-        *w = Weight::from_bits((sum >> 15) as i16);
     }
 }

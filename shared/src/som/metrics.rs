@@ -6,7 +6,7 @@
 //! * *hit map*: how many samples each neuron wins.
 
 use super::{Grid, kernels};
-use crate::fixed::{Weight, isqrt, squared_norm};
+use crate::fixed::{Fine, Mask, Scalar, Weight, isqrt, squared_distance};
 
 /// A map as the measures see it: any size, on flat slices.
 #[derive(Debug, Clone, Copy)]
@@ -14,9 +14,7 @@ pub struct MapView<'a> {
     /// The grid.
     pub grid: Grid,
     /// Code vectors one after another.
-    pub code: &'a [Weight],
-    /// Squared lengths of the code vectors.
-    pub norms: &'a [i64],
+    pub code: &'a [Fine],
     /// Components of a code vector.
     pub dims: usize,
 }
@@ -31,19 +29,20 @@ pub struct Quality {
 }
 
 impl Quality {
-    /// Takes one sample; `scores` is room for one value per neuron. Returns the winner.
-    pub fn add(&mut self, map: MapView<'_>, sample: &[Weight], scores: &mut [i64]) -> usize {
-        kernels::scores(map.code, map.norms, map.dims, sample, scores);
-        let (first, second) = kernels::two_least(scores);
-        let least = scores.get(first).copied().unwrap_or(0);
-        let squared = least
-            .saturating_add(squared_norm(sample))
-            .max(0)
-            .unsigned_abs();
-        // 2¹⁶ more units under the root are 2⁸ more behind it: 2⁻¹³ becomes 2⁻²¹.
-        self.distance = self
-            .distance
-            .saturating_add(u64::from(isqrt(squared.saturating_mul(1 << 16))));
+    /// Takes one sample; `distances` is room for one value per neuron. Returns the winner.
+    pub fn add<P: Scalar>(
+        &mut self,
+        map: MapView<'_>,
+        sample: &[P],
+        distances: &mut [i64],
+    ) -> usize {
+        for (row, distance) in map.code.chunks_exact(map.dims.max(1)).zip(&mut *distances) {
+            *distance = i64::try_from(squared_distance(row, sample, Mask::ALL)).unwrap_or(i64::MAX);
+        }
+        let (first, second) = kernels::two_least(distances);
+        let least = distances.get(first).copied().unwrap_or(0).unsigned_abs();
+        // The root of a number of 2⁻⁵⁰ is one of 2⁻²⁵.
+        self.distance = self.distance.saturating_add(u64::from(isqrt(least)) >> 4);
         self.samples = self.samples.saturating_add(1);
         if first != second && !map.grid.are_neighbours(first, second) {
             self.apart = self.apart.saturating_add(1);
@@ -93,9 +92,8 @@ pub fn u_matrix_value(map: MapView<'_>, k: usize) -> u32 {
     let own = row(k);
     let (mut sum, mut count) = (0_u64, 0_u64);
     for neighbour in map.grid.neighbours(k) {
-        let distance =
-            crate::fixed::squared_distance_masked(own, row(neighbour), crate::fixed::Mask::ALL);
-        sum = sum.saturating_add(u64::from(isqrt(distance.unsigned_abs())));
+        let distance = squared_distance(own, row(neighbour), Mask::ALL);
+        sum = sum.saturating_add(u64::from(isqrt(distance)) >> 12);
         count += 1;
     }
     sum.checked_div(count).unwrap_or(0) as u32
@@ -108,7 +106,6 @@ impl<const NEURONS: usize, const DIMS: usize> super::Som<NEURONS, DIMS> {
         MapView {
             grid: self.grid,
             code: self.code.as_flattened(),
-            norms: &self.norms,
             dims: DIMS,
         }
     }
@@ -120,9 +117,9 @@ impl<const NEURONS: usize, const DIMS: usize> super::Som<NEURONS, DIMS> {
     ) -> (Quality, [u32; NEURONS]) {
         let mut quality = Quality::default();
         let mut hits = [0; NEURONS];
-        let mut scores = [0; NEURONS];
+        let mut distances = [0; NEURONS];
         for sample in samples {
-            let winner = quality.add(self.view(), sample, &mut scores);
+            let winner = quality.add(self.view(), sample, &mut distances);
             if let Some(hit) = hits.get_mut(winner) {
                 *hit += 1;
             }

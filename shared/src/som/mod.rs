@@ -1,4 +1,4 @@
-//! Self-organising maps in 16-bit fixed point (T. Kohonen, *Self-Organizing Maps*, 3rd ed., Springer 2001).
+//! Self-organising maps in fixed point (T. Kohonen, *Self-Organizing Maps*, 3rd ed., Springer 2001).
 //!
 //! A map is a [`Grid`] of *neurons*, each with a *code vector*; the *best-matching unit* (BMU, here [`Som::winner`]) of a
 //! probe is the neuron whose code vector is nearest. Learning moves the winner and its neighbours towards the probe:
@@ -24,16 +24,16 @@ pub use grid::{Edges, Grid};
 pub use neighbourhood::Neighbourhood;
 pub use schedule::{Decay, Schedule};
 
-use crate::fixed::{Dither, Gain, Mask, Weight, squared_norm};
+use crate::fixed::{Fine, Gain, Mask, Scalar, Weight, coarse, squared_norm};
 use neighbourhood::Pull;
 
 /// A map of `NEURONS` neurons with code vectors of `DIMS` components in [−1, 1].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Som<const NEURONS: usize, const DIMS: usize> {
     grid: Grid,
-    code: [[Weight; DIMS]; NEURONS],
-    /// Squared lengths of the code vectors, kept in step with `code`.
-    norms: [i64; NEURONS],
+    code: [[Fine; DIMS]; NEURONS],
+    /// Squared lengths of the upper halves of the code vectors, kept in step with `code`.
+    norms: [i32; NEURONS],
 }
 
 impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
@@ -41,8 +41,10 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     /// beyond them are searched but have no neighbours.
     #[must_use]
     pub fn new(grid: Grid, code: [[Weight; DIMS]; NEURONS]) -> Self {
-        let code = code.map(|row| row.map(|w| crate::fixed::unit_weight(i32::from(w.to_bits()))));
-        let norms = core::array::from_fn(|k| code.get(k).map_or(0, |row| squared_norm(row)));
+        let unit = |w: Weight| crate::fixed::unit_weight(i32::from(w.to_bits())).fine();
+        let code = code.map(|row| row.map(unit));
+        const { assert!(DIMS <= 31, "squared lengths are kept in 32 bits") };
+        let norms = core::array::from_fn(|k| code.get(k).map_or(0, |row| squared_norm(row) as i32));
         Self { grid, code, norms }
     }
 
@@ -60,14 +62,16 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
 
     /// The code vectors, neuron by neuron.
     #[must_use]
-    pub const fn code(&self) -> &[[Weight; DIMS]; NEURONS] {
+    pub const fn code(&self) -> &[[Fine; DIMS]; NEURONS] {
         &self.code
     }
 
-    /// The code vector of neuron `k`; zeros for a neuron that does not exist.
+    /// The code vector of neuron `k` to 16 bits; zeros for a neuron that does not exist.
     #[must_use]
     pub fn code_vector(&self, k: usize) -> [Weight; DIMS] {
-        self.code.get(k).copied().unwrap_or([Weight::ZERO; DIMS])
+        self.code
+            .get(k)
+            .map_or([Weight::ZERO; DIMS], |row| row.map(coarse))
     }
 
     /// Squared distance of the probe to every code vector less the probe's own squared length, in units of 2⁻²⁶: the
@@ -78,7 +82,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         let mut scores = [0; NEURONS];
         kernels::scores(
             self.code.as_flattened(),
-            &self.norms,
+            self.norms.iter().map(|norm| i64::from(*norm)),
             DIMS,
             probe,
             &mut scores,
@@ -97,11 +101,18 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         scores
     }
 
-    /// The best-matching unit over the components that `mask` believes; the lowest index on ties.
+    /// The best-matching unit over the components that `mask` believes, in full precision; the lowest index on ties.
     #[inline]
     #[must_use]
     pub fn winner(&self, probe: &[Weight; DIMS], mask: Mask) -> usize {
-        kernels::least(&self.scores_masked(probe, mask))
+        let scores = self.scores_masked(probe, mask);
+        kernels::nearest(&scores, DIMS, 1, |k| self.distance(k, probe, mask))
+    }
+
+    /// Squared distance of the probe to neuron `k` over the components that `mask` believes, in units of 2⁻⁵⁰.
+    #[must_use]
+    pub fn distance(&self, k: usize, probe: &[Weight; DIMS], mask: Mask) -> u64 {
+        kernels::distance(self.code.as_flattened(), DIMS, k, probe, mask)
     }
 
     /// How far each code vector points the probe's way, over the components that `mask` believes: see
@@ -111,7 +122,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         let mut alignments = [0; NEURONS];
         kernels::alignments(
             self.code.as_flattened(),
-            &self.norms,
+            self.norms.iter().map(|norm| i64::from(*norm)),
             DIMS,
             probe,
             mask,
@@ -142,20 +153,23 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         probe: &[Weight; DIMS],
         mask: Mask,
         pull: &Pull<NEURONS>,
-        dither: Dither,
     ) {
         let learn = Learn {
             grid: self.grid,
             dims: DIMS,
             winner,
             mask,
-            dither,
         };
+        let norms = &mut self.norms;
         learn.apply(
             self.code.as_flattened_mut(),
-            &mut self.norms,
             probe,
             pull.view(),
+            |k, row| {
+                if let Some(norm) = norms.get_mut(k) {
+                    *norm = squared_norm(row) as i32;
+                }
+            },
         );
     }
 }
@@ -171,19 +185,17 @@ pub struct Learn {
     pub winner: usize,
     /// Components to learn.
     pub mask: Mask,
-    /// Where the step is rounded; another one with each step.
-    pub dither: Dither,
 }
 
 impl Learn {
-    /// Moves the winner and its neighbours towards the probe and brings their squared lengths up to date.
+    /// Moves the winner and its neighbours towards the probe; `moved` is told each neuron and its new code vector.
     #[inline(always)]
-    pub fn apply(
+    pub fn apply<P: Scalar>(
         self,
-        code: &mut [Weight],
-        norms: &mut [i64],
-        probe: &[Weight],
+        code: &mut [Fine],
+        probe: &[P],
         pull: neighbourhood::View<'_>,
+        mut moved: impl FnMut(usize, &[Fine]),
     ) {
         match pull {
             neighbourhood::View::Direct { rate, share } => {
@@ -191,32 +203,28 @@ impl Learn {
                 for (neuron, gain) in core::iter::once((self.winner, rate)).chain(near) {
                     let start = neuron.wrapping_mul(self.dims);
                     let row = code.get_mut(start..start.wrapping_add(self.dims));
-                    if let (Some(row), Some(norm)) = (row, norms.get_mut(neuron)) {
-                        self.move_row(row, norm, probe, gain);
+                    if let Some(row) = row {
+                        kernels::pull(row, probe, self.mask, gain);
+                        moved(neuron, row);
                     }
                 }
             }
             neighbourhood::View::Gaussian { rate, axis } => {
                 let along = |d: usize| axis.get(d).copied().unwrap_or(Gain::ZERO);
                 let (column, row) = self.grid.position(self.winner);
-                let mut rows = code.chunks_exact_mut(self.dims.max(1)).zip(norms);
+                let mut rows = code.chunks_exact_mut(self.dims.max(1)).enumerate();
                 for y in 0..self.grid.rows() {
                     let row_gain = rate.times(along(self.grid.row_distance(row, y)));
-                    for (x, (row, norm)) in (0..self.grid.columns()).zip(&mut rows) {
+                    for (x, (neuron, row)) in (0..self.grid.columns()).zip(&mut rows) {
                         let gain = row_gain.times(along(self.grid.column_distance(column, x)));
                         if gain != Gain::ZERO {
-                            self.move_row(row, norm, probe, gain);
+                            kernels::pull(row, probe, self.mask, gain);
+                            moved(neuron, row);
                         }
                     }
                 }
             }
         }
-    }
-
-    #[inline(always)]
-    fn move_row(self, row: &mut [Weight], norm: &mut i64, probe: &[Weight], gain: Gain) {
-        kernels::pull(row, probe, self.mask, gain, self.dither);
-        *norm = squared_norm(row);
     }
 }
 

@@ -86,11 +86,7 @@ impl Schedule {
         let (start, end) = (u64::from(self.start_q16), u64::from(self.end_q16));
         let (step, steps) = (u64::from(step), u64::from(steps));
         let value = match self.decay {
-            Decay::Linear => {
-                // Below 2⁴⁸ · 2³²/2³²: the fall is at most 2³², the share at most 2³².
-                let fallen = u128::from(start - end) * u128::from(step) / u128::from(steps);
-                start - fallen as u64
-            }
+            Decay::Linear => start - (start - end) * step / steps,
             Decay::Exponential => {
                 let exponent = (u64::from(self.octaves_q16) * step / steps) as u32;
                 (start * u64::from(exp2_neg(exponent))) >> 31
