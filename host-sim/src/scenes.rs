@@ -4,7 +4,6 @@ use crate::episode::Tally;
 use crate::error::BadInput;
 use amp::config::Config;
 use amp::goal::Goal;
-use amp::units::Range;
 use std::str::FromStr;
 
 /// A behaviour by name.
@@ -31,7 +30,7 @@ impl Behavior {
     pub fn goal(self, config: &Config<16>) -> Goal<16> {
         match self {
             Self::Avoid => {
-                Goal::nothing_within(Range::from_mm(config.clearance_mm), config.encoding)
+                Goal::avoiding(config)
             }
         }
     }

@@ -7,9 +7,10 @@ use crate::fixed::{Mask, ONE_BITS, Weight, coarse, isqrt, squared_norm, unit_wei
 use crate::som::neighbourhood::Pull;
 use crate::som::{Grid, Som, kernels};
 use crate::units::{Bearing, Displacement};
+use serde::{Deserialize, Serialize};
 
 /// How an action stands in the map, as two components in [−1, 1].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ActionCode {
     /// The displacement in the ring's frame over the longest step. Vectors may be averaged.
     Displacement,
@@ -55,7 +56,7 @@ impl ActionCode {
 }
 
 /// How the map is probed with a change of situation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Recall {
     /// The neuron whose change is nearest (squared distance): the literal reading of the paper.
     Distance,
@@ -96,6 +97,25 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
             changes: Som::new(grid, changes),
             actions: Som::new(grid, actions),
         }
+    }
+
+    /// A map whose code vectors are all zero.
+    #[must_use]
+    pub const fn zeroed(grid: Grid) -> Self {
+        Self {
+            changes: Som::zeroed(grid),
+            actions: Som::zeroed(grid),
+        }
+    }
+
+    /// The changes of situation, to be written.
+    pub(crate) const fn changes_mut(&mut self) -> &mut Som<NEURONS, SENSORS> {
+        &mut self.changes
+    }
+
+    /// The actions, to be written.
+    pub(crate) const fn actions_mut(&mut self) -> &mut Som<NEURONS, 2> {
+        &mut self.actions
     }
 
     /// The changes of situation, as a map.

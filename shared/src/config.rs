@@ -11,12 +11,13 @@ use crate::robot::RobotSpec;
 use crate::scan::Encoding;
 use crate::shield::Shielding;
 use crate::som::{Decay, Edges, Neighbourhood, Schedule};
+use serde::{Deserialize, Serialize};
 
 /// 1.0 in Q16.
 const ONE_Q16: u32 = 1 << 16;
 
 /// What a robot with `SENSORS` transducers is told before it starts.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Config<const SENSORS: usize> {
     /// The body.
     pub robot: RobotSpec<SENSORS>,
@@ -42,7 +43,7 @@ pub struct Config<const SENSORS: usize> {
 }
 
 /// The random moves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Exploration {
     /// Shortest move, millimetres; the longest is the robot's step. Lengths are uniform in between, bearings uniform.
     pub shortest_mm: u16,
@@ -51,7 +52,7 @@ pub struct Exploration {
 }
 
 /// The order in which samples are presented.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Order {
     /// One after another, epoch by epoch.
     Recorded,
@@ -60,7 +61,7 @@ pub enum Order {
 }
 
 /// Where the code vectors start.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Start {
     /// Random samples.
     Samples,
@@ -71,7 +72,7 @@ pub enum Start {
 }
 
 /// Which displacement a sample teaches.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Taught {
     /// What the mind asked for.
     Commanded,
@@ -80,7 +81,7 @@ pub enum Taught {
 }
 
 /// How one map learns from the memory.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Training {
     /// Shape of the neighbourhood.
     pub neighbourhood: Neighbourhood,
@@ -91,7 +92,7 @@ pub struct Training {
 }
 
 /// Learning from the memory.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Learning {
     /// Presentations of the whole memory.
     pub epochs: u16,
@@ -118,7 +119,7 @@ pub struct Learning {
 }
 
 /// Learning from each move while seeking.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Online {
     /// Learning rate of the situation map, Q16.
     pub situation_rate_q16: u32,
@@ -132,7 +133,7 @@ pub struct Online {
 }
 
 /// Which neuron is aimed at.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Intermediate {
     /// The direct neighbour fewest grid steps from the goal neuron (the paper's step 3), the one nearer in code on ties.
     FewestHops,
@@ -143,7 +144,7 @@ pub enum Intermediate {
 }
 
 /// What to do while the goal holds and asks for no change.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum AtGoal {
     /// Keep the last displacement.
     KeepCourse,
@@ -152,7 +153,7 @@ pub enum AtGoal {
 }
 
 /// From a goal to an action.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Planning {
     /// Which neuron is aimed at.
     pub intermediate: Intermediate,
@@ -205,7 +206,7 @@ impl Config<16> {
     /// by grid steps among the four direct ones, learning goes on, straight ahead at the goal. The ring is to turn with
     /// the heading.
     #[must_use]
-    pub fn touzet() -> Self {
+    pub const fn touzet() -> Self {
         let training = Training {
             neighbourhood: Neighbourhood::Direct,
             rate: Schedule::new(ONE_Q16 / 2, ONE_Q16 / 20, Decay::Linear),
@@ -262,7 +263,7 @@ impl Config<16> {
     /// The best found: see the project's documentation for the measurement behind each choice. The ring is to keep its
     /// bearing in the world.
     #[must_use]
-    pub fn recommended() -> Self {
+    pub const fn recommended() -> Self {
         let literal = Self::touzet();
         Self {
             encoding: Encoding {
@@ -281,10 +282,11 @@ impl Config<16> {
                 },
                 ..literal.learning
             },
-            online: literal.online.map(|online| Online {
+            online: Some(Online {
+                situation_rate_q16: ONE_Q16 / 20,
                 action_rate_q16: ONE_Q16 / 50,
                 share_q16: 0,
-                ..online
+                blame_recalled: false,
             }),
             planning: Planning {
                 intermediate: Intermediate::NearestCode,

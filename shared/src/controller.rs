@@ -26,8 +26,10 @@ use rand_xoshiro::Xoshiro128PlusPlus;
 mod decide;
 mod learn;
 mod message;
+mod parts;
 
 pub use message::{Command, Decision, Event, Mode, Motion, Outputs, Progress, Refusal, StopReason};
+pub use parts::{Part, PartError};
 
 /// A motion under way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,13 +58,20 @@ impl<const SENSORS: usize> Pending<SENSORS> {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct State<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize> {
     mode: Mode<SENSORS>,
+    /// What a stop interrupted: exploring or seeking.
+    interrupted: Option<Mode<SENSORS>>,
     scan: Scan<SENSORS>,
+    /// Since when the ring has been awaited.
+    waiting_since: Millis,
     shield: Shield<SENSORS>,
     memory: Memory<SENSORS, SAMPLES>,
     situations: Som<NEURONS, SENSORS>,
     actions: ActionMap<NEURONS, SENSORS>,
     learnt: bool,
-    generator: Xoshiro128PlusPlus,
+    /// Maps written from outside to their ends, bit by [`Part`].
+    written: u8,
+    /// Seeded by the command to explore.
+    generator: Option<Xoshiro128PlusPlus>,
     pending: Option<Pending<SENSORS>>,
     motion_id: u16,
     /// The last displacement, in the ring's present frame.
@@ -79,20 +88,19 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 {
     /// A robot that knows nothing; `grid` should have `NEURONS` places.
     #[must_use]
-    pub fn new(grid: Grid) -> Self {
+    pub const fn new(grid: Grid) -> Self {
         Self {
             mode: Mode::Idle,
-            scan: Scan::default(),
-            shield: Shield::default(),
-            memory: Memory::default(),
+            interrupted: None,
+            scan: Scan::new(),
+            waiting_since: Millis::from_ms(0),
+            shield: Shield::new(),
+            memory: Memory::new(),
             situations: Som::zeroed(grid),
-            actions: ActionMap::new(
-                grid,
-                [[crate::fixed::Weight::ZERO; SENSORS]; NEURONS],
-                [[crate::fixed::Weight::ZERO; 2]; NEURONS],
-            ),
+            actions: ActionMap::zeroed(grid),
             learnt: false,
-            generator: Xoshiro128PlusPlus::seed_from_u64(0),
+            written: 0,
+            generator: None,
             pending: None,
             motion_id: 0,
             course: Displacement::ZERO,
@@ -104,6 +112,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     #[must_use]
     pub const fn mode(&self) -> &Mode<SENSORS> {
         &self.mode
+    }
+
+    /// Whether the base has been sent on its way and has not reported its end.
+    #[must_use]
+    pub fn is_moving(&self) -> bool {
+        self.pending.is_some_and(|pending| !pending.ended)
     }
 
     /// The lazy memory.
@@ -132,7 +146,14 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 
     /// A uniform number below `bound`; 0 for a bound of 0.
     fn below(&mut self, bound: u32) -> u32 {
-        ((u64::from(self.generator.next_u32()) * u64::from(bound)) >> 32) as u32
+        ((u64::from(self.random()) * u64::from(bound)) >> 32) as u32
+    }
+
+    /// A uniform number of 32 bits; 0 before the first command to explore.
+    fn random(&mut self) -> u32 {
+        self.generator
+            .as_mut()
+            .map_or(0, Xoshiro128PlusPlus::next_u32)
     }
 }
 
@@ -155,11 +176,12 @@ pub fn handle<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>(
             turned,
             progress,
         } => {
-            state.odometry(motion, moved, turned, progress);
+            state.odometry(at, motion, moved, turned, progress);
             Outputs::NONE
         }
-        Event::Command(command) => state.command(config, command),
-        Event::Tick => state.tick(config),
+        Event::Command(command) => state.command(config, at, command),
+        Event::Tick => state.tick(config, at),
+        Event::Alarm(reason) => state.alarm(at, reason),
     }
 }
 
@@ -199,7 +221,14 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
     }
 
-    fn odometry(&mut self, motion: u16, moved: Displacement, turned: Bearing, progress: Progress) {
+    fn odometry(
+        &mut self,
+        at: Millis,
+        motion: u16,
+        moved: Displacement,
+        turned: Bearing,
+        progress: Progress,
+    ) {
         self.shield.moved(moved, turned);
         let back = (turned != Bearing::ZERO).then(|| Bearing::ZERO.minus(turned).direction());
         let into_present = |d: Displacement| back.map_or(d, |back| d.rotated(back));
@@ -217,11 +246,16 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         pending.turned = pending.turned.plus(turned);
         if motion == self.motion_id && progress != Progress::Moving && !pending.ended {
             pending.ended = true;
-            self.scan.renew();
+            self.await_ring(at);
         }
     }
 
-    fn command(&mut self, config: &Config<SENSORS>, command: Command<SENSORS>) -> Outputs<SENSORS> {
+    fn command(
+        &mut self,
+        config: &Config<SENSORS>,
+        at: Millis,
+        command: Command<SENSORS>,
+    ) -> Outputs<SENSORS> {
         let most = u16::try_from(SAMPLES).unwrap_or(u16::MAX);
         let mode = match command {
             Command::Explore { moves, .. } if moves == 0 || moves > most => {
@@ -232,7 +266,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             }
             Command::Seek(_) if !self.learnt => return refused(Refusal::NotLearnt),
             Command::Explore { moves, seed } => {
-                self.generator = Xoshiro128PlusPlus::seed_from_u64(seed);
+                self.generator = Some(Xoshiro128PlusPlus::seed_from_u64(seed));
                 self.memory.clear();
                 Mode::Explore { left: moves }
             }
@@ -241,13 +275,41 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 Mode::Learn { step: 0 }
             }
             Command::Seek(goal) => Mode::Seek { goal },
-            Command::Stop => Mode::Stopped(StopReason::Commanded),
+            Command::Stop => return self.stop(at, StopReason::Commanded),
+            Command::Resume => match (self.mode, self.interrupted) {
+                (Mode::Stopped(_), Some(interrupted)) => interrupted,
+                _ => return refused(Refusal::NothingToResume),
+            },
         };
-        self.enter(mode)
+        self.enter(at, mode)
+    }
+
+    /// Stands still and keeps what that interrupts for [`Command::Resume`].
+    fn stop(&mut self, at: Millis, reason: StopReason) -> Outputs<SENSORS> {
+        self.interrupted = match self.mode {
+            Mode::Explore { .. } | Mode::Seek { .. } => Some(self.mode),
+            Mode::Stopped(_) => self.interrupted,
+            Mode::Idle | Mode::Learn { .. } => None,
+        };
+        self.enter(at, Mode::Stopped(reason))
+    }
+
+    /// Something outside is wrong: whoever may move stops, anybody else goes on.
+    fn alarm(&mut self, at: Millis, reason: StopReason) -> Outputs<SENSORS> {
+        match self.mode {
+            Mode::Explore { .. } | Mode::Seek { .. } => self.stop(at, reason),
+            Mode::Idle | Mode::Learn { .. } | Mode::Stopped(_) => Outputs::NONE,
+        }
+    }
+
+    /// From now on every transducer has to be heard again.
+    fn await_ring(&mut self, at: Millis) {
+        self.scan.renew();
+        self.waiting_since = at;
     }
 
     /// Changes the mode. A motion under way is stopped, except from one goal to the next.
-    fn enter(&mut self, mode: Mode<SENSORS>) -> Outputs<SENSORS> {
+    fn enter(&mut self, at: Millis, mode: Mode<SENSORS>) -> Outputs<SENSORS> {
         let goes_on = matches!((&self.mode, &mode), (Mode::Seek { .. }, Mode::Seek { .. }));
         self.mode = mode;
         let moving = self.pending.is_some_and(|pending| !pending.ended);
@@ -261,7 +323,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         });
         if !goes_on {
             self.pending = None;
-            self.scan.renew();
+            self.await_ring(at);
         }
         Outputs {
             motion,
@@ -270,9 +332,9 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
     }
 
-    fn tick(&mut self, config: &Config<SENSORS>) -> Outputs<SENSORS> {
+    fn tick(&mut self, config: &Config<SENSORS>, at: Millis) -> Outputs<SENSORS> {
         let Mode::Learn { step } = self.mode else {
-            return Outputs::NONE;
+            return self.watch_ring(config, at);
         };
         let step = self.learn_slice(config, step);
         if step < self.learning_steps(config) {
@@ -280,7 +342,17 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             return Outputs::NONE;
         }
         self.learnt = true;
-        self.enter(Mode::Idle)
+        self.enter(at, Mode::Idle)
+    }
+
+    /// A ring that is still incomplete two periods after the base came to rest stops the robot.
+    fn watch_ring(&mut self, config: &Config<SENSORS>, at: Millis) -> Outputs<SENSORS> {
+        let moving = self.pending.is_some_and(|pending| !pending.ended);
+        let patience = u32::from(config.robot.ring_period_ms).saturating_mul(2);
+        if moving || at.since(self.waiting_since) <= patience {
+            return Outputs::NONE;
+        }
+        self.alarm(at, StopReason::RingIncomplete)
     }
 }
 

@@ -16,6 +16,8 @@
 //! block sums in 64 bits. This is the only module with bit tricks; nothing here can panic, and every operation that could
 //! overflow says what it does instead.
 
+use serde::{Deserialize, Serialize};
+
 /// A component of a situation or a change of situation: I3F13, 1.0 = 8192.
 pub type Weight = ::fixed::types::I3F13;
 
@@ -183,7 +185,7 @@ pub fn squared_distance<A: Scalar, B: Scalar>(a: &[A], b: &[B], mask: Mask) -> u
 }
 
 /// Which components count: bit `i` for component `i`; components from 32 on always count.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Mask(u32);
 
 impl Mask {

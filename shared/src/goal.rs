@@ -4,12 +4,14 @@
 //! 0.6 m to my right" asks the value there to equal that of 0.6 m; "what I perceived at the nest" asks every value to
 //! equal a captured one.
 
+use crate::config::Config;
 use crate::fixed::{Mask, Weight};
 use crate::scan::{Encoding, Situation};
 use crate::units::Range;
+use serde::{Deserialize, Serialize};
 
 /// What is asked of one transducer's value.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Component {
     /// Least value wanted.
     pub low: Weight,
@@ -69,9 +71,10 @@ impl Component {
 }
 
 /// A goal situation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Goal<const SENSORS: usize> {
     /// What is asked of each transducer's value.
+    #[serde(with = "serde_big_array::BigArray")]
     pub components: [Component; SENSORS],
 }
 
@@ -90,6 +93,13 @@ impl<const SENSORS: usize> Goal<SENSORS> {
         Self {
             components: [Component::at_most(encoding.value(Some(range))); SENSORS],
         }
+    }
+
+    /// Obstacle avoidance as the configuration has it: nothing within its clearance.
+    #[must_use]
+    pub fn avoiding(config: &Config<SENSORS>) -> Self {
+        let clearance = Range::from_mm(config.clearance_mm);
+        Self::nothing_within(clearance, config.encoding)
     }
 
     /// A situation perceived before.

@@ -37,6 +37,10 @@
 //! | [`shield`] | what the ring hears limits how far and how fast |
 //! | [`config`] | every open choice of the method as a named value; the presets |
 //! | [`controller`] | modes and events: the robot as a function |
+//! | [`wire`] | messages and frames of the link to the base |
+//! | [`link`] | session, order and age of frames, and whether the host is there |
+//! | [`parameters`] | what of the configuration may be changed one by one |
+//! | [`node`] | the mind behind a link: frames in, frames out |
 //!
 //! # Limits
 //!
@@ -58,10 +62,14 @@ pub mod config;
 pub mod controller;
 pub mod fixed;
 pub mod goal;
+pub mod link;
 pub mod memory;
+pub mod node;
+pub mod parameters;
 pub mod planner;
 pub mod robot;
 pub mod scan;
 pub mod shield;
 pub mod som;
 pub mod units;
+pub mod wire;

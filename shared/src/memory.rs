@@ -82,6 +82,14 @@ impl core::fmt::Display for Full {
 impl core::error::Error for Full {}
 
 impl<const SENSORS: usize, const SAMPLES: usize> Memory<SENSORS, SAMPLES> {
+    /// An empty memory.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            samples: Vec::new(),
+        }
+    }
+
     /// Keeps a sample.
     ///
     /// # Errors

@@ -12,9 +12,10 @@ use crate::goal::Goal;
 use crate::scan::Situation;
 use crate::som::{Som, kernels};
 use crate::units::{Bearing, Displacement};
+use serde::{Deserialize, Serialize};
 
 /// Why the planner chose what it chose.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Why {
     /// A neighbour nearer to the goal was aimed at.
     Neighbour,
@@ -47,9 +48,10 @@ impl core::fmt::Display for Why {
 }
 
 /// One decision with all its intermediate values.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Plan<const SENSORS: usize> {
     /// The present situation.
+    #[serde(with = "serde_big_array::BigArray")]
     pub situation: Situation<SENSORS>,
     /// Neuron that stands for the goal.
     pub goal_neuron: u8,
@@ -58,6 +60,7 @@ pub struct Plan<const SENSORS: usize> {
     /// Neuron aimed at.
     pub intermediate_neuron: u8,
     /// Change of situation wanted: the probe of the action map.
+    #[serde(with = "serde_big_array::BigArray")]
     pub wanted: [Weight; SENSORS],
     /// Neuron of the action map that answered.
     pub action_neuron: u8,

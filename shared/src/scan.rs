@@ -6,6 +6,7 @@
 
 use crate::fixed::{Mask, ONE_BITS, Weight, unit_weight};
 use crate::units::{Millis, Range};
+use serde::{Deserialize, Serialize};
 
 /// A situation: one value in [0, 1] per transducer.
 pub type Situation<const SENSORS: usize> = [Weight; SENSORS];
@@ -24,23 +25,35 @@ pub struct Echo {
 pub struct Scan<const SENSORS: usize> {
     echoes: [Echo; SENSORS],
     fresh: u32,
+    ever: u32,
 }
 
 impl<const SENSORS: usize> Default for Scan<SENSORS> {
     fn default() -> Self {
-        Self {
-            echoes: [Echo::default(); SENSORS],
-            fresh: 0,
-        }
+        Self::new()
     }
 }
 
 impl<const SENSORS: usize> Scan<SENSORS> {
+    /// Nothing heard yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            echoes: [Echo {
+                range: None,
+                at: Millis::from_ms(0),
+            }; SENSORS],
+            fresh: 0,
+            ever: 0,
+        }
+    }
+
     /// Takes an echo; one of a transducer that does not exist is ignored.
     pub fn hear(&mut self, sensor: usize, echo: Echo) {
         if let Some(place) = self.echoes.get_mut(sensor) {
             *place = echo;
             self.fresh |= 1_u32.wrapping_shl(sensor as u32);
+            self.ever |= self.fresh;
         }
     }
 
@@ -55,6 +68,12 @@ impl<const SENSORS: usize> Scan<SENSORS> {
         Mask::from_bits(self.fresh | !believed.to_bits()).covers(SENSORS)
     }
 
+    /// Whether every transducer that `believed` counts has ever been heard.
+    #[must_use]
+    pub fn has_heard_all(&self, believed: Mask) -> bool {
+        Mask::from_bits(self.ever | !believed.to_bits()).covers(SENSORS)
+    }
+
     /// The echoes by transducer.
     #[must_use]
     pub const fn echoes(&self) -> &[Echo; SENSORS] {
@@ -63,7 +82,7 @@ impl<const SENSORS: usize> Scan<SENSORS> {
 }
 
 /// How a range becomes a value of the situation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Encoding {
     /// At this range and nearer the value is 1, millimetres.
     pub near_mm: u16,

@@ -12,12 +12,13 @@ use crate::config::Config;
 use crate::fixed::{Mask, isqrt};
 use crate::scan::Echo;
 use crate::units::{Bearing, Direction, Displacement, Millis, Range};
+use serde::{Deserialize, Serialize};
 
 /// Places per transducer whose echo is kept.
 pub const KEPT: usize = 4;
 
 /// How careful to be.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shielding {
     /// Distance to keep between body and anything heard, millimetres.
     pub margin_mm: u16,
@@ -82,9 +83,7 @@ pub struct Shield<const SENSORS: usize> {
 
 impl<const SENSORS: usize> Default for Shield<SENSORS> {
     fn default() -> Self {
-        Self {
-            arcs: [[None; KEPT]; SENSORS],
-        }
+        Self::new()
     }
 }
 
@@ -98,6 +97,21 @@ pub struct Allowed {
 }
 
 impl<const SENSORS: usize> Shield<SENSORS> {
+    /// Nothing heard yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            arcs: [[None; KEPT]; SENSORS],
+        }
+    }
+
+    /// Forgets everything heard.
+    pub fn forget(&mut self) {
+        for place in self.arcs.as_flattened_mut() {
+            *place = None;
+        }
+    }
+
     /// Takes an echo of a transducer.
     pub fn hear(&mut self, config: &Config<SENSORS>, sensor: usize, echo: Echo) {
         let (Some(kept), Some(axis)) = (

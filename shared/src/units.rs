@@ -8,6 +8,7 @@
 
 use core::num::NonZeroU16;
 use micromath::F32Ext;
+use serde::{Deserialize, Serialize};
 
 /// Distance from a transducer's face to what it hears, 0 … 65.534 m in millimetres.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -56,7 +57,7 @@ impl Millis {
 }
 
 /// A direction as a binary turn: 65 536 units are one full turn, counter-clockwise from the frame's x axis; wraps for free.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Bearing(u16);
 
 impl Bearing {
@@ -119,7 +120,7 @@ fn to_q14(value: f32) -> i16 {
 }
 
 /// A unit vector with 14 bits behind the point.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Direction {
     /// Component along x, 16 384 = 1.
     pub x_q14: i16,
@@ -156,7 +157,7 @@ impl Direction {
 }
 
 /// A straight move in the ring's frame: x along transducer 0, y along the one a quarter turn to its left; ±32.767 m.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Displacement {
     /// Millimetres along x.
     pub dx_mm: i16,

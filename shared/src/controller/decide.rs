@@ -11,7 +11,6 @@ use crate::scan::Situation;
 use crate::som::Neighbourhood;
 use crate::som::neighbourhood::Pull;
 use crate::units::{Bearing, Displacement, Millis};
-use rand_core::Rng as _;
 
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     State<SENSORS, NEURONS, SAMPLES>
@@ -47,7 +46,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             left = left.saturating_sub(1);
         }
         if left == 0 {
-            return self.enter(Mode::Idle);
+            return self.enter(now, Mode::Idle);
         }
         self.mode = Mode::Explore { left };
         let wanted = self.random_move(config, now);
@@ -60,7 +59,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let span = u32::from(longest.saturating_sub(shortest));
         let mut wanted = Displacement::ZERO;
         for _ in 0..config.exploration.draws.max(1) {
-            let bearing = Bearing::from_turns((self.generator.next_u32() >> 16) as u16);
+            let bearing = Bearing::from_turns((self.random() >> 16) as u16);
             let length = u32::from(shortest).saturating_add(self.below(span.saturating_add(1)));
             wanted = Displacement::along(bearing, length as i32);
             let allowed = self.shield.allow(config, wanted, now);
@@ -170,7 +169,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         };
         self.motion_id = self.motion_id.wrapping_add(1);
         self.course = wanted;
-        self.scan.renew();
+        self.await_ring(now);
         self.pending = Some(Pending {
             before: situation,
             commanded: wanted,

@@ -1,16 +1,14 @@
 //! Learning from the memory, in slices.
 
 use super::State;
-use crate::action_map::{ActionMap, Effect};
+use crate::action_map::Effect;
 use crate::config::{Config, Order, Start, Taught, Training};
 use crate::fixed::{Mask, Weight, unit_weight};
 use crate::memory::{Sample, from_bytes};
 use crate::planner::difference;
 use crate::scan::{Situation, rotated};
-use crate::som::Som;
 use crate::som::neighbourhood::Pull;
 use crate::units::Bearing;
-use rand_core::Rng as _;
 
 /// Presentations between two steps of the schedules. A slice ends with them at the latest, so that the maps do not depend
 /// on the slices' size.
@@ -35,32 +33,34 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.learnt = false;
         self.inhibited = [0; NEURONS];
         let grid = self.situations.grid().with_edges(config.learning.edges);
-        let mut situations = [[Weight::ZERO; SENSORS]; NEURONS];
-        let mut changes = [[Weight::ZERO; SENSORS]; NEURONS];
-        let mut actions = [[Weight::ZERO; 2]; NEURONS];
+        self.situations.set_grid(grid);
+        self.actions.changes_mut().set_grid(grid);
+        self.actions.actions_mut().set_grid(grid);
         for neuron in 0..NEURONS {
-            let (situation, effect) = match config.learning.start {
+            let (situation, mut effect) = match config.learning.start {
                 Start::Random => self.random_start(),
                 Start::Samples | Start::Plane => {
                     let lesson = self.lesson(config, None);
                     (lesson.after, lesson.effect)
                 }
             };
-            situations[neuron] = situation;
             if config.learning.start == Start::Plane {
-                actions[neuron] = on_the_plane(grid, neuron);
-            } else {
-                changes[neuron] = effect.change;
-                actions[neuron] = effect.action;
+                effect.change = [Weight::ZERO; SENSORS];
+                effect.action = on_the_plane(grid, neuron);
             }
+            self.situations.set_code_vector(neuron, &situation);
+            self.actions
+                .changes_mut()
+                .set_code_vector(neuron, &effect.change);
+            self.actions
+                .actions_mut()
+                .set_code_vector(neuron, &effect.action);
         }
-        self.situations = Som::new(grid, situations);
-        self.actions = ActionMap::new(grid, changes, actions);
     }
 
     fn random_start(&mut self) -> (Situation<SENSORS>, Effect<SENSORS>) {
         // 13 random bits are a value in [0, 1), 14 less one half a value in [-1, 1).
-        let mut bits = |count: u32| (self.generator.next_u32() >> (32 - count)) as i32;
+        let mut bits = |count: u32| (self.random() >> (32 - count)) as i32;
         let situation = core::array::from_fn(|_| unit_weight(bits(13)));
         let effect = Effect {
             change: core::array::from_fn(|_| unit_weight(bits(14) - (1 << 13))),

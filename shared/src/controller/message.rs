@@ -4,9 +4,10 @@ use crate::goal::Goal;
 use crate::planner::Plan;
 use crate::scan::Situation;
 use crate::units::{Bearing, Displacement, Range};
+use serde::{Deserialize, Serialize};
 
 /// What the robot is doing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Mode<const SENSORS: usize> {
     /// Nothing.
     Idle,
@@ -30,14 +31,18 @@ pub enum Mode<const SENSORS: usize> {
 }
 
 /// Why the robot stopped.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum StopReason {
     /// It was told to.
     Commanded,
+    /// The ring was not complete two periods after it should have begun.
+    RingIncomplete,
+    /// Nothing was heard from the other end of the link.
+    LinkLost,
 }
 
 /// Why a command was not carried out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Refusal {
     /// More moves than the memory holds, or none.
     Moves {
@@ -48,6 +53,8 @@ pub enum Refusal {
     NoSamples,
     /// The maps have not been learnt.
     NotLearnt,
+    /// No stop interrupted anything.
+    NothingToResume,
 }
 
 /// What somebody wants of the robot.
@@ -66,10 +73,12 @@ pub enum Command<const SENSORS: usize> {
     Seek(Goal<SENSORS>),
     /// Stand still.
     Stop,
+    /// Go on with what a stop interrupted.
+    Resume,
 }
 
 /// What became of a motion.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Progress {
     /// Still under way.
     Moving,
@@ -104,6 +113,8 @@ pub enum Event<const SENSORS: usize> {
     Command(Command<SENSORS>),
     /// Time passes.
     Tick,
+    /// Something outside the mind is wrong: a robot that may move stops.
+    Alarm(StopReason),
 }
 
 /// What the base is asked to do: a straight displacement in the ring's present frame. A newer motion replaces an older
@@ -142,9 +153,10 @@ impl<const SENSORS: usize> Outputs<SENSORS> {
 }
 
 /// A decision as telemetry: what was perceived, wanted and allowed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Decision<const SENSORS: usize> {
     /// The situation it was taken in.
+    #[serde(with = "serde_big_array::BigArray")]
     pub situation: Situation<SENSORS>,
     /// How it came about; `None` for a random move.
     pub plan: Option<Plan<SENSORS>>,

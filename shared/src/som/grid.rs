@@ -1,7 +1,9 @@
 //! Where the neurons stand: a rectangle with four direct neighbours each, or a chain with two.
 
+use serde::{Deserialize, Serialize};
+
 /// What happens at the border of the grid.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Edges {
     /// Neurons at the border have fewer neighbours.
     #[default]

@@ -24,7 +24,7 @@ pub use grid::{Edges, Grid};
 pub use neighbourhood::Neighbourhood;
 pub use schedule::{Decay, Schedule};
 
-use crate::fixed::{Fine, Gain, Mask, Scalar, Weight, coarse, squared_norm};
+use crate::fixed::{FINE_ONE_BITS, Fine, Gain, Mask, Scalar, Weight, coarse, squared_norm};
 use neighbourhood::Pull;
 
 /// A map of `NEURONS` neurons with code vectors of `DIMS` components in [−1, 1].
@@ -50,14 +50,56 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
 
     /// A map whose code vectors are all zero.
     #[must_use]
-    pub fn zeroed(grid: Grid) -> Self {
-        Self::new(grid, [[Weight::ZERO; DIMS]; NEURONS])
+    pub const fn zeroed(grid: Grid) -> Self {
+        const { assert!(DIMS <= 31, "squared lengths are kept in 32 bits") };
+        Self {
+            grid,
+            code: [[Fine::ZERO; DIMS]; NEURONS],
+            norms: [0; NEURONS],
+        }
     }
 
     /// The grid.
     #[must_use]
     pub const fn grid(&self) -> Grid {
         self.grid
+    }
+
+    /// Makes all code vectors zero.
+    pub(crate) fn clear(&mut self) {
+        for component in self.code.as_flattened_mut() {
+            *component = Fine::ZERO;
+        }
+        self.norms = [0; NEURONS];
+    }
+
+    /// Gives the map another grid of as many places.
+    pub(crate) const fn set_grid(&mut self, grid: Grid) {
+        self.grid = grid;
+    }
+
+    /// Replaces the code vector of neuron `k`; components are clamped to [−1, 1].
+    pub(crate) fn set_code_vector(&mut self, k: usize, vector: &[Weight; DIMS]) {
+        for (index, weight) in (k.wrapping_mul(DIMS)..).zip(vector) {
+            self.set_component(index, weight.fine());
+        }
+    }
+
+    /// The component at place `index`, counted through the code vectors one after another.
+    pub(crate) fn component(&self, index: usize) -> Option<Fine> {
+        self.code.as_flattened().get(index).copied()
+    }
+
+    /// Replaces the component at place `index`, clamped to [−1, 1]; nothing happens beyond the last.
+    pub(crate) fn set_component(&mut self, index: usize, value: Fine) {
+        if let Some(place) = self.code.as_flattened_mut().get_mut(index) {
+            let bits = value.to_bits().clamp(-FINE_ONE_BITS, FINE_ONE_BITS);
+            *place = Fine::from_bits(bits);
+        }
+        let row = index.checked_div(DIMS).unwrap_or(0);
+        if let (Some(norm), Some(code)) = (self.norms.get_mut(row), self.code.get(row)) {
+            *norm = squared_norm(code) as i32;
+        }
     }
 
     /// The code vectors, neuron by neuron.

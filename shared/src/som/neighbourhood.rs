@@ -1,9 +1,10 @@
 //! How strongly the winner's neighbours learn with it.
 
 use crate::fixed::{Gain, exp_neg};
+use serde::{Deserialize, Serialize};
 
 /// The shape of the neighbourhood.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Neighbourhood {
     /// The paper's: the winner and its direct neighbours (four on a rectangle, two on a chain), nobody else. The radius of
     /// the schedule is the neighbours' share of the learning rate, at most 1.

@@ -1,9 +1,10 @@
 //! How learning rate and radius fall while a map learns.
 
 use crate::fixed::{exp2_neg, log2_ratio};
+use serde::{Deserialize, Serialize};
 
 /// The shape of the fall; t runs from 0 to 1 over the training.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Decay {
     /// start + (end − start) · t
     Linear,
@@ -22,13 +23,26 @@ pub enum Decay {
 /// assert_eq!(rate.at(50, 100), 16_384);
 /// assert_eq!(rate.at(100, 100), 8_192);
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(from = "(u32, u32, Decay)", into = "(u32, u32, Decay)")]
 pub struct Schedule {
     start_q16: u32,
     end_q16: u32,
     decay: Decay,
     /// log2(start/end), for the exponential fall.
     octaves_q16: u32,
+}
+
+impl From<(u32, u32, Decay)> for Schedule {
+    fn from((start_q16, end_q16, decay): (u32, u32, Decay)) -> Self {
+        Self::new(start_q16, end_q16, decay)
+    }
+}
+
+impl From<Schedule> for (u32, u32, Decay) {
+    fn from(schedule: Schedule) -> Self {
+        (schedule.start_q16, schedule.end_q16, schedule.decay)
+    }
 }
 
 impl Schedule {

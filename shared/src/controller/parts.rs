@@ -1,0 +1,202 @@
+//! What the robot knows as bytes, to be carried away and brought back in pieces.
+//!
+//! | part | bytes, little-endian |
+//! |---|---|
+//! | [`Part::Situations`] | code vectors of the situation map, neuron by neuron, each component as `i32` in units of 2⁻²⁹ |
+//! | [`Part::Changes`] | code vectors of the action map's changes, as above |
+//! | [`Part::Actions`] | code vectors of its actions (two components), as above |
+//! | [`Part::Memory`] | samples in the order they came: before and after, a byte per transducer (see [`memory`](crate::memory)); commanded dx, dy, executed dx, dy as `i16` millimetres |
+
+use super::{Mode, State};
+use crate::fixed::Fine;
+use crate::memory::Sample;
+use crate::som::Som;
+use crate::units::Displacement;
+use serde::{Deserialize, Serialize};
+
+/// A part of what the robot knows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Part {
+    /// The situation map.
+    Situations,
+    /// The changes of the action map.
+    Changes,
+    /// The actions of the action map.
+    Actions,
+    /// The lazy memory.
+    Memory,
+}
+
+/// Why a piece was not taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum PartError {
+    /// The robot explores, learns or seeks.
+    Busy,
+    /// The piece does not begin or end where a component or a sample does, or lies beyond the end; samples come in order.
+    Place,
+}
+
+impl core::fmt::Display for PartError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::Busy => "the robot explores, learns or seeks",
+            Self::Place => "the piece does not fit where it says",
+        })
+    }
+}
+
+impl core::error::Error for PartError {}
+
+/// Bytes of a component.
+const COMPONENT: usize = 4;
+
+impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
+    State<SENSORS, NEURONS, SAMPLES>
+{
+    /// Bytes of a sample.
+    pub const SAMPLE_BYTES: usize = 2 * SENSORS + 8;
+
+    /// Length of a part in bytes.
+    #[must_use]
+    pub fn part_len(&self, part: Part) -> usize {
+        match part {
+            Part::Situations | Part::Changes => COMPONENT * SENSORS * NEURONS,
+            Part::Actions => COMPONENT * 2 * NEURONS,
+            Part::Memory => self.memory.samples().len() * Self::SAMPLE_BYTES,
+        }
+    }
+
+    /// Copies a part from `offset` on into `out`, as far as both reach; returns the number of bytes.
+    pub fn read_part(&self, part: Part, offset: usize, out: &mut [u8]) -> usize {
+        let rest = self.part_len(part).saturating_sub(offset);
+        let count = rest.min(out.len());
+        for (place, index) in out.iter_mut().zip(offset..offset.saturating_add(count)) {
+            *place = self.part_byte(part, index);
+        }
+        count
+    }
+
+    fn part_byte(&self, part: Part, index: usize) -> u8 {
+        match part {
+            Part::Situations => map_byte(&self.situations, index),
+            Part::Changes => map_byte(self.actions.changes(), index),
+            Part::Actions => map_byte(self.actions.actions(), index),
+            Part::Memory => {
+                let sample = self.memory.samples().get(index / Self::SAMPLE_BYTES);
+                sample.map_or(0, |sample| sample_byte(sample, index % Self::SAMPLE_BYTES))
+            }
+        }
+    }
+
+    /// Replaces a piece of a part. A memory is written from its beginning on, whole samples in order; a piece at offset 0
+    /// empties it first. When all three maps have been written to their ends they count as learnt.
+    ///
+    /// # Errors
+    /// [`PartError`]; nothing has changed then.
+    pub fn write_part(&mut self, part: Part, offset: usize, bytes: &[u8]) -> Result<(), PartError> {
+        if !matches!(self.mode, Mode::Idle | Mode::Stopped(_)) {
+            return Err(PartError::Busy);
+        }
+        match part {
+            Part::Situations => write_map(&mut self.situations, offset, bytes)?,
+            Part::Changes => write_map(self.actions.changes_mut(), offset, bytes)?,
+            Part::Actions => write_map(self.actions.actions_mut(), offset, bytes)?,
+            Part::Memory => return self.write_memory(offset, bytes),
+        }
+        if offset.saturating_add(bytes.len()) == self.part_len(part) {
+            self.written |= 1 << (part as u8);
+            self.learnt |= self.written == 0b111;
+        }
+        Ok(())
+    }
+
+    fn write_memory(&mut self, offset: usize, bytes: &[u8]) -> Result<(), PartError> {
+        let kept = if offset == 0 {
+            0
+        } else {
+            self.memory.samples().len()
+        };
+        let (samples, rest) = (
+            bytes.chunks_exact(Self::SAMPLE_BYTES),
+            bytes.len() % Self::SAMPLE_BYTES,
+        );
+        if rest != 0
+            || offset != kept * Self::SAMPLE_BYTES
+            || kept.saturating_add(samples.len()) > SAMPLES
+        {
+            return Err(PartError::Place);
+        }
+        if offset == 0 {
+            self.memory.clear();
+        }
+        for bytes in samples {
+            // There is room: it was counted above.
+            let _ = self.memory.keep(sample_of(bytes));
+        }
+        Ok(())
+    }
+
+    /// Forgets samples, maps and goal: as after the start.
+    pub fn forget(&mut self) {
+        self.mode = Mode::Idle;
+        self.interrupted = None;
+        self.scan.renew();
+        self.shield.forget();
+        self.memory.clear();
+        self.situations.clear();
+        self.actions.changes_mut().clear();
+        self.actions.actions_mut().clear();
+        self.learnt = false;
+        self.written = 0;
+        self.generator = None;
+        self.pending = None;
+        self.motion_id = 0;
+        self.course = Displacement::ZERO;
+        self.inhibited = [0; NEURONS];
+    }
+}
+
+fn map_byte<const NEURONS: usize, const DIMS: usize>(map: &Som<NEURONS, DIMS>, index: usize) -> u8 {
+    let component = map.component(index / COMPONENT).unwrap_or(Fine::ZERO);
+    let bytes = component.to_bits().to_le_bytes();
+    bytes.get(index % COMPONENT).copied().unwrap_or(0)
+}
+
+fn write_map<const NEURONS: usize, const DIMS: usize>(
+    map: &mut Som<NEURONS, DIMS>,
+    offset: usize,
+    bytes: &[u8],
+) -> Result<(), PartError> {
+    let (components, rest) = bytes.as_chunks::<COMPONENT>();
+    let end = offset.saturating_add(bytes.len());
+    if !rest.is_empty() || !offset.is_multiple_of(COMPONENT) || end > COMPONENT * NEURONS * DIMS {
+        return Err(PartError::Place);
+    }
+    for (index, component) in (offset / COMPONENT..).zip(components) {
+        map.set_component(index, Fine::from_bits(i32::from_le_bytes(*component)));
+    }
+    Ok(())
+}
+
+fn sample_byte<const SENSORS: usize>(sample: &Sample<SENSORS>, index: usize) -> u8 {
+    let situations = sample.before.iter().chain(&sample.after).copied();
+    let moves = [sample.commanded, sample.executed].into_iter();
+    let moves = moves.flat_map(|moved| [moved.dx_mm, moved.dy_mm]);
+    let mut bytes = situations.chain(moves.flat_map(i16::to_le_bytes));
+    bytes.nth(index).unwrap_or(0)
+}
+
+fn sample_of<const SENSORS: usize>(bytes: &[u8]) -> Sample<SENSORS> {
+    let byte = |index: usize| bytes.get(index).copied().unwrap_or(0);
+    let value = |index: usize| i16::from_le_bytes([byte(index), byte(index.saturating_add(1))]);
+    let moved = |index: usize| Displacement {
+        dx_mm: value(index),
+        dy_mm: value(index.saturating_add(2)),
+    };
+    Sample {
+        before: core::array::from_fn(byte),
+        after: core::array::from_fn(|sensor| byte(SENSORS.saturating_add(sensor))),
+        commanded: moved(2 * SENSORS),
+        executed: moved(2 * SENSORS + 4),
+    }
+}

@@ -1,0 +1,334 @@
+//! The mind behind a link: frames in, frames out. The same function of its inputs on the chip and in the simulator.
+//!
+//! A [`Node`] owns the robot's state and configuration. [`Node::frame`] takes a received frame, does what it asks for and
+//! sends the answers; [`Node::tick`] lets time pass: a slice of learning, the watch over link and ring, motions renewed
+//! before they expire. Every accepted frame but a sign of life is answered with whatever it brought about and, at the end,
+//! with [`FromMind::Done`], so that a host knows when to go on. A frame that is lost costs its sender a repetition: the last
+//! one accepted is confirmed again, but never done again.
+//!
+//! When the host falls silent for longer than [`SILENCE_MS`](crate::link::SILENCE_MS) the robot stops with
+//! [`StopReason::LinkLost`] and stays so until it is told to resume.
+
+use crate::config::Config;
+use crate::controller::{self, Event, Mode, NomadState, Outputs, State, StopReason};
+use crate::goal::Goal;
+use crate::link::{Link, Verdict};
+use crate::som::Grid;
+use crate::units::Millis;
+use crate::wire::frame::{self, Frame, FrameError, Header};
+use crate::wire::message::{
+    Counters, DeviceCounters, Dimensions, FromMind, HostHello, MindHello, ModeReport, MotionOrder,
+    Notice, Refusal, Report, ResetCause, Source, ToMind,
+};
+use crate::wire::{PROTOCOL, SCHEMA};
+use heapless::Vec;
+
+mod pieces;
+mod requests;
+
+/// Time to live of a motion, milliseconds: a base that hears nothing for this long stops.
+pub const MOTION_TTL_MS: u16 = 500;
+/// A motion under way is sent again after this time, milliseconds.
+pub const RENEWAL_MS: u32 = 200;
+/// Most bytes of a configuration in postcard's form.
+pub const MOST_CONFIG: usize = 384;
+
+/// Takes frames on their way out.
+pub trait Outbox {
+    /// Takes a whole frame, zero included, or none of it.
+    fn send(&mut self, frame: &[u8]) -> bool;
+}
+
+/// Who a node is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Identity {
+    /// Build of the program.
+    pub build: [u8; 8],
+    /// Why it started.
+    pub reset: ResetCause,
+    /// Whether the program has a ring of its own.
+    pub ring: bool,
+}
+
+/// The latest motion sent.
+#[derive(Debug, Clone, Copy)]
+struct Underway {
+    order: MotionOrder,
+    sent: Millis,
+}
+
+/// A mind behind a link.
+#[derive(Debug, Clone)]
+pub struct Node<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize> {
+    config: Config<SENSORS>,
+    state: State<SENSORS, NEURONS, SAMPLES>,
+    goal: Goal<SENSORS>,
+    identity: Identity,
+    source: Source,
+    link: Link,
+    seq: u16,
+    underway: Option<Underway>,
+    counters: Counters,
+    /// A configuration on its way in.
+    staged: Vec<u8, MOST_CONFIG>,
+}
+
+/// The node of the Nomad 200 with the paper's sizes.
+pub type NomadNode = Node<16, 16, 100>;
+
+const _: () = assert!(size_of::<NomadState>() <= 8 * 1_024);
+
+impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
+    Node<SENSORS, NEURONS, SAMPLES>
+{
+    /// A node that knows nothing; `grid` should have `NEURONS` places.
+    #[must_use]
+    pub const fn new(config: Config<SENSORS>, grid: Grid) -> Self {
+        Self {
+            config,
+            state: State::new(grid),
+            goal: Goal::free_of_obstacles(),
+            identity: Identity {
+                build: [0; 8],
+                reset: ResetCause::Unknown,
+                ring: false,
+            },
+            source: Source::Link,
+            link: Link::new(),
+            seq: 0,
+            underway: None,
+            counters: Counters::NONE,
+            staged: Vec::new(),
+        }
+    }
+
+    /// Begins: says hello to whoever listens, in session 0.
+    pub fn start(&mut self, identity: Identity, now: Millis, out: &mut impl Outbox) {
+        self.identity = identity;
+        self.goal = Goal::avoiding(&self.config);
+        self.hello(now, out);
+    }
+
+    /// What it was told.
+    #[must_use]
+    pub const fn config(&self) -> &Config<SENSORS> {
+        &self.config
+    }
+
+    /// What it knows.
+    #[must_use]
+    pub const fn state(&self) -> &State<SENSORS, NEURONS, SAMPLES> {
+        &self.state
+    }
+
+    /// What it has counted.
+    #[must_use]
+    pub const fn counters(&self) -> &Counters {
+        &self.counters
+    }
+
+    /// What the device counts, to be kept up to date by it.
+    pub const fn device_counters(&mut self) -> &mut DeviceCounters {
+        &mut self.counters.device
+    }
+
+    /// Counts frames that were too long for the receiver.
+    pub const fn set_oversized(&mut self, frames: u32) {
+        self.counters.oversized = frames;
+    }
+
+    /// Where echoes come from.
+    #[must_use]
+    pub const fn source(&self) -> Source {
+        self.source
+    }
+
+    /// Whether a host is there.
+    #[must_use]
+    pub const fn is_linked(&self) -> bool {
+        self.link.is_alive()
+    }
+
+    /// Takes a received frame, without its zero, at `now` by the device's clock.
+    pub fn frame(&mut self, now: Millis, frame: &[u8], out: &mut impl Outbox) {
+        let counters = &mut self.counters;
+        match frame::unpack::<ToMind<SENSORS>>(frame) {
+            Ok((header, message)) => self.message(header, message, now, out),
+            Err(FrameError::Shape | FrameError::TooLong) => add(&mut counters.misshapen),
+            Err(FrameError::Crc) => add(&mut counters.damaged),
+            Err(FrameError::Content { .. }) => add(&mut counters.unknown),
+        }
+    }
+
+    fn message(
+        &mut self,
+        header: Header,
+        message: ToMind<SENSORS>,
+        now: Millis,
+        out: &mut impl Outbox,
+    ) {
+        if let ToMind::Hello(hello) = message {
+            return self.open(header, hello, now, out);
+        }
+        match self.link.accept(header) {
+            Verdict::Accept => {
+                add(&mut self.counters.accepted);
+                self.request(header.seq, message, now, out);
+            }
+            Verdict::Replayed { last } => {
+                add(&mut self.counters.replayed);
+                if last && !matches!(message, ToMind::Alive { .. }) {
+                    self.say(FromMind::Done { seq: header.seq }, now, out);
+                }
+            }
+            Verdict::NoSession => {
+                add(&mut self.counters.strangers);
+                self.refuse(header.seq, Refusal::NoSession, now, out);
+            }
+            Verdict::Stranger => add(&mut self.counters.strangers),
+        }
+    }
+
+    fn open(&mut self, header: Header, hello: HostHello, now: Millis, out: &mut impl Outbox) {
+        let ours = Self::dimensions();
+        if hello.dimensions != ours || header.session == 0 {
+            return self.refuse(header.seq, Refusal::Incompatible(ours), now, out);
+        }
+        if header.session == self.link.session() {
+            // The hello came again: its answer was lost.
+            return self.hello(now, out);
+        }
+        // Whatever moves does so for a host that is gone.
+        let gone = Event::Alarm(StopReason::LinkLost);
+        self.happen(self.link.time(now), gone, now, out);
+        add(&mut self.counters.accepted);
+        self.link.open(header, hello.clock, now);
+        self.source = Source::Link;
+        self.seq = 0;
+        self.hello(now, out);
+    }
+
+    const fn dimensions() -> Dimensions {
+        Dimensions {
+            protocol: PROTOCOL,
+            schema: SCHEMA,
+            sensors: SENSORS as u8,
+            neurons: NEURONS as u8,
+        }
+    }
+
+    fn hello(&mut self, now: Millis, out: &mut impl Outbox) {
+        let hello = MindHello {
+            dimensions: Self::dimensions(),
+            samples: SAMPLES as u16,
+            build: self.identity.build,
+            reset: self.identity.reset,
+            config_crc: self.config_crc(),
+            maps_crc: self.maps_crc(),
+            memory_crc: self.memory_crc(),
+        };
+        self.say(FromMind::Hello(hello), now, out);
+    }
+
+    /// Lets time pass. Returns whether there is more to do at once.
+    pub fn tick(&mut self, now: Millis, out: &mut impl Outbox) -> bool {
+        let time = self.link.time(now);
+        if matches!(self.state.mode(), Mode::Learn { .. }) {
+            self.happen(time, Event::Tick, now, out);
+        } else if self.link.clock() == crate::wire::message::Clock::Device {
+            self.watch(time, now, out);
+        }
+        matches!(self.state.mode(), Mode::Learn { .. })
+    }
+
+    /// What has to happen with time, at `time` by the session's clock.
+    fn watch(&mut self, time: Millis, now: Millis, out: &mut impl Outbox) {
+        if self.link.falls_silent(time) {
+            add(&mut self.counters.link_losses);
+            self.happen(time, Event::Alarm(StopReason::LinkLost), now, out);
+            self.say(FromMind::Log(Notice::LinkLost), now, out);
+        }
+        if !matches!(self.state.mode(), Mode::Learn { .. }) {
+            self.happen(time, Event::Tick, now, out);
+        }
+        self.renew_motion(time, now, out);
+    }
+
+    fn renew_motion(&mut self, time: Millis, now: Millis, out: &mut impl Outbox) {
+        let moving = self.state.is_moving();
+        if let Some(underway) = self.underway.filter(|_| moving)
+            && time.since(underway.sent) >= RENEWAL_MS
+        {
+            self.underway = Some(Underway {
+                sent: time,
+                ..underway
+            });
+            self.say(FromMind::Motion(underway.order), now, out);
+        }
+    }
+
+    /// Hands an event to the mind and says what comes of it.
+    fn happen(&mut self, at: Millis, event: Event<SENSORS>, now: Millis, out: &mut impl Outbox) {
+        let outputs = controller::handle(&self.config, &mut self.state, at, event);
+        self.tell(&outputs, at, now, out);
+    }
+
+    fn tell(&mut self, outputs: &Outputs<SENSORS>, at: Millis, now: Millis, out: &mut impl Outbox) {
+        if let Some(decision) = outputs.decision {
+            self.say(FromMind::Decision(decision), now, out);
+        }
+        if let Some(motion) = outputs.motion {
+            let revision = match self.underway {
+                Some(underway) if underway.order.id == motion.id => {
+                    underway.order.revision.wrapping_add(1)
+                }
+                _ => 0,
+            };
+            let order = MotionOrder {
+                id: motion.id,
+                revision,
+                dx_mm: motion.displacement.dx_mm,
+                dy_mm: motion.displacement.dy_mm,
+                speed_mm_s: motion.speed_mm_s,
+                ttl_ms: MOTION_TTL_MS,
+            };
+            self.underway = Some(Underway { order, sent: at });
+            self.say(FromMind::Motion(order), now, out);
+        }
+        if outputs.mode_changed {
+            let mode = ModeReport::from(self.state.mode());
+            self.say(FromMind::Mode(mode), now, out);
+        }
+    }
+
+    fn refuse(&mut self, seq: u16, why: Refusal, now: Millis, out: &mut impl Outbox) {
+        add(&mut self.counters.refused);
+        self.say(FromMind::Refusal { seq, why }, now, out);
+    }
+
+    fn say(&mut self, said: FromMind<SENSORS>, now: Millis, out: &mut impl Outbox) {
+        self.seq = self.seq.wrapping_add(1);
+        let header = Header {
+            session: self.link.session(),
+            seq: self.seq,
+        };
+        let report = Report {
+            device_ms: self.link.time(now).as_ms(),
+            said,
+        };
+        let sent = Frame::pack(header, &report).is_ok_and(|frame| out.send(frame.as_bytes()));
+        add(if sent {
+            &mut self.counters.sent
+        } else {
+            &mut self.counters.dropped
+        });
+    }
+}
+
+/// Counts one more.
+fn add(counter: &mut u32) {
+    *counter = counter.saturating_add(1);
+}
+
+#[cfg(test)]
+mod tests;

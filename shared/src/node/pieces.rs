@@ -1,0 +1,115 @@
+//! Configuration, maps and memory in pieces, and their checksums.
+
+use super::{MOST_CONFIG, Node, Outbox};
+use crate::controller::{self, PartError};
+use crate::units::Millis;
+use crate::wire::CRC;
+use crate::wire::message::{FromMind, MOST_PIECE, Part, Refusal};
+use heapless::Vec;
+
+impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
+    Node<SENSORS, NEURONS, SAMPLES>
+{
+    pub(super) fn read_piece(
+        &mut self,
+        part: Part,
+        offset: u16,
+        now: Millis,
+        out: &mut impl Outbox,
+    ) {
+        let mut bytes = Vec::<u8, MOST_PIECE>::new();
+        let start = usize::from(offset);
+        let total = match known(part) {
+            Some(part) => {
+                let mut buffer = [0; MOST_PIECE];
+                let count = self.state.read_part(part, start, &mut buffer);
+                let _ = bytes.extend_from_slice(buffer.get(..count).unwrap_or(&[]));
+                self.state.part_len(part)
+            }
+            None => {
+                let mut buffer = [0; MOST_CONFIG];
+                let whole = self.config_bytes(&mut buffer);
+                let rest = whole.get(start..).unwrap_or(&[]);
+                let _ = bytes.extend_from_slice(rest.get(..MOST_PIECE).unwrap_or(rest));
+                whole.len()
+            }
+        };
+        let said = FromMind::Piece {
+            part,
+            offset,
+            total: total as u16,
+            bytes,
+        };
+        self.say(said, now, out);
+    }
+
+    pub(super) fn write_piece(
+        &mut self,
+        part: Part,
+        offset: u16,
+        bytes: &[u8],
+        last: bool,
+    ) -> Result<(), Refusal> {
+        self.standing()?;
+        if let Some(part) = known(part) {
+            let written = self.state.write_part(part, usize::from(offset), bytes);
+            return written.map_err(Refusal::Piece);
+        }
+        if offset == 0 {
+            self.staged.clear();
+        }
+        if usize::from(offset) != self.staged.len() || self.staged.extend_from_slice(bytes).is_err()
+        {
+            return Err(Refusal::Piece(PartError::Place));
+        }
+        if last {
+            self.config = postcard::from_bytes(&self.staged).map_err(|_| Refusal::Config)?;
+        }
+        Ok(())
+    }
+
+    fn config_bytes<'a>(&self, buffer: &'a mut [u8; MOST_CONFIG]) -> &'a [u8] {
+        postcard::to_slice(&self.config, buffer).map_or(&[], |bytes| bytes)
+    }
+
+    pub(super) fn config_crc(&self) -> u32 {
+        CRC.checksum(self.config_bytes(&mut [0; MOST_CONFIG]))
+    }
+
+    pub(super) fn maps_crc(&self) -> u32 {
+        use controller::Part::{Actions, Changes, Situations};
+        self.crc_of(&[Situations, Changes, Actions])
+    }
+
+    pub(super) fn memory_crc(&self) -> u32 {
+        self.crc_of(&[controller::Part::Memory])
+    }
+
+    fn crc_of(&self, parts: &[controller::Part]) -> u32 {
+        let mut digest = CRC.digest();
+        for &part in parts {
+            let mut offset = 0;
+            let mut buffer = [0; 64];
+            loop {
+                let count = self.state.read_part(part, offset, &mut buffer);
+                if count == 0 {
+                    break;
+                }
+                digest.update(buffer.get(..count).unwrap_or(&[]));
+                offset = offset.saturating_add(count);
+            }
+        }
+        digest.finalize()
+    }
+}
+
+/// The controller's part; `None` for the configuration, which is the node's.
+const fn known(part: Part) -> Option<controller::Part> {
+    match part {
+        Part::Config => None,
+        Part::Situations => Some(controller::Part::Situations),
+        Part::Changes => Some(controller::Part::Changes),
+        Part::Actions => Some(controller::Part::Actions),
+        Part::Memory => Some(controller::Part::Memory),
+    }
+}

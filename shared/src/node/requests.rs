@@ -1,0 +1,226 @@
+//! What a host may ask of a node.
+
+use super::{Node, Outbox};
+use crate::controller::{self, Command, Event, Mode};
+use crate::goal::{Component, Goal};
+use crate::memory;
+use crate::parameters::Parameter;
+use crate::units::{Bearing, Displacement, Millis, Range};
+use crate::wire::message::{Clock, FromMind, GoalBy, Heard, Order, Refusal, Source, ToMind};
+
+impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
+    Node<SENSORS, NEURONS, SAMPLES>
+{
+    /// Does what an accepted frame asks for.
+    pub(super) fn request(
+        &mut self,
+        seq: u16,
+        message: ToMind<SENSORS>,
+        now: Millis,
+        out: &mut impl Outbox,
+    ) {
+        let answered = !matches!(message, ToMind::Alive { .. });
+        let result = match message {
+            ToMind::Hello(_) => Ok(()),
+            ToMind::Alive { at_ms } => {
+                self.hear_of(at_ms, now, out);
+                Ok(())
+            }
+            ToMind::Scan { at_ms, echoes } => {
+                let at = self.hear_of(at_ms, now, out);
+                self.scan(at, &echoes, now, out);
+                Ok(())
+            }
+            ToMind::Odometry {
+                at_ms,
+                motion,
+                dx_mm,
+                dy_mm,
+                turned,
+                progress,
+            } => {
+                let at = self.hear_of(at_ms, now, out);
+                let event = Event::Odometry {
+                    motion,
+                    moved: Displacement { dx_mm, dy_mm },
+                    turned: Bearing::from_turns(turned),
+                    progress,
+                };
+                self.happen(at, event, now, out);
+                Ok(())
+            }
+            ToMind::Command {
+                at_ms,
+                ttl_ms,
+                order,
+            } => {
+                let at = self.hear_of(at_ms, now, out);
+                self.command(at_ms, at, ttl_ms, order, now, out)
+            }
+            ToMind::Read { part, offset } => {
+                self.link.heard_timeless(now);
+                self.read_piece(part, offset, now, out);
+                Ok(())
+            }
+            ToMind::Write {
+                part,
+                offset,
+                bytes,
+                last,
+            } => {
+                self.link.heard_timeless(now);
+                self.write_piece(part, offset, &bytes, last)
+            }
+            ToMind::Counters => {
+                self.link.heard_timeless(now);
+                self.say(FromMind::Counters(self.counters), now, out);
+                Ok(())
+            }
+            ToMind::Parameter { parameter, value } => {
+                self.link.heard_timeless(now);
+                self.parameter(parameter, value, now, out)
+            }
+            ToMind::Source(source) => {
+                self.link.heard_timeless(now);
+                self.set_source(source)
+            }
+        };
+        if let Err(why) = result {
+            self.refuse(seq, why, now, out);
+        }
+        if answered {
+            self.say(FromMind::Done { seq }, now, out);
+        }
+    }
+
+    /// Takes the host's time of a frame; by the host's clock, time passes with it. Returns the moment by the session's clock.
+    fn hear_of(&mut self, at_ms: u32, now: Millis, out: &mut impl Outbox) -> Millis {
+        let at = Millis::from_ms(at_ms);
+        if self.link.clock() == Clock::Host {
+            self.watch(at, now, out);
+        }
+        self.link.heard(at, now)
+    }
+
+    fn scan(&mut self, at: Millis, echoes: &[Heard], now: Millis, out: &mut impl Outbox) {
+        if self.source != Source::Link {
+            return;
+        }
+        for echo in echoes {
+            let heard = Millis::from_ms(at.as_ms().wrapping_sub(u32::from(echo.age_ms)));
+            let event = Event::Echo {
+                sensor: echo.sensor,
+                range: echo.range_mm.map(Range::from_mm),
+            };
+            self.happen(heard, event, now, out);
+        }
+    }
+
+    fn command(
+        &mut self,
+        at_ms: u32,
+        at: Millis,
+        ttl_ms: u16,
+        order: Order<SENSORS>,
+        now: Millis,
+        out: &mut impl Outbox,
+    ) -> Result<(), Refusal> {
+        let age_ms = self.link.age_ms(Millis::from_ms(at_ms), now);
+        if age_ms > u32::from(ttl_ms) {
+            super::add(&mut self.counters.expired);
+            return Err(Refusal::Expired { age_ms });
+        }
+        let command = match order {
+            Order::Goal(by) => {
+                self.goal = self.goal_of(by)?;
+                if !matches!(self.state.mode(), Mode::Seek { .. }) {
+                    return Ok(());
+                }
+                Command::Seek(self.goal)
+            }
+            Order::Seek => Command::Seek(self.goal),
+            Order::Explore { moves, seed } => Command::Explore { moves, seed },
+            Order::Learn => Command::Learn,
+            Order::Stop => Command::Stop,
+            Order::Resume => Command::Resume,
+            Order::Forget => return self.forget(),
+        };
+        let outputs =
+            controller::handle(&self.config, &mut self.state, at, Event::Command(command));
+        self.tell(&outputs, at, now, out);
+        outputs
+            .refusal
+            .map_or(Ok(()), |why| Err(Refusal::Command(why)))
+    }
+
+    fn goal_of(&self, by: GoalBy<SENSORS>) -> Result<Goal<SENSORS>, Refusal> {
+        match by {
+            GoalBy::Avoid => Ok(Goal::avoiding(&self.config)),
+            GoalBy::Components(goal) => Ok(goal),
+            GoalBy::Perceived => {
+                let scan = self.state.scan();
+                if !scan.has_heard_all(self.config.believed) {
+                    return Err(Refusal::NothingPerceived);
+                }
+                Ok(Goal::perceived(&self.config.encoding.situation(scan)))
+            }
+            GoalBy::Situation(bytes) => {
+                let (situation, believed) = memory::from_bytes(&bytes);
+                let mut goal = Goal::perceived(&situation);
+                for (sensor, component) in goal.components.iter_mut().enumerate() {
+                    if !believed.contains(sensor) {
+                        *component = Component::ANY;
+                    }
+                }
+                Ok(goal)
+            }
+        }
+    }
+
+    fn forget(&mut self) -> Result<(), Refusal> {
+        self.standing()?;
+        self.state.forget();
+        self.goal = Goal::avoiding(&self.config);
+        self.underway = None;
+        Ok(())
+    }
+
+    /// Refuses unless the robot cannot begin to move.
+    pub(super) fn standing(&self) -> Result<(), Refusal> {
+        match self.state.mode() {
+            Mode::Idle | Mode::Stopped(_) => Ok(()),
+            Mode::Explore { .. } | Mode::Learn { .. } | Mode::Seek { .. } => Err(Refusal::Moving),
+        }
+    }
+
+    fn parameter(
+        &mut self,
+        parameter: Parameter,
+        value: Option<i32>,
+        now: Millis,
+        out: &mut impl Outbox,
+    ) -> Result<(), Refusal> {
+        if let Some(value) = value {
+            self.standing()?;
+            parameter
+                .set(&mut self.config, value)
+                .map_err(Refusal::Parameter)?;
+        }
+        let said = FromMind::Parameter {
+            parameter,
+            value: parameter.get(&self.config),
+            spec: parameter.spec(),
+        };
+        self.say(said, now, out);
+        Ok(())
+    }
+
+    fn set_source(&mut self, source: Source) -> Result<(), Refusal> {
+        self.standing()?;
+        if source == Source::Ring && !self.identity.ring {
+            return Err(Refusal::NoRing);
+        }
+        self.source = source;
+        Ok(())
+    }
+}

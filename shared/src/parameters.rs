@@ -1,0 +1,264 @@
+//! Configuration values that may be changed one by one, each with unit, least and greatest value.
+
+use crate::config::Config;
+use crate::fixed::Mask;
+use crate::shield::Shielding;
+use serde::{Deserialize, Serialize};
+
+/// A value that may be changed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Parameter {
+    /// At this range and nearer a situation's value is 1.
+    Near,
+    /// From this range on a situation's value is 0.
+    Far,
+    /// What "free of obstacles" means.
+    Clearance,
+    /// Longest single displacement.
+    Step,
+    /// Highest speed.
+    Speed,
+    /// Whether echoes limit motion: 0 or 1.
+    Shield,
+    /// Distance to keep from anything heard (with the shield on).
+    Margin,
+    /// Whether the maps go on learning: 0 or 1. Switched on, the rates are those of the default preset.
+    Online,
+    /// Presentations of the whole memory.
+    Epochs,
+    /// Bit mask of the transducers to believe.
+    Believed,
+    /// Time the ring takes.
+    RingPeriod,
+}
+
+/// Unit of a parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Unit {
+    /// A number.
+    Count,
+    /// Millimetres.
+    Millimetres,
+    /// Millimetres per second.
+    MillimetresPerSecond,
+    /// Milliseconds.
+    Milliseconds,
+    /// 0 or 1.
+    Switch,
+    /// A bit for each transducer.
+    Bits,
+}
+
+impl core::fmt::Display for Unit {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::Count => "",
+            Self::Millimetres => "mm",
+            Self::MillimetresPerSecond => "mm/s",
+            Self::Milliseconds => "ms",
+            Self::Switch => "0 or 1",
+            Self::Bits => "bits",
+        })
+    }
+}
+
+/// What a parameter may be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Spec {
+    /// Its unit.
+    pub unit: Unit,
+    /// Least value.
+    pub least: i32,
+    /// Greatest value.
+    pub greatest: i32,
+}
+
+/// Why a parameter was not set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ParameterError {
+    /// The value lies outside this range.
+    Range(Spec),
+    /// The near limit would not lie below the far limit.
+    Order,
+    /// There is no shield to set a margin of.
+    NoShield,
+}
+
+impl core::fmt::Display for ParameterError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Range(Spec {
+                unit,
+                least,
+                greatest,
+            }) => write!(f, "it must lie between {least} and {greatest} {unit}"),
+            Self::Order => f.write_str("near must lie below far"),
+            Self::NoShield => f.write_str("the shield is off"),
+        }
+    }
+}
+
+impl core::error::Error for ParameterError {}
+
+impl Parameter {
+    /// All of them, in the order of their numbers on the wire.
+    pub const ALL: [Self; 11] = [
+        Self::Near,
+        Self::Far,
+        Self::Clearance,
+        Self::Step,
+        Self::Speed,
+        Self::Shield,
+        Self::Margin,
+        Self::Online,
+        Self::Epochs,
+        Self::Believed,
+        Self::RingPeriod,
+    ];
+
+    /// Its name in lower case.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Near => "near",
+            Self::Far => "far",
+            Self::Clearance => "clearance",
+            Self::Step => "step",
+            Self::Speed => "speed",
+            Self::Shield => "shield",
+            Self::Margin => "margin",
+            Self::Online => "online",
+            Self::Epochs => "epochs",
+            Self::Believed => "believed",
+            Self::RingPeriod => "ring-period",
+        }
+    }
+
+    /// What it may be.
+    #[must_use]
+    pub const fn spec(self) -> Spec {
+        let (unit, least, greatest) = match self {
+            Self::Near => (Unit::Millimetres, 0, 6_500),
+            Self::Far | Self::Clearance => (Unit::Millimetres, 1, 6_500),
+            Self::Step => (Unit::Millimetres, 10, 1_000),
+            Self::Speed => (Unit::MillimetresPerSecond, 10, 508),
+            Self::Margin => (Unit::Millimetres, 0, 1_000),
+            Self::Shield | Self::Online => (Unit::Switch, 0, 1),
+            Self::Epochs => (Unit::Count, 1, 1_000),
+            Self::Believed => (Unit::Bits, i32::MIN, i32::MAX),
+            Self::RingPeriod => (Unit::Milliseconds, 1, 10_000),
+        };
+        Spec {
+            unit,
+            least,
+            greatest,
+        }
+    }
+
+    /// Its value.
+    #[must_use]
+    pub fn get<const SENSORS: usize>(self, config: &Config<SENSORS>) -> i32 {
+        match self {
+            Self::Near => i32::from(config.encoding.near_mm),
+            Self::Far => i32::from(config.encoding.far_mm),
+            Self::Clearance => i32::from(config.clearance_mm),
+            Self::Step => i32::from(config.robot.step_mm),
+            Self::Speed => i32::from(config.robot.speed_mm_s),
+            Self::Shield => i32::from(config.shield.is_some()),
+            Self::Margin => config
+                .shield
+                .map_or(0, |shield| i32::from(shield.margin_mm)),
+            Self::Online => i32::from(config.online.is_some()),
+            Self::Epochs => i32::from(config.learning.epochs),
+            Self::Believed => config.believed.to_bits() as i32,
+            Self::RingPeriod => i32::from(config.robot.ring_period_ms),
+        }
+    }
+
+    /// Sets it.
+    ///
+    /// # Errors
+    /// [`ParameterError`]; nothing has changed then.
+    pub fn set<const SENSORS: usize>(
+        self,
+        config: &mut Config<SENSORS>,
+        value: i32,
+    ) -> Result<(), ParameterError> {
+        let spec = self.spec();
+        if value < spec.least || value > spec.greatest {
+            return Err(ParameterError::Range(spec));
+        }
+        // The ranges above fit 16 bits but for the mask.
+        let small = value as u16;
+        match self {
+            Self::Near if small >= config.encoding.far_mm => return Err(ParameterError::Order),
+            Self::Far if small <= config.encoding.near_mm => return Err(ParameterError::Order),
+            Self::Near => config.encoding.near_mm = small,
+            Self::Far => config.encoding.far_mm = small,
+            Self::Clearance => config.clearance_mm = small,
+            Self::Step => config.robot.step_mm = small,
+            Self::Speed => config.robot.speed_mm_s = small,
+            Self::Shield => {
+                let on = config.shield.unwrap_or_else(Shielding::nomad200);
+                config.shield = (value == 1).then_some(on);
+            }
+            Self::Margin => match &mut config.shield {
+                Some(shield) => shield.margin_mm = small,
+                None => return Err(ParameterError::NoShield),
+            },
+            Self::Online => {
+                let on = config.online.or(Config::recommended().online);
+                config.online = if value == 1 { on } else { None };
+            }
+            Self::Epochs => config.learning.epochs = small,
+            Self::Believed => config.believed = Mask::from_bits(value as u32),
+            Self::RingPeriod => config.robot.ring_period_ms = small,
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_parameter_takes_its_ends_and_nothing_beyond() {
+        for parameter in Parameter::ALL {
+            let spec = parameter.spec();
+            for value in [spec.least, spec.greatest] {
+                let mut config = Config::recommended();
+                config.encoding.near_mm = 0;
+                config.encoding.far_mm = 6_501;
+                if parameter == Parameter::Far {
+                    config.encoding.near_mm = 0;
+                }
+                assert_eq!(parameter.set(&mut config, value), Ok(()), "{parameter:?}");
+                assert_eq!(parameter.get(&config), value, "{parameter:?}");
+            }
+            let mut config = Config::recommended();
+            for value in [spec.least.checked_sub(1), spec.greatest.checked_add(1)] {
+                if let Some(value) = value {
+                    let refused = Err(ParameterError::Range(spec));
+                    assert_eq!(parameter.set(&mut config, value), refused, "{parameter:?}");
+                }
+            }
+            assert_eq!(config, Config::recommended(), "{parameter:?}");
+        }
+    }
+
+    #[test]
+    fn near_stays_below_far_and_a_margin_needs_a_shield() {
+        let mut config = Config::recommended();
+        let far = i32::from(config.encoding.far_mm);
+        assert_eq!(
+            Parameter::Near.set(&mut config, far),
+            Err(ParameterError::Order)
+        );
+        assert_eq!(Parameter::Shield.set(&mut config, 0), Ok(()));
+        assert_eq!(
+            Parameter::Margin.set(&mut config, 50),
+            Err(ParameterError::NoShield)
+        );
+    }
+}
