@@ -50,9 +50,6 @@ impl core::fmt::Display for Why {
 /// One decision with all its intermediate values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Plan<const SENSORS: usize> {
-    /// The present situation.
-    #[serde(with = "serde_big_array::BigArray")]
-    pub situation: Situation<SENSORS>,
     /// Neuron that stands for the goal.
     pub goal_neuron: u8,
     /// Best-matching unit of the present situation.
@@ -132,7 +129,6 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         };
         let answer = self.actions.recall(&wanted, mask, probe, self.allowed);
         let plan = Plan {
-            situation: *situation,
             goal_neuron: goal_neuron as u8,
             current_neuron: current as u8,
             intermediate_neuron: aim as u8,

@@ -1,8 +1,509 @@
-
 use super::*;
+use crate::controller::{Decision, Progress, Refusal as CommandRefusal};
+use crate::link::SILENCE_MS;
+use crate::units::{Displacement, Range};
+use crate::wire::message::{Clock, GoalBy, Heard, Order, Part};
+use std::vec::Vec;
+
+type Small = Node<16, 16, 20>;
+
+#[derive(Default)]
+struct Said(Vec<Vec<u8>>);
+
+impl Outbox for Said {
+    fn send(&mut self, frame: &[u8]) -> bool {
+        self.0.push(frame.to_vec());
+        true
+    }
+}
+
+/// A host with a node; the robot stands in the middle of a square room and its ring hears what the test wants.
+struct Rig {
+    node: Small,
+    seq: u16,
+    /// Device's time.
+    now: u32,
+    /// Host's time less the device's.
+    ahead: u32,
+}
+
+const SESSION: u16 = 5;
+
+impl Rig {
+    fn new(clock: Clock) -> Self {
+        let mut rig = Self {
+            node: Node::new(Config::recommended(), Grid::rectangle(4, 4)),
+            seq: 0,
+            now: 10_000,
+            ahead: 70_000,
+        };
+        let mut said = Said::default();
+        rig.node
+            .start(Identity::default(), Millis::from_ms(0), &mut said);
+        assert_eq!(said.0.len(), 1);
+        let dimensions = Small::dimensions();
+        let said = rig.send(ToMind::Hello(HostHello { dimensions, clock }));
+        assert!(matches!(said[..], [FromMind::Hello(_)]));
+        rig
+    }
+
+    fn raw(&mut self, bytes: &[u8]) -> Vec<FromMind<16>> {
+        let mut said = Said::default();
+        self.node.frame(Millis::from_ms(self.now), bytes, &mut said);
+        read(&said)
+    }
+
+    fn packed(&mut self, message: &ToMind<16>) -> Vec<u8> {
+        self.seq += 1;
+        let header = Header {
+            session: SESSION,
+            seq: self.seq,
+        };
+        let frame = Frame::pack(header, message).unwrap();
+        frame.as_bytes().split_last().unwrap().1.to_vec()
+    }
+
+    fn send(&mut self, message: ToMind<16>) -> Vec<FromMind<16>> {
+        let bytes = self.packed(&message);
+        self.raw(&bytes)
+    }
+
+    fn at_ms(&self) -> u32 {
+        self.now + self.ahead
+    }
+
+    fn order(&mut self, order: Order<16>) -> Vec<FromMind<16>> {
+        let at_ms = self.at_ms();
+        self.send(ToMind::Command {
+            at_ms,
+            ttl_ms: 1_000,
+            order,
+        })
+    }
+
+    fn tick(&mut self) -> (bool, Vec<FromMind<16>>) {
+        let mut said = Said::default();
+        let more = self.node.tick(Millis::from_ms(self.now), &mut said);
+        (more, read(&said))
+    }
+
+    /// A whole ring that hears `range_mm` everywhere, plus 10 mm per place.
+    fn ring(&mut self, range_mm: u16) -> Vec<FromMind<16>> {
+        let echoes = (0..16_u8).map(|sensor| Heard {
+            sensor,
+            range_mm: Some(range_mm + 10 * u16::from(sensor)),
+            age_ms: 40 * (15 - u16::from(sensor)),
+        });
+        let at_ms = self.at_ms();
+        self.send(ToMind::Scan {
+            at_ms,
+            echoes: echoes.collect(),
+        })
+    }
+
+    fn carried_out(&mut self, order: MotionOrder) -> Vec<FromMind<16>> {
+        let at_ms = self.at_ms();
+        self.send(ToMind::Odometry {
+            at_ms,
+            motion: order.id,
+            dx_mm: order.dx_mm,
+            dy_mm: order.dy_mm,
+            turned: 0,
+            progress: Progress::Ended,
+        })
+    }
+
+    /// Rounds of ring and motion until no motion comes; returns the decisions.
+    fn rounds(&mut self, most: usize) -> Vec<Decision<16>> {
+        let mut decisions = Vec::new();
+        for round in 0..most {
+            self.now += 200;
+            let said = self.ring(600 + 100 * (round as u16 % 7));
+            decisions.extend(said.iter().find_map(|said| match said {
+                FromMind::Decision(decision) => Some(*decision),
+                _ => None,
+            }));
+            let Some(order) = motion(&said) else { break };
+            self.now += 150;
+            self.carried_out(order);
+        }
+        decisions
+    }
+
+    fn ready(clock: Clock) -> Self {
+        let mut rig = Self::new(clock);
+        assert!(refusal(&rig.order(Order::Explore { moves: 20, seed: 9 })).is_none());
+        assert_eq!(rig.rounds(100).len(), 20);
+        assert!(refusal(&rig.order(Order::Learn)).is_none());
+        while rig.tick().0 {}
+        rig
+    }
+}
+
+fn read(said: &Said) -> Vec<FromMind<16>> {
+    let one = |bytes: &Vec<u8>| {
+        let (_, coded) = bytes.split_last().unwrap();
+        let (_, report) = frame::unpack::<Report<16>>(coded).unwrap();
+        report.said
+    };
+    said.0.iter().map(one).collect()
+}
+
+fn refusal(said: &[FromMind<16>]) -> Option<Refusal> {
+    said.iter().find_map(|said| match said {
+        FromMind::Refusal { why, .. } => Some(*why),
+        _ => None,
+    })
+}
+
+fn motion(said: &[FromMind<16>]) -> Option<MotionOrder> {
+    said.iter().find_map(|said| match said {
+        FromMind::Motion(order) => Some(*order),
+        _ => None,
+    })
+}
+
+fn is_stopped(said: &[FromMind<16>], why: StopReason) -> bool {
+    said.contains(&FromMind::Mode(ModeReport::Stopped(why)))
+}
 
 #[test]
-fn sizes() {
-    extern crate std;
-    std::println!("{} {}", size_of::<NomadState>(), size_of::<NomadNode>());
+fn a_mind_behind_the_link_is_the_mind() {
+    let mut rig = Rig::ready(Clock::Host);
+    rig.order(Order::Goal(GoalBy::Avoid));
+    rig.order(Order::Seek);
+    let decisions = rig.rounds(50);
+    assert_eq!(decisions.len(), 50);
+    assert!(decisions.iter().all(|decision| decision.plan.is_some()));
+    // The same events to the controller itself.
+    let config = Config::recommended();
+    let mut state = State::<16, 16, 20>::new(Grid::rectangle(4, 4));
+    let mut now = 80_000;
+    let mut at = |event, now| controller::handle(&config, &mut state, Millis::from_ms(now), event);
+    let rounds = |at: &mut dyn FnMut(Event<16>, u32) -> Outputs<16>, now: &mut u32, most| {
+        let mut all = Vec::new();
+        for round in 0..most {
+            *now += 200;
+            let mut motion = None;
+            for sensor in 0..16_u8 {
+                let mm = 600 + 100 * (round as u16 % 7) + 10 * u16::from(sensor);
+                let range = Some(Range::from_mm(mm));
+                let heard = *now - 40 * (15 - u32::from(sensor));
+                let out = at(Event::Echo { sensor, range }, heard);
+                all.extend(out.decision);
+                motion = motion.or(out.motion);
+            }
+            let Some(order) = motion else { break };
+            *now += 150;
+            let moved = order.displacement;
+            let odometry = Event::Odometry {
+                motion: order.id,
+                moved,
+                turned: crate::units::Bearing::ZERO,
+                progress: Progress::Ended,
+            };
+            at(odometry, *now);
+        }
+        all
+    };
+    use crate::controller::Command;
+    let explore = Command::Explore { moves: 20, seed: 9 };
+    at(Event::Command(explore), now);
+    rounds(&mut at, &mut now, 100);
+    at(Event::Command(Command::Learn), now);
+    while !at(Event::Tick, now).mode_changed {}
+    at(Event::Command(Command::Seek(Goal::avoiding(&config))), now);
+    assert_eq!(rounds(&mut at, &mut now, 50), decisions);
+    assert!(state.situations() == rig.node.state().situations());
+    assert!(state.actions() == rig.node.state().actions());
+}
+
+#[test]
+fn a_silent_host_stops_the_robot_until_it_resumes() {
+    let mut rig = Rig::ready(Clock::Device);
+    rig.order(Order::Seek);
+    rig.now += 200;
+    let order = motion(&rig.ring(900)).unwrap();
+    assert_ne!((order.dx_mm, order.dy_mm), (0, 0));
+    let since = rig.now;
+    let mut renewals = 0;
+    let lost = loop {
+        rig.now += 10;
+        let (_, said) = rig.tick();
+        renewals += usize::from(motion(&said) == Some(order));
+        if is_stopped(&said, StopReason::LinkLost) {
+            let stop = motion(&said).unwrap();
+            assert!((stop.dx_mm, stop.dy_mm) == (0, 0) && stop.id != order.id);
+            break rig.now - since;
+        }
+    };
+    assert_eq!((lost, renewals), (SILENCE_MS + 10, 1));
+    assert!(!rig.node.is_linked() && rig.node.counters().link_losses == 1);
+    rig.now += 5_000;
+    assert!(rig.tick().1.is_empty());
+    assert!(motion(&rig.ring(900)).is_none(), "it stays stopped");
+    let said = rig.order(Order::Resume);
+    assert!(said.contains(&FromMind::Mode(ModeReport::Seek)));
+    assert!(motion(&rig.ring(900)).is_some());
+    let again = refusal(&rig.order(Order::Resume));
+    assert_eq!(
+        again,
+        Some(Refusal::Command(CommandRefusal::NothingToResume))
+    );
+}
+
+#[test]
+fn by_the_hosts_clock_only_its_own_silence_counts() {
+    let mut rig = Rig::ready(Clock::Host);
+    rig.order(Order::Seek);
+    rig.now += 200;
+    assert!(motion(&rig.ring(900)).is_some());
+    // The device's clock runs on; the host is just slow.
+    let host = rig.at_ms();
+    rig.now += 100_000;
+    assert!(rig.tick().1.is_empty());
+    let mut alive = |at_ms| rig.send(ToMind::Alive { at_ms });
+    assert!(alive(host + 150).is_empty());
+    assert!(motion(&alive(host + 300)).is_some(), "renewed");
+    assert!(is_stopped(&alive(host + 601), StopReason::LinkLost));
+}
+
+#[test]
+fn an_incomplete_ring_stops_the_robot() {
+    let mut rig = Rig::ready(Clock::Device);
+    rig.order(Order::Seek);
+    let began = rig.now;
+    let period = u32::from(rig.node.config().robot.ring_period_ms);
+    let stopped = loop {
+        rig.now += 10;
+        let at_ms = rig.at_ms();
+        rig.send(ToMind::Scan {
+            at_ms,
+            echoes: [3, 4]
+                .map(|sensor| Heard {
+                    sensor,
+                    range_mm: None,
+                    age_ms: 0,
+                })
+                .into_iter()
+                .collect(),
+        });
+        let (_, said) = rig.tick();
+        assert!(motion(&said).is_none());
+        if is_stopped(&said, StopReason::RingIncomplete) {
+            break rig.now - began;
+        }
+    };
+    assert_eq!(stopped, 2 * period + 10);
+}
+
+#[test]
+fn old_repeated_strange_and_late_frames_do_nothing() {
+    let mut rig = Rig::ready(Clock::Device);
+    let before = rig.node.clone();
+    let at_ms = rig.at_ms();
+    let seek = ToMind::Command {
+        at_ms,
+        ttl_ms: 100,
+        order: Order::Seek,
+    };
+    let late = rig.packed(&seek);
+    rig.now += 101;
+    assert_eq!(
+        refusal(&rig.raw(&late)),
+        Some(Refusal::Expired { age_ms: 101 })
+    );
+    let again = rig.raw(&late);
+    assert!(matches!(again[..], [FromMind::Done { .. }]));
+    rig.now += 10;
+    let alive = rig.packed(&ToMind::Counters);
+    rig.raw(&alive);
+    assert!(rig.raw(&late).is_empty());
+    let header = Header {
+        session: SESSION + 1,
+        seq: 1,
+    };
+    let frame = Frame::pack(header, &seek).unwrap();
+    assert!(rig.raw(frame.as_bytes().split_last().unwrap().1).is_empty());
+    let mut broken = rig.packed(&seek);
+    broken[4] ^= 0x10;
+    assert!(rig.raw(&broken).is_empty() && rig.raw(&[1, 2, 3]).is_empty());
+    assert!(rig.node.state == before.state);
+    let (now, was) = (rig.node.counters(), before.counters());
+    let counted = |count: fn(&Counters) -> u32| count(now) - count(was);
+    assert_eq!(
+        [
+            counted(|c| c.accepted),
+            counted(|c| c.replayed),
+            counted(|c| c.strangers)
+        ],
+        [2, 2, 1]
+    );
+    assert_eq!(
+        [
+            counted(|c| c.expired),
+            counted(|c| c.damaged),
+            counted(|c| c.misshapen)
+        ],
+        [1, 1, 1]
+    );
+}
+
+#[test]
+fn another_protocol_is_refused_and_the_session_stays() {
+    let mut rig = Rig::new(Clock::Device);
+    let mut dimensions = Small::dimensions();
+    dimensions.protocol += 1;
+    let hello: ToMind<16> = ToMind::Hello(HostHello {
+        dimensions,
+        clock: Clock::Device,
+    });
+    let header = Header {
+        session: 99,
+        seq: 1,
+    };
+    let frame = Frame::pack(header, &hello).unwrap();
+    let said = rig.raw(frame.as_bytes().split_last().unwrap().1);
+    assert_eq!(
+        refusal(&said),
+        Some(Refusal::Incompatible(Small::dimensions()))
+    );
+    assert!(rig.send(ToMind::Counters).len() == 2);
+    // A node that has just started has no session at all.
+    let mut fresh = Small::new(Config::recommended(), Grid::rectangle(4, 4));
+    let mut said = Said::default();
+    let bytes = rig.packed(&ToMind::Counters);
+    fresh.frame(Millis::from_ms(0), &bytes, &mut said);
+    assert_eq!(refusal(&read(&said)), Some(Refusal::NoSession));
+}
+
+#[test]
+fn a_new_host_stops_what_the_old_one_started() {
+    let mut rig = Rig::ready(Clock::Device);
+    rig.order(Order::Seek);
+    rig.now += 200;
+    assert!(motion(&rig.ring(900)).is_some());
+    let dimensions = Small::dimensions();
+    let hello: ToMind<16> = ToMind::Hello(HostHello {
+        dimensions,
+        clock: Clock::Host,
+    });
+    let header = Header {
+        session: SESSION + 1,
+        seq: 1,
+    };
+    let frame = Frame::pack(header, &hello).unwrap();
+    let said = rig.raw(frame.as_bytes().split_last().unwrap().1);
+    assert!(is_stopped(&said, StopReason::LinkLost));
+    assert!(matches!(said.last(), Some(FromMind::Hello(_))));
+}
+
+#[test]
+fn what_is_known_can_be_carried_to_another_node() {
+    let mut rig = Rig::ready(Clock::Host);
+    let mut other = Rig::new(Clock::Host);
+    assert!(rig.node.maps_crc() != other.node.maps_crc());
+    for part in [
+        Part::Config,
+        Part::Situations,
+        Part::Changes,
+        Part::Actions,
+        Part::Memory,
+    ] {
+        let mut offset = 0;
+        loop {
+            let said = rig.send(ToMind::Read { part, offset });
+            let Some(FromMind::Piece { total, bytes, .. }) = said.first() else {
+                panic!("{said:?}");
+            };
+            let end = offset + bytes.len() as u16;
+            let last = end == *total;
+            let write = ToMind::Write {
+                part,
+                offset,
+                bytes: bytes.clone(),
+                last,
+            };
+            assert_eq!(refusal(&other.send(write)), None, "{part:?} {offset}");
+            if last {
+                break;
+            }
+            offset = end;
+        }
+    }
+    let sums = |node: &Small| [node.config_crc(), node.maps_crc(), node.memory_crc()];
+    assert_eq!(sums(&rig.node), sums(&other.node));
+    assert!(rig.node.state().situations() == other.node.state().situations());
+    assert_eq!(
+        refusal(&other.order(Order::Seek)),
+        None,
+        "the maps count as learnt"
+    );
+    let busy = ToMind::Write {
+        part: Part::Memory,
+        offset: 0,
+        bytes: heapless::Vec::new(),
+        last: true,
+    };
+    assert_eq!(refusal(&other.send(busy)), Some(Refusal::Moving));
+    other.order(Order::Stop);
+    assert_eq!(refusal(&other.order(Order::Forget)), None);
+    let fresh = Small::new(Config::recommended(), Grid::rectangle(4, 4));
+    assert_eq!(sums(&other.node), sums(&fresh));
+}
+
+#[test]
+fn goals_can_be_what_is_perceived_or_any_situation() {
+    let mut rig = Rig::ready(Clock::Host);
+    rig.now += 100;
+    rig.ring(1_000);
+    assert_eq!(refusal(&rig.order(Order::Goal(GoalBy::Perceived))), None);
+    let scan = rig.node.state().scan();
+    let here = rig.node.config().encoding.situation(scan);
+    assert_eq!(rig.node.goal, Goal::perceived(&here));
+    let bytes = core::array::from_fn(|i| if i < 8 { 255 } else { 127 });
+    rig.order(Order::Goal(GoalBy::Situation(bytes)));
+    let [any, wanted] = [rig.node.goal.components[0], rig.node.goal.components[8]];
+    assert_eq!(any, crate::goal::Component::ANY);
+    assert_eq!(
+        (wanted.low, wanted.high.to_num::<f64>()),
+        (wanted.high, 0.5)
+    );
+    let mut fresh = Rig::new(Clock::Host);
+    let unheard = refusal(&fresh.order(Order::Goal(GoalBy::Perceived)));
+    assert_eq!(unheard, Some(Refusal::NothingPerceived));
+}
+
+#[test]
+fn a_renewed_motion_is_the_same_and_a_shortened_one_a_revision() {
+    let mut rig = Rig::ready(Clock::Device);
+    rig.order(Order::Seek);
+    rig.now += 200;
+    let order = motion(&rig.ring(1_500)).unwrap();
+    assert_eq!((order.revision, order.ttl_ms), (0, MOTION_TTL_MS));
+    rig.now += 100;
+    // Something is suddenly very near all around.
+    let shortened = motion(&rig.ring(60)).unwrap();
+    assert_eq!((shortened.id, shortened.revision), (order.id, 1));
+    let length = |order: MotionOrder| order.motion().displacement.length_mm();
+    assert!(length(shortened) < length(order));
+    assert_eq!(shortened.motion().displacement, Displacement::ZERO);
+}
+
+#[test]
+fn a_full_way_out_is_counted() {
+    struct Full;
+    impl Outbox for Full {
+        fn send(&mut self, _: &[u8]) -> bool {
+            false
+        }
+    }
+    let mut rig = Rig::new(Clock::Device);
+    let bytes = rig.packed(&ToMind::Counters);
+    let sent = rig.node.counters().sent;
+    rig.node.frame(Millis::from_ms(rig.now), &bytes, &mut Full);
+    assert_eq!(
+        (rig.node.counters().dropped, rig.node.counters().sent),
+        (2, sent)
+    );
 }

@@ -1,1 +1,431 @@
+use super::frame::{MOST_FRAME, unpack};
+use super::message::{
+    Clock, Counters, DeviceCounters, Dimensions, GoalBy, Heard, HostHello, MindHello, ModeReport,
+    MotionOrder, Notice, Order, Part, Refusal, ResetCause, Source,
+};
+use super::*;
+use crate::config::Config;
+use crate::controller::{Decision, PartError, Progress, Refusal as CommandRefusal, StopReason};
+use crate::fixed::Weight;
+use crate::goal::{Component, Goal};
+use crate::parameters::{Parameter, ParameterError};
+use crate::planner::{Plan, Why};
+use crate::units::Displacement;
+use core::fmt::Debug;
+use heapless::Vec;
+use proptest::prelude::*;
+use serde::{Serialize, de::DeserializeOwned};
+use std::format;
+use std::string::String;
 
+const HEADER: Header = Header {
+    session: 300,
+    seq: 7,
+};
+const OURS: Dimensions = Dimensions {
+    protocol: PROTOCOL,
+    schema: 0x1234_5678,
+    sensors: 16,
+    neurons: 16,
+};
+
+fn dimensions() -> Dimensions {
+    OURS
+}
+
+fn situation(first: i16) -> [Weight; 16] {
+    core::array::from_fn(|i| Weight::from_bits(first - 500 * i as i16))
+}
+
+fn to_mind() -> std::vec::Vec<(&'static str, ToMind<16>)> {
+    let command = |order| ToMind::Command {
+        at_ms: 1_500,
+        ttl_ms: 1_000,
+        order,
+    };
+    let echoes = [Some(1_250), None].into_iter().enumerate();
+    let echoes = echoes.map(|(sensor, range_mm)| Heard {
+        sensor: sensor as u8,
+        range_mm,
+        age_ms: 40,
+    });
+    let goal = Goal {
+        components: core::array::from_fn(|i| match i {
+            0 => Component::at_most(Weight::from_bits(4_096)),
+            12 => Component::equal(Weight::from_bits(7_000)),
+            _ => Component::ANY,
+        }),
+    };
+    std::vec![
+        (
+            "hello",
+            ToMind::Hello(HostHello {
+                dimensions: dimensions(),
+                clock: Clock::Device
+            })
+        ),
+        ("alive", ToMind::Alive { at_ms: 1_400 }),
+        (
+            "scan",
+            ToMind::Scan {
+                at_ms: 1_500,
+                echoes: echoes.collect()
+            }
+        ),
+        (
+            "odometry",
+            ToMind::Odometry {
+                at_ms: 1_500,
+                motion: 9,
+                dx_mm: -125,
+                dy_mm: 60,
+                turned: 65_000,
+                progress: Progress::Ended,
+            }
+        ),
+        ("goal: avoid", command(Order::Goal(GoalBy::Avoid))),
+        ("goal: perceived", command(Order::Goal(GoalBy::Perceived))),
+        (
+            "goal: situation",
+            command(Order::Goal(GoalBy::Situation(core::array::from_fn(
+                |i| 16 * i as u8
+            ))))
+        ),
+        (
+            "goal: components",
+            command(Order::Goal(GoalBy::Components(goal)))
+        ),
+        (
+            "explore",
+            command(Order::Explore {
+                moves: 100,
+                seed: 0xdead_beef
+            })
+        ),
+        ("learn", command(Order::Learn)),
+        ("seek", command(Order::Seek)),
+        ("stop", command(Order::Stop)),
+        ("resume", command(Order::Resume)),
+        ("forget", command(Order::Forget)),
+        (
+            "read",
+            ToMind::Read {
+                part: Part::Situations,
+                offset: 320
+            }
+        ),
+        (
+            "write",
+            ToMind::Write {
+                part: Part::Actions,
+                offset: 4,
+                bytes: Vec::from_slice(&[0, 0, 0, 0x20]).unwrap(),
+                last: false,
+            }
+        ),
+        ("counters", ToMind::Counters),
+        (
+            "parameter: read",
+            ToMind::Parameter {
+                parameter: Parameter::Margin,
+                value: None
+            }
+        ),
+        (
+            "parameter: set",
+            ToMind::Parameter {
+                parameter: Parameter::Speed,
+                value: Some(300)
+            }
+        ),
+        ("source", ToMind::Source(Source::Ring)),
+    ]
+}
+
+fn from_mind() -> std::vec::Vec<(&'static str, FromMind<16>)> {
+    let moved = |dx_mm, dy_mm| Displacement { dx_mm, dy_mm };
+    let plan = Plan {
+        goal_neuron: 3,
+        current_neuron: 12,
+        intermediate_neuron: 8,
+        wanted: situation(-100),
+        action_neuron: 5,
+        at_goal: false,
+        recalled: true,
+        action: moved(-200, 150),
+        why: Why::Neighbour,
+    };
+    let decision = |plan| {
+        FromMind::Decision(Decision {
+            situation: situation(8_192),
+            plan,
+            wanted: moved(-200, 150),
+            allowed: moved(-40, 30),
+            at_goal: false,
+        })
+    };
+    let counters = Counters {
+        accepted: 1_000,
+        damaged: 2,
+        sent: 3_000,
+        device: DeviceCounters {
+            stack_peak_bytes: 3_100,
+            ticks: 70_000,
+            ..DeviceCounters::default()
+        },
+        ..Counters::default()
+    };
+    let refused = |why| FromMind::Refusal { seq: 6, why };
+    let spec = Parameter::Speed.spec();
+    std::vec![
+        (
+            "hello",
+            FromMind::Hello(MindHello {
+                dimensions: dimensions(),
+                samples: 100,
+                build: *b"1a2b3c4d",
+                reset: ResetCause::StackOverflow,
+                config_crc: 1,
+                maps_crc: 0xffff_ffff,
+                memory_crc: 0,
+            })
+        ),
+        (
+            "motion",
+            FromMind::Motion(MotionOrder {
+                id: 10,
+                revision: 1,
+                dx_mm: -40,
+                dy_mm: 30,
+                speed_mm_s: 250,
+                ttl_ms: 500,
+            })
+        ),
+        ("decision: random move", decision(None)),
+        ("decision: plan", decision(Some(plan))),
+        (
+            "mode: explore",
+            FromMind::Mode(ModeReport::Explore { left: 99 })
+        ),
+        (
+            "mode: stopped",
+            FromMind::Mode(ModeReport::Stopped(StopReason::LinkLost))
+        ),
+        ("counters", FromMind::Counters(counters)),
+        (
+            "refusal: incompatible",
+            refused(Refusal::Incompatible(dimensions()))
+        ),
+        ("refusal: no session", refused(Refusal::NoSession)),
+        (
+            "refusal: expired",
+            refused(Refusal::Expired { age_ms: 1_200 })
+        ),
+        (
+            "refusal: command",
+            refused(Refusal::Command(CommandRefusal::Moves { most: 100 }))
+        ),
+        (
+            "refusal: parameter",
+            refused(Refusal::Parameter(ParameterError::Range(spec)))
+        ),
+        ("refusal: piece", refused(Refusal::Piece(PartError::Place))),
+        (
+            "piece",
+            FromMind::Piece {
+                part: Part::Memory,
+                offset: 160,
+                total: 4_000,
+                bytes: Vec::from_slice(&[1, 2, 3]).unwrap(),
+            }
+        ),
+        (
+            "parameter",
+            FromMind::Parameter {
+                parameter: Parameter::Speed,
+                value: 508,
+                spec
+            }
+        ),
+        ("log", FromMind::Log(Notice::LinkLost)),
+        ("done", FromMind::Done { seq: 6 }),
+    ]
+}
+
+/// Packs, unpacks and compares; returns the frame in hexadecimal.
+fn there_and_back<M: Serialize + DeserializeOwned + PartialEq + Debug>(message: &M) -> String {
+    let frame = Frame::pack(HEADER, message).unwrap();
+    let bytes = frame.as_bytes();
+    assert!(bytes.len() <= MOST_FRAME);
+    let (&zero, rest) = bytes.split_last().unwrap();
+    assert!(zero == 0 && !rest.contains(&0));
+    let back: (Header, M) = unpack(rest).unwrap();
+    assert_eq!((back.0, &back.1), (HEADER, message));
+    let words = bytes.iter().map(|byte| format!("{byte:02x}"));
+    words.collect::<std::vec::Vec<_>>().join(" ")
+}
+
+/// The examples of PROTOCOL.md are what the program sends, every message of both directions among them.
+#[test]
+fn the_documented_examples_are_what_is_sent() {
+    let to = to_mind().into_iter();
+    let to = to.map(|(name, message)| format!("to mind, {name}\n{}\n", there_and_back(&message)));
+    let from = from_mind().into_iter().map(|(name, said)| {
+        let report = Report {
+            device_ms: 1_520,
+            said,
+        };
+        format!("from mind, {name}\n{}\n", there_and_back(&report))
+    });
+    let examples: String = to.chain(from).collect();
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/PROTOCOL.md");
+    let text = std::fs::read_to_string(path).unwrap();
+    let (before, rest) = text.split_once("```hex\n").expect("a block of examples");
+    let (documented, after) = rest.split_once("```").expect("the block's end");
+    if std::env::var_os("UPDATE_GOLDEN").is_some() {
+        std::fs::write(path, format!("{before}```hex\n{examples}```{after}")).unwrap();
+        return;
+    }
+    assert_eq!(documented, examples, "UPDATE_GOLDEN=1 writes them anew");
+}
+
+/// PROTOCOL.md holds the grammar that both ends compare, and names version and checksum.
+#[test]
+fn the_documented_grammar_is_the_one_compared() {
+    let text = include_str!("../../PROTOCOL.md");
+    assert!(text.contains(include_str!("schema.txt")));
+    assert!(
+        text.contains(&format!("`{SCHEMA:#010x}`")),
+        "{SCHEMA:#010x}"
+    );
+    assert!(text.contains(&format!("version is {PROTOCOL}")));
+    assert_eq!(CRC.checksum(b"123456789"), 0xcbf4_3926);
+}
+
+/// Whole frames of the greatest numbers fit.
+#[test]
+fn the_longest_messages_fit_a_frame() {
+    let far = Displacement {
+        dx_mm: i16::MIN,
+        dy_mm: i16::MIN,
+    };
+    let extremes = [Weight::MIN; 16];
+    let plan = Plan {
+        goal_neuron: u8::MAX,
+        current_neuron: u8::MAX,
+        intermediate_neuron: u8::MAX,
+        wanted: extremes,
+        action_neuron: u8::MAX,
+        at_goal: true,
+        recalled: true,
+        action: far,
+        why: Why::StraightAhead,
+    };
+    let decision = Decision {
+        situation: extremes,
+        plan: Some(plan),
+        wanted: far,
+        allowed: far,
+        at_goal: true,
+    };
+    let report = |said| Report {
+        device_ms: u32::MAX,
+        said,
+    };
+    let heard = Heard {
+        sensor: 255,
+        range_mm: Some(u16::MAX),
+        age_ms: u16::MAX,
+    };
+    let component = Component {
+        low: Weight::MIN,
+        high: Weight::MIN,
+        weight: 255,
+    };
+    let goal = Goal {
+        components: [component; 16],
+    };
+    let piece = Vec::from_slice(&[255; message::MOST_PIECE]).unwrap();
+    there_and_back(&report(FromMind::<16>::Decision(decision)));
+    there_and_back(&report(FromMind::<16>::Piece {
+        part: Part::Memory,
+        offset: u16::MAX,
+        total: u16::MAX,
+        bytes: piece.clone(),
+    }));
+    there_and_back(&ToMind::<16>::Write {
+        part: Part::Memory,
+        offset: u16::MAX,
+        bytes: piece,
+        last: true,
+    });
+    there_and_back(&ToMind::<16>::Scan {
+        at_ms: u32::MAX,
+        echoes: core::iter::repeat_n(heard, message::MOST_ECHOES).collect(),
+    });
+    there_and_back(&ToMind::<16>::Command {
+        at_ms: u32::MAX,
+        ttl_ms: u16::MAX,
+        order: Order::Goal(GoalBy::Components(goal)),
+    });
+    let mut config = [0; crate::node::MOST_CONFIG];
+    assert!(postcard::to_slice(&Config::recommended(), &mut config).is_ok());
+}
+
+#[test]
+fn frames_that_are_too_long_or_empty_are_no_frames() {
+    let mut receiver = Receiver::new();
+    let mut feed = |bytes: &[u8]| -> std::vec::Vec<usize> {
+        let mut ended = std::vec::Vec::new();
+        for &byte in bytes {
+            ended.extend(receiver.push(byte).map(<[u8]>::len));
+        }
+        ended
+    };
+    assert_eq!(feed(&[0, 0, 1, 2, 0, 0, 3, 0]), [2, 1]);
+    assert_eq!(feed(&[&[1; 255][..], &[0]].concat()), [255]);
+    assert_eq!(feed(&[&[1; 256][..], &[0, 5, 0]].concat()), [1]);
+    assert_eq!(feed(&[&[1; 5_000][..], &[0, 5, 5, 0]].concat()), [2]);
+    assert_eq!(receiver.oversized(), 2);
+}
+
+proptest! {
+    #[test]
+    fn any_bytes_are_a_frame_or_an_error(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
+        let _ = unpack::<ToMind<16>>(&bytes);
+        let _ = unpack::<Report<16>>(&bytes);
+    }
+
+    /// Sound frames with any content, so that the decoder behind the CRC meets everything.
+    #[test]
+    fn any_content_is_a_message_or_an_error(content in prop::collection::vec(any::<u8>(), 0..=240)) {
+        #[derive(Serialize)]
+        struct Raw(#[serde(serialize_with = "raw")] std::vec::Vec<u8>);
+        fn raw<S: serde::Serializer>(bytes: &[u8], out: S) -> Result<S::Ok, S::Error> {
+            use serde::ser::SerializeTuple as _;
+            let mut tuple = out.serialize_tuple(bytes.len())?;
+            bytes.iter().try_for_each(|byte| tuple.serialize_element(byte))?;
+            tuple.end()
+        }
+        let frame = Frame::pack(HEADER, &Raw(content)).unwrap();
+        let (_, coded) = frame.as_bytes().split_last().unwrap();
+        match unpack::<ToMind<16>>(coded) {
+            Ok((header, message)) => prop_assert!(header == HEADER && Frame::pack(header, &message).is_ok()),
+            Err(error) => prop_assert_eq!(error, FrameError::Content { header: HEADER }),
+        }
+    }
+
+    #[test]
+    fn a_damaged_frame_is_never_a_message(which in 0_usize..20, bits in prop::collection::vec(0_usize..2_048, 1..9)) {
+        let (_, message) = to_mind().swap_remove(which);
+        let frame = Frame::pack(HEADER, &message).unwrap();
+        let (_, coded) = frame.as_bytes().split_last().unwrap();
+        let mut damaged = coded.to_vec();
+        for bit in bits {
+            let bit = bit % (8 * damaged.len());
+            damaged[bit / 8] ^= 1 << (bit % 8);
+        }
+        let read = unpack::<ToMind<16>>(&damaged);
+        prop_assert!(damaged == coded || read.is_err(), "{:?}", read);
+    }
+}
