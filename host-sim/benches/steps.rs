@@ -33,7 +33,7 @@ fn set_up(world: &World, config: &Config<16>) -> Mind {
     while !tell(&mut mind, Event::Tick).mode_changed {}
     tell(
         &mut mind,
-        Event::Command(Command::Seek(Behavior::Avoid.goal(config))),
+        Event::Command(Command::Seek(amp::goal::Goal::avoiding(config))),
     );
     mind
 }

@@ -5,7 +5,7 @@
 
 use crate::error::BadInput;
 use amp::action_map::{ActionCode, Recall};
-use amp::config::{AtGoal, Config, Intermediate, Online, Order, Start, Taught};
+use amp::config::{AtGoal, Choice, Config, Intermediate, Online, Order, Start, Taught, Wander};
 use amp::fixed::{Mask, Weight};
 use amp::shield::{KEPT, Shielding};
 use amp::som::{Decay, Edges, Neighbourhood, Schedule};
@@ -244,6 +244,18 @@ pub static SETTINGS: Table = &[
         }
     ),
     setting!(
+        "choose",
+        "how the action is found: recall (probe by the change) | neurons | headings (look-ahead)",
+        |c| word(CHOICES, &c.planning.choice),
+        |c: &mut Config<16>, t| put(&mut c.planning.choice, choice(CHOICES, t))
+    ),
+    setting!(
+        "wander",
+        "off on a new course when a place comes no nearer: PATIENCE:MOVES decisions, or off",
+        |c| wander_text(c.planning.wander),
+        |c: &mut Config<16>, t| put(&mut c.planning.wander, wander(t))
+    ),
+    setting!(
         "intermediate",
         "neuron aimed at: hops | code | goal",
         |c| word(INTERMEDIATES, &c.planning.intermediate),
@@ -378,6 +390,11 @@ pub static SETTINGS: Table = &[
     ),
 ];
 
+const CHOICES: &[(&str, Choice)] = &[
+    ("recall", Choice::Recall),
+    ("neurons", Choice::Neurons),
+    ("headings", Choice::Headings),
+];
 const ACTION_CODES: &[(&str, ActionCode)] = &[
     ("displacement", ActionCode::Displacement),
     ("turn-step", ActionCode::TurnStep),
@@ -422,6 +439,25 @@ pub const DECAYS: &[(&str, Decay)] = &[
     ("exponential", Decay::Exponential),
     ("inverse", Decay::Inverse),
 ];
+
+fn wander(text: &str) -> Result<Option<Wander>, String> {
+    let count = |text: &str| number(text, 1.0, 255.0).map(|value| value as u8);
+    match text.split_once(':') {
+        None if text == "off" => Ok(None),
+        None => Err("it must be PATIENCE:MOVES or off".to_owned()),
+        Some((patience, moves)) => Ok(Some(Wander {
+            patience: count(patience)?,
+            moves: count(moves)?,
+        })),
+    }
+}
+
+fn wander_text(wander: Option<Wander>) -> String {
+    wander.map_or_else(
+        || "off".to_owned(),
+        |wander| format!("{}:{}", wander.patience, wander.moves),
+    )
+}
 
 fn put<T>(place: &mut T, value: Result<T, String>) -> Written {
     *place = value?;

@@ -152,9 +152,33 @@ pub enum AtGoal {
     StraightAhead,
 }
 
+/// How the action is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Choice {
+    /// The action map is probed with the change of situation wanted (the paper's step 4).
+    Recall,
+    /// One step ahead: of the neurons' own actions, each brought to the whole step, that whose change leads
+    /// nearest to the goal.
+    Neurons,
+    /// One step ahead: of the directions in which the transducers look that whose change, as all neurons
+    /// together predict it, leads nearest to the goal.
+    Headings,
+}
+
+/// What to do when no action leads nearer to a place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Wander {
+    /// Decisions without coming nearer before the robot wanders off.
+    pub patience: u8,
+    /// Decisions for which it then avoids obstacles on a new course.
+    pub moves: u8,
+}
+
 /// From a goal to an action.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Planning {
+    /// How the action is found; what follows up to `at_goal` is for [`Choice::Recall`].
+    pub choice: Choice,
     /// Which neuron is aimed at.
     pub intermediate: Intermediate,
     /// How the action map is probed.
@@ -180,6 +204,8 @@ pub struct Planning {
     pub tolerance: Weight,
     /// Decisions for which an action neuron is not recalled again after its move was cut below half; 0 = never.
     pub inhibition: u8,
+    /// What to do when no action leads nearer to a place; `None` = go on trying.
+    pub wander: Option<Wander>,
 }
 
 impl<const SENSORS: usize> Config<SENSORS> {
@@ -243,6 +269,7 @@ impl Config<16> {
                 blame_recalled: false,
             }),
             planning: Planning {
+                choice: Choice::Recall,
                 intermediate: Intermediate::FewestHops,
                 recall: Recall::Distance,
                 from_measured: true,
@@ -254,6 +281,7 @@ impl Config<16> {
                 at_goal: AtGoal::StraightAhead,
                 tolerance: Weight::ZERO,
                 inhibition: 0,
+                wander: None,
             },
             clearance_mm: 1_000,
             shield: Some(Shielding::nomad200()),
@@ -264,6 +292,25 @@ impl Config<16> {
     /// bearing in the world.
     #[must_use]
     pub const fn recommended() -> Self {
+        let probing = Self::probing();
+        Self {
+            clearance_mm: 500,
+            planning: Planning {
+                choice: Choice::Headings,
+                wander: Some(Wander {
+                    patience: 6,
+                    moves: 30,
+                }),
+                ..probing.planning
+            },
+            ..probing
+        }
+    }
+
+    /// The best found that keeps the paper's four steps: the action map is probed with the change of situation wanted.
+    /// The ring is to keep its bearing in the world.
+    #[must_use]
+    pub const fn probing() -> Self {
         let literal = Self::touzet();
         Self {
             encoding: Encoding {

@@ -27,9 +27,11 @@ mod decide;
 mod learn;
 mod message;
 mod parts;
+mod search;
 
 pub use message::{Command, Decision, Event, Mode, Motion, Outputs, Progress, Refusal, StopReason};
 pub use parts::{Part, PartError};
+use search::Search;
 
 /// A motion under way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -78,6 +80,8 @@ pub struct State<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usiz
     course: Displacement,
     /// Decisions for which each action neuron stays inhibited.
     inhibited: [u8; NEURONS],
+    /// How the search for a place goes.
+    search: Search,
 }
 
 /// The state for the Nomad 200 with the paper's sizes.
@@ -105,6 +109,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             motion_id: 0,
             course: Displacement::ZERO,
             inhibited: [0; NEURONS],
+            search: Search::NEW,
         }
     }
 
@@ -274,7 +279,10 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 self.start_maps(config);
                 Mode::Learn { step: 0 }
             }
-            Command::Seek(goal) => Mode::Seek { goal },
+            Command::Seek(goal) => {
+                self.search = Search::NEW;
+                Mode::Seek { goal }
+            }
             Command::Stop => return self.stop(at, StopReason::Commanded),
             Command::Resume => match (self.mode, self.interrupted) {
                 (Mode::Stopped(_), Some(interrupted)) => interrupted,

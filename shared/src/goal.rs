@@ -5,10 +5,17 @@
 //! equal a captured one.
 
 use crate::config::Config;
-use crate::fixed::{Mask, Weight};
+use crate::fixed::{Mask, ONE_BITS, Weight};
 use crate::scan::{Encoding, Situation};
 use crate::units::Range;
 use serde::{Deserialize, Serialize};
+
+mod behaviours;
+
+pub use behaviours::Side;
+
+/// What a step straight ahead weighs in obstacle avoidance: enough to cross free space, too little to graze a wall.
+const AVOIDING_Q16: u16 = 33;
 
 /// What is asked of one transducer's value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -70,20 +77,56 @@ impl Component {
     }
 }
 
+/// Whose frame a goal's components are counted in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Frame {
+    /// The ring's: component `i` is transducer `i`.
+    #[default]
+    Ring,
+    /// That of the way: component 0 looks where the robot goes, the others follow counter-clockwise. Rings
+    /// that are not symmetric know only their own frame.
+    Travel,
+}
+
 /// A goal situation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Goal<const SENSORS: usize> {
-    /// What is asked of each transducer's value.
+    /// What is asked of each value.
     #[serde(with = "serde_big_array::BigArray")]
     pub components: [Component; SENSORS],
+    /// Whose frame the components are counted in.
+    pub frame: Frame,
+    /// How much a whole step along the way weighs against deviation, Q16 of a squared deviation of 1 with
+    /// weight 1; 0 = a place to be, not a way to go: the robot may stand (look-ahead only).
+    pub going_q16: u16,
+    /// How much keeping the course weighs when the way is chosen, likewise.
+    pub steady_q16: u16,
+    /// A component counts as at most so far off: what is hidden behind a corner does not drown the rest.
+    pub cap: Weight,
+    /// The goal holds when the root of the mean squared deviation is at most this.
+    pub tolerance: Weight,
 }
 
 impl<const SENSORS: usize> Goal<SENSORS> {
+    /// These components in the ring's frame: a place to be.
+    #[must_use]
+    pub const fn of(components: [Component; SENSORS]) -> Self {
+        Self {
+            components,
+            frame: Frame::Ring,
+            going_q16: 0,
+            steady_q16: 0,
+            cap: Weight::ONE,
+            tolerance: Weight::ZERO,
+        }
+    }
+
     /// The paper's obstacle avoidance: no obstacle within the far limit anywhere.
     #[must_use]
     pub const fn free_of_obstacles() -> Self {
         Self {
-            components: [Component::at_most(Weight::ZERO); SENSORS],
+            going_q16: AVOIDING_Q16,
+            ..Self::of([Component::at_most(Weight::ZERO); SENSORS])
         }
     }
 
@@ -92,6 +135,7 @@ impl<const SENSORS: usize> Goal<SENSORS> {
     pub fn nothing_within(range: Range, encoding: Encoding) -> Self {
         Self {
             components: [Component::at_most(encoding.value(Some(range))); SENSORS],
+            ..Self::free_of_obstacles()
         }
     }
 
@@ -105,8 +149,17 @@ impl<const SENSORS: usize> Goal<SENSORS> {
     /// A situation perceived before.
     #[must_use]
     pub fn perceived(situation: &Situation<SENSORS>) -> Self {
+        Self::place(situation.map(Component::equal))
+    }
+
+    /// These components as a place to come back to, from behind corners as well.
+    #[must_use]
+    pub fn place(components: [Component; SENSORS]) -> Self {
         Self {
-            components: situation.map(Component::equal),
+            // A third of the scale; a mean deviation of 0.035 is 16 cm over 4.5 m.
+            cap: Weight::from_bits(ONE_BITS / 3),
+            tolerance: Weight::from_bits(287),
+            ..Self::of(components)
         }
     }
 
@@ -142,6 +195,53 @@ impl<const SENSORS: usize> Goal<SENSORS> {
         }
         target
     }
+
+    /// This goal in the ring's frame for a robot that goes towards place `place` of the ring.
+    #[must_use]
+    pub fn towards(&self, place: usize) -> Self {
+        let mut components = self.components;
+        components.rotate_right(place.checked_rem(SENSORS).unwrap_or(0));
+        Self {
+            components,
+            frame: Frame::Ring,
+            ..*self
+        }
+    }
+
+    /// Squared deviation of predicted values (2⁻¹³, which may leave [0, 1]) from what is asked when the
+    /// components are turned by `places`, each at most the cap, in units of 2⁻²⁶ · weight.
+    #[must_use]
+    pub fn deviation(&self, values: &[i32; SENSORS], places: usize, mask: Mask) -> i64 {
+        let places = places.checked_rem(SENSORS).unwrap_or(0);
+        let (head, tail) = values.split_at(places);
+        let cap = i32::from(self.cap.to_bits()).max(0);
+        let mut total = 0_i64;
+        for (index, (component, value)) in
+            self.components.iter().zip(tail.iter().chain(head)).enumerate()
+        {
+            let sensor = index.wrapping_add(places).checked_rem(SENSORS).unwrap_or(0);
+            if component.weight > 0 && mask.contains(sensor) {
+                let (low, high) = (component.low.to_bits(), component.high.to_bits());
+                let nearest = (*value).max(i32::from(low)).min(i32::from(high));
+                let off = value.wrapping_sub(nearest).saturating_abs().min(cap);
+                total = total.wrapping_add(
+                    i64::from(off.wrapping_mul(off)).wrapping_mul(i64::from(component.weight)),
+                );
+            }
+        }
+        total
+    }
+
+    /// Whether a deviation is within the tolerance.
+    #[must_use]
+    pub fn is_met_by(&self, deviation: i64, mask: Mask) -> bool {
+        let tolerance = i64::from(self.tolerance.to_bits());
+        let counted = self.components.iter().enumerate();
+        let weights = counted
+            .filter(|(index, _)| mask.contains(*index))
+            .map(|(_, component)| i64::from(component.weight));
+        deviation <= weights.sum::<i64>().wrapping_mul(tolerance * tolerance)
+    }
 }
 
 #[cfg(test)]
@@ -154,14 +254,12 @@ mod tests {
 
     #[test]
     fn intervals_ask_for_what_they_say() {
-        let goal = Goal {
-            components: [
-                Component::at_least(Weight::from_num(0.5)),
-                Component::at_most(Weight::from_num(0.25)),
-                Component::equal(Weight::from_num(0.75)),
-                Component::ANY,
-            ],
-        };
+        let goal = Goal::of([
+            Component::at_least(Weight::from_num(0.5)),
+            Component::at_most(Weight::from_num(0.25)),
+            Component::equal(Weight::from_num(0.75)),
+            Component::ANY,
+        ]);
         let met = weights([0.5, 0.25, 0.75, 0.9]);
         let missed = weights([0.25, 0.5, 0.25, 0.9]);
         assert_eq!(goal.distance(&met, Mask::ALL), 0);

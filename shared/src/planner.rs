@@ -4,15 +4,20 @@
 //! 2. find the neuron of the *present* situation;
 //! 3. choose a *neighbour* of it nearer to the goal: the intermediate situation;
 //! 4. probe the action map with the change of situation wanted; it answers with an action.
+//!
+//! With [`Choice::Recall`] these are the steps. The other choices ask the action map the other way round: what change does
+//! each action bring, and which of the situations to come is nearest to the goal ([`look_ahead`]).
 
 use crate::action_map::{ActionMap, Answer, Preference, Probe};
-use crate::config::{AtGoal, Config, Intermediate};
+use crate::config::{AtGoal, Choice, Config, Intermediate};
 use crate::fixed::{Mask, Weight, unit_weight};
 use crate::goal::Goal;
 use crate::scan::Situation;
 use crate::som::{Som, kernels};
 use crate::units::{Bearing, Displacement};
 use serde::{Deserialize, Serialize};
+
+pub mod look_ahead;
 
 /// Why the planner chose what it chose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -31,6 +36,12 @@ pub enum Why {
     TurnCourse,
     /// The goal holds: straight ahead.
     StraightAhead,
+    /// The situation this action leads to is nearest to the goal.
+    LookAhead,
+    /// No action leads nearer to the goal than standing still.
+    Stay,
+    /// No action led nearer to the goal for some time: obstacles are avoided on another course for a while.
+    Wander,
 }
 
 impl core::fmt::Display for Why {
@@ -43,6 +54,9 @@ impl core::fmt::Display for Why {
             Self::KeepCourse => "keep course",
             Self::TurnCourse => "turn course",
             Self::StraightAhead => "straight ahead",
+            Self::LookAhead => "look-ahead",
+            Self::Stay => "stay",
+            Self::Wander => "wander",
         })
     }
 }
@@ -89,9 +103,18 @@ pub struct Planner<'a, const SENSORS: usize, const NEURONS: usize> {
 }
 
 impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
-    /// The four steps for one situation and one goal.
+    /// The decision for one situation and one goal.
     #[must_use]
     pub fn plan(&self, situation: &Situation<SENSORS>, goal: &Goal<SENSORS>) -> Plan<SENSORS> {
+        match self.config.planning.choice {
+            Choice::Recall => self.recall(situation, goal),
+            Choice::Neurons | Choice::Headings => self.look_ahead(situation, goal),
+        }
+    }
+
+    /// The paper's four steps. A goal in the frame of travel is turned to the way it fits best.
+    fn recall(&self, situation: &Situation<SENSORS>, goal: &Goal<SENSORS>) -> Plan<SENSORS> {
+        let goal = &goal.towards(self.way(situation, goal));
         let planning = &self.config.planning;
         let mask = self.config.believed;
         let goal_scores = self.goal_scores(goal);
@@ -219,7 +242,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
 }
 
 /// Five sixteenths of a turn: 112.5°.
-const NEXT_COURSE: Bearing = Bearing::from_turns(5 << 12);
+pub(crate) const NEXT_COURSE: Bearing = Bearing::from_turns(5 << 12);
 
 /// Component by component `to − from`, clamped to [−1, 1].
 #[must_use]

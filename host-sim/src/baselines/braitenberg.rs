@@ -54,6 +54,16 @@ impl Braitenberg {
         }
     }
 
+    /// A vehicle that starts at `angle_rad` from the ring's x axis.
+    #[must_use]
+    pub fn towards(tuning: Tuning, angle_rad: f64) -> Self {
+        let (sin, cos) = libm::sincos(angle_rad);
+        Self {
+            course: [cos, sin],
+            ..Self::new(tuning)
+        }
+    }
+
     /// Course and pushes added up. Only what lies ahead (within a quarter turn of the course) pushes,
     /// so a wall along the side does not drive the robot away from its course.
     fn next_course(&self) -> [f64; 2] {

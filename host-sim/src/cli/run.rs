@@ -30,7 +30,8 @@ pub struct RunArgs {
     /// name (see `host-sim worlds`); may be given several times
     #[arg(long = "world", value_name = "WORLD", default_value = "paper")]
     worlds: Vec<String>,
-    /// What to do after exploring
+    /// What to do after exploring: avoid, avoid-right, wall-left, wall-right, nest, follow, seek:FILE (a
+    /// captured situation), or several of them one after the other: a,b,c (see `host-sim behaviors`)
     #[arg(long, value_name = "NAME", default_value = "avoid", value_parser = parse::<Behavior>)]
     behavior: Behavior,
     /// Random moves before it
@@ -122,6 +123,8 @@ enum TurretChoice {
 pub enum Preset {
     /// The best found
     Default,
+    /// The best that keeps the paper's four steps
+    Probe,
     /// The most literal reading of the paper
     Touzet,
 }
@@ -132,6 +135,7 @@ impl Preset {
     pub fn name(self) -> &'static str {
         match self {
             Self::Default => "default",
+            Self::Probe => "probe",
             Self::Touzet => "touzet",
         }
     }
@@ -141,6 +145,7 @@ impl Preset {
     pub fn config(self) -> Config<16> {
         match self {
             Self::Default => Config::recommended(),
+            Self::Probe => Config::probing(),
             Self::Touzet => Config::touzet(),
         }
     }
@@ -149,7 +154,7 @@ impl Preset {
     #[must_use]
     pub fn turret(self) -> TurretMode {
         match self {
-            Self::Default => TurretMode::Held,
+            Self::Default | Self::Probe => TurretMode::Held,
             Self::Touzet => TurretMode::Follow,
         }
     }
@@ -223,7 +228,7 @@ fn setup(args: &RunArgs) -> Result<Setup, BadInput> {
     Ok(Setup {
         config,
         preset: args.preset.name().to_owned(),
-        behavior: args.behavior,
+        behavior: args.behavior.clone(),
         explore_moves: args.explore,
         steps: args.steps,
         seed: args.seed,

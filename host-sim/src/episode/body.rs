@@ -4,9 +4,11 @@
 //! time is counted, not simulated: 0.64 s for the ring and the way at full speed. With the others
 //! every transducer fires in its own slot of 40 ms while the base steers, accelerates and slips.
 
+use super::leader::Leader;
+use super::places;
 use crate::noise::Noise;
 use crate::pilot::Pilot;
-use crate::robot::{Base, BaseLimits, Executed, Motion as BaseMotion, TurretMode};
+use crate::robot::{Base, BaseLimits, COLLISION_RADIUS_M, Executed, Motion as BaseMotion, TurretMode};
 use crate::sonar::{FIRING_ORDER, FIRING_SLOT_S, RING_PERIOD_S, Ring, SonarModel};
 use crate::world::{Point, Pose, World};
 use amp::controller::{Decision, Event, Motion, Outputs, Progress};
@@ -15,6 +17,8 @@ use amp::units::{Bearing, Displacement, Millis, Range};
 /// A robot in a world.
 pub struct Body<'w> {
     world: &'w World,
+    /// A second robot, and the world with it.
+    leader: Option<(Leader, World)>,
     base: Base,
     limits: BaseLimits,
     turret: TurretMode,
@@ -73,6 +77,7 @@ impl<'w> Body<'w> {
         let start = world.start();
         Self {
             world,
+            leader: None,
             base: Base::new(start, limits, turret),
             limits,
             turret,
@@ -111,6 +116,13 @@ impl<'w> Body<'w> {
 
     /// One turn: a whole ring and its motion with the ideal sonars, one firing slot with the others.
     pub fn advance(&mut self, pilot: &mut impl Pilot) -> Happened {
+        let before_s = self.time_s;
+        let happened = self.turn(pilot);
+        self.lead(self.time_s - before_s);
+        happened
+    }
+
+    fn turn(&mut self, pilot: &mut impl Pilot) -> Happened {
         if self.ring.model() == SonarModel::Ideal {
             self.ideal_ring(pilot)
         } else {
@@ -121,7 +133,8 @@ impl<'w> Body<'w> {
     fn ideal_ring(&mut self, pilot: &mut impl Pilot) -> Happened {
         let pose = self.base.pose();
         self.time_s += RING_PERIOD_S;
-        self.ring.scan(self.world, &pose, &mut self.ranges_m);
+        let world = crowded(self.world, self.leader.as_ref());
+        self.ring.scan(world, &pose, &mut self.ranges_m);
         let mut happened = self.nothing_yet(pose);
         for sensor in 0..self.ranges_m.len() {
             let outputs = self.echo(pilot, sensor);
@@ -129,7 +142,8 @@ impl<'w> Body<'w> {
             if let Some(motion) = outputs.motion {
                 self.motion = motion;
                 let [dx_m, dy_m] = meters(motion.displacement);
-                let done = self.base.move_exactly(self.world, dx_m, dy_m);
+                let world = crowded(self.world, self.leader.as_ref());
+                let done = self.base.move_exactly(world, dx_m, dy_m);
                 self.time_s += done.travelled_m / self.limits.speed_m_s;
                 happened.moved = Some(self.report(pilot, pose.position, &done));
             }
@@ -141,9 +155,10 @@ impl<'w> Body<'w> {
         let pose = self.base.pose();
         let sensor = FIRING_ORDER[self.slot % FIRING_ORDER.len()];
         self.slot += 1;
+        let world = crowded(self.world, self.leader.as_ref());
         self.ranges_m[sensor] =
             self.ring
-                .ping(self.world, &pose, sensor, self.time_s, &mut self.noise);
+                .ping(world, &pose, sensor, self.time_s, &mut self.noise);
         let mut happened = self.nothing_yet(pose);
         let outputs = self.echo(pilot, sensor);
         happened.take(&outputs);
@@ -160,7 +175,7 @@ impl<'w> Body<'w> {
                 &mut self.noise,
             );
         }
-        let done = self.base.advance(FIRING_SLOT_S, self.world);
+        let done = self.base.advance(FIRING_SLOT_S, crowded(self.world, self.leader.as_ref()));
         self.time_s += FIRING_SLOT_S;
         happened.moved = Some(self.report(pilot, pose.position, &done));
         happened
@@ -227,9 +242,48 @@ impl<'w> Body<'w> {
         }
     }
 
+    /// Lets the leader drive for as long as the robot has.
+    fn lead(&mut self, dt_s: f64) {
+        let robot = self.base.pose().position;
+        if let Some((leader, world)) = &mut self.leader {
+            let before = leader.position();
+            leader.advance(dt_s, self.world, robot);
+            if leader.position() != before {
+                *world = self.world.with_post(leader.position(), COLLISION_RADIUS_M);
+            }
+        }
+    }
+
+    /// Sets a second robot down about 1 m ahead of where this one stands.
+    pub fn add_leader(&mut self) {
+        let leader = Leader::ahead_of(self.base.pose(), self.world);
+        let world = self.world.with_post(leader.position(), COLLISION_RADIUS_M);
+        self.leader = Some((leader, world));
+    }
+
+    /// Where the second robot is, if there is one.
+    #[must_use]
+    pub fn leader(&self) -> Option<Point> {
+        self.leader.as_ref().map(|(leader, _)| leader.position())
+    }
+
+    /// Lets time pass while the robot is carried.
+    pub fn wait(&mut self, dt_s: f64) {
+        self.time_s += dt_s;
+    }
+
+    /// Sets the robot down at a free place elsewhere in the world, drawn by the noise, at rest and with the same bearing.
+    pub fn set_down_elsewhere(&mut self, nest: Point) {
+        let place = places::elsewhere(self.world, nest, &mut self.noise);
+        self.set_down(Pose::new(place, self.base.pose().heading));
+    }
+
     /// Puts the robot back to the world's start, at rest.
     pub fn restart(&mut self) {
-        let start = self.world.start();
+        self.set_down(self.world.start());
+    }
+
+    fn set_down(&mut self, start: Pose) {
         self.base = Base::new(start, self.limits, self.turret);
         self.reported = start.position;
         self.reported_bearing = bearing(start.heading);
@@ -243,6 +297,11 @@ impl Happened {
         self.shortened |=
             outputs.motion.is_some() && outputs.decision.is_none() && !outputs.mode_changed;
     }
+}
+
+/// The world as it is met: with the second robot, if there is one.
+fn crowded<'a>(world: &'a World, leader: Option<&'a (Leader, World)>) -> &'a World {
+    leader.map_or(world, |(_, crowded)| crowded)
 }
 
 fn meters(displacement: Displacement) -> [f64; 2] {

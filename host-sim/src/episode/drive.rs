@@ -2,6 +2,7 @@
 
 use super::Seeds;
 use super::body::{Body, Happened};
+use super::measure::Measure;
 use super::record::Recorder;
 use super::tally::{Report, Stride, Tally, rounded};
 use crate::pilot::{Mind, Pilot};
@@ -9,9 +10,11 @@ use crate::recording::Recording;
 use crate::robot::TurretMode;
 use crate::scenes::Behavior;
 use crate::sonar::SonarModel;
-use crate::world::World;
+use crate::world::{Point, World};
 use amp::config::Config;
 use amp::controller::{Command, Decision, Event, Refusal};
+use amp::fixed::Weight;
+use amp::scan::Situation;
 
 /// What an episode is made of, but for its world.
 #[derive(Debug, Clone)]
@@ -107,13 +110,15 @@ pub fn run(
     driver.learn(&mut mind)?;
     progress(Phase::Learn, 1, 1);
 
-    driver.command(&mut mind, Command::Seek(setup.behavior.goal(&setup.config)))?;
+    driver.set_scene(&setup.behavior);
     let began_s = driver.body.time_s();
-    driver.drive(&mut mind, setup.steps, |done| {
+    let nest = driver.nest;
+    driver.pursue(&mut mind, setup, &nest, |done| {
         progress(Phase::Seek, done, setup.steps)
     })?;
     let time_s = driver.body.time_s() - began_s;
-    let report = report(world, setup, &exploration, &driver.tally, time_s);
+    let success = driver.measure.success(&setup.behavior, &driver.tally);
+    let report = report(world, setup, &exploration, &driver.tally, time_s, success);
     let recording = driver
         .recorder
         .map(|recorder| recorder.finish(world, setup, &mind));
@@ -142,11 +147,11 @@ fn report(
     exploration: &Tally,
     seeking: &Tally,
     time_s: f64,
+    (success, success_unit): (f64, &'static str),
 ) -> Report {
-    let (success, success_unit) = setup.behavior.success(seeking);
     Report {
         world: world.name().to_owned(),
-        behavior: setup.behavior.name().to_owned(),
+        behavior: setup.behavior.name(),
         preset: setup.preset.clone(),
         sonar: setup.sonar.name().to_owned(),
         seed: setup.seed,
@@ -165,9 +170,16 @@ fn report(
     }
 }
 
-struct Driver<'w> {
-    body: Body<'w>,
-    tally: Tally,
+pub(super) struct Driver<'w> {
+    pub(super) world: &'w World,
+    pub(super) body: Body<'w>,
+    pub(super) tally: Tally,
+    pub(super) measure: Measure,
+    /// What is being done now.
+    pub(super) behavior: Behavior,
+    /// What was perceived before the first move.
+    nest: Situation<16>,
+    first: bool,
     /// The step under way.
     open: Option<Stride>,
     recorder: Option<Recorder>,
@@ -179,8 +191,13 @@ impl<'w> Driver<'w> {
 
     fn new(world: &'w World, body: Body<'w>, record: bool) -> Self {
         Self {
+            world,
             body,
             tally: Tally::new(world),
+            measure: Measure::new(world, world.start().position),
+            behavior: Behavior::Avoid,
+            nest: [Weight::ZERO; 16],
+            first: true,
             open: None,
             recorder: record.then(Recorder::default),
         }
@@ -200,7 +217,7 @@ impl<'w> Driver<'w> {
     }
 
     /// Drives until `steps` steps are done or the pilot changes its mode.
-    fn drive(
+    pub(super) fn drive(
         &mut self,
         pilot: &mut impl Pilot,
         steps: u32,
@@ -229,6 +246,10 @@ impl<'w> Driver<'w> {
     }
 
     fn open(&mut self, decision: &Decision<16>, happened: &Happened) {
+        if self.first {
+            self.first = false;
+            self.nest = decision.situation;
+        }
         self.open = Some(Stride {
             at_goal: decision.at_goal,
             shielded: decision.allowed != decision.wanted,
@@ -243,6 +264,12 @@ impl<'w> Driver<'w> {
         if let Some(moved) = &happened.moved {
             self.tally
                 .moved(moved.from, moved.to, moved.travelled_m, moved.clearance_m);
+            self.measure.moved(
+                moved.to,
+                moved.touched,
+                self.body.time_s() - happened.time_s,
+                self.body.leader(),
+            );
             if let Some(open) = &mut self.open {
                 open.touched |= moved.touched;
                 open.shielded |= happened.shortened;
@@ -256,10 +283,16 @@ impl<'w> Driver<'w> {
     fn close(&mut self) {
         if let Some(stride) = self.open.take() {
             self.tally.step(stride);
+            self.measure.step(self.world, &self.behavior);
             if let Some(recorder) = &mut self.recorder {
                 recorder.close(stride);
             }
         }
+    }
+
+    /// Measures from now on, with the nest here.
+    pub(super) fn measure_from(&mut self, nest: Point) {
+        self.measure = Measure::new(self.world, nest);
     }
 
     /// Begins a new tally; returns the old one.

@@ -7,10 +7,17 @@
 
 mod body;
 mod drive;
+mod leader;
+mod measure;
+mod places;
+mod pursue;
 mod record;
 mod tally;
 
 pub use body::Body;
+pub use leader::Leader;
+pub use measure::{FOLLOWED_S, KEPT_M, NEST_M};
+pub use places::elsewhere;
 pub use drive::{Episode, Failure, Phase, Setup, drive_pilot, run};
 pub use tally::{Report, Tally};
 

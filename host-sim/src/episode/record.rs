@@ -77,7 +77,7 @@ impl Recorder {
         let actions = state.actions().actions().code();
         Recording {
             world: world.clone(),
-            behavior: setup.behavior.name().to_owned(),
+            behavior: setup.behavior.name(),
             preset: setup.preset.clone(),
             seed: setup.seed,
             bearings_rad: (0..16)

@@ -106,6 +106,15 @@ impl World {
         }
     }
 
+    /// This world with one more post.
+    #[must_use]
+    pub fn with_post(&self, center: Point, radius: f64) -> Self {
+        let mut world = self.clone();
+        world.shapes.push(Shape::Circle { center, radius });
+        world.circles.push(Circle { center, radius });
+        world
+    }
+
     fn check_start(&self) -> Result<(), BadInput> {
         let at = self.start.position;
         if let Some(defect) = shapes::point_defect(at, MAX_COORDINATE_M) {

@@ -1,13 +1,14 @@
 //! A ring is complete and the base stands: what now?
 
+use super::search::Search;
 use super::{Decision, Mode, Motion, Outputs, Pending, State};
 use crate::action_map::Effect;
-use crate::config::{Config, Taught};
+use crate::config::{Choice, Config, Taught};
 use crate::fixed::Mask;
-use crate::goal::Goal;
+use crate::goal::{Frame, Goal};
 use crate::memory::{self, Sample};
-use crate::planner::{Plan, Planner, difference};
-use crate::scan::Situation;
+use crate::planner::{NEXT_COURSE, Plan, Planner, Why, difference};
+use crate::scan::{Situation, rotated};
 use crate::som::Neighbourhood;
 use crate::som::neighbourhood::Pull;
 use crate::units::{Bearing, Displacement, Millis};
@@ -86,6 +87,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             self.learn_online(config, &pending, &situation);
             self.inhibit(config, &pending);
         }
+        let pursued = self.pursued(config, &situation, goal);
         let mut allowed = Mask::ALL;
         for (neuron, _) in self
             .inhibited
@@ -103,8 +105,34 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             course: self.course,
             cut,
         };
-        let plan = planner.plan(&situation, goal);
+        let mut plan = planner.plan(&situation, &pursued.unwrap_or(*goal));
+        if pursued.is_some() {
+            plan.at_goal = false;
+            plan.why = Why::Wander;
+        }
         self.go(config, now, situation, plan.action, Some(plan))
+    }
+
+    /// What is pursued instead of the goal while the robot wanders: obstacle avoidance on another course.
+    fn pursued(
+        &mut self,
+        config: &Config<SENSORS>,
+        situation: &Situation<SENSORS>,
+        goal: &Goal<SENSORS>,
+    ) -> Option<Goal<SENSORS>> {
+        let wander = config.planning.wander?;
+        if goal.going_q16 > 0 || goal.frame != Frame::Ring {
+            return None;
+        }
+        let values = situation.map(|value| i32::from(value.to_bits()));
+        let deviation = goal.deviation(&values, 0, config.believed);
+        if goal.is_met_by(deviation, config.believed) {
+            self.search = Search::NEW;
+        } else if self.search.is_stuck(deviation, wander) {
+            let course = self.course.with_length(config.robot.step_mm);
+            self.course = course.rotated(NEXT_COURSE.direction());
+        }
+        self.search.wanders().then(|| Goal::avoiding(config))
     }
 
     /// A move cut below half inhibits the neuron that asked for it.
@@ -129,9 +157,20 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             Taught::Commanded => pending.commanded,
             Taught::Executed => pending.executed,
         };
+        // The moves of a behaviour are one-sided; turned by a random number of ring places they teach every
+        // direction, as the random moves did.
+        let turns = config.learning.turned
+            && config.robot.symmetric
+            && config.believed.covers(SENSORS)
+            && config.planning.choice != Choice::Recall;
+        let places = if turns { self.below(SENSORS as u32) } else { 0 } as usize;
+        let turned = match config.robot.directions.get(places) {
+            Some(direction) if places > 0 => taught.rotated(*direction),
+            _ => taught,
+        };
         let effect = Effect {
-            change: difference(after, &pending.before),
-            action: config.action_code.encode(taught, config.robot.step_mm),
+            change: rotated(&difference(after, &pending.before), places),
+            action: config.action_code.encode(turned, config.robot.step_mm),
             mask: config.believed,
         };
         let pull = |rate| Pull::new(Neighbourhood::Direct, rate, online.share_q16);
@@ -168,7 +207,9 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             wanted.with_length(limit.distance_mm)
         };
         self.motion_id = self.motion_id.wrapping_add(1);
-        self.course = wanted;
+        if wanted != Displacement::ZERO || config.planning.choice == Choice::Recall {
+            self.course = wanted;
+        }
         self.await_ring(now);
         self.pending = Some(Pending {
             before: situation,

@@ -153,6 +153,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.motion_id = 0;
         self.course = Displacement::ZERO;
         self.inhibited = [0; NEURONS];
+        self.search = super::Search::NEW;
     }
 }
 

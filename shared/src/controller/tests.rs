@@ -222,7 +222,7 @@ fn a_new_goal_acts_within_one_step_and_costs_no_memory() {
     let before = bench.state.memory().clone();
     let mut components = [Component::ANY; 16];
     components[0] = Component::at_least(Weight::ONE);
-    bench.send(Event::Command(Command::Seek(Goal { components })));
+    bench.send(Event::Command(Command::Seek(Goal::of(components))));
     let towards = bench.ring().motion.expect("a motion");
     assert!(away.displacement.dx_mm < 0 && towards.displacement.dx_mm > 0);
     assert_eq!(bench.state.memory(), &before);
@@ -319,7 +319,7 @@ fn a_move_cut_short_rests_its_neuron() {
     bench.config.planning.inhibition = 2;
     // The goal asks for a wall on every side: the robot runs into the corner and is held there.
     let components = [Component::equal(Weight::ONE); 16];
-    bench.send(Event::Command(Command::Seek(Goal { components })));
+    bench.send(Event::Command(Command::Seek(Goal::of(components))));
     (bench.x, bench.y) = (1_731, 1_731);
     let mut neurons = Vec::new();
     for _ in 0..6 {

@@ -7,7 +7,7 @@ use super::*;
 use crate::config::Config;
 use crate::controller::{Decision, PartError, Progress, Refusal as CommandRefusal, StopReason};
 use crate::fixed::Weight;
-use crate::goal::{Component, Goal};
+use crate::goal::{Component, Frame as GoalFrame, Goal};
 use crate::parameters::{Parameter, ParameterError};
 use crate::planner::{Plan, Why};
 use crate::units::Displacement;
@@ -50,11 +50,14 @@ fn to_mind() -> std::vec::Vec<(&'static str, ToMind<16>)> {
         age_ms: 40,
     });
     let goal = Goal {
-        components: core::array::from_fn(|i| match i {
+        frame: GoalFrame::Travel,
+        going_q16: 8_700,
+        steady_q16: 1_300,
+        ..Goal::of(core::array::from_fn(|i| match i {
             0 => Component::at_most(Weight::from_bits(4_096)),
             12 => Component::equal(Weight::from_bits(7_000)),
             _ => Component::ANY,
-        }),
+        }))
     };
     std::vec![
         (
@@ -343,7 +346,12 @@ fn the_longest_messages_fit_a_frame() {
         weight: 255,
     };
     let goal = Goal {
-        components: [component; 16],
+        frame: GoalFrame::Travel,
+        going_q16: u16::MAX,
+        steady_q16: u16::MAX,
+        cap: Weight::MIN,
+        tolerance: Weight::MIN,
+        ..Goal::of([component; 16])
     };
     let piece = Vec::from_slice(&[255; message::MOST_PIECE]).unwrap();
     there_and_back(&report(FromMind::<16>::Decision(decision)));

@@ -1,0 +1,126 @@
+//! The second robot: a disc of the Nomad's size that drives the Braitenberg rule at 0.15 m/s.
+//!
+//! It hears walls and the robot behind it with an exact ring of its own, and waits rather than touch the robot. The robot
+//! meets it as one more post in the world: its sonars hear it, and touching it is a contact like any other.
+
+use crate::baselines::{Braitenberg, Tuning};
+use crate::noise::Noise;
+use crate::pilot::Pilot as _;
+use crate::robot::COLLISION_RADIUS_M;
+use crate::sonar::{RING_PERIOD_S, Ring, SonarModel};
+use crate::world::{Point, Pose, World};
+use amp::controller::{Event, Progress};
+use amp::units::{Bearing, Displacement, Millis, Range};
+
+/// Its speed, m/s.
+pub const LEADER_M_S: f64 = 0.15;
+/// Where it starts: this far from the robot, m between centres.
+const AHEAD_M: f64 = 1.0;
+/// It keeps at least this gap to the robot, m.
+const GAP_M: f64 = 0.02;
+
+/// A robot to follow.
+#[derive(Debug)]
+pub struct Leader {
+    position: Point,
+    pilot: Braitenberg,
+    ring: Ring,
+    /// Simulated time it has not driven yet, s.
+    owed_s: f64,
+}
+
+impl Leader {
+    /// About 1 m from `robot`, in the direction with most room nearest to straight ahead.
+    #[must_use]
+    pub fn ahead_of(robot: Pose, world: &World) -> Self {
+        let turned = |eighth: i32| robot.heading + f64::from(eighth) * std::f64::consts::FRAC_PI_4;
+        let place = |eighth: i32| robot.position + Point::unit(turned(eighth)) * AHEAD_M;
+        let room = |eighth: &i32| {
+            let way = world.sweep(robot.position, place(*eighth), COLLISION_RADIUS_M);
+            way.min_clearance_m.min(0.3) * f64::from(u8::from(!way.touched()))
+        };
+        let best = [0, 1, -1, 2, -2, 3, -3, 4].into_iter().reduce(|best, other| {
+            if room(&other) > room(&best) + 1e-9 { other } else { best }
+        });
+        Self {
+            position: place(best.unwrap_or(0)),
+            pilot: Braitenberg::towards(Tuning::default(), turned(best.unwrap_or(0))),
+            // An exact ring draws no noise.
+            ring: Ring::new(SonarModel::Ideal, &mut Noise::new(0)),
+            owed_s: 0.0,
+        }
+    }
+
+    /// Its centre.
+    #[must_use]
+    pub fn position(&self) -> Point {
+        self.position
+    }
+
+    /// Lets `dt_s` pass: a step at every ring period, unless the robot stands in its way.
+    pub fn advance(&mut self, dt_s: f64, world: &World, robot: Point) {
+        self.owed_s += dt_s;
+        while self.owed_s >= RING_PERIOD_S {
+            self.owed_s -= RING_PERIOD_S;
+            self.step(world, robot);
+        }
+    }
+
+    fn step(&mut self, world: &World, robot: Point) {
+        let crowded = world.with_post(robot, COLLISION_RADIUS_M);
+        let mut ranges = [None; 16];
+        let pose = Pose::new(self.position, 0.0);
+        self.ring.scan(&crowded, &pose, &mut ranges);
+        let mut wanted = None;
+        for (sensor, range) in ranges.iter().enumerate() {
+            let range = range.map(|m: f64| Range::from_mm((m * 1e3) as u16));
+            let sensor = sensor as u8;
+            let heard = Event::Echo { sensor, range };
+            wanted = wanted.or(self.pilot.handle(Millis::from_ms(0), heard).motion);
+        }
+        let Some(motion) = wanted else { return };
+        let way = Point::new(
+            f64::from(motion.displacement.dx_mm),
+            f64::from(motion.displacement.dy_mm),
+        );
+        let step = way * (LEADER_M_S * RING_PERIOD_S / way.length().max(1.0));
+        let to = self.position + step;
+        let near = to.distance(robot) < 2.0 * COLLISION_RADIUS_M + GAP_M;
+        let nearer = to.distance(robot) < self.position.distance(robot);
+        if !(near && nearer) {
+            let sweep = world.sweep(self.position, to, COLLISION_RADIUS_M);
+            self.position = self.position + step * (sweep.travelled_m / step.length().max(1e-9)).min(1.0);
+        }
+        let ended = Event::Odometry {
+            motion: motion.id,
+            moved: Displacement::ZERO,
+            turned: Bearing::ZERO,
+            progress: Progress::Ended,
+        };
+        let _ = self.pilot.handle(Millis::from_ms(0), ended);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_leader_drives_at_its_speed_and_never_into_the_robot() {
+        for seed in 0..10 {
+            let world = World::random(seed);
+            let robot = world.start();
+            let mut leader = Leader::ahead_of(robot, &world);
+            assert!(leader.position().distance(robot.position) > 0.9);
+            let mut way = 0.0;
+            for _ in 0..200 {
+                let before = leader.position();
+                leader.advance(0.5, &world, robot.position);
+                way += before.distance(leader.position());
+                let gap = leader.position().distance(robot.position);
+                assert!(gap > 2.0 * COLLISION_RADIUS_M, "{seed}: {gap}");
+            }
+            assert!((5.0..=15.1).contains(&way), "{seed}: {way}");
+        }
+    }
+}

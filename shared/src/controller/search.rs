@@ -1,0 +1,81 @@
+//! Whether the robot comes nearer to a place, and what it does when it does not.
+
+use crate::config::Wander;
+
+/// How the search for a place goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Search {
+    /// Least deviation since the last wandering.
+    nearest: i64,
+    /// Decisions since it was reached.
+    since: u8,
+    /// Decisions for which the robot still wanders.
+    left: u8,
+}
+
+impl Search {
+    /// Nothing tried yet.
+    pub(super) const NEW: Self = Self {
+        nearest: i64::MAX,
+        since: 0,
+        left: 0,
+    };
+
+    /// Counts a decision taken at this deviation from the goal; true when the robot begins to wander with it. Nearer
+    /// means by a fiftieth: a robot that trembles before a local optimum does not come nearer.
+    pub(super) fn is_stuck(&mut self, deviation: i64, wander: Wander) -> bool {
+        if self.left > 0 {
+            self.left -= 1;
+            if self.left == 0 {
+                *self = Self::NEW;
+            }
+            return false;
+        }
+        if deviation < self.nearest.saturating_sub(self.nearest / 50) {
+            self.nearest = deviation;
+            self.since = 0;
+            return false;
+        }
+        self.since = self.since.saturating_add(1);
+        let stuck = self.since > wander.patience && wander.moves > 0;
+        if stuck {
+            self.left = wander.moves;
+        }
+        stuck
+    }
+
+    /// Whether the robot wanders now.
+    pub(super) const fn wanders(&self) -> bool {
+        self.left > 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WANDER: Wander = Wander {
+        patience: 2,
+        moves: 3,
+    };
+
+    #[test]
+    fn a_robot_that_comes_no_nearer_wanders_for_a_while() {
+        let mut search = Search::NEW;
+        let approach = [1_000, 900, 899, 898].map(|d| search.is_stuck(d, WANDER));
+        assert_eq!(approach, [false; 4]);
+        assert!(search.is_stuck(897, WANDER) && search.wanders());
+        let wandering = [0; 3].map(|_| {
+            assert!(!search.is_stuck(2_000, WANDER));
+            search.wanders()
+        });
+        assert_eq!(wandering, [true, true, false]);
+        assert!(!search.is_stuck(5_000, WANDER) && !search.wanders());
+    }
+
+    #[test]
+    fn coming_nearer_is_never_stuck() {
+        let mut search = Search::NEW;
+        assert!((0..100).all(|step| !search.is_stuck(1_000_000 >> (step / 4), WANDER)));
+    }
+}

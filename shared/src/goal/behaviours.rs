@@ -1,0 +1,190 @@
+//! Behaviours by name as goals: what a ring would perceive if the robot did what is asked.
+//!
+//! All in the frame of travel: component 0 looks where the robot goes. Weights and preferences were found by measurement
+//! (the project's documentation has the table); none is learnt by the robot.
+
+use super::{Component, Frame, Goal};
+use crate::config::Config;
+use crate::units::{Bearing, Range};
+
+/// A side of the robot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// To the left of the way.
+    Left,
+    /// To the right of the way.
+    Right,
+}
+
+/// Half a place of a ring of 16, in binary turns: what lies this far from a bearing still looks along it.
+const HALF_PLACE: u16 = 2_048;
+
+/// Binary turns between two bearings, at most half a turn.
+const fn apart(a: Bearing, b: Bearing) -> u16 {
+    a.minus(b).as_signed_turns().unsigned_abs()
+}
+
+impl<const SENSORS: usize> Goal<SENSORS> {
+    /// A goal in the frame of travel from what is asked at each bearing, to be mirrored for the left.
+    fn along_the_way(side: Side, ask: impl Fn(Bearing) -> Component) -> Self {
+        let components = core::array::from_fn(|place| {
+            let bearing = Bearing::of_place(place, SENSORS);
+            ask(match side {
+                Side::Right => bearing,
+                Side::Left => Bearing::ZERO.minus(bearing),
+            })
+        });
+        Self {
+            frame: Frame::Travel,
+            ..Self::of(components)
+        }
+    }
+
+    /// A wall at `range` from the ring on one side, along which the robot goes on.
+    ///
+    /// Straight to the side the value is that of the range; beside it nothing may be nearer than a straight wall
+    /// would be, behind less than in front, so that the robot turns around corners; ahead there is room to turn.
+    #[must_use]
+    pub fn wall(side: Side, range: Range, config: &Config<SENSORS>) -> Self {
+        const RIGHT: Bearing = Bearing::from_turns(49_152);
+        let face = u32::from(config.robot.face_radius_mm);
+        // How far a straight wall is along a lobe of ±12.5° whose axis lies one or two places beside the normal.
+        let slanted = |stretch_q10: u32| {
+            let from_centre = (u32::from(range.as_mm()) + face) * stretch_q10 >> 10;
+            u16::try_from(from_centre.saturating_sub(face)).unwrap_or(u16::MAX)
+        };
+        let value = |mm: u16| config.encoding.value(Some(Range::from_mm(mm)));
+        let at_most = |mm: u16, weight: u8| Component {
+            weight,
+            ..Component::at_most(value(mm))
+        };
+        let further = |mm: u16| range.as_mm().saturating_add(mm);
+        let ask = |bearing: Bearing| {
+            let off = apart(bearing, RIGHT);
+            let behind = bearing.minus(RIGHT).as_signed_turns() < 0;
+            match (off.saturating_add(HALF_PLACE) >> 12, behind) {
+                (0, _) => Component {
+                    weight: 15,
+                    ..Component::equal(value(range.as_mm()))
+                },
+                (1, true) => at_most(slanted(1_040), 17),
+                (1, false) => at_most(slanted(1_040), 2),
+                (2, false) => at_most(slanted(1_214), 6),
+                _ if apart(bearing, Bearing::ZERO) < 3 * HALF_PLACE * 2 => {
+                    at_most(further(500), 2)
+                }
+                _ if apart(bearing, Bearing::from_turns(16_384)) <= 3 * HALF_PLACE => {
+                    at_most(further(300), 2)
+                }
+                _ => Component::ANY,
+            }
+        };
+        Self {
+            going_q16: 2_800,
+            steady_q16: 350,
+            ..Self::along_the_way(side, ask)
+        }
+    }
+
+    /// Obstacle avoidance in which what stands in the way is left on the robot's left (`Side::Right`: it passes by the
+    /// right) or on its right. On the far side nothing is to be nearer than the clearance, on the near side and ahead
+    /// nothing within `room`.
+    #[must_use]
+    pub fn passing(side: Side, room: Range, config: &Config<SENSORS>) -> Self {
+        let value = |mm: u16| config.encoding.value(Some(Range::from_mm(mm)));
+        let (far, near) = (value(config.clearance_mm), value(room.as_mm()));
+        let ask = |bearing: Bearing| {
+            let turns = bearing.as_signed_turns();
+            if (-17_000..=1_000).contains(&turns) {
+                Component::at_most(near)
+            } else {
+                Component {
+                    weight: 4,
+                    ..Component::at_most(far)
+                }
+            }
+        };
+        Self {
+            going_q16: 132,
+            steady_q16: 132,
+            ..Self::along_the_way(side, ask)
+        }
+    }
+
+    /// Something at `range` ahead and nothing as near beside it.
+    #[must_use]
+    pub fn following(range: Range, config: &Config<SENSORS>) -> Self {
+        let value = |mm: u16| config.encoding.value(Some(Range::from_mm(mm)));
+        let ahead = value(range.as_mm());
+        let ask = |bearing: Bearing| match apart(bearing, Bearing::ZERO) {
+            0..=2_047 => Component {
+                weight: 8,
+                ..Component::equal(ahead)
+            },
+            2_048..=6_143 => Component::ANY,
+            6_144..=20_000 => Component {
+                weight: 2,
+                ..Component::at_most(value(range.as_mm().saturating_add(400)))
+            },
+            _ => Component::at_most(value(config.clearance_mm)),
+        };
+        Self {
+            steady_q16: 700,
+            tolerance: crate::fixed::Weight::from_bits(400),
+            ..Self::along_the_way(Side::Right, ask)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixed::{Mask, Weight};
+
+    fn config() -> Config<16> {
+        Config::recommended()
+    }
+
+    /// What an exact ring perceives beside an endless wall on its right, heading along it.
+    fn beside_a_wall(range_mm: f64) -> [Weight; 16] {
+        let config = config();
+        let face = f64::from(config.robot.face_radius_mm);
+        core::array::from_fn(|place| {
+            let off = (place as f64 - 12.0).abs() * 22.5 - 12.5;
+            let mm = (range_mm + face) / libm::cos(off.max(0.0).to_radians()) - face;
+            let heard = (off < 89.0 && mm < 6_000.0).then(|| Range::from_mm(mm as u16));
+            config.encoding.value(heard)
+        })
+    }
+
+    #[test]
+    fn a_wall_at_the_asked_distance_is_the_goal() {
+        let goal = Goal::wall(Side::Right, Range::from_mm(600), &config());
+        let deviation = |mm: f64, places: usize| {
+            let values = beside_a_wall(mm).map(|value| i32::from(value.to_bits()));
+            goal.deviation(&values, places, Mask::ALL)
+        };
+        let here = deviation(600.0, 0);
+        assert!(here < 2_000, "{here}");
+        for (mm, places) in [(500.0, 0), (700.0, 0), (600.0, 2), (600.0, 14), (600.0, 8)] {
+            assert!(deviation(mm, places) > 10 * here.max(1_000), "{mm} {places}");
+        }
+    }
+
+    #[test]
+    fn left_is_right_in_the_mirror() {
+        let of = |side| Goal::wall(side, Range::from_mm(600), &config()).components;
+        let (left, right) = (of(Side::Left), of(Side::Right));
+        for place in 0..16 {
+            assert_eq!(left[place], right[(16 - place) % 16], "{place}");
+        }
+        assert_eq!((right[12].weight, left[4].weight), (15, 15));
+    }
+
+    #[test]
+    fn the_side_to_pass_by_is_kept_clear_farther() {
+        let goal = Goal::passing(Side::Right, Range::from_mm(1_500), &config());
+        let bit = |place: usize| goal.components[place].high;
+        assert!(bit(15) < bit(1) && bit(12) < bit(4) && bit(0) == bit(15));
+    }
+}
