@@ -14,7 +14,7 @@ pub const WALL_RANGE_M: f64 = 0.6;
 /// Room kept clear on the side by which obstacles are passed, metres.
 pub const PASSING_ROOM_M: f64 = 1.5;
 /// Range to the leader, metres from the ring.
-pub const LEADER_RANGE_M: f64 = 0.8;
+pub const LEADER_RANGE_M: f64 = 0.34;
 /// Decisions in which a behaviour without an end has to hold in a chain before the next begins.
 pub const CHAIN_HOLDS: u32 = 20;
 
@@ -116,6 +116,16 @@ impl Behavior {
         }
     }
 
+    /// The choices as this behaviour needs them: where another robot moves, what was heard two seconds ago is gone.
+    #[must_use]
+    pub fn adapted(&self, config: &Config<16>) -> Config<16> {
+        let mut config = config.clone();
+        if let Some(shield) = config.shield.as_mut().filter(|_| self.has_leader()) {
+            shield.forget_ms = shield.forget_ms.min(2_000);
+        }
+        config
+    }
+
     /// There is another robot to follow.
     #[must_use]
     pub fn has_leader(&self) -> bool {
@@ -168,7 +178,9 @@ impl Captured {
             return Err(bad(format!("each value must lie in 0..=1, not be {value}")));
         }
         if let Some(value) = file.place_m.iter().flatten().find(|v| !(v.abs() <= 1e5)) {
-            return Err(bad(format!("a place must lie within 100 km, not at {value} m")));
+            return Err(bad(format!(
+                "a place must lie within 100 km, not at {value} m"
+            )));
         }
         Ok(Self {
             path: path.to_owned(),

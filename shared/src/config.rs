@@ -294,7 +294,7 @@ impl Config<16> {
     pub const fn recommended() -> Self {
         let probing = Self::probing();
         Self {
-            clearance_mm: 500,
+            clearance_mm: 600,
             planning: Planning {
                 choice: Choice::Headings,
                 wander: Some(Wander {

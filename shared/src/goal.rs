@@ -216,8 +216,11 @@ impl<const SENSORS: usize> Goal<SENSORS> {
         let (head, tail) = values.split_at(places);
         let cap = i32::from(self.cap.to_bits()).max(0);
         let mut total = 0_i64;
-        for (index, (component, value)) in
-            self.components.iter().zip(tail.iter().chain(head)).enumerate()
+        for (index, (component, value)) in self
+            .components
+            .iter()
+            .zip(tail.iter().chain(head))
+            .enumerate()
         {
             let sensor = index.wrapping_add(places).checked_rem(SENSORS).unwrap_or(0);
             if component.weight > 0 && mask.contains(sensor) {

@@ -106,15 +106,25 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
     /// The decision for one situation and one goal.
     #[must_use]
     pub fn plan(&self, situation: &Situation<SENSORS>, goal: &Goal<SENSORS>) -> Plan<SENSORS> {
+        self.plan_on_way(situation, goal, self.way(situation, goal))
+    }
+
+    /// The same on the [`way`](Self::way) towards a place of the ring.
+    #[must_use]
+    pub fn plan_on_way(
+        &self,
+        situation: &Situation<SENSORS>,
+        goal: &Goal<SENSORS>,
+        way: usize,
+    ) -> Plan<SENSORS> {
         match self.config.planning.choice {
-            Choice::Recall => self.recall(situation, goal),
-            Choice::Neurons | Choice::Headings => self.look_ahead(situation, goal),
+            Choice::Recall => self.recall(situation, &goal.towards(way)),
+            Choice::Neurons | Choice::Headings => self.look_ahead(situation, goal, way),
         }
     }
 
-    /// The paper's four steps. A goal in the frame of travel is turned to the way it fits best.
+    /// The paper's four steps.
     fn recall(&self, situation: &Situation<SENSORS>, goal: &Goal<SENSORS>) -> Plan<SENSORS> {
-        let goal = &goal.towards(self.way(situation, goal));
         let planning = &self.config.planning;
         let mask = self.config.believed;
         let goal_scores = self.goal_scores(goal);

@@ -9,7 +9,6 @@ use amp::units::Millis;
 use host_sim::episode::{Body, Seeds};
 use host_sim::pilot::{Pilot, SimState};
 use host_sim::robot::TurretMode;
-use host_sim::scenes::Behavior;
 use host_sim::sonar::SonarModel;
 use host_sim::world::World;
 
@@ -41,7 +40,7 @@ impl Robot {
 
 /// Nothing near but something very near ahead: nearly the opposite of avoiding.
 fn touch_ahead(config: &Config<16>) -> Goal<16> {
-    let mut goal = Behavior::Avoid.goal(config);
+    let mut goal = Goal::avoiding(config);
     for component in goal.components.iter_mut().take(4) {
         *component = Component::at_least(Weight::ONE);
     }
@@ -66,7 +65,7 @@ fn educated<'w>(world: &'w World, steps: usize) -> (Robot, Body<'w>) {
     while !body.advance(&mut robot).mode_changed {}
     let _ = robot.told(body.now(), Command::Learn);
     while !robot.handle(body.now(), Event::Tick).mode_changed {}
-    let avoid = Behavior::Avoid.goal(&robot.config);
+    let avoid = Goal::avoiding(&robot.config);
     let _ = robot.told(body.now(), Command::Seek(avoid));
     for _ in 0..steps {
         let _ = body.advance(&mut robot);

@@ -5,6 +5,7 @@
 //! program quietly.
 
 mod ablation;
+mod behaviors;
 mod demo;
 mod output;
 mod run;
@@ -48,6 +49,8 @@ enum Command {
     Settings,
     /// Measure each open choice by changing it alone, over many random rooms
     Ablation(ablation::AblationArgs),
+    /// List the behaviours with what they reach, measured: the maps alone, and with the shield
+    Behaviors(behaviors::BehaviorsArgs),
     /// Print a completion script for a shell
     Completions {
         /// The shell
@@ -110,6 +113,7 @@ fn execute(command: Option<Command>, out: &mut impl Write) -> Result<(), Failure
         Some(Command::Worlds(args)) => worlds::worlds(&args, out),
         Some(Command::Settings) => settings(out),
         Some(Command::Ablation(args)) => ablation::ablation(&args, out),
+        Some(Command::Behaviors(args)) => behaviors::behaviors(&args, out),
         Some(Command::Completions { shell }) => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "host-sim", &mut script);

@@ -8,7 +8,9 @@ use super::leader::Leader;
 use super::places;
 use crate::noise::Noise;
 use crate::pilot::Pilot;
-use crate::robot::{Base, BaseLimits, COLLISION_RADIUS_M, Executed, Motion as BaseMotion, TurretMode};
+use crate::robot::{
+    Base, BaseLimits, COLLISION_RADIUS_M, Executed, Motion as BaseMotion, TurretMode,
+};
 use crate::sonar::{FIRING_ORDER, FIRING_SLOT_S, RING_PERIOD_S, Ring, SonarModel};
 use crate::world::{Point, Pose, World};
 use amp::controller::{Decision, Event, Motion, Outputs, Progress};
@@ -156,9 +158,9 @@ impl<'w> Body<'w> {
         let sensor = FIRING_ORDER[self.slot % FIRING_ORDER.len()];
         self.slot += 1;
         let world = crowded(self.world, self.leader.as_ref());
-        self.ranges_m[sensor] =
-            self.ring
-                .ping(world, &pose, sensor, self.time_s, &mut self.noise);
+        self.ranges_m[sensor] = self
+            .ring
+            .ping(world, &pose, sensor, self.time_s, &mut self.noise);
         let mut happened = self.nothing_yet(pose);
         let outputs = self.echo(pilot, sensor);
         happened.take(&outputs);
@@ -175,7 +177,9 @@ impl<'w> Body<'w> {
                 &mut self.noise,
             );
         }
-        let done = self.base.advance(FIRING_SLOT_S, crowded(self.world, self.leader.as_ref()));
+        let done = self
+            .base
+            .advance(FIRING_SLOT_S, crowded(self.world, self.leader.as_ref()));
         self.time_s += FIRING_SLOT_S;
         happened.moved = Some(self.report(pilot, pose.position, &done));
         happened

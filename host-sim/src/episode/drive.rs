@@ -89,7 +89,7 @@ pub fn run(
     mut progress: impl FnMut(Phase, u32, u32),
 ) -> Result<Episode, Failure> {
     let seeds = Seeds::of(setup.seed);
-    let mut mind = Mind::new(setup.config.clone());
+    let mut mind = Mind::new(setup.behavior.adapted(&setup.config));
     let body = Body::new(world, setup.sonar, setup.turret, seeds.noise);
     let mut driver = Driver::new(world, body, setup.record);
 

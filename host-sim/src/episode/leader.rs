@@ -39,9 +39,15 @@ impl Leader {
             let way = world.sweep(robot.position, place(*eighth), COLLISION_RADIUS_M);
             way.min_clearance_m.min(0.3) * f64::from(u8::from(!way.touched()))
         };
-        let best = [0, 1, -1, 2, -2, 3, -3, 4].into_iter().reduce(|best, other| {
-            if room(&other) > room(&best) + 1e-9 { other } else { best }
-        });
+        let best = [0, 1, -1, 2, -2, 3, -3, 4]
+            .into_iter()
+            .reduce(|best, other| {
+                if room(&other) > room(&best) + 1e-9 {
+                    other
+                } else {
+                    best
+                }
+            });
         Self {
             position: place(best.unwrap_or(0)),
             pilot: Braitenberg::towards(Tuning::default(), turned(best.unwrap_or(0))),
@@ -89,7 +95,8 @@ impl Leader {
         let nearer = to.distance(robot) < self.position.distance(robot);
         if !(near && nearer) {
             let sweep = world.sweep(self.position, to, COLLISION_RADIUS_M);
-            self.position = self.position + step * (sweep.travelled_m / step.length().max(1e-9)).min(1.0);
+            self.position =
+                self.position + step * (sweep.travelled_m / step.length().max(1e-9)).min(1.0);
         }
         let ended = Event::Odometry {
             motion: motion.id,

@@ -15,10 +15,10 @@ mod record;
 mod tally;
 
 pub use body::Body;
+pub use drive::{Episode, Failure, Phase, Setup, drive_pilot, run};
 pub use leader::Leader;
 pub use measure::{FOLLOWED_S, KEPT_M, NEST_M};
 pub use places::elsewhere;
-pub use drive::{Episode, Failure, Phase, Setup, drive_pilot, run};
 pub use tally::{Report, Tally};
 
 use rand_core::{Rng as _, SeedableRng as _};

@@ -7,7 +7,7 @@ use crate::world::{Point, World};
 /// The place lies at least this far from the nest, m.
 const ELSEWHERE_M: f64 = 1.0;
 /// Gap between body and surfaces at the place and on a way to it, m.
-const GAP_M: f64 = 0.05;
+const GAP_M: f64 = 0.15;
 /// Grid of the search for a way, m.
 const CELL_M: f64 = 0.1;
 /// Most cells looked at: bounds time and memory in huge worlds.
@@ -27,9 +27,8 @@ pub fn elsewhere(world: &World, nest: Point, noise: &mut Noise) -> Point {
 /// Cells of a grid that a disc of the robot's size reaches from `nest`, in a fixed order.
 fn reachable(world: &World, nest: Point) -> Vec<Point> {
     use std::collections::{HashSet, VecDeque};
-    let place = |(column, row): (i32, i32)| {
-        nest + Point::new(f64::from(column), f64::from(row)) * CELL_M
-    };
+    let place =
+        |(column, row): (i32, i32)| nest + Point::new(f64::from(column), f64::from(row)) * CELL_M;
     let mut seen = HashSet::from([(0, 0)]);
     let mut queue = VecDeque::from([(0, 0)]);
     let mut reached = Vec::new();

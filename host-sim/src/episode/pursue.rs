@@ -5,8 +5,8 @@ use super::tally::Tally;
 use crate::pilot::Pilot;
 use crate::scenes::{Behavior, CHAIN_HOLDS};
 use crate::world::Point;
-use amp::config::Config;
 use amp::controller::{Command, Event};
+use amp::goal::Goal;
 use amp::scan::Situation;
 
 /// Carrying the robot takes so long that its shield has forgotten what it heard before, s.
@@ -39,44 +39,36 @@ impl Driver<'_> {
         mut progress: impl FnMut(u32),
     ) -> Result<(), Failure> {
         let parts = setup.behavior.parts();
-        for (index, part) in parts.iter().enumerate() {
+        let alone = parts.len() == 1;
+        for part in parts {
             self.behavior = part.clone();
-            tell(self, pilot, part, &setup.config, nest)?;
+            self.seek(pilot, part.goal(&setup.config, nest))?;
             let begun = self.tally.clone();
-            let last = index + 1 == parts.len();
-            // One decision at a time only where a next part waits.
-            while !is_reached(part, &begun, &self.tally) || (last && parts.len() == 1) {
-                let until = if parts.len() == 1 {
-                    setup.steps
-                } else {
-                    (self.tally.steps + 1).min(setup.steps)
-                };
+            // Alone, a behaviour goes on to the end; in a chain each decision may be its last.
+            while self.tally.steps < setup.steps
+                && (alone || !is_reached(part, &begun, &self.tally))
+            {
+                let before = self.tally.steps;
+                let until = if alone { setup.steps } else { before + 1 };
                 self.drive(pilot, until, &mut progress)?;
-                if self.tally.steps >= setup.steps {
-                    break;
+                if self.tally.steps == before {
+                    return Ok(());
                 }
             }
             if !is_reached(part, &begun, &self.tally) {
-                break;
+                return Ok(());
             }
-            self.measure.reached += u32::from(!matches!(part, Behavior::Nest) || self.measure.at_nest());
+            let there = !matches!(part, Behavior::Nest) || self.measure.at_nest();
+            self.measure.reached += u32::from(there);
         }
         Ok(())
     }
-}
 
-fn tell(
-    driver: &Driver<'_>,
-    pilot: &mut impl Pilot,
-    part: &Behavior,
-    config: &Config<16>,
-    nest: &Situation<16>,
-) -> Result<(), Failure> {
-    let command = Command::Seek(part.goal(config, nest));
-    let outputs = pilot.handle(driver.body.now(), Event::Command(command));
-    outputs
-        .refusal
-        .map_or(Ok(()), |refusal| Err(Failure::Refused(refusal)))
+    fn seek(&self, pilot: &mut impl Pilot, goal: Goal<16>) -> Result<(), Failure> {
+        let command = Event::Command(Command::Seek(goal));
+        let refusal = pilot.handle(self.body.now(), command).refusal;
+        refusal.map_or(Ok(()), |refusal| Err(Failure::Refused(refusal)))
+    }
 }
 
 /// A place is reached when its goal holds; a way when its goal has held for a while.

@@ -1,3 +1,5 @@
 //! Measurements over many rooms.
 
 pub mod ablation;
+pub mod behaviors;
+pub mod rooms;

@@ -105,12 +105,21 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             course: self.course,
             cut,
         };
-        let mut plan = planner.plan(&situation, &pursued.unwrap_or(*goal));
+        let goal = pursued.unwrap_or(*goal);
+        let way = planner.way(&situation, &goal);
+        let mut plan = planner.plan_on_way(&situation, &goal, way);
         if pursued.is_some() {
             plan.at_goal = false;
             plan.why = Why::Wander;
         }
-        self.go(config, now, situation, plan.action, Some(plan))
+        let outputs = self.go(config, now, situation, plan.action, Some(plan));
+        // A robot that backs away from what it follows still looks at it.
+        let looks = goal.frame == Frame::Travel && goal.going_q16 == 0;
+        if let Some(direction) = config.robot.directions.get(way).filter(|_| looks) {
+            let (x, y) = direction.times(i32::from(config.robot.step_mm));
+            self.course = Displacement::saturating(x, y);
+        }
+        outputs
     }
 
     /// What is pursued instead of the goal while the robot wanders: obstacle avoidance on another course.

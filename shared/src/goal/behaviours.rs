@@ -5,6 +5,7 @@
 
 use super::{Component, Frame, Goal};
 use crate::config::Config;
+use crate::fixed::Weight;
 use crate::units::{Bearing, Range};
 
 /// A side of the robot.
@@ -70,9 +71,7 @@ impl<const SENSORS: usize> Goal<SENSORS> {
                 (1, true) => at_most(slanted(1_040), 17),
                 (1, false) => at_most(slanted(1_040), 2),
                 (2, false) => at_most(slanted(1_214), 6),
-                _ if apart(bearing, Bearing::ZERO) < 3 * HALF_PLACE * 2 => {
-                    at_most(further(500), 2)
-                }
+                _ if apart(bearing, Bearing::ZERO) < 3 * HALF_PLACE * 2 => at_most(further(500), 2),
                 _ if apart(bearing, Bearing::from_turns(16_384)) <= 3 * HALF_PLACE => {
                     at_most(further(300), 2)
                 }
@@ -87,50 +86,52 @@ impl<const SENSORS: usize> Goal<SENSORS> {
     }
 
     /// Obstacle avoidance in which what stands in the way is left on the robot's left (`Side::Right`: it passes by the
-    /// right) or on its right. On the far side nothing is to be nearer than the clearance, on the near side and ahead
-    /// nothing within `room`.
+    /// right) or on its right. On the side to pass by nothing is to be within `room`, ahead nothing within two thirds of
+    /// it, elsewhere nothing within the clearance and a bit: turning away to the wrong side would cost more.
     #[must_use]
     pub fn passing(side: Side, room: Range, config: &Config<SENSORS>) -> Self {
-        let value = |mm: u16| config.encoding.value(Some(Range::from_mm(mm)));
-        let (far, near) = (value(config.clearance_mm), value(room.as_mm()));
-        let ask = |bearing: Bearing| {
-            let turns = bearing.as_signed_turns();
-            if (-17_000..=1_000).contains(&turns) {
-                Component::at_most(near)
-            } else {
-                Component {
-                    weight: 4,
-                    ..Component::at_most(far)
-                }
-            }
+        let at_most = |mm: u16, weight: u8| Component {
+            weight,
+            ..Component::at_most(config.encoding.value(Some(Range::from_mm(mm))))
+        };
+        let ahead = room.as_mm() / 3 * 2;
+        let elsewhere = config.clearance_mm.saturating_add(200);
+        let ask = |bearing: Bearing| match bearing.as_signed_turns() {
+            // From 135° to 22.5° on the side to pass by; from there to 67.5° on the other.
+            -26_000..=-2_049 => at_most(room.as_mm(), 1),
+            -2_048..=14_000 => at_most(ahead, 1),
+            _ => at_most(elsewhere, 4),
         };
         Self {
-            going_q16: 132,
-            steady_q16: 132,
+            going_q16: 650,
+            steady_q16: 130,
             ..Self::along_the_way(side, ask)
         }
     }
 
-    /// Something at `range` ahead and nothing as near beside it.
+    /// Something at `range` ahead, nothing nearer beside it, and room around: a thing that stands free. Strongly on course,
+    /// for such a thing does not jump from one side to another.
     #[must_use]
     pub fn following(range: Range, config: &Config<SENSORS>) -> Self {
         let value = |mm: u16| config.encoding.value(Some(Range::from_mm(mm)));
-        let ahead = value(range.as_mm());
         let ask = |bearing: Bearing| match apart(bearing, Bearing::ZERO) {
-            0..=2_047 => Component {
-                weight: 8,
-                ..Component::equal(ahead)
+            0..HALF_PLACE => Component {
+                weight: 15,
+                ..Component::equal(value(range.as_mm()))
             },
-            2_048..=6_143 => Component::ANY,
-            6_144..=20_000 => Component {
-                weight: 2,
-                ..Component::at_most(value(range.as_mm().saturating_add(400)))
+            HALF_PLACE..6_144 => Component {
+                weight: 3,
+                ..Component::at_most(value(range.as_mm()))
             },
-            _ => Component::at_most(value(config.clearance_mm)),
+            6_144..=18_432 => Component {
+                weight: 3,
+                ..Component::at_most(value(range.as_mm().saturating_add(550)))
+            },
+            _ => Component::at_most(value(670)),
         };
         Self {
-            steady_q16: 700,
-            tolerance: crate::fixed::Weight::from_bits(400),
+            steady_q16: 8_700,
+            tolerance: Weight::from_bits(400),
             ..Self::along_the_way(Side::Right, ask)
         }
     }
@@ -139,7 +140,7 @@ impl<const SENSORS: usize> Goal<SENSORS> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fixed::{Mask, Weight};
+    use crate::fixed::Mask;
 
     fn config() -> Config<16> {
         Config::recommended()
@@ -167,7 +168,10 @@ mod tests {
         let here = deviation(600.0, 0);
         assert!(here < 2_000, "{here}");
         for (mm, places) in [(500.0, 0), (700.0, 0), (600.0, 2), (600.0, 14), (600.0, 8)] {
-            assert!(deviation(mm, places) > 10 * here.max(1_000), "{mm} {places}");
+            assert!(
+                deviation(mm, places) > 10 * here.max(1_000),
+                "{mm} {places}"
+            );
         }
     }
 
@@ -185,6 +189,6 @@ mod tests {
     fn the_side_to_pass_by_is_kept_clear_farther() {
         let goal = Goal::passing(Side::Right, Range::from_mm(1_500), &config());
         let bit = |place: usize| goal.components[place].high;
-        assert!(bit(15) < bit(1) && bit(12) < bit(4) && bit(0) == bit(15));
+        assert!(bit(15) < bit(1) && bit(12) < bit(4) && bit(0) == bit(3));
     }
 }

@@ -44,7 +44,12 @@ impl<const SENSORS: usize> Forward<SENSORS> {
     ) -> Self {
         let (mut along_x, mut along_y) = ([0_i64; SENSORS], [0_i64; SENSORS]);
         let (mut xx, mut xy, mut yy) = (0_i64, 0_i64, 0_i64);
-        for (action, change) in actions.actions().code().iter().zip(actions.changes().code()) {
+        for (action, change) in actions
+            .actions()
+            .code()
+            .iter()
+            .zip(actions.changes().code())
+        {
             let [x, y] = plane(code, action.map(coarse), step_mm);
             (xx, xy, yy) = (xx + x * x, xy + x * y, yy + y * y);
             for ((sum_x, sum_y), change) in along_x.iter_mut().zip(&mut along_y).zip(change) {
@@ -127,8 +132,16 @@ impl Solution {
             slope.clamp(-(1 << 14), 1 << 14)
         };
         (
-            slope(self.yy.wrapping_mul(sum_x).wrapping_sub(self.xy.wrapping_mul(sum_y))),
-            slope(self.xx.wrapping_mul(sum_y).wrapping_sub(self.xy.wrapping_mul(sum_x))),
+            slope(
+                self.yy
+                    .wrapping_mul(sum_x)
+                    .wrapping_sub(self.xy.wrapping_mul(sum_y)),
+            ),
+            slope(
+                self.xx
+                    .wrapping_mul(sum_y)
+                    .wrapping_sub(self.xy.wrapping_mul(sum_x)),
+            ),
         )
     }
 }
@@ -194,7 +207,7 @@ fn part(direction: Direction, share_q2: i32) -> Direction {
 impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
     /// Place of the ring towards which a goal in the frame of travel fits the situation best, the course preferred; 0
     /// for other goals.
-    pub(super) fn way(&self, situation: &Situation<SENSORS>, goal: &Goal<SENSORS>) -> usize {
+    pub fn way(&self, situation: &Situation<SENSORS>, goal: &Goal<SENSORS>) -> usize {
         if goal.frame == Frame::Ring || !self.config.robot.symmetric {
             return 0;
         }
@@ -205,19 +218,21 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             let steady = weighted(goal.steady_q16, cosine_q14(*direction, course));
             goal.deviation(&values, place, self.config.believed) - steady
         });
-        let best = deviations.enumerate().min_by_key(|(_, deviation)| *deviation);
+        let best = deviations
+            .enumerate()
+            .min_by_key(|(_, deviation)| *deviation);
         best.map_or(0, |(place, _)| place)
     }
 
-    /// The action that leads nearest to the goal.
+    /// The action that leads nearest to the goal on the way towards `place`.
     pub(super) fn look_ahead(
         &self,
         situation: &Situation<SENSORS>,
         goal: &Goal<SENSORS>,
+        place: usize,
     ) -> Plan<SENSORS> {
         let config = self.config;
         let mask = config.believed;
-        let place = self.way(situation, goal);
         let turned = goal.towards(place);
         let travels = goal.frame == Frame::Travel && config.robot.symmetric;
         let ahead = config.robot.directions.get(place).copied();
@@ -310,7 +325,10 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
     ) -> Option<Candidate<SENSORS>> {
         let step = i32::from(self.config.robot.step_mm);
         let code = self.actions.actions().code_vector(neuron);
-        let action = self.config.action_code.decode(code, self.config.robot.step_mm);
+        let action = self
+            .config
+            .action_code
+            .decode(code, self.config.robot.step_mm);
         let length = i32::from(action.length_mm());
         if length < step / 4 {
             return None;
