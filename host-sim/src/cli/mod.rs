@@ -8,6 +8,7 @@ mod ablation;
 mod behaviors;
 mod demo;
 mod output;
+mod repetition;
 mod run;
 mod table;
 mod worlds;
@@ -51,6 +52,8 @@ enum Command {
     Ablation(ablation::AblationArgs),
     /// List the behaviours with what they reach, measured: the maps alone, and with the shield
     Behaviors(behaviors::BehaviorsArgs),
+    /// Measure whether a behaviour improves by being repeated, against frozen maps
+    Repetition(repetition::RepetitionArgs),
     /// Print a completion script for a shell
     Completions {
         /// The shell
@@ -114,6 +117,7 @@ fn execute(command: Option<Command>, out: &mut impl Write) -> Result<(), Failure
         Some(Command::Settings) => settings(out),
         Some(Command::Ablation(args)) => ablation::ablation(&args, out),
         Some(Command::Behaviors(args)) => behaviors::behaviors(&args, out),
+        Some(Command::Repetition(args)) => repetition::repetition(&args, out),
         Some(Command::Completions { shell }) => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "host-sim", &mut script);

@@ -88,6 +88,27 @@ pub fn run(
     setup: &Setup,
     mut progress: impl FnMut(Phase, u32, u32),
 ) -> Result<Episode, Failure> {
+    let (mut mind, mut driver, exploration) = educated(world, setup, &mut progress)?;
+    driver.set_scene(&setup.behavior);
+    let began_s = driver.body.time_s();
+    driver.pursue(&mut mind, setup, |done| {
+        progress(Phase::Seek, done, setup.steps)
+    })?;
+    let time_s = driver.body.time_s() - began_s;
+    let success = driver.measure.success(&setup.behavior, &driver.tally);
+    let report = report(world, setup, &exploration, &driver.tally, time_s, success);
+    let recording = driver
+        .recorder
+        .map(|recorder| recorder.finish(world, setup, &mind));
+    Ok(Episode { report, recording })
+}
+
+/// A robot that has explored and learnt, and the tally of its random moves.
+pub(super) fn educated<'w>(
+    world: &'w World,
+    setup: &Setup,
+    mut progress: impl FnMut(Phase, u32, u32),
+) -> Result<(Mind, Driver<'w>, Tally), Failure> {
     let seeds = Seeds::of(setup.seed);
     let mut mind = Mind::new(setup.behavior.adapted(&setup.config));
     let body = Body::new(world, setup.sonar, setup.turret, seeds.noise);
@@ -109,20 +130,7 @@ pub fn run(
     progress(Phase::Learn, 0, 1);
     driver.learn(&mut mind)?;
     progress(Phase::Learn, 1, 1);
-
-    driver.set_scene(&setup.behavior);
-    let began_s = driver.body.time_s();
-    let nest = driver.nest;
-    driver.pursue(&mut mind, setup, &nest, |done| {
-        progress(Phase::Seek, done, setup.steps)
-    })?;
-    let time_s = driver.body.time_s() - began_s;
-    let success = driver.measure.success(&setup.behavior, &driver.tally);
-    let report = report(world, setup, &exploration, &driver.tally, time_s, success);
-    let recording = driver
-        .recorder
-        .map(|recorder| recorder.finish(world, setup, &mind));
-    Ok(Episode { report, recording })
+    Ok((mind, driver, exploration))
 }
 
 /// Lets any pilot drive `steps` steps from the world's start: the tally of a yardstick.
@@ -141,7 +149,7 @@ pub fn drive_pilot(
     Ok(driver.tally)
 }
 
-fn report(
+pub(super) fn report(
     world: &World,
     setup: &Setup,
     exploration: &Tally,
@@ -178,7 +186,7 @@ pub(super) struct Driver<'w> {
     /// What is being done now.
     pub(super) behavior: Behavior,
     /// What was perceived before the first move.
-    nest: Situation<16>,
+    pub(super) nest: Situation<16>,
     first: bool,
     /// The step under way.
     open: Option<Stride>,
@@ -296,7 +304,7 @@ impl<'w> Driver<'w> {
     }
 
     /// Begins a new tally; returns the old one.
-    fn next_phase(&mut self, world: &World) -> Tally {
+    pub(super) fn next_phase(&mut self, world: &World) -> Tally {
         if let Some(recorder) = &mut self.recorder {
             recorder.next_phase();
         }

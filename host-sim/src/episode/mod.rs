@@ -19,6 +19,7 @@ pub use drive::{Episode, Failure, Phase, Setup, drive_pilot, run};
 pub use leader::Leader;
 pub use measure::{FOLLOWED_S, KEPT_M, NEST_M};
 pub use places::elsewhere;
+pub use pursue::repeat;
 pub use tally::{Report, Tally};
 
 use rand_core::{Rng as _, SeedableRng as _};

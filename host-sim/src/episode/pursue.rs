@@ -1,16 +1,34 @@
 //! The last phase of an episode: one behaviour, or several one after the other.
 
-use super::drive::{Driver, Failure, Setup};
-use super::tally::Tally;
+use super::drive::{Driver, Failure, Setup, educated, report};
+use super::tally::{Report, Tally};
 use crate::pilot::Pilot;
 use crate::scenes::{Behavior, CHAIN_HOLDS};
-use crate::world::Point;
+use crate::world::{Point, World};
 use amp::controller::{Command, Event};
 use amp::goal::Goal;
-use amp::scan::Situation;
 
 /// Carrying the robot takes so long that its shield has forgotten what it heard before, s.
 const CARRIED_S: f64 = 601.0;
+
+/// Explores and learns once, then pursues the behaviour `times` times, each from a new scene: the reports of all.
+///
+/// # Errors
+/// When the mind refuses a command or falls silent.
+pub fn repeat(world: &World, setup: &Setup, times: u32) -> Result<Vec<Report>, Failure> {
+    let (mut mind, mut driver, exploration) = educated(world, setup, |_, _, _| {})?;
+    let mut reports = Vec::new();
+    for _ in 0..times {
+        driver.set_scene(&setup.behavior);
+        let began_s = driver.body.time_s();
+        driver.pursue(&mut mind, setup, |_| {})?;
+        let time_s = driver.body.time_s() - began_s;
+        let success = driver.measure.success(&setup.behavior, &driver.tally);
+        let tally = driver.next_phase(world);
+        reports.push(report(world, setup, &exploration, &tally, time_s, success));
+    }
+    Ok(reports)
+}
 
 impl Driver<'_> {
     /// Sets the scene of a behaviour: the robot elsewhere, a leader ahead of it.
@@ -35,14 +53,13 @@ impl Driver<'_> {
         &mut self,
         pilot: &mut impl Pilot,
         setup: &Setup,
-        nest: &Situation<16>,
         mut progress: impl FnMut(u32),
     ) -> Result<(), Failure> {
         let parts = setup.behavior.parts();
         let alone = parts.len() == 1;
         for part in parts {
             self.behavior = part.clone();
-            self.seek(pilot, part.goal(&setup.config, nest))?;
+            self.seek(pilot, part.goal(&setup.config, &self.nest))?;
             let begun = self.tally.clone();
             // Alone, a behaviour goes on to the end; in a chain each decision may be its last.
             while self.tally.steps < setup.steps

@@ -263,6 +263,12 @@ impl Scene {
         }
     }
 
+    /// The scene's measure of an episode.
+    #[must_use]
+    pub fn value(&self, report: &Report) -> f64 {
+        (self.value)(report)
+    }
+
     /// The scene's world number `index`.
     #[must_use]
     pub fn world(&self, index: u64) -> World {

@@ -2,4 +2,5 @@
 
 pub mod ablation;
 pub mod behaviors;
+pub mod repetition;
 pub mod rooms;
