@@ -29,9 +29,7 @@ impl Behavior {
     #[must_use]
     pub fn goal(self, config: &Config<16>) -> Goal<16> {
         match self {
-            Self::Avoid => {
-                Goal::avoiding(config)
-            }
+            Self::Avoid => Goal::avoiding(config),
         }
     }
 

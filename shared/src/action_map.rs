@@ -3,7 +3,7 @@
 //! A neuron holds a change of situation Δ and an action side by side: two codebooks over one grid. Learning finds the
 //! winner by both parts, |Δ − Δ_k|² + λ |a − a_k|²; recall probes with the change alone.
 
-use crate::fixed::{Mask, ONE_BITS, Weight, coarse, isqrt, squared_norm, unit_weight};
+use crate::fixed::{Mask, ONE_BITS, Weight, coarse, isqrt, quotient, squared_norm, unit_weight};
 use crate::som::neighbourhood::Pull;
 use crate::som::{Grid, Som, kernels};
 use crate::units::{Bearing, Displacement};
@@ -134,7 +134,9 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
     #[inline]
     #[must_use]
     pub fn winner(&self, effect: &Effect<SENSORS>, action_weight_q8: u16) -> usize {
-        let mut scores = self.changes.scores_masked(&effect.change, effect.mask);
+        let mut scores = [0; NEURONS];
+        let changes = &self.changes;
+        changes.score(&effect.change, effect.mask, &mut scores);
         let by_action = self.actions.scores(&effect.action);
         for (score, action) in scores.iter_mut().zip(by_action) {
             let weighted = action.wrapping_mul(i64::from(action_weight_q8));
@@ -228,18 +230,18 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         let best = best.unwrap_or(0).max(1);
         let (mut sum, mut total) = ([0_i64; 2], 0_i64);
         for (k, (score, action)) in scores.iter().zip(self.actions.code()).enumerate() {
-            // The score over the best one's, Q10: its fourth power is at most 2^40 before the shift.
-            let share = counted(k, *score)
-                .saturating_mul(1 << 10)
-                .wrapping_div(best);
-            let squared = share.wrapping_mul(share) >> 10;
-            let weight = squared.wrapping_mul(squared) >> 10;
-            total = total.wrapping_add(weight);
+            // The score over the best one's, Q10: its fourth power takes 20 bits before the last shift.
+            let share = quotient(counted(k, *score).saturating_mul(1 << 10), best);
+            let share = share.min(1 << 10) as i32;
+            let squared = (share * share) >> 10;
+            let weight = (squared * squared) >> 10;
+            total = total.wrapping_add(i64::from(weight));
             for (sum, part) in sum.iter_mut().zip(action) {
-                *sum = sum.wrapping_add(weight.wrapping_mul(i64::from(coarse(*part).to_bits())));
+                let part = i32::from(coarse(*part).to_bits());
+                *sum = sum.wrapping_add(i64::from(weight) * i64::from(part));
             }
         }
-        sum.map(|sum| unit_weight(sum.checked_div(total).unwrap_or(0) as i32))
+        sum.map(|sum| unit_weight(quotient(sum, total) as i32))
     }
 }
 

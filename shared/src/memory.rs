@@ -12,9 +12,23 @@ use heapless::Vec;
 pub type SituationBytes<const SENSORS: usize> = [u8; SENSORS];
 
 /// The byte of 1.0.
-const NEAR: i32 = 254;
+const NEAR: u32 = 254;
+/// 1.0 as bits of a weight.
+const ONE: u32 = ONE_BITS.unsigned_abs() as u32;
 /// The byte of a transducer that was not to be believed.
 const UNKNOWN: u8 = 255;
+
+/// The value of each byte but the last: the nearest to its share. A table, because learning asks a million times.
+static VALUES: [Weight; UNKNOWN as usize] = {
+    let mut values = [Weight::ZERO; UNKNOWN as usize];
+    let mut byte = 0;
+    while byte < values.len() {
+        let bits = (byte as u32 * ONE + NEAR / 2) / NEAR;
+        values[byte] = Weight::from_bits(bits as i16);
+        byte += 1;
+    }
+    values
+};
 
 /// The nearest byte to each value that `believed` counts.
 #[must_use]
@@ -25,8 +39,8 @@ pub fn to_bytes<const SENSORS: usize>(
     let mut bytes = [UNKNOWN; SENSORS];
     for (index, (byte, value)) in bytes.iter_mut().zip(situation).enumerate() {
         if believed.contains(index) {
-            let bits = i32::from(value.to_bits()).clamp(0, i32::from(ONE_BITS));
-            *byte = ((bits * NEAR + i32::from(ONE_BITS) / 2) >> 13) as u8;
+            let bits = u32::from(value.to_bits().max(0).unsigned_abs()).min(ONE);
+            *byte = ((bits * NEAR + ONE / 2) >> 13) as u8;
         }
     }
     bytes
@@ -40,11 +54,9 @@ pub fn from_bytes<const SENSORS: usize>(
     let mut believed = Mask::ALL;
     let mut situation = [Weight::ZERO; SENSORS];
     for (index, (value, &byte)) in situation.iter_mut().zip(bytes).enumerate() {
-        if byte == UNKNOWN {
-            believed = believed.without(index);
-        } else {
-            let bits = (i32::from(byte) * i32::from(ONE_BITS) + NEAR / 2) / NEAR;
-            *value = Weight::from_bits(bits as i16);
+        match VALUES.get(usize::from(byte)) {
+            Some(known) => *value = *known,
+            None => believed = believed.without(index),
         }
     }
     (situation, believed)

@@ -129,7 +129,8 @@ impl<const SENSORS: usize> Shield<SENSORS> {
             dx.max(dy) < spacing
         });
         if same_place.is_none() {
-            kept.rotate_right(1);
+            // The oldest makes room.
+            kept.copy_within(..KEPT - 1, 1);
         }
         let previous = same_place.and_then(|arc| arc.latest);
         if let Some(place) = kept.first_mut() {
@@ -206,18 +207,19 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         among: Mask,
     ) -> i32 {
         let mut distance = limit;
+        let asked = config.believed.and(among);
+        let places = usize::from(way.shielding.places.max(1));
         for (sensor, kept) in self.arcs.iter().enumerate() {
-            if !config.believed.and(among).contains(sensor) {
+            if !asked.contains(sensor) {
                 continue;
             }
-            let recent = kept
-                .iter()
-                .take(usize::from(way.shielding.places.max(1)))
-                .flatten();
             let mut fresh = false;
-            for arc in recent.filter(|arc| way.age_ms(arc) <= way.shielding.forget_ms) {
-                fresh |= way.age_ms(arc) <= way.shielding.fresh_ms;
-                distance = distance.min(way.until(arc, distance));
+            for arc in kept.iter().take(places).filter_map(Option::as_ref) {
+                let age_ms = way.now.since(arc.at);
+                if age_ms <= way.shielding.forget_ms {
+                    fresh |= age_ms <= way.shielding.fresh_ms;
+                    distance = way.until(arc, age_ms, distance);
+                }
             }
             if !fresh && way.is_covered_by(config, sensor) {
                 distance = 0;
@@ -280,10 +282,6 @@ impl<'a> Way<'a> {
         }
     }
 
-    fn age_ms(&self, arc: &Arc) -> u32 {
-        self.now.since(arc.at)
-    }
-
     /// Whether the transducer looks where the robot would go.
     fn is_covered_by<const SENSORS: usize>(&self, config: &Config<SENSORS>, sensor: usize) -> bool {
         const COS_45_Q14: i32 = 11_585;
@@ -294,8 +292,10 @@ impl<'a> Way<'a> {
         })
     }
 
-    /// Distance until the body would come within the margin of the arc; `limit` where it would not before that.
-    fn until(&self, arc: &Arc, limit: i32) -> i32 {
+    /// Distance until the body would come within the margin of the arc, heard so long ago; `limit` where it would not
+    /// before that.
+    #[inline]
+    fn until(&self, arc: &Arc, age_ms: u32, limit: i32) -> i32 {
         let Some(range) = arc.range else {
             return limit;
         };
@@ -303,7 +303,7 @@ impl<'a> Way<'a> {
         if range.as_mm() <= self.shielding.least_range_mm {
             return self.until_point(face_x, face_y, limit);
         }
-        let aged = u64::from(self.age_ms(arc)) * u64::from(self.shielding.approach_mm_s) / 1_000;
+        let aged = age_ms.saturating_mul(u32::from(self.shielding.approach_mm_s)) / 1_000;
         let range = i32::from(range.as_mm())
             .saturating_sub(aged.min(65_535) as i32)
             .max(0);
@@ -312,6 +312,12 @@ impl<'a> Way<'a> {
         if range > limit.saturating_add(self.reach_mm).saturating_add(slack) {
             return limit;
         }
+        self.until_arc(arc, range, limit)
+    }
+
+    /// As [`until`](Self::until), for an arc near enough to look at its middle and its ends.
+    fn until_arc(&self, arc: &Arc, range: i32, limit: i32) -> i32 {
+        let (face_x, face_y) = (i32::from(arc.face.dx_mm), i32::from(arc.face.dy_mm));
         let (ax, ay) = (i32::from(arc.axis.x_q14), i32::from(arc.axis.y_q14));
         let edges = [
             self.left_edge.rotate(ax, ay),
@@ -339,12 +345,16 @@ impl<'a> Way<'a> {
         if along <= 0 || across.saturating_abs() >= reach {
             return limit;
         }
-        let half_chord = isqrt(
-            reach
-                .wrapping_mul(reach)
-                .wrapping_sub(across.wrapping_mul(across))
-                .max(0) as u64,
-        );
-        along.wrapping_sub(half_chord as i32).clamp(0, limit)
+        let squared = reach
+            .wrapping_mul(reach)
+            .wrapping_sub(across.wrapping_mul(across))
+            .max(0);
+        // Most points lie beyond the limit: that is seen without a root.
+        let beyond = along.wrapping_sub(limit);
+        if beyond >= 0 && beyond.saturating_mul(beyond) >= squared {
+            return limit;
+        }
+        let half_chord = isqrt(u64::from(squared.unsigned_abs()));
+        along.wrapping_sub(half_chord as i32).max(0).min(limit)
     }
 }

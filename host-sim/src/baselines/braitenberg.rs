@@ -131,7 +131,7 @@ impl Pilot for Braitenberg {
                 }
                 Outputs::NONE
             }
-            Event::Command(_) | Event::Tick => Outputs::NONE,
+            Event::Command(_) | Event::Tick | Event::Alarm(_) => Outputs::NONE,
         }
     }
 }

@@ -11,7 +11,7 @@ mod record;
 mod tally;
 
 pub use body::Body;
-pub use drive::{Episode, Failure, Phase, Setup, drive_pilot, run};
+pub use drive::{Episode, Failure, Phase, Setup, drive_pilot, run, run_with};
 pub use tally::{Report, Tally};
 
 use rand_core::{Rng as _, SeedableRng as _};

@@ -5,7 +5,8 @@
 //! Measured in scalar products: a search of 16 neurons of 16 components is 256 multiply–adds and 16 comparisons.
 
 use crate::fixed::{
-    Fine, Gain, Mask, Scalar, Weight, approach, dot, isqrt, squared_distance, squared_norm,
+    Fine, Gain, Mask, Scalar, Weight, approach, dot, isqrt, quotient, squared_distance,
+    squared_norm,
 };
 
 /// Squared distance of the probe to each code vector less the probe's own squared length:
@@ -49,27 +50,30 @@ pub fn projections(
 /// mostly chance, from answering; where all are equally long, this is half the probe's length times the cosine.
 pub fn alignments(
     code: &[Fine],
-    norms: impl Iterator<Item = i64> + Clone,
+    norms: impl Iterator<Item = i64>,
     dims: usize,
     probe: &[Weight],
     mask: Mask,
     out: &mut [i64],
 ) {
     let root = |norm: i64| i64::from(isqrt(norm.unsigned_abs()));
-    let (sum, count) = norms.clone().fold((0_i64, 0_i64), |(sum, count), norm| {
-        (sum.wrapping_add(root(norm)), count.wrapping_add(1))
-    });
+    let (mut sum, mut count) = (0_i64, 0_i64);
+    // Until their own values are known, the places hold the lengths.
+    for (length, norm) in out.iter_mut().zip(norms) {
+        *length = root(norm);
+        sum = sum.wrapping_add(*length);
+        count = count.wrapping_add(1);
+    }
     let mean = sum.checked_div(count).unwrap_or(0);
     let whole = mask.covers(dims);
-    for ((row, norm), alignment) in rows(code, dims).zip(norms).zip(out) {
-        let (norm, product) = if whole {
-            (norm, dot(row, probe))
+    for (row, alignment) in rows(code, dims).zip(out) {
+        let (length, product) = if whole {
+            (*alignment, dot(row, probe))
         } else {
-            masked_products(row, probe, mask)
+            let (norm, product) = masked_products(row, probe, mask);
+            (root(norm), product)
         };
-        *alignment = product
-            .checked_div(root(norm).wrapping_add(mean))
-            .unwrap_or(0);
+        *alignment = quotient(product, length.wrapping_add(mean));
     }
 }
 

@@ -122,32 +122,35 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     #[must_use]
     pub fn scores(&self, probe: &[Weight; DIMS]) -> [i64; NEURONS] {
         let mut scores = [0; NEURONS];
-        kernels::scores(
-            self.code.as_flattened(),
-            self.norms.iter().map(|norm| i64::from(*norm)),
-            DIMS,
-            probe,
-            &mut scores,
-        );
+        self.score(probe, Mask::ALL, &mut scores);
         scores
     }
 
     /// As [`scores`](Self::scores), over the components that `mask` believes.
     #[must_use]
     pub fn scores_masked(&self, probe: &[Weight; DIMS], mask: Mask) -> [i64; NEURONS] {
-        if mask.covers(DIMS) {
-            return self.scores(probe);
-        }
         let mut scores = [0; NEURONS];
-        kernels::scores_masked(self.code.as_flattened(), DIMS, probe, mask, &mut scores);
+        self.score(probe, mask, &mut scores);
         scores
+    }
+
+    /// The scores into room lent for them: a search runs 20 000 times in a training and must not copy its result.
+    pub(crate) fn score(&self, probe: &[Weight; DIMS], mask: Mask, scores: &mut [i64; NEURONS]) {
+        let code = self.code.as_flattened();
+        if mask.covers(DIMS) {
+            let norms = self.norms.iter().map(|norm| i64::from(*norm));
+            kernels::scores(code, norms, DIMS, probe, scores);
+        } else {
+            kernels::scores_masked(code, DIMS, probe, mask, scores);
+        }
     }
 
     /// The best-matching unit over the components that `mask` believes, in full precision; the lowest index on ties.
     #[inline]
     #[must_use]
     pub fn winner(&self, probe: &[Weight; DIMS], mask: Mask) -> usize {
-        let scores = self.scores_masked(probe, mask);
+        let mut scores = [0; NEURONS];
+        self.score(probe, mask, &mut scores);
         kernels::nearest(&scores, DIMS, 1, |k| self.distance(k, probe, mask))
     }
 
@@ -241,7 +244,9 @@ impl Learn {
     ) {
         match pull {
             neighbourhood::View::Direct { rate, share } => {
-                let near = self.grid.neighbours(self.winner).map(|k| (k, share));
+                let learning = if share == Gain::ZERO { 0 } else { usize::MAX };
+                let near = self.grid.neighbours(self.winner).take(learning);
+                let near = near.map(|k| (k, share));
                 for (neuron, gain) in core::iter::once((self.winner, rate)).chain(near) {
                     let start = neuron.wrapping_mul(self.dims);
                     let row = code.get_mut(start..start.wrapping_add(self.dims));

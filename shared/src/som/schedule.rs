@@ -115,7 +115,8 @@ impl Schedule {
                 (top / bottom) as u64
             }
         };
-        (value as u32).clamp(self.end_q16, self.start_q16)
+        // Not `clamp`, which panics where the end lies above the start: `new` has seen to that.
+        (value as u32).max(self.end_q16).min(self.start_q16)
     }
 }
 

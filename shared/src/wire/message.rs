@@ -9,7 +9,6 @@ use crate::memory::SituationBytes;
 use crate::parameters::{Parameter, ParameterError, Spec};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
-use serde_big_array::BigArray;
 
 /// Most bytes of a part in one message.
 pub const MOST_PIECE: usize = 160;
@@ -120,7 +119,7 @@ pub enum GoalBy<const SENSORS: usize> {
     /// What is perceived now, from the latest echoes.
     Perceived,
     /// A situation: 0 … 254 from the far to the near limit, 255 = any value will do.
-    Situation(#[serde(with = "BigArray")] SituationBytes<SENSORS>),
+    Situation(#[serde(with = "crate::arrays")] SituationBytes<SENSORS>),
     /// Interval and weight for each transducer.
     Components(Goal<SENSORS>),
 }
