@@ -9,10 +9,8 @@ use amp::wire::message::{
     Clock, Counters, Dimensions, FromMind, HostHello, MindHello, Order, Refusal, Report, ToMind,
 };
 use amp::wire::{Frame, PROTOCOL, Receiver, SCHEMA};
-use std::io::{ErrorKind, Read, Write};
-use std::net::{TcpListener, TcpStream};
+use host_sim::link::{Qemu, Transport as _, build_image};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
@@ -31,20 +29,7 @@ pub type Said = FromMind<16>;
 #[must_use]
 pub fn image() -> &'static Path {
     static IMAGE: OnceLock<PathBuf> = OnceLock::new();
-    IMAGE.get_or_init(|| {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-        let words = "build --locked -p firmware --profile chip --features qemu \
-                     --target thumbv7em-none-eabihf --target-dir target/qemu";
-        let status = Command::new(env!("CARGO"))
-            .args(words.split_whitespace())
-            .current_dir(&root)
-            .status();
-        assert!(
-            status.is_ok_and(|status| status.success()),
-            "cargo {words}: failed (rustup target add thumbv7em-none-eabihf?)"
-        );
-        root.join("target/qemu/thumbv7em-none-eabihf/chip/firmware")
-    })
+    IMAGE.get_or_init(|| build_image().unwrap_or_else(|error| panic!("{error}")))
 }
 
 /// What both ends have to agree on.
@@ -59,23 +44,14 @@ pub const fn dimensions() -> Dimensions {
 }
 
 /// An emulated chip with the firmware in it.
-#[derive(Debug)]
 pub struct Chip {
-    qemu: Child,
-    line: TcpStream,
+    qemu: Qemu,
     receiver: Receiver,
     /// Received and not yet looked at.
     left: Vec<u8>,
     session: u16,
     seq: u16,
     began: Instant,
-}
-
-impl Drop for Chip {
-    fn drop(&mut self) {
-        let _ = self.qemu.kill();
-        let _ = self.qemu.wait();
-    }
 }
 
 impl Chip {
@@ -85,32 +61,9 @@ impl Chip {
     /// When QEMU is missing or does not start.
     #[must_use]
     pub fn start() -> Self {
-        let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
-        let port = listener.local_addr().expect("its number").port();
-        let qemu = Command::new("qemu-system-arm")
-            .args([
-                "-M",
-                "netduinoplus2",
-                "-display",
-                "none",
-                "-monitor",
-                "none",
-            ])
-            .arg("-kernel")
-            .arg(image())
-            .arg("-serial")
-            .arg(format!("tcp:127.0.0.1:{port},nodelay=on"))
-            .args(["-semihosting-config", "enable=on,target=native"])
-            .stdin(Stdio::null())
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .expect("qemu-system-arm (apt-get install qemu-system-arm)");
-        let (line, _) = listener.accept().expect("QEMU's serial line");
-        line.set_nodelay(true).expect("a prompt line");
+        let qemu = Qemu::start(image(), false).unwrap_or_else(|error| panic!("{error}"));
         let mut chip = Self {
             qemu,
-            line,
             receiver: Receiver::new(),
             left: Vec::new(),
             session: SESSION,
@@ -170,7 +123,7 @@ impl Chip {
     /// # Panics
     /// When the line is gone.
     pub fn raw(&mut self, bytes: &[u8]) {
-        self.line.write_all(bytes).expect("the line to the chip");
+        self.qemu.send(bytes).expect("the line to the chip");
     }
 
     /// The next frame with this message, its zero included.
@@ -274,16 +227,9 @@ impl Chip {
 
     fn read(&mut self, patience: Duration) {
         let mut buffer = [0; 4_096];
-        let wait = patience.max(Duration::from_millis(1));
-        self.line.set_read_timeout(Some(wait)).expect("a timeout");
-        match self.line.read(&mut buffer) {
-            Ok(0) => panic!("the chip's line is closed"),
-            Ok(count) => self.left.extend_from_slice(&buffer[..count]),
-            Err(error) => assert!(
-                matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut),
-                "{error}"
-            ),
-        }
+        let count = self.qemu.receive(&mut buffer, patience);
+        let count = count.expect("the line from the chip");
+        self.left.extend_from_slice(&buffer[..count]);
     }
 
     fn parse(&mut self) -> Option<(Header, Report<16>)> {

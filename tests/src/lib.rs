@@ -1,6 +1,7 @@
 //! Harness of the integration tests: the program as a user starts it, in a folder of its own.
 
 pub mod chip;
+pub mod pty;
 pub mod twin;
 
 use std::ffi::OsStr;

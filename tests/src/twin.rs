@@ -18,7 +18,6 @@ const ALIVE_MS: u32 = 250;
 const BEHIND: usize = 256;
 
 /// The two minds.
-#[derive(Debug)]
 pub struct Twin {
     chip: Chip,
     local: Box<NomadNode>,

@@ -49,15 +49,13 @@ impl Remote {
         let MindChoice::At(address) = choice else {
             return Ok(None);
         };
-        let mut session = open(address, emulation, Clock::Host)?;
+        let session = open(address, emulation, Clock::Host)?;
         let holds = session.hello().map_or(0, |hello| hello.samples);
         if moves > holds {
             return Err(BadInput::new(format!(
                 "--explore {moves}: the memory of the mind at {address} holds {holds} moves"
             )));
         }
-        // The episodes open sessions of their own.
-        session.set_patience(link::Patience::default());
         Ok(Some(Self {
             address: address.clone(),
             session,
@@ -81,11 +79,9 @@ impl Remote {
         // From the second episode on it is what the one before left.
         if std::mem::take(&mut self.first) && !replaced.is_empty() {
             eprintln!(
-                "{}: the mind had another {}; it has been told this episode's configuration and has forgotten the rest",
+                "{}: the mind came with another {}: replaced for this run",
                 self.address,
-                replaced
-                    .join(", other ")
-                    .replace("other configuration", "configuration"),
+                replaced.join(", another ")
             );
         }
         episode::run_with(world, setup, &mut mind, |_, _, _| {})

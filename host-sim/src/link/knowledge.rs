@@ -10,8 +10,7 @@
 //!
 //! Numbers are little-endian.
 
-use super::session::next_number;
-use super::{Fingerprint, LinkError, Session};
+use super::{Fingerprint, LinkError, Session, next_number};
 use crate::error::BadInput;
 use crate::pilot::SimState;
 use crate::plot::demo::save;

@@ -231,8 +231,13 @@ fn text(said: &Said) -> String {
 }
 
 fn ended(status: std::process::ExitStatus, said: &str) -> String {
-    let last = said.lines().last().unwrap_or("it said nothing");
-    format!("{PROGRAM} has ended ({status}): {last}")
+    // After a complaint of its own come the processor's registers.
+    let own = said.lines().rfind(|line| line.starts_with("qemu"));
+    let last = own.or_else(|| said.lines().last());
+    format!(
+        "{PROGRAM} has ended ({status}): {}",
+        last.unwrap_or("it said nothing")
+    )
 }
 
 fn refused(why: String) -> LinkError {

@@ -3,8 +3,7 @@
 //! Time is the simulation's: the mind's clock is that of the latest message ([`Clock::Host`]), so neither a slow link nor
 //! a slow chip changes what comes of an episode.
 
-use super::session::next_number;
-use super::{Answer, Knowledge, LinkError, Local, Session};
+use super::{Answer, Knowledge, LinkError, Local, Session, next_number};
 use crate::episode::Failure;
 use crate::pilot::{Pilot, SimState, Thinker};
 use amp::config::Config;

@@ -1,21 +1,11 @@
 //! The host's end of a session: hello, requests, reports.
 
 use super::{LinkError, Transport};
-use amp::wire::message::{
-    Clock, Dimensions, FromMind, HostHello, MindHello, Order, Refusal, ResetCause,
-};
-use amp::wire::{Frame, FrameError, Header, PROTOCOL, Receiver, Report, SCHEMA, ToMind, frame};
+use amp::wire::message::{FromMind, MindHello, Order, Refusal, ResetCause};
+use amp::wire::{Frame, FrameError, Header, Receiver, Report, ToMind, frame};
 use std::collections::VecDeque;
 use std::io;
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
-
-/// What both ends have to agree on, as this program has it.
-const OURS: Dimensions = Dimensions {
-    protocol: PROTOCOL,
-    schema: SCHEMA,
-    sensors: 16,
-    neurons: 16,
-};
+use std::time::{Duration, Instant};
 
 /// How long an order given by hand stays valid, milliseconds.
 pub(super) const ORDER_TTL_MS: u16 = 1_000;
@@ -57,38 +47,23 @@ pub struct Answer {
     pub missing: u32,
 }
 
-/// A number for a session, most likely unlike that of the one before: from the clock, never 0.
-#[must_use]
-pub fn fresh_number() -> u16 {
-    let now = SystemTime::now()
-        .duration_since(UNIX_EPOCH)
-        .unwrap_or_default();
-    (now.as_micros() as u16).max(1)
-}
-
-/// Number of the session after `number`.
-#[must_use]
-pub fn next_number(number: u16) -> u16 {
-    number.wrapping_add(1).max(1)
-}
-
 /// The host's end of a link. Opened anew for each session.
 pub struct Session {
-    transport: Box<dyn Transport>,
+    pub(super) transport: Box<dyn Transport>,
     receiver: Receiver,
-    heard: VecDeque<(Header, Report<16>)>,
-    number: u16,
-    seq: u16,
+    pub(super) heard: VecDeque<(Header, Report<16>)>,
+    pub(super) number: u16,
+    pub(super) seq: u16,
     /// Number of the mind's latest report in the session.
-    mind_seq: Option<u16>,
-    missing: u32,
+    pub(super) mind_seq: Option<u16>,
+    pub(super) missing: u32,
     /// Frames that go out with the next request, and again with each repetition.
-    burst: Vec<u8>,
-    began: Instant,
-    patience: Patience,
-    hello: Option<MindHello>,
+    pub(super) burst: Vec<u8>,
+    pub(super) began: Instant,
+    pub(super) patience: Patience,
+    pub(super) hello: Option<MindHello>,
     /// Sound frames without a known message.
-    foreign: u32,
+    pub(super) foreign: u32,
 }
 
 impl Session {
@@ -144,86 +119,6 @@ impl Session {
     #[must_use]
     pub fn elapsed_ms(&self) -> u32 {
         self.began.elapsed().as_millis() as u32
-    }
-
-    /// Opens session `number`, or the next one if the mind has that one open already. A robot that moves stops.
-    ///
-    /// # Errors
-    /// [`LinkError`]: no answer, an incompatible one, a broken way.
-    pub fn open(&mut self, number: u16, clock: Clock) -> Result<MindHello, LinkError> {
-        let foreign = self.foreign;
-        let mut opening = self.begin(number.max(1), clock)?;
-        let mut due = 0;
-        for _ in 0..self.patience.attempts {
-            self.send(&opening)?;
-            due += 1;
-            match self.await_hello(&opening, &mut due)? {
-                Some(hello) if self.mind_seq.is_some_and(|seq| seq <= due) => {
-                    self.hello = Some(hello);
-                    return Ok(hello);
-                }
-                // It has said more in this session than we know of: the session is an older one's.
-                Some(_) => {
-                    opening = self.begin(next_number(self.number), clock)?;
-                    due = 0;
-                }
-                None => {}
-            }
-        }
-        Err(if self.foreign > foreign {
-            LinkError::Foreign
-        } else {
-            self.silent()
-        })
-    }
-
-    /// Begins session `number` on this side and returns the frame that opens it.
-    fn begin(&mut self, number: u16, clock: Clock) -> Result<Vec<u8>, LinkError> {
-        (self.number, self.seq) = (number, 0);
-        (self.mind_seq, self.missing) = (None, 0);
-        self.hello = None;
-        self.heard.clear();
-        self.burst.clear();
-        self.began = Instant::now();
-        // A zero first: whatever half a frame the mind has heard ends here.
-        self.burst.push(0);
-        self.put(&ToMind::Hello(HostHello {
-            dimensions: OURS,
-            clock,
-        }))?;
-        Ok(std::mem::take(&mut self.burst))
-    }
-
-    /// Waits for the hello; `due` counts what the mind should have said in this session until then.
-    fn await_hello(
-        &mut self,
-        opening: &[u8],
-        due: &mut u16,
-    ) -> Result<Option<MindHello>, LinkError> {
-        let until = Instant::now() + self.patience.attempt;
-        while let Some((header, report)) = self.next(until)? {
-            match report.said {
-                FromMind::Hello(hello) if header.session == self.number => {
-                    self.mind_seq = Some(header.seq);
-                    return match hello.dimensions {
-                        OURS => Ok(Some(hello)),
-                        theirs => Err(LinkError::Incompatible(theirs)),
-                    };
-                }
-                // It has just started: what was said to it before is lost.
-                FromMind::Hello(_) if header.session == 0 => {
-                    self.send(opening)?;
-                    *due += 1;
-                }
-                FromMind::Refusal {
-                    why: Refusal::Incompatible(theirs),
-                    ..
-                } => return Err(LinkError::Incompatible(theirs)),
-                // What it says of itself, as that it has long heard nothing.
-                _ => *due += u16::from(header.session == self.number),
-            }
-        }
-        Ok(None)
     }
 
     /// Numbers a message and puts its frame beside those that go out with the next request.
@@ -342,6 +237,10 @@ impl Session {
                     let between = header.seq.wrapping_sub(last).wrapping_sub(1);
                     self.missing = self.missing.saturating_add(u32::from(between));
                 }
+                if matches!(report.said, FromMind::Hello(_)) {
+                    // Our hello had been repeated.
+                    continue;
+                }
                 return Ok(Some(report));
             }
             match (header.session, report.said) {
@@ -356,7 +255,10 @@ impl Session {
         Ok(None)
     }
 
-    fn next(&mut self, until: Instant) -> Result<Option<(Header, Report<16>)>, LinkError> {
+    pub(super) fn next(
+        &mut self,
+        until: Instant,
+    ) -> Result<Option<(Header, Report<16>)>, LinkError> {
         let mut buffer = [0; 1_024];
         loop {
             if let Some(heard) = self.heard.pop_front() {
@@ -386,7 +288,7 @@ impl Session {
         }
     }
 
-    fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
+    pub(super) fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
         let sent = self.transport.send(bytes);
         sent.map_err(|error| self.broken(&error))
     }
@@ -399,7 +301,7 @@ impl Session {
         LinkError::Broken { why }
     }
 
-    fn silent(&self) -> LinkError {
+    pub(super) fn silent(&self) -> LinkError {
         LinkError::Silent {
             waited: self.patience.whole(),
         }

@@ -16,23 +16,25 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 const EXAMPLES: &str = "\
-Examples:
-  host-sim link --to serial:/dev/ttyUSB0 hello              who is at the other end?
-  host-sim link --to serial:/dev/ttyUSB0 monitor            watch it until Ctrl-C
-  host-sim link --to serial:/dev/ttyUSB0@921600 explore 100 make 100 random moves (the robot drives!)
-  host-sim link --to serial:/dev/ttyUSB0 learn              make the maps from them
-  host-sim link --to serial:/dev/ttyUSB0 pull robot.mind    keep what it has learnt
-  host-sim link --to serial:/dev/ttyUSB0 push robot.mind    give it back, to this chip or another
-  host-sim link --to serial:/dev/ttyUSB0 goal avoid         set the goal ...
-  host-sim link --to serial:/dev/ttyUSB0 seek               ... and pursue it (the robot drives!)
-  host-sim link --to serial:/dev/ttyUSB0 params far 1200    change a parameter
-  host-sim link --to qemu hello                             the firmware in an emulated chip: no hardware needed
+Examples, each after `host-sim link --to serial:/dev/ttyUSB0`:
+  hello              who is at the other end?
+  monitor            watch it until Ctrl-C
+  explore 100        make 100 random moves (the robot drives!)
+  learn              make the maps from them
+  pull robot.mind    keep what it has learnt
+  push robot.mind    give it back, to this chip or another
+  goal avoid         set the goal ...
+  seek               ... and pursue it (the robot drives!)
+  params far 1200    change a parameter
 
-A robot stops when its link falls silent: explore, seek and resume keep it alive until they end. Each command opens a
+Without any hardware, in an emulated chip:
+  host-sim link --to qemu hello
+
+A robot stops when its link falls silent: explore, seek and resume keep it alive until they end. Each command opens a \
 session of its own, and a robot that moves stops when another session begins.
 
-A goal FILE says what the sonars (0 ahead, 4 to the left, counter-clockwise) should perceive, from 0 = nothing within the
-far limit to 1 = something as near as the near limit; sonars it does not name may perceive anything:
+A goal FILE says what the sonars (0 ahead, 4 to the left, counter-clockwise) should perceive, from 0 = nothing within \
+the far limit to 1 = something as near as the near limit; sonars it does not name may perceive anything:
   [[sonar]]
   numbers = [4]
   at_least = 0.6

@@ -73,7 +73,7 @@ fn print_episode(episode: &Episode<'_>) {
         counts.decision,
         34_000,
     );
-    row("tick of learning", counts.tick, 34_000);
+    row("tick of learning", counts.tick, 20_000);
     let mut learning = Tally::default();
     learning.add(counts.tick.sum());
     row(
