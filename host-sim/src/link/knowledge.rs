@@ -18,8 +18,8 @@ use amp::config::Config;
 use amp::controller::Part as StatePart;
 use amp::node::MOST_CONFIG;
 use amp::som::Grid;
-use amp::wire::message::{Clock, Part, Refusal, Source};
-use amp::wire::{CRC, SCHEMA, ToMind};
+use amp::wire::message::{Clock, ModeReport, Part, Refusal};
+use amp::wire::{CRC, SCHEMA};
 use std::path::Path;
 
 const MAGIC: &[u8; 8] = b"AMPMIND\0";
@@ -210,7 +210,12 @@ impl Knowledge {
     }
 }
 
-/// Refused exactly when parts may not be written, and changes nothing: echoes come over the link in any new session.
+/// Refuses when parts may not be written, before anything is.
 fn refuse_moving(session: &mut Session) -> Result<(), LinkError> {
-    session.ask(&ToMind::Source(Source::Link)).map(drop)
+    match session.mode()? {
+        ModeReport::Idle | ModeReport::Stopped(_) => Ok(()),
+        ModeReport::Explore { .. } | ModeReport::Learn | ModeReport::Seek => {
+            Err(LinkError::Refused(Refusal::Moving))
+        }
+    }
 }

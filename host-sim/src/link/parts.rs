@@ -3,7 +3,7 @@
 use super::{LinkError, Session};
 use amp::parameters::{Parameter, Spec};
 use amp::wire::ToMind;
-use amp::wire::message::{Counters, FromMind, MOST_PIECE, Part};
+use amp::wire::message::{Counters, FromMind, MOST_PIECE, ModeReport, Part};
 
 impl Session {
     /// Reads a whole part.
@@ -72,6 +72,17 @@ impl Session {
     pub fn counters(&mut self) -> Result<Counters, LinkError> {
         self.find(&ToMind::Counters, |said| match said {
             FromMind::Counters(counters) => Some(counters),
+            _ => None,
+        })
+    }
+
+    /// The mind's mode.
+    ///
+    /// # Errors
+    /// [`LinkError`].
+    pub fn mode(&mut self) -> Result<ModeReport, LinkError> {
+        self.find(&ToMind::Mode, |said| match said {
+            FromMind::Mode(mode) => Some(mode),
             _ => None,
         })
     }

@@ -13,7 +13,7 @@ use amp::som::Grid;
 use amp::units::{Millis, Range};
 use amp::wire::message::{
     Clock, FromMind, GoalBy, Heard, MindHello, ModeReport, MotionOrder, Order, Part, Refusal,
-    Report, Source,
+    Report,
 };
 use amp::wire::{ToMind, message};
 use std::time::{Duration, Instant};
@@ -268,11 +268,8 @@ impl<'s> RemoteMind<'s> {
     }
 
     fn is_learning(&mut self) -> Result<bool, LinkError> {
-        match self.session.ask(&ToMind::Source(Source::Link)) {
-            Ok(_) => Ok(false),
-            Err(LinkError::Refused(Refusal::Moving)) => Ok(true),
-            Err(error) => Err(error),
-        }
+        let mode = self.session.mode()?;
+        Ok(mode == ModeReport::Learn)
     }
 
     fn keep(&mut self, result: Result<Outputs<16>, LinkError>) -> Outputs<16> {

@@ -85,6 +85,8 @@ pub enum ToMind<const SENSORS: usize> {
     },
     /// Where echoes come from in this session. Refused while the robot moves.
     Source(Source),
+    /// Asks for the mode.
+    Mode,
 }
 
 /// Something to do.
