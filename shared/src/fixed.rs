@@ -83,6 +83,12 @@ impl Gain {
         self.0 as u32
     }
 
+    /// Whether it is below 1/2.
+    #[must_use]
+    pub(crate) const fn is_below_half(self) -> bool {
+        self.0 < 1 << 29
+    }
+
     /// Product of two gains, rounded to nearest.
     #[must_use]
     pub const fn times(self, other: Self) -> Self {
@@ -102,6 +108,15 @@ pub const fn approach(from: Fine, to: Fine, gain: Gain) -> Fine {
     let step = (difference as i64 * (gain.0 << 2) as i64) >> 32;
     let begin = if gain.0 < 1 << 29 { from } else { to };
     Fine::from_bits(begin.to_bits().wrapping_add(step as i32))
+}
+
+/// [`approach`] by a gain below 1/2.
+#[inline(always)]
+#[must_use]
+pub(crate) const fn approach_slowly(from: Fine, to: Fine, gain: Gain) -> Fine {
+    let difference = to.to_bits().wrapping_sub(from.to_bits());
+    let step = (difference as i64 * (gain.0 << 2) as i64) >> 32;
+    Fine::from_bits(from.to_bits().wrapping_add(step as i32))
 }
 
 /// Products summed in 32 bits before they are widened: 16 · 2²⁶ = 2³⁰.

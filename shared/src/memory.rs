@@ -18,11 +18,11 @@ const ONE: u32 = ONE_BITS.unsigned_abs() as u32;
 /// The byte of a transducer that was not to be believed.
 const UNKNOWN: u8 = 255;
 
-/// The value of each byte but the last: the nearest to its share. A table, because learning asks a million times.
-static VALUES: [Weight; UNKNOWN as usize] = {
-    let mut values = [Weight::ZERO; UNKNOWN as usize];
+/// The value of each byte, the nearest to its share; the last one's is 0. A table, because learning asks a million times.
+static VALUES: [Weight; 256] = {
+    let mut values = [Weight::ZERO; 256];
     let mut byte = 0;
-    while byte < values.len() {
+    while byte < UNKNOWN as usize {
         let bits = (byte as u32 * ONE + NEAR / 2) / NEAR;
         values[byte] = Weight::from_bits(bits as i16);
         byte += 1;
@@ -54,12 +54,52 @@ pub fn from_bytes<const SENSORS: usize>(
     let mut believed = Mask::ALL;
     let mut situation = [Weight::ZERO; SENSORS];
     for (index, (value, &byte)) in situation.iter_mut().zip(bytes).enumerate() {
-        match VALUES.get(usize::from(byte)) {
-            Some(known) => *value = *known,
-            None => believed = believed.without(index),
+        *value = value_of(byte);
+        if byte == UNKNOWN {
+            believed = believed.without(index);
         }
     }
     (situation, believed)
+}
+
+/// The value of a byte; 0 for a transducer that was not to be believed.
+fn value_of(byte: u8) -> Weight {
+    VALUES.get(usize::from(byte)).copied().unwrap_or_default()
+}
+
+/// Two situations kept as bytes, both turned by ring places: the values after, their change, and which of them were
+/// believed both times.
+pub(crate) fn turned_change<const SENSORS: usize>(
+    before: &SituationBytes<SENSORS>,
+    after: &SituationBytes<SENSORS>,
+    places: usize,
+) -> (Situation<SENSORS>, Situation<SENSORS>, Mask) {
+    let back = SENSORS.wrapping_sub(places.checked_rem(SENSORS).unwrap_or(0));
+    let from = |place: usize| {
+        let from = place.wrapping_add(back).checked_rem(SENSORS).unwrap_or(0);
+        let byte = |bytes: &[u8; SENSORS]| bytes.get(from).copied().unwrap_or(UNKNOWN);
+        (byte(before), byte(after))
+    };
+    let mut values = [Weight::ZERO; SENSORS];
+    let mut changes = [Weight::ZERO; SENSORS];
+    let mut highest = 0;
+    for (place, (value, change)) in values.iter_mut().zip(&mut changes).enumerate() {
+        let (before, after) = from(place);
+        *value = value_of(after);
+        // Both lie in [0, 1].
+        *change = value.wrapping_sub(value_of(before));
+        highest = highest.max(before).max(after);
+    }
+    let mut believed = Mask::ALL;
+    if highest == UNKNOWN {
+        for place in 0..SENSORS {
+            let (before, after) = from(place);
+            if before == UNKNOWN || after == UNKNOWN {
+                believed = believed.without(place);
+            }
+        }
+    }
+    (values, changes, believed)
 }
 
 /// One random move: (S, a, S').
