@@ -155,7 +155,10 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             }
             for (score, row) in scores.iter_mut().zip(self.situations.code()) {
                 let value = row.get(sensor).copied().map_or(Weight::ZERO, coarse);
-                *score = score.wrapping_add(component.deviation(value));
+                // Most lie within: nothing to multiply.
+                if value < component.low || value > component.high {
+                    *score = score.wrapping_add(component.deviation(value));
+                }
             }
         }
         scores

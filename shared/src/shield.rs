@@ -249,12 +249,18 @@ fn stopping_speed<const SENSORS: usize>(config: &Config<SENSORS>, distance: i32)
     isqrt(squared.max(0).unsigned_abs()).min(u32::from(config.robot.speed_mm_s)) as u16
 }
 
+/// Axes turned many times may have grown by rounding: at most this long, a sixteenth too long,
+/// [`Way::is_aside`] holds.
+const LONGEST_AXIS_Q14: i32 = (1 << 14) + (1 << 10);
+
 /// The way ahead.
 struct Way<'a> {
     shielding: &'a Shielding,
     direction: Direction,
     left_edge: Direction,
     right_edge: Direction,
+    /// No end of an arc is farther from its middle than this share of its range, measured along the way or across it.
+    spread_q14: i32,
     /// Body and margin.
     reach_mm: i32,
     now: Millis,
@@ -269,14 +275,27 @@ impl<'a> Way<'a> {
         now: Millis,
     ) -> Self {
         let unit = |mm: i16| crate::fixed::div_round(i32::from(mm) << 14, length.max(1)) as i16;
+        let direction = Direction {
+            x_q14: unit(wanted.dx_mm),
+            y_q14: unit(wanted.dy_mm),
+        };
+        let left_edge = shielding.half_lobe.direction();
+        let right_edge = Bearing::ZERO.minus(shielding.half_lobe).direction();
+        // Each is below 2¹⁷; two more for the edges' rounding.
+        let chord = |edge: Direction| {
+            let (x, y) = (i32::from(edge.x_q14), i32::from(edge.y_q14));
+            (1_i32 << 14).wrapping_sub(x).abs().wrapping_add(y.abs())
+        };
+        let spread = chord(left_edge).max(chord(right_edge)).wrapping_add(2);
+        let spread = spread.saturating_add(spread >> 4);
+        // The direction is too long by its divisor's rounding.
+        let excess = spread.checked_div(length).unwrap_or(spread);
         Self {
             shielding,
-            direction: Direction {
-                x_q14: unit(wanted.dx_mm),
-                y_q14: unit(wanted.dy_mm),
-            },
-            left_edge: shielding.half_lobe.direction(),
-            right_edge: Bearing::ZERO.minus(shielding.half_lobe).direction(),
+            direction,
+            left_edge,
+            right_edge,
+            spread_q14: spread.saturating_add(excess).saturating_add(2),
             reach_mm: i32::from(config.robot.body_radius_mm) + i32::from(shielding.margin_mm),
             now,
         }
@@ -319,6 +338,15 @@ impl<'a> Way<'a> {
     fn until_arc(&self, arc: &Arc, range: i32, limit: i32) -> i32 {
         let (face_x, face_y) = (i32::from(arc.face.dx_mm), i32::from(arc.face.dy_mm));
         let (ax, ay) = (i32::from(arc.axis.x_q14), i32::from(arc.axis.y_q14));
+        if self.is_aside(
+            face_x.saturating_add(range.saturating_mul(ax) >> 14),
+            face_y.saturating_add(range.saturating_mul(ay) >> 14),
+            range,
+            limit,
+        ) && ax.wrapping_mul(ax).wrapping_add(ay.wrapping_mul(ay)) <= LONGEST_AXIS_Q14.pow(2)
+        {
+            return limit;
+        }
         let edges = [
             self.left_edge.rotate(ax, ay),
             self.right_edge.rotate(ax, ay),
@@ -331,6 +359,21 @@ impl<'a> Way<'a> {
             nearest = nearest.min(self.until_point(x, y, nearest));
         }
         nearest
+    }
+
+    /// Whether an arc of this range around this middle surely changes nothing: all of it lies behind, beside the way or
+    /// beyond its end. Spares most arcs their ends.
+    fn is_aside(&self, x_mm: i32, y_mm: i32, range: i32, limit: i32) -> bool {
+        if x_mm.saturating_abs().max(y_mm.saturating_abs()) > 16_000 {
+            return false;
+        }
+        let along = self.direction.along(x_mm, y_mm);
+        let across = self.direction.along(y_mm, x_mm.wrapping_neg());
+        // Four roundings of less than 2.
+        let spread = (range.saturating_mul(self.spread_q14) >> 14).wrapping_add(8);
+        along.wrapping_add(spread) <= 0
+            || across.saturating_abs().wrapping_sub(spread) >= self.reach_mm
+            || along.wrapping_sub(spread).wrapping_sub(limit) >= self.reach_mm
     }
 
     /// Distance until the body would come within the margin of a point.
