@@ -5,7 +5,7 @@
 
 use crate::fixed::{Mask, ONE_BITS, Weight, coarse, isqrt, quotient, squared_norm, unit_weight};
 use crate::som::neighbourhood::Pull;
-use crate::som::{Grid, RANK_SHIFT, Som, kernels};
+use crate::som::{Grid, Learn, RANK_SHIFT, Som, kernels};
 use crate::units::{Bearing, Displacement};
 use serde::{Deserialize, Serialize};
 
@@ -160,9 +160,17 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
     /// One step of learning around `winner`.
     #[inline]
     pub fn learn(&mut self, winner: usize, effect: &Effect<SENSORS>, pull: &Pull<NEURONS>) {
-        self.changes
-            .learn(winner, &effect.change, effect.mask, pull);
-        self.actions.learn(winner, &effect.action, Mask::ALL, pull);
+        // Both codebooks stand on one grid.
+        let learn = Learn {
+            grid: self.changes.grid(),
+            dims: SENSORS,
+            winner,
+            mask: effect.mask,
+        };
+        learn.each(pull.view(), |k, gain| {
+            self.changes.pull(k, &effect.change, effect.mask, gain);
+            self.actions.pull(k, &effect.action, Mask::ALL, gain);
+        });
     }
 
     /// What the map answers to a wanted change: the best neuron among those `allowed` counts (among all

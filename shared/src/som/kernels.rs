@@ -268,6 +268,7 @@ pub fn distance<P: Scalar>(code: &[Fine], dims: usize, k: usize, probe: &[P], ma
 }
 
 /// As [`pull`] for sizes known at compile time; returns the code vector's new squared length as of [`squared_norm`].
+#[inline(never)]
 pub(crate) fn pull_row<const DIMS: usize>(
     row: &mut [Fine; DIMS],
     probe: &[Weight; DIMS],

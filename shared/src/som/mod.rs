@@ -222,10 +222,16 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
             mask,
         };
         learn.each(pull.view(), |k, gain| {
-            if let (Some(row), Some(norm)) = (self.code.get_mut(k), self.norms.get_mut(k)) {
-                *norm = kernels::pull_row(row, probe, mask, gain);
-            }
+            self.pull(k, probe, mask, gain);
         });
+    }
+
+    /// Moves neuron `k` towards the probe.
+    #[inline]
+    pub(crate) fn pull(&mut self, k: usize, probe: &[Weight; DIMS], mask: Mask, gain: Gain) {
+        if let (Some(row), Some(norm)) = (self.code.get_mut(k), self.norms.get_mut(k)) {
+            *norm = kernels::pull_row(row, probe, mask, gain);
+        }
     }
 }
 
@@ -264,14 +270,14 @@ impl Learn {
 
     /// Hands over each neuron that learns and its gain.
     #[inline(always)]
-    fn each(self, pull: neighbourhood::View<'_>, mut learns: impl FnMut(usize, Gain)) {
+    pub(crate) fn each(self, pull: neighbourhood::View<'_>, mut learns: impl FnMut(usize, Gain)) {
         match pull {
             neighbourhood::View::Direct { rate, share } => {
-                let learning = if share == Gain::ZERO { 0 } else { usize::MAX };
-                let near = self.grid.neighbours(self.winner).take(learning);
-                let near = near.map(|k| (k, share));
-                for (neuron, gain) in core::iter::once((self.winner, rate)).chain(near) {
-                    learns(neuron, gain);
+                learns(self.winner, rate);
+                if share != Gain::ZERO {
+                    for neuron in self.grid.neighbours(self.winner) {
+                        learns(neuron, share);
+                    }
                 }
             }
             neighbourhood::View::Gaussian { rate, axis } => {
