@@ -7,7 +7,6 @@ use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_mai
 use host_sim::episode::{Body, drive_pilot};
 use host_sim::pilot::{Mind, Pilot};
 use host_sim::robot::TurretMode;
-use host_sim::scenes::Behavior;
 use host_sim::sonar::SonarModel;
 use host_sim::world::World;
 

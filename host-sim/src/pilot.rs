@@ -1,9 +1,10 @@
 //! Whoever drives: takes what happens to the robot, says what the base is to do.
 
+use crate::episode::Failure;
 use amp::config::Config;
 use amp::controller::{self, Event, Outputs, State};
 use amp::som::Grid;
-use amp::units::Millis;
+use amp::units::{Millis, Range};
 
 /// Most random moves the simulator's memory holds.
 pub const MOST_MOVES: u16 = 1_000;
@@ -15,6 +16,36 @@ pub type SimState = State<16, 16, { MOST_MOVES as usize }>;
 pub trait Pilot {
     /// Takes one event and says what to do.
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16>;
+
+    /// Takes echoes (transducer and range) that were heard at the same moment, one after the other, up to the first that
+    /// brings about a motion. Returns how many it took, at least one, and what they brought about together.
+    fn echoes(&mut self, at: Millis, echoes: &[(u8, Option<Range>)]) -> (usize, Outputs<16>) {
+        let mut all = Outputs::NONE;
+        for (taken, &(sensor, range)) in (1..).zip(echoes) {
+            let outputs = self.handle(at, Event::Echo { sensor, range });
+            all.decision = all.decision.or(outputs.decision);
+            all.mode_changed |= outputs.mode_changed;
+            if outputs.motion.is_some() {
+                all.motion = outputs.motion;
+                return (taken, all);
+            }
+        }
+        (echoes.len(), all)
+    }
+
+    /// Why it cannot go on driving; `None` while it can.
+    fn failure(&self) -> Option<Failure> {
+        None
+    }
+}
+
+/// A pilot whose maps can be looked at.
+pub trait Thinker: Pilot {
+    /// What it knows.
+    ///
+    /// # Errors
+    /// When that lies elsewhere and cannot be fetched.
+    fn knowledge(&mut self) -> Result<&SimState, Failure>;
 }
 
 /// The robot's mind: the very crate that runs on the microcontroller.
@@ -49,5 +80,11 @@ impl Mind {
 impl Pilot for Mind {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
         controller::handle(&self.config, &mut self.state, at, event)
+    }
+}
+
+impl Thinker for Mind {
+    fn knowledge(&mut self) -> Result<&SimState, Failure> {
+        Ok(&self.state)
     }
 }

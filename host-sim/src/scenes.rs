@@ -116,12 +116,11 @@ impl Behavior {
         }
     }
 
-    /// The choices as this behaviour needs them: where another robot moves, what was heard two seconds ago is gone.
+    /// The choices as this behaviour needs them: where another robot moves, what was heard a second ago (a ring takes 0.64 s) is gone.
     #[must_use]
-    pub fn adapted(&self, config: &Config<16>) -> Config<16> {
-        let mut config = config.clone();
+    pub fn adapted(&self, mut config: Config<16>) -> Config<16> {
         if let Some(shield) = config.shield.as_mut().filter(|_| self.has_leader()) {
-            shield.forget_ms = shield.forget_ms.min(2_000);
+            shield.forget_ms = shield.forget_ms.min(1_000);
         }
         config
     }
@@ -177,7 +176,12 @@ impl Captured {
         if let Some(value) = file.situation.iter().find(|v| !(0.0..=1.0).contains(*v)) {
             return Err(bad(format!("each value must lie in 0..=1, not be {value}")));
         }
-        if let Some(value) = file.place_m.iter().flatten().find(|v| !(v.abs() <= 1e5)) {
+        if let Some(value) = file
+            .place_m
+            .iter()
+            .flatten()
+            .find(|v| !(-1e5..=1e5).contains(*v))
+        {
             return Err(bad(format!(
                 "a place must lie within 100 km, not at {value} m"
             )));

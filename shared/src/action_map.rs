@@ -3,9 +3,9 @@
 //! A neuron holds a change of situation Δ and an action side by side: two codebooks over one grid. Learning finds the
 //! winner by both parts, |Δ − Δ_k|² + λ |a − a_k|²; recall probes with the change alone.
 
-use crate::fixed::{Mask, ONE_BITS, Weight, coarse, isqrt, squared_norm, unit_weight};
+use crate::fixed::{Mask, ONE_BITS, Weight, coarse, isqrt, quotient, squared_norm, unit_weight};
 use crate::som::neighbourhood::Pull;
-use crate::som::{Grid, Som, kernels};
+use crate::som::{Grid, Learn, RANK_SHIFT, Som, kernels};
 use crate::units::{Bearing, Displacement};
 use serde::{Deserialize, Serialize};
 
@@ -134,31 +134,43 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
     #[inline]
     #[must_use]
     pub fn winner(&self, effect: &Effect<SENSORS>, action_weight_q8: u16) -> usize {
-        let mut scores = self.changes.scores_masked(&effect.change, effect.mask);
-        let by_action = self.actions.scores(&effect.action);
-        for (score, action) in scores.iter_mut().zip(by_action) {
-            let weighted = action.wrapping_mul(i64::from(action_weight_q8));
-            *score = score.wrapping_mul(256).wrapping_add(weighted);
+        // The action's ranks are 8 bits coarser, which its weight has: at most 3 · 31 · 2²⁰ and 3 · 2 · 2¹² · 2¹⁶.
+        const ACTION_SHIFT: u32 = RANK_SHIFT + 8;
+        let weight = i32::from(action_weight_q8);
+        let (mut ranks, mut by_action) = ([0; NEURONS], [0; NEURONS]);
+        self.changes
+            .rank::<RANK_SHIFT>(&effect.change, effect.mask, &mut ranks);
+        self.actions
+            .rank::<ACTION_SHIFT>(&effect.action, Mask::ALL, &mut by_action);
+        for (rank, action) in ranks.iter_mut().zip(by_action) {
+            *rank = rank.wrapping_add(action.wrapping_mul(weight));
         }
-        kernels::nearest(
-            &scores,
-            SENSORS.saturating_add(2),
-            256.max(i64::from(action_weight_q8)),
-            |k| {
-                let change = self.changes.distance(k, &effect.change, effect.mask);
-                let action = self.actions.distance(k, &effect.action, Mask::ALL);
-                // Rounded before it is weighted: at most 2^45 times 2^16.
-                change.saturating_add((action >> 8).saturating_mul(u64::from(action_weight_q8)))
-            },
-        )
+        // Each rank is rounded by less than one.
+        let of_change = const { kernels::rank_margin::<RANK_SHIFT>(SENSORS) + 2 };
+        let of_action = const { kernels::rank_margin::<ACTION_SHIFT>(2) + 2 };
+        let margin = of_change.wrapping_add(of_action.wrapping_mul(weight));
+        kernels::nearest_ranked(&ranks, margin, |k| {
+            let change = self.changes.distance(k, &effect.change, effect.mask);
+            let action = self.actions.distance(k, &effect.action, Mask::ALL);
+            // Rounded before it is weighted: at most 2^45 times 2^16.
+            change.saturating_add((action >> 8).saturating_mul(u64::from(action_weight_q8)))
+        })
     }
 
     /// One step of learning around `winner`.
     #[inline]
     pub fn learn(&mut self, winner: usize, effect: &Effect<SENSORS>, pull: &Pull<NEURONS>) {
-        self.changes
-            .learn(winner, &effect.change, effect.mask, pull);
-        self.actions.learn(winner, &effect.action, Mask::ALL, pull);
+        // Both codebooks stand on one grid.
+        let learn = Learn {
+            grid: self.changes.grid(),
+            dims: SENSORS,
+            winner,
+            mask: effect.mask,
+        };
+        learn.each(pull.view(), |k, gain| {
+            self.changes.pull(k, &effect.change, effect.mask, gain);
+            self.actions.pull(k, &effect.action, Mask::ALL, gain);
+        });
     }
 
     /// What the map answers to a wanted change: the best neuron among those `allowed` counts (among all
@@ -228,18 +240,18 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         let best = best.unwrap_or(0).max(1);
         let (mut sum, mut total) = ([0_i64; 2], 0_i64);
         for (k, (score, action)) in scores.iter().zip(self.actions.code()).enumerate() {
-            // The score over the best one's, Q10: its fourth power is at most 2^40 before the shift.
-            let share = counted(k, *score)
-                .saturating_mul(1 << 10)
-                .wrapping_div(best);
-            let squared = share.wrapping_mul(share) >> 10;
-            let weight = squared.wrapping_mul(squared) >> 10;
-            total = total.wrapping_add(weight);
+            // The score over the best one's, Q10: its fourth power takes 20 bits before the last shift.
+            let share = quotient(counted(k, *score).saturating_mul(1 << 10), best);
+            let share = share.min(1 << 10) as i32;
+            let squared = (share * share) >> 10;
+            let weight = (squared * squared) >> 10;
+            total = total.wrapping_add(i64::from(weight));
             for (sum, part) in sum.iter_mut().zip(action) {
-                *sum = sum.wrapping_add(weight.wrapping_mul(i64::from(coarse(*part).to_bits())));
+                let part = i32::from(coarse(*part).to_bits());
+                *sum = sum.wrapping_add(i64::from(weight) * i64::from(part));
             }
         }
-        sum.map(|sum| unit_weight(sum.checked_div(total).unwrap_or(0) as i32))
+        sum.map(|sum| unit_weight(quotient(sum, total) as i32))
     }
 }
 

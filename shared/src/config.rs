@@ -260,7 +260,7 @@ impl Config<16> {
                 edges: Edges::Open,
                 situations: training,
                 actions: training,
-                slice: 4,
+                slice: 2,
             },
             online: Some(Online {
                 situation_rate_q16: ONE_Q16 / 20,

@@ -196,7 +196,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     fn echo(&mut self, config: &Config<SENSORS>, sensor: usize, echo: Echo) -> Outputs<SENSORS> {
         self.scan.hear(sensor, echo);
         self.shield.hear(config, sensor, echo);
-        match self.pending {
+        match &self.pending {
             Some(pending) if !pending.ended => self.guard(config, sensor, echo.at),
             _ if self.scan.is_complete(config.believed) => self.decide(config, echo.at),
             _ => Outputs::NONE,

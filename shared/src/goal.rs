@@ -66,6 +66,16 @@ impl Component {
         }
     }
 
+    /// Squared deviation of a value from what is asked, in units of 2⁻²⁶ · weight.
+    #[inline]
+    #[must_use]
+    pub fn deviation(self, value: Weight) -> i64 {
+        // 17 bits, with the weight 25: products are widened as late as possible.
+        let nearest = value.max(self.low).min(self.high);
+        let gap = i32::from(value.to_bits()) - i32::from(nearest.to_bits());
+        i64::from(gap) * i64::from(gap * i32::from(self.weight))
+    }
+
     /// The value nearest to `value` that is wanted; `value` itself where any will do.
     #[must_use]
     pub fn nearest(self, value: Weight) -> Weight {
@@ -92,7 +102,7 @@ pub enum Frame {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Goal<const SENSORS: usize> {
     /// What is asked of each value.
-    #[serde(with = "serde_big_array::BigArray")]
+    #[serde(with = "crate::arrays")]
     pub components: [Component; SENSORS],
     /// Whose frame the components are counted in.
     pub frame: Frame,
@@ -169,9 +179,8 @@ impl<const SENSORS: usize> Goal<SENSORS> {
         let mut total = 0_i64;
         for (index, (component, value)) in self.components.iter().zip(situation).enumerate() {
             if mask.contains(index) {
-                let gap =
-                    i64::from(value.to_bits()) - i64::from(component.nearest(*value).to_bits());
-                total = total.saturating_add(gap * gap * i64::from(component.weight));
+                // Of 2⁴⁰ at most.
+                total = total.wrapping_add(component.deviation(*value));
             }
         }
         total

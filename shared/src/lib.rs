@@ -58,6 +58,7 @@
 extern crate std;
 
 pub mod action_map;
+mod arrays;
 pub mod config;
 pub mod controller;
 pub mod fixed;

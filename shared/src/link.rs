@@ -36,8 +36,9 @@ pub struct Link {
     session: u16,
     seq: u16,
     clock: Clock,
-    /// When the last frame of the session was heard, by the session's clock.
-    heard: Millis,
+    /// When the last frame of the session was heard, by the session's clock; by the host's, none before it has told its
+    /// time.
+    heard: Option<Millis>,
     /// The latest time of the host.
     host: Millis,
     /// Least difference so far between the time here and the host's.
@@ -59,7 +60,7 @@ impl Link {
             session: 0,
             seq: 0,
             clock: Clock::Device,
-            heard: Millis::from_ms(0),
+            heard: None,
             host: Millis::from_ms(0),
             offset: None,
             silent: true,
@@ -72,7 +73,10 @@ impl Link {
             session: header.session,
             seq: header.seq,
             clock,
-            heard: now,
+            heard: match clock {
+                Clock::Host => None,
+                Clock::Device => Some(now),
+            },
             host: Millis::from_ms(0),
             offset: None,
             silent: false,
@@ -129,11 +133,11 @@ impl Link {
         }
         match self.clock {
             Clock::Host => {
-                self.heard = self.host;
+                self.heard = Some(self.host);
                 at
             }
             Clock::Device => {
-                self.heard = now;
+                self.heard = Some(now);
                 Millis::from_ms(at.as_ms().wrapping_add(offset))
             }
         }
@@ -142,7 +146,7 @@ impl Link {
     /// Takes an accepted frame without a time.
     pub const fn heard_timeless(&mut self, now: Millis) {
         if matches!(self.clock, Clock::Device) {
-            self.heard = now;
+            self.heard = Some(now);
             self.silent = false;
         }
     }
@@ -167,7 +171,10 @@ impl Link {
 
     /// Whether the host has just fallen silent, at `time` by the session's clock; true once for each silence.
     pub const fn falls_silent(&mut self, time: Millis) -> bool {
-        let gone = !self.silent && time.since(self.heard) > SILENCE_MS && self.session != 0;
+        let Some(heard) = self.heard else {
+            return false;
+        };
+        let gone = !self.silent && time.since(heard) > SILENCE_MS;
         self.silent |= gone;
         gone
     }
@@ -224,6 +231,8 @@ mod tests {
     #[test]
     fn by_the_hosts_clock_a_slow_link_is_not_late() {
         let mut link = opened(Clock::Host);
+        // The host's clock may have started after the one here.
+        assert!(!link.falls_silent(ms(90)));
         assert_eq!(link.heard(ms(100), ms(1_000)), ms(100));
         assert_eq!(link.heard(ms(200), ms(9_000)), ms(200));
         assert_eq!(

@@ -12,9 +12,23 @@ use heapless::Vec;
 pub type SituationBytes<const SENSORS: usize> = [u8; SENSORS];
 
 /// The byte of 1.0.
-const NEAR: i32 = 254;
+const NEAR: u32 = 254;
+/// 1.0 as bits of a weight.
+const ONE: u32 = ONE_BITS.unsigned_abs() as u32;
 /// The byte of a transducer that was not to be believed.
 const UNKNOWN: u8 = 255;
+
+/// The value of each byte, the nearest to its share; the last one's is 0. A table, because learning asks a million times.
+static VALUES: [Weight; 256] = {
+    let mut values = [Weight::ZERO; 256];
+    let mut byte = 0;
+    while byte < UNKNOWN as usize {
+        let bits = (byte as u32 * ONE + NEAR / 2) / NEAR;
+        values[byte] = Weight::from_bits(bits as i16);
+        byte += 1;
+    }
+    values
+};
 
 /// The nearest byte to each value that `believed` counts.
 #[must_use]
@@ -25,8 +39,8 @@ pub fn to_bytes<const SENSORS: usize>(
     let mut bytes = [UNKNOWN; SENSORS];
     for (index, (byte, value)) in bytes.iter_mut().zip(situation).enumerate() {
         if believed.contains(index) {
-            let bits = i32::from(value.to_bits()).clamp(0, i32::from(ONE_BITS));
-            *byte = ((bits * NEAR + i32::from(ONE_BITS) / 2) >> 13) as u8;
+            let bits = u32::from(value.to_bits().max(0).unsigned_abs()).min(ONE);
+            *byte = ((bits * NEAR + ONE / 2) >> 13) as u8;
         }
     }
     bytes
@@ -40,14 +54,52 @@ pub fn from_bytes<const SENSORS: usize>(
     let mut believed = Mask::ALL;
     let mut situation = [Weight::ZERO; SENSORS];
     for (index, (value, &byte)) in situation.iter_mut().zip(bytes).enumerate() {
+        *value = value_of(byte);
         if byte == UNKNOWN {
             believed = believed.without(index);
-        } else {
-            let bits = (i32::from(byte) * i32::from(ONE_BITS) + NEAR / 2) / NEAR;
-            *value = Weight::from_bits(bits as i16);
         }
     }
     (situation, believed)
+}
+
+/// The value of a byte; 0 for a transducer that was not to be believed.
+fn value_of(byte: u8) -> Weight {
+    VALUES.get(usize::from(byte)).copied().unwrap_or_default()
+}
+
+/// Two situations kept as bytes, both turned by ring places: the values after, their change, and which of them were
+/// believed both times.
+pub(crate) fn turned_change<const SENSORS: usize>(
+    before: &SituationBytes<SENSORS>,
+    after: &SituationBytes<SENSORS>,
+    places: usize,
+) -> (Situation<SENSORS>, Situation<SENSORS>, Mask) {
+    let back = SENSORS.wrapping_sub(places.checked_rem(SENSORS).unwrap_or(0));
+    let from = |place: usize| {
+        let from = place.wrapping_add(back).checked_rem(SENSORS).unwrap_or(0);
+        let byte = |bytes: &[u8; SENSORS]| bytes.get(from).copied().unwrap_or(UNKNOWN);
+        (byte(before), byte(after))
+    };
+    let mut values = [Weight::ZERO; SENSORS];
+    let mut changes = [Weight::ZERO; SENSORS];
+    let mut highest = 0;
+    for (place, (value, change)) in values.iter_mut().zip(&mut changes).enumerate() {
+        let (before, after) = from(place);
+        *value = value_of(after);
+        // Both lie in [0, 1].
+        *change = value.wrapping_sub(value_of(before));
+        highest = highest.max(before).max(after);
+    }
+    let mut believed = Mask::ALL;
+    if highest == UNKNOWN {
+        for place in 0..SENSORS {
+            let (before, after) = from(place);
+            if before == UNKNOWN || after == UNKNOWN {
+                believed = believed.without(place);
+            }
+        }
+    }
+    (values, changes, believed)
 }
 
 /// One random move: (S, a, S').

@@ -10,7 +10,7 @@
 
 use crate::action_map::{ActionMap, Answer, Preference, Probe};
 use crate::config::{AtGoal, Choice, Config, Intermediate};
-use crate::fixed::{Mask, Weight, unit_weight};
+use crate::fixed::{Mask, Weight, coarse, unit_weight};
 use crate::goal::Goal;
 use crate::scan::Situation;
 use crate::som::{Som, kernels};
@@ -71,7 +71,7 @@ pub struct Plan<const SENSORS: usize> {
     /// Neuron aimed at.
     pub intermediate_neuron: u8,
     /// Change of situation wanted: the probe of the action map.
-    #[serde(with = "serde_big_array::BigArray")]
+    #[serde(with = "crate::arrays")]
     pub wanted: [Weight; SENSORS],
     /// Neuron of the action map that answered.
     pub action_neuron: u8,
@@ -179,11 +179,20 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         }
     }
 
+    /// [`Goal::distance`] of every code vector, transducer by transducer.
     fn goal_scores(&self, goal: &Goal<SENSORS>) -> [i64; NEURONS] {
-        let mut scores = [0; NEURONS];
-        for (neuron, score) in scores.iter_mut().enumerate() {
-            let code = self.situations.code_vector(neuron);
-            *score = goal.distance(&code, self.config.believed);
+        let mut scores = [0_i64; NEURONS];
+        for (sensor, component) in goal.components.iter().enumerate() {
+            if !self.config.believed.contains(sensor) || component.weight == 0 {
+                continue;
+            }
+            for (score, row) in scores.iter_mut().zip(self.situations.code()) {
+                let value = row.get(sensor).copied().map_or(Weight::ZERO, coarse);
+                // Most lie within: nothing to multiply.
+                if value < component.low || value > component.high {
+                    *score = score.wrapping_add(component.deviation(value));
+                }
+            }
         }
         scores
     }

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RobotSpec<const SENSORS: usize> {
     /// Directions the transducers look, from the robot's centre in the ring's frame.
-    #[serde(with = "serde_big_array::BigArray")]
+    #[serde(with = "crate::arrays")]
     pub directions: [Direction; SENSORS],
     /// The transducers are evenly spaced, transducer `i` at `i`/`SENSORS` of a turn, so the ring turned by a place is the
     /// same ring.

@@ -118,9 +118,11 @@ pub fn rotated<const SENSORS: usize, T: Copy + Default>(
     values: &[T; SENSORS],
     steps: usize,
 ) -> [T; SENSORS] {
-    let mut turned = *values;
-    turned.rotate_right(if SENSORS == 0 { 0 } else { steps % SENSORS });
-    turned
+    let back = SENSORS.wrapping_sub(steps.checked_rem(SENSORS).unwrap_or(0));
+    core::array::from_fn(|place| {
+        let from = place.wrapping_add(back).checked_rem(SENSORS).unwrap_or(0);
+        values.get(from).copied().unwrap_or_default()
+    })
 }
 
 #[cfg(test)]

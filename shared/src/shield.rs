@@ -129,7 +129,8 @@ impl<const SENSORS: usize> Shield<SENSORS> {
             dx.max(dy) < spacing
         });
         if same_place.is_none() {
-            kept.rotate_right(1);
+            // The oldest makes room.
+            kept.copy_within(..KEPT - 1, 1);
         }
         let previous = same_place.and_then(|arc| arc.latest);
         if let Some(place) = kept.first_mut() {
@@ -206,18 +207,19 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         among: Mask,
     ) -> i32 {
         let mut distance = limit;
+        let asked = config.believed.and(among);
+        let places = usize::from(way.shielding.places.max(1));
         for (sensor, kept) in self.arcs.iter().enumerate() {
-            if !config.believed.and(among).contains(sensor) {
+            if !asked.contains(sensor) {
                 continue;
             }
-            let recent = kept
-                .iter()
-                .take(usize::from(way.shielding.places.max(1)))
-                .flatten();
             let mut fresh = false;
-            for arc in recent.filter(|arc| way.age_ms(arc) <= way.shielding.forget_ms) {
-                fresh |= way.age_ms(arc) <= way.shielding.fresh_ms;
-                distance = distance.min(way.until(arc, distance));
+            for arc in kept.iter().take(places).filter_map(Option::as_ref) {
+                let age_ms = way.now.since(arc.at);
+                if age_ms <= way.shielding.forget_ms {
+                    fresh |= age_ms <= way.shielding.fresh_ms;
+                    distance = way.until(arc, age_ms, distance);
+                }
             }
             if !fresh && way.is_covered_by(config, sensor) {
                 distance = 0;
@@ -247,12 +249,18 @@ fn stopping_speed<const SENSORS: usize>(config: &Config<SENSORS>, distance: i32)
     isqrt(squared.max(0).unsigned_abs()).min(u32::from(config.robot.speed_mm_s)) as u16
 }
 
+/// Axes turned many times may have grown by rounding: at most this long, a sixteenth too long,
+/// [`Way::is_aside`] holds.
+const LONGEST_AXIS_Q14: i32 = (1 << 14) + (1 << 10);
+
 /// The way ahead.
 struct Way<'a> {
     shielding: &'a Shielding,
     direction: Direction,
     left_edge: Direction,
     right_edge: Direction,
+    /// No end of an arc is farther from its middle than this share of its range, measured along the way or across it.
+    spread_q14: i32,
     /// Body and margin.
     reach_mm: i32,
     now: Millis,
@@ -267,21 +275,30 @@ impl<'a> Way<'a> {
         now: Millis,
     ) -> Self {
         let unit = |mm: i16| crate::fixed::div_round(i32::from(mm) << 14, length.max(1)) as i16;
+        let direction = Direction {
+            x_q14: unit(wanted.dx_mm),
+            y_q14: unit(wanted.dy_mm),
+        };
+        let left_edge = shielding.half_lobe.direction();
+        let right_edge = Bearing::ZERO.minus(shielding.half_lobe).direction();
+        // Each is below 2¹⁷; two more for the edges' rounding.
+        let chord = |edge: Direction| {
+            let (x, y) = (i32::from(edge.x_q14), i32::from(edge.y_q14));
+            (1_i32 << 14).wrapping_sub(x).abs().wrapping_add(y.abs())
+        };
+        let spread = chord(left_edge).max(chord(right_edge)).wrapping_add(2);
+        let spread = spread.saturating_add(spread >> 4);
+        // The direction is too long by its divisor's rounding.
+        let excess = spread.checked_div(length).unwrap_or(spread);
         Self {
             shielding,
-            direction: Direction {
-                x_q14: unit(wanted.dx_mm),
-                y_q14: unit(wanted.dy_mm),
-            },
-            left_edge: shielding.half_lobe.direction(),
-            right_edge: Bearing::ZERO.minus(shielding.half_lobe).direction(),
+            direction,
+            left_edge,
+            right_edge,
+            spread_q14: spread.saturating_add(excess).saturating_add(2),
             reach_mm: i32::from(config.robot.body_radius_mm) + i32::from(shielding.margin_mm),
             now,
         }
-    }
-
-    fn age_ms(&self, arc: &Arc) -> u32 {
-        self.now.since(arc.at)
     }
 
     /// Whether the transducer looks where the robot would go.
@@ -294,8 +311,10 @@ impl<'a> Way<'a> {
         })
     }
 
-    /// Distance until the body would come within the margin of the arc; `limit` where it would not before that.
-    fn until(&self, arc: &Arc, limit: i32) -> i32 {
+    /// Distance until the body would come within the margin of the arc, heard so long ago; `limit` where it would not
+    /// before that.
+    #[inline]
+    fn until(&self, arc: &Arc, age_ms: u32, limit: i32) -> i32 {
         let Some(range) = arc.range else {
             return limit;
         };
@@ -303,7 +322,7 @@ impl<'a> Way<'a> {
         if range.as_mm() <= self.shielding.least_range_mm {
             return self.until_point(face_x, face_y, limit);
         }
-        let aged = u64::from(self.age_ms(arc)) * u64::from(self.shielding.approach_mm_s) / 1_000;
+        let aged = age_ms.saturating_mul(u32::from(self.shielding.approach_mm_s)) / 1_000;
         let range = i32::from(range.as_mm())
             .saturating_sub(aged.min(65_535) as i32)
             .max(0);
@@ -312,7 +331,22 @@ impl<'a> Way<'a> {
         if range > limit.saturating_add(self.reach_mm).saturating_add(slack) {
             return limit;
         }
+        self.until_arc(arc, range, limit)
+    }
+
+    /// As [`until`](Self::until), for an arc near enough to look at its middle and its ends.
+    fn until_arc(&self, arc: &Arc, range: i32, limit: i32) -> i32 {
+        let (face_x, face_y) = (i32::from(arc.face.dx_mm), i32::from(arc.face.dy_mm));
         let (ax, ay) = (i32::from(arc.axis.x_q14), i32::from(arc.axis.y_q14));
+        if self.is_aside(
+            face_x.saturating_add(range.saturating_mul(ax) >> 14),
+            face_y.saturating_add(range.saturating_mul(ay) >> 14),
+            range,
+            limit,
+        ) && ax.wrapping_mul(ax).wrapping_add(ay.wrapping_mul(ay)) <= LONGEST_AXIS_Q14.pow(2)
+        {
+            return limit;
+        }
         let edges = [
             self.left_edge.rotate(ax, ay),
             self.right_edge.rotate(ax, ay),
@@ -327,6 +361,21 @@ impl<'a> Way<'a> {
         nearest
     }
 
+    /// Whether an arc of this range around this middle surely changes nothing: all of it lies behind, beside the way or
+    /// beyond its end. Spares most arcs their ends.
+    fn is_aside(&self, x_mm: i32, y_mm: i32, range: i32, limit: i32) -> bool {
+        if x_mm.saturating_abs().max(y_mm.saturating_abs()) > 16_000 {
+            return false;
+        }
+        let along = self.direction.along(x_mm, y_mm);
+        let across = self.direction.along(y_mm, x_mm.wrapping_neg());
+        // Four roundings of less than 2.
+        let spread = (range.saturating_mul(self.spread_q14) >> 14).wrapping_add(8);
+        along.wrapping_add(spread) <= 0
+            || across.saturating_abs().wrapping_sub(spread) >= self.reach_mm
+            || along.wrapping_sub(spread).wrapping_sub(limit) >= self.reach_mm
+    }
+
     /// Distance until the body would come within the margin of a point.
     fn until_point(&self, x_mm: i32, y_mm: i32, limit: i32) -> i32 {
         // A point farther than 16 m is out of any step's reach, and its products would leave 32 bits.
@@ -339,12 +388,16 @@ impl<'a> Way<'a> {
         if along <= 0 || across.saturating_abs() >= reach {
             return limit;
         }
-        let half_chord = isqrt(
-            reach
-                .wrapping_mul(reach)
-                .wrapping_sub(across.wrapping_mul(across))
-                .max(0) as u64,
-        );
-        along.wrapping_sub(half_chord as i32).clamp(0, limit)
+        let squared = reach
+            .wrapping_mul(reach)
+            .wrapping_sub(across.wrapping_mul(across))
+            .max(0);
+        // Most points lie beyond the limit: that is seen without a root.
+        let beyond = along.wrapping_sub(limit);
+        if beyond >= 0 && beyond.saturating_mul(beyond) >= squared {
+            return limit;
+        }
+        let half_chord = isqrt(u64::from(squared.unsigned_abs()));
+        along.wrapping_sub(half_chord as i32).max(0).min(limit)
     }
 }

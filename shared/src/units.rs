@@ -189,8 +189,9 @@ impl Displacement {
     /// Length in millimetres, rounded down.
     #[must_use]
     pub fn length_mm(self) -> u16 {
-        let (x, y) = (i64::from(self.dx_mm), i64::from(self.dy_mm));
-        crate::fixed::isqrt((x * x + y * y) as u64) as u16
+        let square = |mm: i16| u32::from(mm.unsigned_abs()).pow(2);
+        // At most 2³¹.
+        (square(self.dx_mm).wrapping_add(square(self.dy_mm))).isqrt() as u16
     }
 
     /// Bearing of the move; zero for no move. Error at most 0.003 rad (micromath's arc tangent).

@@ -1,5 +1,9 @@
 //! Harness of the integration tests: the program as a user starts it, in a folder of its own.
 
+pub mod chip;
+pub mod pty;
+pub mod twin;
+
 use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};

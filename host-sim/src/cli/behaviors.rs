@@ -139,7 +139,7 @@ fn picture(scene: &Scene, trial: &Trial, dir: &Path) -> Result<(), BadInput> {
         plot::demo::write(
             &folder,
             recording,
-            &super::run::summary_rows(&episode.report),
+            &super::summary::rows(&episode.report),
             &[],
         )?;
     }

@@ -1,8 +1,8 @@
 //! The demo: the paper's experiment with its pictures.
 
 use super::output::{bar, prepare};
-use super::run::{Preset, summary_rows};
-use super::{Failure, table};
+use super::run::Preset;
+use super::{Failure, summary, table};
 use crate::episode::{self, Phase, Setup};
 use crate::error::BadInput;
 use crate::plot;
@@ -78,7 +78,7 @@ pub fn demo(args: &DemoArgs, out: &mut impl Write) -> Result<(), Failure> {
     })
     .map_err(|failure| BadInput::new(failure.to_string()))?;
     progress.set_prefix("draw");
-    let rows = summary_rows(&episode.report);
+    let rows = summary::rows(&episode.report);
     let mut files = Vec::new();
     if let Some(recording) = &episode.recording {
         files = plot::demo::write(&args.out, recording, &rows, &NEXT).map_err(BadInput::from)?;

@@ -7,9 +7,12 @@
 mod ablation;
 mod behaviors;
 mod demo;
+mod link;
 mod output;
+mod remote;
 mod repetition;
 mod run;
+mod summary;
 mod table;
 mod worlds;
 
@@ -42,6 +45,8 @@ enum Command {
     Demo(demo::DemoArgs),
     /// Run episodes in any worlds: a table, or one JSON object per world
     Run(RunArgs),
+    /// Talk to a mind on a chip: watch it, give it orders, read and write what it knows
+    Link(link::LinkArgs),
     /// Train a self-organising map on any CSV file and report its errors
     Som(crate::som::SomArgs),
     /// List and draw worlds
@@ -112,6 +117,7 @@ fn execute(command: Option<Command>, out: &mut impl Write) -> Result<(), Failure
         None => demo::demo(&demo::DemoArgs::default(), out),
         Some(Command::Demo(args)) => demo::demo(&args, out),
         Some(Command::Run(args)) => run::run(&args, out),
+        Some(Command::Link(args)) => link::link(&args, out),
         Some(Command::Som(args)) => run_som(&args, out),
         Some(Command::Worlds(args)) => worlds::worlds(&args, out),
         Some(Command::Settings) => settings(out),

@@ -1,16 +1,19 @@
 //! `host-sim run`: episodes in any worlds.
 
+use super::Failure;
 use super::output::{bar, prepare};
-use super::{Failure, table};
-use crate::episode::{self, Report, Setup};
+use super::remote::{MindChoice, Remote};
+use super::summary;
+use crate::episode::{self, Episode, Report, Setup};
 use crate::error::BadInput;
+use crate::link::Emulation;
 use crate::pilot::MOST_MOVES;
 use crate::plot;
 use crate::robot::TurretMode;
 use crate::scenes::Behavior;
 use crate::settings;
 use crate::sonar::SonarModel;
-use crate::world::{WorldSource, parse_worlds};
+use crate::world::{World, WorldSource, parse_worlds};
 use amp::config::Config;
 use clap::{Args, ValueEnum};
 use rayon::prelude::*;
@@ -62,9 +65,16 @@ pub struct RunArgs {
     /// Change one open choice, e.g. --set far=1.2 (see `host-sim settings`); may be given several times
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
-    /// Where the mind runs
-    #[arg(long, value_name = "WHERE", default_value = "host", value_enum)]
+    /// Where the mind runs: host (in this process), qemu (the firmware in an emulated chip), serial:PORT[@BAUD]
+    /// or tcp:HOST:PORT (a chip); the results are the same
+    #[arg(long, value_name = "WHERE", default_value = "host", value_parser = parse::<MindChoice>)]
     mind: MindChoice,
+    /// Image for --mind qemu [default: built from the project's sources]
+    #[arg(long, value_name = "ELF")]
+    firmware: Option<PathBuf>,
+    /// Show what the emulator says
+    #[arg(long)]
+    verbose: bool,
     /// Print one JSON object per world instead of a table
     #[arg(long)]
     json: bool,
@@ -160,12 +170,6 @@ impl Preset {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum MindChoice {
-    /// In this process
-    Host,
-}
-
 /// Runs the episodes and prints their lines in the worlds' order.
 ///
 /// # Errors
@@ -173,45 +177,87 @@ enum MindChoice {
 pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
     let setup = setup(args)?;
     let sources = sources(&args.worlds)?;
+    let emulation = Emulation {
+        firmware: args.firmware.clone(),
+        verbose: args.verbose,
+    };
+    let remote = Remote::connect(&args.mind, &emulation, setup.explore_moves)?;
     if let Some(dir) = &args.out {
         prepare(dir)?;
     }
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(args.threads.map_or(0, usize::from))
-        .build();
-    let pool = pool.map_err(|error| BadInput::new(format!("--threads: {error}")))?;
     let began = std::time::Instant::now();
-    let progress = bar(sources.len() as u64, "worlds");
     let mut reports = Vec::new();
-    for (number, chunk) in sources.chunks(CHUNK).enumerate() {
-        let one = |(index, source): (usize, &WorldSource)| {
-            let folder = args
-                .out
-                .as_deref()
-                .map(|dir| folder(dir, number * CHUNK + index, source, sources.len()));
-            let report = episode(source, &setup, folder.as_deref());
-            progress.inc(1);
-            report
-        };
-        let lines: Vec<_> = pool.install(|| chunk.par_iter().enumerate().map(one).collect());
-        for line in lines {
-            let report = line?;
-            if args.json {
-                write_json(out, &report)?;
-            } else {
-                reports.push(report);
-            }
+    let mut print = |report: Report| {
+        if args.json {
+            return write_json(out, &report);
         }
+        reports.push(report);
+        Ok(())
+    };
+    match remote {
+        None => in_parallel(args, &setup, &sources, &mut print)?,
+        Some(remote) => one_by_one(args, &setup, &sources, remote, &mut print)?,
     }
-    progress.finish_and_clear();
     if !args.json {
-        out.write_all(summary(&reports).as_bytes())?;
+        out.write_all(summary::table(&reports).as_bytes())?;
     }
     eprintln!(
         "{} episodes in {:.2} s",
         sources.len(),
         began.elapsed().as_secs_f64()
     );
+    Ok(())
+}
+
+/// Hands on the report of each world, in their order.
+type Print<'p> = &'p mut dyn FnMut(Report) -> Result<(), Failure>;
+
+fn in_parallel(
+    args: &RunArgs,
+    setup: &Setup,
+    sources: &[WorldSource],
+    print: Print<'_>,
+) -> Result<(), Failure> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(args.threads.map_or(0, usize::from))
+        .build();
+    let pool = pool.map_err(|error| BadInput::new(format!("--threads: {error}")))?;
+    let progress = bar(sources.len() as u64, "worlds");
+    for (number, chunk) in sources.chunks(CHUNK).enumerate() {
+        let one = |(index, source): (usize, &WorldSource)| {
+            let folder = folder(args, number * CHUNK + index, source, sources.len());
+            let report = episode(source, folder.as_deref(), |world| {
+                episode::run(world, setup, |_, _, _| {})
+            });
+            progress.inc(1);
+            report
+        };
+        let lines: Vec<_> = pool.install(|| chunk.par_iter().enumerate().map(one).collect());
+        for line in lines {
+            print(line?)?;
+        }
+    }
+    progress.finish_and_clear();
+    Ok(())
+}
+
+/// There is one chip only.
+fn one_by_one(
+    args: &RunArgs,
+    setup: &Setup,
+    sources: &[WorldSource],
+    mut remote: Remote,
+    print: Print<'_>,
+) -> Result<(), Failure> {
+    let progress = bar(sources.len() as u64, "worlds");
+    for (index, source) in sources.iter().enumerate() {
+        let folder = folder(args, index, source, sources.len());
+        print(episode(source, folder.as_deref(), |world| {
+            remote.episode(world, setup)
+        })?)?;
+        progress.inc(1);
+    }
+    progress.finish_and_clear();
     Ok(())
 }
 
@@ -224,9 +270,8 @@ fn setup(args: &RunArgs) -> Result<Setup, BadInput> {
     if args.online == Switch::Off {
         config.online = None;
     }
-    let MindChoice::Host = args.mind;
     Ok(Setup {
-        config,
+        config: args.behavior.adapted(config),
         preset: args.preset.name().to_owned(),
         behavior: args.behavior.clone(),
         explore_moves: args.explore,
@@ -251,9 +296,10 @@ pub(super) fn sources(names: &[String]) -> Result<Vec<WorldSource>, BadInput> {
 }
 
 /// The folder of one world's pictures: the given one, or one inside it where there are several worlds.
-fn folder(dir: &Path, index: usize, source: &WorldSource, count: usize) -> PathBuf {
+fn folder(args: &RunArgs, index: usize, source: &WorldSource, count: usize) -> Option<PathBuf> {
+    let dir = args.out.as_deref()?;
     if count == 1 {
-        return dir.to_owned();
+        return Some(dir.to_owned());
     }
     let name = source.to_string();
     let name = Path::new(&name)
@@ -261,19 +307,23 @@ fn folder(dir: &Path, index: usize, source: &WorldSource, count: usize) -> PathB
         .and_then(|stem| stem.to_str())
         .unwrap_or("world");
     let tame = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
-    dir.join(format!(
+    Some(dir.join(format!(
         "{:04}-{}",
         index + 1,
         name.chars().map(tame).collect::<String>()
-    ))
+    )))
 }
 
-fn episode(source: &WorldSource, setup: &Setup, folder: Option<&Path>) -> Result<Report, BadInput> {
+fn episode(
+    source: &WorldSource,
+    folder: Option<&Path>,
+    run: impl FnOnce(&World) -> Result<Episode, episode::Failure>,
+) -> Result<Report, BadInput> {
     let world = source.load()?;
-    let episode = episode::run(&world, setup, |_, _, _| {})
+    let episode = run(&world)
         .map_err(|failure| BadInput::new(format!("world {}: {failure}", world.name())))?;
     if let (Some(folder), Some(recording)) = (folder, &episode.recording) {
-        plot::demo::write(folder, recording, &summary_rows(&episode.report), &[])?;
+        plot::demo::write(folder, recording, &summary::rows(&episode.report), &[])?;
     }
     Ok(episode.report)
 }
@@ -281,117 +331,4 @@ fn episode(source: &WorldSource, setup: &Setup, folder: Option<&Path>) -> Result
 fn write_json(out: &mut impl Write, report: &Report) -> Result<(), Failure> {
     serde_json::to_writer(&mut *out, report).map_err(std::io::Error::from)?;
     Ok(out.write_all(b"\n")?)
-}
-
-/// One episode as (label, value) rows.
-pub(super) fn summary_rows(report: &Report) -> Vec<(String, String)> {
-    let share = f64::from(report.goal_steps) / f64::from(report.steps.max(1)) * 100.0;
-    let rows = [
-        ("world", report.world.clone()),
-        ("behavior", report.behavior.clone()),
-        (
-            "random moves",
-            format!(
-                "{} ({} touched something)",
-                report.explore_moves, report.explore_contacts
-            ),
-        ),
-        ("steps", report.steps.to_string()),
-        ("steps with contact", report.contacts.to_string()),
-        ("distance", format!("{:.1} m", report.distance_m)),
-        (
-            "least clearance",
-            format!("{:.3} m", report.min_clearance_m),
-        ),
-        ("area swept", format!("{:.1} m²", report.coverage_m2)),
-        ("goal held", format!("{share:.1} % of the steps")),
-        (
-            "shortened by the shield",
-            format!("{} steps", report.shield_stops),
-        ),
-        ("simulated time", format!("{:.0} s", report.time_s)),
-        (
-            "success",
-            format!("{:.4} ({})", report.success, report.success_unit),
-        ),
-    ];
-    rows.map(|(label, value)| (label.to_owned(), value)).into()
-}
-
-/// The table over all worlds, with their means where there are several.
-fn summary(reports: &[Report]) -> String {
-    let heads = [
-        "world",
-        "explore contacts",
-        "contacts",
-        "distance m",
-        "clearance m",
-        "coverage m²",
-        "goal %",
-        "shield stops",
-        "time s",
-        "success",
-    ];
-    let mut rows: Vec<_> = reports
-        .iter()
-        .map(|report| cells(&report.world, &figures(report)))
-        .collect();
-    let count = reports.len() as f64;
-    let mut tail = String::new();
-    if reports.len() > 1 {
-        let mut means = [0.0; 9];
-        for report in reports {
-            for (mean, figure) in means.iter_mut().zip(figures(report)) {
-                *mean += figure / count;
-            }
-        }
-        rows.push(cells("mean", &means));
-        let clean = reports.iter().filter(|report| report.contacts == 0).count();
-        let untouched = reports
-            .iter()
-            .filter(|report| report.explore_contacts == 0)
-            .count();
-        tail = format!(
-            "\n{clean} of {} worlds without contact while seeking ({:.1} %), {untouched} without contact while exploring\n",
-            reports.len(),
-            100.0 * clean as f64 / count
-        );
-    }
-    let right: Vec<_> = (1..heads.len()).collect();
-    table::plain(&heads, &rows, &right) + &tail
-}
-
-fn figures(report: &Report) -> [f64; 9] {
-    [
-        f64::from(report.explore_contacts),
-        f64::from(report.contacts),
-        report.distance_m,
-        report.min_clearance_m,
-        report.coverage_m2,
-        f64::from(report.goal_steps) / f64::from(report.steps.max(1)) * 100.0,
-        f64::from(report.shield_stops),
-        report.time_s,
-        report.success,
-    ]
-}
-
-fn cells(name: &str, figures: &[f64; 9]) -> Vec<String> {
-    let digits = [2, 2, 1, 3, 1, 1, 1, 0, 4];
-    let short = |value: f64, digits: usize| {
-        let text = format!("{value:.digits$}");
-        // A whole count needs no decimals; a mean of counts does.
-        if value.fract() == 0.0 && digits == 2 {
-            format!("{value:.0}")
-        } else {
-            text
-        }
-    };
-    let mut row = vec![name.to_owned()];
-    row.extend(
-        figures
-            .iter()
-            .zip(digits)
-            .map(|(&value, digits)| short(value, digits)),
-    );
-    row
 }

@@ -138,8 +138,11 @@ impl<'w> Body<'w> {
         let world = crowded(self.world, self.leader.as_ref());
         self.ring.scan(world, &pose, &mut self.ranges_m);
         let mut happened = self.nothing_yet(pose);
-        for sensor in 0..self.ranges_m.len() {
-            let outputs = self.echo(pilot, sensor);
+        let echoes: [_; 16] = std::array::from_fn(|sensor| (sensor as u8, self.range(sensor)));
+        let mut left = &echoes[..];
+        while !left.is_empty() {
+            let (taken, outputs) = pilot.echoes(self.now(), left);
+            left = left.get(taken.max(1)..).unwrap_or(&[]);
             happened.take(&outputs);
             if let Some(motion) = outputs.motion {
                 self.motion = motion;
@@ -162,7 +165,11 @@ impl<'w> Body<'w> {
             .ring
             .ping(world, &pose, sensor, self.time_s, &mut self.noise);
         let mut happened = self.nothing_yet(pose);
-        let outputs = self.echo(pilot, sensor);
+        let echo = Event::Echo {
+            sensor: sensor as u8,
+            range: self.range(sensor),
+        };
+        let outputs = pilot.handle(self.now(), echo);
         happened.take(&outputs);
         if let Some(motion) = outputs.motion {
             self.motion = motion;
@@ -197,16 +204,10 @@ impl<'w> Body<'w> {
         }
     }
 
-    fn echo(&mut self, pilot: &mut impl Pilot, sensor: usize) -> Outputs<16> {
+    /// What a transducer heard last.
+    fn range(&self, sensor: usize) -> Option<Range> {
         // A range beyond 65 m cannot come from a sonar; the cast saturates.
-        let range = self.ranges_m[sensor].map(|m| Range::from_mm((m * 1e3) as u16));
-        pilot.handle(
-            self.now(),
-            Event::Echo {
-                sensor: sensor as u8,
-                range,
-            },
-        )
+        self.ranges_m[sensor].map(|m| Range::from_mm((m * 1e3) as u16))
     }
 
     /// Reports what the base has done since its last report, in whole millimetres; what rounding

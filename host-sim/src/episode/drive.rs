@@ -5,7 +5,8 @@ use super::body::{Body, Happened};
 use super::measure::Measure;
 use super::record::Recorder;
 use super::tally::{Report, Stride, Tally, rounded};
-use crate::pilot::{Mind, Pilot};
+use crate::link::LinkError;
+use crate::pilot::{Mind, Pilot, Thinker};
 use crate::recording::Recording;
 use crate::robot::TurretMode;
 use crate::scenes::Behavior;
@@ -51,12 +52,14 @@ pub enum Phase {
 }
 
 /// Why an episode ended early.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Failure {
     /// The mind refused a command.
     Refused(Refusal),
     /// The mind has not decided anything for a hundred rings.
     Silent,
+    /// The mind is elsewhere, and the way to it failed.
+    Link(LinkError),
 }
 
 impl std::fmt::Display for Failure {
@@ -64,6 +67,7 @@ impl std::fmt::Display for Failure {
         match self {
             Self::Refused(why) => write!(f, "the mind refused a command: {why:?}"),
             Self::Silent => f.write_str("the mind has decided nothing for a hundred rings"),
+            Self::Link(error) => error.fmt(f),
         }
     }
 }
@@ -86,51 +90,61 @@ pub struct Episode {
 pub fn run(
     world: &World,
     setup: &Setup,
+    progress: impl FnMut(Phase, u32, u32),
+) -> Result<Episode, Failure> {
+    run_with(world, setup, &mut Mind::new(setup.config.clone()), progress)
+}
+
+/// As [`run`], with any mind; it should have the setup's configuration and know nothing.
+///
+/// # Errors
+/// When the mind refuses a command, falls silent or cannot be reached.
+pub fn run_with(
+    world: &World,
+    setup: &Setup,
+    mind: &mut impl Thinker,
     mut progress: impl FnMut(Phase, u32, u32),
 ) -> Result<Episode, Failure> {
-    let (mut mind, mut driver, exploration) = educated(world, setup, &mut progress)?;
+    let (mut driver, exploration) = educated(world, setup, mind, &mut progress)?;
     driver.set_scene(&setup.behavior);
     let began_s = driver.body.time_s();
-    driver.pursue(&mut mind, setup, |done| {
-        progress(Phase::Seek, done, setup.steps)
-    })?;
+    driver.pursue(mind, setup, |done| progress(Phase::Seek, done, setup.steps))?;
     let time_s = driver.body.time_s() - began_s;
     let success = driver.measure.success(&setup.behavior, &driver.tally);
     let report = report(world, setup, &exploration, &driver.tally, time_s, success);
-    let recording = driver
-        .recorder
-        .map(|recorder| recorder.finish(world, setup, &mind));
+    let recording = match driver.recorder {
+        Some(recorder) => Some(recorder.finish(world, setup, mind.knowledge()?)),
+        None => None,
+    };
     Ok(Episode { report, recording })
 }
 
-/// A robot that has explored and learnt, and the tally of its random moves.
+/// A robot whose mind has explored and learnt, and the tally of its random moves.
 pub(super) fn educated<'w>(
     world: &'w World,
     setup: &Setup,
+    mind: &mut impl Pilot,
     mut progress: impl FnMut(Phase, u32, u32),
-) -> Result<(Mind, Driver<'w>, Tally), Failure> {
+) -> Result<(Driver<'w>, Tally), Failure> {
     let seeds = Seeds::of(setup.seed);
-    let mut mind = Mind::new(setup.behavior.adapted(&setup.config));
     let body = Body::new(world, setup.sonar, setup.turret, seeds.noise);
     let mut driver = Driver::new(world, body, setup.record);
 
     let moves = u32::from(setup.explore_moves);
     driver.command(
-        &mut mind,
+        mind,
         Command::Explore {
             moves: setup.explore_moves,
             seed: seeds.exploration,
         },
     )?;
-    driver.drive(&mut mind, u32::MAX, |done| {
-        progress(Phase::Explore, done, moves)
-    })?;
+    driver.drive(mind, u32::MAX, |done| progress(Phase::Explore, done, moves))?;
     let exploration = driver.next_phase(world);
 
     progress(Phase::Learn, 0, 1);
-    driver.learn(&mut mind)?;
+    driver.learn(mind)?;
     progress(Phase::Learn, 1, 1);
-    Ok((mind, driver, exploration))
+    Ok((driver, exploration))
 }
 
 /// Lets any pilot drive `steps` steps from the world's start: the tally of a yardstick.
@@ -211,16 +225,21 @@ impl<'w> Driver<'w> {
         }
     }
 
-    fn command(&mut self, mind: &mut Mind, command: Command<16>) -> Result<(), Failure> {
+    pub(super) fn command(
+        &mut self,
+        mind: &mut impl Pilot,
+        command: Command<16>,
+    ) -> Result<(), Failure> {
         let outputs = mind.handle(self.body.now(), Event::Command(command));
-        outputs
-            .refusal
-            .map_or(Ok(()), |refusal| Err(Failure::Refused(refusal)))
+        let refused = outputs.refusal.map(Failure::Refused);
+        mind.failure().or(refused).map_or(Ok(()), Err)
     }
 
-    fn learn(&mut self, mind: &mut Mind) -> Result<(), Failure> {
+    fn learn(&mut self, mind: &mut impl Pilot) -> Result<(), Failure> {
         self.command(mind, Command::Learn)?;
-        while !mind.handle(self.body.now(), Event::Tick).mode_changed {}
+        while !mind.handle(self.body.now(), Event::Tick).mode_changed {
+            mind.failure().map_or(Ok(()), Err)?;
+        }
         Ok(())
     }
 
@@ -234,6 +253,7 @@ impl<'w> Driver<'w> {
         let mut last_decision_s = self.body.time_s();
         loop {
             let happened = self.body.advance(pilot);
+            pilot.failure().map_or(Ok(()), Err)?;
             if happened.decision.is_some() || happened.mode_changed {
                 self.close();
                 progress(self.tally.steps);

@@ -15,7 +15,7 @@ mod record;
 mod tally;
 
 pub use body::Body;
-pub use drive::{Episode, Failure, Phase, Setup, drive_pilot, run};
+pub use drive::{Episode, Failure, Phase, Setup, drive_pilot, run, run_with};
 pub use leader::Leader;
 pub use measure::{FOLLOWED_S, KEPT_M, NEST_M};
 pub use places::elsewhere;

@@ -2,11 +2,10 @@
 
 use super::drive::{Driver, Failure, Setup, educated, report};
 use super::tally::{Report, Tally};
-use crate::pilot::Pilot;
+use crate::pilot::{Mind, Pilot};
 use crate::scenes::{Behavior, CHAIN_HOLDS};
 use crate::world::{Point, World};
-use amp::controller::{Command, Event};
-use amp::goal::Goal;
+use amp::controller::Command;
 
 /// Carrying the robot takes so long that its shield has forgotten what it heard before, s.
 const CARRIED_S: f64 = 601.0;
@@ -16,7 +15,8 @@ const CARRIED_S: f64 = 601.0;
 /// # Errors
 /// When the mind refuses a command or falls silent.
 pub fn repeat(world: &World, setup: &Setup, times: u32) -> Result<Vec<Report>, Failure> {
-    let (mut mind, mut driver, exploration) = educated(world, setup, |_, _, _| {})?;
+    let mut mind = Mind::new(setup.config.clone());
+    let (mut driver, exploration) = educated(world, setup, &mut mind, |_, _, _| {})?;
     let mut reports = Vec::new();
     for _ in 0..times {
         driver.set_scene(&setup.behavior);
@@ -59,7 +59,8 @@ impl Driver<'_> {
         let alone = parts.len() == 1;
         for part in parts {
             self.behavior = part.clone();
-            self.seek(pilot, part.goal(&setup.config, &self.nest))?;
+            let goal = part.goal(&setup.config, &self.nest);
+            self.command(pilot, Command::Seek(goal))?;
             let begun = self.tally.clone();
             // Alone, a behaviour goes on to the end; in a chain each decision may be its last.
             while self.tally.steps < setup.steps
@@ -79,12 +80,6 @@ impl Driver<'_> {
             self.measure.reached += u32::from(there);
         }
         Ok(())
-    }
-
-    fn seek(&self, pilot: &mut impl Pilot, goal: Goal<16>) -> Result<(), Failure> {
-        let command = Event::Command(Command::Seek(goal));
-        let refusal = pilot.handle(self.body.now(), command).refusal;
-        refusal.map_or(Ok(()), |refusal| Err(Failure::Refused(refusal)))
     }
 }
 

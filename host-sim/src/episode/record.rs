@@ -3,7 +3,7 @@
 use super::body::{Happened, Moved};
 use super::drive::Setup;
 use super::tally::Stride;
-use crate::pilot::Mind;
+use crate::pilot::SimState;
 use crate::recording::{MapRecord, PlanRecord, Recording, Step};
 use crate::robot::COLLISION_RADIUS_M;
 use crate::world::{Pose, World};
@@ -57,9 +57,8 @@ impl Recorder {
         self.earlier = std::mem::take(&mut self.steps);
     }
 
-    pub(super) fn finish(self, world: &World, setup: &Setup, mind: &Mind) -> Recording {
-        let state = mind.state();
-        let config = mind.config();
+    pub(super) fn finish(self, world: &World, setup: &Setup, state: &SimState) -> Recording {
+        let config = &setup.config;
         let weights = |step: &Step| std::array::from_fn(|i| Weight::from_num(step.situation[i]));
         let perceived: Vec<_> = self
             .earlier

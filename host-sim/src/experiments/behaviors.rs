@@ -251,7 +251,7 @@ impl Scene {
             name => name.parse().unwrap_or(Behavior::Avoid),
         };
         Setup {
-            config: trial.config.clone(),
+            config: behavior.adapted(trial.config.clone()),
             preset: String::new(),
             behavior,
             explore_moves: 100,

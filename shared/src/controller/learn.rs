@@ -4,9 +4,8 @@ use super::State;
 use crate::action_map::Effect;
 use crate::config::{Config, Order, Start, Taught, Training};
 use crate::fixed::{Mask, Weight, unit_weight};
-use crate::memory::{Sample, from_bytes};
-use crate::planner::difference;
-use crate::scan::{Situation, rotated};
+use crate::memory::{Sample, turned_change};
+use crate::scan::Situation;
 use crate::som::neighbourhood::Pull;
 use crate::units::Bearing;
 
@@ -147,13 +146,12 @@ fn lesson_of<const SENSORS: usize>(
                 .unwrap_or_else(|| Bearing::ZERO.direction()),
         )
     };
-    let (before, believed_before) = from_bytes(&rotated(&sample.before, places));
-    let (after, believed_after) = from_bytes(&rotated(&sample.after, places));
+    let (after, change, mask) = turned_change(&sample.before, &sample.after, places);
     Lesson {
         effect: Effect {
-            change: difference(&after, &before),
+            change,
             action: config.action_code.encode(action, config.robot.step_mm),
-            mask: believed_before.and(believed_after),
+            mask,
         },
         after,
     }

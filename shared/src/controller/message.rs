@@ -156,7 +156,7 @@ impl<const SENSORS: usize> Outputs<SENSORS> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Decision<const SENSORS: usize> {
     /// The situation it was taken in.
-    #[serde(with = "serde_big_array::BigArray")]
+    #[serde(with = "crate::arrays")]
     pub situation: Situation<SENSORS>,
     /// How it came about; `None` for a random move.
     pub plan: Option<Plan<SENSORS>>,

@@ -59,6 +59,8 @@ proptest! {
         prop_assert!(moved >= a.min(b) && moved <= a.max(b));
         let exact = f64::from(from) + (f64::from(to) - f64::from(from)) * f64::from(gain) / f64::from(1 << 30);
         prop_assert!((f64::from(moved.to_bits()) - exact).abs() < 1.0);
+        let plain = i64::from(from) + ((i64::from(to - from) * i64::from(gain)) >> 30);
+        prop_assert_eq!(i64::from(moved.to_bits()), plain);
         prop_assert_eq!(approach(a, b, Gain::ZERO), a);
         prop_assert_eq!(approach(a, b, Gain::ONE), b);
     }

@@ -51,7 +51,7 @@ impl<const SENSORS: usize> Goal<SENSORS> {
         let face = u32::from(config.robot.face_radius_mm);
         // How far a straight wall is along a lobe of ±12.5° whose axis lies one or two places beside the normal.
         let slanted = |stretch_q10: u32| {
-            let from_centre = (u32::from(range.as_mm()) + face) * stretch_q10 >> 10;
+            let from_centre = ((u32::from(range.as_mm()) + face) * stretch_q10) >> 10;
             u16::try_from(from_centre.saturating_sub(face)).unwrap_or(u16::MAX)
         };
         let value = |mm: u16| config.encoding.value(Some(Range::from_mm(mm)));

@@ -6,7 +6,9 @@ use crate::goal::{Component, Goal};
 use crate::memory;
 use crate::parameters::Parameter;
 use crate::units::{Bearing, Displacement, Millis, Range};
-use crate::wire::message::{Clock, FromMind, GoalBy, Heard, Order, Refusal, Source, ToMind};
+use crate::wire::message::{
+    Clock, FromMind, GoalBy, Heard, ModeReport, Order, Refusal, Source, ToMind,
+};
 
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     Node<SENSORS, NEURONS, SAMPLES>
@@ -79,6 +81,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             ToMind::Parameter { parameter, value } => {
                 self.link.heard_timeless(now);
                 self.parameter(parameter, value, now, out)
+            }
+            ToMind::Mode => {
+                self.link.heard_timeless(now);
+                let mode = ModeReport::from(self.state.mode());
+                self.say(FromMind::Mode(mode), now, out);
+                Ok(())
             }
             ToMind::Source(source) => {
                 self.link.heard_timeless(now);

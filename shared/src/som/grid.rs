@@ -1,5 +1,6 @@
 //! Where the neurons stand: a rectangle with four direct neighbours each, or a chain with two.
 
+use core::num::NonZeroU16;
 use serde::{Deserialize, Serialize};
 
 /// What happens at the border of the grid.
@@ -15,8 +16,8 @@ pub enum Edges {
 /// A rectangular grid; neuron `k` stands in column `k % columns`, row `k / columns`. A chain is a grid of one row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Grid {
-    columns: u16,
-    rows: u16,
+    columns: NonZeroU16,
+    rows: NonZeroU16,
     edges: Edges,
 }
 
@@ -25,8 +26,8 @@ impl Grid {
     #[must_use]
     pub const fn rectangle(columns: u16, rows: u16) -> Self {
         Self {
-            columns: if columns == 0 { 1 } else { columns },
-            rows: if rows == 0 { 1 } else { rows },
+            columns: at_least_one(columns),
+            rows: at_least_one(rows),
             edges: Edges::Open,
         }
     }
@@ -46,13 +47,13 @@ impl Grid {
     /// Neurons along a row.
     #[must_use]
     pub const fn columns(self) -> usize {
-        self.columns as usize
+        self.columns.get() as usize
     }
 
     /// Rows.
     #[must_use]
     pub const fn rows(self) -> usize {
-        self.rows as usize
+        self.rows.get() as usize
     }
 
     /// Number of neurons.
@@ -139,6 +140,13 @@ impl Grid {
     #[must_use]
     pub fn are_neighbours(self, a: usize, b: usize) -> bool {
         self.hops(a, b) == 1
+    }
+}
+
+const fn at_least_one(count: u16) -> NonZeroU16 {
+    match NonZeroU16::new(count) {
+        Some(count) => count,
+        None => NonZeroU16::MIN,
     }
 }
 

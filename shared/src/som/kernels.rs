@@ -5,7 +5,8 @@
 //! Measured in scalar products: a search of 16 neurons of 16 components is 256 multiply–adds and 16 comparisons.
 
 use crate::fixed::{
-    Fine, Gain, Mask, Scalar, Weight, approach, dot, isqrt, squared_distance, squared_norm,
+    Fine, Gain, Mask, Scalar, Weight, approach, approach_slowly, dot, isqrt, quotient,
+    squared_distance, squared_norm,
 };
 
 /// Squared distance of the probe to each code vector less the probe's own squared length:
@@ -49,28 +50,80 @@ pub fn projections(
 /// mostly chance, from answering; where all are equally long, this is half the probe's length times the cosine.
 pub fn alignments(
     code: &[Fine],
-    norms: impl Iterator<Item = i64> + Clone,
+    norms: impl Iterator<Item = i64>,
     dims: usize,
     probe: &[Weight],
     mask: Mask,
     out: &mut [i64],
 ) {
     let root = |norm: i64| i64::from(isqrt(norm.unsigned_abs()));
-    let (sum, count) = norms.clone().fold((0_i64, 0_i64), |(sum, count), norm| {
-        (sum.wrapping_add(root(norm)), count.wrapping_add(1))
-    });
+    let (mut sum, mut count) = (0_i64, 0_i64);
+    // Until their own values are known, the places hold the lengths.
+    for (length, norm) in out.iter_mut().zip(norms) {
+        *length = root(norm);
+        sum = sum.wrapping_add(*length);
+        count = count.wrapping_add(1);
+    }
     let mean = sum.checked_div(count).unwrap_or(0);
     let whole = mask.covers(dims);
-    for ((row, norm), alignment) in rows(code, dims).zip(norms).zip(out) {
-        let (norm, product) = if whole {
-            (norm, dot(row, probe))
+    for (row, alignment) in rows(code, dims).zip(out) {
+        let (length, product) = if whole {
+            (*alignment, dot(row, probe))
         } else {
-            masked_products(row, probe, mask)
+            let (norm, product) = masked_products(row, probe, mask);
+            (root(norm), product)
         };
-        *alignment = product
-            .checked_div(root(norm).wrapping_add(mean))
-            .unwrap_or(0);
+        *alignment = quotient(product, length.wrapping_add(mean));
     }
+}
+
+/// How many code vectors a pass over the probe takes: enough to load the probe half as often, few enough for the
+/// chip's registers.
+const ROWS: usize = 2;
+
+/// As [`scores`] and [`scores_masked`] for sizes known at compile time, in 32 bits: rounded to units of 2^(`SHIFT` − 26),
+/// each less than one unit too high or too low. `SHIFT` is at least 2 and `DIMS` at most 31; `norms` are those of `code`.
+pub(crate) fn ranks<const SHIFT: u32, const NEURONS: usize, const DIMS: usize>(
+    code: &[[Fine; DIMS]; NEURONS],
+    norms: &[i32; NEURONS],
+    probe: &[Weight; DIMS],
+    mask: Mask,
+    ranks: &mut [i32; NEURONS],
+) {
+    const { assert!(SHIFT >= 2 && DIMS <= 31, "a rank has 32 bits") };
+    let rank = |norm: i32, product: i32| (norm >> SHIFT).wrapping_sub(product >> (SHIFT - 1));
+    if !mask.covers(DIMS) {
+        for (row, place) in code.iter().zip(ranks) {
+            let (norm, product) = masked_products(row, probe, mask);
+            *place = rank(norm as i32, product as i32);
+        }
+        return;
+    }
+    let (blocks, rest) = code.as_chunks::<ROWS>();
+    let (norm_blocks, rest_norms) = norms.as_chunks::<ROWS>();
+    let (rank_blocks, rest_ranks) = ranks.as_chunks_mut::<ROWS>();
+    for ((rows, norms), places) in blocks.iter().zip(norm_blocks).zip(rank_blocks) {
+        let mut products = [0_i32; ROWS];
+        for (place, x) in probe.iter().enumerate() {
+            for (product, row) in products.iter_mut().zip(rows) {
+                *product = product.wrapping_add(term(row, place, *x));
+            }
+        }
+        for ((place, norm), product) in places.iter_mut().zip(norms).zip(products) {
+            *place = rank(*norm, product);
+        }
+    }
+    for ((row, norm), place) in rest.iter().zip(rest_norms).zip(rest_ranks) {
+        let terms = probe.iter().enumerate().map(|(i, x)| term(row, i, *x));
+        *place = rank(*norm, terms.fold(0, i32::wrapping_add));
+    }
+}
+
+/// One product of a dot product in units of 2⁻²⁶.
+#[inline(always)]
+fn term<const DIMS: usize>(row: &[Fine; DIMS], place: usize, x: Weight) -> i32 {
+    let w = row.get(place).map_or(0, |w| w.coarse().to_bits());
+    i32::from(w).wrapping_mul(i32::from(x.to_bits()))
 }
 
 fn masked_products(row: &[Fine], probe: &[Weight], mask: Mask) -> (i64, i64) {
@@ -171,6 +224,39 @@ pub fn nearest(scores: &[i64], dims: usize, factor: i64, distance: impl Fn(usize
     best.0
 }
 
+/// By how much the ranks of two neurons over `dims` components may be out of order in units of 2^(`SHIFT` − 26), without
+/// their own rounding.
+pub(crate) const fn rank_margin<const SHIFT: u32>(dims: usize) -> i32 {
+    ((MARGIN * dims as i64) >> SHIFT) as i32 + 1
+}
+
+/// As [`nearest`] by ranks, which may be out of order by `margin`.
+#[inline(always)]
+pub(crate) fn nearest_ranked(ranks: &[i32], margin: i32, distance: impl Fn(usize) -> u64) -> usize {
+    let mut first = (0, i32::MAX);
+    for (index, &rank) in ranks.iter().enumerate() {
+        if rank < first.1 {
+            first = (index, rank);
+        }
+    }
+    let (first, lowest) = first;
+    let most = lowest.saturating_add(margin);
+    let rivals = ranks.iter().map(|rank| u32::from(*rank <= most));
+    if rivals.fold(0_u32, u32::wrapping_add) <= 1 {
+        return first;
+    }
+    let mut best = (first, u64::MAX);
+    for (rival, &rank) in ranks.iter().enumerate() {
+        if rank <= most {
+            let distance = distance(rival);
+            if distance < best.1 {
+                best = (rival, distance);
+            }
+        }
+    }
+    best.0
+}
+
 /// Squared distance in full precision of the probe to code vector `k` over the components that `mask` believes, in units
 /// of 2⁻⁵⁰.
 #[inline(always)]
@@ -179,6 +265,35 @@ pub fn distance<P: Scalar>(code: &[Fine], dims: usize, k: usize, probe: &[P], ma
     let start = k.wrapping_mul(dims);
     let row = code.get(start..start.wrapping_add(dims)).unwrap_or(&[]);
     squared_distance(row, probe, mask)
+}
+
+/// As [`pull`] for sizes known at compile time; returns the code vector's new squared length as of [`squared_norm`].
+#[inline(never)]
+pub(crate) fn pull_row<const DIMS: usize>(
+    row: &mut [Fine; DIMS],
+    probe: &[Weight; DIMS],
+    mask: Mask,
+    gain: Gain,
+) -> i32 {
+    let mut norm = 0_i32;
+    let mut count = |w: Fine| {
+        let w = i32::from(w.coarse().to_bits());
+        norm = norm.wrapping_add(w.wrapping_mul(w));
+    };
+    if mask.covers(DIMS) && gain.is_below_half() {
+        for (w, x) in row.iter_mut().zip(probe) {
+            *w = approach_slowly(*w, x.fine(), gain);
+            count(*w);
+        }
+    } else {
+        for (index, (w, x)) in row.iter_mut().zip(probe).enumerate() {
+            if mask.contains(index) {
+                *w = approach(*w, x.fine(), gain);
+            }
+            count(*w);
+        }
+    }
+    norm
 }
 
 /// Moves a code vector towards the probe by `gain` over the components that `mask` believes.

@@ -27,6 +27,9 @@ pub use schedule::{Decay, Schedule};
 use crate::fixed::{FINE_ONE_BITS, Fine, Gain, Mask, Scalar, Weight, coarse, squared_norm};
 use neighbourhood::Pull;
 
+/// Searches rank neurons by scores in units of 2⁻²⁰: three times 31 components and a weighted action fit 32 bits.
+pub(crate) const RANK_SHIFT: u32 = 6;
+
 /// A map of `NEURONS` neurons with code vectors of `DIMS` components in [−1, 1].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Som<const NEURONS: usize, const DIMS: usize> {
@@ -122,33 +125,49 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     #[must_use]
     pub fn scores(&self, probe: &[Weight; DIMS]) -> [i64; NEURONS] {
         let mut scores = [0; NEURONS];
-        kernels::scores(
-            self.code.as_flattened(),
-            self.norms.iter().map(|norm| i64::from(*norm)),
-            DIMS,
-            probe,
-            &mut scores,
-        );
+        self.score(probe, Mask::ALL, &mut scores);
         scores
     }
 
     /// As [`scores`](Self::scores), over the components that `mask` believes.
     #[must_use]
     pub fn scores_masked(&self, probe: &[Weight; DIMS], mask: Mask) -> [i64; NEURONS] {
-        if mask.covers(DIMS) {
-            return self.scores(probe);
-        }
         let mut scores = [0; NEURONS];
-        kernels::scores_masked(self.code.as_flattened(), DIMS, probe, mask, &mut scores);
+        self.score(probe, mask, &mut scores);
         scores
+    }
+
+    /// The scores into room lent for them: a search runs 20 000 times in a training and must not copy its result.
+    pub(crate) fn score(&self, probe: &[Weight; DIMS], mask: Mask, scores: &mut [i64; NEURONS]) {
+        let code = self.code.as_flattened();
+        if mask.covers(DIMS) {
+            let norms = self.norms.iter().map(|norm| i64::from(*norm));
+            kernels::scores(code, norms, DIMS, probe, scores);
+        } else {
+            kernels::scores_masked(code, DIMS, probe, mask, scores);
+        }
     }
 
     /// The best-matching unit over the components that `mask` believes, in full precision; the lowest index on ties.
     #[inline]
     #[must_use]
     pub fn winner(&self, probe: &[Weight; DIMS], mask: Mask) -> usize {
-        let scores = self.scores_masked(probe, mask);
-        kernels::nearest(&scores, DIMS, 1, |k| self.distance(k, probe, mask))
+        let mut ranks = [0; NEURONS];
+        self.rank::<RANK_SHIFT>(probe, mask, &mut ranks);
+        // Each rank is rounded by less than one.
+        let margin = const { kernels::rank_margin::<RANK_SHIFT>(DIMS) + 2 };
+        kernels::nearest_ranked(&ranks, margin, |k| self.distance(k, probe, mask))
+    }
+
+    /// The scores in 32 bits, see [`kernels::ranks`], into room lent for them.
+    #[inline(never)]
+    pub(crate) fn rank<const SHIFT: u32>(
+        &self,
+        probe: &[Weight; DIMS],
+        mask: Mask,
+        ranks: &mut [i32; NEURONS],
+    ) {
+        kernels::ranks::<SHIFT, NEURONS, DIMS>(&self.code, &self.norms, probe, mask, ranks);
     }
 
     /// Squared distance of the probe to neuron `k` over the components that `mask` believes, in units of 2⁻⁵⁰.
@@ -202,17 +221,17 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
             winner,
             mask,
         };
-        let norms = &mut self.norms;
-        learn.apply(
-            self.code.as_flattened_mut(),
-            probe,
-            pull.view(),
-            |k, row| {
-                if let Some(norm) = norms.get_mut(k) {
-                    *norm = squared_norm(row) as i32;
-                }
-            },
-        );
+        learn.each(pull.view(), |k, gain| {
+            self.pull(k, probe, mask, gain);
+        });
+    }
+
+    /// Moves neuron `k` towards the probe.
+    #[inline]
+    pub(crate) fn pull(&mut self, k: usize, probe: &[Weight; DIMS], mask: Mask, gain: Gain) {
+        if let (Some(row), Some(norm)) = (self.code.get_mut(k), self.norms.get_mut(k)) {
+            *norm = kernels::pull_row(row, probe, mask, gain);
+        }
     }
 }
 
@@ -239,29 +258,38 @@ impl Learn {
         pull: neighbourhood::View<'_>,
         mut moved: impl FnMut(usize, &[Fine]),
     ) {
+        self.each(pull, |neuron, gain| {
+            let start = neuron.wrapping_mul(self.dims);
+            let row = code.get_mut(start..start.wrapping_add(self.dims));
+            if let Some(row) = row {
+                kernels::pull(row, probe, self.mask, gain);
+                moved(neuron, row);
+            }
+        });
+    }
+
+    /// Hands over each neuron that learns and its gain.
+    #[inline(always)]
+    pub(crate) fn each(self, pull: neighbourhood::View<'_>, mut learns: impl FnMut(usize, Gain)) {
         match pull {
             neighbourhood::View::Direct { rate, share } => {
-                let near = self.grid.neighbours(self.winner).map(|k| (k, share));
-                for (neuron, gain) in core::iter::once((self.winner, rate)).chain(near) {
-                    let start = neuron.wrapping_mul(self.dims);
-                    let row = code.get_mut(start..start.wrapping_add(self.dims));
-                    if let Some(row) = row {
-                        kernels::pull(row, probe, self.mask, gain);
-                        moved(neuron, row);
+                learns(self.winner, rate);
+                if share != Gain::ZERO {
+                    for neuron in self.grid.neighbours(self.winner) {
+                        learns(neuron, share);
                     }
                 }
             }
             neighbourhood::View::Gaussian { rate, axis } => {
                 let along = |d: usize| axis.get(d).copied().unwrap_or(Gain::ZERO);
                 let (column, row) = self.grid.position(self.winner);
-                let mut rows = code.chunks_exact_mut(self.dims.max(1)).enumerate();
+                let mut neurons = 0_usize..;
                 for y in 0..self.grid.rows() {
                     let row_gain = rate.times(along(self.grid.row_distance(row, y)));
-                    for (x, (neuron, row)) in (0..self.grid.columns()).zip(&mut rows) {
+                    for (x, neuron) in (0..self.grid.columns()).zip(&mut neurons) {
                         let gain = row_gain.times(along(self.grid.column_distance(column, x)));
                         if gain != Gain::ZERO {
-                            kernels::pull(row, probe, self.mask, gain);
-                            moved(neuron, row);
+                            learns(neuron, gain);
                         }
                     }
                 }

@@ -9,7 +9,6 @@ use crate::memory::SituationBytes;
 use crate::parameters::{Parameter, ParameterError, Spec};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
-use serde_big_array::BigArray;
 
 /// Most bytes of a part in one message.
 pub const MOST_PIECE: usize = 160;
@@ -86,6 +85,8 @@ pub enum ToMind<const SENSORS: usize> {
     },
     /// Where echoes come from in this session. Refused while the robot moves.
     Source(Source),
+    /// Asks for the mode.
+    Mode,
 }
 
 /// Something to do.
@@ -120,7 +121,7 @@ pub enum GoalBy<const SENSORS: usize> {
     /// What is perceived now, from the latest echoes.
     Perceived,
     /// A situation: 0 … 254 from the far to the near limit, 255 = any value will do.
-    Situation(#[serde(with = "BigArray")] SituationBytes<SENSORS>),
+    Situation(#[serde(with = "crate::arrays")] SituationBytes<SENSORS>),
     /// Interval and weight for each transducer.
     Components(Goal<SENSORS>),
 }

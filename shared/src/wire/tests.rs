@@ -142,6 +142,7 @@ fn to_mind() -> std::vec::Vec<(&'static str, ToMind<16>)> {
             }
         ),
         ("source", ToMind::Source(Source::Ring)),
+        ("mode", ToMind::Mode),
     ]
 }
 
@@ -424,7 +425,7 @@ proptest! {
     }
 
     #[test]
-    fn a_damaged_frame_is_never_a_message(which in 0_usize..20, bits in prop::collection::vec(0_usize..2_048, 1..9)) {
+    fn a_damaged_frame_is_never_a_message(which in 0_usize..21, bits in prop::collection::vec(0_usize..2_048, 1..9)) {
         let (_, message) = to_mind().swap_remove(which);
         let frame = Frame::pack(HEADER, &message).unwrap();
         let (_, coded) = frame.as_bytes().split_last().unwrap();

@@ -1,0 +1,360 @@
+//! What is kept of a crash over the reset that follows it.
+//!
+//! The record lies in memory that start-up code does not touch. After power came on that memory holds anything, so a
+//! record is believed only with the right magic number, lengths within bounds and the right sum.
+
+use amp::wire::message::ResetCause;
+
+/// Most bytes of text.
+const TEXT_BYTES: usize = 64;
+
+/// Marks a record; any number that memory is unlikely to hold by itself.
+const MAGIC: u32 = 0x5eed_c4a5;
+
+/// What happened.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cause {
+    /// The program panicked.
+    Panic,
+    /// The processor faulted.
+    HardFault,
+    /// The stack left its region.
+    StackOverflow,
+}
+
+impl Cause {
+    const fn code(self) -> u32 {
+        match self {
+            Self::Panic => 1,
+            Self::HardFault => 2,
+            Self::StackOverflow => 3,
+        }
+    }
+
+    const fn from_code(code: u32) -> Option<Self> {
+        Some(match code {
+            1 => Self::Panic,
+            2 => Self::HardFault,
+            3 => Self::StackOverflow,
+            _ => return None,
+        })
+    }
+}
+
+/// A short text; what does not fit is cut off. Without `core::fmt`, which would cost 3 KiB of flash.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Text {
+    bytes: [u8; TEXT_BYTES],
+    length: usize,
+}
+
+impl Default for Text {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Text {
+    /// Nothing.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            bytes: [0; TEXT_BYTES],
+            length: 0,
+        }
+    }
+
+    /// Appends.
+    pub fn push(&mut self, text: &str) {
+        let room = self.bytes.get_mut(self.length..).unwrap_or_default();
+        for (place, byte) in room.iter_mut().zip(text.bytes()) {
+            *place = byte;
+            self.length += 1;
+        }
+    }
+
+    /// Appends a number in decimal digits.
+    pub fn push_number(&mut self, number: u32) {
+        let mut digits = [b'0'; 10];
+        let mut left = number;
+        for digit in digits.iter_mut().rev() {
+            *digit += (left % 10) as u8;
+            left /= 10;
+        }
+        let text = str::from_utf8(&digits).unwrap_or_default();
+        let significant = text.trim_start_matches('0');
+        self.push(if significant.is_empty() {
+            "0"
+        } else {
+            significant
+        });
+    }
+
+    /// The text as far as it is text: a character cut in half is left out.
+    #[must_use]
+    pub fn as_str(&self) -> &str {
+        let bytes = self.bytes.get(..self.length).unwrap_or_default();
+        let whole = bytes.utf8_chunks().next();
+        whole.map_or("", |chunk| chunk.valid())
+    }
+}
+
+/// A crash.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Crash {
+    /// What happened.
+    pub cause: Cause,
+    /// Where the processor was, if that is known.
+    pub program_counter: u32,
+    /// Something for a person to read.
+    pub text: Text,
+}
+
+/// A crash as memory keeps it. Every bit pattern is a value of this type.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(C)]
+pub struct Record {
+    magic: u32,
+    cause: u32,
+    program_counter: u32,
+    length: u32,
+    text: [u8; TEXT_BYTES],
+    sum: u32,
+}
+
+impl Record {
+    /// No crash.
+    pub const EMPTY: Self = Self {
+        magic: 0,
+        cause: 0,
+        program_counter: 0,
+        length: 0,
+        text: [0; TEXT_BYTES],
+        sum: 0,
+    };
+
+    /// The record of a crash.
+    #[must_use]
+    pub fn of(crash: &Crash) -> Self {
+        let mut record = Self {
+            magic: MAGIC,
+            cause: crash.cause.code(),
+            program_counter: crash.program_counter,
+            length: crash.text.length as u32,
+            text: crash.text.bytes,
+            sum: 0,
+        };
+        record.sum = record.expected_sum();
+        record
+    }
+
+    /// The crash, if this is the record of one.
+    #[must_use]
+    pub fn crash(&self) -> Option<Crash> {
+        let length = self.length as usize;
+        if self.magic != MAGIC || length > TEXT_BYTES || self.sum != self.expected_sum() {
+            return None;
+        }
+        Some(Crash {
+            cause: Cause::from_code(self.cause)?,
+            program_counter: self.program_counter,
+            text: Text {
+                bytes: self.text,
+                length,
+            },
+        })
+    }
+
+    /// FNV-1a (G. Fowler, L. C. Noll, K.-P. Vo) over everything but the sum itself.
+    fn expected_sum(&self) -> u32 {
+        let words = [self.magic, self.cause, self.program_counter, self.length];
+        let head = words.into_iter().flat_map(u32::to_le_bytes);
+        head.chain(self.text).fold(0x811c_9dc5, |sum, byte| {
+            (sum ^ u32::from(byte)).wrapping_mul(0x0100_0193)
+        })
+    }
+}
+
+/// What a fault was, by where the stack pointer is once the processor has stacked its registers.
+#[must_use]
+pub const fn cause_of_fault(stack_pointer: u32, stack_start: u32, stack_end: u32) -> Cause {
+    if stack_pointer < stack_end || stack_pointer >= stack_start {
+        Cause::StackOverflow
+    } else {
+        Cause::HardFault
+    }
+}
+
+/// What the chip itself remembers of a reset.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Flags {
+    /// The supply came up or had sagged.
+    pub power: bool,
+    /// One of the watchdogs bit.
+    pub watchdog: bool,
+    /// The program asked for it.
+    pub software: bool,
+    /// The reset pin was pulled. The chip pulls it itself with every reset: this counts last.
+    pub pin: bool,
+}
+
+/// What to call a reset.
+#[must_use]
+pub const fn reset_cause(flags: Flags, crash: Option<&Crash>) -> ResetCause {
+    if flags.power {
+        return ResetCause::PowerOn;
+    }
+    match crash {
+        Some(crash) => match crash.cause {
+            Cause::Panic => ResetCause::Panic,
+            Cause::HardFault => ResetCause::HardFault,
+            Cause::StackOverflow => ResetCause::StackOverflow,
+        },
+        None if flags.watchdog => ResetCause::Watchdog,
+        None if flags.software => ResetCause::Requested,
+        None if flags.pin => ResetCause::Pin,
+        None => ResetCause::Unknown,
+    }
+}
+
+/// A reset's name for the log.
+#[must_use]
+pub const fn name(reset: ResetCause) -> &'static str {
+    match reset {
+        ResetCause::Unknown => "for an unknown reason",
+        ResetCause::PowerOn => "with the power",
+        ResetCause::Pin => "by the reset pin",
+        ResetCause::Requested => "as it was told to",
+        ResetCause::Watchdog => "by the watchdog",
+        ResetCause::Panic => "after a panic",
+        ResetCause::HardFault => "after a fault",
+        ResetCause::StackOverflow => "after a stack overflow",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn crash(cause: Cause) -> Crash {
+        let mut text = Text::new();
+        text.push("ring.rs:");
+        text.push_number(12);
+        Crash {
+            cause,
+            program_counter: 0x0800_1234,
+            text,
+        }
+    }
+
+    #[test]
+    fn a_crash_comes_back() {
+        for cause in [Cause::Panic, Cause::HardFault, Cause::StackOverflow] {
+            let crash = crash(cause);
+            assert_eq!(Record::of(&crash).crash(), Some(crash));
+        }
+        assert_eq!(crash(Cause::Panic).text.as_str(), "ring.rs:12");
+    }
+
+    #[test]
+    fn memory_after_power_on_is_no_crash() {
+        assert_eq!(Record::EMPTY.crash(), None);
+        let ones = Record {
+            magic: MAGIC,
+            cause: u32::MAX,
+            program_counter: u32::MAX,
+            length: u32::MAX,
+            text: [255; TEXT_BYTES],
+            sum: u32::MAX,
+        };
+        assert_eq!(ones.crash(), None);
+    }
+
+    #[test]
+    fn one_changed_bit_is_no_crash() {
+        let record = Record::of(&crash(Cause::HardFault));
+        for bit in 0..32 {
+            let flip = 1 << bit;
+            for changed in [
+                Record {
+                    magic: record.magic ^ flip,
+                    ..record
+                },
+                Record {
+                    cause: record.cause ^ flip,
+                    ..record
+                },
+                Record {
+                    program_counter: record.program_counter ^ flip,
+                    ..record
+                },
+                Record {
+                    length: record.length ^ flip,
+                    ..record
+                },
+                Record {
+                    sum: record.sum ^ flip,
+                    ..record
+                },
+            ] {
+                assert_eq!(changed.crash(), None);
+            }
+        }
+        for place in 0..TEXT_BYTES {
+            let mut changed = record;
+            changed.text[place] ^= 4;
+            assert_eq!(changed.crash(), None);
+        }
+    }
+
+    #[test]
+    fn a_long_text_is_cut_between_characters() {
+        let mut text = Text::new();
+        for _ in 0..TEXT_BYTES {
+            text.push("äöü!");
+        }
+        assert!((TEXT_BYTES - 1..=TEXT_BYTES).contains(&text.as_str().len()));
+    }
+
+    #[test]
+    fn numbers_in_decimal_digits() {
+        for number in [0, 7, 10, 1_203, u32::MAX] {
+            let mut text = Text::new();
+            text.push_number(number);
+            assert_eq!(text.as_str(), std::format!("{number}"));
+        }
+    }
+
+    #[test]
+    fn a_stack_pointer_outside_the_stack_is_an_overflow() {
+        let cause = |pointer| cause_of_fault(pointer, 0x2000_2000, 0x2000_0000);
+        assert_eq!(cause(0x1fff_ffe0), Cause::StackOverflow);
+        assert_eq!(cause(0x2000_0000), Cause::HardFault);
+        assert_eq!(cause(0x2000_1fe0), Cause::HardFault);
+        assert_eq!(cause(0x2000_2000), Cause::StackOverflow);
+    }
+
+    #[test]
+    fn names_of_resets() {
+        let crash = crash(Cause::Panic);
+        let pin = Flags {
+            pin: true,
+            ..Flags::default()
+        };
+        let software = Flags {
+            software: true,
+            ..pin
+        };
+        let watchdog = Flags {
+            watchdog: true,
+            ..pin
+        };
+        let power = Flags { power: true, ..pin };
+        assert_eq!(reset_cause(power, Some(&crash)), ResetCause::PowerOn);
+        assert_eq!(reset_cause(software, Some(&crash)), ResetCause::Panic);
+        assert_eq!(reset_cause(software, None), ResetCause::Requested);
+        assert_eq!(reset_cause(watchdog, None), ResetCause::Watchdog);
+        assert_eq!(reset_cause(pin, None), ResetCause::Pin);
+        assert_eq!(reset_cause(Flags::default(), None), ResetCause::Unknown);
+    }
+}

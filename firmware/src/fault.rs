@@ -1,0 +1,136 @@
+//! The end and the beginning: what is kept when the program crashes, and read when it starts again.
+//!
+//! A crash keeps a record and resets the chip. No motor is told to stop, because none is driven from here: the base stops
+//! when the time to live of its last motion ends.
+
+#![allow(unsafe_code)]
+
+use core::arch::naked_asm;
+use core::mem::MaybeUninit;
+use core::panic::PanicInfo;
+use core::ptr::{addr_of, addr_of_mut};
+use cortex_m::peripheral::SCB;
+use cortex_m_rt::exception;
+use firmware::crash::{Cause, Crash, Record, Text, cause_of_fault};
+use firmware::stack;
+
+/// Start-up code neither clears nor fills this section.
+#[unsafe(link_section = ".uninit.crash")]
+static mut RECORD: MaybeUninit<Record> = MaybeUninit::uninit();
+
+unsafe extern "C" {
+    /// Behind the highest word of the stack.
+    static _stack_start: u32;
+    /// The lowest word of the stack.
+    static _stack_end: u32;
+}
+
+const _: () = assert!(
+    cortex_m_rt::STACK_PAINT_VALUE == stack::PAINT,
+    "start-up code paints the stack in another colour"
+);
+
+/// The crash that ended the last run, once.
+pub fn take() -> Option<Crash> {
+    let record = addr_of_mut!(RECORD).cast::<Record>();
+    // SAFETY: the memory is there, aligned, and every bit pattern is a record; only this function, called once while
+    // interrupts are off, and the crash handlers, which never return, touch it.
+    let crash = unsafe { record.read_volatile() }.crash();
+    // SAFETY: as above.
+    unsafe { record.write_volatile(Record::EMPTY) };
+    crash
+}
+
+/// The deepest the stack has been, in bytes.
+pub fn stack_peak_bytes() -> u32 {
+    let lowest = addr_of!(_stack_end);
+    let words = (addr_of!(_stack_start).addr() - lowest.addr()) / size_of::<u32>();
+    // SAFETY: the words from the stack's lowest to its highest are memory; a volatile read of a word in use gives some
+    // value, which is all that is asked.
+    let peak = stack::peak_bytes(words, |index| unsafe { lowest.add(index).read_volatile() });
+    peak as u32
+}
+
+fn keep_and_reset(crash: &Crash) -> ! {
+    // SAFETY: see `take`; nothing else runs any more.
+    unsafe {
+        addr_of_mut!(RECORD)
+            .cast::<Record>()
+            .write_volatile(Record::of(crash));
+    }
+    SCB::sys_reset()
+}
+
+#[panic_handler]
+fn panic(info: &PanicInfo) -> ! {
+    cortex_m::interrupt::disable();
+    let mut text = Text::new();
+    if let Some(place) = info.location() {
+        let path = place.file();
+        let name = path.rfind('/').and_then(|slash| path.get(slash + 1..));
+        text.push(name.unwrap_or(path));
+        text.push(":");
+        text.push_number(place.line());
+    }
+    if let Some(message) = info.message().as_str() {
+        text.push(" ");
+        text.push(message);
+    }
+    keep_and_reset(&Crash {
+        cause: Cause::Panic,
+        program_counter: 0,
+        text,
+    })
+}
+
+/// Starts the stack anew before anything else, since it may be what failed, and hands on where it was.
+// SAFETY: the name is the one the vector table asks for; the body never returns.
+#[unsafe(no_mangle)]
+#[unsafe(naked)]
+extern "C" fn HardFault() -> ! {
+    naked_asm!(
+        "mrs r0, msp",
+        "ldr r1, ={stack_start}",
+        "msr msp, r1",
+        "b {fault}",
+        stack_start = sym _stack_start,
+        fault = sym fault,
+    )
+}
+
+extern "C" fn fault(stack_pointer: *const u32) -> ! {
+    let start = addr_of!(_stack_start).addr() as u32;
+    let end = addr_of!(_stack_end).addr() as u32;
+    let cause = cause_of_fault(stack_pointer.addr() as u32, start, end);
+    let (mut program_counter, mut text) = (0, Text::new());
+    if cause == Cause::HardFault {
+        // SAFETY: the processor has pushed eight words onto a stack that is memory, the program counter seventh. The new
+        // stack may have overwritten it only if the fault came within a few words of the stack's beginning.
+        program_counter = unsafe { stack_pointer.add(6).read_volatile() };
+    } else {
+        text.push("the stack left its region");
+    }
+    keep_and_reset(&Crash {
+        cause,
+        program_counter,
+        text,
+    })
+}
+
+/// An interrupt without a task.
+#[exception]
+unsafe fn DefaultHandler(number: i16) -> ! {
+    let mut text = Text::new();
+    // The core's own count from -15 to -1, the chip's from 0.
+    text.push(if number < 0 {
+        "no task for interrupt -"
+    } else {
+        "no task for interrupt "
+    });
+    text.push_number(number.unsigned_abs().into());
+    keep_and_reset(&Crash {
+        cause: Cause::Panic,
+        program_counter: 0,
+        text,
+    })
+}

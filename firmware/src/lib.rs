@@ -1,0 +1,35 @@
+//! What the firmware decides, apart from the chip: everything here builds and is tested on a desktop machine.
+//!
+//! ```text
+//!            serial interrupt              control                       serial interrupt
+//! bytes ─► line::Line ─► queue ─► control::Control ─► amp::node::Node ─► line::Outbox ─► queue ─► line::Line ─► bytes
+//! ```
+//!
+//! | module | what it decides |
+//! |---|---|
+//! | [`control`] | what is done with received bytes and with passing time |
+//! | [`crash`] | what is kept over a reset, whether to believe it, and what to call the reset |
+//! | [`lamp`] | when the lamp is lit |
+//! | [`line`](mod@line) | how the serial interrupt moves bytes |
+//! | [`pinout`] | which pin does what, and which pins must be left alone |
+//! | [`stack`] | how deep the stack has been |
+//! | [`vigil`] | whether the watchdog may be fed |
+//!
+//! The binary beside this library owns the chip: `main.rs` says which task runs when, `board.rs` is the only file that
+//! touches pins and clocks.
+#![no_std]
+#![forbid(unsafe_code)]
+#![deny(missing_docs)]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod control;
+pub mod crash;
+pub mod lamp;
+pub mod line;
+pub mod pinout;
+#[cfg(feature = "qemu")]
+pub mod provoke;
+pub mod stack;
+pub mod vigil;

@@ -1,0 +1,98 @@
+//! Where the log goes: over the debugger's real-time transfer, or to the emulator's standard error.
+//!
+//! Not to its standard output: that may be the wire.
+
+#[cfg(not(feature = "qemu"))]
+use defmt_rtt as _;
+
+#[cfg(feature = "qemu")]
+mod semihosting {
+    #![allow(unsafe_code)]
+
+    use core::cell::UnsafeCell;
+    use core::sync::atomic::{AtomicBool, Ordering};
+    use cortex_m_semihosting::hio::{HostStream, hstderr};
+    use critical_section::RestoreState;
+
+    #[defmt::global_logger]
+    struct Logger;
+
+    static STATE: State = State {
+        taken: AtomicBool::new(false),
+        inner: UnsafeCell::new(Inner {
+            restore: RestoreState::invalid(),
+            encoder: defmt::Encoder::new(),
+            stream: None,
+        }),
+    };
+
+    struct State {
+        taken: AtomicBool,
+        inner: UnsafeCell<Inner>,
+    }
+
+    // SAFETY: `inner` is touched only between `acquire` and `release`, which is a critical section.
+    unsafe impl Sync for State {}
+
+    struct Inner {
+        restore: RestoreState,
+        encoder: defmt::Encoder,
+        stream: Option<HostStream>,
+    }
+
+    impl Inner {
+        /// Bytes that cannot be written are lost; there is nobody to tell.
+        fn write(&mut self, encode: impl FnOnce(&mut defmt::Encoder, &mut dyn FnMut(&[u8]))) {
+            let stream = &mut self.stream;
+            encode(&mut self.encoder, &mut |bytes| {
+                if let Some(stream) = stream {
+                    let _ = stream.write_all(bytes);
+                }
+            });
+        }
+    }
+
+    /// # Safety
+    /// Only between `acquire` and `release`, and not while another such reference is alive.
+    unsafe fn inner() -> &'static mut Inner {
+        // SAFETY: the caller's promise.
+        unsafe { &mut *STATE.inner.get() }
+    }
+
+    // SAFETY: `acquire` begins a critical section and refuses to be entered twice; `release` ends it.
+    unsafe impl defmt::Logger for Logger {
+        fn acquire() {
+            // SAFETY: `release` is its counterpart.
+            let restore = unsafe { critical_section::acquire() };
+            assert!(
+                !STATE.taken.swap(true, Ordering::Relaxed),
+                "logged while logging"
+            );
+            // SAFETY: the critical section has begun.
+            let inner = unsafe { inner() };
+            inner.restore = restore;
+            if inner.stream.is_none() {
+                inner.stream = hstderr().ok();
+            }
+            inner.write(|encoder, sink| encoder.start_frame(sink));
+        }
+
+        unsafe fn flush() {
+            // The host has every byte as soon as it is written.
+        }
+
+        unsafe fn release() {
+            // SAFETY: the caller has acquired the logger.
+            let inner = unsafe { inner() };
+            inner.write(|encoder, sink| encoder.end_frame(sink));
+            STATE.taken.store(false, Ordering::Relaxed);
+            // SAFETY: it is the state that `acquire` got.
+            unsafe { critical_section::release(inner.restore) };
+        }
+
+        unsafe fn write(bytes: &[u8]) {
+            // SAFETY: the caller has acquired the logger.
+            unsafe { inner() }.write(|encoder, sink| encoder.write(bytes, sink));
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! The firmware: who runs when.
+//!
+//! | task | runs | priority | does |
+//! |---|---|---|---|
+//! | `serial` | when a byte has come or can go | 3 | moves it between the port and a queue |
+//! | `clock` | each millisecond | 2 | counts, lights the lamp, feeds the watchdog, wakes `control` |
+//! | `control` | when a frame has come, each 10 ms, and while there is more to do | 1 | owns the mind |
+//! | `idle` | otherwise | 0 | sleeps |
+//!
+//! Tasks share queues and atomic numbers, never a lock: nothing but a line of the log holds off the receiver, for at most
+//! 340 instructions (counted in an emulated chip with the board's logger), 2 µs of the 87 µs a byte takes.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod board;
+#[cfg(target_os = "none")]
+mod fault;
+#[cfg(target_os = "none")]
+mod log;
+
+#[cfg(target_os = "none")]
+#[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
+mod app {
+    use crate::board::{Board, Lamp, SerialPort, Watchdog};
+    use crate::fault;
+    use amp::node::{Identity, NomadNode};
+    use amp::units::Millis;
+    use amp::wire::message::ResetCause;
+    use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+    use firmware::control::{Control, News, new_mind};
+    use firmware::crash::{Flags, name, reset_cause};
+    use firmware::lamp;
+    use firmware::line::{Faults, Line, Outbox};
+    use firmware::vigil::{Task, Vigil};
+    use heapless::spsc::Queue;
+    use stm32f4xx_hal::pac::Interrupt;
+
+    /// How often control runs though nothing has come, and the watchdog may be fed.
+    const ROUND_MS: u32 = 10;
+    /// How often the stack is looked at, and whether there is news for the log.
+    const LOOK_MS: u32 = 1_000;
+    /// The interrupt whose vector control borrows: the 64-pin package has no external memory.
+    const CONTROL: Interrupt = Interrupt::FSMC;
+
+    #[shared]
+    struct Shared {
+        now_ms: AtomicU32,
+        linked: AtomicBool,
+        reset: ResetCause,
+        vigil: Vigil,
+        faults: &'static Faults,
+    }
+
+    #[local]
+    struct Local {
+        line: Line<'static>,
+        port: SerialPort,
+        lamp: Lamp,
+        watchdog: Watchdog,
+        control: Control<'static>,
+    }
+
+    #[init(local = [
+        mind: NomadNode = new_mind(),
+        received: Queue<u8, 512> = Queue::new(),
+        to_send: Queue<u8, 2048> = Queue::new(),
+        faults: Faults = Faults::new(),
+    ])]
+    fn init(cx: init::Context) -> (Shared, Local) {
+        let board = Board::init(cx.device, cx.core);
+        let reset = why_we_started(board.flags);
+        let faults: &'static Faults = cx.local.faults;
+        let (received_in, received_out) = cx.local.received.split();
+        let (to_send_in, to_send_out) = cx.local.to_send.split();
+        let outbox = Outbox::new(to_send_in);
+        let mut control = Control::new(cx.local.mind, received_out, outbox, faults);
+        control.start(
+            Identity {
+                build: build(),
+                reset,
+                ring: false,
+            },
+            Millis::from_ms(0),
+        );
+        // The hello waits in its queue.
+        rtic::pend(Interrupt::USART1);
+        let shared = Shared {
+            now_ms: AtomicU32::new(0),
+            linked: AtomicBool::new(false),
+            reset,
+            vigil: Vigil::new(),
+            faults,
+        };
+        let local = Local {
+            line: Line::new(received_in, to_send_out),
+            port: board.port,
+            lamp: board.lamp,
+            watchdog: board.watchdog,
+            control,
+        };
+        (shared, local)
+    }
+
+    #[idle]
+    fn idle(_: idle::Context) -> ! {
+        loop {
+            cortex_m::asm::wfi();
+        }
+    }
+
+    #[task(binds = USART1, priority = 3, local = [line, port], shared = [&faults, &vigil])]
+    fn serial(cx: serial::Context) {
+        if cx.local.line.serve(cx.local.port, cx.shared.faults) {
+            rtic::pend(CONTROL);
+        }
+        cx.shared.vigil.seen(Task::Serial);
+    }
+
+    #[task(binds = SysTick, priority = 2, local = [lamp, watchdog], shared = [&now_ms, &linked, &reset, &vigil])]
+    fn clock(cx: clock::Context) {
+        let shared = cx.shared;
+        let now_ms = shared
+            .now_ms
+            .fetch_add(1, Ordering::Relaxed)
+            .wrapping_add(1);
+        shared.vigil.seen(Task::Clock);
+        if now_ms.is_multiple_of(ROUND_MS) {
+            if shared.vigil.relieve() {
+                cx.local.watchdog.feed();
+            }
+            // Both have to show themselves until the next round.
+            rtic::pend(CONTROL);
+            rtic::pend(Interrupt::USART1);
+        }
+        let linked = shared.linked.load(Ordering::Relaxed);
+        let lit = lamp::is_lit(Millis::from_ms(now_ms), linked, *shared.reset);
+        cx.local.lamp.light(lit);
+    }
+
+    #[task(binds = FSMC, priority = 1, local = [control, looked_ms: u32 = 0], shared = [&now_ms, &linked, &vigil])]
+    fn control(cx: control::Context) {
+        let (control, shared) = (cx.local.control, cx.shared);
+        let now_ms = shared.now_ms.load(Ordering::Relaxed);
+        let more = control.run(Millis::from_ms(now_ms));
+        if control.take_sent() {
+            rtic::pend(Interrupt::USART1);
+        }
+        shared.linked.store(control.is_linked(), Ordering::Relaxed);
+        if now_ms.wrapping_sub(*cx.local.looked_ms) >= LOOK_MS {
+            *cx.local.looked_ms = now_ms;
+            look_after(control);
+        }
+        shared.vigil.seen(Task::Control);
+        if more {
+            rtic::pend(CONTROL);
+        }
+    }
+
+    /// What need not be looked at often: how deep the stack has been, and what the log should know.
+    fn look_after(control: &mut Control<'static>) {
+        control.note_stack(fault::stack_peak_bytes());
+        match control.news() {
+            Some(News::Linked) => defmt::info!("a host is there"),
+            Some(News::Unlinked) => defmt::warn!("no host any more"),
+            Some(News::BytesLost(bytes)) => defmt::warn!("{=u32} bytes lost so far", bytes),
+            None => {}
+        }
+    }
+
+    /// The commit this image was built from, as eight characters.
+    fn build() -> [u8; 8] {
+        *env!("FIRMWARE_BUILD").as_bytes().first_chunk().unwrap()
+    }
+
+    /// Why the program started, for the hello and for the log.
+    fn why_we_started(flags: Flags) -> ResetCause {
+        let crash = fault::take();
+        let reset = reset_cause(flags, crash.as_ref());
+        defmt::info!(
+            "build {=str} starts {=str}",
+            env!("FIRMWARE_BUILD"),
+            name(reset)
+        );
+        match crash {
+            Some(crash) if crash.program_counter != 0 => {
+                defmt::error!("the run before faulted at {=u32:#x}", crash.program_counter);
+            }
+            Some(crash) => defmt::error!("the run before said: {=str}", crash.text.as_str()),
+            None => {}
+        }
+        reset
+    }
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    println!(
+        "This program is for the chip: firmware/README.md says how to build and start it there or in an emulator."
+    );
+}

@@ -1,0 +1,48 @@
+//! Crashes on demand, for tests in an emulator: what is kept of a crash is tested by crashing.
+//!
+//! Each is asked for by a word between two zeros. No frame looks like that: its first byte says how far away its next zero
+//! is, and these words end before.
+
+use core::hint::black_box;
+
+/// Fills the stack.
+pub const OVERFLOW: &[u8] = b"!overflow";
+/// Panics.
+pub const PANIC: &[u8] = b"!panic";
+/// Runs an instruction that no processor has.
+pub const FAULT: &[u8] = b"!fault";
+
+/// Crashes if the frame asks for it.
+pub fn heed(frame: &[u8]) {
+    match frame {
+        OVERFLOW => {
+            black_box(dig(frame.len()));
+        }
+        PANIC => panic!("asked to"),
+        #[cfg(target_os = "none")]
+        FAULT => cortex_m::asm::udf(),
+        _ => {}
+    }
+}
+
+/// Takes some stack, then some more, until there is none.
+#[inline(never)]
+#[allow(unconditional_recursion)]
+fn dig(depth: usize) -> usize {
+    let mut ballast = [depth; 16];
+    let reached = dig(black_box(&mut ballast)[0].wrapping_add(1));
+    reached.wrapping_add(black_box(&ballast)[0])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use amp::wire::cobs;
+
+    #[test]
+    fn no_frame_looks_like_a_provocation() {
+        for word in [OVERFLOW, PANIC, FAULT] {
+            assert_eq!(cobs::decode(word, &mut [0; 256]), None);
+        }
+    }
+}

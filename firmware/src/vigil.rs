@@ -1,0 +1,106 @@
+//! May the watchdog be fed? Only when every task has run since it was fed last.
+//!
+//! A watchdog fed from a timer interrupt alone would be content with a control task that hangs. Here each task leaves its
+//! mark, and one task that stays away is enough to let the watchdog bite.
+
+use core::sync::atomic::{AtomicU32, Ordering};
+
+/// A task that has to show itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Task {
+    /// The serial interrupt.
+    Serial,
+    /// The clock's interrupt.
+    Clock,
+    /// The task that owns the mind.
+    Control,
+}
+
+impl Task {
+    /// Every task.
+    pub const ALL: [Self; 3] = [Self::Serial, Self::Clock, Self::Control];
+
+    /// The task's bit.
+    const fn mark(self) -> u32 {
+        match self {
+            Self::Serial => 1,
+            Self::Clock => 2,
+            Self::Control => 4,
+        }
+    }
+}
+
+/// The marks of [`Task::ALL`] together.
+const EVERYONE: u32 = 0b111;
+
+/// Whether these marks are everyone's.
+#[must_use]
+const fn complete(marks: u32) -> bool {
+    marks & EVERYONE == EVERYONE
+}
+
+/// Who has run since the watchdog was fed last.
+#[derive(Debug, Default)]
+pub struct Vigil {
+    marks: AtomicU32,
+}
+
+impl Vigil {
+    /// Nobody has run yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            marks: AtomicU32::new(0),
+        }
+    }
+
+    /// A task has run.
+    pub fn seen(&self, task: Task) {
+        self.marks.fetch_or(task.mark(), Ordering::Relaxed);
+    }
+
+    /// Whether the watchdog may be fed now; if so, everyone has to show himself anew.
+    #[must_use]
+    pub fn relieve(&self) -> bool {
+        let all = complete(self.marks.load(Ordering::Relaxed));
+        if all {
+            self.marks.store(0, Ordering::Relaxed);
+        }
+        all
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_task_has_a_mark_of_its_own() {
+        let marks = Task::ALL.iter().fold(0, |marks, task| marks + task.mark());
+        assert_eq!(marks, EVERYONE);
+    }
+
+    #[test]
+    fn one_task_that_stays_away_starves_the_watchdog() {
+        for missing in Task::ALL {
+            let vigil = Vigil::new();
+            for task in Task::ALL.into_iter().filter(|&task| task != missing) {
+                vigil.seen(task);
+                vigil.seen(task);
+            }
+            assert!(!vigil.relieve(), "fed without {missing:?}");
+            vigil.seen(missing);
+            assert!(vigil.relieve());
+        }
+    }
+
+    #[test]
+    fn after_a_feed_everyone_has_to_come_again() {
+        let vigil = Vigil::new();
+        for task in Task::ALL {
+            vigil.seen(task);
+        }
+        assert!(vigil.relieve());
+        assert!(!vigil.relieve());
+    }
+}

@@ -1,0 +1,123 @@
+//! What a mind is, counts and may be told, as tables.
+
+use super::Trouble;
+use crate::cli::table::plain;
+use crate::error::BadInput;
+use crate::link::{Session, build, reset};
+use amp::parameters::{Parameter, ParameterError, Spec};
+use std::io::Write;
+
+/// Which parameters, and a new value for the only one.
+pub(super) struct Wanted {
+    parameters: Vec<Parameter>,
+    value: Option<i32>,
+}
+
+/// Finds the parameters by name; all without one.
+///
+/// # Errors
+/// A name that is none, a value outside its range.
+pub(super) fn wanted(name: Option<&str>, value: Option<i32>) -> Result<Wanted, BadInput> {
+    let Some(name) = name else {
+        let parameters = Parameter::ALL.to_vec();
+        return Ok(Wanted { parameters, value });
+    };
+    let known: Vec<_> = Parameter::ALL.iter().map(|known| known.name()).collect();
+    let found = Parameter::ALL
+        .into_iter()
+        .find(|known| known.name() == name);
+    let parameter = found.ok_or_else(|| BadInput::unknown("parameter", name, &known))?;
+    let spec = parameter.spec();
+    match value {
+        Some(value) if value < spec.least || value > spec.greatest => {
+            let why = ParameterError::Range(spec).to_string();
+            let why = why.trim_end();
+            Err(BadInput::new(format!(
+                "parameter {name} cannot be {value}: {why}"
+            )))
+        }
+        _ => Ok(Wanted {
+            parameters: vec![parameter],
+            value,
+        }),
+    }
+}
+
+/// Reads or sets the parameters and prints them.
+pub(super) fn parameters(
+    session: &mut Session,
+    wanted: Wanted,
+    out: &mut impl Write,
+) -> Result<(), Trouble> {
+    let mut rows = Vec::new();
+    for parameter in wanted.parameters {
+        let (value, spec) = session.parameter(parameter, wanted.value)?;
+        rows.push(row(parameter, value, &spec));
+    }
+    let heads = ["parameter", "value", "least", "greatest", "unit"];
+    Ok(out.write_all(plain(&heads, &rows, &[1, 2, 3]).as_bytes())?)
+}
+
+fn row(parameter: Parameter, value: i32, spec: &Spec) -> Vec<String> {
+    vec![
+        parameter.name().to_owned(),
+        value.to_string(),
+        spec.least.to_string(),
+        spec.greatest.to_string(),
+        spec.unit.to_string(),
+    ]
+}
+
+/// Reads the counters and prints them.
+pub(super) fn counters(session: &mut Session, out: &mut impl Write) -> Result<(), Trouble> {
+    let c = session.counters()?;
+    let rows = [
+        ("frames accepted", c.accepted),
+        ("frames of no shape", c.misshapen),
+        ("frames with a wrong CRC", c.damaged),
+        ("frames without a known message", c.unknown),
+        ("frames too long", c.oversized),
+        ("frames of another session", c.strangers),
+        ("frames that came again or too late", c.replayed),
+        ("orders that came too late", c.expired),
+        ("requests refused", c.refused),
+        ("frames sent", c.sent),
+        ("frames that found no room to be sent", c.dropped),
+        ("times the link was lost", c.link_losses),
+        ("bytes lost by the serial port", c.device.overruns),
+        ("bytes lost by the receive queue", c.device.queue_losses),
+        ("most stack used, bytes", c.device.stack_peak_bytes),
+        ("control ticks", c.device.ticks),
+        ("longest time between two, ms", c.device.longest_tick_ms),
+    ];
+    let rows = rows.map(|(what, count)| vec![what.to_owned(), count.to_string()]);
+    Ok(out.write_all(plain(&["counter", "since the start"], &rows, &[1]).as_bytes())?)
+}
+
+/// Prints the mind's hello.
+pub(super) fn hello(session: &Session, out: &mut impl Write) -> Result<(), Trouble> {
+    let Some(hello) = session.hello() else {
+        return Ok(());
+    };
+    let dimensions = &hello.dimensions;
+    let rows = [
+        ("build", build(&hello.build)),
+        ("started because", reset(hello.reset).to_owned()),
+        ("protocol", dimensions.protocol.to_string()),
+        ("messages", format!("{:08x}", dimensions.schema)),
+        ("sonars", dimensions.sensors.to_string()),
+        ("neurons to a map", dimensions.neurons.to_string()),
+        ("samples the memory holds", hello.samples.to_string()),
+        (
+            "checksum of the configuration",
+            format!("{:08x}", hello.config_crc),
+        ),
+        ("checksum of the maps", format!("{:08x}", hello.maps_crc)),
+        (
+            "checksum of the memory",
+            format!("{:08x}", hello.memory_crc),
+        ),
+    ];
+    let rows = rows.map(|(what, value)| vec![what.to_owned(), value]);
+    Ok(out.write_all(plain(&["mind", ""], &rows, &[]).as_bytes())?)
+}

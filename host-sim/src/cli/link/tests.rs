@@ -1,0 +1,85 @@
+//! The verbs with a mind behind a socket.
+
+use crate::cli::{Cli, Failure, execute};
+use crate::link::Served;
+use amp::config::Config;
+use clap::Parser;
+
+fn host_sim(served: &Served, line: &str) -> Result<String, String> {
+    let line = line.replace("MIND", &format!("tcp:{}", served.host()));
+    let words = std::iter::once("host-sim").chain(line.split(' '));
+    let cli = Cli::try_parse_from(words).unwrap();
+    let mut out = Vec::new();
+    match execute(cli.command, &mut out) {
+        Ok(()) => Ok(String::from_utf8(out).unwrap()),
+        Err(Failure::Bad(error)) => Err(error.to_string()),
+        Err(Failure::Output(error)) => panic!("{error}"),
+    }
+}
+
+#[test]
+fn every_verb_says_what_came_of_it() {
+    let served = Served::start(Config::recommended()).unwrap();
+    let verb = |verb: &str| host_sim(&served, &format!("link --to MIND {verb}"));
+    assert!(verb("hello").unwrap().contains("samples the memory holds"));
+    assert!(verb("params").unwrap().contains("ring-period    640"));
+    assert!(
+        verb("params far 1300")
+            .unwrap()
+            .contains("far         1300")
+    );
+    assert!(verb("counters").unwrap().contains("frames accepted"));
+    assert!(verb("goal avoid").unwrap().contains("done"));
+    assert!(verb("stop").unwrap().contains("stopped: it was told to"));
+    assert_eq!(verb("monitor --for 0.1").unwrap(), "");
+    let explored = verb("explore 5 --for 0.2").unwrap();
+    assert!(explored.contains("explores, 5 moves left"), "{explored}");
+    for (line, part) in [
+        ("learn", "nothing to learn from"),
+        ("seek", "it has not learnt yet"),
+        ("explore 0", "from 1 to 100 random moves"),
+        ("explore 5", "not every sonar was heard in time"),
+        ("goal perceived", "not every sonar has been heard"),
+        ("goal none.toml", "none.toml: "),
+        ("params fra", "did you mean \"far\"?"),
+        ("params far 9999", "between 1 and 6500 mm"),
+        ("push none.mind", "none.mind: "),
+    ] {
+        let sentence = verb(line).unwrap_err();
+        assert!(sentence.contains(part), "{line}: {sentence}");
+    }
+}
+
+#[test]
+fn what_an_episode_taught_is_pulled_and_pushed() {
+    let (one, two) = (
+        Served::start(Config::recommended()).unwrap(),
+        Served::start(Config::touzet()).unwrap(),
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("robot.mind");
+    let file = file.display();
+    let here = host_sim(&one, "run --world random:1 --steps 5 --json").unwrap();
+    let there = host_sim(&one, "run --world random:1 --steps 5 --json --mind MIND");
+    assert_eq!(there.unwrap(), here);
+    let pulled = host_sim(&one, &format!("link --to MIND pull {file}"));
+    assert!(pulled.unwrap().contains("and 100 samples"));
+    let pushed = host_sim(&two, &format!("link --to MIND push {file}"));
+    assert!(pushed.unwrap().contains("100 samples are in the mind"));
+    let learnt = host_sim(&two, "link --to MIND learn").unwrap();
+    let last = learnt.lines().last().unwrap();
+    assert!(last.ends_with("mode       idle"), "{learnt}");
+}
+
+#[test]
+fn what_cannot_be_driven_there_is_refused_before_anything_is_written() {
+    let served = Served::start(Config::recommended()).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let line = format!("run --explore 101 --out {} --mind MIND", out.display());
+    let sentence = host_sim(&served, &line).unwrap_err();
+    assert!(sentence.contains("holds 100 moves"), "{sentence}");
+    assert!(!out.exists());
+    let sentence = host_sim(&served, "run --mind host --firmware x.elf").unwrap_err();
+    assert!(sentence.contains("only qemu takes an image"), "{sentence}");
+}

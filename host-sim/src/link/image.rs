@@ -1,0 +1,55 @@
+//! The firmware's image for the emulator, built from the project's sources.
+
+use super::LinkError;
+use std::ffi::OsString;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+const TARGET: &str = "thumbv7em-none-eabihf";
+const PROFILE: &str = "chip";
+
+/// Builds the image and returns its path. Into a folder of its own: the board's image elsewhere stays the board's.
+///
+/// # Errors
+/// [`LinkError::Open`] without the sources, without cargo, or when the build fails.
+pub fn build() -> Result<PathBuf, LinkError> {
+    let root = project().ok_or_else(|| {
+        refused("the firmware's sources are not here: start this in the project's folder, or give an image with --firmware ELF")
+    })?;
+    let folder = root.join("target").join("qemu");
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"));
+    let built = Command::new(&cargo)
+        .current_dir(&root)
+        .args(["build", "--quiet", "-p", "firmware", "--features", "qemu"])
+        .args(["--profile", PROFILE, "--target", TARGET, "--target-dir"])
+        .arg(&folder)
+        .stdin(Stdio::null())
+        // The compiler's messages are for the person; standard output is for results.
+        .stdout(Stdio::null())
+        .status();
+    match built {
+        Ok(status) if status.success() => Ok(folder.join(TARGET).join(PROFILE).join("firmware")),
+        Ok(_) => Err(refused(&format!(
+            "the firmware could not be built, see above (once: `rustup target add {TARGET}`)"
+        ))),
+        Err(error) if error.kind() == ErrorKind::NotFound => Err(refused(
+            "there is no cargo to build the firmware with: install Rust (https://rustup.rs), or give an image with --firmware ELF",
+        )),
+        Err(error) => Err(refused(&format!("cargo cannot be started: {error}"))),
+    }
+}
+
+fn refused(why: &str) -> LinkError {
+    LinkError::Open { why: why.into() }
+}
+
+/// The project's folder: the one this program was built from, or else one around the working folder.
+fn project() -> Option<PathBuf> {
+    let built_from = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."));
+    let here = std::env::current_dir().unwrap_or_default();
+    let mut folders = std::iter::once(built_from).chain(here.ancestors());
+    let found = folders.find(|folder| folder.join("firmware/Cargo.toml").is_file());
+    // Without the `..`: it ends up in messages.
+    found.and_then(|folder| folder.canonicalize().ok())
+}

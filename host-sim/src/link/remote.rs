@@ -1,0 +1,337 @@
+//! A mind at the other end of a link drives the simulated robot.
+//!
+//! Time is the simulation's: the mind's clock is that of the latest message ([`Clock::Host`]), so neither a slow link nor
+//! a slow chip changes what comes of an episode.
+
+use super::{Answer, Knowledge, LinkError, Local, Session, next_number};
+use crate::episode::Failure;
+use crate::pilot::{Pilot, SimState, Thinker};
+use amp::config::Config;
+use amp::controller::{Command, Event, Motion, Outputs, StopReason};
+use amp::fixed::Mask;
+use amp::som::Grid;
+use amp::units::{Millis, Range};
+use amp::wire::message::{
+    Clock, FromMind, GoalBy, Heard, MindHello, ModeReport, MotionOrder, Order, Part, Refusal,
+    Report,
+};
+use amp::wire::{ToMind, message};
+use std::time::{Duration, Instant};
+
+/// A sign of life at least this often in simulated time, milliseconds: half the silence a mind bears, so that one may be
+/// lost.
+const ALIVE_MS: u32 = amp::link::SILENCE_MS / 2;
+
+/// How long a learning mind is left alone before it is asked whether it still learns.
+const LEARNING: Duration = Duration::from_millis(500);
+
+/// What a mind is, in checksums.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Fingerprint {
+    /// Of the configuration.
+    pub config_crc: u32,
+    /// Of the three maps.
+    pub maps_crc: u32,
+    /// Of the memory.
+    pub memory_crc: u32,
+}
+
+impl From<&MindHello> for Fingerprint {
+    fn from(hello: &MindHello) -> Self {
+        Self {
+            config_crc: hello.config_crc,
+            maps_crc: hello.maps_crc,
+            memory_crc: hello.memory_crc,
+        }
+    }
+}
+
+impl Fingerprint {
+    /// That of a mind with this configuration that knows nothing.
+    ///
+    /// # Errors
+    /// When the configuration is none a mind can send.
+    pub fn fresh(config: &Config<16>) -> Result<Self, LinkError> {
+        let mut session = Session::new(Local::new(config.clone()));
+        Ok(Self::from(&session.open(1, Clock::Host)?))
+    }
+
+    /// What differs from another one, in words; empty if nothing does.
+    #[must_use]
+    pub fn differences(&self, other: &Self) -> Vec<&'static str> {
+        let pairs = [
+            (self.config_crc != other.config_crc, "configuration"),
+            (self.maps_crc != other.maps_crc, "maps"),
+            (self.memory_crc != other.memory_crc, "memory"),
+        ];
+        let differing = pairs.into_iter().filter(|(differs, _)| *differs);
+        differing.map(|(_, what)| what).collect()
+    }
+}
+
+/// A mind at the other end of a link, for one episode.
+pub struct RemoteMind<'s> {
+    session: &'s mut Session,
+    config: Config<16>,
+    found: Fingerprint,
+    fresh: Fingerprint,
+    /// Time of the latest message.
+    told: Millis,
+    /// The latest motion asked for: number and revision.
+    motion: Option<(u16, u8)>,
+    knowledge: Box<SimState>,
+    error: Option<LinkError>,
+}
+
+impl<'s> RemoteMind<'s> {
+    /// Opens the sessions `number` and the one after it: gives the mind its configuration, makes it forget everything, and
+    /// makes sure that it did.
+    ///
+    /// # Errors
+    /// [`LinkError`].
+    pub fn start(
+        session: &'s mut Session,
+        number: u16,
+        config: &Config<16>,
+    ) -> Result<Self, LinkError> {
+        let fresh = Fingerprint::fresh(config)?;
+        let found = Fingerprint::from(&session.open(number, Clock::Host)?);
+        // A mind that learns takes no configuration.
+        session.order(0, Order::Stop)?;
+        session.write_part(Part::Config, &Knowledge::of_config(config)?)?;
+        session.order(0, Order::Forget)?;
+        let hello = session.open(next_number(session.number()), Clock::Host)?;
+        if let Some(what) = Fingerprint::from(&hello).differences(&fresh).first() {
+            return Err(LinkError::Unlike { what });
+        }
+        Ok(Self {
+            session,
+            config: config.clone(),
+            found,
+            fresh,
+            told: Millis::from_ms(0),
+            motion: None,
+            knowledge: Box::new(SimState::new(Grid::rectangle(4, 4))),
+            error: None,
+        })
+    }
+
+    /// What the mind had instead of this configuration, empty maps and an empty memory before it was told; in words.
+    #[must_use]
+    pub fn replaced(&self) -> Vec<&'static str> {
+        self.found.differences(&self.fresh)
+    }
+
+    fn happen(&mut self, at: Millis, event: Event<16>) -> Result<Outputs<16>, LinkError> {
+        let at_ms = at.as_ms();
+        match event {
+            Event::Echo { sensor, range } => self.hear(at, &[(sensor, range)]),
+            Event::Odometry {
+                motion,
+                moved,
+                turned,
+                progress,
+            } => self.tell(
+                at,
+                &ToMind::Odometry {
+                    at_ms,
+                    motion,
+                    dx_mm: moved.dx_mm,
+                    dy_mm: moved.dy_mm,
+                    turned: turned.as_turns(),
+                    progress,
+                },
+            ),
+            Event::Command(command) => self.command(at, command),
+            Event::Tick => self.let_learn(),
+            // Whoever is in charge of the link raises alarms, not whoever is at its end.
+            Event::Alarm(_) => Ok(Outputs::NONE),
+        }
+    }
+
+    fn hear(
+        &mut self,
+        at: Millis,
+        echoes: &[(u8, Option<Range>)],
+    ) -> Result<Outputs<16>, LinkError> {
+        let heard = |&(sensor, range): &(u8, Option<Range>)| Heard {
+            sensor,
+            range_mm: range.map(Range::as_mm),
+            age_ms: 0,
+        };
+        let echoes = echoes.iter().take(message::MOST_ECHOES).map(heard);
+        let message = ToMind::Scan {
+            at_ms: at.as_ms(),
+            echoes: echoes.collect(),
+        };
+        self.tell(at, &message)
+    }
+
+    fn command(&mut self, at: Millis, command: Command<16>) -> Result<Outputs<16>, LinkError> {
+        let stop = command == Command::Stop;
+        let order = match command {
+            Command::Explore { moves, seed } => Order::Explore { moves, seed },
+            Command::Learn => Order::Learn,
+            Command::Seek(goal) => {
+                self.order(at, Order::Goal(GoalBy::Components(goal)))?;
+                Order::Seek
+            }
+            Command::Stop => Order::Stop,
+            Command::Resume => Order::Resume,
+        };
+        match self.order(at, order) {
+            Err(LinkError::Stopped(StopReason::Commanded)) if stop => Ok(Outputs {
+                mode_changed: true,
+                ..Outputs::NONE
+            }),
+            other => other,
+        }
+    }
+
+    fn order(&mut self, at: Millis, order: Order<16>) -> Result<Outputs<16>, LinkError> {
+        let message = ToMind::Command {
+            at_ms: at.as_ms(),
+            ttl_ms: super::session::ORDER_TTL_MS,
+            order,
+        };
+        self.tell(at, &message)
+    }
+
+    /// Sends something that happened at `at` and returns what came of it.
+    fn tell(&mut self, at: Millis, message: &ToMind<16>) -> Result<Outputs<16>, LinkError> {
+        self.pass_time(at)?;
+        let answer = self.session.request(message)?;
+        self.outputs(&answer)
+    }
+
+    /// Has signs of life sent for the time until `at`, before whatever is sent next.
+    fn pass_time(&mut self, at: Millis) -> Result<(), LinkError> {
+        let mut gap_ms = at.since(self.told);
+        // A time before the latest one looks like one far ahead.
+        while (ALIVE_MS + 1..1 << 31).contains(&gap_ms) {
+            self.told = Millis::from_ms(self.told.as_ms().wrapping_add(ALIVE_MS));
+            let at_ms = self.told.as_ms();
+            self.session.put(&ToMind::Alive { at_ms })?;
+            gap_ms = at.since(self.told);
+        }
+        self.told = at;
+        Ok(())
+    }
+
+    fn outputs(&mut self, answer: &Answer) -> Result<Outputs<16>, LinkError> {
+        if answer.missing > 0 {
+            let reports = answer.missing;
+            return Err(LinkError::Lost { reports });
+        }
+        let mut outputs = Outputs::NONE;
+        for report in &answer.reports {
+            self.take(report, &mut outputs)?;
+        }
+        match answer.refusal {
+            Some(Refusal::Command(why)) => outputs.refusal = Some(why),
+            Some(why) => return Err(LinkError::Refused(why)),
+            None => {}
+        }
+        Ok(outputs)
+    }
+
+    fn take(&mut self, report: &Report<16>, outputs: &mut Outputs<16>) -> Result<(), LinkError> {
+        match &report.said {
+            FromMind::Decision(decision) => outputs.decision = Some(*decision),
+            FromMind::Motion(order) => outputs.motion = self.news(*order).or(outputs.motion),
+            FromMind::Mode(ModeReport::Stopped(reason)) => {
+                return Err(LinkError::Stopped(*reason));
+            }
+            FromMind::Mode(_) => outputs.mode_changed = true,
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// The motion, unless this only renews the time to live of the one under way.
+    fn news(&mut self, order: MotionOrder) -> Option<Motion> {
+        let mark = Some((order.id, order.revision));
+        (std::mem::replace(&mut self.motion, mark) != mark).then(|| order.motion())
+    }
+
+    /// Waits until the mind has learnt; it does so by itself, as fast as it can.
+    fn let_learn(&mut self) -> Result<Outputs<16>, LinkError> {
+        let mut outputs = Outputs::NONE;
+        while !outputs.mode_changed {
+            match self.session.next_report(Instant::now() + LEARNING)? {
+                Some(report) => self.take(&report, &mut outputs)?,
+                // Had its report been lost, there would be nothing to wait for.
+                None => outputs.mode_changed = !self.is_learning()?,
+            }
+        }
+        Ok(outputs)
+    }
+
+    fn is_learning(&mut self) -> Result<bool, LinkError> {
+        let mode = self.session.mode()?;
+        Ok(mode == ModeReport::Learn)
+    }
+
+    fn keep(&mut self, result: Result<Outputs<16>, LinkError>) -> Outputs<16> {
+        result.unwrap_or_else(|error| {
+            self.error = Some(error);
+            Outputs::NONE
+        })
+    }
+}
+
+impl Pilot for RemoteMind<'_> {
+    fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
+        if self.error.is_some() {
+            return Outputs::NONE;
+        }
+        let result = self.happen(at, event);
+        self.keep(result)
+    }
+
+    /// Sends in one frame what cannot bring about a motion before its end: everything up to the last transducer that is
+    /// believed, for a ring is complete no sooner.
+    fn echoes(&mut self, at: Millis, echoes: &[(u8, Option<Range>)]) -> (usize, Outputs<16>) {
+        if self.error.is_some() {
+            return (echoes.len(), Outputs::NONE);
+        }
+        let count = batch(echoes, self.config.believed);
+        let result = self.hear(at, echoes.get(..count).unwrap_or(echoes));
+        (count, self.keep(result))
+    }
+
+    fn failure(&self) -> Option<Failure> {
+        self.error.clone().map(Failure::Link)
+    }
+}
+
+impl Thinker for RemoteMind<'_> {
+    fn knowledge(&mut self) -> Result<&SimState, Failure> {
+        // Nothing happens in the mind while nothing is said to it, whatever its mode.
+        let pulled = Knowledge::read(self.session).and_then(|knowledge| knowledge.state());
+        *self.knowledge = pulled.map_err(Failure::Link)?;
+        Ok(&self.knowledge)
+    }
+}
+
+/// How many of the echoes go into one frame.
+fn batch(echoes: &[(u8, Option<Range>)], believed: Mask) -> usize {
+    let counts = |&(sensor, _): &(u8, Option<Range>)| believed.contains(usize::from(sensor));
+    let last = echoes.iter().rposition(counts);
+    // Behind the last believed one, or where none is, each may complete what was heard before.
+    last.map_or(1, |last| last + 1).min(message::MOST_ECHOES)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_frame_ends_with_the_last_transducer_that_may_complete_the_ring() {
+        let echoes: [_; 16] = std::array::from_fn(|sensor| (sensor as u8, None));
+        assert_eq!(batch(&echoes, Mask::ALL), 16);
+        assert_eq!(batch(&echoes, Mask::ALL.without(15)), 15);
+        assert_eq!(batch(&echoes[15..], Mask::ALL.without(15)), 1);
+        assert_eq!(batch(&echoes, Mask::NONE), 1);
+    }
+}

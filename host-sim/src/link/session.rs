@@ -1,0 +1,309 @@
+//! The host's end of a session: hello, requests, reports.
+
+use super::{LinkError, Transport};
+use amp::wire::message::{FromMind, MindHello, Order, Refusal, ResetCause};
+use amp::wire::{Frame, FrameError, Header, Receiver, Report, ToMind, frame};
+use std::collections::VecDeque;
+use std::io;
+use std::time::{Duration, Instant};
+
+/// How long an order given by hand stays valid, milliseconds.
+pub(super) const ORDER_TTL_MS: u16 = 1_000;
+
+/// How long an answer is waited for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Patience {
+    /// After this time without a confirmation the request is sent again.
+    pub attempt: Duration,
+    /// How often it is sent in all.
+    pub attempts: u32,
+}
+
+impl Patience {
+    /// All attempts together.
+    #[must_use]
+    pub fn whole(self) -> Duration {
+        self.attempt * self.attempts
+    }
+}
+
+impl Default for Patience {
+    fn default() -> Self {
+        Self {
+            attempt: Duration::from_millis(500),
+            attempts: 4,
+        }
+    }
+}
+
+/// What a request brought about.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Answer {
+    /// The mind's reports between the request and its confirmation.
+    pub reports: Vec<Report<16>>,
+    /// Why it was not done.
+    pub refusal: Option<Refusal>,
+    /// Reports that were lost on the way since the last answer.
+    pub missing: u32,
+}
+
+/// The host's end of a link. Opened anew for each session.
+pub struct Session {
+    pub(super) transport: Box<dyn Transport>,
+    receiver: Receiver,
+    pub(super) heard: VecDeque<(Header, Report<16>)>,
+    pub(super) number: u16,
+    pub(super) seq: u16,
+    /// Number of the mind's latest report in the session.
+    pub(super) mind_seq: Option<u16>,
+    pub(super) missing: u32,
+    /// Frames that go out with the next request, and again with each repetition.
+    pub(super) burst: Vec<u8>,
+    pub(super) began: Instant,
+    pub(super) patience: Patience,
+    pub(super) hello: Option<MindHello>,
+    /// Sound frames without a known message.
+    pub(super) foreign: u32,
+}
+
+impl Session {
+    /// A link without a session.
+    #[must_use]
+    pub fn new(transport: impl Transport + 'static) -> Self {
+        Self {
+            transport: Box::new(transport),
+            receiver: Receiver::new(),
+            heard: VecDeque::new(),
+            number: 0,
+            seq: 0,
+            mind_seq: None,
+            missing: 0,
+            burst: Vec::new(),
+            began: Instant::now(),
+            patience: Patience::default(),
+            hello: None,
+            foreign: 0,
+        }
+    }
+
+    /// Waits for answers so long from now on.
+    pub fn set_patience(&mut self, patience: Patience) {
+        self.patience = patience;
+    }
+
+    /// The bytes' way, for whoever wants to meddle with it.
+    pub fn transport(&mut self) -> &mut dyn Transport {
+        &mut *self.transport
+    }
+
+    /// Replaces the bytes' way; the session is gone until the next [`open`](Self::open).
+    pub fn set_transport(&mut self, transport: impl Transport + 'static) {
+        self.transport = Box::new(transport);
+        self.receiver = Receiver::new();
+        self.number = 0;
+    }
+
+    /// Number of the session; 0 = none.
+    #[must_use]
+    pub fn number(&self) -> u16 {
+        self.number
+    }
+
+    /// The mind's hello of this session.
+    #[must_use]
+    pub fn hello(&self) -> Option<&MindHello> {
+        self.hello.as_ref()
+    }
+
+    /// Time since the session began, milliseconds; wraps after 49.7 days.
+    #[must_use]
+    pub fn elapsed_ms(&self) -> u32 {
+        self.began.elapsed().as_millis() as u32
+    }
+
+    /// Numbers a message and puts its frame beside those that go out with the next request.
+    ///
+    /// # Errors
+    /// When the message fits no frame.
+    pub fn put(&mut self, message: &ToMind<16>) -> Result<(), LinkError> {
+        let header = Header {
+            session: self.number,
+            seq: self.seq,
+        };
+        let frame = Frame::pack(header, message).map_err(|error| LinkError::Broken {
+            why: error.to_string(),
+        })?;
+        self.burst.extend_from_slice(frame.as_bytes());
+        self.seq = self.seq.wrapping_add(1);
+        Ok(())
+    }
+
+    /// Sends a message and waits for its confirmation; without one it is sent again, with the same number.
+    ///
+    /// # Errors
+    /// [`LinkError`]: no confirmation, a mind that started anew, a broken way. A refusal is an answer.
+    pub fn request(&mut self, message: &ToMind<16>) -> Result<Answer, LinkError> {
+        let seq = self.seq;
+        self.put(message)?;
+        let burst = std::mem::take(&mut self.burst);
+        let mut answer = Answer::default();
+        for attempt in 0..self.patience.attempts {
+            if attempt > 0 {
+                self.send(&[0])?;
+            }
+            self.send(&burst)?;
+            let until = Instant::now() + self.patience.attempt;
+            if self.await_done(seq, until, &mut answer)? {
+                answer.missing = std::mem::take(&mut self.missing);
+                // Keeps its room for the next request.
+                self.burst = burst;
+                self.burst.clear();
+                return Ok(answer);
+            }
+        }
+        Err(self.silent())
+    }
+
+    fn await_done(
+        &mut self,
+        seq: u16,
+        until: Instant,
+        answer: &mut Answer,
+    ) -> Result<bool, LinkError> {
+        while let Some(report) = self.next_report(until)? {
+            match report.said {
+                FromMind::Done { seq: done } if done == seq => return Ok(true),
+                FromMind::Refusal { seq: refused, why } if refused == seq => {
+                    answer.refusal = Some(why);
+                }
+                // Of a frame before, or of the same one once more.
+                FromMind::Done { .. } => {}
+                _ => answer.reports.push(report),
+            }
+        }
+        Ok(false)
+    }
+
+    /// As [`request`](Self::request) for a message that may well be carried out twice: asks anew while part of the answer
+    /// was lost, and takes a refusal for an error.
+    ///
+    /// # Errors
+    /// [`LinkError`].
+    pub fn ask(&mut self, message: &ToMind<16>) -> Result<Vec<Report<16>>, LinkError> {
+        let mut reports = 0;
+        for _ in 0..self.patience.attempts {
+            let answer = self.request(message)?;
+            if let Some(why) = answer.refusal {
+                return Err(LinkError::Refused(why));
+            }
+            if answer.missing == 0 {
+                return Ok(answer.reports);
+            }
+            reports = answer.missing;
+        }
+        Err(LinkError::Lost { reports })
+    }
+
+    /// Gives an order, valid for a second.
+    ///
+    /// # Errors
+    /// [`LinkError`].
+    pub fn order(&mut self, at_ms: u32, order: Order<16>) -> Result<Vec<Report<16>>, LinkError> {
+        self.ask(&ToMind::Command {
+            at_ms,
+            ttl_ms: ORDER_TTL_MS,
+            order,
+        })
+    }
+
+    /// Says that the host is there, `at_ms` after the session began.
+    ///
+    /// # Errors
+    /// A broken way.
+    pub fn alive(&mut self, at_ms: u32) -> Result<(), LinkError> {
+        self.put(&ToMind::Alive { at_ms })?;
+        let burst = std::mem::take(&mut self.burst);
+        self.send(&burst)
+    }
+
+    /// Waits until `until` for the mind's next report in this session.
+    ///
+    /// # Errors
+    /// A broken way, a mind that started anew.
+    pub fn next_report(&mut self, until: Instant) -> Result<Option<Report<16>>, LinkError> {
+        while let Some((header, report)) = self.next(until)? {
+            if header.session == self.number {
+                if let Some(last) = self.mind_seq.replace(header.seq) {
+                    let between = header.seq.wrapping_sub(last).wrapping_sub(1);
+                    self.missing = self.missing.saturating_add(u32::from(between));
+                }
+                if matches!(report.said, FromMind::Hello(_)) {
+                    // Our hello had been repeated.
+                    continue;
+                }
+                return Ok(Some(report));
+            }
+            match (header.session, report.said) {
+                (0, FromMind::Hello(hello)) => return Err(LinkError::Restarted(hello.reset)),
+                (0, FromMind::Refusal { .. }) => {
+                    return Err(LinkError::Restarted(ResetCause::Unknown));
+                }
+                // A late answer of a session before.
+                _ => {}
+            }
+        }
+        Ok(None)
+    }
+
+    pub(super) fn next(
+        &mut self,
+        until: Instant,
+    ) -> Result<Option<(Header, Report<16>)>, LinkError> {
+        let mut buffer = [0; 1_024];
+        loop {
+            if let Some(heard) = self.heard.pop_front() {
+                return Ok(Some(heard));
+            }
+            let patience = until.saturating_duration_since(Instant::now());
+            let received = self.transport.receive(&mut buffer, patience);
+            let count = received.map_err(|error| self.broken(&error))?;
+            if count == 0 {
+                return Ok(None);
+            }
+            self.take(buffer.get(..count).unwrap_or(&buffer));
+        }
+    }
+
+    fn take(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            let Some(bytes) = self.receiver.push(byte) else {
+                continue;
+            };
+            match frame::unpack(bytes) {
+                Ok(heard) => self.heard.push_back(heard),
+                Err(FrameError::Content { .. }) => self.foreign = self.foreign.saturating_add(1),
+                // Missed by its number when the next one comes.
+                Err(FrameError::Shape | FrameError::Crc | FrameError::TooLong) => {}
+            }
+        }
+    }
+
+    pub(super) fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
+        let sent = self.transport.send(bytes);
+        sent.map_err(|error| self.broken(&error))
+    }
+
+    fn broken(&mut self, error: &io::Error) -> LinkError {
+        let why = match self.transport.last_words() {
+            Some(words) => format!("{error}; {words}"),
+            None => error.to_string(),
+        };
+        LinkError::Broken { why }
+    }
+
+    pub(super) fn silent(&self) -> LinkError {
+        LinkError::Silent {
+            waited: self.patience.whole(),
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! Builds and runs the programs beside this package, and reads sizes from images.
+
+use object::{Object as _, ObjectSection as _, SectionFlags, SectionKind};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// The chip.
+pub const TARGET: &str = "thumbv7em-none-eabihf";
+
+/// The chip's memory.
+const SRAM: std::ops::Range<u64> = 0x2000_0000..0x2002_0000;
+
+/// What an image takes, bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Sizes {
+    /// Of flash: code, constants and what statics start with.
+    pub flash: u64,
+    /// Of memory: statics, whether they start with something or not; not the stack.
+    pub ram: u64,
+}
+
+/// The folder of this workspace.
+#[must_use]
+pub fn workspace() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// The project's folder.
+#[must_use]
+pub fn project() -> PathBuf {
+    workspace().join("../..")
+}
+
+/// Runs cargo in a folder, with a target folder of its own so that nothing else is disturbed.
+///
+/// # Panics
+/// When there is no cargo.
+#[must_use]
+pub fn cargo(folder: &Path, line: &str) -> Output {
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo
+        .args(line.split_whitespace())
+        .current_dir(folder)
+        .env("CARGO_TARGET_DIR", target_folder());
+    cargo.output().expect("cargo starts")
+}
+
+/// Where the programs for the chip are built.
+#[must_use]
+pub fn target_folder() -> PathBuf {
+    match std::env::var_os("CARGO_TARGET_DIR") {
+        Some(folder) => project().join(folder),
+        None => workspace().join("target"),
+    }
+}
+
+/// What an image takes, by the sections of its ELF file.
+///
+/// # Errors
+/// What is wrong with the file.
+pub fn sizes(elf: &[u8]) -> Result<Sizes, object::Error> {
+    let mut sizes = Sizes { flash: 0, ram: 0 };
+    for section in object::File::parse(elf)?.sections() {
+        let SectionFlags::Elf { sh_flags } = section.flags() else {
+            continue;
+        };
+        if sh_flags & u64::from(object::elf::SHF_ALLOC) == 0 {
+            continue;
+        }
+        // What has content is kept in flash, even where start-up code copies it to memory.
+        if section.kind() != SectionKind::UninitializedData {
+            sizes.flash += section.size();
+        }
+        if SRAM.contains(&section.address()) {
+            sizes.ram += section.size();
+        }
+    }
+    Ok(sizes)
+}
+
+/// A row of the table of instruction counts.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Row {
+    /// What was called.
+    pub call: String,
+    /// Instructions of the longest call.
+    pub most: u64,
+    /// Instructions allowed.
+    pub allowed: u64,
+}
+
+/// The rows of the table that `counts` prints.
+#[must_use]
+pub fn rows(table: &str) -> Vec<Row> {
+    table.lines().filter_map(row).collect()
+}
+
+fn row(line: &str) -> Option<Row> {
+    let mut cells = line.strip_prefix('|')?.split('|').map(str::trim);
+    let (call, _calls, _mean) = (cells.next()?, cells.next()?, cells.next()?);
+    Some(Row {
+        call: call.to_owned(),
+        most: cells.next()?.parse().ok()?,
+        allowed: cells.next()?.parse().ok()?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Row, rows};
+
+    #[test]
+    fn only_rows_with_counts_are_rows() {
+        let table = "| call | calls | mean | most | allowed |\n| --- | ---: | ---: | ---: | ---: |\n\
+                     | one, two | 3 | 40 | 50 | 60 |\n\n| what | bytes |\n| `State` | 7 |";
+        let row = Row {
+            call: "one, two".to_owned(),
+            most: 50,
+            allowed: 60,
+        };
+        assert_eq!(rows(table), [row]);
+    }
+}

@@ -1,0 +1,31 @@
+//! No input makes the mind panic: it links for the chip without a panic handler, and would not if it could panic.
+
+use checks::{TARGET, cargo, workspace};
+use std::process::Output;
+
+fn link(features: &str) -> Output {
+    let line =
+        format!("build --locked --profile chip --package panics --target {TARGET} {features}");
+    cargo(&workspace(), &line)
+}
+
+#[test]
+fn the_mind_has_no_path_to_a_panic() {
+    let output = link("");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        output.status.success(),
+        "see README.md beside this workspace:\n{said}"
+    );
+}
+
+#[test]
+fn one_path_to_a_panic_would_be_found() {
+    let output = link("--features provoked");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success(), "it linked");
+    assert!(
+        said.contains("a_path_to_a_panic_is_left"),
+        "another error:\n{said}"
+    );
+}

@@ -1,0 +1,38 @@
+//! The firmware's image for the board leaves room in flash and memory.
+//!
+//! `FIRMWARE_ELF` names another image to look at than the one built from here.
+
+use checks::{Sizes, TARGET, cargo, project, sizes, target_folder};
+use std::path::PathBuf;
+
+const KIB: u64 = 1_024;
+
+/// An eighth of the flash that may hold code.
+const MOST: Sizes = Sizes {
+    flash: 96 * KIB,
+    ram: 16 * KIB,
+};
+
+fn image() -> PathBuf {
+    if let Some(path) = std::env::var_os("FIRMWARE_ELF") {
+        return project().join(path);
+    }
+    let line = format!("build --locked --package firmware --profile chip --target {TARGET}");
+    let output = cargo(&project(), &line);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    target_folder().join(TARGET).join("chip/firmware")
+}
+
+#[test]
+fn the_firmware_leaves_room() {
+    let path = image();
+    let elf = std::fs::read(&path).expect("the image can be read");
+    let Sizes { flash, ram } = sizes(&elf).expect("the image is an ELF file");
+    println!("| memory | bytes | allowed |\n| --- | ---: | ---: |");
+    println!("| flash | {flash} | {} |", MOST.flash);
+    println!("| static memory | {ram} | {} |", MOST.ram);
+    assert!(flash > 0 && ram > 0, "{}: no image", path.display());
+    assert!(flash <= MOST.flash, "{flash} bytes of flash");
+    assert!(ram <= MOST.ram, "{ram} bytes of static memory");
+}

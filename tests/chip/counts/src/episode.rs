@@ -1,0 +1,161 @@
+//! A whole episode through the controller, every event counted: 100 random moves, learning, decisions.
+
+use crate::room::Room;
+use crate::stopwatch::{Stopwatch, Tally};
+use amp::config::Config;
+use amp::controller::{Command, Decision, Event, Motion, NomadState, Outputs, Progress, handle};
+use amp::goal::Goal;
+use amp::som::Grid;
+use amp::units::{Bearing, Displacement, Millis, Range};
+use core::hint::black_box;
+use heapless::Vec;
+
+/// Decisions towards the goal.
+pub const DECISIONS: usize = 32;
+
+/// What was counted.
+#[derive(Default)]
+pub struct Counts {
+    /// An echo that completes a ring while exploring.
+    pub random_move: Tally,
+    /// Any other echo of a robot at rest.
+    pub echo: Tally,
+    /// A tick while learning.
+    pub tick: Tally,
+    /// An echo that completes a ring while seeking.
+    pub decision: Tally,
+    /// An echo of a moving robot.
+    pub guard: Tally,
+    /// A report of the base.
+    pub odometry: Tally,
+}
+
+/// A robot in its room.
+pub struct Episode<'a> {
+    watch: &'a Stopwatch,
+    /// What the robot was told.
+    pub config: Config<16>,
+    /// What it knows.
+    pub state: NomadState,
+    /// What it cost so far.
+    pub counts: Counts,
+    /// Its decisions towards the goal.
+    pub decisions: Vec<Decision<16>, DECISIONS>,
+    room: Room,
+    time: u32,
+}
+
+impl<'a> Episode<'a> {
+    /// The whole episode.
+    pub fn new(watch: &'a Stopwatch, config: Config<16>) -> Self {
+        let mut episode = Self {
+            watch,
+            config,
+            state: NomadState::new(Grid::rectangle(4, 4)),
+            counts: Counts::default(),
+            decisions: Vec::new(),
+            room: Room::new(),
+            time: 0,
+        };
+        episode.explore();
+        episode.learn();
+        episode.seek();
+        episode
+    }
+
+    fn explore(&mut self) {
+        let moves = 100;
+        self.send(|| Event::Command(Command::Explore { moves, seed: 7 }));
+        loop {
+            let (instructions, out) = self.ring();
+            if out.mode_changed {
+                return;
+            }
+            self.counts.random_move.add(instructions);
+            self.carry_out(out.motion);
+        }
+    }
+
+    fn learn(&mut self) {
+        self.send(|| Event::Command(Command::Learn));
+        loop {
+            let (instructions, out) = self.send(|| Event::Tick);
+            self.counts.tick.add(instructions);
+            if out.mode_changed {
+                return;
+            }
+        }
+    }
+
+    fn seek(&mut self) {
+        let goal = Goal::avoiding(&self.config);
+        self.send(|| Event::Command(Command::Seek(goal)));
+        while !self.decisions.is_full() {
+            let (instructions, out) = self.ring();
+            self.counts.decision.add(instructions);
+            self.decisions.extend(out.decision);
+            self.carry_out(out.motion);
+        }
+    }
+
+    /// A ring heard at rest: what its last echo cost and brought about.
+    fn ring(&mut self) -> (u32, Outputs<16>) {
+        for sensor in 0..15 {
+            let (instructions, _) = self.hear(sensor);
+            self.counts.echo.add(instructions);
+        }
+        self.hear(15)
+    }
+
+    /// Half of a motion, a ring heard on the way, which may shorten it, and the rest.
+    fn carry_out(&mut self, motion: Option<Motion>) {
+        let Some(mut motion) = motion else {
+            return;
+        };
+        let whole = motion.displacement;
+        let half = Displacement {
+            dx_mm: whole.dx_mm / 2,
+            dy_mm: whole.dy_mm / 2,
+        };
+        let moved = self.report(motion, half, Progress::Moving);
+        motion.displacement = whole.minus(moved);
+        for sensor in 0..16 {
+            let (instructions, out) = self.hear(sensor);
+            self.counts.guard.add(instructions);
+            motion = out.motion.unwrap_or(motion);
+        }
+        self.report(motion, motion.displacement, Progress::Ended);
+    }
+
+    fn report(&mut self, motion: Motion, wanted: Displacement, progress: Progress) -> Displacement {
+        let moved = self.room.drive(wanted);
+        let (instructions, _) = self.send(|| Event::Odometry {
+            motion: black_box(motion.id),
+            moved: black_box(moved),
+            turned: black_box(Bearing::ZERO),
+            progress: black_box(progress),
+        });
+        self.counts.odometry.add(instructions);
+        moved
+    }
+
+    fn hear(&mut self, sensor: u8) -> (u32, Outputs<16>) {
+        self.time += 40;
+        let range = Some(Range::from_mm(self.room.range_mm(usize::from(sensor))));
+        self.send(|| Event::Echo {
+            sensor: black_box(sensor),
+            range: black_box(range),
+        })
+    }
+
+    /// Hands the controller an event made on the spot, of values the compiler cannot know.
+    #[inline(always)]
+    fn send(&mut self, event: impl FnOnce() -> Event<16>) -> (u32, Outputs<16>) {
+        let (config, state) = (&self.config, &mut self.state);
+        let at = Millis::from_ms(self.time);
+        self.watch.count(|| {
+            let (config, state) = (black_box(config), black_box(state));
+            handle(config, state, black_box(at), event())
+        })
+    }
+}

@@ -1,0 +1,204 @@
+//! What the link costs: frames packed and unpacked, and a mind that decides by a frame.
+
+use crate::episode::Episode;
+use crate::room::Room;
+use crate::stopwatch::{Stopwatch, Tally};
+use amp::controller::{self, Progress};
+use amp::node::{NomadNode, Outbox};
+use amp::som::Grid;
+use amp::units::Millis;
+use amp::wire::message::{
+    Clock, Dimensions, FromMind, GoalBy, Heard, HostHello, MOST_PIECE, MotionOrder, Order, Part,
+    ToMind,
+};
+use amp::wire::{Frame, Header, PROTOCOL, Report, SCHEMA, frame};
+use core::hint::black_box;
+use heapless::Vec;
+
+/// Decisions by frames.
+const DECISIONS: u32 = 32;
+
+/// Packing the decisions of an episode.
+pub fn packing(watch: &Stopwatch, episode: &Episode<'_>) -> Tally {
+    let mut tally = Tally::default();
+    for decision in &episode.decisions {
+        let report = Report {
+            device_ms: 123_456,
+            said: FromMind::Decision(*decision),
+        };
+        let header = Header {
+            session: 7,
+            seq: 4_711,
+        };
+        let (instructions, _) = watch.count(|| Frame::pack(header, black_box(&report)));
+        tally.add(instructions);
+    }
+    tally
+}
+
+/// What was counted.
+#[derive(Default)]
+pub struct Counts {
+    /// Unpacking a scan of 16 echoes.
+    pub unpack: Tally,
+    /// Everything a mind does with one that completes a ring: it answers with decision, motion and confirmation.
+    pub decision: Tally,
+}
+
+/// A mind that knows what another learnt, and the base it steers.
+struct Base {
+    node: NomadNode,
+    sent: Mail,
+    room: Room,
+    seq: u16,
+    time: u32,
+}
+
+/// Decisions by frames, in the same room.
+pub fn decisions(watch: &Stopwatch, episode: &Episode<'_>) -> Counts {
+    let mut counts = Counts::default();
+    let mut base = Base::new(episode);
+    for _ in 0..DECISIONS {
+        let scan = base.pack(&base.scan());
+        let scan = &scan.as_bytes()[..scan.as_bytes().len() - 1];
+        let (unpack, _) = watch.count(|| frame::unpack::<ToMind<16>>(black_box(scan)));
+        counts.unpack.add(unpack);
+        base.sent.0.clear();
+        let (decision, ()) = watch.count(|| {
+            let (base, scan) = black_box((&mut base, scan));
+            base.node.frame(Millis::from_ms(0), scan, &mut base.sent);
+        });
+        counts.decision.add(decision);
+        let motion = base.sent.motion().expect("a scan brings a motion");
+        base.carry_out(motion);
+    }
+    counts
+}
+
+impl Base {
+    fn new(episode: &Episode<'_>) -> Self {
+        let mut base = Self {
+            node: NomadNode::new(episode.config.clone(), Grid::rectangle(4, 4)),
+            sent: Mail(Vec::new()),
+            room: Room::new(),
+            seq: 0,
+            time: 0,
+        };
+        base.send(&ToMind::Hello(HostHello {
+            dimensions: Dimensions {
+                protocol: PROTOCOL,
+                schema: SCHEMA,
+                sensors: 16,
+                neurons: 16,
+            },
+            clock: Clock::Host,
+        }));
+        base.teach(episode, Part::Situations, controller::Part::Situations);
+        base.teach(episode, Part::Changes, controller::Part::Changes);
+        base.teach(episode, Part::Actions, controller::Part::Actions);
+        for order in [Order::Goal(GoalBy::Avoid), Order::Seek] {
+            let (at_ms, ttl_ms) = (base.time, 500);
+            base.send(&ToMind::Command {
+                at_ms,
+                ttl_ms,
+                order,
+            });
+        }
+        base
+    }
+
+    /// Writes what an episode's robot knows into the mind.
+    fn teach(&mut self, episode: &Episode<'_>, part: Part, of: controller::Part) {
+        let mut offset = 0;
+        loop {
+            let mut piece = [0; MOST_PIECE];
+            let count = episode.state.read_part(of, offset, &mut piece);
+            if count == 0 {
+                return;
+            }
+            self.send(&ToMind::Write {
+                part,
+                offset: offset as u16,
+                bytes: Vec::from_slice(&piece[..count]).expect("a piece fits"),
+                last: false,
+            });
+            offset += count;
+        }
+    }
+
+    fn scan(&self) -> ToMind<16> {
+        let echoes = (0..16_u8).map(|sensor| Heard {
+            sensor,
+            range_mm: Some(self.room.range_mm(usize::from(sensor))),
+            age_ms: 40 * (15 - u16::from(sensor)),
+        });
+        ToMind::Scan {
+            at_ms: self.time,
+            echoes: echoes.collect(),
+        }
+    }
+
+    fn carry_out(&mut self, motion: MotionOrder) {
+        let moved = self.room.drive(motion.motion().displacement);
+        self.pass();
+        self.send(&ToMind::Odometry {
+            at_ms: self.time,
+            motion: motion.id,
+            dx_mm: moved.dx_mm,
+            dy_mm: moved.dy_mm,
+            turned: 0,
+            progress: Progress::Ended,
+        });
+        self.pass();
+    }
+
+    /// A ring's time passes, with signs of life.
+    fn pass(&mut self) {
+        for _ in 0..4 {
+            self.time += 160;
+            self.send(&ToMind::Alive { at_ms: self.time });
+        }
+    }
+
+    /// The next frame.
+    fn pack(&mut self, message: &ToMind<16>) -> Frame {
+        self.seq += 1;
+        let header = Header {
+            session: 7,
+            seq: self.seq,
+        };
+        Frame::pack(header, message).expect("it fits a frame")
+    }
+
+    fn send(&mut self, message: &ToMind<16>) {
+        let frame = self.pack(message);
+        let bytes = frame.as_bytes();
+        self.node.frame(
+            Millis::from_ms(0),
+            &bytes[..bytes.len() - 1],
+            &mut self.sent,
+        );
+        self.sent.0.clear();
+    }
+}
+
+/// Frames the mind sent: copied, as a queue would.
+struct Mail(Vec<u8, 1_024>);
+
+impl Mail {
+    /// The motion among them.
+    fn motion(&self) -> Option<MotionOrder> {
+        let frames = self.0.split(|byte| *byte == 0);
+        let mut reports = frames.filter_map(|bytes| frame::unpack::<Report<16>>(bytes).ok());
+        reports.find_map(|(_, report)| match report.said {
+            FromMind::Motion(motion) => Some(motion),
+            _ => None,
+        })
+    }
+}
+
+impl Outbox for Mail {
+    fn send(&mut self, frame: &[u8]) -> bool {
+        self.0.extend_from_slice(frame).is_ok()
+    }
+}

@@ -1,0 +1,109 @@
+//! What the maps cost, one call at a time, on the code vectors and situations of an episode.
+
+use crate::episode::Episode;
+use crate::stopwatch::{Stopwatch, Tally};
+use amp::action_map::{Effect, Probe, Recall};
+use amp::controller::Decision;
+use amp::fixed::{Mask, squared_norm};
+use amp::scan::Situation;
+use amp::som::neighbourhood::Pull;
+use amp::som::{Neighbourhood, kernels};
+use core::hint::black_box;
+
+/// 0.05 in Q16.
+const RATE_Q16: u32 = 3_277;
+/// Half as much for the neighbours.
+const SHARE_Q16: u32 = 1 << 15;
+
+/// Searches of the situation map: the whole one, and its search by 16-bit values alone.
+pub fn searches(watch: &Stopwatch, episode: &Episode<'_>) -> [Tally; 2] {
+    let map = episode.state.situations();
+    let code = map.code();
+    let norms = code.each_ref().map(|row| squared_norm(row));
+    let mut tallies = [Tally::default(); 2];
+    for situation in situations(episode) {
+        let (whole, _) = watch.count(|| {
+            let (map, probe, mask) = black_box((map, situation, Mask::ALL));
+            map.winner(probe, mask)
+        });
+        let (coarse, _) = watch.count(|| {
+            let (code, norms, probe) = black_box((code, &norms, situation));
+            let mut scores = [0; 16];
+            let norms = norms.iter().copied();
+            kernels::scores(code.as_flattened(), norms, 16, probe, &mut scores);
+            kernels::least(&scores)
+        });
+        tallies[0].add(whole);
+        tallies[1].add(coarse);
+    }
+    tallies
+}
+
+/// Recalls as the default preset asks for them.
+pub fn recalls(watch: &Stopwatch, episode: &Episode<'_>) -> Tally {
+    let probe = Probe {
+        recall: Recall::Direction,
+        preference: None,
+    };
+    let mut tally = Tally::default();
+    for plan in episode
+        .decisions
+        .iter()
+        .filter_map(|decision| decision.plan)
+    {
+        let (instructions, _) = watch.count(|| {
+            let (map, wanted) = black_box((episode.state.actions(), &plan.wanted));
+            map.recall(
+                wanted,
+                black_box(Mask::ALL),
+                black_box(probe),
+                black_box(Mask::ALL),
+            )
+        });
+        tally.add(instructions);
+    }
+    tally
+}
+
+/// A step of learning of the situation map and of the action map, without the search for the winner, for the winner alone
+/// and with four neighbours.
+pub fn updates(watch: &Stopwatch, episode: &Episode<'_>) -> [[Tally; 2]; 2] {
+    [0, SHARE_Q16].map(|share_q16| {
+        let pull = Pull::<16>::new(Neighbourhood::Direct, RATE_Q16, share_q16);
+        let mut situations_map = episode.state.situations().clone();
+        let mut actions_map = episode.state.actions().clone();
+        let mut tallies = [Tally::default(); 2];
+        for pair in episode.decisions.windows(2) {
+            // Neuron 5 stands inside the grid and has four neighbours.
+            let winner = black_box(5);
+            let after = &pair[1].situation;
+            let (situation, ()) = watch.count(|| {
+                let (map, probe, pull) = black_box((&mut situations_map, after, &pull));
+                map.learn(winner, probe, black_box(Mask::ALL), pull);
+            });
+            let effect = effect(&pair[0], &pair[1], episode);
+            let (action, ()) = watch.count(|| {
+                let (map, effect, pull) = black_box((&mut actions_map, &effect, &pull));
+                map.learn(winner, effect, pull);
+            });
+            tallies[0].add(situation);
+            tallies[1].add(action);
+        }
+        tallies
+    })
+}
+
+fn effect(before: &Decision<16>, after: &Decision<16>, episode: &Episode<'_>) -> Effect<16> {
+    let config = &episode.config;
+    Effect {
+        change: amp::planner::difference(&after.situation, &before.situation),
+        action: config
+            .action_code
+            .encode(before.allowed, config.robot.step_mm),
+        mask: Mask::ALL,
+    }
+}
+
+fn situations<'a>(episode: &'a Episode<'_>) -> impl Iterator<Item = &'a Situation<16>> {
+    episode.decisions.iter().map(|decision| &decision.situation)
+}

@@ -1,0 +1,109 @@
+//! The program on the chip: what is counted, how much is allowed, and the table.
+//!
+//! Allowed is what was counted when this was written and a tenth more: another compiler may need a little more, a change
+//! that needs much more should be noticed.
+
+use crate::episode::Episode;
+use crate::stopwatch::{Stopwatch, Tally};
+use crate::{link, maps};
+use amp::config::Config;
+use amp::controller::NomadState;
+use amp::node::NomadNode;
+use core::panic::PanicInfo;
+use cortex_m_rt::entry;
+use cortex_m_semihosting::{debug, hprintln};
+
+#[entry]
+fn main() -> ! {
+    let chip = cortex_m::Peripherals::take().expect("nobody else took them");
+    let watch = Stopwatch::new(chip.SYST);
+    let episode = Episode::new(&watch, Config::recommended());
+    hprintln!("| call | calls | instructions, mean | most | allowed |");
+    hprintln!("| --- | ---: | ---: | ---: | ---: |");
+    print_maps(&watch, &episode);
+    print_episode(&episode);
+    print_link(&watch, &episode);
+    hprintln!();
+    hprintln!("| what | bytes |");
+    hprintln!("| --- | ---: |");
+    hprintln!("| `NomadState` | {} |", size_of::<NomadState>());
+    hprintln!("| `NomadNode` | {} |", size_of::<NomadNode>());
+    debug::exit(debug::EXIT_SUCCESS);
+    loop {
+        cortex_m::asm::wfi();
+    }
+}
+
+fn print_maps(watch: &Stopwatch, episode: &Episode<'_>) {
+    let [whole, coarse] = maps::searches(watch, episode);
+    row("best-matching unit, 16 × 16, exact", whole, 2_300);
+    row(
+        "best-matching unit, 16 × 16, by 16-bit values",
+        coarse,
+        1_500,
+    );
+    row("recall of an action", maps::recalls(watch, episode), 5_500);
+    let [[situation, action], [near_situation, near_action]] = maps::updates(watch, episode);
+    row("situation map learns, winner alone", situation, 400);
+    row(
+        "situation map learns, winner and 4 neighbours",
+        near_situation,
+        1_400,
+    );
+    row("action map learns, winner alone", action, 650);
+    row(
+        "action map learns, winner and 4 neighbours",
+        near_action,
+        1_900,
+    );
+}
+
+fn print_episode(episode: &Episode<'_>) {
+    let counts = &episode.counts;
+    row("echo at rest", counts.echo, 500);
+    row("echo on the way: the guard", counts.guard, 2_800);
+    row("report of the base", counts.odometry, 2_100);
+    row(
+        "random move (last echo of the ring)",
+        counts.random_move,
+        28_000,
+    );
+    row(
+        "**decision** (last echo of the ring)",
+        counts.decision,
+        34_000,
+    );
+    row("tick of learning", counts.tick, 20_000);
+    let mut learning = Tally::default();
+    learning.add(counts.tick.sum());
+    row(
+        "**learning**, 100 samples × 100 epochs, all ticks",
+        learning,
+        75_000_000,
+    );
+}
+
+fn print_link(watch: &Stopwatch, episode: &Episode<'_>) {
+    let counts = link::decisions(watch, episode);
+    row("unpacking a scan of 16 echoes", counts.unpack, 4_500);
+    row("packing a decision", link::packing(watch, episode), 4_800);
+    row(
+        "decision by a frame: scan in, three frames out",
+        counts.decision,
+        55_000,
+    );
+}
+
+fn row(call: &str, tally: Tally, allowed: u32) {
+    let (calls, mean, most) = (tally.calls(), tally.mean(), tally.most());
+    hprintln!("| {call} | {calls} | {mean} | {most} | {allowed} |");
+}
+
+#[panic_handler]
+fn panic(info: &PanicInfo<'_>) -> ! {
+    hprintln!("{info}");
+    debug::exit(debug::EXIT_FAILURE);
+    loop {
+        cortex_m::asm::wfi();
+    }
+}

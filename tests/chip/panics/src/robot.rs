@@ -1,0 +1,147 @@
+//! The robot as a function: configuration, goals, plans, shield, controller, what it knows in pieces.
+
+use crate::arithmetic::{bearing, displacement, echo, mask, now, weight};
+use crate::maps::grid;
+use crate::{any, bytes, say, sink};
+use amp::action_map::ActionMap;
+use amp::config::Config;
+use amp::controller::{self, Command, Event, NomadState, Part, Progress, StopReason};
+use amp::goal::{Component, Goal};
+use amp::memory::{Memory, Sample};
+use amp::parameters::Parameter;
+use amp::planner::{Planner, Why, difference};
+use amp::robot::RobotSpec;
+use amp::scan::Encoding;
+use amp::shield::Shield;
+use amp::som::Som;
+use amp::units::Range;
+
+pub fn all() {
+    goals();
+    plans();
+    shields();
+    configs();
+    memories();
+    events();
+    parts();
+}
+
+pub fn config() -> Config<16> {
+    any(Config::recommended())
+}
+
+pub fn goal() -> Goal<16> {
+    any(Goal::free_of_obstacles())
+}
+
+fn goals() {
+    let situation = any([weight(); 16]);
+    sink(Goal::<16>::nothing_within(
+        Range::from_mm(any(1)),
+        any(Encoding {
+            near_mm: 1,
+            far_mm: 2,
+        }),
+    ));
+    sink((Goal::avoiding(&config()), Goal::perceived(&situation)));
+    sink((
+        goal().distance(&situation, mask()),
+        goal().holds(&situation, mask(), weight()),
+    ));
+    sink(goal().nearest(&situation));
+    sink((Component::at_least(weight()), Component::at_most(weight())));
+}
+
+fn plans() {
+    let situations = any(Som::<16, 16>::zeroed(grid()));
+    let actions = any(ActionMap::<16, 16>::zeroed(grid()));
+    let config = config();
+    let planner = Planner {
+        config: &config,
+        situations: &situations,
+        actions: &actions,
+        allowed: mask(),
+        course: displacement(),
+        cut: any(true),
+    };
+    sink(planner.plan(&any([weight(); 16]), &goal()));
+    sink(difference(&any([weight(); 16]), &any([weight(); 16])));
+    say(any(Why::Neighbour));
+}
+
+fn shields() {
+    let mut shield = any(Shield::<16>::new());
+    shield.hear(&config(), any(1), echo());
+    shield.moved(displacement(), bearing());
+    sink(shield.allow(&config(), displacement(), now()));
+    sink(shield.allow_by(&config(), displacement(), now(), mask()));
+    shield.forget();
+    sink(shield);
+}
+
+fn configs() {
+    sink(Config::touzet());
+    sink(config().for_robot(any(RobotSpec::miniature())));
+    let mut config = config();
+    let parameter = any(Parameter::Near);
+    if let Err(why) = parameter.set(&mut config, any(1)) {
+        say(why);
+    }
+    sink((parameter.get(&config), parameter.spec(), parameter.name()));
+    say(parameter.spec().unit);
+    sink(config);
+}
+
+fn memories() {
+    let mut memory = any(Memory::<16, 100>::new());
+    let kept = memory.keep(any(Sample {
+        before: [1; 16],
+        after: [2; 16],
+        commanded: displacement(),
+        executed: displacement(),
+    }));
+    if let Err(why) = kept {
+        say(why);
+    }
+    sink(memory.samples());
+    memory.clear();
+    sink(memory);
+}
+
+fn event() -> Event<16> {
+    match any(0) {
+        0 => Event::Echo {
+            sensor: any(1),
+            range: echo().range,
+        },
+        1 => Event::Odometry {
+            motion: any(1),
+            moved: displacement(),
+            turned: bearing(),
+            progress: any(Progress::Ended),
+        },
+        2 => Event::Command(any(Command::Seek(goal()))),
+        3 => Event::Alarm(any(StopReason::LinkLost)),
+        _ => Event::Tick,
+    }
+}
+
+fn events() {
+    let mut state = any(NomadState::new(grid()));
+    sink(controller::handle(&config(), &mut state, now(), event()));
+    sink((state.is_moving(), *state.mode()));
+    sink(state);
+}
+
+fn parts() {
+    let mut state = any(NomadState::new(grid()));
+    let part = any(Part::Situations);
+    let mut room = any([0; 160]);
+    sink(state.part_len(part));
+    sink(state.read_part(part, any(1), any(&mut room[..])));
+    if let Err(why) = state.write_part(part, any(1), bytes()) {
+        say(why);
+    }
+    state.forget();
+    sink((state, room));
+}

@@ -1,0 +1,110 @@
+//! Frames, messages, the link's state and the mind behind it.
+
+use crate::arithmetic::now;
+use crate::maps::grid;
+use crate::robot::config;
+use crate::{any, bytes, say, sink};
+use amp::link::Link;
+use amp::node::{Identity, NomadNode, Outbox};
+use amp::wire::message::{Clock, Heard, Order, ToMind};
+use amp::wire::{CRC, Frame, Header, Receiver, Report, cobs, frame};
+use heapless::Vec;
+
+pub fn all() {
+    coding();
+    packing();
+    receiving();
+    linking();
+    living();
+}
+
+fn header() -> Header {
+    any(Header { session: 1, seq: 2 })
+}
+
+fn coding() {
+    let mut room = any([0; 300]);
+    sink(cobs::encode(bytes(), any(&mut room[..])));
+    sink(cobs::decode(bytes(), any(&mut room[..])));
+    sink(CRC.checksum(bytes()));
+}
+
+/// Both directions of both kinds of messages.
+fn packing() {
+    if let Ok((header, message)) = frame::unpack::<ToMind<16>>(bytes()) {
+        packed(header, &message);
+    }
+    match frame::unpack::<Report<16>>(bytes()) {
+        Ok((header, message)) => packed(header, &message),
+        Err(why) => say(why),
+    }
+    let mut echoes = any(Vec::new());
+    sink(echoes.push(any(Heard {
+        sensor: 1,
+        range_mm: Some(2),
+        age_ms: 3,
+    })));
+    packed(
+        header(),
+        &ToMind::<16>::Scan {
+            at_ms: any(1),
+            echoes,
+        },
+    );
+    let order = any(Order::<16>::Seek);
+    packed(
+        header(),
+        &ToMind::Command {
+            at_ms: any(1),
+            ttl_ms: any(2),
+            order,
+        },
+    );
+}
+
+fn packed<M: serde::Serialize>(header: Header, message: &M) {
+    match Frame::pack(header, message) {
+        Ok(frame) => sink(any(frame).as_bytes()),
+        Err(why) => say(why),
+    }
+}
+
+fn receiving() {
+    let mut receiver = any(Receiver::new());
+    sink(receiver.push(any(1)));
+    sink(receiver.oversized());
+    sink(receiver);
+}
+
+fn linking() {
+    let mut link = any(Link::new());
+    link.open(header(), any(Clock::Host), now());
+    sink(link.accept(header()));
+    sink(link.heard(now(), now()));
+    link.heard_timeless(now());
+    sink((
+        link.time(now()),
+        link.age_ms(now(), now()),
+        link.falls_silent(now()),
+    ));
+    sink(link);
+}
+
+/// Takes frames and may refuse them.
+struct Anywhere;
+
+impl Outbox for Anywhere {
+    fn send(&mut self, frame: &[u8]) -> bool {
+        sink(frame);
+        any(true)
+    }
+}
+
+fn living() {
+    let mut node = any(NomadNode::new(config(), grid()));
+    node.start(any(Identity::default()), now(), &mut Anywhere);
+    node.frame(now(), bytes(), &mut Anywhere);
+    sink(node.tick(now(), &mut Anywhere));
+    sink(node.is_linked());
+    sink(node);
+}

@@ -1,0 +1,275 @@
+//! The firmware in an emulated chip, and a peer that speaks to it byte by byte: for what a well-behaved host never does.
+//!
+//! The image is the one a user builds for QEMU, in a target folder of its own; the emulator is a child that dies with its
+//! [`Chip`].
+
+use amp::node::NomadNode;
+use amp::wire::frame::{self, Header};
+use amp::wire::message::{
+    Clock, Counters, Dimensions, FromMind, HostHello, MindHello, Order, Refusal, Report, ToMind,
+};
+use amp::wire::{Frame, PROTOCOL, Receiver, SCHEMA};
+use host_sim::link::{Qemu, Transport as _, build_image};
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+use std::time::{Duration, Instant};
+
+/// How long anything may take before a test fails.
+pub const PATIENCE: Duration = Duration::from_secs(20);
+/// The session of a peer that does not say otherwise.
+pub const SESSION: u16 = 7;
+
+/// What the chip says.
+pub type Said = FromMind<16>;
+
+/// The image for QEMU, built once for all tests of a program.
+///
+/// # Panics
+/// When it cannot be built.
+#[must_use]
+pub fn image() -> &'static Path {
+    static IMAGE: OnceLock<PathBuf> = OnceLock::new();
+    IMAGE.get_or_init(|| build_image().unwrap_or_else(|error| panic!("{error}")))
+}
+
+/// What both ends have to agree on.
+#[must_use]
+pub const fn dimensions() -> Dimensions {
+    Dimensions {
+        protocol: PROTOCOL,
+        schema: SCHEMA,
+        sensors: 16,
+        neurons: 16,
+    }
+}
+
+/// An emulated chip with the firmware in it.
+pub struct Chip {
+    qemu: Qemu,
+    receiver: Receiver,
+    /// Received and not yet looked at.
+    left: Vec<u8>,
+    session: u16,
+    seq: u16,
+    began: Instant,
+}
+
+impl Chip {
+    /// Power on, up to the chip's own hello.
+    ///
+    /// # Panics
+    /// When QEMU is missing or does not start.
+    #[must_use]
+    pub fn start() -> Self {
+        let qemu = Qemu::start(image(), false).unwrap_or_else(|error| panic!("{error}"));
+        let mut chip = Self {
+            qemu,
+            receiver: Receiver::new(),
+            left: Vec::new(),
+            session: SESSION,
+            seq: 0,
+            began: Instant::now(),
+        };
+        chip.wait(|_, report| matches!(report.said, FromMind::Hello(_)).then_some(()));
+        chip
+    }
+
+    /// Power on, and a session opened.
+    ///
+    /// # Panics
+    /// When the chip does not answer.
+    #[must_use]
+    pub fn linked(clock: Clock) -> Self {
+        let mut chip = Self::start();
+        chip.open(SESSION, clock);
+        chip
+    }
+
+    /// Opens a session.
+    ///
+    /// # Panics
+    /// When the chip does not answer or refuses.
+    pub fn open(&mut self, session: u16, clock: Clock) -> MindHello {
+        self.session = session;
+        let hello = self.packed(&ToMind::Hello(HostHello {
+            dimensions: dimensions(),
+            clock,
+        }));
+        let until = Instant::now() + PATIENCE;
+        while Instant::now() < until {
+            // A chip that is still starting does not hear it.
+            self.raw(&hello);
+            while let Some((header, report)) = self.next(Duration::from_millis(500)) {
+                match report.said {
+                    FromMind::Hello(hello) if header.session == session => return hello,
+                    FromMind::Refusal { why, .. } if why != Refusal::NoSession => {
+                        panic!("{why:?}")
+                    }
+                    _ => {}
+                }
+            }
+        }
+        panic!("no hello in {PATIENCE:?}");
+    }
+
+    /// Milliseconds since the chip was started, as the host's time.
+    #[must_use]
+    pub fn at_ms(&self) -> u32 {
+        self.began.elapsed().as_millis() as u32
+    }
+
+    /// Puts bytes on the line.
+    ///
+    /// # Panics
+    /// When the line is gone.
+    pub fn raw(&mut self, bytes: &[u8]) {
+        self.qemu.send(bytes).expect("the line to the chip");
+    }
+
+    /// The next frame with this message, its zero included.
+    ///
+    /// # Panics
+    /// When the message does not fit.
+    pub fn packed(&mut self, message: &ToMind<16>) -> Vec<u8> {
+        self.seq = self.seq.wrapping_add(1);
+        let header = Header {
+            session: self.session,
+            seq: self.seq,
+        };
+        packed(header, message)
+    }
+
+    /// Sends a message and does not wait; returns its number.
+    pub fn send(&mut self, message: &ToMind<16>) -> u16 {
+        let bytes = self.packed(message);
+        self.raw(&bytes);
+        self.seq
+    }
+
+    /// Sends a message and returns what is said until it is done.
+    pub fn ask(&mut self, message: &ToMind<16>) -> Vec<Report<16>> {
+        let number = self.send(message);
+        let mut said = Vec::new();
+        self.wait(|_, report| {
+            let done = report.said == FromMind::Done { seq: number };
+            said.push(report);
+            done.then_some(())
+        });
+        said
+    }
+
+    /// Gives an order that lives for a second.
+    pub fn order(&mut self, order: Order<16>) -> Vec<Report<16>> {
+        let at_ms = self.at_ms();
+        self.ask(&ToMind::Command {
+            at_ms,
+            ttl_ms: 1_000,
+            order,
+        })
+    }
+
+    /// Some bytes as they come; none after `patience`.
+    ///
+    /// # Panics
+    /// When the line is gone.
+    pub fn bytes(&mut self, patience: Duration) -> Vec<u8> {
+        if self.left.is_empty() {
+            self.read(patience);
+        }
+        std::mem::take(&mut self.left)
+    }
+
+    /// The counters, asked for with frame `seq` of the session.
+    pub fn counters_as(&mut self, seq: u16) -> Counters {
+        self.seq = seq.wrapping_sub(1);
+        self.counters()
+    }
+
+    /// The counters.
+    ///
+    /// # Panics
+    /// When they do not come.
+    pub fn counters(&mut self) -> Counters {
+        let said = self.ask(&ToMind::Counters);
+        let counters = said.iter().rev().find_map(|report| match report.said {
+            FromMind::Counters(counters) => Some(counters),
+            _ => None,
+        });
+        counters.expect("counters")
+    }
+
+    /// Waits until something said satisfies `what`.
+    ///
+    /// # Panics
+    /// After [`PATIENCE`].
+    pub fn wait<T>(&mut self, mut what: impl FnMut(Header, Report<16>) -> Option<T>) -> T {
+        let began = Instant::now();
+        while let Some(left) = PATIENCE.checked_sub(began.elapsed()) {
+            if let Some((header, report)) = self.next(left)
+                && let Some(found) = what(header, report)
+            {
+                return found;
+            }
+        }
+        panic!("the chip has said nothing of the kind in {PATIENCE:?}");
+    }
+
+    /// The next thing said within `patience`.
+    pub fn next(&mut self, patience: Duration) -> Option<(Header, Report<16>)> {
+        let began = Instant::now();
+        loop {
+            if let Some(found) = self.parse() {
+                return Some(found);
+            }
+            self.read(patience.checked_sub(began.elapsed())?);
+        }
+    }
+
+    fn read(&mut self, patience: Duration) {
+        let mut buffer = [0; 4_096];
+        let count = self.qemu.receive(&mut buffer, patience);
+        let count = count.expect("the line from the chip");
+        self.left.extend_from_slice(&buffer[..count]);
+    }
+
+    fn parse(&mut self) -> Option<(Header, Report<16>)> {
+        let mut taken = 0;
+        let mut found = None;
+        for &byte in &self.left {
+            taken += 1;
+            if let Some(coded) = self.receiver.push(byte) {
+                found = Some(frame::unpack(coded).expect("a sound frame from the chip"));
+                break;
+            }
+        }
+        self.left.drain(..taken);
+        found
+    }
+}
+
+/// A frame with this message, its zero included.
+///
+/// # Panics
+/// When the message does not fit.
+#[must_use]
+pub fn packed(header: Header, message: &ToMind<16>) -> Vec<u8> {
+    let frame = Frame::pack(header, message).expect("a message that fits");
+    frame.as_bytes().to_vec()
+}
+
+/// The same node on the host, with everything it says.
+#[derive(Debug, Default)]
+pub struct Recorded(pub Vec<u8>);
+
+impl amp::node::Outbox for Recorded {
+    fn send(&mut self, frame: &[u8]) -> bool {
+        self.0.extend_from_slice(frame);
+        true
+    }
+}
+
+/// A node as the firmware makes it.
+#[must_use]
+pub fn local_node() -> Box<NomadNode> {
+    Box::new(firmware::control::new_mind())
+}

@@ -1,0 +1,271 @@
+//! One mind twice: the node on the host and the firmware in the emulated chip hear the same frames, and whatever they say
+//! has to be the same bytes.
+
+use crate::chip::{Chip, PATIENCE, Recorded, SESSION, dimensions, local_node, packed};
+use amp::controller::{Event, Outputs};
+use amp::node::NomadNode;
+use amp::units::Millis;
+use amp::wire::frame::{self, Header};
+use amp::wire::message::{
+    Clock, FromMind, GoalBy, Heard, HostHello, ModeReport, Order, Part, Report, ToMind,
+};
+use host_sim::pilot::Pilot;
+use std::time::Instant;
+
+/// Simulated time between two signs of life.
+const ALIVE_MS: u32 = 250;
+/// Bytes the chip may be behind: its receive queue takes twice as many.
+const BEHIND: usize = 256;
+
+/// The two minds.
+pub struct Twin {
+    chip: Chip,
+    local: Box<NomadNode>,
+    seq: u16,
+    at_ms: u32,
+    /// Said by the one here and not yet by the chip.
+    awaited: Vec<u8>,
+    compared: usize,
+    /// Echoes are sent by whole rings, as they come from sonars that are heard all at once.
+    rings: bool,
+    echoes: heapless::Vec<Heard, 16>,
+}
+
+impl Twin {
+    /// A chip and a node as new.
+    #[must_use]
+    pub fn new(rings: bool) -> Self {
+        let mut twin = Self {
+            chip: Chip::start(),
+            local: local_node(),
+            seq: 0,
+            at_ms: 0,
+            awaited: Vec::new(),
+            compared: 0,
+            rings,
+            echoes: heapless::Vec::new(),
+        };
+        let hello = twin.chip.open(SESSION, Clock::Host);
+        let identity = amp::node::Identity {
+            build: hello.build,
+            reset: hello.reset,
+            ring: false,
+        };
+        twin.local
+            .start(identity, Millis::from_ms(0), &mut Recorded::default());
+        // The chip has said hello to this; it says so again, and both have numbered as many frames.
+        let message = ToMind::Hello(HostHello {
+            dimensions: dimensions(),
+            clock: Clock::Host,
+        });
+        let said = twin.tell_local(&message, 1);
+        assert!(matches!(
+            said[..],
+            [Report {
+                said: FromMind::Hello(_),
+                ..
+            }]
+        ));
+        twin.awaited.clear();
+        twin.seq = 1;
+        twin
+    }
+
+    /// Bytes compared so far.
+    #[must_use]
+    pub const fn compared(&self) -> usize {
+        self.compared
+    }
+
+    /// Gives both an order.
+    pub fn order(&mut self, order: Order<16>) {
+        let at_ms = self.at_ms;
+        self.send(&ToMind::Command {
+            at_ms,
+            ttl_ms: 1_000,
+            order,
+        });
+        self.settle(0);
+    }
+
+    /// Lets both learn.
+    ///
+    /// # Panics
+    /// When they differ.
+    pub fn learn(&mut self) {
+        self.order(Order::Learn);
+        let mut said = Recorded::default();
+        while self.local.tick(Millis::from_ms(0), &mut said) {}
+        assert_eq!(
+            reports(&said.0).last().map(|report| report.said.clone()),
+            Some(FromMind::Mode(ModeReport::Idle))
+        );
+        self.awaited.extend(said.0);
+        self.settle(0);
+    }
+
+    /// Lets both pursue free space.
+    pub fn seek(&mut self) {
+        self.order(Order::Goal(GoalBy::Avoid));
+        self.order(Order::Seek);
+    }
+
+    /// Compares everything both know; returns the bytes.
+    pub fn compare_knowledge(&mut self) -> usize {
+        let before = self.compared;
+        for part in [
+            Part::Config,
+            Part::Situations,
+            Part::Changes,
+            Part::Actions,
+            Part::Memory,
+        ] {
+            let mut offset = 0;
+            loop {
+                let said = self.send(&ToMind::Read { part, offset });
+                let Some(FromMind::Piece { total, bytes, .. }) =
+                    said.first().map(|report| &report.said)
+                else {
+                    panic!("{said:?}");
+                };
+                offset += bytes.len() as u16;
+                self.settle(BEHIND);
+                if offset >= *total {
+                    break;
+                }
+            }
+        }
+        self.settle(0);
+        self.compared - before
+    }
+
+    /// Peak of the chip's stack, bytes.
+    pub fn stack_peak_bytes(&mut self) -> u32 {
+        self.chip.counters_as(self.seq + 1).device.stack_peak_bytes
+    }
+
+    fn tell_local(&mut self, message: &ToMind<16>, seq: u16) -> Vec<Report<16>> {
+        let bytes = packed(
+            Header {
+                session: SESSION,
+                seq,
+            },
+            message,
+        );
+        let mut said = Recorded::default();
+        let (_, coded) = bytes.split_last().expect("a frame");
+        self.local.frame(Millis::from_ms(0), coded, &mut said);
+        let reports = reports(&said.0);
+        self.awaited.extend(said.0);
+        reports
+    }
+
+    /// Sends to both; returns what the one here says.
+    fn send(&mut self, message: &ToMind<16>) -> Vec<Report<16>> {
+        self.seq = self.seq.wrapping_add(1);
+        self.chip.raw(&packed(
+            Header {
+                session: SESSION,
+                seq: self.seq,
+            },
+            message,
+        ));
+        self.tell_local(message, self.seq)
+    }
+
+    /// Compares what the chip says until at most `behind` bytes are missing.
+    fn settle(&mut self, behind: usize) {
+        let began = Instant::now();
+        while self.awaited.len() > behind {
+            let heard = self.chip.bytes(PATIENCE.saturating_sub(began.elapsed()));
+            assert!(
+                !heard.is_empty(),
+                "the chip is silent; awaited: {:?}",
+                reports(&self.awaited)
+            );
+            assert!(
+                heard.len() <= self.awaited.len(),
+                "the chip says more: {:?}",
+                reports(&heard)
+            );
+            let expected: Vec<_> = self.awaited.drain(..heard.len()).collect();
+            assert!(
+                heard == expected,
+                "chip: {heard:02x?}\nhere: {expected:02x?}"
+            );
+            self.compared += heard.len();
+        }
+    }
+
+    /// Signs of life up to `at_ms`: simulated time may jump.
+    fn pass(&mut self, at_ms: u32) -> Vec<Report<16>> {
+        let mut said = Vec::new();
+        while at_ms.saturating_sub(self.at_ms) > ALIVE_MS {
+            self.at_ms += ALIVE_MS;
+            said.extend(self.send(&ToMind::Alive { at_ms: self.at_ms }));
+        }
+        self.at_ms = at_ms;
+        said
+    }
+}
+
+impl Pilot for Twin {
+    fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
+        let at_ms = at.as_ms();
+        let _ = self.pass(at_ms);
+        let message = match event {
+            Event::Echo { sensor, range } => {
+                let heard = Heard {
+                    sensor,
+                    range_mm: range.map(amp::units::Range::as_mm),
+                    age_ms: 0,
+                };
+                let _ = self.echoes.push(heard);
+                if self.rings && !self.echoes.is_full() {
+                    return Outputs::NONE;
+                }
+                let echoes = std::mem::take(&mut self.echoes);
+                ToMind::Scan { at_ms, echoes }
+            }
+            Event::Odometry {
+                motion,
+                moved,
+                turned,
+                progress,
+            } => ToMind::Odometry {
+                at_ms,
+                motion,
+                dx_mm: moved.dx_mm,
+                dy_mm: moved.dy_mm,
+                turned: turned.as_turns(),
+                progress,
+            },
+            Event::Command(_) | Event::Tick | Event::Alarm(_) => return Outputs::NONE,
+        };
+        let said = self.send(&message);
+        self.settle(BEHIND);
+        outputs(&said)
+    }
+}
+
+fn outputs(said: &[Report<16>]) -> Outputs<16> {
+    let mut outputs = Outputs::NONE;
+    for report in said {
+        match &report.said {
+            FromMind::Motion(order) => outputs.motion = Some(order.motion()),
+            FromMind::Decision(decision) => outputs.decision = Some(*decision),
+            FromMind::Mode(_) => outputs.mode_changed = true,
+            _ => {}
+        }
+    }
+    outputs
+}
+
+fn reports(bytes: &[u8]) -> Vec<Report<16>> {
+    let frames = bytes
+        .split(|byte| *byte == 0)
+        .filter(|frame| !frame.is_empty());
+    frames
+        .filter_map(|frame| Some(frame::unpack(frame).ok()?.1))
+        .collect()
+}

@@ -1,0 +1,353 @@
+//! What a chip does when the world around it fails: real firmware in an emulated chip, its own clock.
+
+use amp::controller::{Progress, StopReason};
+use amp::link::SILENCE_MS;
+use amp::wire::frame::Header;
+use amp::wire::message::{
+    Clock, FromMind, Heard, HostHello, ModeReport, MotionOrder, Order, Part, Refusal, Report,
+    ResetCause, Source, ToMind,
+};
+use rand_core::{Rng as _, SeedableRng as _};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use std::time::{Duration, Instant};
+use tests::chip::{Chip, SESSION, dimensions, packed};
+
+fn scan(at_ms: u32, sensors: usize, range_mm: u16) -> ToMind<16> {
+    let echoes = (0..sensors).map(|sensor| Heard {
+        sensor: sensor as u8,
+        range_mm: Some(range_mm + 20 * sensor as u16),
+        age_ms: 0,
+    });
+    ToMind::Scan {
+        at_ms,
+        echoes: echoes.collect(),
+    }
+}
+
+fn motion(said: &[Report<16>]) -> Option<MotionOrder> {
+    said.iter().find_map(|report| match report.said {
+        FromMind::Motion(order) => Some(order),
+        _ => None,
+    })
+}
+
+/// A ring and, if it brings a motion, the report that it was carried out.
+fn round(chip: &mut Chip, range_mm: u16) -> Option<MotionOrder> {
+    let said = chip.ask(&scan(chip.at_ms(), 16, range_mm));
+    let order = motion(&said)?;
+    chip.ask(&ToMind::Odometry {
+        at_ms: chip.at_ms(),
+        motion: order.id,
+        dx_mm: order.dx_mm,
+        dy_mm: order.dy_mm,
+        turned: 0,
+        progress: Progress::Ended,
+    });
+    Some(order)
+}
+
+/// Explores and learns a little, and seeks.
+fn seeking(chip: &mut Chip) {
+    chip.order(Order::Explore { moves: 10, seed: 3 });
+    let mut rounds = 0;
+    while round(chip, 700 + 50 * (rounds % 9)).is_some() {
+        rounds += 1;
+    }
+    assert_eq!(rounds, 10);
+    chip.order(Order::Learn);
+    chip.wait(|_, report| (report.said == FromMind::Mode(ModeReport::Idle)).then_some(()));
+    let said = chip.order(Order::Seek);
+    assert!(
+        said.iter()
+            .any(|report| report.said == FromMind::Mode(ModeReport::Seek))
+    );
+}
+
+/// Waits for a mode; returns when, by the chip's clock, and the last motion before it.
+fn stopped(chip: &mut Chip, why: StopReason) -> (u32, Option<MotionOrder>) {
+    let mut last = None;
+    chip.wait(|_, report| {
+        if let FromMind::Motion(order) = report.said {
+            last = Some(order);
+        }
+        let mode = FromMind::Mode(ModeReport::Stopped(why));
+        (report.said == mode).then_some((report.device_ms, last))
+    })
+}
+
+#[test]
+fn a_silent_host_stops_the_motion_in_time() {
+    let mut chip = Chip::linked(Clock::Device);
+    seeking(&mut chip);
+    let said = chip.ask(&scan(chip.at_ms(), 16, 900));
+    let order = motion(&said).expect("a motion");
+    assert_ne!((order.dx_mm, order.dy_mm), (0, 0));
+    let heard_ms = said.last().expect("done").device_ms;
+    let (stopped_ms, last) = stopped(&mut chip, StopReason::LinkLost);
+    let silence_ms = stopped_ms - heard_ms;
+    println!("stopped after {silence_ms} ms of silence");
+    assert!(
+        (SILENCE_MS..=SILENCE_MS + 100).contains(&silence_ms),
+        "{silence_ms} ms"
+    );
+    let last = last.expect("a motion that stops");
+    assert_eq!((last.dx_mm, last.dy_mm), (0, 0));
+    // The host comes back in the same session and asks to go on.
+    assert!(motion(&chip.ask(&scan(chip.at_ms(), 16, 900))).is_none());
+    chip.order(Order::Resume);
+    assert!(round(&mut chip, 900).is_some());
+}
+
+#[test]
+fn a_host_that_starts_anew_finds_the_robot_standing() {
+    let mut chip = Chip::linked(Clock::Device);
+    seeking(&mut chip);
+    assert!(motion(&chip.ask(&scan(chip.at_ms(), 16, 900))).is_some());
+    // Gone without a word, and back as somebody else before the silence was noticed.
+    chip.open(SESSION + 1, Clock::Device);
+    assert!(motion(&chip.ask(&scan(chip.at_ms(), 16, 900))).is_none());
+    chip.order(Order::Seek);
+    assert!(round(&mut chip, 900).is_some());
+    // What the old one still had on the way does nothing.
+    let header = Header {
+        session: SESSION,
+        seq: 30_000,
+    };
+    let at_ms = chip.at_ms();
+    let order = Order::Explore { moves: 5, seed: 1 };
+    chip.raw(&packed(
+        header,
+        &ToMind::Command {
+            at_ms,
+            ttl_ms: 60_000,
+            order,
+        },
+    ));
+    assert_eq!(chip.counters().strangers, 1);
+}
+
+#[test]
+fn a_ring_that_stays_incomplete_stops_the_robot() {
+    let mut chip = Chip::linked(Clock::Device);
+    seeking(&mut chip);
+    let began_ms = chip.ask(&ToMind::Counters).last().expect("done").device_ms;
+    // Five transducers have fallen silent; the host is well.
+    let until = Instant::now() + Duration::from_secs(5);
+    let stopped_ms = loop {
+        assert!(Instant::now() < until, "it never stopped");
+        let said = chip.ask(&scan(chip.at_ms(), 11, 900));
+        assert!(motion(&said).is_none());
+        let mode = FromMind::Mode(ModeReport::Stopped(StopReason::RingIncomplete));
+        if let Some(report) = said.iter().find(|report| report.said == mode) {
+            break report.device_ms;
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    };
+    let took_ms = stopped_ms - began_ms;
+    println!("stopped after {took_ms} ms");
+    assert!((1_180..=1_480).contains(&took_ms), "{took_ms} ms");
+}
+
+/// The kinds of damage, and which counter each one raises.
+#[derive(Default)]
+struct Expected {
+    damaged: u32,
+    unshaped: u32,
+    oversized: u32,
+    replayed: u32,
+}
+
+#[test]
+fn ten_thousand_bad_frames_are_counted_and_do_nothing() {
+    let mut chip = Chip::linked(Clock::Device);
+    let mut generator = Xoshiro256PlusPlus::seed_from_u64(5);
+    let mut below = |bound: usize| (generator.next_u64() % bound as u64) as usize;
+    let good = chip.packed(&ToMind::Read {
+        part: Part::Actions,
+        offset: 0,
+    });
+    chip.raw(&good);
+    chip.wait(|_, report| matches!(report.said, FromMind::Done { .. }).then_some(()));
+    let dangerous = |chip: &mut Chip| {
+        let order = Order::Explore { moves: 5, seed: 1 };
+        let at_ms = chip.at_ms();
+        chip.packed(&ToMind::Command {
+            at_ms,
+            ttl_ms: 60_000,
+            order,
+        })
+    };
+    let before = chip.counters();
+    let mut expected = Expected::default();
+    for number in 0..10_000 {
+        let bytes = match number % 5 {
+            // Bits flipped in a frame that would make the robot move. The zero stays, and no new one is made.
+            0 => {
+                let mut frame = dangerous(&mut chip);
+                let middle = 1 + below(frame.len() - 2);
+                frame[middle] = if frame[middle] == 1 {
+                    2
+                } else {
+                    frame[middle] ^ 1
+                };
+                frame
+            }
+            // Cut short.
+            1 => {
+                let frame = dangerous(&mut chip);
+                let kept = 1 + below(frame.len() - 3);
+                [&frame[..kept], &[0]].concat()
+            }
+            // Longer than any frame.
+            2 => {
+                let length = 256 + below(100);
+                expected.oversized += 1;
+                [vec![7; length], vec![0]].concat()
+            }
+            // The one that was accepted first, again.
+            3 => {
+                expected.replayed += 1;
+                good.clone()
+            }
+            // Noise.
+            _ => {
+                let length = 1 + below(60);
+                let noise = (0..length).map(|_| 1 + below(255) as u8);
+                noise.chain([0]).collect()
+            }
+        };
+        if !matches!(number % 5, 2 | 3) {
+            classify(&bytes, &mut expected);
+        }
+        chip.raw(&bytes);
+        if number % 50 == 49 {
+            // Keeps pace with the emulated line, so that none of the counts below comes from a full queue.
+            let at_ms = chip.at_ms();
+            chip.ask(&ToMind::Scan {
+                at_ms,
+                echoes: heapless::Vec::new(),
+            });
+        }
+    }
+    let after = chip.counters();
+    assert_eq!(after.device.queue_losses, before.device.queue_losses);
+    let counted = [
+        after.damaged - before.damaged,
+        after.misshapen - before.misshapen,
+        after.oversized - before.oversized,
+        after.replayed - before.replayed,
+        after.unknown - before.unknown,
+        after.strangers - before.strangers,
+        after.accepted - before.accepted,
+    ];
+    let wanted = [
+        expected.damaged,
+        expected.unshaped,
+        expected.oversized,
+        expected.replayed,
+        0,
+        0,
+        201,
+    ];
+    println!("damaged, misshapen, oversized, replayed, unknown, strangers, accepted: {counted:?}");
+    assert_eq!(counted, wanted);
+    // And the next good frame works.
+    seeking(&mut chip);
+}
+
+/// What the decoder, tested by itself elsewhere, says of these bytes.
+fn classify(bytes: &[u8], expected: &mut Expected) {
+    let (_, coded) = bytes.split_last().expect("a frame");
+    match amp::wire::frame::unpack::<ToMind<16>>(coded) {
+        Ok(_) => panic!("a damaged frame was accepted: {coded:?}"),
+        Err(amp::wire::FrameError::Crc) => expected.damaged += 1,
+        Err(_) => expected.unshaped += 1,
+    }
+}
+
+#[test]
+fn a_flood_does_not_keep_time_from_passing() {
+    let mut chip = Chip::linked(Clock::Device);
+    seeking(&mut chip);
+    let before = chip.counters();
+    let began = Instant::now();
+    // More than the line takes in three seconds, all at once: requests that ask for long answers, and replays.
+    let replay = chip.packed(&ToMind::Source(Source::Link));
+    let mut flood = Vec::new();
+    while flood.len() < 64_000 {
+        flood.extend(chip.packed(&ToMind::Counters));
+        flood.extend_from_slice(&replay);
+    }
+    chip.raw(&flood);
+    let after = chip.counters();
+    let rate = flood.len() as f64 / began.elapsed().as_secs_f64();
+    println!(
+        "{rate:.0} bytes/s; longest time between two control ticks {} ms; {} bytes lost, {} frames dropped",
+        after.device.longest_tick_ms,
+        after.device.queue_losses - before.device.queue_losses,
+        after.dropped - before.dropped
+    );
+    assert!(after.replayed > before.replayed + 100);
+    assert!(
+        after.device.longest_tick_ms <= 20,
+        "{} ms",
+        after.device.longest_tick_ms
+    );
+    // And the robot still does what it is told.
+    chip.order(Order::Stop);
+    chip.order(Order::Resume);
+    assert!(round(&mut chip, 900).is_some());
+}
+
+#[test]
+fn another_protocol_is_refused_by_the_chip() {
+    let mut chip = Chip::start();
+    let mut theirs = dimensions();
+    theirs.protocol += 1;
+    chip.send(&ToMind::Hello(HostHello {
+        dimensions: theirs,
+        clock: Clock::Device,
+    }));
+    let why = chip.wait(|_, report| match report.said {
+        FromMind::Refusal { why, .. } => Some(why),
+        _ => None,
+    });
+    assert_eq!(why, Refusal::Incompatible(dimensions()));
+    // Nothing else is done for it either.
+    chip.send(&ToMind::Counters);
+    let why = chip.wait(|_, report| match report.said {
+        FromMind::Refusal { why, .. } => Some(why),
+        _ => None,
+    });
+    assert_eq!(why, Refusal::NoSession);
+}
+
+#[test]
+fn crashes_are_reported_after_the_reset_and_nothing_moves() {
+    let mut chip = Chip::linked(Clock::Device);
+    seeking(&mut chip);
+    assert!(motion(&chip.ask(&scan(chip.at_ms(), 16, 900))).is_some());
+    for (word, cause) in [
+        ("!overflow", ResetCause::StackOverflow),
+        ("!panic", ResetCause::Panic),
+        ("!fault", ResetCause::HardFault),
+    ] {
+        chip.raw(format!("\0{word}\0").as_bytes());
+        let hello = chip.wait(|header, report| match report.said {
+            FromMind::Hello(hello) if header.session == 0 => Some(hello),
+            _ => None,
+        });
+        assert_eq!(hello.reset, cause, "{word}");
+        // Ring after ring brings no motion, before and after a new session.
+        chip.send(&scan(chip.at_ms(), 16, 900));
+        let hello = chip.open(SESSION + 1, Clock::Device);
+        assert_eq!(hello.reset, cause);
+        assert!(motion(&chip.ask(&scan(chip.at_ms(), 16, 900))).is_none());
+        assert_eq!(
+            chip.counters().link_losses,
+            0,
+            "the counters start anew: statics are intact"
+        );
+        seeking(&mut chip);
+    }
+}

@@ -1,0 +1,51 @@
+//! The program as a user starts it, with the firmware in an emulated chip as its mind.
+
+use tests::chip::image;
+use tests::host_sim;
+
+#[test]
+fn an_episode_with_the_chip_prints_the_same_line() {
+    let program = host_sim!();
+    let image = image().to_str().expect("a path of letters");
+    let episode = "run --world random:2 --world paper --steps 60 --json";
+    let words: Vec<_> = episode.split_whitespace().collect();
+    let here = program.run(&words);
+    let chip = program.run(&[&words[..], &["--mind", "qemu", "--firmware", image]].concat());
+    assert_eq!(
+        (here.code, chip.code),
+        (Some(0), Some(0)),
+        "{}",
+        chip.stderr
+    );
+    assert_eq!(chip.stdout, here.stdout);
+    assert_eq!(here.stdout.lines().count(), 2);
+}
+
+#[test]
+fn the_chip_answers_questions() {
+    let program = host_sim!();
+    let image = image().to_str().expect("a path of letters");
+    let ask = |verb: &[&str]| {
+        program.run(&[&["link", "--to", "qemu", "--firmware", image], verb].concat())
+    };
+    let hello = ask(&["hello"]);
+    assert_eq!(hello.code, Some(0), "{}", hello.stderr);
+    assert!(
+        hello.stdout.contains("samples the memory holds"),
+        "{}",
+        hello.stdout
+    );
+    let speed = ask(&["params", "speed"]);
+    assert!(speed.stdout.contains("508"), "{}", speed.stdout);
+    let refused = ask(&["params", "speed", "5000"]);
+    assert_eq!(refused.code, Some(2));
+    assert!(refused.stderr.contains("508 mm/s"), "{}", refused.stderr);
+    let unlearnt = ask(&["seek"]);
+    assert_eq!(
+        unlearnt.code,
+        Some(2),
+        "{} {}",
+        unlearnt.stdout,
+        unlearnt.stderr
+    );
+}
