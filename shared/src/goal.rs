@@ -87,6 +87,39 @@ impl Component {
     }
 }
 
+/// What is asked of a value in units of 2⁻¹³.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Asked {
+    low: i32,
+    high: i32,
+    pub(crate) weight: i32,
+}
+
+impl Asked {
+    #[inline(always)]
+    fn of(component: &Component) -> Self {
+        Self {
+            low: i32::from(component.low.to_bits()),
+            high: i32::from(component.high.to_bits()),
+            weight: i32::from(component.weight),
+        }
+    }
+
+    /// Whether a value is as asked.
+    #[inline(always)]
+    pub(crate) const fn holds(self, value: i32) -> bool {
+        self.low <= value && value <= self.high
+    }
+
+    /// Squared deviation of a value, at most that of the cap, in units of 2⁻²⁶ · weight.
+    #[inline(always)]
+    pub(crate) fn deviation(self, value: i32, cap: i32) -> i64 {
+        let nearest = value.max(self.low).min(self.high);
+        let off = value.wrapping_sub(nearest).saturating_abs().min(cap);
+        i64::from(off.wrapping_mul(off)).wrapping_mul(i64::from(self.weight))
+    }
+}
+
 /// Whose frame a goal's components are counted in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Frame {
@@ -221,27 +254,28 @@ impl<const SENSORS: usize> Goal<SENSORS> {
     /// components are turned by `places`, each at most the cap, in units of 2⁻²⁶ · weight.
     #[must_use]
     pub fn deviation(&self, values: &[i32; SENSORS], places: usize, mask: Mask) -> i64 {
-        let places = places.checked_rem(SENSORS).unwrap_or(0);
-        let (head, tail) = values.split_at(places);
-        let cap = i32::from(self.cap.to_bits()).max(0);
+        let cap = self.cap_bits();
         let mut total = 0_i64;
-        for (index, (component, value)) in self
-            .components
-            .iter()
-            .zip(tail.iter().chain(head))
-            .enumerate()
-        {
-            let sensor = index.wrapping_add(places).checked_rem(SENSORS).unwrap_or(0);
-            if component.weight > 0 && mask.contains(sensor) {
-                let (low, high) = (component.low.to_bits(), component.high.to_bits());
-                let nearest = (*value).max(i32::from(low)).min(i32::from(high));
-                let off = value.wrapping_sub(nearest).saturating_abs().min(cap);
-                total = total.wrapping_add(
-                    i64::from(off.wrapping_mul(off)).wrapping_mul(i64::from(component.weight)),
-                );
+        for ((sensor, asked), value) in self.asked(places).enumerate().zip(values) {
+            // Most values are as asked: nothing to multiply.
+            if !asked.holds(*value) && mask.contains(sensor) {
+                total = total.wrapping_add(asked.deviation(*value, cap));
             }
         }
         total
+    }
+
+    /// What is asked of each transducer when the components are turned by `places`.
+    #[inline(always)]
+    pub(crate) fn asked(&self, places: usize) -> impl Iterator<Item = Asked> {
+        let places = places.checked_rem(SENSORS).unwrap_or(0);
+        let (head, tail) = self.components.split_at(SENSORS.wrapping_sub(places));
+        tail.iter().chain(head).map(Asked::of)
+    }
+
+    /// The cap in units of 2⁻¹³, not below 0.
+    pub(crate) fn cap_bits(&self) -> i32 {
+        i32::from(self.cap.to_bits()).max(0)
     }
 
     /// Whether a deviation is within the tolerance.

@@ -17,7 +17,8 @@ use crate::som::{Som, kernels};
 use crate::units::{Bearing, Displacement};
 use serde::{Deserialize, Serialize};
 
-pub mod look_ahead;
+mod forward;
+mod look_ahead;
 
 /// Why the planner chose what it chose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -15,146 +15,30 @@
 //! Cost for 16 transducers and neurons: about 500 products for the linear map, 256 for the predictions, 256 comparisons with
 //! the goal, and 256 more for the way of a goal in the frame of travel.
 
+use super::forward::{Forward, Line};
 use super::{Plan, Planner, Why, difference};
-use crate::action_map::{ActionCode, ActionMap};
 use crate::config::Choice;
-use crate::fixed::{Mask, Weight, coarse, unit_weight};
-use crate::goal::{Frame, Goal};
+use crate::fixed::{Mask, Weight, unit_weight};
+use crate::goal::{Asked, Frame, Goal};
 use crate::scan::Situation;
 use crate::som::kernels;
 use crate::units::{Direction, Displacement};
+use heapless::Vec;
 
 /// Shares of a step that are tried along the best direction to a place, in 1/4; the whole step has been tried.
 const SHORTER_Q2: [i32; 4] = [3, 2, 1, 0];
 
-/// The linear map from displacements to changes of situation, in units of 2⁻¹³ per longest step.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Forward<const SENSORS: usize> {
-    along_x: [i32; SENSORS],
-    along_y: [i32; SENSORS],
-}
-
-impl<const SENSORS: usize> Forward<SENSORS> {
-    /// The map that fits an action map's neurons best; no change at all where their actions do not span the plane.
-    #[must_use]
-    pub fn of<const NEURONS: usize>(
-        actions: &ActionMap<NEURONS, SENSORS>,
-        code: ActionCode,
-        step_mm: u16,
-    ) -> Self {
-        let (mut along_x, mut along_y) = ([0_i64; SENSORS], [0_i64; SENSORS]);
-        let (mut xx, mut xy, mut yy) = (0_i64, 0_i64, 0_i64);
-        for (action, change) in actions
-            .actions()
-            .code()
-            .iter()
-            .zip(actions.changes().code())
-        {
-            let [x, y] = plane(code, action.map(coarse), step_mm);
-            (xx, xy, yy) = (xx + x * x, xy + x * y, yy + y * y);
-            for ((sum_x, sum_y), change) in along_x.iter_mut().zip(&mut along_y).zip(change) {
-                let change = i64::from(coarse(*change).to_bits());
-                *sum_x = sum_x.wrapping_add(x.wrapping_mul(change));
-                *sum_y = sum_y.wrapping_add(y.wrapping_mul(change));
-            }
-        }
-        let solve = Solution::of(xx, xy, yy);
-        let mut forward = Self {
-            along_x: [0; SENSORS],
-            along_y: [0; SENSORS],
-        };
-        let sums = along_x.iter().zip(&along_y);
-        let places = forward.along_x.iter_mut().zip(&mut forward.along_y);
-        for ((x, y), (sum_x, sum_y)) in places.zip(sums) {
-            (*x, *y) = solve.apply(*sum_x, *sum_y);
-        }
-        forward
-    }
-
-    /// The values (2⁻¹³, from 0 on but not limited to 1) after a displacement given as shares of the longest step, Q14.
-    #[must_use]
-    pub fn after(&self, situation: &Situation<SENSORS>, share: Direction) -> [i32; SENSORS] {
-        let mut values = [0; SENSORS];
-        let slopes = self.along_x.iter().zip(&self.along_y);
-        for ((value, now), (x, y)) in values.iter_mut().zip(situation).zip(slopes) {
-            *value = share
-                .along(*x, *y)
-                .wrapping_add(i32::from(now.to_bits()))
-                .max(0);
-        }
-        values
-    }
-}
-
-/// An action as a vector in units of 2⁻¹³ of the longest step.
-fn plane(code: ActionCode, action: [Weight; 2], step_mm: u16) -> [i64; 2] {
-    let vector = match code {
-        ActionCode::Displacement => action,
-        ActionCode::TurnStep => {
-            ActionCode::Displacement.encode(code.decode(action, step_mm), step_mm)
-        }
-    };
-    vector.map(|part| i64::from(part.to_bits()))
-}
-
-/// The inverse of a symmetric 2 × 2 matrix, scaled so that one 32-bit division per value is left.
-struct Solution {
-    xx: i64,
-    xy: i64,
-    yy: i64,
-    determinant: i32,
-    shift: u32,
-}
-
-impl Solution {
-    /// Sums of squares of up to 1024 actions in units of 2⁻²⁶.
-    fn of(xx: i64, xy: i64, yy: i64) -> Self {
-        // 2⁻¹³ is fine enough, and the products stay below 2⁴⁸.
-        let (xx, xy, yy) = (xx >> 13, xy >> 13, yy >> 13);
-        let determinant = (xx * yy - xy * xy).max(0);
-        let shift = (64 - determinant.leading_zeros()).saturating_sub(15);
-        Self {
-            xx,
-            xy,
-            yy,
-            determinant: (determinant >> shift) as i32,
-            shift,
-        }
-    }
-
-    /// Both slopes from both sums of products (2⁻²⁶), each within ±2 per step.
-    fn apply(&self, sum_x: i64, sum_y: i64) -> (i32, i32) {
-        let (sum_x, sum_y) = (sum_x >> 10, sum_y >> 10);
-        let slope = |numerator: i64| {
-            let scaled = numerator.wrapping_shl(10).wrapping_shr(self.shift);
-            let scaled = scaled.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32;
-            let slope = scaled.checked_div(self.determinant).unwrap_or(0);
-            slope.clamp(-(1 << 14), 1 << 14)
-        };
-        (
-            slope(
-                self.yy
-                    .wrapping_mul(sum_x)
-                    .wrapping_sub(self.xy.wrapping_mul(sum_y)),
-            ),
-            slope(
-                self.xx
-                    .wrapping_mul(sum_y)
-                    .wrapping_sub(self.xy.wrapping_mul(sum_x)),
-            ),
-        )
-    }
-}
-
-/// An action and what it leads to.
+/// An action and how well the situation it leads to suits the goal.
 #[derive(Debug, Clone, Copy)]
-struct Candidate<const SENSORS: usize> {
+struct Candidate {
     /// Unit vector, in the ring's frame.
     direction: Direction,
     /// Share of the longest step, in 1/4.
     share_q2: i32,
-    values: [i32; SENSORS],
+    /// Deviation from the goal less the preference for going on: the smaller, the better.
     score: i64,
+    /// The neuron whose own change is expected; `None` = the linear map's.
+    neuron: Option<usize>,
 }
 
 /// A goal as it is looked at while a decision is taken.
@@ -168,11 +52,52 @@ struct Aim<'a, const SENSORS: usize> {
 }
 
 impl<const SENSORS: usize> Aim<'_, SENSORS> {
-    fn score(&self, values: &[i32; SENSORS], direction: Direction, share_q2: i32) -> i64 {
-        let going = weighted(self.goal.going_q16, cosine_q14(direction, self.way));
-        self.goal
-            .deviation(values, self.place, self.mask)
-            .wrapping_sub(going.wrapping_mul(i64::from(share_q2)) >> 2)
+    fn going(&self, direction: Direction, share_q2: i32) -> i64 {
+        let whole = weighted(self.goal.going_q16, cosine_q14(direction, self.way));
+        whole.wrapping_mul(i64::from(share_q2)) >> 2
+    }
+}
+
+/// What is asked of a transducer whose value may come to deviate from it.
+#[derive(Debug, Clone, Copy, Default)]
+struct Part {
+    line: Line,
+    asked: Asked,
+}
+
+/// The parts of a goal that some action can deviate from, on the way it is looked at.
+struct Parts<const SENSORS: usize> {
+    parts: Vec<Part, SENSORS>,
+    cap: i32,
+}
+
+impl<const SENSORS: usize> Parts<SENSORS> {
+    fn of(
+        forward: &Forward<SENSORS>,
+        situation: &Situation<SENSORS>,
+        aim: &Aim<'_, SENSORS>,
+    ) -> Self {
+        let mut parts = Vec::new();
+        let asked = aim.goal.asked(aim.place);
+        for ((sensor, asked), line) in asked.enumerate().zip(forward.lines(situation)) {
+            let (least, most) = line.range();
+            let within = asked.holds(least) && asked.holds(most);
+            if asked.weight > 0 && aim.mask.contains(sensor) && !within {
+                // As many as there are transducers.
+                let _ = parts.push(Part { line, asked });
+            }
+        }
+        Self {
+            parts,
+            cap: aim.goal.cap_bits(),
+        }
+    }
+
+    /// Deviation of the situation to come from the goal, see [`Goal::deviation`].
+    fn deviation(&self, share: Direction) -> i64 {
+        let each = self.parts.iter();
+        let deviations = each.map(|part| part.asked.deviation(part.line.after(share), self.cap));
+        deviations.fold(0, i64::wrapping_add)
     }
 }
 
@@ -244,9 +169,13 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         };
         let forward = Forward::of(self.actions, config.action_code, config.robot.step_mm);
         let best = self.best(situation, &aim, &forward);
+        let values = match best.neuron {
+            Some(neuron) => self.own_values(situation, neuron),
+            None => forward.after(situation, part(best.direction, best.share_q2)),
+        };
         let goal_scores = self.goal_scores(&turned);
         let now = goal.deviation(&situation.map(|v| i32::from(v.to_bits())), place, mask);
-        let to_come = best.values.map(unit_weight);
+        let to_come = values.map(unit_weight);
         let mut plan = Plan {
             goal_neuron: kernels::least(&goal_scores) as u8,
             current_neuron: self.situations.winner(situation, mask) as u8,
@@ -274,35 +203,27 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         situation: &Situation<SENSORS>,
         aim: &Aim<'_, SENSORS>,
         forward: &Forward<SENSORS>,
-    ) -> Candidate<SENSORS> {
-        let try_out = |direction: Direction, share_q2: i32| {
-            let values = forward.after(situation, part(direction, share_q2));
-            Candidate {
-                direction,
-                share_q2,
-                score: aim.score(&values, direction, share_q2),
-                values,
-            }
+    ) -> Candidate {
+        let parts = Parts::of(forward, situation, aim);
+        let try_out = |direction: Direction, share_q2: i32| Candidate {
+            direction,
+            share_q2,
+            score: parts
+                .deviation(part(direction, share_q2))
+                .wrapping_sub(aim.going(direction, share_q2)),
+            neuron: None,
         };
-        let mut best: Option<Candidate<SENSORS>> = None;
-        let mut take = |candidate: Candidate<SENSORS>| {
-            if best.is_none_or(|best| candidate.score < best.score) {
-                best = Some(candidate);
-            }
+        let best = if self.config.planning.choice == Choice::Neurons {
+            let allowed = (0..NEURONS).filter(|neuron| self.allowed.contains(*neuron));
+            let own = allowed.filter_map(|neuron| self.own_candidate(situation, aim, neuron));
+            own.min_by_key(|candidate| candidate.score)
+        } else {
+            let directions = self.config.robot.directions.iter();
+            let allowed = directions.filter(|direction| self.is_allowed(**direction));
+            allowed
+                .map(|direction| try_out(*direction, 4))
+                .min_by_key(|candidate| candidate.score)
         };
-        match self.config.planning.choice {
-            Choice::Neurons => (0..NEURONS)
-                .filter(|neuron| self.allowed.contains(*neuron))
-                .filter_map(|neuron| self.own_candidate(situation, aim, neuron))
-                .for_each(&mut take),
-            Choice::Recall | Choice::Headings => self
-                .config
-                .robot
-                .directions
-                .iter()
-                .filter(|direction| self.is_allowed(**direction))
-                .for_each(|direction| take(try_out(*direction, 4))),
-        }
         // Where every action is inhibited the robot waits for the first to come back.
         let mut best = best.unwrap_or_else(|| try_out(Direction::default(), 0));
         if aim.goal.going_q16 == 0 {
@@ -322,30 +243,40 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         situation: &Situation<SENSORS>,
         aim: &Aim<'_, SENSORS>,
         neuron: usize,
-    ) -> Option<Candidate<SENSORS>> {
-        let step = i32::from(self.config.robot.step_mm);
-        let code = self.actions.actions().code_vector(neuron);
-        let action = self
-            .config
-            .action_code
-            .decode(code, self.config.robot.step_mm);
-        let length = i32::from(action.length_mm());
-        if length < step / 4 {
+    ) -> Option<Candidate> {
+        let action = self.own_action(neuron);
+        if action.length_mm() < self.config.robot.step_mm / 4 {
             return None;
         }
         let direction = unit(action);
-        let mut values = [0; SENSORS];
-        let change = self.actions.changes().code_vector(neuron);
-        for ((value, now), change) in values.iter_mut().zip(situation).zip(&change) {
-            let stretched = i32::from(change.to_bits()).wrapping_mul(step) / length.max(1);
-            *value = stretched.wrapping_add(i32::from(now.to_bits())).max(0);
-        }
+        let values = self.own_values(situation, neuron);
+        let deviation = aim.goal.deviation(&values, aim.place, aim.mask);
         Some(Candidate {
             direction,
             share_q2: 4,
-            score: aim.score(&values, direction, 4),
-            values,
+            score: deviation.wrapping_sub(aim.going(direction, 4)),
+            neuron: Some(neuron),
         })
+    }
+
+    fn own_action(&self, neuron: usize) -> Displacement {
+        let code = self.actions.actions().code_vector(neuron);
+        self.config
+            .action_code
+            .decode(code, self.config.robot.step_mm)
+    }
+
+    /// The situation after a neuron's own change, stretched to a whole step.
+    fn own_values(&self, situation: &Situation<SENSORS>, neuron: usize) -> [i32; SENSORS] {
+        let step = i32::from(self.config.robot.step_mm);
+        let length = i32::from(self.own_action(neuron).length_mm()).max(1);
+        let mut values = [0; SENSORS];
+        let change = self.actions.changes().code_vector(neuron);
+        for ((value, now), change) in values.iter_mut().zip(situation).zip(&change) {
+            let stretched = i32::from(change.to_bits()).wrapping_mul(step) / length;
+            *value = stretched.wrapping_add(i32::from(now.to_bits())).max(0);
+        }
+        values
     }
 
     /// The neuron whose action goes farthest in a direction: the one that answers for it.
