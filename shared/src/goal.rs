@@ -92,10 +92,17 @@ impl Component {
 pub(crate) struct Asked {
     low: i32,
     high: i32,
-    pub(crate) weight: i32,
+    weight: i32,
 }
 
 impl Asked {
+    /// Any value is as asked.
+    const ANYTHING: Self = Self {
+        low: i32::MIN,
+        high: i32::MAX,
+        weight: 0,
+    };
+
     #[inline(always)]
     fn of(component: &Component) -> Self {
         Self {
@@ -107,13 +114,13 @@ impl Asked {
 
     /// Whether a value is as asked.
     #[inline(always)]
-    pub(crate) const fn holds(self, value: i32) -> bool {
+    pub(crate) const fn holds(&self, value: i32) -> bool {
         self.low <= value && value <= self.high
     }
 
     /// Squared deviation of a value, at most that of the cap, in units of 2⁻²⁶ · weight.
     #[inline(always)]
-    pub(crate) fn deviation(self, value: i32, cap: i32) -> i64 {
+    pub(crate) fn deviation(&self, value: i32, cap: i32) -> i64 {
         let nearest = value.max(self.low).min(self.high);
         let off = value.wrapping_sub(nearest).saturating_abs().min(cap);
         i64::from(off.wrapping_mul(off)).wrapping_mul(i64::from(self.weight))
@@ -133,6 +140,7 @@ pub enum Frame {
 
 /// A goal situation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(align(4))]
 pub struct Goal<const SENSORS: usize> {
     /// What is asked of each value.
     #[serde(with = "crate::arrays")]
@@ -250,13 +258,17 @@ impl<const SENSORS: usize> Goal<SENSORS> {
         }
     }
 
-    /// Squared deviation of predicted values (2⁻¹³, which may leave [0, 1]) from what is asked when the
-    /// components are turned by `places`, each at most the cap, in units of 2⁻²⁶ · weight.
+    /// Squared deviation of values (2⁻¹³, which may leave [0, 1]) from what is asked when the components are turned by
+    /// `places`, each at most the cap, in units of 2⁻²⁶ · weight.
     #[must_use]
     pub fn deviation(&self, values: &[i32; SENSORS], places: usize, mask: Mask) -> i64 {
         let cap = self.cap_bits();
+        let places = places.checked_rem(SENSORS).unwrap_or(0);
+        let (head, tail) = self.components.split_at(SENSORS.wrapping_sub(places));
+        let components = tail.iter().chain(head).enumerate();
         let mut total = 0_i64;
-        for ((sensor, asked), value) in self.asked(places).enumerate().zip(values) {
+        for ((sensor, component), value) in components.zip(values) {
+            let asked = Asked::of(component);
             // Most values are as asked: nothing to multiply.
             if !asked.holds(*value) && mask.contains(sensor) {
                 total = total.wrapping_add(asked.deviation(*value, cap));
@@ -265,12 +277,15 @@ impl<const SENSORS: usize> Goal<SENSORS> {
         total
     }
 
-    /// What is asked of each transducer when the components are turned by `places`.
-    #[inline(always)]
-    pub(crate) fn asked(&self, places: usize) -> impl Iterator<Item = Asked> {
-        let places = places.checked_rem(SENSORS).unwrap_or(0);
-        let (head, tail) = self.components.split_at(SENSORS.wrapping_sub(places));
-        tail.iter().chain(head).map(Asked::of)
+    /// What is asked of each transducer in the ring's frame, anything of those not believed.
+    pub(crate) fn asked(&self, mask: Mask) -> [Asked; SENSORS] {
+        let mut asked = [Asked::ANYTHING; SENSORS];
+        for (sensor, (asked, component)) in asked.iter_mut().zip(&self.components).enumerate() {
+            if component.weight > 0 && mask.contains(sensor) {
+                *asked = Asked::of(component);
+            }
+        }
+        asked
     }
 
     /// The cap in units of 2⁻¹³, not below 0.

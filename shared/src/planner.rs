@@ -64,6 +64,7 @@ impl core::fmt::Display for Why {
 
 /// One decision with all its intermediate values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(align(4))]
 pub struct Plan<const SENSORS: usize> {
     /// Neuron that stands for the goal.
     pub goal_neuron: u8,

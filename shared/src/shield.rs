@@ -206,24 +206,18 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         limit: i32,
         among: Mask,
     ) -> i32 {
-        let mut distance = limit;
         let asked = config.believed.and(among);
         let places = usize::from(way.shielding.places.max(1));
+        let mut distance = limit;
         for (sensor, kept) in self.arcs.iter().enumerate() {
             if !asked.contains(sensor) {
                 continue;
             }
-            let mut fresh = false;
-            for arc in kept.iter().take(places).filter_map(Option::as_ref) {
-                let age_ms = way.now.since(arc.at);
-                if age_ms <= way.shielding.forget_ms {
-                    fresh |= age_ms <= way.shielding.fresh_ms;
-                    distance = way.until(arc, age_ms, distance);
-                }
+            let kept = kept.get(..places).unwrap_or(kept);
+            if !way.is_fresh(kept) && way.is_covered_by(config, sensor) {
+                return 0;
             }
-            if !fresh && way.is_covered_by(config, sensor) {
-                distance = 0;
-            }
+            distance = way.until_any(kept, distance);
         }
         distance
     }
@@ -263,6 +257,10 @@ struct Way<'a> {
     spread_q14: i32,
     /// Body and margin.
     reach_mm: i32,
+    /// What lies farther from the robot than this and the way's length is surely not met.
+    certain_mm: i32,
+    /// The shortest range the ring can report.
+    least_mm: i32,
     now: Millis,
 }
 
@@ -290,13 +288,20 @@ impl<'a> Way<'a> {
         let spread = spread.saturating_add(spread >> 4);
         // The direction is too long by its divisor's rounding.
         let excess = spread.checked_div(length).unwrap_or(spread);
+        let reach_mm = i32::from(config.robot.body_radius_mm) + i32::from(shielding.margin_mm);
         Self {
             shielding,
             direction,
             left_edge,
             right_edge,
             spread_q14: spread.saturating_add(excess).saturating_add(2),
-            reach_mm: i32::from(config.robot.body_radius_mm) + i32::from(shielding.margin_mm),
+            reach_mm,
+            certain_mm: if shielding.approach_mm_s > 0 {
+                i32::MAX
+            } else {
+                reach_mm
+            },
+            least_mm: i32::from(shielding.least_range_mm),
             now,
         }
     }
@@ -311,25 +316,43 @@ impl<'a> Way<'a> {
         })
     }
 
-    /// Distance until the body would come within the margin of the arc, heard so long ago; `limit` where it would not
-    /// before that.
-    #[inline]
-    fn until(&self, arc: &Arc, age_ms: u32, limit: i32) -> i32 {
-        let Some(range) = arc.range else {
-            return limit;
-        };
-        let (face_x, face_y) = (i32::from(arc.face.dx_mm), i32::from(arc.face.dy_mm));
-        if range.as_mm() <= self.shielding.least_range_mm {
-            return self.until_point(face_x, face_y, limit);
+    /// Whether anything was heard lately enough for the direction to be open.
+    fn is_fresh(&self, kept: &[Option<Arc>]) -> bool {
+        let most = self.shielding.fresh_ms.min(self.shielding.forget_ms);
+        let mut arcs = kept.iter().flatten();
+        arcs.any(|arc| self.now.since(arc.at) <= most)
+    }
+
+    /// Distance until the body would come within the margin of an arc; `limit` where it would not before that.
+    fn until_any(&self, kept: &[Option<Arc>], limit: i32) -> i32 {
+        let mut distance = limit;
+        for arc in kept.iter().flatten() {
+            let Some(range) = arc.range else { continue };
+            // Nothing on an arc is met while its face is nearer than its range is long: most are far off.
+            let slack = i32::from(arc.face.dx_mm).abs() + i32::from(arc.face.dy_mm).abs();
+            let near = distance.saturating_add(self.certain_mm.saturating_add(slack));
+            if i32::from(range.as_mm()) <= near.max(self.least_mm)
+                && self.now.since(arc.at) <= self.shielding.forget_ms
+            {
+                distance = self.until(arc, range, distance);
+            }
         }
-        let aged = age_ms.saturating_mul(u32::from(self.shielding.approach_mm_s)) / 1_000;
-        let range = i32::from(range.as_mm())
-            .saturating_sub(aged.min(65_535) as i32)
-            .max(0);
-        // Nothing on this arc can be reached: its face is at least as far away as the range is long.
-        let slack = face_x.abs().wrapping_add(face_y.abs());
-        if range > limit.saturating_add(self.reach_mm).saturating_add(slack) {
-            return limit;
+        distance
+    }
+
+    /// Distance until the body would come within the margin of the arc; `limit` where it would not before that. Apart
+    /// from the loop over all arcs, whose values then stay in registers.
+    #[inline(never)]
+    fn until(&self, arc: &Arc, range: Range, limit: i32) -> i32 {
+        if range.as_mm() <= self.shielding.least_range_mm {
+            let (x, y) = (i32::from(arc.face.dx_mm), i32::from(arc.face.dy_mm));
+            return self.until_point(x, y, limit);
+        }
+        let mut range = i32::from(range.as_mm());
+        if self.shielding.approach_mm_s > 0 {
+            let age_ms = self.now.since(arc.at);
+            let aged = age_ms.saturating_mul(u32::from(self.shielding.approach_mm_s)) / 1_000;
+            range = range.saturating_sub(aged.min(65_535) as i32).max(0);
         }
         self.until_arc(arc, range, limit)
     }

@@ -191,7 +191,7 @@ impl Displacement {
     pub fn length_mm(self) -> u16 {
         let square = |mm: i16| u32::from(mm.unsigned_abs()).pow(2);
         // At most 2³¹.
-        (square(self.dx_mm).wrapping_add(square(self.dy_mm))).isqrt() as u16
+        crate::fixed::isqrt_u32(square(self.dx_mm).wrapping_add(square(self.dy_mm))) as u16
     }
 
     /// Bearing of the move; zero for no move. Error at most 0.003 rad (micromath's arc tangent).

@@ -154,6 +154,7 @@ impl<const SENSORS: usize> Outputs<SENSORS> {
 
 /// A decision as telemetry: what was perceived, wanted and allowed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(align(4))]
 pub struct Decision<const SENSORS: usize> {
     /// The situation it was taken in.
     #[serde(with = "crate::arrays")]

@@ -66,6 +66,13 @@ proptest! {
     }
 
     #[test]
+    fn small_roots_are_those_of_core(value in any::<u32>()) {
+        for value in [value, value >> 16, value >> 28] {
+            prop_assert_eq!(isqrt_u32(value), value.isqrt());
+        }
+    }
+
+    #[test]
     fn isqrt_is_the_floor(value in any::<u64>()) {
         let root = u128::from(isqrt(value));
         prop_assert!(root * root <= u128::from(value) && (root + 1) * (root + 1) > u128::from(value));

@@ -18,7 +18,7 @@
 use super::forward::{Forward, Line};
 use super::{Plan, Planner, Why, difference};
 use crate::config::Choice;
-use crate::fixed::{Mask, Weight, unit_weight};
+use crate::fixed::{Mask, Weight, coarse, unit_weight};
 use crate::goal::{Asked, Frame, Goal};
 use crate::scan::Situation;
 use crate::som::kernels;
@@ -43,15 +43,24 @@ struct Candidate {
 
 /// A goal as it is looked at while a decision is taken.
 struct Aim<'a, const SENSORS: usize> {
+    /// In the ring's frame.
     goal: &'a Goal<SENSORS>,
-    /// Place of the ring to which it is turned.
-    place: usize,
+    /// What it asks of each transducer.
+    asked: [Asked; SENSORS],
     /// Direction in which going on is preferred; zero = none.
     way: Direction,
-    mask: Mask,
 }
 
 impl<const SENSORS: usize> Aim<'_, SENSORS> {
+    fn deviation(&self, values: &[i32; SENSORS]) -> i64 {
+        let cap = self.goal.cap_bits();
+        let values = self.asked.iter().zip(values);
+        let missed = values.filter(|(asked, value)| !asked.holds(**value));
+        missed.fold(0, |total: i64, (asked, value)| {
+            total.wrapping_add(asked.deviation(*value, cap))
+        })
+    }
+
     fn going(&self, direction: Direction, share_q2: i32) -> i64 {
         let whole = weighted(self.goal.going_q16, cosine_q14(direction, self.way));
         whole.wrapping_mul(i64::from(share_q2)) >> 2
@@ -72,24 +81,21 @@ struct Parts<const SENSORS: usize> {
 }
 
 impl<const SENSORS: usize> Parts<SENSORS> {
-    fn of(
+    fn add(
+        &mut self,
         forward: &Forward<SENSORS>,
         situation: &Situation<SENSORS>,
         aim: &Aim<'_, SENSORS>,
-    ) -> Self {
-        let mut parts = Vec::new();
-        let asked = aim.goal.asked(aim.place);
-        for ((sensor, asked), line) in asked.enumerate().zip(forward.lines(situation)) {
+    ) {
+        for (asked, line) in aim.asked.iter().zip(forward.lines(situation)) {
             let (least, most) = line.range();
-            let within = asked.holds(least) && asked.holds(most);
-            if asked.weight > 0 && aim.mask.contains(sensor) && !within {
+            if !(asked.holds(least) && asked.holds(most)) {
                 // As many as there are transducers.
-                let _ = parts.push(Part { line, asked });
+                let _ = self.parts.push(Part {
+                    line,
+                    asked: *asked,
+                });
             }
-        }
-        Self {
-            parts,
-            cap: aim.goal.cap_bits(),
         }
     }
 
@@ -158,32 +164,32 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
     ) -> Plan<SENSORS> {
         let config = self.config;
         let mask = config.believed;
-        let turned = goal.towards(place);
         let travels = goal.frame == Frame::Travel && config.robot.symmetric;
+        let turned = (place > 0).then(|| goal.towards(place));
+        let goal = turned.as_ref().unwrap_or(goal);
         let ahead = config.robot.directions.get(place).copied();
         let aim = Aim {
             goal,
-            place,
+            asked: goal.asked(mask),
             way: ahead.filter(|_| travels).unwrap_or(unit(self.course)),
-            mask,
         };
-        let forward = Forward::of(self.actions, config.action_code, config.robot.step_mm);
+        let mut forward = Forward::NONE;
+        forward.fit(self.actions, config.action_code, config.robot.step_mm);
         let best = self.best(situation, &aim, &forward);
         let values = match best.neuron {
             Some(neuron) => self.own_values(situation, neuron),
             None => forward.after(situation, part(best.direction, best.share_q2)),
         };
-        let goal_scores = self.goal_scores(&turned);
-        let now = goal.deviation(&situation.map(|v| i32::from(v.to_bits())), place, mask);
+        let now = aim.deviation(&situation.map(|value| i32::from(value.to_bits())));
         let to_come = values.map(unit_weight);
         let mut plan = Plan {
-            goal_neuron: kernels::least(&goal_scores) as u8,
+            goal_neuron: self.goal_neuron(&aim.asked) as u8,
             current_neuron: self.situations.winner(situation, mask) as u8,
             intermediate_neuron: self.situations.winner(&to_come, mask) as u8,
             wanted: difference(&to_come, situation),
             action_neuron: self.neuron_of(best.direction) as u8,
             at_goal: goal.is_met_by(now, mask)
-                || turned.holds(situation, mask, config.planning.tolerance),
+                || goal.holds(situation, mask, config.planning.tolerance),
             recalled: true,
             action: Displacement::ZERO,
             why: Why::Stay,
@@ -204,7 +210,11 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         aim: &Aim<'_, SENSORS>,
         forward: &Forward<SENSORS>,
     ) -> Candidate {
-        let parts = Parts::of(forward, situation, aim);
+        let mut parts = Parts {
+            parts: Vec::new(),
+            cap: aim.goal.cap_bits(),
+        };
+        parts.add(forward, situation, aim);
         let try_out = |direction: Direction, share_q2: i32| Candidate {
             direction,
             share_q2,
@@ -250,7 +260,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         }
         let direction = unit(action);
         let values = self.own_values(situation, neuron);
-        let deviation = aim.goal.deviation(&values, aim.place, aim.mask);
+        let deviation = aim.deviation(&values);
         Some(Candidate {
             direction,
             share_q2: 4,
@@ -277,6 +287,30 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             *value = stretched.wrapping_add(i32::from(now.to_bits())).max(0);
         }
         values
+    }
+
+    /// The neuron whose code vector is nearest to the goal. Most drop out before all their components have been looked at.
+    fn goal_neuron(&self, asked: &[Asked; SENSORS]) -> usize {
+        let (mut nearest, mut least) = (0, i64::MAX);
+        for (neuron, row) in self.situations.code().iter().enumerate() {
+            let mut total = 0_i64;
+            for (asked, value) in asked.iter().zip(row) {
+                let value = i32::from(coarse(*value).to_bits());
+                if !asked.holds(value) {
+                    total = total.wrapping_add(asked.deviation(value, i32::from(i16::MAX)));
+                    if total >= least {
+                        break;
+                    }
+                }
+            }
+            if total < least {
+                (nearest, least) = (neuron, total);
+            }
+            if least == 0 {
+                break;
+            }
+        }
+        nearest
     }
 
     /// The neuron whose action goes farthest in a direction: the one that answers for it.
