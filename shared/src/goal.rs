@@ -118,6 +118,12 @@ impl Asked {
         self.low <= value && value <= self.high
     }
 
+    /// Whether every value between these two is as asked.
+    #[inline(always)]
+    pub(crate) const fn holds_between(&self, (least, most): (i32, i32)) -> bool {
+        self.low <= least && most <= self.high
+    }
+
     /// Squared deviation of a value, at most that of the cap, in units of 2⁻²⁶ · weight.
     #[inline(always)]
     pub(crate) fn deviation(&self, value: i32, cap: i32) -> i64 {

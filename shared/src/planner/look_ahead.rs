@@ -81,18 +81,12 @@ struct Parts<const SENSORS: usize> {
 }
 
 impl<const SENSORS: usize> Parts<SENSORS> {
-    fn add(
-        &mut self,
-        forward: &Forward<SENSORS>,
-        situation: &Situation<SENSORS>,
-        aim: &Aim<'_, SENSORS>,
-    ) {
-        for (asked, line) in aim.asked.iter().zip(forward.lines(situation)) {
-            let (least, most) = line.range();
-            if !(asked.holds(least) && asked.holds(most)) {
+    fn add(&mut self, forward: &Forward<SENSORS>, aim: &Aim<'_, SENSORS>) {
+        for (asked, line) in aim.asked.iter().zip(forward.lines()) {
+            if !asked.holds_between(line.range()) {
                 // As many as there are transducers.
                 let _ = self.parts.push(Part {
-                    line,
+                    line: *line,
                     asked: *asked,
                 });
             }
@@ -173,12 +167,12 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             asked: goal.asked(mask),
             way: ahead.filter(|_| travels).unwrap_or(unit(self.course)),
         };
-        let mut forward = Forward::NONE;
+        let mut forward = Forward::from(situation);
         forward.fit(self.actions, config.action_code, config.robot.step_mm);
         let best = self.best(situation, &aim, &forward);
         let values = match best.neuron {
             Some(neuron) => self.own_values(situation, neuron),
-            None => forward.after(situation, part(best.direction, best.share_q2)),
+            None => forward.after(part(best.direction, best.share_q2)),
         };
         let now = aim.deviation(&situation.map(|value| i32::from(value.to_bits())));
         let to_come = values.map(unit_weight);
@@ -214,7 +208,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             parts: Vec::new(),
             cap: aim.goal.cap_bits(),
         };
-        parts.add(forward, situation, aim);
+        parts.add(forward, aim);
         let try_out = |direction: Direction, share_q2: i32| Candidate {
             direction,
             share_q2,
