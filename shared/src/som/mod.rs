@@ -172,7 +172,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     }
 
     /// Adds the scores times a weight in 1/256 to another map's ranks; for few components.
-    #[inline(always)]
+    #[inline(never)]
     pub(crate) fn rank_weighted(
         &self,
         probe: &[Weight; DIMS],
@@ -187,6 +187,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     }
 
     /// Squared distance of the probe to neuron `k` over the components that `mask` believes, in units of 2⁻⁵⁰.
+    #[inline(never)]
     #[must_use]
     pub fn distance(&self, k: usize, probe: &[Weight; DIMS], mask: Mask) -> u64 {
         kernels::distance(self.code.as_flattened(), DIMS, k, probe, mask)
