@@ -5,7 +5,7 @@
 
 use crate::fixed::{Mask, ONE_BITS, Weight, coarse, isqrt, quotient, squared_norm, unit_weight};
 use crate::som::neighbourhood::Pull;
-use crate::som::{Grid, Learn, RANK_SHIFT, Som, kernels};
+use crate::som::{Grid, Learn, Som, kernels};
 use crate::units::{Bearing, Displacement};
 use serde::{Deserialize, Serialize};
 
@@ -134,21 +134,13 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
     #[inline]
     #[must_use]
     pub fn winner(&self, effect: &Effect<SENSORS>, action_weight_q8: u16) -> usize {
-        // The action's ranks are 8 bits coarser, which its weight has: at most 3 · 31 · 2²⁰ and 3 · 2 · 2¹² · 2¹⁶.
-        const ACTION_SHIFT: u32 = RANK_SHIFT + 8;
-        let weight = i32::from(action_weight_q8);
-        let (mut ranks, mut by_action) = ([0; NEURONS], [0; NEURONS]);
-        self.changes
-            .rank::<RANK_SHIFT>(&effect.change, effect.mask, &mut ranks);
-        self.actions
-            .rank::<ACTION_SHIFT>(&effect.action, Mask::ALL, &mut by_action);
-        for (rank, action) in ranks.iter_mut().zip(by_action) {
-            *rank = rank.wrapping_add(action.wrapping_mul(weight));
+        let mut ranks = self.changes.ranks(&effect.change, effect.mask);
+        if effect.mask.covers(SENSORS) {
+            self.actions
+                .rank_weighted(&effect.action, action_weight_q8, &mut ranks);
         }
-        // Each rank is rounded by less than one.
-        let of_change = const { kernels::rank_margin::<RANK_SHIFT>(SENSORS) + 2 };
-        let of_action = const { kernels::rank_margin::<ACTION_SHIFT>(2) + 2 };
-        let margin = of_change.wrapping_add(of_action.wrapping_mul(weight));
+        let margin = const { kernels::rank_margin(SENSORS, 1 << 8) }
+            .wrapping_add(kernels::rank_margin(2, action_weight_q8));
         kernels::nearest_ranked(&ranks, margin, |k| {
             let change = self.changes.distance(k, &effect.change, effect.mask);
             let action = self.actions.distance(k, &effect.action, Mask::ALL);

@@ -182,7 +182,7 @@ pub fn handle<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>(
             progress,
         } => {
             state.odometry(at, motion, moved, turned, progress);
-            Outputs::NONE
+            Outputs::none()
         }
         Event::Command(command) => state.command(config, at, command),
         Event::Tick => state.tick(config, at),
@@ -199,20 +199,20 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         match &self.pending {
             Some(pending) if !pending.ended => self.guard(config, sensor, echo.at),
             _ if self.scan.is_complete(config.believed) => self.decide(config, echo.at),
-            _ => Outputs::NONE,
+            _ => Outputs::none(),
         }
     }
 
     /// Shortens the motion under way where the newest echo asks for it.
     fn guard(&mut self, config: &Config<SENSORS>, sensor: usize, now: Millis) -> Outputs<SENSORS> {
         let Some(pending) = &mut self.pending else {
-            return Outputs::NONE;
+            return Outputs::none();
         };
         let left = pending.remaining.length_mm();
         let heard = Mask::NONE.with(sensor);
         let allowed = self.shield.allow_by(config, pending.remaining, now, heard);
         if allowed.distance_mm >= left {
-            return Outputs::NONE;
+            return Outputs::none();
         }
         pending.remaining = pending.remaining.with_length(allowed.distance_mm);
         pending.speed_mm_s = allowed.speed_mm_s.min(pending.speed_mm_s);
@@ -222,7 +222,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 displacement: pending.remaining,
                 speed_mm_s: pending.speed_mm_s,
             }),
-            ..Outputs::NONE
+            ..Outputs::none()
         }
     }
 
@@ -306,7 +306,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     fn alarm(&mut self, at: Millis, reason: StopReason) -> Outputs<SENSORS> {
         match self.mode {
             Mode::Explore { .. } | Mode::Seek { .. } => self.stop(at, reason),
-            Mode::Idle | Mode::Learn { .. } | Mode::Stopped(_) => Outputs::NONE,
+            Mode::Idle | Mode::Learn { .. } | Mode::Stopped(_) => Outputs::none(),
         }
     }
 
@@ -336,7 +336,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         Outputs {
             motion,
             mode_changed: true,
-            ..Outputs::NONE
+            ..Outputs::none()
         }
     }
 
@@ -347,7 +347,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let step = self.learn_slice(config, step);
         if step < self.learning_steps(config) {
             self.mode = Mode::Learn { step };
-            return Outputs::NONE;
+            return Outputs::none();
         }
         self.learnt = true;
         self.enter(at, Mode::Idle)
@@ -358,7 +358,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let moving = self.pending.is_some_and(|pending| !pending.ended);
         let patience = u32::from(config.robot.ring_period_ms).saturating_mul(2);
         if moving || at.since(self.waiting_since) <= patience {
-            return Outputs::NONE;
+            return Outputs::none();
         }
         self.alarm(at, StopReason::RingIncomplete)
     }
@@ -367,7 +367,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 fn refused<const SENSORS: usize>(refusal: Refusal) -> Outputs<SENSORS> {
     Outputs {
         refusal: Some(refusal),
-        ..Outputs::NONE
+        ..Outputs::none()
     }
 }
 

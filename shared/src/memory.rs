@@ -67,31 +67,29 @@ fn value_of(byte: u8) -> Weight {
     VALUES.get(usize::from(byte)).copied().unwrap_or_default()
 }
 
-/// Two situations kept as bytes, both turned by ring places: the values after, their change, and which of them were
-/// believed both times.
+/// Two situations kept as bytes, both turned by ring places: the values after and their change are written, and which of
+/// them were believed both times returned.
 pub(crate) fn turned_change<const SENSORS: usize>(
     before: &SituationBytes<SENSORS>,
     after: &SituationBytes<SENSORS>,
     places: usize,
-) -> (Situation<SENSORS>, Situation<SENSORS>, Mask) {
+    values: &mut Situation<SENSORS>,
+    changes: &mut Situation<SENSORS>,
+) -> Mask {
     let back = SENSORS.wrapping_sub(places.checked_rem(SENSORS).unwrap_or(0));
     let from = |place: usize| {
         let from = place.wrapping_add(back).checked_rem(SENSORS).unwrap_or(0);
         let byte = |bytes: &[u8; SENSORS]| bytes.get(from).copied().unwrap_or(UNKNOWN);
         (byte(before), byte(after))
     };
-    let mut values = [Weight::ZERO; SENSORS];
-    let mut changes = [Weight::ZERO; SENSORS];
-    let mut highest = 0;
-    for (place, (value, change)) in values.iter_mut().zip(&mut changes).enumerate() {
+    for (place, (value, change)) in values.iter_mut().zip(changes).enumerate() {
         let (before, after) = from(place);
         *value = value_of(after);
         // Both lie in [0, 1].
         *change = value.wrapping_sub(value_of(before));
-        highest = highest.max(before).max(after);
     }
     let mut believed = Mask::ALL;
-    if highest == UNKNOWN {
+    if has_unknown(before) || has_unknown(after) {
         for place in 0..SENSORS {
             let (before, after) = from(place);
             if before == UNKNOWN || after == UNKNOWN {
@@ -99,7 +97,18 @@ pub(crate) fn turned_change<const SENSORS: usize>(
             }
         }
     }
-    (values, changes, believed)
+    believed
+}
+
+/// Whether a transducer was not to be believed; looks at four bytes at a time.
+fn has_unknown<const SENSORS: usize>(bytes: &SituationBytes<SENSORS>) -> bool {
+    let (words, rest) = bytes.as_chunks::<4>();
+    // The lower seven bits of a byte carry into its eighth if they are all set; then that one decides.
+    let full = words.iter().fold(0, |full, word| {
+        let word = u32::from_le_bytes(*word);
+        full | ((word & 0x7f7f_7f7f).wrapping_add(0x0101_0101) & word)
+    });
+    full & 0x8080_8080 != 0 || rest.contains(&UNKNOWN)
 }
 
 /// One random move: (S, a, S').

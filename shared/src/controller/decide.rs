@@ -23,7 +23,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         match self.mode {
             Mode::Explore { left } => self.explore(config, now, situation, pending, left),
             Mode::Seek { goal } => self.seek(config, now, situation, pending, &goal),
-            Mode::Idle | Mode::Learn { .. } | Mode::Stopped(_) => Outputs::NONE,
+            Mode::Idle | Mode::Learn { .. } | Mode::Stopped(_) => Outputs::none(),
         }
     }
 
@@ -243,7 +243,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 allowed,
                 at_goal: plan.is_some_and(|plan| plan.at_goal),
             }),
-            ..Outputs::NONE
+            ..Outputs::none()
         }
     }
 }

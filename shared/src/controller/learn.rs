@@ -19,6 +19,18 @@ struct Lesson<const SENSORS: usize> {
     effect: Effect<SENSORS>,
 }
 
+impl<const SENSORS: usize> Lesson<SENSORS> {
+    /// Nothing seen, nothing done.
+    const EMPTY: Self = Self {
+        after: [Weight::ZERO; SENSORS],
+        effect: Effect {
+            change: [Weight::ZERO; SENSORS],
+            action: [Weight::ZERO; 2],
+            mask: Mask::ALL,
+        },
+    };
+}
+
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     State<SENSORS, NEURONS, SAMPLES>
 {
@@ -39,7 +51,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             let (situation, mut effect) = match config.learning.start {
                 Start::Random => self.random_start(),
                 Start::Samples | Start::Plane => {
-                    let lesson = self.lesson(config, None);
+                    let mut lesson = Lesson::EMPTY;
+                    self.lesson(config, None, &mut lesson);
                     (lesson.after, lesson.effect)
                 }
             };
@@ -86,8 +99,9 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             Pull::<NEURONS>::new(training.neighbourhood, rate, radius)
         };
         let (for_situations, for_actions) = (pull(learning.situations), pull(learning.actions));
+        let mut lesson = Lesson::EMPTY;
         for step in done..end {
-            let lesson = self.lesson(config, Some(step));
+            self.lesson(config, Some(step), &mut lesson);
             let winner = self.situations.winner(&lesson.after, lesson.effect.mask);
             self.situations
                 .learn(winner, &lesson.after, lesson.effect.mask, &for_situations);
@@ -99,8 +113,14 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         end
     }
 
-    /// The sample of a presentation (`None` = any), turned by a random number of ring places where that is asked for.
-    fn lesson(&mut self, config: &Config<SENSORS>, step: Option<u32>) -> Lesson<SENSORS> {
+    /// Writes the sample of a presentation (`None` = any), turned by a random number of ring places where that is asked
+    /// for.
+    fn lesson(
+        &mut self,
+        config: &Config<SENSORS>,
+        step: Option<u32>,
+        lesson: &mut Lesson<SENSORS>,
+    ) {
         let count = self.memory.samples().len() as u32;
         let index = match (config.learning.order, step) {
             (Order::Recorded, Some(step)) => step.checked_rem(count).unwrap_or(0),
@@ -111,25 +131,18 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         } else {
             0
         };
-        match self.memory.samples().get(index as usize) {
-            Some(sample) => lesson_of(config, sample, places as usize),
-            None => Lesson {
-                after: [Weight::ZERO; SENSORS],
-                effect: Effect {
-                    change: [Weight::ZERO; SENSORS],
-                    action: [Weight::ZERO; 2],
-                    mask: Mask::ALL,
-                },
-            },
+        if let Some(sample) = self.memory.samples().get(index as usize) {
+            write_lesson(config, sample, places as usize, lesson);
         }
     }
 }
 
-fn lesson_of<const SENSORS: usize>(
+fn write_lesson<const SENSORS: usize>(
     config: &Config<SENSORS>,
     sample: &Sample<SENSORS>,
     places: usize,
-) -> Lesson<SENSORS> {
+    lesson: &mut Lesson<SENSORS>,
+) {
     let taught = match config.learning.taught {
         Taught::Commanded => sample.commanded,
         Taught::Executed => sample.executed,
@@ -146,15 +159,10 @@ fn lesson_of<const SENSORS: usize>(
                 .unwrap_or_else(|| Bearing::ZERO.direction()),
         )
     };
-    let (after, change, mask) = turned_change(&sample.before, &sample.after, places);
-    Lesson {
-        effect: Effect {
-            change,
-            action: config.action_code.encode(action, config.robot.step_mm),
-            mask,
-        },
-        after,
-    }
+    let Lesson { after, effect } = lesson;
+    effect.action = config.action_code.encode(action, config.robot.step_mm);
+    let (before, bytes) = (&sample.before, &sample.after);
+    effect.mask = turned_change(before, bytes, places, after, &mut effect.change);
 }
 
 /// The action of a neuron's place: the grid laid over the square [−1, 1]².

@@ -144,12 +144,18 @@ pub struct Outputs<const SENSORS: usize> {
 
 impl<const SENSORS: usize> Outputs<SENSORS> {
     /// Nothing.
-    pub const NONE: Self = Self {
-        motion: None,
-        decision: None,
-        mode_changed: false,
-        refusal: None,
-    };
+    pub const NONE: Self = Self::none();
+
+    /// As [`NONE`](Self::NONE), made on the spot: the constant would be copied with all its room for a decision.
+    #[inline(always)]
+    pub(super) const fn none() -> Self {
+        Self {
+            motion: None,
+            decision: None,
+            mode_changed: false,
+            refusal: None,
+        }
+    }
 }
 
 /// A decision as telemetry: what was perceived, wanted and allowed.

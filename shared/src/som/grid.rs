@@ -113,27 +113,31 @@ impl Grid {
     pub fn neighbours(self, k: usize) -> impl Iterator<Item = usize> {
         let (x, y) = self.position(k);
         let (columns, rows) = (self.columns(), self.rows());
-        let before = move |place: usize, length: usize| match self.edges {
+        let before = |place: usize, length: usize| match self.edges {
             Edges::Open => place.checked_sub(1),
-            Edges::Wrapped if length > 2 => Some((place + length - 1) % length),
+            Edges::Wrapped if length > 2 => Some(place.checked_sub(1).unwrap_or(length - 1)),
             // Along an axis of two the neighbour before is the neighbour after: it counts once.
             Edges::Wrapped => None,
         };
-        let after = move |place: usize, length: usize| match self.edges {
+        let after = |place: usize, length: usize| match self.edges {
             Edges::Open => Some(place + 1).filter(|&next| next < length),
-            Edges::Wrapped if length > 1 => Some((place + 1) % length),
+            Edges::Wrapped if length > 1 => {
+                Some(place + 1).filter(|&next| next < length).or(Some(0))
+            }
             Edges::Wrapped => None,
         };
-        let at = move |x: Option<usize>, y: Option<usize>| Some(y? * columns + x?);
+        // A neighbour that does not exist stands beyond the end.
+        let end = if k < self.len() { self.len() } else { 0 };
+        let in_row = |x: Option<usize>| x.map_or(end, |x| y * columns + x);
+        let in_column = |y: Option<usize>| y.map_or(end, |y| y * columns + x);
         [
-            at(before(x, columns), Some(y)),
-            at(after(x, columns), Some(y)),
-            at(Some(x), before(y, rows)),
-            at(Some(x), after(y, rows)),
+            in_row(before(x, columns)),
+            in_row(after(x, columns)),
+            in_column(before(y, rows)),
+            in_column(after(y, rows)),
         ]
         .into_iter()
-        .flatten()
-        .filter(move |_| k < self.len())
+        .filter(move |&neighbour| neighbour < end)
     }
 
     /// Whether two neurons are direct neighbours.

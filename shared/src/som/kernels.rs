@@ -5,8 +5,8 @@
 //! Measured in scalar products: a search of 16 neurons of 16 components is 256 multiply–adds and 16 comparisons.
 
 use crate::fixed::{
-    Fine, Gain, Mask, Scalar, Weight, approach, approach_slowly, dot, isqrt, quotient,
-    squared_distance, squared_norm,
+    Fine, Gain, Mask, Scalar, Weight, approach, approach_slowly, dot, high_product, isqrt,
+    quotient, squared_distance, squared_norm,
 };
 
 /// Squared distance of the probe to each code vector less the probe's own squared length:
@@ -77,53 +77,59 @@ pub fn alignments(
     }
 }
 
-/// How many code vectors a pass over the probe takes: enough to load the probe half as often, few enough for the
-/// chip's registers.
-const ROWS: usize = 2;
+/// Components that a pass over the neurons takes: few enough to keep the probe's in the chip's registers.
+const COLUMNS: usize = 4;
 
-/// As [`scores`] and [`scores_masked`] for sizes known at compile time, in 32 bits: rounded to units of 2^(`SHIFT` − 26),
-/// each less than one unit too high or too low. `SHIFT` is at least 2 and `DIMS` at most 31; `norms` are those of `code`.
-pub(crate) fn ranks<const SHIFT: u32, const NEURONS: usize, const DIMS: usize>(
+/// Adds −2 w·x of each code vector to its rank, in units of 2⁻¹⁷. Each of the `DIMS` products, at most 31, is rounded
+/// down.
+#[inline(always)]
+pub(crate) fn rank_products<const NEURONS: usize, const DIMS: usize>(
     code: &[[Fine; DIMS]; NEURONS],
-    norms: &[i32; NEURONS],
     probe: &[Weight; DIMS],
-    mask: Mask,
     ranks: &mut [i32; NEURONS],
 ) {
-    const { assert!(SHIFT >= 2 && DIMS <= 31, "a rank has 32 bits") };
-    let rank = |norm: i32, product: i32| (norm >> SHIFT).wrapping_sub(product >> (SHIFT - 1));
-    if !mask.covers(DIMS) {
-        for (row, place) in code.iter().zip(ranks) {
-            let (norm, product) = masked_products(row, probe, mask);
-            *place = rank(norm as i32, product as i32);
-        }
-        return;
-    }
-    let (blocks, rest) = code.as_chunks::<ROWS>();
-    let (norm_blocks, rest_norms) = norms.as_chunks::<ROWS>();
-    let (rank_blocks, rest_ranks) = ranks.as_chunks_mut::<ROWS>();
-    for ((rows, norms), places) in blocks.iter().zip(norm_blocks).zip(rank_blocks) {
-        let mut products = [0_i32; ROWS];
-        for (place, x) in probe.iter().enumerate() {
-            for (product, row) in products.iter_mut().zip(rows) {
-                *product = product.wrapping_add(term(row, place, *x));
+    const { assert!(DIMS <= 31, "a rank has 32 bits") };
+    let (blocks, rest) = probe.as_chunks::<COLUMNS>();
+    for (block, x) in blocks.iter().enumerate() {
+        let x = x.map(|x| rank_factor(x, 1 << 8));
+        for (row, rank) in code.iter().zip(ranks.iter_mut()) {
+            if let Some(row) = row.as_chunks::<COLUMNS>().0.get(block) {
+                *rank = rank_sum(*rank, row, &x);
             }
         }
-        for ((place, norm), product) in places.iter_mut().zip(norms).zip(products) {
-            *place = rank(*norm, product);
-        }
     }
-    for ((row, norm), place) in rest.iter().zip(rest_norms).zip(rest_ranks) {
-        let terms = probe.iter().enumerate().map(|(i, x)| term(row, i, *x));
-        *place = rank(*norm, terms.fold(0, i32::wrapping_add));
+    for (place, x) in (COLUMNS * blocks.len()..).zip(rest) {
+        let x = rank_factor(*x, 1 << 8);
+        for (row, rank) in code.iter().zip(ranks.iter_mut()) {
+            if let Some(w) = row.get(place) {
+                *rank = rank_sum(*rank, &[*w], &[x]);
+            }
+        }
     }
 }
 
-/// One product of a dot product in units of 2⁻²⁶.
+/// −2 λ x for [`rank_sum`]; λ is `weight_q8` in 1/256.
 #[inline(always)]
-fn term<const DIMS: usize>(row: &[Fine; DIMS], place: usize, x: Weight) -> i32 {
-    let w = row.get(place).map_or(0, |w| w.coarse().to_bits());
-    i32::from(w).wrapping_mul(i32::from(x.to_bits()))
+pub(crate) const fn rank_factor(x: Weight, weight_q8: u16) -> i32 {
+    (x.to_bits() as i32).wrapping_mul(-(weight_q8 as i32))
+}
+
+/// A rank plus the products of a code vector and a probe's factors, each rounded down.
+#[inline(always)]
+pub(crate) fn rank_sum<const DIMS: usize>(
+    rank: i32,
+    row: &[Fine; DIMS],
+    factors: &[i32; DIMS],
+) -> i32 {
+    let products = row.iter().zip(factors);
+    let products = products.map(|(w, factor)| high_product(w.to_bits(), *factor));
+    products.fold(rank, i32::wrapping_add)
+}
+
+/// λ |w|² in units of 2⁻¹⁷, rounded down, of a squared length in units of 2⁻²⁶; λ is `weight_q8` in 1/256.
+#[inline(always)]
+pub(crate) const fn rank_norm(norm: i32, weight_q8: u16) -> i32 {
+    high_product(norm, (weight_q8 as i32) << 15)
 }
 
 fn masked_products(row: &[Fine], probe: &[Weight], mask: Mask) -> (i64, i64) {
@@ -224,27 +230,28 @@ pub fn nearest(scores: &[i64], dims: usize, factor: i64, distance: impl Fn(usize
     best.0
 }
 
-/// By how much the ranks of two neurons over `dims` components may be out of order in units of 2^(`SHIFT` − 26), without
-/// their own rounding.
-pub(crate) const fn rank_margin<const SHIFT: u32>(dims: usize) -> i32 {
-    ((MARGIN * dims as i64) >> SHIFT) as i32 + 1
+/// By how much ranks may be out of order per component and λ, in units of 2⁻²⁶: squared lengths lack the lower halves,
+/// each less than one unit of a value of at most 8192, distances are rounded by as little, and two ranks are compared.
+const RANK_MARGIN: i64 = 2 * (2 * 8192 + 16);
+
+/// By how much the ranks of two neurons may be out of order by `dims` components of weight λ, in units of 2⁻¹⁷; λ is
+/// `weight_q8` in 1/256. Beside it stand the rounding of the products and of the squared lengths, less than one each.
+pub(crate) const fn rank_margin(dims: usize, weight_q8: u16) -> i32 {
+    let dims = dims as i64;
+    ((RANK_MARGIN * dims * weight_q8 as i64) >> 17) as i32 + dims as i32 + 2
 }
 
 /// As [`nearest`] by ranks, which may be out of order by `margin`.
 #[inline(always)]
-pub(crate) fn nearest_ranked(ranks: &[i32], margin: i32, distance: impl Fn(usize) -> u64) -> usize {
-    let mut first = (0, i32::MAX);
-    for (index, &rank) in ranks.iter().enumerate() {
-        if rank < first.1 {
-            first = (index, rank);
-        }
-    }
-    let (first, lowest) = first;
-    let most = lowest.saturating_add(margin);
-    let rivals = ranks.iter().map(|rank| u32::from(*rank <= most));
-    if rivals.fold(0_u32, u32::wrapping_add) <= 1 {
+pub(crate) fn nearest_ranked<const NEURONS: usize>(
+    ranks: &[i32; NEURONS],
+    margin: i32,
+    distance: impl Fn(usize) -> u64,
+) -> usize {
+    let (first, most) = least_rank(ranks, margin);
+    let Some(most) = most else {
         return first;
-    }
+    };
     let mut best = (first, u64::MAX);
     for (rival, &rank) in ranks.iter().enumerate() {
         if rank <= most {
@@ -257,6 +264,23 @@ pub(crate) fn nearest_ranked(ranks: &[i32], margin: i32, distance: impl Fn(usize
     best.0
 }
 
+/// Index of the least rank, the lowest on ties, and the greatest rank of a rival if there is another neuron within
+/// `margin`.
+#[inline(never)]
+fn least_rank<const NEURONS: usize>(ranks: &[i32; NEURONS], margin: i32) -> (usize, Option<i32>) {
+    let mut first = (0, i32::MAX);
+    for (index, &rank) in ranks.iter().enumerate() {
+        if rank < first.1 {
+            first = (index, rank);
+        }
+    }
+    let (first, lowest) = first;
+    let most = lowest.saturating_add(margin);
+    let mut all = ranks.iter().enumerate();
+    let rivalled = all.any(|(index, &rank)| rank <= most && index != first);
+    (first, rivalled.then_some(most))
+}
+
 /// Squared distance in full precision of the probe to code vector `k` over the components that `mask` believes, in units
 /// of 2⁻⁵⁰.
 #[inline(always)]
@@ -267,33 +291,37 @@ pub fn distance<P: Scalar>(code: &[Fine], dims: usize, k: usize, probe: &[P], ma
     squared_distance(row, probe, mask)
 }
 
-/// As [`pull`] for sizes known at compile time; returns the code vector's new squared length as of [`squared_norm`].
+/// As [`pull`] over all components by a gain below 1/2; returns the code vector's new squared length as of
+/// [`squared_norm`].
 #[inline(never)]
 pub(crate) fn pull_row<const DIMS: usize>(
+    row: &mut [Fine; DIMS],
+    probe: &[Weight; DIMS],
+    gain: Gain,
+) -> i32 {
+    let mut norm = 0_i32;
+    for (w, x) in row.iter_mut().zip(probe) {
+        *w = approach_slowly(*w, x.fine(), gain);
+        norm = norm.wrapping_add(square(*w));
+    }
+    norm
+}
+
+/// As [`pull`]; returns the code vector's new squared length as of [`squared_norm`].
+#[inline(never)]
+pub(crate) fn pull_row_masked<const DIMS: usize>(
     row: &mut [Fine; DIMS],
     probe: &[Weight; DIMS],
     mask: Mask,
     gain: Gain,
 ) -> i32 {
-    let mut norm = 0_i32;
-    let mut count = |w: Fine| {
-        let w = i32::from(w.coarse().to_bits());
-        norm = norm.wrapping_add(w.wrapping_mul(w));
-    };
-    if mask.covers(DIMS) && gain.is_below_half() {
-        for (w, x) in row.iter_mut().zip(probe) {
-            *w = approach_slowly(*w, x.fine(), gain);
-            count(*w);
-        }
-    } else {
-        for (index, (w, x)) in row.iter_mut().zip(probe).enumerate() {
-            if mask.contains(index) {
-                *w = approach(*w, x.fine(), gain);
-            }
-            count(*w);
-        }
-    }
-    norm
+    pull(row, probe, mask, gain);
+    row.iter().map(|w| square(*w)).fold(0, i32::wrapping_add)
+}
+
+fn square(w: Fine) -> i32 {
+    let w = i32::from(w.coarse().to_bits());
+    w.wrapping_mul(w)
 }
 
 /// Moves a code vector towards the probe by `gain` over the components that `mask` believes.

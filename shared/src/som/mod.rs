@@ -27,9 +27,6 @@ pub use schedule::{Decay, Schedule};
 use crate::fixed::{FINE_ONE_BITS, Fine, Gain, Mask, Scalar, Weight, coarse, squared_norm};
 use neighbourhood::Pull;
 
-/// Searches rank neurons by scores in units of 2⁻²⁰: three times 31 components and a weighted action fit 32 bits.
-pub(crate) const RANK_SHIFT: u32 = 6;
-
 /// A map of `NEURONS` neurons with code vectors of `DIMS` components in [−1, 1].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Som<const NEURONS: usize, const DIMS: usize> {
@@ -152,25 +149,45 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     #[inline]
     #[must_use]
     pub fn winner(&self, probe: &[Weight; DIMS], mask: Mask) -> usize {
-        let mut ranks = [0; NEURONS];
-        self.rank::<RANK_SHIFT>(probe, mask, &mut ranks);
-        // Each rank is rounded by less than one.
-        let margin = const { kernels::rank_margin::<RANK_SHIFT>(DIMS) + 2 };
+        let ranks = self.ranks(probe, mask);
+        let margin = const { kernels::rank_margin(DIMS, 1 << 8) };
         kernels::nearest_ranked(&ranks, margin, |k| self.distance(k, probe, mask))
     }
 
-    /// The scores in 32 bits, see [`kernels::ranks`], into room lent for them.
+    /// The scores in units of 2⁻¹⁷, see [`kernels::rank_margin`]. Over a part of the components there are no lengths to
+    /// rank by, and all ranks are 0.
+    #[inline(always)]
+    pub(crate) fn ranks(&self, probe: &[Weight; DIMS], mask: Mask) -> [i32; NEURONS] {
+        if !mask.covers(DIMS) {
+            return [0; NEURONS];
+        }
+        let mut ranks = self.norms.map(|norm| kernels::rank_norm(norm, 1 << 8));
+        self.rank_products(probe, &mut ranks);
+        ranks
+    }
+
     #[inline(never)]
-    pub(crate) fn rank<const SHIFT: u32>(
+    fn rank_products(&self, probe: &[Weight; DIMS], ranks: &mut [i32; NEURONS]) {
+        kernels::rank_products(&self.code, probe, ranks);
+    }
+
+    /// Adds the scores times a weight in 1/256 to another map's ranks; for few components.
+    #[inline(never)]
+    pub(crate) fn rank_weighted(
         &self,
         probe: &[Weight; DIMS],
-        mask: Mask,
+        weight_q8: u16,
         ranks: &mut [i32; NEURONS],
     ) {
-        kernels::ranks::<SHIFT, NEURONS, DIMS>(&self.code, &self.norms, probe, mask, ranks);
+        let probe = probe.map(|x| kernels::rank_factor(x, weight_q8));
+        for ((rank, row), norm) in ranks.iter_mut().zip(&self.code).zip(&self.norms) {
+            *rank = rank.wrapping_add(kernels::rank_norm(*norm, weight_q8));
+            *rank = kernels::rank_sum(*rank, row, &probe);
+        }
     }
 
     /// Squared distance of the probe to neuron `k` over the components that `mask` believes, in units of 2⁻⁵⁰.
+    #[inline(never)]
     #[must_use]
     pub fn distance(&self, k: usize, probe: &[Weight; DIMS], mask: Mask) -> u64 {
         kernels::distance(self.code.as_flattened(), DIMS, k, probe, mask)
@@ -230,7 +247,11 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     #[inline]
     pub(crate) fn pull(&mut self, k: usize, probe: &[Weight; DIMS], mask: Mask, gain: Gain) {
         if let (Some(row), Some(norm)) = (self.code.get_mut(k), self.norms.get_mut(k)) {
-            *norm = kernels::pull_row(row, probe, mask, gain);
+            *norm = if mask.covers(DIMS) && gain.is_below_half() {
+                kernels::pull_row(row, probe, gain)
+            } else {
+                kernels::pull_row_masked(row, probe, mask, gain)
+            };
         }
     }
 }

@@ -73,17 +73,18 @@ impl<const REACH: usize> Pull<REACH> {
     /// The pull at learning rate `rate_q16` and radius `radius_q16` (both Q16).
     #[must_use]
     pub fn new(neighbourhood: Neighbourhood, rate_q16: u32, radius_q16: u32) -> Self {
-        let mut axis = [Gain::ZERO; REACH];
-        match View::new(neighbourhood, rate_q16, radius_q16, &mut axis) {
-            View::Direct { rate, share } => Self {
-                rate,
-                shape: Shape::Direct { share },
+        let rate = Gain::from_q16(rate_q16);
+        let shape = match neighbourhood {
+            Neighbourhood::Direct => Shape::Direct {
+                share: rate.times(Gain::from_q16(radius_q16)),
             },
-            View::Gaussian { rate, .. } => Self {
-                rate,
-                shape: Shape::Gaussian { axis },
-            },
-        }
+            Neighbourhood::Gaussian => {
+                let mut axis = [Gain::ZERO; REACH];
+                gaussian(radius_q16, &mut axis);
+                Shape::Gaussian { axis }
+            }
+        };
+        Self { rate, shape }
     }
 
     /// This pull without its size.
