@@ -29,6 +29,13 @@ impl Component {
         weight: 0,
     };
 
+    /// All zeros, in a goal that nobody has set.
+    pub(crate) const ZERO: Self = Self {
+        low: Weight::ZERO,
+        high: Weight::ZERO,
+        weight: 0,
+    };
+
     /// At least `value`: something as near as that.
     #[must_use]
     pub const fn at_least(value: Weight) -> Self {
