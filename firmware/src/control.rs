@@ -11,10 +11,16 @@ use amp::units::Millis;
 use amp::wire::Receiver;
 use heapless::spsc::Consumer;
 
-/// The mind of the Nomad 200, with the recommended configuration: 16 transducers, 16 neurons to a map, a hundred samples.
-#[must_use]
-pub const fn new_mind() -> NomadNode {
-    NomadNode::new(Config::recommended(), Grid::rectangle(4, 4))
+/// Starts the mind of the Nomad 200 with the recommended configuration: 16 transducers, 16 neurons to a map, a hundred
+/// samples. It says hello.
+pub fn start(
+    mind: &mut NomadNode,
+    identity: Identity,
+    now: Millis,
+    out: &mut impl amp::node::Outbox,
+) {
+    let config = Config::recommended();
+    mind.start(&config, Grid::rectangle(4, 4), identity, now, out);
 }
 
 /// Something the log should know.
@@ -41,7 +47,7 @@ pub struct Control<'parts> {
 }
 
 impl<'parts> Control<'parts> {
-    /// A mind between two queues.
+    /// A mind that is yet to be started, between two queues.
     #[must_use]
     pub const fn new(
         mind: &'parts mut NomadNode,
@@ -61,10 +67,10 @@ impl<'parts> Control<'parts> {
         }
     }
 
-    /// Starts the mind; it says hello.
+    /// Starts the mind at the time `now`.
     pub fn start(&mut self, identity: Identity, now: Millis) {
         self.last_run = now;
-        self.mind.start(identity, now, &mut self.outbox);
+        start(self.mind, identity, now, &mut self.outbox);
     }
 
     /// Whether a host is there.
@@ -162,7 +168,7 @@ mod tests {
     fn bench() -> Bench {
         let received = forever(Queue::<u8, 512>::new());
         let to_send = forever(Queue::<u8, 2048>::new());
-        let mind = forever(new_mind());
+        let mind = forever(NomadNode::new());
         let faults = forever(Faults::new());
         let (incoming, received) = received.split();
         let (to_send, outgoing) = to_send.split();

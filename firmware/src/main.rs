@@ -27,7 +27,7 @@ mod app {
     use amp::units::Millis;
     use amp::wire::message::ResetCause;
     use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
-    use firmware::control::{Control, News, new_mind};
+    use firmware::control::{Control, News};
     use firmware::crash::{Flags, name, reset_cause};
     use firmware::lamp;
     use firmware::line::{Faults, Line, Outbox};
@@ -61,7 +61,7 @@ mod app {
     }
 
     #[init(local = [
-        mind: NomadNode = new_mind(),
+        mind: NomadNode = NomadNode::new(),
         received: Queue<u8, 512> = Queue::new(),
         to_send: Queue<u8, 2048> = Queue::new(),
         faults: Faults = Faults::new(),

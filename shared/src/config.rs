@@ -13,6 +13,8 @@ use crate::shield::Shielding;
 use crate::som::{Decay, Edges, Neighbourhood, Schedule};
 use serde::{Deserialize, Serialize};
 
+mod zeroed;
+
 /// 1.0 in Q16.
 const ONE_Q16: u32 = 1 << 16;
 

@@ -45,8 +45,6 @@ struct Pending<const SENSORS: usize> {
     /// How far the ring has turned since the decision.
     turned: Bearing,
     speed_mm_s: u16,
-    action_neuron: Option<u8>,
-    ended: bool,
 }
 
 impl<const SENSORS: usize> Pending<SENSORS> {
@@ -60,8 +58,8 @@ impl<const SENSORS: usize> Pending<SENSORS> {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct State<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize> {
     mode: Mode<SENSORS>,
-    /// What a stop interrupted: exploring or seeking.
-    interrupted: Option<Mode<SENSORS>>,
+    /// What a stop interrupted: exploring or seeking; idle if nothing.
+    interrupted: Mode<SENSORS>,
     scan: Scan<SENSORS>,
     /// Since when the ring has been awaited.
     waiting_since: Millis,
@@ -75,6 +73,10 @@ pub struct State<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usiz
     /// Seeded by the command to explore.
     generator: Option<Xoshiro128PlusPlus>,
     pending: Option<Pending<SENSORS>>,
+    /// The motion has not ended.
+    moving: bool,
+    /// The action neuron that asked for it, if one did.
+    asked_by: Option<u8>,
     motion_id: u16,
     /// The last displacement, in the ring's present frame.
     course: Displacement,
@@ -95,7 +97,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     pub const fn new(grid: Grid) -> Self {
         Self {
             mode: Mode::Idle,
-            interrupted: None,
+            interrupted: Mode::Idle,
             scan: Scan::new(),
             waiting_since: Millis::from_ms(0),
             shield: Shield::new(),
@@ -106,11 +108,20 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             written: 0,
             generator: None,
             pending: None,
+            moving: false,
+            asked_by: None,
             motion_id: 0,
             course: Displacement::ZERO,
             inhibited: [0; NEURONS],
             search: Search::NEW,
         }
+    }
+
+    /// Puts the maps on another grid; it should have `NEURONS` places.
+    pub(crate) const fn set_grid(&mut self, grid: Grid) {
+        self.situations.set_grid(grid);
+        self.actions.changes_mut().set_grid(grid);
+        self.actions.actions_mut().set_grid(grid);
     }
 
     /// What the robot is doing.
@@ -121,8 +132,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 
     /// Whether the base has been sent on its way and has not reported its end.
     #[must_use]
-    pub fn is_moving(&self) -> bool {
-        self.pending.is_some_and(|pending| !pending.ended)
+    pub const fn is_moving(&self) -> bool {
+        self.moving
     }
 
     /// The lazy memory.
@@ -196,10 +207,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     fn echo(&mut self, config: &Config<SENSORS>, sensor: usize, echo: Echo) -> Outputs<SENSORS> {
         self.scan.hear(sensor, echo);
         self.shield.hear(config, sensor, echo);
-        match &self.pending {
-            Some(pending) if !pending.ended => self.guard(config, sensor, echo.at),
-            _ if self.scan.is_complete(config.believed) => self.decide(config, echo.at),
-            _ => Outputs::none(),
+        if self.moving {
+            self.guard(config, sensor, echo.at)
+        } else if self.scan.is_complete(config.believed) {
+            self.decide(config, echo.at)
+        } else {
+            Outputs::none()
         }
     }
 
@@ -249,8 +262,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         pending.executed = pending.executed.plus(since_decision);
         pending.remaining = into_present(pending.remaining.minus(moved));
         pending.turned = pending.turned.plus(turned);
-        if motion == self.motion_id && progress != Progress::Moving && !pending.ended {
-            pending.ended = true;
+        if motion == self.motion_id && progress != Progress::Moving && self.moving {
+            self.moving = false;
             self.await_ring(at);
         }
     }
@@ -285,7 +298,9 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             }
             Command::Stop => return self.stop(at, StopReason::Commanded),
             Command::Resume => match (self.mode, self.interrupted) {
-                (Mode::Stopped(_), Some(interrupted)) => interrupted,
+                (Mode::Stopped(_), interrupted @ (Mode::Explore { .. } | Mode::Seek { .. })) => {
+                    interrupted
+                }
                 _ => return refused(Refusal::NothingToResume),
             },
         };
@@ -295,9 +310,9 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     /// Stands still and keeps what that interrupts for [`Command::Resume`].
     fn stop(&mut self, at: Millis, reason: StopReason) -> Outputs<SENSORS> {
         self.interrupted = match self.mode {
-            Mode::Explore { .. } | Mode::Seek { .. } => Some(self.mode),
+            Mode::Explore { .. } | Mode::Seek { .. } => self.mode,
             Mode::Stopped(_) => self.interrupted,
-            Mode::Idle | Mode::Learn { .. } => None,
+            Mode::Idle | Mode::Learn { .. } => Mode::Idle,
         };
         self.enter(at, Mode::Stopped(reason))
     }
@@ -320,8 +335,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     fn enter(&mut self, at: Millis, mode: Mode<SENSORS>) -> Outputs<SENSORS> {
         let goes_on = matches!((&self.mode, &mode), (Mode::Seek { .. }, Mode::Seek { .. }));
         self.mode = mode;
-        let moving = self.pending.is_some_and(|pending| !pending.ended);
-        let motion = (moving && !goes_on).then(|| {
+        let motion = (self.moving && !goes_on).then(|| {
             self.motion_id = self.motion_id.wrapping_add(1);
             Motion {
                 id: self.motion_id,
@@ -331,6 +345,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         });
         if !goes_on {
             self.pending = None;
+            self.moving = false;
             self.await_ring(at);
         }
         Outputs {
@@ -355,9 +370,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 
     /// A ring that is still incomplete two periods after the base came to rest stops the robot.
     fn watch_ring(&mut self, config: &Config<SENSORS>, at: Millis) -> Outputs<SENSORS> {
-        let moving = self.pending.is_some_and(|pending| !pending.ended);
         let patience = u32::from(config.robot.ring_period_ms).saturating_mul(2);
-        if moving || at.since(self.waiting_since) <= patience {
+        if self.moving || at.since(self.waiting_since) <= patience {
             return Outputs::none();
         }
         self.alarm(at, StopReason::RingIncomplete)

@@ -36,6 +36,13 @@ impl Component {
         weight: 0,
     };
 
+    /// All zeros, in a goal that nobody has set.
+    pub(crate) const ZERO: Self = Self {
+        low: Weight::ZERO,
+        high: Weight::ZERO,
+        weight: 0,
+    };
+
     /// At least `value`: something as near as that.
     #[must_use]
     pub const fn at_least(value: Weight) -> Self {
@@ -174,6 +181,18 @@ impl<const SENSORS: usize> Goal<SENSORS> {
             going_q16: 0,
             steady_q16: 0,
             cap: Weight::ONE,
+            tolerance: Weight::ZERO,
+        }
+    }
+
+    /// All zeros, as [`Config::zeroed`].
+    pub(crate) const fn zeroed() -> Self {
+        Self {
+            components: [Component::ZERO; SENSORS],
+            frame: Frame::Ring,
+            going_q16: 0,
+            steady_q16: 0,
+            cap: Weight::ZERO,
             tolerance: Weight::ZERO,
         }
     }

@@ -35,7 +35,8 @@ pub struct Link {
     /// 0 = no session yet.
     session: u16,
     seq: u16,
-    clock: Clock,
+    /// The host's time counts, not the one here.
+    by_host: bool,
     /// When the last frame of the session was heard, by the session's clock; by the host's, none before it has told its
     /// time.
     heard: Option<Millis>,
@@ -43,7 +44,7 @@ pub struct Link {
     host: Millis,
     /// Least difference so far between the time here and the host's.
     offset: Option<u32>,
-    silent: bool,
+    alive: bool,
 }
 
 impl Default for Link {
@@ -53,17 +54,17 @@ impl Default for Link {
 }
 
 impl Link {
-    /// No session.
+    /// No session. All zeros, as a [`Node`](crate::node::Node) has to be before it starts.
     #[must_use]
     pub const fn new() -> Self {
         Self {
             session: 0,
             seq: 0,
-            clock: Clock::Device,
+            by_host: false,
             heard: None,
             host: Millis::from_ms(0),
             offset: None,
-            silent: true,
+            alive: false,
         }
     }
 
@@ -72,14 +73,14 @@ impl Link {
         *self = Self {
             session: header.session,
             seq: header.seq,
-            clock,
+            by_host: matches!(clock, Clock::Host),
             heard: match clock {
                 Clock::Host => None,
                 Clock::Device => Some(now),
             },
             host: Millis::from_ms(0),
             offset: None,
-            silent: false,
+            alive: true,
         };
     }
 
@@ -92,13 +93,17 @@ impl Link {
     /// Whose time counts.
     #[must_use]
     pub const fn clock(&self) -> Clock {
-        self.clock
+        if self.by_host {
+            Clock::Host
+        } else {
+            Clock::Device
+        }
     }
 
     /// Whether a session is open and its host has not fallen silent.
     #[must_use]
     pub const fn is_alive(&self) -> bool {
-        !self.silent
+        self.alive
     }
 
     /// Takes the header of a sound frame.
@@ -120,7 +125,7 @@ impl Link {
     /// Takes the time of an accepted frame, `at` by the host's clock and `now` by the one here; returns the moment it speaks
     /// of by the session's clock.
     pub fn heard(&mut self, at: Millis, now: Millis) -> Millis {
-        self.silent = false;
+        self.alive = true;
         let late = now.since(at);
         let offset = match self.offset {
             // The difference is a number modulo 2³²; the lesser one is the prompter one.
@@ -131,7 +136,7 @@ impl Link {
         if self.host.since(at) as i32 <= 0 {
             self.host = at;
         }
-        match self.clock {
+        match self.clock() {
             Clock::Host => {
                 self.heard = Some(self.host);
                 at
@@ -145,16 +150,16 @@ impl Link {
 
     /// Takes an accepted frame without a time.
     pub const fn heard_timeless(&mut self, now: Millis) {
-        if matches!(self.clock, Clock::Device) {
+        if !self.by_host {
             self.heard = Some(now);
-            self.silent = false;
+            self.alive = true;
         }
     }
 
     /// Time by the session's clock.
     #[must_use]
     pub const fn time(&self, now: Millis) -> Millis {
-        match self.clock {
+        match self.clock() {
             Clock::Host => self.host,
             Clock::Device => now,
         }
@@ -163,7 +168,7 @@ impl Link {
     /// Age of a frame of the host's time `at`, milliseconds: how much later than the promptest one it came.
     #[must_use]
     pub fn age_ms(&self, at: Millis, now: Millis) -> u32 {
-        match self.clock {
+        match self.clock() {
             Clock::Host => self.host.since(at),
             Clock::Device => now.since(at).wrapping_sub(self.offset.unwrap_or(0)),
         }
@@ -174,8 +179,8 @@ impl Link {
         let Some(heard) = self.heard else {
             return false;
         };
-        let gone = !self.silent && time.since(heard) > SILENCE_MS;
-        self.silent |= gone;
+        let gone = self.alive && time.since(heard) > SILENCE_MS;
+        self.alive &= !gone;
         gone
     }
 }

@@ -1,8 +1,8 @@
 //! The mind behind a link: frames in, frames out. The same function of its inputs on the chip and in the simulator.
 //!
-//! A [`Node`] owns the robot's state and configuration. [`Node::frame`] takes a received frame, does what it asks for and
-//! sends the answers; [`Node::tick`] lets time pass: a slice of learning, the watch over link and ring, motions renewed
-//! before they expire. Every accepted frame but a sign of life is answered with whatever it brought about and, at the end,
+//! A [`Node`] owns the robot's state and configuration; it is all zeros until [`Node::start`]. [`Node::frame`] takes a
+//! received frame, does what it asks for and sends the answers; [`Node::tick`] lets time pass: a slice of learning, the
+//! watch over link and ring, motions renewed before they expire. Every accepted frame but a sign of life is answered with whatever it brought about and, at the end,
 //! with [`FromMind::Done`], so that a host knows when to go on. A frame that is lost costs its sender a repetition: the last
 //! one accepted is confirmed again, but never done again.
 //!
@@ -78,16 +78,25 @@ pub type NomadNode = Node<16, 16, 100>;
 
 const _: () = assert!(size_of::<NomadState>() <= 8 * 1_024);
 
+impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize> Default
+    for Node<SENSORS, NEURONS, SAMPLES>
+{
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     Node<SENSORS, NEURONS, SAMPLES>
 {
-    /// A node that knows nothing; `grid` should have `NEURONS` places.
+    /// A node that has not been started: it believes no transducer and knows no goal. It is all zeros, so that a static
+    /// one takes no room in a program's image.
     #[must_use]
-    pub const fn new(config: Config<SENSORS>, grid: Grid) -> Self {
+    pub const fn new() -> Self {
         Self {
-            config,
-            state: State::new(grid),
-            goal: Goal::free_of_obstacles(),
+            config: Config::zeroed(),
+            state: State::new(Grid::rectangle(1, 1)),
+            goal: Goal::zeroed(),
             identity: Identity {
                 build: [0; 8],
                 reset: ResetCause::Unknown,
@@ -102,8 +111,18 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
     }
 
-    /// Begins: says hello to whoever listens, in session 0.
-    pub fn start(&mut self, identity: Identity, now: Millis, out: &mut impl Outbox) {
+    /// Begins with this configuration and maps on this grid, which should have `NEURONS` places: says hello to whoever
+    /// listens, in session 0.
+    pub fn start(
+        &mut self,
+        config: &Config<SENSORS>,
+        grid: Grid,
+        identity: Identity,
+        now: Millis,
+        out: &mut impl Outbox,
+    ) {
+        self.config.clone_from(config);
+        self.state.set_grid(grid);
         self.identity = identity;
         self.goal = Goal::avoiding(&self.config);
         self.hello(now, out);

@@ -62,7 +62,7 @@ impl Shielding {
 }
 
 /// What a transducer heard at one place, in the ring's present frame.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Arc {
     /// Place of the transducer's face.
     face: Displacement,
@@ -75,10 +75,38 @@ struct Arc {
     at: Millis,
 }
 
+impl Arc {
+    /// What stands where nothing was heard.
+    const NONE: Self = Self {
+        face: Displacement::ZERO,
+        axis: Direction { x_q14: 0, y_q14: 0 },
+        range: None,
+        latest: None,
+        at: Millis::from_ms(0),
+    };
+
+    /// The ring has moved and turned; `back` is the way back of its turn.
+    #[inline]
+    fn moved(&mut self, by: Displacement, back: Option<Direction>) {
+        self.face = self.face.minus(by);
+        if let Some(back) = back {
+            self.face = self.face.rotated(back);
+            let (x, y) = back.rotate(i32::from(self.axis.x_q14), i32::from(self.axis.y_q14));
+            self.axis = Direction {
+                x_q14: x as i16,
+                y_q14: y as i16,
+            };
+        }
+    }
+}
+
 /// What was heard lately.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Shield<const SENSORS: usize> {
-    arcs: [[Option<Arc>; KEPT]; SENSORS],
+    /// Of each transducer the newest first.
+    arcs: [[Arc; KEPT]; SENSORS],
+    /// How many arcs of each transducer were heard; the others are [`Arc::NONE`].
+    heard: [u8; SENSORS],
 }
 
 impl<const SENSORS: usize> Default for Shield<SENSORS> {
@@ -101,21 +129,22 @@ impl<const SENSORS: usize> Shield<SENSORS> {
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            arcs: [[None; KEPT]; SENSORS],
+            arcs: [[Arc::NONE; KEPT]; SENSORS],
+            heard: [0; SENSORS],
         }
     }
 
     /// Forgets everything heard.
     pub fn forget(&mut self) {
-        for place in self.arcs.as_flattened_mut() {
-            *place = None;
-        }
+        self.arcs.as_flattened_mut().fill(Arc::NONE);
+        self.heard = [0; SENSORS];
     }
 
     /// Takes an echo of a transducer.
     pub fn hear(&mut self, config: &Config<SENSORS>, sensor: usize, echo: Echo) {
-        let (Some(kept), Some(axis)) = (
+        let (Some(arcs), Some(heard), Some(axis)) = (
             self.arcs.get_mut(sensor),
+            self.heard.get_mut(sensor),
             config.robot.directions.get(sensor),
         ) else {
             return;
@@ -123,39 +152,35 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         let (x_mm, y_mm) = axis.times(i32::from(config.robot.face_radius_mm));
         let face = Displacement::saturating(x_mm, y_mm);
         let spacing = config.shield.map_or(0, |shielding| shielding.spacing_mm);
-        let same_place = kept.first().copied().flatten().filter(|arc| {
+        let newest = arcs.first().copied().filter(|_| *heard > 0);
+        let same_place = newest.filter(|arc| {
             let apart = arc.face.minus(face);
             let (dx, dy) = (apart.dx_mm.unsigned_abs(), apart.dy_mm.unsigned_abs());
             dx.max(dy) < spacing
         });
         if same_place.is_none() {
             // The oldest makes room.
-            kept.copy_within(..KEPT - 1, 1);
+            arcs.copy_within(..KEPT - 1, 1);
+            *heard = heard.saturating_add(1).min(KEPT as u8);
         }
         let previous = same_place.and_then(|arc| arc.latest);
-        if let Some(place) = kept.first_mut() {
-            *place = Some(Arc {
+        if let Some(place) = arcs.first_mut() {
+            *place = Arc {
                 face,
                 axis: *axis,
                 range: nearer(echo.range, previous),
                 latest: echo.range,
                 at: echo.at,
-            });
+            };
         }
     }
 
     /// The robot has moved and its ring has turned: what was heard stays where it is in the world.
     pub fn moved(&mut self, by: Displacement, turned: Bearing) {
         let back = (turned != Bearing::ZERO).then(|| Bearing::ZERO.minus(turned).direction());
-        for arc in self.arcs.iter_mut().flatten().flatten() {
-            arc.face = arc.face.minus(by);
-            if let Some(back) = back {
-                arc.face = arc.face.rotated(back);
-                let (x, y) = back.rotate(i32::from(arc.axis.x_q14), i32::from(arc.axis.y_q14));
-                arc.axis = Direction {
-                    x_q14: x as i16,
-                    y_q14: y as i16,
-                };
+        for (arcs, heard) in self.arcs.iter_mut().zip(&self.heard) {
+            for arc in arcs.iter_mut().take(usize::from(*heard)) {
+                arc.moved(by, back);
             }
         }
     }
@@ -209,11 +234,12 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         let asked = config.believed.and(among);
         let places = usize::from(way.shielding.places.max(1));
         let mut distance = limit;
-        for (sensor, kept) in self.arcs.iter().enumerate() {
+        for (sensor, (arcs, heard)) in self.arcs.iter().zip(&self.heard).enumerate() {
             if !asked.contains(sensor) {
                 continue;
             }
-            let kept = kept.get(..places).unwrap_or(kept);
+            let heard = places.min(usize::from(*heard));
+            let kept = arcs.get(..heard).unwrap_or(arcs);
             if !way.is_fresh(kept) && way.is_covered_by(config, sensor) {
                 return 0;
             }
@@ -317,16 +343,15 @@ impl<'a> Way<'a> {
     }
 
     /// Whether anything was heard lately enough for the direction to be open.
-    fn is_fresh(&self, kept: &[Option<Arc>]) -> bool {
+    fn is_fresh(&self, kept: &[Arc]) -> bool {
         let most = self.shielding.fresh_ms.min(self.shielding.forget_ms);
-        let mut arcs = kept.iter().flatten();
-        arcs.any(|arc| self.now.since(arc.at) <= most)
+        kept.iter().any(|arc| self.now.since(arc.at) <= most)
     }
 
     /// Distance until the body would come within the margin of an arc; `limit` where it would not before that.
-    fn until_any(&self, kept: &[Option<Arc>], limit: i32) -> i32 {
+    fn until_any(&self, kept: &[Arc], limit: i32) -> i32 {
         let mut distance = limit;
-        for arc in kept.iter().flatten() {
+        for arc in kept {
             let Some(range) = arc.range else { continue };
             // Nothing on an arc is met while its face is nearer than its range is long: most are far off.
             let slack = i32::from(arc.face.dx_mm).abs() + i32::from(arc.face.dy_mm).abs();

@@ -3,7 +3,6 @@
 //! The image is the one a user builds for QEMU, in a target folder of its own; the emulator is a child that dies with its
 //! [`Chip`].
 
-use amp::node::NomadNode;
 use amp::wire::frame::{self, Header};
 use amp::wire::message::{
     Clock, Counters, Dimensions, FromMind, HostHello, MindHello, Order, Refusal, Report, ToMind,
@@ -266,10 +265,4 @@ impl amp::node::Outbox for Recorded {
         self.0.extend_from_slice(frame);
         true
     }
-}
-
-/// A node as the firmware makes it.
-#[must_use]
-pub fn local_node() -> Box<NomadNode> {
-    Box::new(firmware::control::new_mind())
 }

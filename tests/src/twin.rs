@@ -1,7 +1,7 @@
 //! One mind twice: the node on the host and the firmware in the emulated chip hear the same frames, and whatever they say
 //! has to be the same bytes.
 
-use crate::chip::{Chip, PATIENCE, Recorded, SESSION, dimensions, local_node, packed};
+use crate::chip::{Chip, PATIENCE, Recorded, SESSION, dimensions, packed};
 use amp::controller::{Event, Outputs};
 use amp::node::NomadNode;
 use amp::units::Millis;
@@ -37,7 +37,7 @@ impl Twin {
     pub fn new(rings: bool) -> Self {
         let mut twin = Self {
             chip: Chip::start(),
-            local: local_node(),
+            local: Box::new(NomadNode::new()),
             seq: 0,
             at_ms: 0,
             awaited: Vec::new(),
@@ -51,8 +51,8 @@ impl Twin {
             reset: hello.reset,
             ring: false,
         };
-        twin.local
-            .start(identity, Millis::from_ms(0), &mut Recorded::default());
+        let mut said = Recorded::default();
+        firmware::control::start(&mut twin.local, identity, Millis::from_ms(0), &mut said);
         // The chip has said hello to this; it says so again, and both have numbered as many frames.
         let message = ToMind::Hello(HostHello {
             dimensions: dimensions(),

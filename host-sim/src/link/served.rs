@@ -40,14 +40,18 @@ impl<const SENSORS: usize> Local<SENSORS> {
     #[must_use]
     pub fn new(config: Config<SENSORS>) -> Self {
         let mut local = Self {
-            node: Box::new(Node::new(config, Grid::rectangle(4, 4))),
+            node: Box::new(Node::new()),
             receiver: Receiver::new(),
             outgoing: Outgoing(VecDeque::new()),
             now: Millis::from_ms(0),
         };
-        local
-            .node
-            .start(Identity::default(), local.now, &mut local.outgoing);
+        local.node.start(
+            &config,
+            Grid::rectangle(4, 4),
+            Identity::default(),
+            local.now,
+            &mut local.outgoing,
+        );
         local
     }
 

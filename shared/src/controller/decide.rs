@@ -146,7 +146,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 
     /// A move cut below half inhibits the neuron that asked for it.
     fn inhibit(&mut self, config: &Config<SENSORS>, pending: &Pending<SENSORS>) {
-        let asked = pending.action_neuron.filter(|_| pending.was_cut());
+        let asked = self.asked_by.filter(|_| pending.was_cut());
         let neuron = asked.map(usize::from);
         if let Some(left) = neuron.and_then(|neuron| self.inhibited.get_mut(neuron)) {
             *left = config.planning.inhibition;
@@ -183,7 +183,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             mask: config.believed,
         };
         let pull = |rate| Pull::new(Neighbourhood::Direct, rate, online.share_q16);
-        let winner = match pending.action_neuron {
+        let winner = match self.asked_by {
             Some(neuron) if online.blame_recalled => usize::from(neuron),
             _ => self
                 .actions
@@ -227,9 +227,9 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             remaining: allowed,
             turned: Bearing::ZERO,
             speed_mm_s: limit.speed_mm_s,
-            action_neuron: plan.and_then(|plan| plan.recalled.then_some(plan.action_neuron)),
-            ended: false,
         });
+        self.moving = true;
+        self.asked_by = plan.and_then(|plan| plan.recalled.then_some(plan.action_neuron));
         Outputs {
             motion: Some(Motion {
                 id: self.motion_id,

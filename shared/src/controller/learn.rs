@@ -44,9 +44,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.learnt = false;
         self.inhibited = [0; NEURONS];
         let grid = self.situations.grid().with_edges(config.learning.edges);
-        self.situations.set_grid(grid);
-        self.actions.changes_mut().set_grid(grid);
-        self.actions.actions_mut().set_grid(grid);
+        self.set_grid(grid);
         for neuron in 0..NEURONS {
             let (situation, mut effect) = match config.learning.start {
                 Start::Random => self.random_start(),

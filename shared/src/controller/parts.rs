@@ -139,7 +139,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     /// Forgets samples, maps and goal: as after the start.
     pub fn forget(&mut self) {
         self.mode = Mode::Idle;
-        self.interrupted = None;
+        self.interrupted = Mode::Idle;
         self.scan.renew();
         self.shield.forget();
         self.memory.clear();
@@ -150,6 +150,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.written = 0;
         self.generator = None;
         self.pending = None;
+        self.moving = false;
+        self.asked_by = None;
         self.motion_id = 0;
         self.course = Displacement::ZERO;
         self.inhibited = [0; NEURONS];

@@ -5,8 +5,9 @@ use crate::config::Wander;
 /// How the search for a place goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Search {
-    /// Least deviation since the last wandering.
+    /// Least deviation since the last wandering, if there was a decision.
     nearest: i64,
+    begun: bool,
     /// Decisions since it was reached.
     since: u8,
     /// Decisions for which the robot still wanders.
@@ -16,7 +17,8 @@ pub(super) struct Search {
 impl Search {
     /// Nothing tried yet.
     pub(super) const NEW: Self = Self {
-        nearest: i64::MAX,
+        nearest: 0,
+        begun: false,
         since: 0,
         left: 0,
     };
@@ -31,7 +33,9 @@ impl Search {
             }
             return false;
         }
-        if deviation < self.nearest.saturating_sub(self.nearest / 50) {
+        let nearer = self.nearest.saturating_sub(self.nearest / 50);
+        if !self.begun || deviation < nearer {
+            self.begun = true;
             self.nearest = deviation;
             self.since = 0;
             return false;

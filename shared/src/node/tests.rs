@@ -32,14 +32,19 @@ const SESSION: u16 = 5;
 impl Rig {
     fn new(clock: Clock) -> Self {
         let mut rig = Self {
-            node: Node::new(Config::recommended(), Grid::rectangle(4, 4)),
+            node: Node::new(),
             seq: 0,
             now: 10_000,
             ahead: 70_000,
         };
         let mut said = Said::default();
-        rig.node
-            .start(Identity::default(), Millis::from_ms(0), &mut said);
+        rig.node.start(
+            &Config::recommended(),
+            Grid::rectangle(4, 4),
+            Identity::default(),
+            Millis::from_ms(0),
+            &mut said,
+        );
         assert_eq!(said.0.len(), 1);
         let dimensions = Small::dimensions();
         let said = rig.send(ToMind::Hello(HostHello { dimensions, clock }));
@@ -370,7 +375,7 @@ fn another_protocol_is_refused_and_the_session_stays() {
     );
     assert!(rig.send(ToMind::Counters).len() == 2);
     // A node that has just started has no session at all.
-    let mut fresh = Small::new(Config::recommended(), Grid::rectangle(4, 4));
+    let mut fresh = Small::new();
     let mut said = Said::default();
     let bytes = rig.packed(&ToMind::Counters);
     fresh.frame(Millis::from_ms(0), &bytes, &mut said);
@@ -448,7 +453,7 @@ fn what_is_known_can_be_carried_to_another_node() {
     assert_eq!(refusal(&other.send(busy)), Some(Refusal::Moving));
     other.order(Order::Stop);
     assert_eq!(refusal(&other.order(Order::Forget)), None);
-    let fresh = Small::new(Config::recommended(), Grid::rectangle(4, 4));
+    let fresh = Rig::new(Clock::Host).node;
     assert_eq!(sums(&other.node), sums(&fresh));
 }
 
@@ -464,7 +469,7 @@ fn goals_can_be_what_is_perceived_or_any_situation() {
     let bytes = core::array::from_fn(|i| if i < 8 { 255 } else { 127 });
     rig.order(Order::Goal(GoalBy::Situation(bytes)));
     let [any, wanted] = [rig.node.goal.components[0], rig.node.goal.components[8]];
-    assert_eq!(any, crate::goal::Component::ANY);
+    assert_eq!(any, Component::ANY);
     assert_eq!(
         (wanted.low, wanted.high.to_num::<f64>()),
         (wanted.high, 0.5)

@@ -1,6 +1,5 @@
 //! Where the neurons stand: a rectangle with four direct neighbours each, or a chain with two.
 
-use core::num::NonZeroU16;
 use serde::{Deserialize, Serialize};
 
 /// What happens at the border of the grid.
@@ -16,8 +15,10 @@ pub enum Edges {
 /// A rectangular grid; neuron `k` stands in column `k % columns`, row `k / columns`. A chain is a grid of one row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Grid {
-    columns: NonZeroU16,
-    rows: NonZeroU16,
+    /// Columns beyond the first: there is at least one, and a map on a grid of one neuron is all zeros.
+    more_columns: u16,
+    /// Rows beyond the first.
+    more_rows: u16,
     edges: Edges,
 }
 
@@ -26,8 +27,8 @@ impl Grid {
     #[must_use]
     pub const fn rectangle(columns: u16, rows: u16) -> Self {
         Self {
-            columns: at_least_one(columns),
-            rows: at_least_one(rows),
+            more_columns: columns.saturating_sub(1),
+            more_rows: rows.saturating_sub(1),
             edges: Edges::Open,
         }
     }
@@ -47,13 +48,13 @@ impl Grid {
     /// Neurons along a row.
     #[must_use]
     pub const fn columns(self) -> usize {
-        self.columns.get() as usize
+        self.more_columns as usize + 1
     }
 
     /// Rows.
     #[must_use]
     pub const fn rows(self) -> usize {
-        self.rows.get() as usize
+        self.more_rows as usize + 1
     }
 
     /// Number of neurons.
@@ -144,13 +145,6 @@ impl Grid {
     #[must_use]
     pub fn are_neighbours(self, a: usize, b: usize) -> bool {
         self.hops(a, b) == 1
-    }
-}
-
-const fn at_least_one(count: u16) -> NonZeroU16 {
-    match NonZeroU16::new(count) {
-        Some(count) => count,
-        None => NonZeroU16::MIN,
     }
 }
 

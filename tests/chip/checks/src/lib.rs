@@ -17,6 +17,8 @@ pub struct Sizes {
     pub flash: u64,
     /// Of memory: statics, whether they start with something or not; not the stack.
     pub ram: u64,
+    /// Of statics that start with something other than zeros: in memory, and once more in flash.
+    pub initialized: u64,
 }
 
 /// The folder of this workspace.
@@ -59,7 +61,11 @@ pub fn target_folder() -> PathBuf {
 /// # Errors
 /// What is wrong with the file.
 pub fn sizes(elf: &[u8]) -> Result<Sizes, object::Error> {
-    let mut sizes = Sizes { flash: 0, ram: 0 };
+    let mut sizes = Sizes {
+        flash: 0,
+        ram: 0,
+        initialized: 0,
+    };
     for section in object::File::parse(elf)?.sections() {
         let SectionFlags::Elf { sh_flags } = section.flags() else {
             continue;
@@ -68,11 +74,13 @@ pub fn sizes(elf: &[u8]) -> Result<Sizes, object::Error> {
             continue;
         }
         // What has content is kept in flash, even where start-up code copies it to memory.
-        if section.kind() != SectionKind::UninitializedData {
+        let has_content = section.kind() != SectionKind::UninitializedData;
+        if has_content {
             sizes.flash += section.size();
         }
         if SRAM.contains(&section.address()) {
             sizes.ram += section.size();
+            sizes.initialized += if has_content { section.size() } else { 0 };
         }
     }
     Ok(sizes)

@@ -4,7 +4,7 @@ use crate::episode::Episode;
 use crate::room::Room;
 use crate::stopwatch::{Stopwatch, Tally};
 use amp::controller::{self, Progress};
-use amp::node::{NomadNode, Outbox};
+use amp::node::{Identity, NomadNode, Outbox};
 use amp::som::Grid;
 use amp::units::Millis;
 use amp::wire::message::{
@@ -78,12 +78,19 @@ pub fn decisions(watch: &Stopwatch, episode: &Episode<'_>) -> Counts {
 impl Base {
     fn new(episode: &Episode<'_>) -> Self {
         let mut base = Self {
-            node: NomadNode::new(episode.config.clone(), Grid::rectangle(4, 4)),
+            node: NomadNode::new(),
             sent: Mail(Vec::new()),
             room: Room::new(),
             seq: 0,
             time: 0,
         };
+        base.node.start(
+            &episode.config,
+            Grid::rectangle(4, 4),
+            Identity::default(),
+            Millis::from_ms(0),
+            &mut base.sent,
+        );
         base.send(&ToMind::Hello(HostHello {
             dimensions: Dimensions {
                 protocol: PROTOCOL,

@@ -101,8 +101,14 @@ impl Outbox for Anywhere {
 }
 
 fn living() {
-    let mut node = any(NomadNode::new(config(), grid()));
-    node.start(any(Identity::default()), now(), &mut Anywhere);
+    let mut node = any(NomadNode::new());
+    node.start(
+        &config(),
+        grid(),
+        any(Identity::default()),
+        now(),
+        &mut Anywhere,
+    );
     node.frame(now(), bytes(), &mut Anywhere);
     sink(node.tick(now(), &mut Anywhere));
     sink(node.is_linked());

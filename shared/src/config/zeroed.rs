@@ -1,0 +1,83 @@
+//! A configuration that says nothing yet.
+
+use super::{
+    AtGoal, Choice, Config, Exploration, Intermediate, Learning, Online, Order, Planning, Start,
+    Taught, Training,
+};
+use crate::action_map::{ActionCode, Recall};
+use crate::fixed::{Mask, Weight};
+use crate::robot::RobotSpec;
+use crate::scan::Encoding;
+use crate::som::{Edges, Neighbourhood, Schedule};
+use crate::units::Direction;
+
+impl<const SENSORS: usize> Config<SENSORS> {
+    /// All zeros: a ring of which no transducer is believed, a step of no length, no lessons. It fills the place of a
+    /// configuration in a static that is to lie in zeroed memory.
+    #[must_use]
+    pub(crate) const fn zeroed() -> Self {
+        let training = Training {
+            neighbourhood: Neighbourhood::Direct,
+            rate: Schedule::constant(0),
+            radius: Schedule::constant(0),
+        };
+        Self {
+            robot: RobotSpec {
+                directions: [Direction { x_q14: 0, y_q14: 0 }; SENSORS],
+                symmetric: false,
+                face_radius_mm: 0,
+                body_radius_mm: 0,
+                step_mm: 0,
+                speed_mm_s: 0,
+                braking_mm_s2: 0,
+                ring_period_ms: 0,
+            },
+            believed: Mask::NONE,
+            encoding: Encoding {
+                near_mm: 0,
+                far_mm: 0,
+            },
+            exploration: Exploration {
+                shortest_mm: 0,
+                draws: 0,
+            },
+            action_code: ActionCode::Displacement,
+            learning: Learning {
+                epochs: 0,
+                order: Order::Recorded,
+                start: Start::Samples,
+                turned: false,
+                action_weight_q8: 0,
+                taught: Taught::Commanded,
+                edges: Edges::Open,
+                situations: training,
+                actions: training,
+                slice: 0,
+            },
+            // Of rate 0: the bits of `None` would not be zeros.
+            online: Some(Online {
+                situation_rate_q16: 0,
+                action_rate_q16: 0,
+                share_q16: 0,
+                blame_recalled: false,
+            }),
+            planning: Planning {
+                choice: Choice::Recall,
+                wander: None,
+                intermediate: Intermediate::FewestHops,
+                recall: Recall::Distance,
+                from_measured: false,
+                together: false,
+                unmet_only: false,
+                straight_q8: 0,
+                inertia_q8: 0,
+                full_steps: false,
+                at_goal: AtGoal::KeepCourse,
+                tolerance: Weight::ZERO,
+                inhibition: 0,
+            },
+            clearance_mm: 0,
+            shield: None,
+        }
+    }
+}
