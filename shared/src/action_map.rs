@@ -22,6 +22,7 @@ pub enum ActionCode {
 impl ActionCode {
     /// The code of a displacement; one longer than `step_mm` is clamped.
     #[must_use]
+    #[inline(never)]
     pub fn encode(self, move_mm: Displacement, step_mm: u16) -> [Weight; 2] {
         let part = |mm: i32| {
             let scaled = mm.clamp(-65_535, 65_535).wrapping_mul(i32::from(ONE_BITS));
@@ -41,6 +42,7 @@ impl ActionCode {
 
     /// The displacement of a code.
     #[must_use]
+    #[inline(never)]
     pub fn decode(self, code: [Weight; 2], step_mm: u16) -> Displacement {
         let [first, second] = code.map(|w| i32::from(w.to_bits()));
         let length =
@@ -150,7 +152,7 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
     }
 
     /// One step of learning around `winner`.
-    #[inline]
+    #[inline(never)]
     pub fn learn(&mut self, winner: usize, effect: &Effect<SENSORS>, pull: &Pull<NEURONS>) {
         // Both codebooks stand on one grid.
         let learn = Learn {
@@ -168,6 +170,7 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
     /// What the map answers to a wanted change: the best neuron among those `allowed` counts (among all
     /// where it counts none), and the action of it or, with `together`, of all of them.
     #[must_use]
+    #[inline(never)]
     pub fn recall(
         &self,
         wanted: &[Weight; SENSORS],
@@ -199,6 +202,7 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
     }
 
     /// The scores plus the weighted cosine of the neurons' actions with the preferred one.
+    #[inline(never)]
     fn preferring(
         &self,
         scores: &[i64; NEURONS],
@@ -222,6 +226,7 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
 
     /// The mean of the neurons' actions, weighted with the fourth power of their scores; neurons with a
     /// score below 0, or that `allowed` does not count, have no part in it. Zero where none has.
+    #[inline(never)]
     fn together(&self, scores: &[i64; NEURONS], allowed: Mask) -> [Weight; 2] {
         let counted = |k: usize, score: i64| if allowed.contains(k) { score.max(0) } else { 0 };
         let best = scores

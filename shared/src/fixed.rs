@@ -300,6 +300,7 @@ pub const fn isqrt(value: u64) -> u32 {
 
 /// Heron's iteration from above: with a division in one instruction three times as fast on the chip as the digit by digit
 /// root of `core`.
+#[inline(never)]
 pub(crate) const fn isqrt_u32(value: u32) -> u32 {
     if value < 2 {
         return value;

@@ -74,8 +74,8 @@ impl Component {
     }
 
     /// Squared deviation of a value from what is asked, in units of 2⁻²⁶ · weight.
-    #[inline]
     #[must_use]
+    #[inline(never)]
     pub fn deviation(self, value: Weight) -> i64 {
         // 17 bits, with the weight 25: products are widened as late as possible.
         let nearest = value.max(self.low).min(self.high);
@@ -85,6 +85,7 @@ impl Component {
 
     /// The value nearest to `value` that is wanted; `value` itself where any will do.
     #[must_use]
+    #[inline(never)]
     pub fn nearest(self, value: Weight) -> Weight {
         if self.weight == 0 {
             value
@@ -120,7 +121,7 @@ impl Asked {
     }
 
     /// Whether a value is as asked.
-    #[inline(always)]
+    #[inline(never)]
     pub(crate) const fn holds(&self, value: i32) -> bool {
         self.low <= value && value <= self.high
     }

@@ -98,6 +98,8 @@ pub struct Planner<'a, const SENSORS: usize, const NEURONS: usize> {
     pub actions: &'a ActionMap<NEURONS, SENSORS>,
     /// Action neurons that may answer.
     pub allowed: Mask,
+    /// Best-matching unit of the situation, if it is known already.
+    pub current: Option<usize>,
     /// The last displacement, in the ring's present frame.
     pub course: Displacement,
     /// The last displacement was cut below half.
@@ -126,12 +128,13 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
     }
 
     /// The paper's four steps.
+    #[inline(never)]
     fn recall(&self, situation: &Situation<SENSORS>, goal: &Goal<SENSORS>) -> Plan<SENSORS> {
         let planning = &self.config.planning;
         let mask = self.config.believed;
         let goal_scores = self.goal_scores(goal);
         let goal_neuron = kernels::least(&goal_scores);
-        let current = self.situations.winner(situation, mask);
+        let current = self.current(situation);
         let (aim, why) = self.aim(current, goal_neuron, &goal_scores);
         let target = match why {
             Why::Neighbour => self.situations.code_vector(aim),
@@ -181,7 +184,14 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         }
     }
 
+    /// Best-matching unit of the situation.
+    fn current(&self, situation: &Situation<SENSORS>) -> usize {
+        let search = || self.situations.winner(situation, self.config.believed);
+        self.current.unwrap_or_else(search)
+    }
+
     /// [`Goal::distance`] of every code vector, transducer by transducer.
+    #[inline(never)]
     fn goal_scores(&self, goal: &Goal<SENSORS>) -> [i64; NEURONS] {
         let mut scores = [0_i64; NEURONS];
         for (sensor, component) in goal.components.iter().enumerate() {
@@ -200,6 +210,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
     }
 
     /// Step 3: which neuron to aim at, and why.
+    #[inline(never)]
     fn aim(&self, current: usize, goal: usize, goal_scores: &[i64; NEURONS]) -> (usize, Why) {
         let grid = self.situations.grid();
         let far = |k: usize| goal_scores.get(k).copied().unwrap_or(i64::MAX);
@@ -217,6 +228,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         nearest.map_or((goal, Why::NoNearerNeighbour), |k| (k, Why::Neighbour))
     }
 
+    #[inline(never)]
     fn recalled(&self, answer: &Answer) -> Displacement {
         let step = self.config.robot.step_mm;
         let planning = &self.config.planning;

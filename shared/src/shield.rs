@@ -354,7 +354,12 @@ impl<'a> Way<'a> {
         for arc in kept {
             let Some(range) = arc.range else { continue };
             // Nothing on an arc is met while its face is nearer than its range is long: most are far off.
-            let slack = i32::from(arc.face.dx_mm).abs() + i32::from(arc.face.dy_mm).abs();
+            let (x, y) = (
+                i32::from(arc.face.dx_mm).abs(),
+                i32::from(arc.face.dy_mm).abs(),
+            );
+            // Not below the face's distance, with 8 mm for the roundings of axes and ends.
+            let slack = x.max(y) + (x.min(y) >> 1) + 8;
             let near = distance.saturating_add(self.certain_mm.saturating_add(slack));
             if i32::from(range.as_mm()) <= near.max(self.least_mm)
                 && self.now.since(arc.at) <= self.shielding.forget_ms

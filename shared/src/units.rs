@@ -105,6 +105,7 @@ impl Bearing {
 
     /// The unit vector in this direction; error of each component at most 0.0012 (micromath's sine).
     #[must_use]
+    #[inline(never)]
     pub fn direction(self) -> Direction {
         let angle = f32::from(self.as_signed_turns()) * (core::f32::consts::PI / 32_768.0);
         Direction {
@@ -196,6 +197,7 @@ impl Displacement {
 
     /// Bearing of the move; zero for no move. Error at most 0.003 rad (micromath's arc tangent).
     #[must_use]
+    #[inline(never)]
     pub fn bearing(self) -> Bearing {
         let angle = F32Ext::atan2(f32::from(self.dy_mm), f32::from(self.dx_mm));
         Bearing(F32Ext::round(angle * (32_768.0 / core::f32::consts::PI)) as i32 as u16)
@@ -203,6 +205,7 @@ impl Displacement {
 
     /// The same direction with another length; no move stays no move.
     #[must_use]
+    #[inline(never)]
     pub fn with_length(self, length_mm: u16) -> Self {
         let own = i32::from(self.length_mm());
         if own == 0 {

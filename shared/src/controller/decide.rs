@@ -83,8 +83,9 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             *left = left.saturating_sub(1);
         }
         let cut = pending.is_some_and(|pending| pending.was_cut());
+        let mut current = None;
         if let Some(pending) = pending {
-            self.learn_online(config, &pending, &situation);
+            current = self.learn_online(config, &pending, &situation);
             self.inhibit(config, &pending);
         }
         let pursued = self.pursued(config, &situation, goal);
@@ -102,12 +103,13 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             situations: &self.situations,
             actions: &self.actions,
             allowed,
+            current,
             course: self.course,
             cut,
         };
-        let goal = pursued.unwrap_or(*goal);
-        let way = planner.way(&situation, &goal);
-        let mut plan = planner.plan_on_way(&situation, &goal, way);
+        let goal = pursued.as_ref().unwrap_or(goal);
+        let way = planner.way(&situation, goal);
+        let mut plan = planner.plan_on_way(&situation, goal, way);
         if pursued.is_some() {
             plan.at_goal = false;
             plan.why = Why::Wander;
@@ -153,15 +155,14 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
     }
 
+    /// Both maps learn from the last move: the best-matching unit of the situation it led to, if it is known afterwards.
     fn learn_online(
         &mut self,
         config: &Config<SENSORS>,
         pending: &Pending<SENSORS>,
         after: &Situation<SENSORS>,
-    ) {
-        let Some(online) = config.online else {
-            return;
-        };
+    ) -> Option<usize> {
+        let online = config.online?;
         let taught = match config.learning.taught {
             Taught::Commanded => pending.commanded,
             Taught::Executed => pending.executed,
@@ -198,6 +199,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             config.believed,
             &pull(online.situation_rate_q16),
         );
+        // A winner that came nearer, alone, is still the winner.
+        (online.share_q16 == 0).then_some(winner)
     }
 
     /// Sends the base on its way as far as the shield allows.

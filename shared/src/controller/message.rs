@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// What the robot is doing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(u8)]
 pub enum Mode<const SENSORS: usize> {
     /// Nothing.
     Idle,

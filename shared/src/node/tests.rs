@@ -1,5 +1,6 @@
 use super::*;
 use crate::controller::{Decision, Progress, Refusal as CommandRefusal};
+use crate::goal::Component;
 use crate::link::SILENCE_MS;
 use crate::units::{Displacement, Range};
 use crate::wire::message::{Clock, GoalBy, Heard, Order, Part};

@@ -22,6 +22,7 @@ impl<const SENSORS: usize> Forward<SENSORS> {
     }
 
     /// Fits an action map's neurons; no change at all where their actions do not span the plane.
+    #[inline(never)]
     pub(super) fn fit<const NEURONS: usize>(
         &mut self,
         actions: &ActionMap<NEURONS, SENSORS>,

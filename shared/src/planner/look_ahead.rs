@@ -18,10 +18,9 @@
 use super::forward::{Forward, Line};
 use super::{Plan, Planner, Why, difference};
 use crate::config::Choice;
-use crate::fixed::{Mask, Weight, coarse, unit_weight};
+use crate::fixed::{Mask, coarse, unit_weight};
 use crate::goal::{Asked, Frame, Goal};
 use crate::scan::Situation;
-use crate::som::kernels;
 use crate::units::{Direction, Displacement};
 use heapless::Vec;
 
@@ -132,6 +131,7 @@ fn part(direction: Direction, share_q2: i32) -> Direction {
 impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
     /// Place of the ring towards which a goal in the frame of travel fits the situation best, the course preferred; 0
     /// for other goals.
+    #[inline(never)]
     pub fn way(&self, situation: &Situation<SENSORS>, goal: &Goal<SENSORS>) -> usize {
         if goal.frame == Frame::Ring || !self.config.robot.symmetric {
             return 0;
@@ -150,6 +150,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
     }
 
     /// The action that leads nearest to the goal on the way towards `place`.
+    #[inline(never)]
     pub(super) fn look_ahead(
         &self,
         situation: &Situation<SENSORS>,
@@ -178,7 +179,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         let to_come = values.map(unit_weight);
         let mut plan = Plan {
             goal_neuron: self.goal_neuron(&aim.asked) as u8,
-            current_neuron: self.situations.winner(situation, mask) as u8,
+            current_neuron: self.current(situation) as u8,
             intermediate_neuron: self.situations.winner(&to_come, mask) as u8,
             wanted: difference(&to_come, situation),
             action_neuron: self.neuron_of(best.direction) as u8,
@@ -198,6 +199,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
     }
 
     /// The best candidate that is not inhibited; to a place also a shorter one, or none.
+    #[inline(never)]
     fn best(
         &self,
         situation: &Situation<SENSORS>,
@@ -242,6 +244,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
     }
 
     /// A neuron's own action, brought to a whole step; none for an action too short to have a direction.
+    #[inline(never)]
     fn own_candidate(
         &self,
         situation: &Situation<SENSORS>,
@@ -271,6 +274,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
     }
 
     /// The situation after a neuron's own change, stretched to a whole step.
+    #[inline(never)]
     fn own_values(&self, situation: &Situation<SENSORS>, neuron: usize) -> [i32; SENSORS] {
         let step = i32::from(self.config.robot.step_mm);
         let length = i32::from(self.own_action(neuron).length_mm()).max(1);
@@ -284,6 +288,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
     }
 
     /// The neuron whose code vector is nearest to the goal. Most drop out before all their components have been looked at.
+    #[inline(never)]
     fn goal_neuron(&self, asked: &[Asked; SENSORS]) -> usize {
         let (mut nearest, mut least) = (0, i64::MAX);
         for (neuron, row) in self.situations.code().iter().enumerate() {
@@ -308,10 +313,17 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
     }
 
     /// The neuron whose action goes farthest in a direction: the one that answers for it.
+    #[inline(never)]
     fn neuron_of(&self, direction: Direction) -> usize {
-        let code = [direction.x_q14 >> 1, direction.y_q14 >> 1].map(Weight::from_bits);
-        let along = self.actions.actions().projections(&code, Mask::ALL);
-        kernels::greatest(&along, Mask::ALL)
+        let (mut farthest, mut most) = (0, i64::MIN);
+        for (neuron, action) in self.actions.actions().code().iter().enumerate() {
+            let [x, y] = action.map(|part| i64::from(coarse(part).to_bits()));
+            let along = x * i64::from(direction.x_q14 >> 1) + y * i64::from(direction.y_q14 >> 1);
+            if along > most {
+                (farthest, most) = (neuron, along);
+            }
+        }
+        farthest
     }
 
     fn is_allowed(&self, direction: Direction) -> bool {

@@ -128,6 +128,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
 
     /// As [`scores`](Self::scores), over the components that `mask` believes.
     #[must_use]
+    #[inline(never)]
     pub fn scores_masked(&self, probe: &[Weight; DIMS], mask: Mask) -> [i64; NEURONS] {
         let mut scores = [0; NEURONS];
         self.score(probe, mask, &mut scores);
@@ -196,6 +197,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     /// How far each code vector points the probe's way, over the components that `mask` believes: see
     /// [`kernels::alignments`].
     #[must_use]
+    #[inline(never)]
     pub fn alignments(&self, probe: &[Weight; DIMS], mask: Mask) -> [i64; NEURONS] {
         let mut alignments = [0; NEURONS];
         kernels::alignments(
@@ -211,6 +213,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
 
     /// Dot product of the probe with every code vector over the components that `mask` believes, in units of 2⁻²⁶.
     #[must_use]
+    #[inline(never)]
     pub fn projections(&self, probe: &[Weight; DIMS], mask: Mask) -> [i64; NEURONS] {
         let mut projections = [0; NEURONS];
         kernels::projections(
@@ -224,7 +227,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     }
 
     /// One step of learning: moves `winner` and its neighbours towards the probe over the components `mask` believes.
-    #[inline]
+    #[inline(never)]
     pub fn learn(
         &mut self,
         winner: usize,

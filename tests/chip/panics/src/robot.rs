@@ -61,6 +61,7 @@ fn plans() {
         situations: &situations,
         actions: &actions,
         allowed: mask(),
+        current: any(Some(1)),
         course: displacement(),
         cut: any(true),
     };
