@@ -75,7 +75,7 @@ impl Component {
 
     /// Squared deviation of a value from what is asked, in units of 2⁻²⁶ · weight.
     #[must_use]
-    #[inline(never)]
+    #[inline]
     pub fn deviation(self, value: Weight) -> i64 {
         // 17 bits, with the weight 25: products are widened as late as possible.
         let nearest = value.max(self.low).min(self.high);
@@ -85,7 +85,6 @@ impl Component {
 
     /// The value nearest to `value` that is wanted; `value` itself where any will do.
     #[must_use]
-    #[inline(never)]
     pub fn nearest(self, value: Weight) -> Weight {
         if self.weight == 0 {
             value
@@ -105,7 +104,7 @@ pub(crate) struct Asked {
 
 impl Asked {
     /// Any value is as asked.
-    const ANYTHING: Self = Self {
+    pub(crate) const ANYTHING: Self = Self {
         low: i32::MIN,
         high: i32::MAX,
         weight: 0,
@@ -121,9 +120,15 @@ impl Asked {
     }
 
     /// Whether a value is as asked.
-    #[inline(never)]
+    #[inline(always)]
     pub(crate) const fn holds(&self, value: i32) -> bool {
         self.low <= value && value <= self.high
+    }
+
+    /// Whether a value misses what is asked by at most `tolerance`.
+    #[inline(always)]
+    pub(crate) const fn holds_within(&self, value: i32, tolerance: i32) -> bool {
+        self.low.saturating_sub(tolerance) <= value && value <= self.high.saturating_add(tolerance)
     }
 
     /// Whether every value between these two is as asked.
@@ -264,6 +269,7 @@ impl<const SENSORS: usize> Goal<SENSORS> {
 
     /// The wanted situation nearest to `situation`.
     #[must_use]
+    #[inline(never)]
     pub fn nearest(&self, situation: &Situation<SENSORS>) -> Situation<SENSORS> {
         let mut target = *situation;
         for (value, component) in target.iter_mut().zip(&self.components) {
@@ -287,6 +293,7 @@ impl<const SENSORS: usize> Goal<SENSORS> {
     /// Squared deviation of values (2⁻¹³, which may leave [0, 1]) from what is asked when the components are turned by
     /// `places`, each at most the cap, in units of 2⁻²⁶ · weight.
     #[must_use]
+    #[inline(never)]
     pub fn deviation(&self, values: &[i32; SENSORS], places: usize, mask: Mask) -> i64 {
         let cap = self.cap_bits();
         let places = places.checked_rem(SENSORS).unwrap_or(0);
@@ -303,15 +310,13 @@ impl<const SENSORS: usize> Goal<SENSORS> {
         total
     }
 
-    /// What is asked of each transducer in the ring's frame, anything of those not believed.
-    pub(crate) fn asked(&self, mask: Mask) -> [Asked; SENSORS] {
-        let mut asked = [Asked::ANYTHING; SENSORS];
+    /// Says of each believed transducer what is asked of it in the ring's frame.
+    pub(crate) fn ask(&self, mask: Mask, asked: &mut [Asked; SENSORS]) {
         for (sensor, (asked, component)) in asked.iter_mut().zip(&self.components).enumerate() {
             if component.weight > 0 && mask.contains(sensor) {
                 *asked = Asked::of(component);
             }
         }
-        asked
     }
 
     /// The cap in units of 2⁻¹³, not below 0.

@@ -285,8 +285,6 @@ struct Way<'a> {
     reach_mm: i32,
     /// What lies farther from the robot than this and the way's length is surely not met.
     certain_mm: i32,
-    /// The shortest range the ring can report.
-    least_mm: i32,
     now: Millis,
 }
 
@@ -325,9 +323,8 @@ impl<'a> Way<'a> {
             certain_mm: if shielding.approach_mm_s > 0 {
                 i32::MAX
             } else {
-                reach_mm
+                reach_mm.max(i32::from(shielding.least_range_mm))
             },
-            least_mm: i32::from(shielding.least_range_mm),
             now,
         }
     }
@@ -351,20 +348,16 @@ impl<'a> Way<'a> {
     /// Distance until the body would come within the margin of an arc; `limit` where it would not before that.
     fn until_any(&self, kept: &[Arc], limit: i32) -> i32 {
         let mut distance = limit;
+        let mut near = limit.saturating_add(self.certain_mm);
         for arc in kept {
             let Some(range) = arc.range else { continue };
             // Nothing on an arc is met while its face is nearer than its range is long: most are far off.
-            let (x, y) = (
-                i32::from(arc.face.dx_mm).abs(),
-                i32::from(arc.face.dy_mm).abs(),
-            );
-            // Not below the face's distance, with 8 mm for the roundings of axes and ends.
-            let slack = x.max(y) + (x.min(y) >> 1) + 8;
-            let near = distance.saturating_add(self.certain_mm.saturating_add(slack));
-            if i32::from(range.as_mm()) <= near.max(self.least_mm)
+            let slack = i32::from(arc.face.dx_mm).abs() + i32::from(arc.face.dy_mm).abs();
+            if i32::from(range.as_mm()) <= near.saturating_add(slack)
                 && self.now.since(arc.at) <= self.shielding.forget_ms
             {
                 distance = self.until(arc, range, distance);
+                near = distance.saturating_add(self.certain_mm);
             }
         }
         distance

@@ -18,7 +18,7 @@
 use super::forward::{Forward, Line};
 use super::{Plan, Planner, Why, difference};
 use crate::config::Choice;
-use crate::fixed::{Mask, coarse, unit_weight};
+use crate::fixed::{Mask, Weight, coarse, unit_weight};
 use crate::goal::{Asked, Frame, Goal};
 use crate::scan::Situation;
 use crate::units::{Direction, Displacement};
@@ -45,7 +45,7 @@ struct Aim<'a, const SENSORS: usize> {
     /// In the ring's frame.
     goal: &'a Goal<SENSORS>,
     /// What it asks of each transducer.
-    asked: [Asked; SENSORS],
+    asked: &'a [Asked; SENSORS],
     /// Direction in which going on is preferred; zero = none.
     way: Direction,
 }
@@ -58,6 +58,13 @@ impl<const SENSORS: usize> Aim<'_, SENSORS> {
         missed.fold(0, |total: i64, (asked, value)| {
             total.wrapping_add(asked.deviation(*value, cap))
         })
+    }
+
+    /// As [`Goal::holds`].
+    fn holds(&self, situation: &Situation<SENSORS>, tolerance: Weight) -> bool {
+        let tolerance = i32::from(tolerance.to_bits());
+        let mut values = self.asked.iter().zip(situation);
+        values.all(|(asked, value)| asked.holds_within(i32::from(value.to_bits()), tolerance))
     }
 
     fn going(&self, direction: Direction, share_q2: i32) -> i64 {
@@ -162,10 +169,12 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         let travels = goal.frame == Frame::Travel && config.robot.symmetric;
         let turned = (place > 0).then(|| goal.towards(place));
         let goal = turned.as_ref().unwrap_or(goal);
+        let mut asked = [Asked::ANYTHING; SENSORS];
+        goal.ask(mask, &mut asked);
         let ahead = config.robot.directions.get(place).copied();
         let aim = Aim {
             goal,
-            asked: goal.asked(mask),
+            asked: &asked,
             way: ahead.filter(|_| travels).unwrap_or(unit(self.course)),
         };
         let mut forward = Forward::from(situation);
@@ -178,13 +187,13 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         let now = aim.deviation(&situation.map(|value| i32::from(value.to_bits())));
         let to_come = values.map(unit_weight);
         let mut plan = Plan {
-            goal_neuron: self.goal_neuron(&aim.asked) as u8,
+            goal_neuron: self.goal_neuron(&asked) as u8,
             current_neuron: self.current(situation) as u8,
             intermediate_neuron: self.situations.winner(&to_come, mask) as u8,
             wanted: difference(&to_come, situation),
             action_neuron: self.neuron_of(best.direction) as u8,
             at_goal: goal.is_met_by(now, mask)
-                || goal.holds(situation, mask, config.planning.tolerance),
+                || aim.holds(situation, config.planning.tolerance),
             recalled: true,
             action: Displacement::ZERO,
             why: Why::Stay,
