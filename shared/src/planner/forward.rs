@@ -1,7 +1,7 @@
 //! What an action brings: a linear map fitted to the pairs of the action map.
 
 use crate::action_map::{ActionCode, ActionMap};
-use crate::fixed::{Weight, coarse};
+use crate::fixed::{Fine, Weight, coarse};
 use crate::scan::Situation;
 use crate::units::Direction;
 
@@ -29,32 +29,24 @@ impl<const SENSORS: usize> Forward<SENSORS> {
         code: ActionCode,
         step_mm: u16,
     ) {
-        let mut plane = [[0_i16; 2]; NEURONS];
+        let mut plane = [Packed(0); NEURONS];
         let (mut xx, mut xy, mut yy) = (0_i64, 0_i64, 0_i64);
         for (place, action) in plane.iter_mut().zip(actions.actions().code()) {
             *place = in_plane(code, action.map(coarse), step_mm);
-            let [x, y] = place.map(i64::from);
+            let (x, y) = (i64::from(place.x()), i64::from(place.y()));
             (xx, xy, yy) = (xx + x * x, xy + x * y, yy + y * y);
         }
         let inverse = Inverse::of(xx, xy, yy);
-        for (sensor, line) in self.lines.iter_mut().enumerate() {
-            // The sums of one transducer stay in registers.
-            let (mut sum_x, mut sum_y) = (0_i64, 0_i64);
-            let blocks = plane
-                .chunks(BLOCK)
-                .zip(actions.changes().code().chunks(BLOCK));
-            for (plane, changes) in blocks {
-                let (mut block_x, mut block_y) = (0_i32, 0_i32);
-                for ([x, y], change) in plane.iter().zip(changes) {
-                    let change = change.get(sensor).copied().map_or(Weight::ZERO, coarse);
-                    let change = i32::from(change.to_bits());
-                    block_x = block_x.wrapping_add(i32::from(*x).wrapping_mul(change));
-                    block_y = block_y.wrapping_add(i32::from(*y).wrapping_mul(change));
-                }
-                sum_x = sum_x.wrapping_add(i64::from(block_x));
-                sum_y = sum_y.wrapping_add(i64::from(block_y));
-            }
-            (line.along_x, line.along_y) = inverse.slopes(saturated(sum_x), saturated(sum_y));
+        let changes = actions.changes().code();
+        let (pairs, last) = self.lines.as_chunks_mut::<2>();
+        for (pair, [first, second]) in pairs.iter_mut().enumerate() {
+            let [a, b] = products_of_two(&plane, changes, |row| row.as_chunks().0.get(pair));
+            (first.along_x, first.along_y) = inverse.slopes(a);
+            (second.along_x, second.along_y) = inverse.slopes(b);
+        }
+        for last in last {
+            let [_, sums] = products_of_two(&plane, changes, |row| row.last_chunk());
+            (last.along_x, last.along_y) = inverse.slopes(sums);
         }
     }
 
@@ -105,20 +97,64 @@ impl Line {
 /// Products summed in 32 bits before they are widened: 16 · 2²⁶ = 2³⁰.
 const BLOCK: usize = 16;
 
+/// A vector of two 16-bit components in a word: the chip multiplies either half without unpacking it.
+#[derive(Debug, Clone, Copy)]
+struct Packed(u32);
+
+impl Packed {
+    fn new(x: i16, y: i16) -> Self {
+        Self(u32::from(x as u16) | u32::from(y as u16) << 16)
+    }
+
+    #[inline(always)]
+    fn x(self) -> i32 {
+        i32::from(self.0 as i16)
+    }
+
+    #[inline(always)]
+    fn y(self) -> i32 {
+        i32::from((self.0 >> 16) as i16)
+    }
+}
+
 /// An action as a vector in units of 2⁻¹³ of the longest step.
-fn in_plane(code: ActionCode, action: [Weight; 2], step_mm: u16) -> [i16; 2] {
+fn in_plane(code: ActionCode, action: [Weight; 2], step_mm: u16) -> Packed {
     let vector = match code {
         ActionCode::Displacement => action,
         ActionCode::TurnStep => {
             ActionCode::Displacement.encode(code.decode(action, step_mm), step_mm)
         }
     };
-    vector.map(Weight::to_bits)
+    let [x, y] = vector.map(Weight::to_bits);
+    Packed::new(x, y)
 }
 
-/// 32 bits of a sum; that of 31 neurons always fits.
-fn saturated(sum: i64) -> i32 {
-    sum.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32
+/// Sums over all neurons of action times change (2⁻²⁶) for two transducers at once: they stay in registers.
+#[inline(always)]
+fn products_of_two<const SENSORS: usize>(
+    plane: &[Packed],
+    changes: &[[Fine; SENSORS]],
+    two: impl Fn(&[Fine; SENSORS]) -> Option<&[Fine; 2]>,
+) -> [[i32; 2]; 2] {
+    let mut totals = [[0_i64; 2]; 2];
+    for (plane, changes) in plane.chunks(BLOCK).zip(changes.chunks(BLOCK)) {
+        let [mut first_x, mut first_y, mut second_x, mut second_y] = [0_i32; 4];
+        for (action, row) in plane.iter().zip(changes) {
+            let Some(two) = two(row) else { continue };
+            let [first, second] = two.map(|change| i32::from(coarse(change).to_bits()));
+            first_x = first_x.wrapping_add(action.x().wrapping_mul(first));
+            first_y = first_y.wrapping_add(action.y().wrapping_mul(first));
+            second_x = second_x.wrapping_add(action.x().wrapping_mul(second));
+            second_y = second_y.wrapping_add(action.y().wrapping_mul(second));
+        }
+        let sums = [[first_x, first_y], [second_x, second_y]];
+        for (total, sum) in totals.as_flattened_mut().iter_mut().zip(sums.as_flattened()) {
+            *total = total.wrapping_add(i64::from(*sum));
+        }
+    }
+    // The sum over 31 neurons always fits.
+    let most = |sum: i64| sum.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32;
+    totals.map(|sums| sums.map(most))
 }
 
 /// The inverse of the symmetric 2 × 2 matrix of the actions' products, in units of 2⁻¹⁹ of its own: sums of products in
@@ -154,8 +190,8 @@ impl Inverse {
 
     /// Both slopes (2⁻¹³) from both sums of products (2⁻²⁶), each within ±2 per step.
     #[inline(always)]
-    fn slopes(&self, sum_x: i32, sum_y: i32) -> (i32, i32) {
-        let (x, y) = (i64::from(sum_x), i64::from(sum_y));
+    fn slopes(&self, sums: [i32; 2]) -> (i32, i32) {
+        let [x, y] = sums.map(i64::from);
         let slope = |a: i32, b: i32| {
             let sum = (i64::from(a) * x).wrapping_add(i64::from(b) * y);
             ((sum >> 32) as i32).clamp(-(1 << 14), 1 << 14)
