@@ -207,7 +207,9 @@ pub fn squared_distance<A: Scalar, B: Scalar>(a: &[A], b: &[B], mask: Mask) -> u
         pairs.fold(0, i64::wrapping_add)
     } else {
         let believed = pairs.enumerate().filter(|(index, _)| mask.contains(*index));
-        believed.map(|(_, square)| square).fold(0, i64::wrapping_add)
+        believed
+            .map(|(_, square)| square)
+            .fold(0, i64::wrapping_add)
     };
     total.unsigned_abs()
 }

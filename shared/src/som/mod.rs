@@ -180,8 +180,10 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         ranks: &mut [i32; NEURONS],
     ) {
         let probe = probe.map(|x| kernels::rank_factor(x, weight_q8));
-        for ((rank, row), norm) in ranks.iter_mut().zip(&self.code).zip(&self.norms) {
+        for (rank, norm) in ranks.iter_mut().zip(&self.norms) {
             *rank = rank.wrapping_add(kernels::rank_norm(*norm, weight_q8));
+        }
+        for (rank, row) in ranks.iter_mut().zip(&self.code) {
             *rank = kernels::rank_sum(*rank, row, &probe);
         }
     }
