@@ -150,7 +150,7 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
     }
 
     /// One step of learning around `winner`.
-    #[inline]
+    #[inline(never)]
     pub fn learn(&mut self, winner: usize, effect: &Effect<SENSORS>, pull: &Pull<NEURONS>) {
         // Both codebooks stand on one grid.
         let learn = Learn {

@@ -315,8 +315,14 @@ pub(crate) fn pull_row_masked<const DIMS: usize>(
     mask: Mask,
     gain: Gain,
 ) -> i32 {
-    pull(row, probe, mask, gain);
-    row.iter().map(|w| square(*w)).fold(0, i32::wrapping_add)
+    let mut norm = 0_i32;
+    for (index, (w, x)) in row.iter_mut().zip(probe).enumerate() {
+        if mask.contains(index) {
+            *w = approach(*w, x.fine(), gain);
+        }
+        norm = norm.wrapping_add(square(*w));
+    }
+    norm
 }
 
 fn square(w: Fine) -> i32 {

@@ -226,7 +226,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     }
 
     /// One step of learning: moves `winner` and its neighbours towards the probe over the components `mask` believes.
-    #[inline]
+    #[inline(never)]
     pub fn learn(
         &mut self,
         winner: usize,
