@@ -293,7 +293,7 @@ pub fn distance<P: Scalar>(code: &[Fine], dims: usize, k: usize, probe: &[P], ma
 
 /// As [`pull`] over all components by a gain below 1/2; returns the code vector's new squared length as of
 /// [`squared_norm`].
-#[inline(never)]
+#[inline(always)]
 pub(crate) fn pull_row<const DIMS: usize>(
     row: &mut [Fine; DIMS],
     probe: &[Weight; DIMS],
@@ -305,6 +305,16 @@ pub(crate) fn pull_row<const DIMS: usize>(
         norm = norm.wrapping_add(square(*w));
     }
     norm
+}
+
+/// [`pull_row`] as a function of its own.
+#[inline(never)]
+pub(crate) fn pull_long_row<const DIMS: usize>(
+    row: &mut [Fine; DIMS],
+    probe: &[Weight; DIMS],
+    gain: Gain,
+) -> i32 {
+    pull_row(row, probe, gain)
 }
 
 /// As [`pull`]; returns the code vector's new squared length as of [`squared_norm`].

@@ -250,7 +250,12 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     pub(crate) fn pull(&mut self, k: usize, probe: &[Weight; DIMS], mask: Mask, gain: Gain) {
         if let (Some(row), Some(norm)) = (self.code.get_mut(k), self.norms.get_mut(k)) {
             *norm = if mask.covers(DIMS) && gain.is_below_half() {
-                kernels::pull_row(row, probe, gain)
+                // A call would cost more than so short a row.
+                if DIMS <= 2 {
+                    kernels::pull_row(row, probe, gain)
+                } else {
+                    kernels::pull_long_row(row, probe, gain)
+                }
             } else {
                 kernels::pull_row_masked(row, probe, mask, gain)
             };
