@@ -303,8 +303,10 @@ impl Learn {
             neighbourhood::View::Direct { rate, share } => {
                 learns(self.winner, rate);
                 if share != Gain::ZERO {
-                    for neuron in self.grid.neighbours(self.winner) {
-                        learns(neuron, share);
+                    for neuron in self.grid.around(self.winner) {
+                        if neuron != grid::NOBODY {
+                            learns(neuron, share);
+                        }
                     }
                 }
             }
