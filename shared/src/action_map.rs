@@ -301,6 +301,8 @@ fn stretched<const SENSORS: usize>(vector: &[Weight; SENSORS]) -> [Weight; SENSO
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fixed::Fine;
+    use proptest::prelude::*;
 
     const CHANGES: [[i16; 3]; 4] = [[800, 0, 0], [0, 8_192, 0], [6_000, 0, 0], [7_000, 8_000, 0]];
     const ACTIONS: [[i16; 2]; 4] = [[8_192, 0], [0, 8_192], [-8_192, 0], [0, -8_192]];
@@ -393,6 +395,38 @@ mod tests {
         };
         assert_eq!(map().winner(&effect, 0), 0);
         assert_eq!(map().winner(&effect, 2_560), 2);
+    }
+
+    proptest! {
+        /// Neurons a few units apart, weights of any size: ranks alone cannot tell.
+        #[test]
+        fn the_winner_is_nearest_in_full_precision(
+            middle in prop::collection::vec(-8_100_i16..=8_100, 18), shifts in prop::collection::vec(-40_i32..=40, 16 * 18),
+            probe in prop::collection::vec(-8_192_i16..=8_192, 18), weight in prop_oneof![0_u16..600, any::<u16>()],
+        ) {
+            let mut map = ActionMap::<16, 16>::zeroed(Grid::rectangle(4, 4));
+            for (k, shifts) in shifts.chunks_exact(18).enumerate() {
+                for (i, shift) in shifts.iter().enumerate() {
+                    let value = Fine::from_bits((i32::from(middle[i]) << 16) + shift * 30_001);
+                    match i.checked_sub(16) {
+                        None => map.changes_mut().set_component(k * 16 + i, value),
+                        Some(i) => map.actions_mut().set_component(k * 2 + i, value),
+                    }
+                }
+            }
+            let part = |i: usize| Weight::from_bits(probe[i]);
+            let effect = Effect {
+                change: core::array::from_fn(part),
+                action: [part(16), part(17)],
+                mask: Mask::ALL,
+            };
+            let distance = |k: usize| {
+                let action = map.actions().distance(k, &effect.action, Mask::ALL) >> 8;
+                map.changes().distance(k, &effect.change, Mask::ALL) + action * u64::from(weight)
+            };
+            let nearest = (0..16).min_by_key(|&k| (distance(k), k));
+            prop_assert_eq!(Some(map.winner(&effect, weight)), nearest);
+        }
     }
 
     #[test]

@@ -103,10 +103,10 @@ pub(crate) fn turned_change<const SENSORS: usize>(
 /// Whether a transducer was not to be believed; looks at four bytes at a time.
 fn has_unknown<const SENSORS: usize>(bytes: &SituationBytes<SENSORS>) -> bool {
     let (words, rest) = bytes.as_chunks::<4>();
-    // The lower seven bits of a byte carry into its eighth if they are all set; then that one decides.
+    // The complement of a full byte is 0: one less borrows. Only above such a byte may another one be taken for it.
     let full = words.iter().fold(0, |full, word| {
         let word = u32::from_le_bytes(*word);
-        full | ((word & 0x7f7f_7f7f).wrapping_add(0x0101_0101) & word)
+        full | (0xfefe_fefe_u32.wrapping_sub(word) & word)
     });
     full & 0x8080_8080 != 0 || rest.contains(&UNKNOWN)
 }
@@ -188,6 +188,19 @@ mod tests {
         let believed = Mask::ALL.without(1);
         let bytes = to_bytes(&[Weight::ONE, Weight::ONE], believed);
         assert_eq!(from_bytes(&bytes), ([Weight::ONE, Weight::ZERO], believed));
+    }
+
+    #[test]
+    fn one_unknown_among_any_bytes_is_found() {
+        for byte in 0..UNKNOWN {
+            let mut bytes = [byte; 6];
+            assert!(!has_unknown(&bytes), "{byte}");
+            for place in 0..6 {
+                bytes[place] = UNKNOWN;
+                assert!(has_unknown(&bytes), "{byte} {place}");
+                bytes[place] = byte;
+            }
+        }
     }
 
     #[test]

@@ -21,14 +21,17 @@ struct Lesson<const SENSORS: usize> {
 
 impl<const SENSORS: usize> Lesson<SENSORS> {
     /// Nothing seen, nothing done.
-    const EMPTY: Self = Self {
-        after: [Weight::ZERO; SENSORS],
-        effect: Effect {
-            change: [Weight::ZERO; SENSORS],
-            action: [Weight::ZERO; 2],
-            mask: Mask::ALL,
-        },
-    };
+    #[inline(always)]
+    const fn empty() -> Self {
+        Self {
+            after: [Weight::ZERO; SENSORS],
+            effect: Effect {
+                change: [Weight::ZERO; SENSORS],
+                action: [Weight::ZERO; 2],
+                mask: Mask::ALL,
+            },
+        }
+    }
 }
 
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
@@ -49,7 +52,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             let (situation, mut effect) = match config.learning.start {
                 Start::Random => self.random_start(),
                 Start::Samples | Start::Plane => {
-                    let mut lesson = Lesson::EMPTY;
+                    let mut lesson = Lesson::empty();
                     self.lesson(config, None, &mut lesson);
                     (lesson.after, lesson.effect)
                 }
@@ -89,15 +92,15 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             .saturating_add(u32::from(learning.slice.max(1)))
             .min(renewed.saturating_add(RENEWAL))
             .min(steps);
-        let pull = |training: Training| {
+        let pull = |training: &Training| {
             let (rate, radius) = (
                 training.rate.at(renewed, steps),
                 training.radius.at(renewed, steps),
             );
             Pull::<NEURONS>::new(training.neighbourhood, rate, radius)
         };
-        let (for_situations, for_actions) = (pull(learning.situations), pull(learning.actions));
-        let mut lesson = Lesson::EMPTY;
+        let (for_situations, for_actions) = (pull(&learning.situations), pull(&learning.actions));
+        let mut lesson = Lesson::empty();
         for step in done..end {
             self.lesson(config, Some(step), &mut lesson);
             let winner = self.situations.winner(&lesson.after, lesson.effect.mask);

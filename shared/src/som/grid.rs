@@ -2,6 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+/// Index of a neuron that does not exist.
+pub(crate) const NOBODY: usize = usize::MAX;
+
 /// What happens at the border of the grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Edges {
@@ -112,6 +115,13 @@ impl Grid {
 
     /// The direct neighbours of neuron `k`: left, right, above, below, as far as they exist.
     pub fn neighbours(self, k: usize) -> impl Iterator<Item = usize> {
+        let around = self.around(k).into_iter();
+        around.filter(|&neighbour| neighbour != NOBODY)
+    }
+
+    /// The direct neighbours of neuron `k`: left, right, above, below; [`NOBODY`] for one that does not exist.
+    #[inline]
+    pub(crate) fn around(self, k: usize) -> [usize; 4] {
         let (x, y) = self.position(k);
         let (columns, rows) = (self.columns(), self.rows());
         let before = |place: usize, length: usize| match self.edges {
@@ -127,18 +137,17 @@ impl Grid {
             }
             Edges::Wrapped => None,
         };
-        // A neighbour that does not exist stands beyond the end.
-        let end = if k < self.len() { self.len() } else { 0 };
-        let in_row = |x: Option<usize>| x.map_or(end, |x| y * columns + x);
-        let in_column = |y: Option<usize>| y.map_or(end, |y| y * columns + x);
+        if k >= self.len() {
+            return [NOBODY; 4];
+        }
+        let in_row = |x: Option<usize>| x.map_or(NOBODY, |x| y * columns + x);
+        let in_column = |y: Option<usize>| y.map_or(NOBODY, |y| y * columns + x);
         [
             in_row(before(x, columns)),
             in_row(after(x, columns)),
             in_column(before(y, rows)),
             in_column(after(y, rows)),
         ]
-        .into_iter()
-        .filter(move |&neighbour| neighbour < end)
     }
 
     /// Whether two neurons are direct neighbours.

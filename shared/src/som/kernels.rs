@@ -293,7 +293,7 @@ pub fn distance<P: Scalar>(code: &[Fine], dims: usize, k: usize, probe: &[P], ma
 
 /// As [`pull`] over all components by a gain below 1/2; returns the code vector's new squared length as of
 /// [`squared_norm`].
-#[inline(never)]
+#[inline(always)]
 pub(crate) fn pull_row<const DIMS: usize>(
     row: &mut [Fine; DIMS],
     probe: &[Weight; DIMS],
@@ -307,6 +307,16 @@ pub(crate) fn pull_row<const DIMS: usize>(
     norm
 }
 
+/// [`pull_row`] as a function of its own.
+#[inline(never)]
+pub(crate) fn pull_long_row<const DIMS: usize>(
+    row: &mut [Fine; DIMS],
+    probe: &[Weight; DIMS],
+    gain: Gain,
+) -> i32 {
+    pull_row(row, probe, gain)
+}
+
 /// As [`pull`]; returns the code vector's new squared length as of [`squared_norm`].
 #[inline(never)]
 pub(crate) fn pull_row_masked<const DIMS: usize>(
@@ -315,8 +325,14 @@ pub(crate) fn pull_row_masked<const DIMS: usize>(
     mask: Mask,
     gain: Gain,
 ) -> i32 {
-    pull(row, probe, mask, gain);
-    row.iter().map(|w| square(*w)).fold(0, i32::wrapping_add)
+    let mut norm = 0_i32;
+    for (index, (w, x)) in row.iter_mut().zip(probe).enumerate() {
+        if mask.contains(index) {
+            *w = approach(*w, x.fine(), gain);
+        }
+        norm = norm.wrapping_add(square(*w));
+    }
+    norm
 }
 
 fn square(w: Fine) -> i32 {

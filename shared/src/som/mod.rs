@@ -181,8 +181,10 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         ranks: &mut [i32; NEURONS],
     ) {
         let probe = probe.map(|x| kernels::rank_factor(x, weight_q8));
-        for ((rank, row), norm) in ranks.iter_mut().zip(&self.code).zip(&self.norms) {
+        for (rank, norm) in ranks.iter_mut().zip(&self.norms) {
             *rank = rank.wrapping_add(kernels::rank_norm(*norm, weight_q8));
+        }
+        for (rank, row) in ranks.iter_mut().zip(&self.code) {
             *rank = kernels::rank_sum(*rank, row, &probe);
         }
     }
@@ -251,7 +253,12 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     pub(crate) fn pull(&mut self, k: usize, probe: &[Weight; DIMS], mask: Mask, gain: Gain) {
         if let (Some(row), Some(norm)) = (self.code.get_mut(k), self.norms.get_mut(k)) {
             *norm = if mask.covers(DIMS) && gain.is_below_half() {
-                kernels::pull_row(row, probe, gain)
+                // A call would cost more than so short a row.
+                if DIMS <= 2 {
+                    kernels::pull_row(row, probe, gain)
+                } else {
+                    kernels::pull_long_row(row, probe, gain)
+                }
             } else {
                 kernels::pull_row_masked(row, probe, mask, gain)
             };
@@ -299,8 +306,10 @@ impl Learn {
             neighbourhood::View::Direct { rate, share } => {
                 learns(self.winner, rate);
                 if share != Gain::ZERO {
-                    for neuron in self.grid.neighbours(self.winner) {
-                        learns(neuron, share);
+                    for neuron in self.grid.around(self.winner) {
+                        if neuron != grid::NOBODY {
+                            learns(neuron, share);
+                        }
                     }
                 }
             }
