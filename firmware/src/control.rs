@@ -34,6 +34,18 @@ pub enum News {
     BytesLost(u32),
 }
 
+#[cfg(target_os = "none")]
+impl News {
+    /// Writes it to the log, which holds off every interrupt for as long as a line takes.
+    pub fn log(self) {
+        match self {
+            Self::Linked => defmt::info!("a host is there"),
+            Self::Unlinked => defmt::warn!("no host any more"),
+            Self::BytesLost(bytes) => defmt::warn!("{=u32} bytes lost so far", bytes),
+        }
+    }
+}
+
 /// Everything the control task works with.
 pub struct Control<'parts> {
     mind: &'parts mut NomadNode,

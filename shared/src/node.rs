@@ -2,9 +2,9 @@
 //!
 //! A [`Node`] owns the robot's state and configuration; it is all zeros until [`Node::start`]. [`Node::frame`] takes a
 //! received frame, does what it asks for and sends the answers; [`Node::tick`] lets time pass: a slice of learning, the
-//! watch over link and ring, motions renewed before they expire. Every accepted frame but a sign of life is answered with whatever it brought about and, at the end,
-//! with [`FromMind::Done`], so that a host knows when to go on. A frame that is lost costs its sender a repetition: the last
-//! one accepted is confirmed again, but never done again.
+//! watch over link and ring, motions renewed before they expire. Every accepted frame but a sign of life is answered with
+//! whatever it brought about and, at the end, with [`FromMind::Done`], so that a host knows when to go on. A frame that is
+//! lost costs its sender a repetition: the last one accepted is confirmed again, but never done again.
 //!
 //! When the host falls silent for longer than [`SILENCE_MS`](crate::link::SILENCE_MS) the robot stops with
 //! [`StopReason::LinkLost`] and stays so until it is told to resume.

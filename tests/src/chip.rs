@@ -8,7 +8,7 @@ use amp::wire::message::{
     Clock, Counters, Dimensions, FromMind, HostHello, MindHello, Order, Refusal, Report, ToMind,
 };
 use amp::wire::{Frame, PROTOCOL, Receiver, SCHEMA};
-use host_sim::link::{Qemu, Transport as _, build_image};
+use host_sim::link::{Qemu, Tcp, Transport, build_image};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
@@ -44,7 +44,7 @@ pub const fn dimensions() -> Dimensions {
 
 /// An emulated chip with the firmware in it.
 pub struct Chip {
-    qemu: Qemu,
+    line: Box<dyn Transport>,
     receiver: Receiver,
     /// Received and not yet looked at.
     left: Vec<u8>,
@@ -61,16 +61,30 @@ impl Chip {
     #[must_use]
     pub fn start() -> Self {
         let qemu = Qemu::start(image(), false).unwrap_or_else(|error| panic!("{error}"));
-        let mut chip = Self {
-            qemu,
+        let mut chip = Self::at_the_end_of(Box::new(qemu));
+        chip.wait(|_, report| matches!(report.said, FromMind::Hello(_)).then_some(()));
+        chip
+    }
+
+    /// One that has long been running, at `HOST:PORT`.
+    ///
+    /// # Panics
+    /// When nobody listens there.
+    #[must_use]
+    pub fn at(host: &str) -> Self {
+        let line = Tcp::open(host).unwrap_or_else(|error| panic!("{error}"));
+        Self::at_the_end_of(Box::new(line))
+    }
+
+    fn at_the_end_of(line: Box<dyn Transport>) -> Self {
+        Self {
+            line,
             receiver: Receiver::new(),
             left: Vec::new(),
             session: SESSION,
             seq: 0,
             began: Instant::now(),
-        };
-        chip.wait(|_, report| matches!(report.said, FromMind::Hello(_)).then_some(()));
-        chip
+        }
     }
 
     /// Power on, and a session opened.
@@ -122,7 +136,7 @@ impl Chip {
     /// # Panics
     /// When the line is gone.
     pub fn raw(&mut self, bytes: &[u8]) {
-        self.qemu.send(bytes).expect("the line to the chip");
+        self.line.send(bytes).expect("the line to the chip");
     }
 
     /// The next frame with this message, its zero included.
@@ -226,7 +240,7 @@ impl Chip {
 
     fn read(&mut self, patience: Duration) {
         let mut buffer = [0; 4_096];
-        let count = self.qemu.receive(&mut buffer, patience);
+        let count = self.line.receive(&mut buffer, patience);
         let count = count.expect("the line from the chip");
         self.left.extend_from_slice(&buffer[..count]);
     }

@@ -1,5 +1,6 @@
 //! Harness of the integration tests: the program as a user starts it, in a folder of its own.
 
+pub mod board;
 pub mod chip;
 pub mod pty;
 pub mod twin;

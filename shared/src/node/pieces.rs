@@ -10,6 +10,8 @@ use heapless::Vec;
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     Node<SENSORS, NEURONS, SAMPLES>
 {
+    /// Not a part of every request's stack: its buffers are the largest.
+    #[inline(never)]
     pub(super) fn read_piece(
         &mut self,
         part: Part,

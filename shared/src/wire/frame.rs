@@ -95,6 +95,8 @@ impl Frame {
 ///
 /// # Errors
 /// [`FrameError`]: a damaged frame is never a message (a CRC-32 lets through fewer than one of 10⁹ damaged frames).
+// Its buffer is to leave the stack before the message is dealt with.
+#[inline(never)]
 pub fn unpack<M: DeserializeOwned>(frame: &[u8]) -> Result<(Header, M), FrameError> {
     let mut body = [0; cobs::MOST];
     let length = cobs::decode(frame, &mut body).ok_or(FrameError::Shape)?;

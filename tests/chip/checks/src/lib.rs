@@ -56,6 +56,22 @@ pub fn target_folder() -> PathBuf {
     }
 }
 
+/// The firmware's image for the board, built from here unless `FIRMWARE_ELF` names another one.
+///
+/// # Panics
+/// When it cannot be built.
+#[must_use]
+pub fn board_image() -> PathBuf {
+    if let Some(path) = std::env::var_os("FIRMWARE_ELF") {
+        return project().join(path);
+    }
+    let line = format!("build --locked --package firmware --profile chip --target {TARGET}");
+    let output = cargo(&project(), &line);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    target_folder().join(TARGET).join("chip/firmware")
+}
+
 /// What an image takes, by the sections of its ELF file.
 ///
 /// # Errors

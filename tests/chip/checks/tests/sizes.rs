@@ -2,8 +2,7 @@
 //!
 //! `FIRMWARE_ELF` names another image to look at than the one built from here.
 
-use checks::{Sizes, TARGET, cargo, project, sizes, target_folder};
-use std::path::PathBuf;
+use checks::{Sizes, board_image, sizes};
 
 const KIB: u64 = 1_024;
 
@@ -15,20 +14,9 @@ const MOST: Sizes = Sizes {
     initialized: 256,
 };
 
-fn image() -> PathBuf {
-    if let Some(path) = std::env::var_os("FIRMWARE_ELF") {
-        return project().join(path);
-    }
-    let line = format!("build --locked --package firmware --profile chip --target {TARGET}");
-    let output = cargo(&project(), &line);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}");
-    target_folder().join(TARGET).join("chip/firmware")
-}
-
 #[test]
 fn the_firmware_leaves_room() {
-    let path = image();
+    let path = board_image();
     let elf = std::fs::read(&path).expect("the image can be read");
     let Sizes {
         flash,

@@ -1,0 +1,52 @@
+//! The lines that are written while the link is up, over and over.
+
+use crate::stopwatch::{Stopwatch, Tally};
+use core::hint::black_box;
+use core::panic::PanicInfo;
+use cortex_m_rt::entry;
+use cortex_m_semihosting::{debug, hprintln};
+use defmt_rtt as _;
+use firmware::control::News;
+use stm32f4xx_hal as _;
+
+/// Enough for the logger's ring of 1 KiB to come round some times, so that lines are cut at its end as well.
+const ROUNDS: u32 = 200;
+
+/// A byte at 1 Mbaud takes 1680 cycles.
+const ALLOWED: u32 = 1_000;
+
+#[entry]
+fn main() -> ! {
+    let chip = cortex_m::Peripherals::take().expect("nobody else took them");
+    let counted = count(&Stopwatch::new(chip.SYST));
+    let (calls, mean, most) = (counted.calls(), counted.mean(), counted.most());
+    hprintln!("| call | calls | instructions, mean | most | allowed |");
+    hprintln!("| --- | ---: | ---: | ---: | ---: |");
+    hprintln!("| a line of the log | {calls} | {mean} | {most} | {ALLOWED} |");
+    debug::exit(debug::EXIT_SUCCESS);
+    loop {
+        cortex_m::asm::wfi();
+    }
+}
+
+/// Whole calls: a little more than what is held off.
+fn count(watch: &Stopwatch) -> Tally {
+    let mut tally = Tally::default();
+    for round in 0..ROUNDS {
+        let lost = News::BytesLost(u32::MAX >> (round % 32));
+        for news in [News::Linked, News::Unlinked, lost] {
+            let (instructions, ()) = watch.count(|| black_box(news).log());
+            tally.add(instructions);
+        }
+    }
+    tally
+}
+
+#[panic_handler]
+fn panic(info: &PanicInfo<'_>) -> ! {
+    hprintln!("{info}");
+    debug::exit(debug::EXIT_FAILURE);
+    loop {
+        cortex_m::asm::wfi();
+    }
+}

@@ -1,0 +1,144 @@
+//! `host-sim link` and a chip that has its own life: what it knows is carried away and back, its goal is set, it is switched
+//! off and on.
+
+use amp::controller::{Command, Decision, Event, handle};
+use amp::goal::Goal;
+use amp::units::{Millis, Range};
+use amp::wire::message::{Clock, FromMind, Heard, Order, Report, ToMind};
+use host_sim::link::{Knowledge, read_goal};
+use std::io::{BufRead as _, BufReader};
+use std::process::Stdio;
+use std::sync::mpsc::{Receiver, channel};
+use std::thread::{sleep, spawn};
+use std::time::Duration;
+use tests::board::Board;
+use tests::chip::{Chip, PATIENCE, SESSION};
+use tests::{Program, host_sim};
+
+/// What a literal robot makes of thirty moves: neither its configuration nor its maps are those of a chip that has just been
+/// switched on.
+const EPISODE: &str = "run --preset touzet --world random:4 --explore 30 --steps 5 --json --mind";
+
+const GOAL: &str = "[[sonar]]\nnumbers = [4]\nat_least = 0.6\nat_most = 0.8\n";
+
+fn link(program: &Program, board: &Board, verb: &str) -> String {
+    program.ok(&format!("link --to tcp:{} {verb}", board.host()))
+}
+
+#[test]
+fn what_one_chip_has_learnt_another_one_knows() {
+    let program = host_sim!();
+    let taught = Board::start();
+    let _ = program.ok(&format!("{EPISODE} tcp:{}", taught.host()));
+    link(&program, &taught, "pull first.mind");
+    drop(taught);
+    let fresh = Board::start();
+    link(&program, &fresh, "pull fresh.mind");
+    link(&program, &fresh, "push first.mind");
+    link(&program, &fresh, "pull second.mind");
+    let read = |name: &str| std::fs::read(program.folder().join(name)).expect("a file");
+    assert_eq!(read("first.mind"), read("second.mind"));
+    assert_ne!(read("first.mind"), read("fresh.mind"));
+    let knowledge = Knowledge::load(&program.folder().join("second.mind")).expect("a mind");
+    assert_eq!(knowledge.samples(), 30);
+    a_goal_file_is_what_the_chip_pursues(&program, &fresh, &knowledge);
+}
+
+/// Part of the test above, because a chip has to have learnt for it.
+fn a_goal_file_is_what_the_chip_pursues(program: &Program, board: &Board, mind: &Knowledge) {
+    program.put("wall.toml", GOAL);
+    assert_eq!(link(program, board, "goal wall.toml"), "done\n");
+    let mut chip = Chip::at(board.host());
+    chip.open(SESSION, Clock::Host);
+    chip.order(Order::Seek);
+    let theirs = decision(&chip.ask(&ToMind::Scan {
+        at_ms: chip.at_ms(),
+        echoes: (0..16).map(heard).collect(),
+    }));
+    let goal = read_goal(&program.folder().join("wall.toml")).expect("a goal");
+    assert_eq!(theirs, Some(decided_here(mind, goal)));
+    let other = Goal::avoiding(&mind.config().expect("a configuration"));
+    assert_ne!(theirs, Some(decided_here(mind, other)));
+}
+
+/// A room that is nearer to the left.
+fn heard(sensor: u8) -> Heard {
+    Heard {
+        sensor,
+        range_mm: Some(if sensor == 4 { 400 } else { 900 }),
+        age_ms: 0,
+    }
+}
+
+fn decision(said: &[Report<16>]) -> Option<Decision<16>> {
+    said.iter().find_map(|report| match report.said {
+        FromMind::Decision(decision) => Some(decision),
+        _ => None,
+    })
+}
+
+/// The decision of the same mind on this machine.
+fn decided_here(mind: &Knowledge, goal: Goal<16>) -> Decision<16> {
+    let config = mind.config().expect("a configuration");
+    let mut state = mind.state().expect("maps");
+    let now = Millis::from_ms(0);
+    let _ = handle(
+        &config,
+        &mut state,
+        now,
+        Event::Command(Command::Seek(goal)),
+    );
+    let decisions = (0..16).map(heard).filter_map(|heard| {
+        let (sensor, range) = (heard.sensor, heard.range_mm.map(Range::from_mm));
+        handle(&config, &mut state, now, Event::Echo { sensor, range }).decision
+    });
+    decisions.last().expect("a decision")
+}
+
+#[test]
+fn monitor_finds_a_chip_again_that_was_switched_off() {
+    let program = host_sim!();
+    let mut board = Board::start();
+    let address = format!("tcp:{}", board.host());
+    let mut monitor = program.command(&["link", "--to", &address, "monitor"]);
+    let mut monitor = monitor
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("host-sim starts");
+    let said = lines(monitor.stderr.take().expect("its messages"));
+    let accepted = |board: &Board| {
+        let mut chip = Chip::at(board.host());
+        chip.open(SESSION, Clock::Device);
+        chip.counters().accepted
+    };
+    // Long enough for it to be there, and to have the chip's only line for itself.
+    sleep(Duration::from_secs(1));
+    board.switch_off();
+    let lost = said.recv_timeout(PATIENCE).expect("a message");
+    assert!(
+        lost.contains(&address) && lost.contains("the link broke") && lost.contains("trying again"),
+        "{lost}"
+    );
+    board.switch_on();
+    let found = said.recv_timeout(PATIENCE).expect("another message");
+    assert_eq!(found, format!("{address}: the mind is there again"));
+    // It goes on: the chip hears its signs of life.
+    sleep(Duration::from_secs(1));
+    assert_eq!(monitor.try_wait().expect("its state"), None);
+    monitor.kill().expect("it still runs");
+    let _ = monitor.wait();
+    assert!(accepted(&board) > 5);
+    assert_eq!(said.try_iter().next(), None);
+}
+
+/// The lines of a stream as they come.
+fn lines(stream: impl std::io::Read + Send + 'static) -> Receiver<String> {
+    let (sender, receiver) = channel();
+    spawn(move || {
+        for line in BufReader::new(stream).lines().map_while(Result::ok) {
+            let _ = sender.send(line);
+        }
+    });
+    receiver
+}
