@@ -262,7 +262,7 @@ impl Config<16> {
                 edges: Edges::Open,
                 situations: training,
                 actions: training,
-                slice: 2,
+                slice: 4,
             },
             online: Some(Online {
                 situation_rate_q16: ONE_Q16 / 20,

@@ -88,8 +88,14 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let learning = &config.learning;
         let steps = self.learning_steps(config);
         let renewed = done - done % RENEWAL;
+        // At first code vectors are alike, and many ties are settled in full precision: shorter slices.
+        let slice = if renewed == 0 {
+            learning.slice / 2
+        } else {
+            learning.slice
+        };
         let end = done
-            .saturating_add(u32::from(learning.slice.max(1)))
+            .saturating_add(u32::from(slice.max(1)))
             .min(renewed.saturating_add(RENEWAL))
             .min(steps);
         let pull = |training: &Training| {
