@@ -234,13 +234,14 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         let asked = config.believed.and(among);
         let places = usize::from(way.shielding.places.max(1));
         let mut distance = limit;
-        for (sensor, (arcs, heard)) in self.arcs.iter().zip(&self.heard).enumerate() {
+        let ring = self.heard.iter().zip(&config.robot.directions);
+        for (sensor, (arcs, (heard, axis))) in self.arcs.iter().zip(ring).enumerate() {
             if !asked.contains(sensor) {
                 continue;
             }
             let heard = places.min(usize::from(*heard));
             let kept = arcs.get(..heard).unwrap_or(arcs);
-            if !way.is_fresh(kept) && way.is_covered_by(config, sensor) {
+            if !way.is_fresh(kept) && way.is_covered_by(*axis) {
                 return 0;
             }
             distance = way.until_any(kept, distance);
@@ -330,13 +331,10 @@ impl<'a> Way<'a> {
     }
 
     /// Whether the transducer looks where the robot would go.
-    fn is_covered_by<const SENSORS: usize>(&self, config: &Config<SENSORS>, sensor: usize) -> bool {
+    fn is_covered_by(&self, axis: Direction) -> bool {
         const COS_45_Q14: i32 = 11_585;
-        config.robot.directions.get(sensor).is_some_and(|axis| {
-            self.direction
-                .along(i32::from(axis.x_q14), i32::from(axis.y_q14))
-                > COS_45_Q14
-        })
+        let (x, y) = (i32::from(axis.x_q14), i32::from(axis.y_q14));
+        self.direction.along(x, y) > COS_45_Q14
     }
 
     /// Whether anything was heard lately enough for the direction to be open.

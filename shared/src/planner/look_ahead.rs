@@ -228,19 +228,26 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
                 .wrapping_sub(aim.going(direction, share_q2)),
             neuron: None,
         };
-        let best = if self.config.planning.choice == Choice::Neurons {
-            let allowed = (0..NEURONS).filter(|neuron| self.allowed.contains(*neuron));
-            let own = allowed.filter_map(|neuron| self.own_candidate(situation, aim, neuron));
-            own.min_by_key(|candidate| candidate.score)
-        } else {
-            let directions = self.config.robot.directions.iter();
-            let allowed = directions.filter(|direction| self.is_allowed(**direction));
-            allowed
-                .map(|direction| try_out(*direction, 4))
-                .min_by_key(|candidate| candidate.score)
-        };
         // Where every action is inhibited the robot waits for the first to come back.
-        let mut best = best.unwrap_or_else(|| try_out(Direction::default(), 0));
+        let mut best = try_out(Direction::default(), 0);
+        best.score = i64::MAX;
+        if self.config.planning.choice == Choice::Neurons {
+            let allowed = (0..NEURONS).filter(|neuron| self.allowed.contains(*neuron));
+            for own in allowed.filter_map(|neuron| self.own_candidate(situation, aim, neuron)) {
+                if own.score < best.score {
+                    best = own;
+                }
+            }
+        } else {
+            for direction in &self.config.robot.directions {
+                if self.is_allowed(*direction) {
+                    let candidate = try_out(*direction, 4);
+                    if candidate.score < best.score {
+                        best = candidate;
+                    }
+                }
+            }
+        }
         if aim.goal.going_q16 == 0 {
             for share_q2 in SHORTER_Q2 {
                 let shorter = try_out(best.direction, share_q2);
@@ -324,10 +331,12 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
     /// The neuron whose action goes farthest in a direction: the one that answers for it.
     #[inline(never)]
     fn neuron_of(&self, direction: Direction) -> usize {
-        let (mut farthest, mut most) = (0, i64::MIN);
+        let (mut farthest, mut most) = (0, i32::MIN);
         for (neuron, action) in self.actions.actions().code().iter().enumerate() {
-            let [x, y] = action.map(|part| i64::from(coarse(part).to_bits()));
-            let along = x * i64::from(direction.x_q14 >> 1) + y * i64::from(direction.y_q14 >> 1);
+            let [x, y] = action.map(|part| i32::from(coarse(part).to_bits()));
+            let along = x
+                .wrapping_mul(i32::from(direction.x_q14 >> 1))
+                .wrapping_add(y.wrapping_mul(i32::from(direction.y_q14 >> 1)));
             if along > most {
                 (farthest, most) = (neuron, along);
             }
