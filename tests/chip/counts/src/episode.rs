@@ -4,7 +4,7 @@ use crate::room::Room;
 use crate::stopwatch::{Stopwatch, Tally};
 use amp::config::Config;
 use amp::controller::{Command, Decision, Event, Motion, NomadState, Outputs, Progress, handle};
-use amp::goal::Goal;
+use amp::goal::{Goal, Side};
 use amp::som::Grid;
 use amp::units::{Bearing, Displacement, Millis, Range};
 use core::hint::black_box;
@@ -22,8 +22,14 @@ pub struct Counts {
     pub echo: Tally,
     /// A tick while learning.
     pub tick: Tally,
-    /// An echo that completes a ring while seeking.
+    /// An echo that completes a ring while obstacles are avoided.
     pub decision: Tally,
+    /// The same along a wall.
+    pub along_wall: Tally,
+    /// The same to a place.
+    pub to_place: Tally,
+    /// The same while obstacles are avoided by the paper's four steps.
+    pub four_steps: Tally,
     /// An echo of a moving robot.
     pub guard: Tally,
     /// A report of the base.
@@ -60,6 +66,7 @@ impl<'a> Episode<'a> {
         episode.explore();
         episode.learn();
         episode.seek();
+        episode.seek_other_goals();
         episode
     }
 
@@ -96,6 +103,30 @@ impl<'a> Episode<'a> {
             self.decisions.extend(out.decision);
             self.carry_out(out.motion);
         }
+    }
+
+    fn seek_other_goals(&mut self) {
+        let wall = Goal::wall(Side::Right, Range::from_mm(600), &self.config);
+        self.counts.along_wall = self.decisions_towards(wall);
+        let place = self.decisions.first().map(|first| first.situation);
+        let place = Goal::perceived(&place.unwrap_or_default());
+        self.counts.to_place = self.decisions_towards(place);
+        self.config.planning = Config::probing().planning;
+        let clear = Goal::avoiding(&self.config);
+        self.counts.four_steps = self.decisions_towards(clear);
+        self.config.planning = Config::recommended().planning;
+    }
+
+    /// What the next decisions towards a goal cost.
+    fn decisions_towards(&mut self, goal: Goal<16>) -> Tally {
+        let mut counted = Tally::default();
+        self.send(|| Event::Command(Command::Seek(goal)));
+        for _ in 0..DECISIONS {
+            let (instructions, out) = self.ring();
+            counted.add(instructions);
+            self.carry_out(out.motion);
+        }
+        counted
     }
 
     /// A ring heard at rest: what its last echo cost and brought about.

@@ -69,8 +69,15 @@ fn print_episode(episode: &Episode<'_>) {
         28_000,
     );
     row(
-        "**decision** (last echo of the ring)",
+        "**decision** (last echo of the ring): avoid",
         counts.decision,
+        34_000,
+    );
+    row("decision: along a wall", counts.along_wall, 34_000);
+    row("decision: to a place", counts.to_place, 34_000);
+    row(
+        "decision: avoid by the paper's four steps (`probe`)",
+        counts.four_steps,
         34_000,
     );
     row("tick of learning", counts.tick, 20_000);
