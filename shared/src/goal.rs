@@ -146,6 +146,19 @@ impl Asked {
     }
 }
 
+/// Squared deviation of values from what is asked of them, see [`Goal::deviation`].
+#[inline(never)]
+pub(crate) fn missed(asked: &[Asked], values: &[i32], cap: i32) -> i64 {
+    let mut total = 0_i64;
+    for (asked, value) in asked.iter().zip(values) {
+        // Most values are as asked: nothing to multiply.
+        if !asked.holds(*value) {
+            total = total.wrapping_add(asked.deviation(*value, cap));
+        }
+    }
+    total
+}
+
 /// Whose frame a goal's components are counted in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Frame {
@@ -290,24 +303,13 @@ impl<const SENSORS: usize> Goal<SENSORS> {
         }
     }
 
-    /// Squared deviation of values (2⁻¹³, which may leave [0, 1]) from what is asked when the components are turned by
-    /// `places`, each at most the cap, in units of 2⁻²⁶ · weight.
+    /// Squared deviation of values (2⁻¹³, which may leave [0, 1]) from what is asked in the ring's frame, over the
+    /// believed components, each at most the cap, in units of 2⁻²⁶ · weight.
     #[must_use]
-    #[inline(never)]
-    pub fn deviation(&self, values: &[i32; SENSORS], places: usize, mask: Mask) -> i64 {
-        let cap = self.cap_bits();
-        let places = places.checked_rem(SENSORS).unwrap_or(0);
-        let (head, tail) = self.components.split_at(SENSORS.wrapping_sub(places));
-        let components = tail.iter().chain(head).enumerate();
-        let mut total = 0_i64;
-        for ((sensor, component), value) in components.zip(values) {
-            let asked = Asked::of(component);
-            // Most values are as asked: nothing to multiply.
-            if !asked.holds(*value) && mask.contains(sensor) {
-                total = total.wrapping_add(asked.deviation(*value, cap));
-            }
-        }
-        total
+    pub fn deviation(&self, values: &[i32; SENSORS], mask: Mask) -> i64 {
+        let mut asked = [Asked::ANYTHING; SENSORS];
+        self.ask(mask, &mut asked);
+        missed(&asked, values, self.cap_bits())
     }
 
     /// Says of each believed transducer what is asked of it in the ring's frame.

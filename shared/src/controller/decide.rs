@@ -136,7 +136,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             return None;
         }
         let values = situation.map(|value| i32::from(value.to_bits()));
-        let deviation = goal.deviation(&values, 0, config.believed);
+        let deviation = goal.deviation(&values, config.believed);
         if goal.is_met_by(deviation, config.believed) {
             self.search = Search::NEW;
         } else if self.search.is_stuck(deviation, wander) {

@@ -163,7 +163,7 @@ mod tests {
         let goal = Goal::wall(Side::Right, Range::from_mm(600), &config());
         let deviation = |mm: f64, places: usize| {
             let values = beside_a_wall(mm).map(|value| i32::from(value.to_bits()));
-            goal.deviation(&values, places, Mask::ALL)
+            goal.towards(places).deviation(&values, Mask::ALL)
         };
         let here = deviation(600.0, 0);
         assert!(here < 2_000, "{here}");

@@ -148,7 +148,11 @@ fn products_of_two<const SENSORS: usize>(
             second_y = second_y.wrapping_add(action.y().wrapping_mul(second));
         }
         let sums = [[first_x, first_y], [second_x, second_y]];
-        for (total, sum) in totals.as_flattened_mut().iter_mut().zip(sums.as_flattened()) {
+        for (total, sum) in totals
+            .as_flattened_mut()
+            .iter_mut()
+            .zip(sums.as_flattened())
+        {
             *total = total.wrapping_add(i64::from(*sum));
         }
     }

@@ -19,7 +19,7 @@ use super::forward::{Forward, Line};
 use super::{Plan, Planner, Why, difference};
 use crate::config::Choice;
 use crate::fixed::{Mask, Weight, coarse, unit_weight};
-use crate::goal::{Asked, Frame, Goal};
+use crate::goal::{Asked, Frame, Goal, missed};
 use crate::scan::Situation;
 use crate::units::{Direction, Displacement};
 use heapless::Vec;
@@ -52,12 +52,7 @@ struct Aim<'a, const SENSORS: usize> {
 
 impl<const SENSORS: usize> Aim<'_, SENSORS> {
     fn deviation(&self, values: &[i32; SENSORS]) -> i64 {
-        let cap = self.goal.cap_bits();
-        let values = self.asked.iter().zip(values);
-        let missed = values.filter(|(asked, value)| !asked.holds(**value));
-        missed.fold(0, |total: i64, (asked, value)| {
-            total.wrapping_add(asked.deviation(*value, cap))
-        })
+        missed(self.asked, values, self.goal.cap_bits())
     }
 
     /// As [`Goal::holds`].
@@ -99,12 +94,35 @@ impl<const SENSORS: usize> Parts<SENSORS> {
         }
     }
 
-    /// Deviation of the situation to come from the goal, see [`Goal::deviation`].
-    fn deviation(&self, share: Direction) -> i64 {
-        let each = self.parts.iter();
-        let deviations = each.map(|part| part.asked.deviation(part.line.after(share), self.cap));
-        deviations.fold(0, i64::wrapping_add)
+    /// Deviation of the situation to come from the goal, see [`Goal::deviation`]; what reaches `limit` may be more.
+    #[inline(always)]
+    fn deviation(&self, share: Direction, limit: i64) -> i64 {
+        let mut total = 0_i64;
+        for part in &self.parts {
+            let value = part.line.after(share);
+            total = total.wrapping_add(part.asked.deviation(value, self.cap));
+            if total >= limit {
+                break;
+            }
+        }
+        total
     }
+}
+
+/// Deviation when component 0 looks towards `place`.
+fn turned_deviation<const SENSORS: usize>(
+    asked: &[Asked; SENSORS],
+    values: &[i32; SENSORS],
+    place: usize,
+    cap: i32,
+) -> i64 {
+    let (Some((behind, ahead)), Some((first, last))) = (
+        values.split_at_checked(place),
+        asked.split_at_checked(SENSORS.wrapping_sub(place)),
+    ) else {
+        return i64::MAX;
+    };
+    missed(first, ahead, cap).wrapping_add(missed(last, behind, cap))
 }
 
 /// A weight in Q16 times a cosine in Q14, in units of 2⁻²⁶.
@@ -145,15 +163,23 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         }
         let course = unit(self.course);
         let values = situation.map(|value| i32::from(value.to_bits()));
-        let directions = self.config.robot.directions.iter().enumerate();
-        let deviations = directions.map(|(place, direction)| {
+        let mut asked = [Asked::ANYTHING; SENSORS];
+        goal.ask(Mask::ALL, &mut asked);
+        let (mut best, mut least) = (0, i64::MAX);
+        for (place, direction) in self.config.robot.directions.iter().enumerate() {
+            let deviation = if self.config.believed.covers(SENSORS) {
+                turned_deviation(&asked, &values, place, goal.cap_bits())
+            } else {
+                let turned = goal.towards(place);
+                turned.deviation(&values, self.config.believed)
+            };
             let steady = weighted(goal.steady_q16, cosine_q14(*direction, course));
-            goal.deviation(&values, place, self.config.believed) - steady
-        });
-        let best = deviations
-            .enumerate()
-            .min_by_key(|(_, deviation)| *deviation);
-        best.map_or(0, |(place, _)| place)
+            let score = deviation.wrapping_sub(steady);
+            if score < least {
+                (best, least) = (place, score);
+            }
+        }
+        best
     }
 
     /// The action that leads nearest to the goal on the way towards `place`.
@@ -192,8 +218,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             intermediate_neuron: self.situations.winner(&to_come, mask) as u8,
             wanted: difference(&to_come, situation),
             action_neuron: self.neuron_of(best.direction) as u8,
-            at_goal: goal.is_met_by(now, mask)
-                || aim.holds(situation, config.planning.tolerance),
+            at_goal: goal.is_met_by(now, mask) || aim.holds(situation, config.planning.tolerance),
             recalled: true,
             action: Displacement::ZERO,
             why: Why::Stay,
@@ -220,17 +245,24 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             cap: aim.goal.cap_bits(),
         };
         parts.add(forward, aim);
-        let try_out = |direction: Direction, share_q2: i32| Candidate {
-            direction,
-            share_q2,
-            score: parts
-                .deviation(part(direction, share_q2))
-                .wrapping_sub(aim.going(direction, share_q2)),
-            neuron: None,
+        // A candidate whose score reaches `worst` is not looked at to its end.
+        let try_out = |direction: Direction, share_q2: i32, worst: i64| {
+            let going = aim.going(direction, share_q2);
+            let deviation = parts.deviation(part(direction, share_q2), worst.saturating_add(going));
+            Candidate {
+                direction,
+                share_q2,
+                score: deviation.wrapping_sub(going),
+                neuron: None,
+            }
         };
         // Where every action is inhibited the robot waits for the first to come back.
-        let mut best = try_out(Direction::default(), 0);
-        best.score = i64::MAX;
+        let mut best = Candidate {
+            direction: Direction::default(),
+            share_q2: 0,
+            score: i64::MAX,
+            neuron: None,
+        };
         if self.config.planning.choice == Choice::Neurons {
             let allowed = (0..NEURONS).filter(|neuron| self.allowed.contains(*neuron));
             for own in allowed.filter_map(|neuron| self.own_candidate(situation, aim, neuron)) {
@@ -241,7 +273,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         } else {
             for direction in &self.config.robot.directions {
                 if self.is_allowed(*direction) {
-                    let candidate = try_out(*direction, 4);
+                    let candidate = try_out(*direction, 4, best.score);
                     if candidate.score < best.score {
                         best = candidate;
                     }
@@ -250,7 +282,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         }
         if aim.goal.going_q16 == 0 {
             for share_q2 in SHORTER_Q2 {
-                let shorter = try_out(best.direction, share_q2);
+                let shorter = try_out(best.direction, share_q2, best.score.saturating_add(1));
                 if shorter.score <= best.score {
                     best = shorter;
                 }
