@@ -4,7 +4,7 @@
 //! received frame, does what it asks for and sends the answers; [`Node::tick`] lets time pass: a slice of learning, the
 //! watch over link and ring, motions renewed before they expire. Every accepted frame but a sign of life is answered with
 //! whatever it brought about and, at the end, with [`FromMind::Done`], so that a host knows when to go on. A frame that is
-//! lost costs its sender a repetition: the last one accepted is confirmed again, but never done again.
+//! lost costs its sender a repetition: the last one accepted is answered again, byte for byte, but never done again.
 //!
 //! When the host falls silent for longer than [`SILENCE_MS`](crate::link::SILENCE_MS) the robot stops with
 //! [`StopReason::LinkLost`] and stays so until it is told to resume.
@@ -22,7 +22,9 @@ use crate::wire::message::{
 };
 use crate::wire::{PROTOCOL, SCHEMA};
 use heapless::Vec;
+use kept::Kept;
 
+mod kept;
 mod pieces;
 mod requests;
 
@@ -69,6 +71,7 @@ pub struct Node<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize
     seq: u16,
     underway: Option<Underway>,
     counters: Counters,
+    kept: Kept,
     /// A configuration on its way in.
     staged: Vec<u8, MOST_CONFIG>,
 }
@@ -107,6 +110,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             seq: 0,
             underway: None,
             counters: Counters::NONE,
+            kept: Kept::new(),
             staged: Vec::new(),
         }
     }
@@ -192,12 +196,13 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         match self.link.accept(header) {
             Verdict::Accept => {
                 add(&mut self.counters.accepted);
+                self.kept.begin();
                 self.request(header.seq, message, now, out);
             }
             Verdict::Replayed { last } => {
                 add(&mut self.counters.replayed);
                 if last && !matches!(message, ToMind::Alive { .. }) {
-                    self.say(FromMind::Done { seq: header.seq }, now, out);
+                    self.say_again(header.seq, now, out);
                 }
             }
             Verdict::NoSession => {
@@ -224,6 +229,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.link.open(header, hello.clock, now);
         self.source = Source::Link;
         self.seq = 0;
+        self.kept.clear();
         self.hello(now, out);
     }
 
@@ -293,6 +299,9 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 
     fn tell(&mut self, outputs: &Outputs<SENSORS>, at: Millis, now: Millis, out: &mut impl Outbox) {
+        if outputs.motion.is_some() || outputs.mode_changed {
+            self.kept.overtake();
+        }
         if let Some(decision) = outputs.decision {
             self.say(FromMind::Decision(decision), now, out);
         }
@@ -335,17 +344,40 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             device_ms: self.link.time(now).as_ms(),
             said,
         };
-        let sent = Frame::pack(header, &report).is_ok_and(|frame| out.send(frame.as_bytes()));
-        add(if sent {
-            &mut self.counters.sent
-        } else {
-            &mut self.counters.dropped
+        let sent = Frame::pack(header, &report).is_ok_and(|frame| {
+            self.kept.keep(frame.as_bytes());
+            out.send(frame.as_bytes())
         });
+        self.counters.count_sent(sent);
+    }
+
+    /// Sends the answer to the last frame once more, as it was; only confirms it if too much was said to be kept.
+    fn say_again(&mut self, seq: u16, now: Millis, out: &mut impl Outbox) {
+        let mut frames = 0_u32;
+        for frame in self.kept.frames() {
+            self.counters.count_sent(out.send(frame));
+            add(&mut frames);
+        }
+        if frames == 0 {
+            self.say(FromMind::Done { seq }, now, out);
+        }
+    }
+}
+
+impl Counters {
+    /// One more frame that was taken, or not.
+    const fn count_sent(&mut self, taken: bool) {
+        let counter = if taken {
+            &mut self.sent
+        } else {
+            &mut self.dropped
+        };
+        add(counter);
     }
 }
 
 /// Counts one more.
-fn add(counter: &mut u32) {
+const fn add(counter: &mut u32) {
     *counter = counter.saturating_add(1);
 }
 

@@ -201,11 +201,11 @@ pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
     if !args.json {
         out.write_all(summary::table(&reports).as_bytes())?;
     }
-    eprintln!(
-        "{} episodes in {:.2} s",
-        sources.len(),
-        began.elapsed().as_secs_f64()
-    );
+    let episodes = match sources.len() {
+        1 => "1 episode".into(),
+        count => format!("{count} episodes"),
+    };
+    eprintln!("{episodes} in {:.2} s", began.elapsed().as_secs_f64());
     Ok(())
 }
 

@@ -10,9 +10,9 @@
 //! | [`RemoteMind`] | a [`Pilot`](crate::pilot::Pilot): any episode, driven by the mind at the other end |
 //! | [`Knowledge`] | configuration, maps and memory as one file |
 //!
-//! A *request* is a frame the mind confirms; it is repeated, with the same number, until it is confirmed or patience
-//! ends. The mind confirms a repetition without doing it again. Whatever the mind says is numbered too, so that a report
-//! that was lost is noticed.
+//! A *request* is a frame the mind confirms. Whatever the mind says is numbered, so that a report that was lost is noticed.
+//! A request is repeated, with the same number, until it is confirmed and nothing is missing, or patience ends: the mind
+//! says again what it said, without doing it again.
 
 mod address;
 mod error;

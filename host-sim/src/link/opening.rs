@@ -63,7 +63,7 @@ impl Session {
     /// Begins session `number` on this side and returns the frame that opens it.
     fn begin(&mut self, number: u16, clock: Clock) -> Result<Vec<u8>, LinkError> {
         (self.number, self.seq) = (number, 0);
-        (self.mind_seq, self.missing) = (None, 0);
+        (self.mind_seq, self.missing) = (None, Vec::new());
         self.hello = None;
         self.heard.clear();
         self.burst.clear();

@@ -37,8 +37,7 @@ impl Session {
         })
     }
 
-    /// Replaces a whole part. The pieces end where components and samples do. A refusal that was lost on the way goes
-    /// unnoticed: compare the checksums of the next hello.
+    /// Replaces a whole part. The pieces end where components and samples do.
     ///
     /// # Errors
     /// [`LinkError`].

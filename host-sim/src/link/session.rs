@@ -56,7 +56,8 @@ pub struct Session {
     pub(super) seq: u16,
     /// Number of the mind's latest report in the session.
     pub(super) mind_seq: Option<u16>,
-    pub(super) missing: u32,
+    /// Numbers of reports before it that have not come.
+    pub(super) missing: Vec<u16>,
     /// Frames that go out with the next request, and again with each repetition.
     pub(super) burst: Vec<u8>,
     pub(super) began: Instant,
@@ -77,7 +78,7 @@ impl Session {
             number: 0,
             seq: 0,
             mind_seq: None,
-            missing: 0,
+            missing: Vec::new(),
             burst: Vec::new(),
             began: Instant::now(),
             patience: Patience::default(),
@@ -138,7 +139,8 @@ impl Session {
         Ok(())
     }
 
-    /// Sends a message and waits for its confirmation; without one it is sent again, with the same number.
+    /// Sends a message and waits for its confirmation; without one, or when a report was lost, it is sent again, with the
+    /// same number, and the mind says again what it said.
     ///
     /// # Errors
     /// [`LinkError`]: no confirmation, a mind that started anew, a broken way. A refusal is an answer.
@@ -146,39 +148,60 @@ impl Session {
         let seq = self.seq;
         self.put(message)?;
         let burst = std::mem::take(&mut self.burst);
-        let mut answer = Answer::default();
+        let mut reports = Vec::new();
+        let mut done = false;
         for attempt in 0..self.patience.attempts {
             if attempt > 0 {
                 self.send(&[0])?;
             }
             self.send(&burst)?;
             let until = Instant::now() + self.patience.attempt;
-            if self.await_done(seq, until, &mut answer)? {
-                answer.missing = std::mem::take(&mut self.missing);
-                // Keeps its room for the next request.
-                self.burst = burst;
-                self.burst.clear();
-                return Ok(answer);
+            done |= self.await_done(seq, until, &mut reports)?;
+            if done && self.missing.is_empty() {
+                break;
             }
         }
-        Err(self.silent())
+        // Keeps its room for the next request.
+        self.burst = burst;
+        self.burst.clear();
+        if done {
+            Ok(self.answer(seq, reports))
+        } else {
+            Err(self.silent())
+        }
+    }
+
+    /// Puts the reports in the order they were made.
+    fn answer(&mut self, seq: u16, mut numbered: Vec<(u16, Report<16>)>) -> Answer {
+        let latest = self.mind_seq.unwrap_or(0);
+        numbered.sort_by_key(|(number, _)| number.wrapping_sub(latest).wrapping_sub(1));
+        let mut answer = Answer {
+            missing: std::mem::take(&mut self.missing).len() as u32,
+            ..Answer::default()
+        };
+        for (_, report) in numbered {
+            match report.said {
+                FromMind::Refusal { seq: refused, why } if refused == seq => {
+                    answer.refusal = Some(why);
+                }
+                _ => answer.reports.push(report),
+            }
+        }
+        answer
     }
 
     fn await_done(
         &mut self,
         seq: u16,
         until: Instant,
-        answer: &mut Answer,
+        reports: &mut Vec<(u16, Report<16>)>,
     ) -> Result<bool, LinkError> {
-        while let Some(report) = self.next_report(until)? {
+        while let Some((number, report)) = self.next_numbered(until)? {
             match report.said {
                 FromMind::Done { seq: done } if done == seq => return Ok(true),
-                FromMind::Refusal { seq: refused, why } if refused == seq => {
-                    answer.refusal = Some(why);
-                }
-                // Of a frame before, or of the same one once more.
+                // Of a frame before.
                 FromMind::Done { .. } => {}
-                _ => answer.reports.push(report),
+                _ => reports.push((number, report)),
             }
         }
         Ok(false)
@@ -231,17 +254,23 @@ impl Session {
     /// # Errors
     /// A broken way, a mind that started anew.
     pub fn next_report(&mut self, until: Instant) -> Result<Option<Report<16>>, LinkError> {
+        let next = self.next_numbered(until)?;
+        Ok(next.map(|(_, report)| report))
+    }
+
+    /// The next report that has not come before, and its number; a confirmation also when it came before.
+    fn next_numbered(&mut self, until: Instant) -> Result<Option<(u16, Report<16>)>, LinkError> {
         while let Some((header, report)) = self.next(until)? {
             if header.session == self.number {
-                if let Some(last) = self.mind_seq.replace(header.seq) {
-                    let between = header.seq.wrapping_sub(last).wrapping_sub(1);
-                    self.missing = self.missing.saturating_add(u32::from(between));
-                }
-                if matches!(report.said, FromMind::Hello(_)) {
+                let is_news = self.is_news(header.seq);
+                match report.said {
                     // Our hello had been repeated.
-                    continue;
+                    FromMind::Hello(_) => continue,
+                    FromMind::Done { .. } => {}
+                    _ if !is_news => continue,
+                    _ => {}
                 }
-                return Ok(Some(report));
+                return Ok(Some((header.seq, report)));
             }
             match (header.session, report.said) {
                 (0, FromMind::Hello(hello)) => return Err(LinkError::Restarted(hello.reset)),
@@ -253,6 +282,23 @@ impl Session {
             }
         }
         Ok(None)
+    }
+
+    /// Whether the report of this number has not come before.
+    fn is_news(&mut self, number: u16) -> bool {
+        let last = *self.mind_seq.get_or_insert(number.wrapping_sub(1));
+        let ahead = number.wrapping_sub(last) as i16;
+        if ahead > 0 {
+            let between = (1..ahead).map(|step| last.wrapping_add(step as u16));
+            self.missing.extend(between);
+            self.mind_seq = Some(number);
+            return true;
+        }
+        let missed = self.missing.iter().position(|missing| *missing == number);
+        if let Some(place) = missed {
+            self.missing.swap_remove(place);
+        }
+        missed.is_some()
     }
 
     pub(super) fn next(
@@ -305,5 +351,37 @@ impl Session {
         LinkError::Silent {
             waited: self.patience.whole(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::link::Silent;
+
+    #[test]
+    fn reports_that_come_late_are_news_and_those_that_come_again_are_not() {
+        let mut session = Session::new(Silent);
+        let mut hear = |number: u16| (session.is_news(number), session.missing.clone());
+        assert_eq!(hear(65_533), (true, vec![]));
+        assert_eq!(hear(0), (true, vec![65_534, 65_535]));
+        assert_eq!(hear(65_535), (true, vec![65_534]));
+        assert_eq!(hear(65_535), (false, vec![65_534]));
+        assert_eq!(hear(0), (false, vec![65_534]));
+        assert_eq!(hear(1), (true, vec![65_534]));
+        let said = |device_ms| Report {
+            device_ms,
+            said: FromMind::Counters(amp::wire::message::Counters::NONE),
+        };
+        let numbered = vec![(1, said(4)), (65_535, said(2)), (0, said(3))];
+        let answer = session.answer(7, numbered);
+        assert_eq!(answer.missing, 1);
+        let order: Vec<_> = answer
+            .reports
+            .iter()
+            .map(|report| report.device_ms)
+            .collect();
+        assert_eq!(order, [2, 3, 4]);
+        assert!(session.missing.is_empty());
     }
 }

@@ -98,6 +98,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
         if answered {
             self.say(FromMind::Done { seq }, now, out);
+            self.kept.end();
         }
     }
 

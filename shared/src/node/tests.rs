@@ -315,12 +315,9 @@ fn old_repeated_strange_and_late_frames_do_nothing() {
     };
     let late = rig.packed(&seek);
     rig.now += 101;
-    assert_eq!(
-        refusal(&rig.raw(&late)),
-        Some(Refusal::Expired { age_ms: 101 })
-    );
-    let again = rig.raw(&late);
-    assert!(matches!(again[..], [FromMind::Done { .. }]));
+    let said = rig.raw(&late);
+    assert_eq!(refusal(&said), Some(Refusal::Expired { age_ms: 101 }));
+    assert_eq!(rig.raw(&late), said);
     rig.now += 10;
     let alive = rig.packed(&ToMind::Counters);
     rig.raw(&alive);
@@ -381,6 +378,80 @@ fn another_protocol_is_refused_and_the_session_stays() {
     let bytes = rig.packed(&ToMind::Counters);
     fresh.frame(Millis::from_ms(0), &bytes, &mut said);
     assert_eq!(refusal(&read(&said)), Some(Refusal::NoSession));
+}
+
+#[test]
+fn the_latest_answer_is_said_again_byte_for_byte() {
+    let mut rig = Rig::ready(Clock::Host);
+    rig.order(Order::Seek);
+    let counters = rig.packed(&ToMind::Counters);
+    let echoes = (0..16).map(|sensor| Heard {
+        sensor,
+        range_mm: Some(900),
+        age_ms: 0,
+    });
+    let mut at_ms = rig.at_ms() + 200;
+    let alive = rig.packed(&ToMind::Alive { at_ms });
+    let scan = rig.packed(&ToMind::Scan {
+        at_ms,
+        echoes: echoes.collect(),
+    });
+    let say = |rig: &mut Rig, frames: &[&Vec<u8>]| {
+        let mut said = Said::default();
+        for frame in frames {
+            rig.node.frame(Millis::from_ms(rig.now), frame, &mut said);
+        }
+        said.0
+    };
+    say(&mut rig, &[&counters]);
+    let first = say(&mut rig, &[&alive, &scan]);
+    assert_eq!(first.len(), 3, "decision, motion, done");
+    let state = rig.node.state.clone();
+    assert_eq!(say(&mut rig, &[&alive, &scan]), first);
+    assert!(rig.node.state == state);
+    // Not what was said before.
+    assert!(say(&mut rig, &[&counters]).is_empty());
+    // Renewals of the motion belong to the next answer, until they are too many to be kept.
+    for (signs, kept) in [(3, true), (40, false)] {
+        let mut burst = Vec::new();
+        for _ in 0..signs {
+            at_ms += 200;
+            burst.push(rig.packed(&ToMind::Alive { at_ms }));
+        }
+        burst.push(rig.packed(&ToMind::Counters));
+        let burst: Vec<_> = burst.iter().collect();
+        let first = say(&mut rig, &burst);
+        assert_eq!(first.len(), signs + 2);
+        let again = say(&mut rig, &burst);
+        assert_eq!(again == first, kept);
+        let said = read(&Said(again));
+        assert!(matches!(said.last(), Some(FromMind::Done { .. })));
+        assert!(kept || said.len() == 1);
+    }
+}
+
+#[test]
+fn no_motion_is_said_again_after_a_stop() {
+    let mut rig = Rig::ready(Clock::Device);
+    rig.order(Order::Seek);
+    let echoes = (0..16).map(|sensor| Heard {
+        sensor,
+        range_mm: Some(900),
+        age_ms: 0,
+    });
+    let scan = ToMind::Scan {
+        at_ms: rig.at_ms(),
+        echoes: echoes.collect(),
+    };
+    let scan = rig.packed(&scan);
+    assert!(motion(&rig.raw(&scan)).is_some());
+    rig.now += 250;
+    assert!(motion(&rig.tick().1).is_some(), "a renewal");
+    assert!(motion(&rig.raw(&scan)).is_some());
+    rig.now += 60;
+    let said = rig.tick().1;
+    assert!(said.contains(&FromMind::Mode(ModeReport::Stopped(StopReason::LinkLost))));
+    assert!(matches!(rig.raw(&scan)[..], [FromMind::Done { .. }]));
 }
 
 #[test]
