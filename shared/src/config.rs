@@ -115,8 +115,8 @@ pub struct Learning {
     pub situations: Training,
     /// The action map's training.
     pub actions: Training,
-    /// Presentations per [`Event::Tick`](crate::controller::Event::Tick), 1 … 16: bounds the work between two events and
-    /// changes nothing else.
+    /// Presentations per [`Event::Tick`](crate::controller::Event::Tick), 1 … 16 (half as many at first, when many ties are
+    /// to be settled): bounds the work between two events and changes nothing else.
     pub slice: u16,
 }
 

@@ -104,9 +104,9 @@ impl Twin {
         self.settle(0);
     }
 
-    /// Lets both pursue free space.
-    pub fn seek(&mut self) {
-        self.order(Order::Goal(GoalBy::Avoid));
+    /// Lets both pursue a goal.
+    pub fn seek(&mut self, goal: GoalBy<16>) {
+        self.order(Order::Goal(goal));
         self.order(Order::Seek);
     }
 

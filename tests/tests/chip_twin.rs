@@ -1,12 +1,28 @@
 //! The firmware in the emulated chip and the same crate on this machine: every byte they say and everything they know is
 //! the same.
 
-use amp::wire::message::Order;
+use amp::config::Config;
+use amp::goal::{Goal, Side};
+use amp::units::Range;
+use amp::wire::message::{GoalBy, Order};
 use host_sim::episode::Body;
 use host_sim::robot::TurretMode;
 use host_sim::sonar::SonarModel;
 use host_sim::world::World;
 use tests::twin::Twin;
+
+/// What is pursued in each room: free space, both goals in the frame of travel, a place that the robot has to search for.
+fn goal(room: u64) -> GoalBy<16> {
+    let config = Config::recommended();
+    let range = Range::from_mm;
+    match room {
+        2 => GoalBy::Components(Goal::wall(Side::Right, range(600), &config)),
+        3 => GoalBy::Components(Goal::passing(Side::Right, range(1_500), &config)),
+        4 => GoalBy::Situation([100; 16]),
+        5 => GoalBy::Components(Goal::following(range(340), &config)),
+        _ => GoalBy::Avoid,
+    }
+}
 
 /// Explores a hundred moves, learns, seeks a thousand steps.
 fn episode(room: u64, sonar: SonarModel, steps: usize) {
@@ -20,7 +36,7 @@ fn episode(room: u64, sonar: SonarModel, steps: usize) {
     while !body.advance(&mut twin).mode_changed {}
     twin.learn();
     let maps = twin.compare_knowledge();
-    twin.seek();
+    twin.seek(goal(room));
     let mut decisions = 0;
     while decisions < steps {
         let happened = body.advance(&mut twin);

@@ -176,7 +176,9 @@ fn learning_takes_the_ticks_it_should_and_stands_still() {
     bench.log.clear();
     bench.learn();
     let presentations = 20 * usize::from(bench.config.learning.epochs);
-    let ticks = presentations.div_ceil(usize::from(bench.config.learning.slice));
+    let slice = usize::from(bench.config.learning.slice);
+    // The first sixteen in slices of half the size.
+    let ticks = 32 / slice + (presentations - 16).div_ceil(slice);
     assert_eq!(bench.log.len(), 1 + ticks);
     assert!(bench.log.iter().all(|out| out.motion.is_none()));
 }
