@@ -131,10 +131,42 @@ impl Asked {
         self.low.saturating_sub(tolerance) <= value && value <= self.high.saturating_add(tolerance)
     }
 
-    /// Whether every value between these two is as asked.
-    #[inline(always)]
-    pub(crate) const fn holds_between(&self, (least, most): (i32, i32)) -> bool {
-        self.low <= least && most <= self.high
+    /// How the deviation runs over the values from the least to the most, which may lie below 0 and count as 0 there.
+    pub(crate) const fn over(&self, (least, most): (i32, i32), cap: i32) -> Over {
+        let (low, high) = (self.low, self.high);
+        let from = if least < 0 { 0 } else { least };
+        let to = if most < 0 { 0 } else { most };
+        if low <= from && to <= high {
+            return Over::Met;
+        }
+        if from.saturating_sub(high) >= cap || low.saturating_sub(to) >= cap {
+            return Over::Capped;
+        }
+        let (target, farthest) = if from >= high {
+            (high, to.saturating_sub(high))
+        } else if to <= low {
+            (low, low.saturating_sub(from))
+        } else if low == high {
+            let (above, below) = (to.saturating_sub(high), low.saturating_sub(from));
+            (high, if above > below { above } else { below })
+        } else {
+            return Over::Bent;
+        };
+        if least >= 0 && farthest <= cap {
+            Over::Square(target)
+        } else {
+            Over::Bent
+        }
+    }
+
+    /// Weight of the deviation.
+    pub(crate) const fn weight(&self) -> i32 {
+        self.weight
+    }
+
+    /// The deviation of what is at the cap or beyond.
+    pub(crate) const fn most(&self, cap: i32) -> i64 {
+        cap.wrapping_mul(cap) as i64 * self.weight as i64
     }
 
     /// Squared deviation of a value, at most that of the cap, in units of 2⁻²⁶ · weight.
@@ -144,6 +176,19 @@ impl Asked {
         let off = value.wrapping_sub(nearest).saturating_abs().min(cap);
         i64::from(off.wrapping_mul(off)).wrapping_mul(i64::from(self.weight))
     }
+}
+
+/// How the deviation runs over an interval of values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Over {
+    /// All values are as asked.
+    Met,
+    /// All values deviate by the cap at least.
+    Capped,
+    /// The square of the distance from this value.
+    Square(i32),
+    /// One piece here, another there.
+    Bent,
 }
 
 /// Squared deviation of values from what is asked of them, see [`Goal::deviation`].

@@ -18,6 +18,7 @@ use crate::units::{Bearing, Displacement};
 use serde::{Deserialize, Serialize};
 
 mod forward;
+mod landscape;
 mod look_ahead;
 
 /// Why the planner chose what it chose.

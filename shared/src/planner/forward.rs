@@ -84,13 +84,17 @@ impl Line {
         change.wrapping_add(self.now).max(0)
     }
 
-    /// What the value surely lies between after any displacement up to the longest step; unit vectors may be too long by
-    /// a sixteenth.
+    /// What the value, which counts as 0 below 0, surely lies between after any displacement up to the longest step; unit
+    /// vectors may be too long by a sixteenth.
     pub(super) fn range(&self) -> (i32, i32) {
         let most = self.along_x.abs().wrapping_add(self.along_y.abs());
         let most = most.wrapping_add(most >> 4).wrapping_add(2);
-        let end = |change: i32| self.now.wrapping_add(change).max(0);
-        (end(most.wrapping_neg()), end(most))
+        (self.now.wrapping_sub(most), self.now.wrapping_add(most))
+    }
+
+    /// Present value, changes per longest step along x and along y.
+    pub(super) const fn coefficients(&self) -> (i32, i32, i32) {
+        (self.now, self.along_x, self.along_y)
     }
 }
 

@@ -15,14 +15,14 @@
 //! Cost for 16 transducers and neurons: about 500 products for the linear map, 256 for the predictions, 256 comparisons with
 //! the goal, and 256 more for the way of a goal in the frame of travel.
 
-use super::forward::{Forward, Line};
+use super::forward::Forward;
+use super::landscape::Landscape;
 use super::{Plan, Planner, Why, difference};
 use crate::config::Choice;
 use crate::fixed::{Mask, Weight, coarse, unit_weight};
 use crate::goal::{Asked, Frame, Goal, missed};
 use crate::scan::Situation;
 use crate::units::{Direction, Displacement};
-use heapless::Vec;
 
 /// Shares of a step that are tried along the best direction to a place, in 1/4; the whole step has been tried.
 const SHORTER_Q2: [i32; 4] = [3, 2, 1, 0];
@@ -65,47 +65,6 @@ impl<const SENSORS: usize> Aim<'_, SENSORS> {
     fn going(&self, direction: Direction, share_q2: i32) -> i64 {
         let whole = weighted(self.goal.going_q16, cosine_q14(direction, self.way));
         whole.wrapping_mul(i64::from(share_q2)) >> 2
-    }
-}
-
-/// What is asked of a transducer whose value may come to deviate from it.
-#[derive(Debug, Clone, Copy, Default)]
-struct Part {
-    line: Line,
-    asked: Asked,
-}
-
-/// The parts of a goal that some action can deviate from, on the way it is looked at.
-struct Parts<const SENSORS: usize> {
-    parts: Vec<Part, SENSORS>,
-    cap: i32,
-}
-
-impl<const SENSORS: usize> Parts<SENSORS> {
-    fn add(&mut self, forward: &Forward<SENSORS>, aim: &Aim<'_, SENSORS>) {
-        for (asked, line) in aim.asked.iter().zip(forward.lines()) {
-            if !asked.holds_between(line.range()) {
-                // As many as there are transducers.
-                let _ = self.parts.push(Part {
-                    line: *line,
-                    asked: *asked,
-                });
-            }
-        }
-    }
-
-    /// Deviation of the situation to come from the goal, see [`Goal::deviation`]; what reaches `limit` may be more.
-    #[inline(always)]
-    fn deviation(&self, share: Direction, limit: i64) -> i64 {
-        let mut total = 0_i64;
-        for part in &self.parts {
-            let value = part.line.after(share);
-            total = total.wrapping_add(part.asked.deviation(value, self.cap));
-            if total >= limit {
-                break;
-            }
-        }
-        total
     }
 }
 
@@ -240,21 +199,15 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         aim: &Aim<'_, SENSORS>,
         forward: &Forward<SENSORS>,
     ) -> Candidate {
-        let mut parts = Parts {
-            parts: Vec::new(),
-            cap: aim.goal.cap_bits(),
-        };
-        parts.add(forward, aim);
-        // A candidate whose score reaches `worst` is not looked at to its end.
-        let try_out = |direction: Direction, share_q2: i32, worst: i64| {
-            let going = aim.going(direction, share_q2);
-            let deviation = parts.deviation(part(direction, share_q2), worst.saturating_add(going));
-            Candidate {
-                direction,
-                share_q2,
-                score: deviation.wrapping_sub(going),
-                neuron: None,
-            }
+        let mut landscape = Landscape::flat(aim.goal.cap_bits());
+        landscape.shape(forward, aim.asked);
+        let try_out = |direction: Direction, share_q2: i32| Candidate {
+            direction,
+            share_q2,
+            score: landscape
+                .at(part(direction, share_q2))
+                .wrapping_sub(aim.going(direction, share_q2)),
+            neuron: None,
         };
         // Where every action is inhibited the robot waits for the first to come back.
         let mut best = Candidate {
@@ -273,7 +226,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         } else {
             for direction in &self.config.robot.directions {
                 if self.is_allowed(*direction) {
-                    let candidate = try_out(*direction, 4, best.score);
+                    let candidate = try_out(*direction, 4);
                     if candidate.score < best.score {
                         best = candidate;
                     }
@@ -282,7 +235,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         }
         if aim.goal.going_q16 == 0 {
             for share_q2 in SHORTER_Q2 {
-                let shorter = try_out(best.direction, share_q2, best.score.saturating_add(1));
+                let shorter = try_out(best.direction, share_q2);
                 if shorter.score <= best.score {
                     best = shorter;
                 }

@@ -1,0 +1,193 @@
+//! How far the situation to come deviates from a goal, over all displacements of a step.
+//!
+//! Expected values are linear in the displacement, so most transducers' squared deviations are one quadratic form over the
+//! whole step, or do not change at all: their coefficients are summed once, and a direction costs a few products. Only
+//! transducers whose value may cross a bound within the step are looked at one by one.
+
+use super::forward::{Forward, Line};
+use crate::goal::{Asked, Over};
+use crate::units::Direction;
+use heapless::Vec;
+
+/// What is asked of a transducer whose value may cross a bound.
+#[derive(Debug, Clone, Copy)]
+struct Part {
+    line: Line,
+    asked: Asked,
+}
+
+/// Deviation from a goal as a function of the displacement, in units of 2⁻²⁶ · weight.
+pub(super) struct Landscape<const SENSORS: usize> {
+    form: Option<Form>,
+    parts: Vec<Part, SENSORS>,
+    cap: i32,
+}
+
+impl<const SENSORS: usize> Landscape<SENSORS> {
+    /// Of a goal that asks nothing and counts each deviation as at most `cap`.
+    pub(super) const fn flat(cap: i32) -> Self {
+        Self {
+            form: None,
+            parts: Vec::new(),
+            cap,
+        }
+    }
+
+    /// Says what is asked of each transducer.
+    pub(super) fn shape(&mut self, forward: &Forward<SENSORS>, asked: &[Asked; SENSORS]) {
+        let mut sums = Sums::default();
+        let mut smooth = false;
+        for (asked, line) in asked.iter().zip(forward.lines()) {
+            match asked.over(line.range(), self.cap) {
+                Over::Met => {}
+                Over::Capped => {
+                    smooth = true;
+                    sums.level = sums.level.wrapping_add(asked.most(self.cap));
+                }
+                Over::Square(target) => {
+                    smooth = true;
+                    sums.add(line, target, asked.weight());
+                }
+                // As many as there are transducers.
+                Over::Bent => drop(self.parts.push(Part {
+                    line: *line,
+                    asked: *asked,
+                })),
+            }
+        }
+        self.form = smooth.then(|| sums.form());
+    }
+
+    /// The deviation after a displacement given as shares of the longest step, Q14.
+    #[inline(always)]
+    pub(super) fn at(&self, share: Direction) -> i64 {
+        let smooth = self.form.as_ref().map_or(0, |form| form.at(share));
+        self.parts.iter().fold(smooth, |total, part| {
+            total.wrapping_add(part.asked.deviation(part.line.after(share), self.cap))
+        })
+    }
+}
+
+/// What the quadratic form is summed from.
+#[derive(Default)]
+struct Sums {
+    /// w e², where w is the weight and e the deviation where the robot stands.
+    level: i64,
+    /// w e a, at most 2³⁹; a is the slope along x and y.
+    slope: [i64; 2],
+    /// w a a, at most 2⁴⁰: xx, xy, yy.
+    bend: [i64; 3],
+}
+
+impl Sums {
+    #[inline(always)]
+    fn add(&mut self, line: &Line, target: i32, weight: i32) {
+        let (now, x, y) = line.coefficients();
+        let product = |a: i32, b: i32| i64::from(a) * i64::from(b);
+        let off = now.wrapping_sub(target);
+        // With the weight at most 24 bits.
+        let (off_w, x_w, y_w) = (
+            off.wrapping_mul(weight),
+            x.wrapping_mul(weight),
+            y.wrapping_mul(weight),
+        );
+        self.level = self.level.wrapping_add(product(off_w, off));
+        let [slope_x, slope_y] = &mut self.slope;
+        *slope_x = slope_x.wrapping_add(product(off_w, x));
+        *slope_y = slope_y.wrapping_add(product(off_w, y));
+        let [xx, xy, yy] = &mut self.bend;
+        *xx = xx.wrapping_add(product(x_w, x));
+        *xy = xy.wrapping_add(product(x_w, y));
+        *yy = yy.wrapping_add(product(y_w, y));
+    }
+
+    fn form(&self) -> Form {
+        Form {
+            level: self.level,
+            slope: self.slope.map(|sum| (sum >> 9) as i32),
+            bend: self.bend.map(|sum| (sum >> 10) as i32),
+        }
+    }
+}
+
+/// A quadratic form in 32 bits: one instruction of the chip per product.
+struct Form {
+    level: i64,
+    /// In units of 2⁹ of the sums.
+    slope: [i32; 2],
+    /// In units of 2¹⁰ of the sums.
+    bend: [i32; 3],
+}
+
+impl Form {
+    #[inline(always)]
+    fn at(&self, share: Direction) -> i64 {
+        let (x, y) = (i32::from(share.x_q14), i32::from(share.y_q14));
+        let product = |a: i32, b: i32| i64::from(a) * i64::from(b);
+        let q20 = |a: i32, b: i32| a.wrapping_mul(b) >> 8;
+        let [slope_x, slope_y] = self.slope;
+        let [xx, xy, yy] = self.bend;
+        let tilt = product(slope_x, x).wrapping_add(product(slope_y, y)) >> 4;
+        let bow = product(xx, q20(x, x))
+            .wrapping_add(product(xy, q20(x, y) << 1))
+            .wrapping_add(product(yy, q20(y, y)))
+            >> 10;
+        self.level.wrapping_add(tilt).wrapping_add(bow)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::action_map::{ActionCode, ActionMap};
+    use crate::fixed::{Mask, Weight};
+    use crate::goal::{Component, Goal, missed};
+    use crate::som::Grid;
+    use proptest::prelude::*;
+
+    /// Four actions along the axes and what each changes.
+    fn forward(situation: [Weight; 4], slopes: [[i16; 4]; 2]) -> Forward<4> {
+        let bits = |row: [i16; 4], sign: i16| row.map(|bits| Weight::from_bits(sign * bits));
+        let [x, y] = slopes;
+        let actions = [[8_192, 0], [-8_192, 0], [0, 8_192], [0, -8_192]];
+        let map = ActionMap::<4, 4>::new(
+            Grid::rectangle(2, 2),
+            [bits(x, 1), bits(x, -1), bits(y, 1), bits(y, -1)],
+            actions.map(|action| action.map(Weight::from_bits)),
+        );
+        let mut forward = Forward::from(&situation);
+        forward.fit(&map, ActionCode::Displacement, 250);
+        forward
+    }
+
+    proptest! {
+        #[test]
+        fn it_is_the_deviation_of_the_expected_values(
+            situation in prop::array::uniform4(0_i16..=8_192),
+            bounds in prop::array::uniform4((0_i16..=8_192, 0_i16..=8_192, 0_u8..20)),
+            slopes in prop::array::uniform2(prop::array::uniform4(-1_500_i16..=1_500)),
+            cap in 0_i16..=8_192,
+            turns in any::<u16>(),
+        ) {
+            let mut goal = Goal::of(bounds.map(|(a, b, weight)| Component {
+                low: Weight::from_bits(a.min(b)),
+                high: Weight::from_bits(a.max(b)),
+                weight,
+            }));
+            goal.cap = Weight::from_bits(cap);
+            let mut asked = [Asked::ANYTHING; 4];
+            goal.ask(Mask::ALL, &mut asked);
+            let forward = forward(situation.map(Weight::from_bits), slopes);
+            let mut landscape = Landscape::flat(goal.cap_bits());
+            landscape.shape(&forward, &asked);
+            let share = crate::units::Bearing::from_turns(turns).direction();
+            let values = forward.after(share);
+            let exact = missed(&asked, &values, goal.cap_bits());
+            let found = landscape.at(share);
+            // Each value is rounded down to one unit; the form's coefficients to 2⁹ and 2¹⁰.
+            let weights: i64 = bounds.iter().map(|(_, _, weight)| i64::from(*weight)).sum();
+            let bound = weights * (2 * i64::from(cap) + 2) + 5 * 1_024;
+            prop_assert!((exact - found).abs() <= bound, "{exact} {found} {bound}");
+        }
+    }
+}
