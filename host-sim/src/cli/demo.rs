@@ -64,6 +64,7 @@ pub fn demo(args: &DemoArgs, out: &mut impl Write) -> Result<(), Failure> {
         seed: args.seed,
         sonar: SonarModel::Ideal,
         turret: preset.turret(),
+        set_down: None,
         record: true,
     };
     let progress = bar(1, "");

@@ -6,6 +6,7 @@
 
 mod ablation;
 mod behaviors;
+mod capture;
 mod demo;
 mod link;
 mod output;
@@ -57,6 +58,8 @@ enum Command {
     Ablation(ablation::AblationArgs),
     /// List the behaviours with what they reach, measured: the maps alone, and with the shield
     Behaviors(behaviors::BehaviorsArgs),
+    /// Write down what the robot perceives at a place: a goal for `run --behavior seek:FILE` and `link goal FILE`
+    Capture(capture::CaptureArgs),
     /// Measure whether a behaviour improves by being repeated, against frozen maps
     Repetition(repetition::RepetitionArgs),
     /// Print a completion script for a shell
@@ -123,6 +126,7 @@ fn execute(command: Option<Command>, out: &mut impl Write) -> Result<(), Failure
         Some(Command::Settings) => settings(out),
         Some(Command::Ablation(args)) => ablation::ablation(&args, out),
         Some(Command::Behaviors(args)) => behaviors::behaviors(&args, out),
+        Some(Command::Capture(args)) => capture::capture(&args, out),
         Some(Command::Repetition(args)) => repetition::repetition(&args, out),
         Some(Command::Completions { shell }) => {
             let mut script = Vec::new();

@@ -209,6 +209,7 @@ fn mind(
         seed: trial.seed,
         sonar: trial.sonar,
         turret,
+        set_down: None,
         record: false,
     };
     let report = run(world, &setup, |_, _, _| {})?.report;
