@@ -161,6 +161,9 @@ impl FromStr for Behavior {
             return Ok(Self::Chain(parts));
         }
         if let Some(path) = name.strip_prefix("seek:") {
+            if path.is_empty() {
+                return Err(BadInput::new("seek: takes a goal file: seek:FILE"));
+            }
             return Ok(Self::Seek(Box::new(GoalFile::load(path.as_ref())?)));
         }
         match name {

@@ -202,7 +202,7 @@ fn pictures(
         progress.inc(1);
     }
     progress.finish_and_clear();
-    let title = "Behaviours from the same kind of memory: 100 random moves";
+    let title = "Behaviours, each from 100 random moves";
     let svg = plot::behaviors(title, &shown);
     let picture = save(dir, "behaviors.svg", svg.as_bytes()).map_err(BadInput::from)?;
     let png = plot::png::render(&svg, 2.0)

@@ -118,7 +118,10 @@ fn pose(world: &World, at: Option<At>) -> Result<Pose, BadInput> {
     let Some(At { place, bearing }) = at else {
         return Ok(start);
     };
-    if world.is_inside(place) || world.clearance(place) < COLLISION_RADIUS_M {
+    let (low, high) = world.bounds();
+    let within = |value: f64, low: f64, high: f64| (low..=high).contains(&value);
+    let outside = !within(place.x, low.x, high.x) || !within(place.y, low.y, high.y);
+    if outside || world.is_inside(place) || world.clearance(place) < COLLISION_RADIUS_M {
         return Err(BadInput::new(format!(
             "--at {},{}: there is no room for the robot in the world {}",
             place.x,

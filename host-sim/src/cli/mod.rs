@@ -52,7 +52,7 @@ enum Command {
     Som(crate::som::SomArgs),
     /// List and draw worlds
     Worlds(worlds::WorldsArgs),
-    /// List the open choices of the method: the keys of --set, with both presets' values
+    /// List the open choices of the method: the keys of --set, with the presets' values
     Settings,
     /// Measure each open choice by changing it alone, over many random rooms
     Ablation(ablation::AblationArgs),
@@ -141,22 +141,22 @@ fn run_som(args: &crate::som::SomArgs, out: &mut impl Write) -> Result<(), Failu
 }
 
 fn settings(out: &mut impl Write) -> Result<(), Failure> {
-    let (recommended, literal) = (
-        amp::config::Config::recommended(),
-        amp::config::Config::touzet(),
-    );
+    let presets = [
+        run::Preset::Default,
+        run::Preset::Probe,
+        run::Preset::Touzet,
+    ];
+    let configs = presets.map(run::Preset::config);
     let rows: Vec<_> = crate::settings::SETTINGS
         .iter()
         .map(|setting| {
-            vec![
-                setting.key.to_owned(),
-                setting.value(&recommended),
-                setting.value(&literal),
-                setting.help.to_owned(),
-            ]
+            let values = configs.iter().map(|config| setting.value(config));
+            let key = [setting.key.to_owned()].into_iter();
+            key.chain(values).chain([setting.help.to_owned()]).collect()
         })
         .collect();
-    let heads = ["key", "default", "touzet", "meaning"];
+    let [default, probe, touzet] = presets.map(run::Preset::name);
+    let heads = ["key", default, probe, touzet, "meaning"];
     Ok(out.write_all(table::plain(&heads, &rows, &[]).as_bytes())?)
 }
 

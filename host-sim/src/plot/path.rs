@@ -224,10 +224,14 @@ fn surroundings(legend: &mut Legend, svg: &mut Svg, recording: &Recording) {
     legend.entry(svg, "wall, obstacle", |svg, [x, y]| {
         svg.rect([x - 9.0, y - 6.0, 18.0, 12.0], &filled(OBSTACLE, INK, 1.3));
     });
+    let near = if recording.near_m > 0.0 {
+        format!("something at {}\u{a0}m or nearer", num(recording.near_m))
+    } else {
+        "something at the ring".to_owned()
+    };
     let range = format!(
-        "Situations run from 0 (nothing within {}\u{a0}m) to 1 (something at {}\u{a0}m or nearer).",
-        num(recording.far_m),
-        num(recording.near_m)
+        "Situations run from 0 (nothing within {}\u{a0}m) to 1 ({near}).",
+        num(recording.far_m)
     );
     legend.skip(4.0);
     legend.note(svg, &range);
