@@ -65,7 +65,7 @@ fn at(worlds: &BySeed<Vec<f64>>, repetition: usize) -> Mean {
 }
 
 /// The mean over the last half of the repetitions.
-fn late(curve: &Vec<f64>) -> f64 {
+fn late(curve: &[f64]) -> f64 {
     let half = curve.get(curve.len() / 2..).unwrap_or_default();
     half.iter().sum::<f64>() / half.len().max(1) as f64
 }

@@ -60,7 +60,7 @@ pub static SCENES: &[Scene] = &[
         rooms::with_exit,
     )
     .asks(success, "goals reached", "")
-    .from_place(rooms::inside),
+    .set_down_at(rooms::inside),
 ];
 
 fn clean(report: &Report) -> f64 {
@@ -116,7 +116,7 @@ impl Scene {
         self
     }
 
-    const fn from_place(mut self, place: fn(u64) -> Point) -> Self {
+    const fn set_down_at(mut self, place: fn(u64) -> Point) -> Self {
         self.set_down = Some(place);
         self
     }
