@@ -96,6 +96,7 @@ fn reports(
         config.shield = None;
     }
     let trial = Trial {
+        first: 101,
         worlds,
         seeds,
         explore_moves,
@@ -157,6 +158,7 @@ fn a_robot_that_knows_nothing_finds_no_nest() {
     config.planning.wander = None;
     config.online = None;
     let trial = Trial {
+        first: 101,
         worlds: 10,
         seeds: 5,
         explore_moves: 1,

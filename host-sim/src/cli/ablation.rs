@@ -35,7 +35,7 @@ pub struct AblationArgs {
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
     /// Measure every behaviour instead, each in one scene without the shield; rooms = worlds, 5 seeds in each
-    #[arg(long, conflicts_with_all = ["first", "seed", "steps"])]
+    #[arg(long, conflicts_with_all = ["seed", "steps"])]
     behaviors: bool,
     /// Print Markdown
     #[arg(long)]
@@ -133,6 +133,7 @@ fn behavior_row(variant: &Variant, args: &AblationArgs) -> Result<Vec<String>, e
         return Ok(row);
     };
     let trial = behaviors::Trial {
+        first: args.first,
         worlds: args.rooms,
         seeds: BEHAVIOR_SEEDS,
         explore_moves: 100,

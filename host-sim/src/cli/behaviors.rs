@@ -21,6 +21,9 @@ pub struct BehaviorsArgs {
     /// Measure every scene, with so many seeds per world [default: a short list, 4 seeds; with --worlds 30]
     #[arg(long, value_name = "SEEDS", value_parser = clap::value_parser!(u32).range(1..=999))]
     seeds: Option<u32>,
+    /// Number of the first world: each has its own rooms and seeds
+    #[arg(long, value_name = "NUMBER", default_value_t = 1)]
+    first: u64,
     /// The open choices of the method
     #[arg(long, value_name = "NAME", default_value = "default", value_enum)]
     preset: Preset,
@@ -139,6 +142,7 @@ fn trials(args: &BehaviorsArgs, (worlds, seeds): (u32, u32)) -> Result<(Trial, T
     let shielded = Trial {
         worlds: args.worlds.unwrap_or(worlds),
         seeds: args.seeds.unwrap_or(seeds),
+        first: args.first,
         explore_moves: 100,
         preset: args.preset.name(),
         config,

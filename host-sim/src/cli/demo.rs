@@ -24,7 +24,7 @@ pub struct DemoArgs {
     seed: u64,
 }
 
-const DEMO_SEED: u64 = 7;
+const DEMO_SEED: u64 = 18;
 
 impl Default for DemoArgs {
     fn default() -> Self {

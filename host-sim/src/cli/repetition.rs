@@ -29,6 +29,9 @@ pub struct RepetitionArgs {
     /// Random moves before the first: the fewer, the more is left to learn
     #[arg(long, value_name = "MOVES", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=i64::from(MOST_MOVES)))]
     explore: u16,
+    /// Number of the first world: each has its own rooms and seeds
+    #[arg(long, value_name = "NUMBER", default_value_t = 1)]
+    first: u64,
     /// The open choices of the method
     #[arg(long, value_name = "NAME", default_value = "default", value_enum)]
     preset: Preset,
@@ -108,6 +111,7 @@ fn trial(args: &RepetitionArgs) -> Result<Trial, BadInput> {
     Ok(Trial {
         worlds: args.worlds,
         seeds: args.seeds,
+        first: args.first,
         explore_moves: args.explore,
         preset: args.preset.name(),
         config,

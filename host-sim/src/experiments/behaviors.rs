@@ -15,6 +15,8 @@ use rayon::prelude::*;
 /// How much is measured, and with what.
 #[derive(Debug, Clone)]
 pub struct Trial {
+    /// Number of the first world.
+    pub first: u64,
     /// Worlds per scene.
     pub worlds: u32,
     /// Seeds per world.
@@ -45,7 +47,7 @@ pub struct Outcome {
 /// Something of every seed in every world.
 pub type BySeed<T> = Vec<Vec<T>>;
 
-/// Runs `one` for all seeds in all worlds of a scene, on all cores; world and seed count from 0 and 1 000 · (world + 1).
+/// Runs `one` for all seeds in all worlds of a scene, on all cores; the seeds in a world count from 1 000 times its number.
 ///
 /// # Errors
 /// When an episode fails.
@@ -54,11 +56,12 @@ pub fn each<T: Send>(
     trial: &Trial,
     one: impl Fn(&World, &Setup) -> Result<T, Failure> + Sync,
 ) -> Result<BySeed<T>, Failure> {
-    let worlds = (1..=u64::from(trial.worlds)).into_par_iter();
+    let worlds = (0..u64::from(trial.worlds)).into_par_iter();
     let of_world = |index: u64| {
-        let world = scene.world(index);
+        let number = trial.first.saturating_add(index);
+        let world = scene.world(number);
         let seeds = (0..u64::from(trial.seeds)).into_par_iter();
-        let of_seed = |seed| one(&world, &setup(scene, trial, &world, 1_000 * index + seed));
+        let of_seed = |seed| one(&world, &setup(scene, trial, &world, seed_of(number, seed)));
         seeds.map(of_seed).collect()
     };
     worlds.map(of_world).collect()
@@ -97,10 +100,15 @@ pub fn measure(
 /// # Errors
 /// When it fails.
 pub fn first(scene: &Scene, trial: &Trial) -> Result<Episode, Failure> {
-    let world = scene.world(1);
-    let mut setup = setup(scene, trial, &world, 1_000);
+    let world = scene.world(trial.first);
+    let mut setup = setup(scene, trial, &world, seed_of(trial.first, 0));
     setup.record = true;
     run(&world, &setup, |_, _, _| {})
+}
+
+/// A seed of world `number`, which has a thousand of its own.
+fn seed_of(number: u64, seed: u64) -> u64 {
+    number.wrapping_mul(1_000).wrapping_add(seed)
 }
 
 /// One episode in one of the scene's worlds.
