@@ -5,6 +5,7 @@ pub mod coverage;
 pub mod episode;
 pub mod error;
 pub mod experiments;
+pub mod goal_file;
 pub mod link;
 pub mod noise;
 pub mod pilot;

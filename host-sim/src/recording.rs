@@ -3,7 +3,7 @@
 //! Everything a person sees (paths, maps, histograms) is drawn from a [`Recording`], never from a running episode, so a
 //! picture can be made again later from the same data.
 
-use crate::world::{Pose, World};
+use crate::world::{Point, Pose, World};
 
 /// One decision and what came of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +26,10 @@ pub struct Step {
     pub touched: bool,
     /// The shield shortened or stopped the motion.
     pub shielded: bool,
+    /// Where the robot that is followed stood, if there is one.
+    pub leader: Option<Point>,
+    /// Which of the behaviour's goals was pursued, counted from 0: a chain has several.
+    pub part: usize,
 }
 
 /// The planner's intermediate values for one decision (steps 1 to 4 of the paper, Fig. 3).
@@ -78,6 +82,8 @@ pub struct Recording {
     pub near_m: f64,
     /// Range from which on a situation value is 0, metres.
     pub far_m: f64,
+    /// Where the nest is, or the place of a captured situation; `None` where no place is sought or it is unknown.
+    pub goal_place: Option<Point>,
     /// Radius of the body that must not touch anything, metres.
     pub robot_radius_m: f64,
     /// The random moves.

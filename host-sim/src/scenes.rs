@@ -2,8 +2,9 @@
 //! world, which the mind never sees.
 
 use crate::error::BadInput;
+use crate::goal_file::GoalFile;
+use crate::world::Point;
 use amp::config::Config;
-use amp::fixed::Weight;
 use amp::goal::{Goal, Side};
 use amp::scan::Situation;
 use amp::units::Range;
@@ -33,21 +34,10 @@ pub enum Behavior {
     Nest,
     /// Behind another robot.
     Follow,
-    /// To where a captured situation is perceived.
-    Seek(Box<Captured>),
+    /// To where a situation from a file is perceived.
+    Seek(Box<GoalFile>),
     /// One after the other: the next begins when the goal is reached.
     Chain(Vec<Self>),
-}
-
-/// A situation from a file.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Captured {
-    /// The file.
-    pub path: String,
-    /// One value in [0, 1] per sonar.
-    pub situation: Situation<16>,
-    /// Where it was captured, millimetres, if the file says so.
-    pub place_mm: Option<[i32; 2]>,
 }
 
 impl Behavior {
@@ -61,6 +51,22 @@ impl Behavior {
         "follow",
     ];
 
+    /// What a behaviour of this name does, in a few words; nothing for an unknown one.
+    #[must_use]
+    pub fn about(name: &str) -> &'static str {
+        match name {
+            "avoid" => "keeps away from everything",
+            "avoid-right" => "passes obstacles so that they stay on its left",
+            "wall-left" => "follows a wall on its left, 0.6 m away",
+            "wall-right" => "follows a wall on its right, 0.6 m away",
+            "nest" => "comes back to where it began to explore",
+            "follow" => "keeps behind another robot",
+            "seek" => "goes to where a situation was captured (seek:FILE)",
+            _ if name.contains(',') => "one after the other: the next when the goal is reached",
+            _ => "",
+        }
+    }
+
     /// Its name, as it is written on the command line.
     #[must_use]
     pub fn name(&self) -> String {
@@ -71,7 +77,7 @@ impl Behavior {
             Self::WallRight => "wall-right".to_owned(),
             Self::Nest => "nest".to_owned(),
             Self::Follow => "follow".to_owned(),
-            Self::Seek(captured) => format!("seek:{}", captured.path),
+            Self::Seek(file) => format!("seek:{}", file.path),
             Self::Chain(parts) => {
                 let names: Vec<_> = parts.iter().map(Self::name).collect();
                 names.join(",")
@@ -90,7 +96,7 @@ impl Behavior {
             Self::WallRight => Goal::wall(Side::Right, range(WALL_RANGE_M), config),
             Self::Nest => Goal::perceived(nest),
             Self::Follow => Goal::following(range(LEADER_RANGE_M), config),
-            Self::Seek(captured) => Goal::perceived(&captured.situation),
+            Self::Seek(file) => file.goal(),
             Self::Chain(parts) => parts
                 .first()
                 .map_or_else(|| Goal::avoiding(config), |part| part.goal(config, nest)),
@@ -116,13 +122,24 @@ impl Behavior {
         }
     }
 
-    /// The choices as this behaviour needs them: where another robot moves, what was heard a second ago (a ring takes 0.64 s) is gone.
+    /// The choices as this behaviour needs them: where another robot moves, what was heard a second ago (a ring takes
+    /// 0.64 s) is gone.
     #[must_use]
     pub fn adapted(&self, mut config: Config<16>) -> Config<16> {
         if let Some(shield) = config.shield.as_mut().filter(|_| self.has_leader()) {
             shield.forget_ms = shield.forget_ms.min(1_000);
         }
         config
+    }
+
+    /// The place to come to, if there is one that is known; `nest` is the nest.
+    #[must_use]
+    pub fn place(&self, nest: Point) -> Option<Point> {
+        match self {
+            Self::Seek(file) => file.place(),
+            Self::Chain(parts) => parts.iter().rev().find_map(|part| part.place(nest)),
+            single => (*single == Self::Nest).then_some(nest),
+        }
     }
 
     /// There is another robot to follow.
@@ -144,7 +161,10 @@ impl FromStr for Behavior {
             return Ok(Self::Chain(parts));
         }
         if let Some(path) = name.strip_prefix("seek:") {
-            return Ok(Self::Seek(Box::new(Captured::load(path)?)));
+            if path.is_empty() {
+                return Err(BadInput::new("seek: takes a goal file: seek:FILE"));
+            }
+            return Ok(Self::Seek(Box::new(GoalFile::load(path.as_ref())?)));
         }
         match name {
             "avoid" => Ok(Self::Avoid),
@@ -153,44 +173,11 @@ impl FromStr for Behavior {
             "wall-right" => Ok(Self::WallRight),
             "nest" => Ok(Self::Nest),
             "follow" => Ok(Self::Follow),
-            _ => Err(BadInput::unknown("behavior", name, &Self::NAMES)),
+            _ => {
+                let known: Vec<_> = Self::NAMES.into_iter().chain(["seek:FILE"]).collect();
+                Err(BadInput::unknown("behavior", name, &known))
+            }
         }
-    }
-}
-
-impl Captured {
-    /// Reads `{"situation": [16 values in 0..=1], "place_m": [x, y]}`; the place may be left out.
-    ///
-    /// # Errors
-    /// A sentence that names the file when it cannot be read or holds something else.
-    pub fn load(path: &str) -> Result<Self, BadInput> {
-        #[derive(serde::Deserialize)]
-        #[serde(deny_unknown_fields)]
-        struct File {
-            situation: [f64; 16],
-            place_m: Option<[f64; 2]>,
-        }
-        let bad = |why: String| BadInput::new(format!("situation {path}: {why}"));
-        let text = std::fs::read_to_string(path).map_err(|error| bad(error.to_string()))?;
-        let file: File = serde_json::from_str(&text).map_err(|error| bad(error.to_string()))?;
-        if let Some(value) = file.situation.iter().find(|v| !(0.0..=1.0).contains(*v)) {
-            return Err(bad(format!("each value must lie in 0..=1, not be {value}")));
-        }
-        if let Some(value) = file
-            .place_m
-            .iter()
-            .flatten()
-            .find(|v| !(-1e5..=1e5).contains(*v))
-        {
-            return Err(bad(format!(
-                "a place must lie within 100 km, not at {value} m"
-            )));
-        }
-        Ok(Self {
-            path: path.to_owned(),
-            situation: file.situation.map(Weight::from_num),
-            place_mm: file.place_m.map(|place| place.map(|m| (m * 1e3) as i32)),
-        })
     }
 }
 
@@ -213,6 +200,6 @@ mod tests {
         let say = |name: &str| name.parse::<Behavior>().expect_err(name).to_string();
         assert!(say("wall-rigth").contains("did you mean \"wall-right\""));
         assert!(say("avoid,").contains("behavior"));
-        assert!(say("seek:/nowhere.json").contains("/nowhere.json"));
+        assert!(say("seek:/nowhere.toml").contains("/nowhere.toml"));
     }
 }

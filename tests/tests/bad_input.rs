@@ -33,6 +33,12 @@ const WORLDS: &[(&str, &[u8])] = &[
         b"[[circle]]\ncenter_m = [0, 0]\nradius_m = 2\n",
     ),
     ("nothing.toml", b"name = \"nothing\"\n"),
+    ("short.toml", b"# two\nsituation = [0.5, 0.5]\n"),
+    (
+        "deep.toml",
+        b"situation = [0, 0, 0, 0, 0, 0, 0, 1.5, 0, 0, 0, 0, 0, 0, 0, 0]\n",
+    ),
+    ("wish.toml", b"[[sonar]]\nnumbers = [0]\nnearer = 1\n"),
     ("map.yaml", b"image: gone.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.2\n"),
     ("world.txt", b"a wall"),
 ];
@@ -103,6 +109,65 @@ const CASES: &[Case] = &[
     ("run --sonar ideel", &["--sonar", "ideel"]),
     ("run --preset best", &["--preset", "best"]),
     ("run --shield maybe", &["--shield", "maybe"]),
+    // Behaviours and goal files.
+    (
+        "run --behavior avoid,",
+        &["behavior", "\"\"", "avoid-right"],
+    ),
+    (
+        "run --behavior nest,walll-left",
+        &["did you mean \"wall-left\"?"],
+    ),
+    ("run --behavior seek:", &["seek:FILE"]),
+    (
+        "run --behavior seek:gone.toml",
+        &["gone.toml", "there is no such file"],
+    ),
+    (
+        "run --behavior seek:short.toml",
+        &["short.toml, line 2", "16 values"],
+    ),
+    (
+        "run --behavior seek:deep.toml",
+        &["deep.toml, line 1", "0..=1", "1.5"],
+    ),
+    (
+        "run --behavior seek:wish.toml",
+        &["wish.toml, line 3", "nearer"],
+    ),
+    (
+        "run --behavior avoid,seek:nothing.toml",
+        &["nothing.toml", "name"],
+    ),
+    (
+        "run --behavior seek:binary.toml",
+        &["binary.toml", "not a text file"],
+    ),
+    ("capture --out place.toml --at 1", &["--at", "\"1\"", "X,Y"]),
+    ("capture --out place.toml --at 1,nan", &["--at", "1,nan"]),
+    (
+        "capture --out place.toml --at 99,0",
+        &["--at 99,0", "no room for the robot"],
+    ),
+    (
+        "capture --out place.toml --at 4.9,0",
+        &["--at 4.9,0", "no room for the robot"],
+    ),
+    (
+        "capture --out place.toml --world random:1..=3",
+        &["random:1..=3", "one world"],
+    ),
+    (
+        "capture --out place.toml --world paepr",
+        &["did you mean \"paper\"?"],
+    ),
+    ("capture --out file/place.toml", &["file/place.toml"]),
+    ("capture", &["required arguments"]),
+    ("behaviors --only wal-left", &["--only", "wal-left"]),
+    ("behaviors --worlds 0", &["--worlds"]),
+    ("behaviors --set farr=1", &["did you mean \"far\"?"]),
+    ("repetition --only chain", &["--only", "chain"]),
+    ("repetition --times 1", &["--times"]),
     // Open choices.
     ("run --set farr=1", &["farr", "did you mean \"far\"?"]),
     ("run --set far=x", &["far", "\"x\"", "not a number"]),
@@ -198,6 +263,9 @@ fn bad_input_leaves_no_files_in_the_output_folder() {
         "run --out out --explore 1000000000000",
         "run --out out --world paper --world paepr",
         "worlds --out out --world paper --world nan.toml",
+        "capture --out out/place.toml --at 99,0",
+        "behaviors --out out --only nothing-like-it",
+        "repetition --out out --only nothing-like-it",
         "som --out out --data ragged.csv",
         "som --out out --data good.csv --grid 0x4",
     ] {

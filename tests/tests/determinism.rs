@@ -4,16 +4,21 @@ use tests::host_sim;
 
 #[test]
 fn the_number_of_threads_does_not_matter() {
-    for sonar in ["ideal", "nomad"] {
+    for flags in [
+        "--sonar ideal",
+        "--sonar nomad",
+        "--behavior nest",
+        "--behavior follow",
+    ] {
         let batch = |threads| {
             host_sim!().ok(&format!(
-                "run --world random:1..=10 --sonar {sonar} --steps 60 --json --threads {threads}"
+                "run --world random:1..=10 {flags} --steps 60 --json --threads {threads}"
             ))
         };
         let alone = batch(1);
         assert_eq!(alone.lines().count(), 10);
-        assert_eq!(alone, batch(2), "{sonar}");
-        assert_eq!(alone, batch(5), "{sonar}");
+        assert_eq!(alone, batch(2), "{flags}");
+        assert_eq!(alone, batch(5), "{flags}");
     }
 }
 

@@ -5,7 +5,7 @@
 use std::fs;
 use tests::{host_sim, root};
 
-const BATCHES: [(&str, &str); 8] = [
+const BATCHES: [(&str, &str); 16] = [
     ("default", "--world random:1..=8"),
     ("default-unshielded", "--world random:1..=8 --shield off"),
     (
@@ -19,6 +19,20 @@ const BATCHES: [(&str, &str); 8] = [
     ),
     ("nomad", "--world random:1..=8 --sonar nomad"),
     ("harsh", "--world random:1..=8 --sonar harsh"),
+    ("probe", "--world random:1..=8 --preset probe"),
+    (
+        "probe-unshielded",
+        "--world random:1..=8 --preset probe --shield off",
+    ),
+    ("avoid-right", "--world random:1..=4 --behavior avoid-right"),
+    ("wall-left", "--world random:1..=4 --behavior wall-left"),
+    ("wall-right", "--world random:1..=4 --behavior wall-right"),
+    ("nest", "--world random:1..=4 --behavior nest --sonar nomad"),
+    ("follow", "--world random:1..=4 --behavior follow"),
+    (
+        "chain",
+        "--world random:1..=4 --behavior avoid-right,wall-right,nest",
+    ),
     (
         "worlds",
         "--world paper --world room --world corridor --world office --world posts",

@@ -4,11 +4,13 @@ use amp::config::Config;
 use amp::controller::{self, Command, Decision, Event, Mode, Outputs};
 use amp::fixed::Weight;
 use amp::goal::{Component, Goal};
+use amp::scan::Situation;
 use amp::som::Grid;
 use amp::units::Millis;
-use host_sim::episode::{Body, Seeds};
+use host_sim::episode::{Body, Seeds, perceive};
 use host_sim::pilot::{Pilot, SimState};
 use host_sim::robot::TurretMode;
+use host_sim::scenes::Behavior;
 use host_sim::sonar::SonarModel;
 use host_sim::world::World;
 
@@ -73,15 +75,18 @@ fn educated<'w>(world: &'w World, steps: usize) -> (Robot, Body<'w>) {
     (robot, body)
 }
 
-#[test]
-fn a_new_goal_costs_no_move_and_no_training() {
+/// How many of 20 next actions are other ones when the goal changes to that which `goal` makes, given the situation before
+/// the first move.
+fn changed(goal: impl Fn(&Config<16>, &Situation<16>) -> Goal<16>) -> usize {
     let world = World::builtin("paper").expect("a built-in world");
     let mut other_actions = 0;
     for steps in 20..40 {
         let (mut robot, mut body) = educated(&world, steps);
         let before = robot.mind.clone();
         robot.twin = Some(before.clone());
-        let goal = touch_ahead(&robot.config);
+        let encoding = robot.config.encoding;
+        let nest = perceive(&world, world.start(), SonarModel::Ideal, 1, encoding);
+        let goal = goal(&robot.config, &nest);
         let outputs = robot.told(body.now(), Command::Seek(goal));
         // No move, no forgetting, no learning ...
         assert_eq!(outputs.motion, None);
@@ -101,5 +106,23 @@ fn a_new_goal_costs_no_move_and_no_training() {
         assert_eq!(robot.mind.situations(), twin.situations());
         assert_eq!(robot.mind.actions(), twin.actions());
     }
-    assert!(other_actions >= 18, "{other_actions} of 20 actions changed");
+    other_actions
+}
+
+#[test]
+fn a_new_goal_costs_no_move_and_no_training() {
+    let changed = changed(|config, _| touch_ahead(config));
+    assert!(changed >= 18, "{changed} of 20 actions changed");
+}
+
+#[test]
+fn every_behaviour_is_had_at_once_from_the_same_memory() {
+    for name in Behavior::NAMES {
+        let behavior: Behavior = name.parse().expect(name);
+        let changed = changed(|config, nest| behavior.goal(config, nest));
+        match behavior {
+            Behavior::Avoid => assert_eq!(changed, 0, "the same goal, the same actions"),
+            _ => assert!(changed >= 10, "{name}: {changed} of 20 actions changed"),
+        }
+    }
 }

@@ -3,8 +3,13 @@
 use super::output::bar;
 use super::run::SonarChoice;
 use super::{Failure, table};
+use crate::episode;
 use crate::error::BadInput;
-use crate::experiments::ablation::{Figures, Trial, measure, variants};
+use crate::experiments::ablation::{
+    Driver, Figures, Trial, Variant, behavior_variants, measure, variants,
+};
+use crate::experiments::behaviors;
+use crate::experiments::scenes::{Scene, scenes_named};
 use clap::Args;
 use std::io::Write;
 
@@ -29,6 +34,9 @@ pub struct AblationArgs {
     /// Only rows whose name contains this text
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
+    /// Measure every behaviour instead, each in one scene without the shield; rooms = worlds, 5 seeds in each
+    #[arg(long, conflicts_with_all = ["seed", "steps"])]
+    behaviors: bool,
     /// Print Markdown
     #[arg(long)]
     markdown: bool,
@@ -45,20 +53,30 @@ const HEADS: [&str; 8] = [
     "shield stops",
 ];
 
+/// Scenes in the table over the behaviours.
+const BEHAVIOR_SCENES: [(&str, &str); 7] = [
+    ("avoid-right", "one obstacle"),
+    ("wall-right", "plain room"),
+    ("wall-right", "five boxes"),
+    ("wall-right", "corridor"),
+    ("nest", "4 m × 4 m"),
+    ("nest", "six boxes"),
+    ("follow", "five boxes"),
+];
+
+/// Seeds per world in that table.
+const BEHAVIOR_SEEDS: u32 = 5;
+
 /// Measures and prints the table.
 ///
 /// # Errors
 /// When no row has the asked name, an episode fails, or the pipe is closed.
 pub fn ablation(args: &AblationArgs, out: &mut impl Write) -> Result<(), Failure> {
-    let trial = Trial {
-        first: args.first,
-        rooms: args.rooms,
-        explore_moves: 100,
-        steps: args.steps,
-        seed: args.seed,
-        sonar: args.sonar.into(),
+    let mut chosen = if args.behaviors {
+        behavior_variants()?
+    } else {
+        variants()?
     };
-    let mut chosen = variants()?;
     if let Some(text) = &args.only {
         chosen.retain(|variant| variant.name.contains(text.as_str()));
         if chosen.is_empty() {
@@ -70,19 +88,69 @@ pub fn ablation(args: &AblationArgs, out: &mut impl Write) -> Result<(), Failure
     let progress = bar(chosen.len() as u64, "rows");
     let mut rows = Vec::new();
     for variant in &chosen {
-        let figures = measure(variant, &trial)
-            .map_err(|failure| BadInput::new(format!("{}: {failure}", variant.name)))?;
-        rows.push(row(&variant.name, &figures, f64::from(args.rooms)));
+        let row = if args.behaviors {
+            behavior_row(variant, args)
+        } else {
+            avoidance_row(variant, args)
+        };
+        let failed = |failure| BadInput::new(format!("{}: {failure}", variant.name));
+        rows.push(row.map_err(failed)?);
         progress.inc(1);
     }
     progress.finish_and_clear();
-    let right: Vec<_> = (1..HEADS.len()).collect();
+    let scenes = BEHAVIOR_SCENES.map(|(behavior, place)| format!("{behavior}, {place}"));
+    let heads: Vec<_> = if args.behaviors {
+        let scenes = scenes.iter().map(String::as_str);
+        [HEADS[0]].into_iter().chain(scenes).collect()
+    } else {
+        HEADS.to_vec()
+    };
+    let right: Vec<_> = (1..heads.len()).collect();
     let text = if args.markdown {
         table::markdown
     } else {
         table::plain
-    }(&HEADS, &rows, &right);
+    }(&heads, &rows, &right);
     Ok(out.write_all(text.as_bytes())?)
+}
+
+fn avoidance_row(variant: &Variant, args: &AblationArgs) -> Result<Vec<String>, episode::Failure> {
+    let trial = Trial {
+        first: args.first,
+        rooms: args.rooms,
+        explore_moves: 100,
+        steps: args.steps,
+        seed: args.seed,
+        sonar: args.sonar.into(),
+    };
+    let figures = measure(variant, &trial)?;
+    Ok(row(&variant.name, &figures, f64::from(args.rooms)))
+}
+
+fn behavior_row(variant: &Variant, args: &AblationArgs) -> Result<Vec<String>, episode::Failure> {
+    let mut row = vec![variant.name.clone()];
+    let Driver::Mind(config, turret) = &variant.driver else {
+        return Ok(row);
+    };
+    let trial = behaviors::Trial {
+        first: args.first,
+        worlds: args.rooms,
+        seeds: BEHAVIOR_SEEDS,
+        explore_moves: 100,
+        preset: "",
+        config: (**config).clone(),
+        turret: *turret,
+        sonar: args.sonar.into(),
+    };
+    let listed = |(behavior, place)| {
+        let fits = |scene: &&&Scene| scene.behavior == behavior && scene.place == place;
+        scenes_named(Some(behavior)).iter().find(fits).copied()
+    };
+    for scene in BEHAVIOR_SCENES.into_iter().filter_map(listed) {
+        let outcome = behaviors::measure(scene, &trial, &|| ())?;
+        row.push(format!("{:.3}", outcome.value.mean));
+    }
+    Ok(row)
 }
 
 fn row(name: &str, figures: &Figures, rooms: f64) -> Vec<String> {

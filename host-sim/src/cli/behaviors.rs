@@ -1,12 +1,13 @@
-//! `host-sim behaviors`: what each behaviour reaches, by the maps alone and with the shield.
+//! `host-sim behaviors`: what each behaviour does and reaches, by the maps alone and with the shield.
 
 use super::output::{bar, prepare};
 use super::run::{Preset, SonarChoice};
-use super::{Failure, table};
-use crate::episode::run;
+use super::{Failure, summary, table};
 use crate::error::BadInput;
-use crate::experiments::behaviors::{Outcome, SCENES, Scene, Trial};
-use crate::plot;
+use crate::experiments::behaviors::{Outcome, Trial, first, measure};
+use crate::experiments::scenes::{Scene, scenes_named};
+use crate::plot::{self, Shown, demo::save};
+use crate::scenes::Behavior;
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -14,12 +15,15 @@ use std::path::{Path, PathBuf};
 /// The `behaviors` command's flags.
 #[derive(Debug, Clone, Args)]
 pub struct BehaviorsArgs {
-    /// Worlds per scene
-    #[arg(long, value_name = "WORLDS", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    worlds: u32,
-    /// Seeds per world
-    #[arg(long, value_name = "SEEDS", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=999))]
-    seeds: u32,
+    /// Measure every scene, in so many worlds each [default: a short list, 3 worlds; with --seeds 10]
+    #[arg(long, value_name = "WORLDS", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    worlds: Option<u32>,
+    /// Measure every scene, with so many seeds per world [default: a short list, 4 seeds; with --worlds 30]
+    #[arg(long, value_name = "SEEDS", value_parser = clap::value_parser!(u32).range(1..=999))]
+    seeds: Option<u32>,
+    /// Number of the first world: each has its own rooms and seeds
+    #[arg(long, value_name = "NUMBER", default_value_t = 1)]
+    first: u64,
     /// The open choices of the method
     #[arg(long, value_name = "NAME", default_value = "default", value_enum)]
     preset: Preset,
@@ -29,18 +33,32 @@ pub struct BehaviorsArgs {
     /// What the sonars return
     #[arg(long, value_name = "MODEL", default_value = "ideal", value_enum)]
     sonar: SonarChoice,
-    /// Only scenes whose behaviour contains this text
+    /// Only behaviours whose name contains this text
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
     /// Print Markdown
     #[arg(long)]
     markdown: bool,
-    /// Write pictures of each scene's first episode into this folder
+    /// Write a picture of them all, and pictures and a page for each, into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
 
-const HEADS: [&str; 8] = [
+/// The short list: worlds and seeds.
+const SHORT: (u32, u32) = (3, 4);
+/// The whole table.
+const WHOLE: (u32, u32) = (10, 30);
+
+const LIST_HEADS: [&str; 6] = [
+    "behaviour",
+    "what it does",
+    "measured",
+    "asked",
+    "maps alone",
+    "with shield",
+];
+
+const TABLE_HEADS: [&str; 8] = [
     "behaviour",
     "where",
     "measure",
@@ -51,97 +69,160 @@ const HEADS: [&str; 8] = [
     "contact steps %",
 ];
 
-/// Measures and prints the table.
+/// Measures and prints the list, or the whole table when its size is given.
 ///
 /// # Errors
-/// When no scene has the asked name, an episode fails, or something cannot be written.
+/// When no behaviour has the asked name, an episode fails, or something cannot be written.
 pub fn behaviors(args: &BehaviorsArgs, out: &mut impl Write) -> Result<(), Failure> {
+    let short = args.worlds.is_none() && args.seeds.is_none();
+    let mut scenes = chosen(args.only.as_deref())?;
+    if short {
+        scenes.dedup_by_key(|scene| scene.behavior);
+    }
+    let (bare, shielded) = trials(args, if short { SHORT } else { WHOLE })?;
+    if let Some(dir) = &args.out {
+        prepare(dir)?;
+    }
+    let each = u64::from(bare.worlds) * u64::from(bare.seeds);
+    let progress = bar(2 * each * scenes.len() as u64, "episodes");
+    let mut rows = Vec::new();
+    for scene in &scenes {
+        let measured = |trial: &Trial| {
+            let outcome = measure(scene, trial, &|| progress.inc(1));
+            outcome.map_err(|failure| BadInput::new(format!("{}: {failure}", scene.title())))
+        };
+        let row = if short { list_row } else { table_row };
+        rows.push(row(scene, &measured(&bare)?, &measured(&shielded)?));
+    }
+    progress.finish_and_clear();
+    let (heads, right): (&[&str], &[usize]) = if short {
+        (&LIST_HEADS, &[4, 5])
+    } else {
+        (&TABLE_HEADS, &[4, 5, 6, 7])
+    };
+    let text = if args.markdown {
+        table::markdown
+    } else {
+        table::plain
+    }(heads, &rows, right);
+    out.write_all(text.as_bytes())?;
+    let (worlds, seeds) = (bare.worlds, bare.seeds);
+    writeln!(
+        out,
+        "\nMean [95 % interval] of {worlds} worlds × {seeds} seeds, each with its own 100 random moves."
+    )?;
+    if short {
+        let (worlds, seeds) = WHOLE;
+        writeln!(
+            out,
+            "Every scene, measured well: host-sim behaviors --worlds {worlds} --seeds {seeds}"
+        )?;
+    }
+    match &args.out {
+        Some(dir) => pictures(&scenes, &shielded, dir, out),
+        None if short => Ok(writeln!(out, "Pictures: host-sim behaviors --out DIR")?),
+        None => Ok(()),
+    }
+}
+
+fn chosen(only: Option<&str>) -> Result<Vec<&'static Scene>, BadInput> {
+    let scenes = scenes_named(only);
+    match (scenes.is_empty(), only) {
+        (true, Some(text)) => Err(BadInput::new(format!(
+            "--only \"{text}\": no behaviour has that in its name"
+        ))),
+        _ => Ok(scenes),
+    }
+}
+
+/// Without the shield, and with it.
+fn trials(args: &BehaviorsArgs, (worlds, seeds): (u32, u32)) -> Result<(Trial, Trial), BadInput> {
     let mut config = args.preset.config();
     crate::settings::apply(&mut config, &args.sets)?;
     let shielded = Trial {
-        worlds: args.worlds,
-        seeds: args.seeds,
+        worlds: args.worlds.unwrap_or(worlds),
+        seeds: args.seeds.unwrap_or(seeds),
+        first: args.first,
+        explore_moves: 100,
+        preset: args.preset.name(),
         config,
         turret: args.preset.turret(),
         sonar: args.sonar.into(),
     };
     let mut bare = shielded.clone();
     bare.config.shield = None;
-    let chosen: Vec<_> = SCENES
-        .iter()
-        .filter(|scene| {
-            let named = |text: &String| scene.behavior.contains(text.as_str());
-            args.only.as_ref().is_none_or(named)
-        })
-        .collect();
-    if chosen.is_empty() {
-        let text = args.only.as_deref().unwrap_or_default();
-        return Err(BadInput::new(format!(
-            "--only \"{text}\": no behaviour has that in its name"
-        ))
-        .into());
-    }
-    let progress = bar(chosen.len() as u64, "scenes");
-    let mut rows = Vec::new();
-    for scene in chosen {
-        let measured = |trial: &Trial| {
-            let outcome = scene.measure(trial);
-            outcome.map_err(|failure| BadInput::new(format!("{}: {failure}", scene.behavior)))
-        };
-        rows.push(row(scene, &measured(&bare)?, &measured(&shielded)?));
-        if let Some(dir) = &args.out {
-            picture(scene, &shielded, dir)?;
-        }
-        progress.inc(1);
-    }
-    progress.finish_and_clear();
-    let right = [4, 5, 6, 7];
-    let text = if args.markdown {
-        table::markdown
-    } else {
-        table::plain
-    }(&HEADS, &rows, &right);
-    Ok(out.write_all(text.as_bytes())?)
+    Ok((bare, shielded))
 }
 
-fn row(scene: &Scene, bare: &Outcome, shielded: &Outcome) -> Vec<String> {
-    let value = |outcome: &Outcome| {
-        let [low, high] = outcome.value.interval;
-        format!("{:.3} [{low:.3}, {high:.3}]", outcome.value.mean)
-    };
+fn list_row(scene: &Scene, bare: &Outcome, shielded: &Outcome) -> Vec<String> {
+    vec![
+        scene.behavior.to_owned(),
+        Behavior::about(scene.behavior).to_owned(),
+        format!("{}, {}", scene.measure, scene.place),
+        scene.asked.to_owned(),
+        format!("{:.3}", bare.value.mean),
+        format!("{:.3}", shielded.value.mean),
+    ]
+}
+
+fn table_row(scene: &Scene, bare: &Outcome, shielded: &Outcome) -> Vec<String> {
     vec![
         scene.behavior.to_owned(),
         scene.place.to_owned(),
         scene.measure.to_owned(),
         scene.asked.to_owned(),
-        value(bare),
+        bare.value.to_string(),
         format!("{:.3}", bare.contacts_percent),
-        value(shielded),
+        shielded.value.to_string(),
         format!("{:.3}", shielded.contacts_percent),
     ]
 }
 
-/// The pictures of the scene's first episode, in a folder of its name.
-fn picture(scene: &Scene, trial: &Trial, dir: &Path) -> Result<(), BadInput> {
-    let world = scene.world(1);
-    let mut setup = scene.setup(trial, &world, 1_000);
-    setup.record = true;
-    let episode = run(&world, &setup, |_, _, _| {})
-        .map_err(|failure| BadInput::new(format!("{}: {failure}", scene.behavior)))?;
-    let tame = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
-    let name: String = format!("{}-{}", scene.behavior, scene.place)
-        .chars()
-        .map(tame)
-        .collect();
-    let folder = dir.join(name);
-    prepare(&folder)?;
-    if let Some(recording) = &episode.recording {
-        plot::demo::write(
-            &folder,
+/// The pictures of each scene's first episode in a folder of its name, and one of them all.
+fn pictures(
+    scenes: &[&Scene],
+    trial: &Trial,
+    dir: &Path,
+    out: &mut impl Write,
+) -> Result<(), Failure> {
+    let mut scenes = scenes.to_vec();
+    scenes.dedup_by_key(|scene| (scene.behavior, scene.place));
+    let progress = bar(scenes.len() as u64, "pictures");
+    let mut shown = Vec::new();
+    for scene in scenes {
+        let episode = first(scene, trial)
+            .map_err(|failure| BadInput::new(format!("{}: {failure}", scene.title())))?;
+        let Some(recording) = episode.recording else {
+            continue;
+        };
+        let folder = dir.join(tame(&scene.title()));
+        let rows = summary::rows(&episode.report);
+        plot::demo::write(&folder, &recording, &rows, &[]).map_err(BadInput::from)?;
+        shown.push(Shown {
+            name: scene.behavior.to_owned(),
+            about: format!("{}: {}", Behavior::about(scene.behavior), scene.place),
             recording,
-            &super::summary::rows(&episode.report),
-            &[],
-        )?;
+        });
+        progress.inc(1);
     }
-    Ok(())
+    progress.finish_and_clear();
+    let title = "Behaviours, each from 100 random moves";
+    let svg = plot::behaviors(title, &shown);
+    let picture = save(dir, "behaviors.svg", svg.as_bytes()).map_err(BadInput::from)?;
+    let png = plot::png::render(&svg, 2.0)
+        .map_err(|error| BadInput::new(format!("behaviors.png: {error}")))?;
+    save(dir, "behaviors.png", &png).map_err(BadInput::from)?;
+    let dir = dir.display();
+    Ok(writeln!(
+        out,
+        "Pictures: {}, and a page for each behaviour in {dir}/*/index.html",
+        picture.display()
+    )?)
+}
+
+/// A name for a folder.
+fn tame(name: &str) -> String {
+    let words = name.split(|c: char| !c.is_ascii_alphanumeric());
+    let words: Vec<_> = words.filter(|word| !word.is_empty()).collect();
+    words.join("-")
 }

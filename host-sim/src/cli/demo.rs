@@ -24,7 +24,7 @@ pub struct DemoArgs {
     seed: u64,
 }
 
-const DEMO_SEED: u64 = 7;
+const DEMO_SEED: u64 = 18;
 
 impl Default for DemoArgs {
     fn default() -> Self {
@@ -64,6 +64,7 @@ pub fn demo(args: &DemoArgs, out: &mut impl Write) -> Result<(), Failure> {
         seed: args.seed,
         sonar: SonarModel::Ideal,
         turret: preset.turret(),
+        set_down: None,
         record: true,
     };
     let progress = bar(1, "");

@@ -6,6 +6,7 @@
 
 mod ablation;
 mod behaviors;
+mod capture;
 mod demo;
 mod link;
 mod output;
@@ -51,12 +52,14 @@ enum Command {
     Som(crate::som::SomArgs),
     /// List and draw worlds
     Worlds(worlds::WorldsArgs),
-    /// List the open choices of the method: the keys of --set, with both presets' values
+    /// List the open choices of the method: the keys of --set, with the presets' values
     Settings,
     /// Measure each open choice by changing it alone, over many random rooms
     Ablation(ablation::AblationArgs),
     /// List the behaviours with what they reach, measured: the maps alone, and with the shield
     Behaviors(behaviors::BehaviorsArgs),
+    /// Write down what the robot perceives at a place: a goal for `run --behavior seek:FILE` and `link goal FILE`
+    Capture(capture::CaptureArgs),
     /// Measure whether a behaviour improves by being repeated, against frozen maps
     Repetition(repetition::RepetitionArgs),
     /// Print a completion script for a shell
@@ -123,6 +126,7 @@ fn execute(command: Option<Command>, out: &mut impl Write) -> Result<(), Failure
         Some(Command::Settings) => settings(out),
         Some(Command::Ablation(args)) => ablation::ablation(&args, out),
         Some(Command::Behaviors(args)) => behaviors::behaviors(&args, out),
+        Some(Command::Capture(args)) => capture::capture(&args, out),
         Some(Command::Repetition(args)) => repetition::repetition(&args, out),
         Some(Command::Completions { shell }) => {
             let mut script = Vec::new();
@@ -137,22 +141,22 @@ fn run_som(args: &crate::som::SomArgs, out: &mut impl Write) -> Result<(), Failu
 }
 
 fn settings(out: &mut impl Write) -> Result<(), Failure> {
-    let (recommended, literal) = (
-        amp::config::Config::recommended(),
-        amp::config::Config::touzet(),
-    );
+    let presets = [
+        run::Preset::Default,
+        run::Preset::Probe,
+        run::Preset::Touzet,
+    ];
+    let configs = presets.map(run::Preset::config);
     let rows: Vec<_> = crate::settings::SETTINGS
         .iter()
         .map(|setting| {
-            vec![
-                setting.key.to_owned(),
-                setting.value(&recommended),
-                setting.value(&literal),
-                setting.help.to_owned(),
-            ]
+            let values = configs.iter().map(|config| setting.value(config));
+            let key = [setting.key.to_owned()].into_iter();
+            key.chain(values).chain([setting.help.to_owned()]).collect()
         })
         .collect();
-    let heads = ["key", "default", "touzet", "meaning"];
+    let [default, probe, touzet] = presets.map(run::Preset::name);
+    let heads = ["key", default, probe, touzet, "meaning"];
     Ok(out.write_all(table::plain(&heads, &rows, &[]).as_bytes())?)
 }
 

@@ -1,14 +1,18 @@
 //! `host-sim repetition`: does a behaviour improve by being repeated?
 
-use super::output::bar;
-use super::run::SonarChoice;
+use super::output::{bar, prepare};
+use super::run::{Preset, SonarChoice};
 use super::{Failure, table};
 use crate::error::BadInput;
-use crate::experiments::behaviors::{Mean, SCENES, Trial};
+use crate::experiments::behaviors::Trial;
 use crate::experiments::repetition::{Curve, measure};
-use amp::config::Config;
+use crate::experiments::scenes::{Scene, scenes_named};
+use crate::experiments::statistics::Mean;
+use crate::pilot::MOST_MOVES;
+use crate::plot::{self, Curves, demo::save};
 use clap::Args;
 use std::io::Write;
+use std::path::{Path, PathBuf};
 
 /// The `repetition` command's flags.
 #[derive(Debug, Clone, Args)]
@@ -22,98 +26,133 @@ pub struct RepetitionArgs {
     /// Repetitions
     #[arg(long, value_name = "TIMES", default_value_t = 8, value_parser = clap::value_parser!(u32).range(2..=1_000))]
     times: u32,
-    /// What the sonars return
-    #[arg(long, value_name = "MODEL", default_value = "ideal", value_enum)]
-    sonar: SonarChoice,
+    /// Random moves before the first: the fewer, the more is left to learn
+    #[arg(long, value_name = "MOVES", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=i64::from(MOST_MOVES)))]
+    explore: u16,
+    /// Number of the first world: each has its own rooms and seeds
+    #[arg(long, value_name = "NUMBER", default_value_t = 1)]
+    first: u64,
+    /// The open choices of the method
+    #[arg(long, value_name = "NAME", default_value = "default", value_enum)]
+    preset: Preset,
     /// Change one open choice (see `host-sim settings`); may be given several times
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
-    /// Only scenes whose behaviour contains this text
+    /// What the sonars return
+    #[arg(long, value_name = "MODEL", default_value = "ideal", value_enum)]
+    sonar: SonarChoice,
+    /// Only behaviours whose name contains this text
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
     /// Print Markdown
     #[arg(long)]
     markdown: bool,
+    /// Write a picture of the curves into this folder
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
 }
 
 const HEADS: [&str; 8] = [
     "behaviour",
     "where",
     "measure",
-    "maps",
     "first",
-    "middle",
-    "last",
+    "last, learning",
+    "last, frozen",
     "learning less frozen, last half",
+    "differs",
 ];
 
 /// Measures and prints the table, without the shield.
 ///
 /// # Errors
-/// When no scene has the asked name, an episode fails, or the pipe is closed.
+/// When no behaviour has the asked name, an episode fails, or something cannot be written.
 pub fn repetition(args: &RepetitionArgs, out: &mut impl Write) -> Result<(), Failure> {
-    let mut config = Config::recommended();
-    crate::settings::apply(&mut config, &args.sets)?;
-    config.shield = None;
-    let trial = Trial {
-        worlds: args.worlds,
-        seeds: args.seeds,
-        config,
-        turret: crate::robot::TurretMode::Held,
-        sonar: args.sonar.into(),
-    };
-    let named = |name: &str| {
-        args.only
-            .as_ref()
-            .is_none_or(|text| name.contains(text.as_str()))
-    };
-    // A chain repeats its parts already.
-    let chosen: Vec<_> = SCENES
-        .iter()
-        .filter(|scene| named(scene.behavior) && !scene.behavior.contains(','))
-        .collect();
-    if chosen.is_empty() {
-        let text = args.only.as_deref().unwrap_or_default();
-        let why = format!("--only \"{text}\": no behaviour has that in its name");
-        return Err(BadInput::new(why).into());
+    let trial = trial(args)?;
+    let scenes = chosen(args.only.as_deref())?;
+    if let Some(dir) = &args.out {
+        prepare(dir)?;
     }
-    let progress = bar(chosen.len() as u64, "scenes");
-    let mut rows = Vec::new();
-    for scene in chosen {
-        let curve = measure(scene, &trial, args.times)
-            .map_err(|failure| BadInput::new(format!("{}: {failure}", scene.behavior)))?;
-        let names = [scene.behavior, scene.place, scene.measure];
-        rows.extend(curve_rows(names, &curve));
-        progress.inc(1);
+    let each = u64::from(args.worlds) * u64::from(args.seeds);
+    let progress = bar(2 * each * scenes.len() as u64, "series");
+    let (mut rows, mut panels) = (Vec::new(), Vec::new());
+    for scene in scenes {
+        let curve = measure(scene, &trial, args.times, &|| progress.inc(1))
+            .map_err(|failure| BadInput::new(format!("{}: {failure}", scene.title())))?;
+        rows.push(row(scene, &curve));
+        panels.push(Curves {
+            title: scene.title(),
+            measure: scene.measure.to_owned(),
+            learning: curve.learning,
+            frozen: curve.frozen,
+        });
     }
     progress.finish_and_clear();
     let text = if args.markdown {
         table::markdown
     } else {
         table::plain
-    }(&HEADS, &rows, &[4, 5, 6, 7]);
-    Ok(out.write_all(text.as_bytes())?)
+    }(&HEADS, &rows, &[3, 4, 5, 6]);
+    out.write_all(text.as_bytes())?;
+    writeln!(
+        out,
+        "\nMean [95 % interval] of {} worlds × {} seeds, {} repetitions after {} random moves, without the shield.",
+        args.worlds, args.seeds, args.times, args.explore
+    )?;
+    args.out
+        .as_ref()
+        .map_or(Ok(()), |dir| picture(dir, &panels, out))
 }
 
-fn curve_rows(names: [&str; 3], curve: &Curve) -> [Vec<String>; 2] {
-    let interval = |mean: &Mean| {
-        let [low, high] = mean.interval;
-        format!("{:.3} [{low:.3}, {high:.3}]", mean.mean)
-    };
-    let row = |maps: &str, means: &[Mean], last: String| {
-        let at = |index: usize| means.get(index).map_or_else(String::new, interval);
-        let mut row: Vec<_> = names.map(str::to_owned).into();
-        row.extend([
-            maps.to_owned(),
-            at(0),
-            at(means.len() / 2),
-            at(means.len().saturating_sub(1)),
-            last,
-        ]);
-        row
-    };
-    [
-        row("learning", &curve.learning, interval(&curve.difference)),
-        row("frozen", &curve.frozen, String::new()),
+fn trial(args: &RepetitionArgs) -> Result<Trial, BadInput> {
+    let mut config = args.preset.config();
+    crate::settings::apply(&mut config, &args.sets)?;
+    config.shield = None;
+    Ok(Trial {
+        worlds: args.worlds,
+        seeds: args.seeds,
+        first: args.first,
+        explore_moves: args.explore,
+        preset: args.preset.name(),
+        config,
+        turret: args.preset.turret(),
+        sonar: args.sonar.into(),
+    })
+}
+
+/// A chain repeats its parts already; a scene with sonars of its own is there for them.
+fn chosen(only: Option<&str>) -> Result<Vec<&'static Scene>, BadInput> {
+    let mut scenes = scenes_named(only);
+    scenes.retain(|scene| !scene.behavior.contains(',') && scene.sonar.is_none());
+    match (scenes.is_empty(), only) {
+        (true, Some(text)) => Err(BadInput::new(format!(
+            "--only \"{text}\": no behaviour that is repeated has that in its name"
+        ))),
+        _ => Ok(scenes),
+    }
+}
+
+fn row(scene: &Scene, curve: &Curve) -> Vec<String> {
+    let text = |mean: Option<&Mean>| mean.map(Mean::to_string).unwrap_or_default();
+    let [low, high] = curve.difference.interval;
+    let differs = if low > 0.0 || high < 0.0 { "yes" } else { "no" };
+    vec![
+        scene.behavior.to_owned(),
+        scene.place.to_owned(),
+        scene.measure.to_owned(),
+        text(curve.learning.first()),
+        text(curve.learning.last()),
+        text(curve.frozen.last()),
+        curve.difference.to_string(),
+        differs.to_owned(),
     ]
+}
+
+fn picture(dir: &Path, panels: &[Curves], out: &mut impl Write) -> Result<(), Failure> {
+    let svg = plot::curves("Does repetition improve a behaviour?", panels);
+    let picture = save(dir, "repetition.svg", svg.as_bytes()).map_err(BadInput::from)?;
+    let png = plot::png::render(&svg, 2.0)
+        .map_err(|error| BadInput::new(format!("repetition.png: {error}")))?;
+    save(dir, "repetition.png", &png).map_err(BadInput::from)?;
+    Ok(writeln!(out, "Picture: {}", picture.display())?)
 }

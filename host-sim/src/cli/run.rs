@@ -283,6 +283,7 @@ fn setup(args: &RunArgs) -> Result<Setup, BadInput> {
             Some(TurretChoice::Held) => TurretMode::Held,
             Some(TurretChoice::Follow) => TurretMode::Follow,
         },
+        set_down: None,
         record: args.out.is_some(),
     })
 }

@@ -280,6 +280,11 @@ impl<'w> Body<'w> {
     /// Sets the robot down at a free place elsewhere in the world, drawn by the noise, at rest and with the same bearing.
     pub fn set_down_elsewhere(&mut self, nest: Point) {
         let place = places::elsewhere(self.world, nest, &mut self.noise);
+        self.set_down_at(place);
+    }
+
+    /// Sets the robot down at a place, at rest and with the same bearing.
+    pub fn set_down_at(&mut self, place: Point) {
         self.set_down(Pose::new(place, self.base.pose().heading));
     }
 

@@ -36,6 +36,8 @@ pub struct Setup {
     pub sonar: SonarModel,
     /// What the ring does while the base steers.
     pub turret: TurretMode,
+    /// Where the robot is set down after exploring; `None` = where its behaviour says.
+    pub set_down: Option<Point>,
     /// Keep every step for pictures.
     pub record: bool,
 }
@@ -106,14 +108,17 @@ pub fn run_with(
     mut progress: impl FnMut(Phase, u32, u32),
 ) -> Result<Episode, Failure> {
     let (mut driver, exploration) = educated(world, setup, mind, &mut progress)?;
-    driver.set_scene(&setup.behavior);
+    driver.set_scene(setup);
     let began_s = driver.body.time_s();
     driver.pursue(mind, setup, |done| progress(Phase::Seek, done, setup.steps))?;
     let time_s = driver.body.time_s() - began_s;
     let success = driver.measure.success(&setup.behavior, &driver.tally);
     let report = report(world, setup, &exploration, &driver.tally, time_s, success);
     let recording = match driver.recorder {
-        Some(recorder) => Some(recorder.finish(world, setup, mind.knowledge()?)),
+        Some(recorder) => {
+            let place = setup.behavior.place(driver.measure.nest);
+            Some(recorder.finish(world, setup, place, mind.knowledge()?))
+        }
         None => None,
     };
     Ok(Episode { report, recording })
@@ -197,8 +202,9 @@ pub(super) struct Driver<'w> {
     pub(super) body: Body<'w>,
     pub(super) tally: Tally,
     pub(super) measure: Measure,
-    /// What is being done now.
+    /// What is being done now, and which part of a chain it is.
     pub(super) behavior: Behavior,
+    pub(super) part: usize,
     /// What was perceived before the first move.
     pub(super) nest: Situation<16>,
     first: bool,
@@ -218,6 +224,7 @@ impl<'w> Driver<'w> {
             tally: Tally::new(world),
             measure: Measure::new(world, world.start().position),
             behavior: Behavior::Avoid,
+            part: 0,
             nest: [Weight::ZERO; 16],
             first: true,
             open: None,
@@ -284,7 +291,7 @@ impl<'w> Driver<'w> {
             touched: false,
         });
         if let Some(recorder) = &mut self.recorder {
-            recorder.open(decision, happened);
+            recorder.open(decision, happened, self.body.leader(), self.part);
         }
     }
 

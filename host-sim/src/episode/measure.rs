@@ -26,7 +26,8 @@ pub(super) struct Measure {
     heading: Option<f64>,
     errors: f64,
     steps: u32,
-    nest: Point,
+    /// The place to come to.
+    pub nest: Point,
     at: Point,
     kept_s: f64,
     followed_s: f64,
@@ -138,7 +139,7 @@ impl Measure {
                 "m of mean absolute distance error",
             ),
             Behavior::Nest => (self.is_home(), "1 = within 0.3 m of the nest at the end"),
-            Behavior::Seek(captured) => match captured.place_mm {
+            Behavior::Seek(file) => match file.place_mm {
                 Some(_) => (self.is_home(), "1 = within 0.3 m of the place at the end"),
                 None => (
                     share(f64::from(tally.goal_steps), f64::from(tally.steps)),

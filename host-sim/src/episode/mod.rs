@@ -6,6 +6,7 @@
 //! of the noise of sonars and wheels, so that a run without noise makes the same random moves.
 
 mod body;
+mod capture;
 mod drive;
 mod leader;
 mod measure;
@@ -15,6 +16,7 @@ mod record;
 mod tally;
 
 pub use body::Body;
+pub use capture::perceive;
 pub use drive::{Episode, Failure, Phase, Setup, drive_pilot, run, run_with};
 pub use leader::Leader;
 pub use measure::{FOLLOWED_S, KEPT_M, NEST_M};

@@ -4,7 +4,7 @@ use super::drive::{Driver, Failure, Setup, educated, report};
 use super::tally::{Report, Tally};
 use crate::pilot::{Mind, Pilot};
 use crate::scenes::{Behavior, CHAIN_HOLDS};
-use crate::world::{Point, World};
+use crate::world::World;
 use amp::controller::Command;
 
 /// Carrying the robot takes so long that its shield has forgotten what it heard before, s.
@@ -19,7 +19,7 @@ pub fn repeat(world: &World, setup: &Setup, times: u32) -> Result<Vec<Report>, F
     let (mut driver, exploration) = educated(world, setup, &mut mind, |_, _, _| {})?;
     let mut reports = Vec::new();
     for _ in 0..times {
-        driver.set_scene(&setup.behavior);
+        driver.set_scene(setup);
         let began_s = driver.body.time_s();
         driver.pursue(&mut mind, setup, |_| {})?;
         let time_s = driver.body.time_s() - began_s;
@@ -32,15 +32,16 @@ pub fn repeat(world: &World, setup: &Setup, times: u32) -> Result<Vec<Report>, F
 
 impl Driver<'_> {
     /// Sets the scene of a behaviour: the robot elsewhere, a leader ahead of it.
-    pub(super) fn set_scene(&mut self, behavior: &Behavior) {
-        let nest = match behavior {
-            Behavior::Seek(captured) => captured.place_mm.map(place),
-            _ => None,
-        };
-        let nest = nest.unwrap_or(self.world.start().position);
-        if behavior.is_set_down_elsewhere() {
+    pub(super) fn set_scene(&mut self, setup: &Setup) {
+        let behavior = &setup.behavior;
+        let start = self.world.start().position;
+        let nest = behavior.place(start).unwrap_or(start);
+        if setup.set_down.is_some() || behavior.is_set_down_elsewhere() {
             self.body.wait(CARRIED_S);
-            self.body.set_down_elsewhere(nest);
+            match setup.set_down {
+                Some(place) => self.body.set_down_at(place),
+                None => self.body.set_down_elsewhere(nest),
+            }
         }
         if behavior.has_leader() {
             self.body.add_leader();
@@ -57,8 +58,8 @@ impl Driver<'_> {
     ) -> Result<(), Failure> {
         let parts = setup.behavior.parts();
         let alone = parts.len() == 1;
-        for part in parts {
-            self.behavior = part.clone();
+        for (number, part) in parts.iter().enumerate() {
+            (self.behavior, self.part) = (part.clone(), number);
             let goal = part.goal(&setup.config, &self.nest);
             self.command(pilot, Command::Seek(goal))?;
             let begun = self.tally.clone();
@@ -93,9 +94,4 @@ fn is_reached(part: &Behavior, begun: &Tally, now: &Tally) -> bool {
         }
         _ => held >= CHAIN_HOLDS,
     }
-}
-
-fn place(millimeters: [i32; 2]) -> Point {
-    let [x, y] = millimeters.map(|mm| f64::from(mm) / 1e3);
-    Point::new(x, y)
 }

@@ -6,7 +6,7 @@ use super::tally::Stride;
 use crate::pilot::SimState;
 use crate::recording::{MapRecord, PlanRecord, Recording, Step};
 use crate::robot::COLLISION_RADIUS_M;
-use crate::world::{Pose, World};
+use crate::world::{Point, Pose, World};
 use amp::controller::Decision;
 use amp::fixed::{Scalar, Weight, coarse};
 use amp::memory::from_bytes;
@@ -22,7 +22,13 @@ pub(super) struct Recorder {
 }
 
 impl Recorder {
-    pub(super) fn open(&mut self, decision: &Decision<16>, happened: &Happened) {
+    pub(super) fn open(
+        &mut self,
+        decision: &Decision<16>,
+        happened: &Happened,
+        leader: Option<Point>,
+        part: usize,
+    ) {
         self.open = Some(Step {
             pose: happened.pose,
             time_s: happened.time_s,
@@ -33,6 +39,8 @@ impl Recorder {
             executed_m: [0.0, 0.0],
             touched: false,
             shielded: false,
+            leader,
+            part,
         });
     }
 
@@ -57,7 +65,13 @@ impl Recorder {
         self.earlier = std::mem::take(&mut self.steps);
     }
 
-    pub(super) fn finish(self, world: &World, setup: &Setup, state: &SimState) -> Recording {
+    pub(super) fn finish(
+        self,
+        world: &World,
+        setup: &Setup,
+        goal_place: Option<Point>,
+        state: &SimState,
+    ) -> Recording {
         let config = &setup.config;
         let weights = |step: &Step| std::array::from_fn(|i| Weight::from_num(step.situation[i]));
         let perceived: Vec<_> = self
@@ -84,6 +98,7 @@ impl Recorder {
                 .collect(),
             near_m: f64::from(config.encoding.near_mm) / 1e3,
             far_m: f64::from(config.encoding.far_mm) / 1e3,
+            goal_place,
             robot_radius_m: COLLISION_RADIUS_M,
             exploration: self.earlier,
             seeking: self.steps,

@@ -66,16 +66,18 @@ pub struct Figures {
     pub shield_stops: f64,
 }
 
-/// The choices changed one at a time.
-const CHANGES: [&str; 49] = [
+/// Choices changed one at a time from the preset `default`.
+const CHANGES: [&str; 39] = [
+    "choose=neurons",
+    "choose=recall",
     "near=0.15",
     "far=1",
     "far=2",
     "far=3",
     "far=6.5",
     "clearance=0.5",
+    "clearance=0.7",
     "clearance=0.9",
-    "clearance=1.2",
     "explore.shortest=0.125",
     "explore.shortest=0.25",
     "action=turn-step",
@@ -93,7 +95,6 @@ const CHANGES: [&str; 49] = [
     "edges=wrapped",
     "situation.neighbourhood=gaussian",
     "situation.rate=0.2:0.02:inverse",
-    "situation.radius=0.2",
     "action.neighbourhood=gaussian",
     "action.rate=0.5:0.05:linear",
     "action.radius=0.5",
@@ -104,6 +105,12 @@ const CHANGES: [&str; 49] = [
     "online.action-rate=0.2",
     "online.share=0.5",
     "online.learner=recalled",
+    "tolerance=0.05",
+    "inhibition=0",
+];
+
+/// Choices of the paper's four steps, changed one at a time from the preset `probe`.
+const PROBE_CHANGES: [&str; 12] = [
     "intermediate=hops",
     "intermediate=goal",
     "wanted=all",
@@ -115,8 +122,24 @@ const CHANGES: [&str; 49] = [
     "inertia=0.25",
     "full-steps=off",
     "at-goal=ahead",
-    "tolerance=0.05",
     "inhibition=0",
+];
+
+/// Choices that matter to the behaviours beside avoidance.
+const BEHAVIOR_CHANGES: [&str; 13] = [
+    "choose=neurons",
+    "choose=recall",
+    "wander=off",
+    "wander=3:30",
+    "wander=6:10",
+    "clearance=0.4",
+    "clearance=0.8",
+    "far=2",
+    "far=3",
+    "far=6.5",
+    "turned=off",
+    "action.radius=0",
+    "epochs=10",
 ];
 
 /// The rows of the ablation table, in order.
@@ -124,42 +147,71 @@ const CHANGES: [&str; 49] = [
 /// # Errors
 /// When a change is not a setting; a test holds that none is wrong.
 pub fn variants() -> Result<Vec<Variant>, BadInput> {
-    let bare = |mut config: Config<16>| {
-        config.shield = None;
-        Box::new(config)
-    };
-    let mind = |name: &str, config, turret| Variant {
-        name: name.to_owned(),
-        driver: Driver::Mind(config, turret),
-    };
     let (held, follow) = (TurretMode::Held, TurretMode::Follow);
-    let recommended = Config::recommended;
+    let (default, probe, touzet) = (Config::recommended, Config::probing, Config::touzet);
     let mut rows = vec![
         Variant {
             name: "Braitenberg (yardstick)".to_owned(),
             driver: Driver::Braitenberg,
         },
-        mind("default, shield on", Box::new(recommended()), held),
-        mind("default", bare(recommended()), held),
-        mind(
-            "default, online off",
-            bare(Config {
-                online: None,
-                ..recommended()
-            }),
-            held,
-        ),
-        mind("default, turret follow", bare(recommended()), follow),
-        mind("touzet, shield on", Box::new(Config::touzet()), follow),
-        mind("touzet", bare(Config::touzet()), follow),
-        mind("touzet, turret held", bare(Config::touzet()), held),
+        mind_of("default, shield on", default(), held),
+        mind_of("default", bare(default()), held),
+        mind_of("default, online off", bare(frozen(default())), held),
+        mind_of("default, turret follow", bare(default()), follow),
+        mind_of("probe, shield on", probe(), held),
+        mind_of("probe", bare(probe()), held),
+        mind_of("touzet, shield on", touzet(), follow),
+        mind_of("touzet", bare(touzet()), follow),
+        mind_of("touzet, turret held", bare(touzet()), held),
     ];
     for change in CHANGES {
-        let mut config = recommended();
-        settings::apply(&mut config, &[change])?;
-        rows.push(mind(change, bare(config), held));
+        rows.push(changed(default(), change, change)?);
+    }
+    for change in PROBE_CHANGES {
+        rows.push(changed(probe(), change, &format!("probe, {change}"))?);
     }
     Ok(rows)
+}
+
+/// The rows of the table over the behaviours, in order; without the shield.
+///
+/// # Errors
+/// When a change is not a setting; a test holds that none is wrong.
+pub fn behavior_variants() -> Result<Vec<Variant>, BadInput> {
+    let (held, follow) = (TurretMode::Held, TurretMode::Follow);
+    let default = Config::recommended;
+    let mut rows = vec![
+        mind_of("default", bare(default()), held),
+        mind_of("default, online off", bare(frozen(default())), held),
+        mind_of("probe", bare(Config::probing()), held),
+        mind_of("touzet", bare(Config::touzet()), follow),
+    ];
+    for change in BEHAVIOR_CHANGES {
+        rows.push(changed(default(), change, change)?);
+    }
+    Ok(rows)
+}
+
+fn bare(mut config: Config<16>) -> Config<16> {
+    config.shield = None;
+    config
+}
+
+fn frozen(mut config: Config<16>) -> Config<16> {
+    config.online = None;
+    config
+}
+
+fn mind_of(name: &str, config: Config<16>, turret: TurretMode) -> Variant {
+    Variant {
+        name: name.to_owned(),
+        driver: Driver::Mind(Box::new(config), turret),
+    }
+}
+
+fn changed(mut config: Config<16>, change: &str, name: &str) -> Result<Variant, BadInput> {
+    settings::apply(&mut config, &[change])?;
+    Ok(mind_of(name, bare(config), TurretMode::Held))
 }
 
 /// Measures one variant over all rooms, on all cores; sums are made in the rooms' order.
@@ -209,6 +261,7 @@ fn mind(
         seed: trial.seed,
         sonar: trial.sonar,
         turret,
+        set_down: None,
         record: false,
     };
     let report = run(world, &setup, |_, _, _| {})?.report;
@@ -252,13 +305,17 @@ mod tests {
 
     #[test]
     fn every_change_changes_something() {
-        let rows = variants().expect("every change is a setting");
-        let default = rows
-            .iter()
-            .find(|row| row.name == "default")
-            .expect("the base row");
-        for row in rows.iter().filter(|row| row.name.contains('=')) {
-            assert_ne!(row.driver, default.driver, "{}", row.name);
+        for rows in [variants(), behavior_variants()] {
+            let rows = rows.expect("every change is a setting");
+            for row in rows.iter().filter(|row| row.name.contains('=')) {
+                let base = match row.name.split_once(", ") {
+                    Some((preset, _)) => preset,
+                    None => "default",
+                };
+                let base = rows.iter().find(|other| other.name == base);
+                let base = base.expect("the base row");
+                assert_ne!(row.driver, base.driver, "{}", row.name);
+            }
         }
     }
 }

@@ -4,3 +4,5 @@ pub mod ablation;
 pub mod behaviors;
 pub mod repetition;
 pub mod rooms;
+pub mod scenes;
+pub mod statistics;

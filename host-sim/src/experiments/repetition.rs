@@ -1,9 +1,10 @@
 //! Improvement by mere repetition: the same behaviour again and again from one memory, the maps going on to learn or
 //! frozen.
 
-use super::behaviors::{Mean, Scene, Trial, bootstrap};
+use super::behaviors::{BySeed, Trial, each};
+use super::scenes::Scene;
+use super::statistics::{Mean, bootstrap};
 use crate::episode::{Failure, repeat};
-use rayon::prelude::*;
 
 /// Repetitions of one behaviour.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,31 +17,25 @@ pub struct Curve {
     pub difference: Mean,
 }
 
-/// Measures `repetitions` of a scene of `steps` decisions each.
+/// Measures `times` repetitions of a scene; `done` is called after each series.
 ///
 /// # Errors
 /// When an episode fails.
-pub fn measure(scene: &Scene, trial: &Trial, repetitions: u32) -> Result<Curve, Failure> {
+pub fn measure(
+    scene: &Scene,
+    trial: &Trial,
+    times: u32,
+    done: &(impl Fn() + Sync),
+) -> Result<Curve, Failure> {
     let mut frozen = trial.clone();
     frozen.config.online = None;
-    let (learning, frozen) = (
-        values(scene, trial, repetitions)?,
-        values(scene, &frozen, repetitions)?,
-    );
-    let at = |worlds: &[Vec<Vec<f64>>], repetition: usize| {
-        let one = |curve: &Vec<f64>| curve.get(repetition).copied().unwrap_or(0.0);
-        let of_world = |world: &Vec<Vec<f64>>| world.iter().map(one).collect();
-        bootstrap(&worlds.iter().map(of_world).collect::<Vec<_>>())
-    };
-    let late = |curve: &Vec<f64>| {
-        let half = curve.get(curve.len() / 2..).unwrap_or_default();
-        half.iter().sum::<f64>() / half.len().max(1) as f64
-    };
+    let learning = values(scene, trial, times, done)?;
+    let frozen = values(scene, &frozen, times, done)?;
     let pairs = learning.iter().zip(&frozen).map(|(a, b)| {
-        let difference = |(a, b)| late(a) - late(b);
+        let difference = |(a, b): (&Vec<f64>, &Vec<f64>)| late(a) - late(b);
         a.iter().zip(b).map(difference).collect()
     });
-    let all = 0..repetitions as usize;
+    let all = 0..times as usize;
     Ok(Curve {
         learning: all.clone().map(|i| at(&learning, i)).collect(),
         frozen: all.map(|i| at(&frozen, i)).collect(),
@@ -49,15 +44,28 @@ pub fn measure(scene: &Scene, trial: &Trial, repetitions: u32) -> Result<Curve, 
 }
 
 /// By world, seed and repetition.
-fn values(scene: &Scene, trial: &Trial, repetitions: u32) -> Result<Vec<Vec<Vec<f64>>>, Failure> {
-    let worlds = (0..u64::from(trial.worlds)).into_par_iter().map(|index| {
-        let world = scene.world(index + 1);
-        let seeds = (0..u64::from(trial.seeds)).into_par_iter().map(|seed| {
-            let setup = scene.setup(trial, &world, 1_000 * (index + 1) + seed);
-            let reports = repeat(&world, &setup, repetitions)?;
-            Ok(reports.iter().map(|report| scene.value(report)).collect())
-        });
-        seeds.collect::<Result<Vec<Vec<f64>>, Failure>>()
-    });
-    worlds.collect()
+fn values(
+    scene: &Scene,
+    trial: &Trial,
+    times: u32,
+    done: &(impl Fn() + Sync),
+) -> Result<BySeed<Vec<f64>>, Failure> {
+    each(scene, trial, |world, setup| {
+        let reports = repeat(world, setup, times)?;
+        done();
+        Ok(reports.iter().map(|report| scene.value(report)).collect())
+    })
+}
+
+/// The mean of one repetition.
+fn at(worlds: &BySeed<Vec<f64>>, repetition: usize) -> Mean {
+    let one = |curve: &Vec<f64>| curve.get(repetition).copied().unwrap_or(0.0);
+    let of_world = |world: &Vec<Vec<f64>>| world.iter().map(one).collect();
+    bootstrap(&worlds.iter().map(of_world).collect::<Vec<_>>())
+}
+
+/// The mean over the last half of the repetitions.
+fn late(curve: &[f64]) -> f64 {
+    let half = curve.get(curve.len() / 2..).unwrap_or_default();
+    half.iter().sum::<f64>() / half.len().max(1) as f64
 }

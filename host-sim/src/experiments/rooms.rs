@@ -160,6 +160,34 @@ pub fn one_obstacle(seed: u64) -> World {
     world("one-obstacle", seed, Point::default(), vec![room, obstacle])
 }
 
+/// A hall of 8 m × 6 m with a room in one corner, whose exit is 1.5 … 1.9 m wide; the start in the hall.
+#[must_use]
+pub fn with_exit(seed: u64) -> World {
+    let mut noise = Noise::new(seed);
+    let corner = Point::new(noise.uniform_in(-0.8, 0.2), noise.uniform_in(0.4, 1.0));
+    let width = noise.uniform_in(1.5, 1.9);
+    let from = noise.uniform_in(-2.4, corner.y - 0.6 - width);
+    let wall = |a: Point, b: Point| Shape::Wall { points: vec![a, b] };
+    let shapes = vec![
+        rectangle(Point::new(4.0, 3.0)),
+        wall(Point::new(-4.0, corner.y), corner),
+        wall(corner, Point::new(corner.x, from + width)),
+        wall(Point::new(corner.x, from), Point::new(corner.x, -3.0)),
+    ];
+    let start = Point::new(
+        noise.uniform_in(corner.x + 1.0, 3.2),
+        noise.uniform_in(-2.2, 2.2),
+    );
+    world("with-exit", seed, start, shapes)
+}
+
+/// A place inside the room of any world [`with_exit`].
+#[must_use]
+pub fn inside(seed: u64) -> Point {
+    let mut noise = Noise::new(seed);
+    Point::new(noise.uniform_in(-3.0, -1.8), noise.uniform_in(-1.9, -0.7))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -167,7 +195,15 @@ mod tests {
     #[test]
     fn every_room_comes_from_its_seed_and_has_room_for_the_robot() {
         type Make = fn(u64) -> World;
-        let makers: [Make; 6] = [plain, boxes, corridor, small, six_boxes, one_obstacle];
+        let makers: [Make; 7] = [
+            plain,
+            boxes,
+            corridor,
+            small,
+            six_boxes,
+            one_obstacle,
+            with_exit,
+        ];
         for make in makers {
             for seed in 0..50 {
                 let world = make(seed);
@@ -179,6 +215,21 @@ mod tests {
                     world.name()
                 );
             }
+        }
+    }
+    #[test]
+    fn the_room_with_an_exit_can_be_left() {
+        for seed in 0..50 {
+            let world = with_exit(seed);
+            let inside = inside(seed);
+            assert!(world.clearance(inside) > 0.8, "{seed}");
+            // Somewhere between the room and the hall the way is free.
+            let free = (-30..10).any(|y| {
+                let y = f64::from(y) / 10.0;
+                let [from, to] = [-1.6, 1.0].map(|x| Point::new(x, y));
+                !world.sweep(from, to, 0.4).touched()
+            });
+            assert!(free, "{seed}");
         }
     }
 }

@@ -16,7 +16,6 @@
 
 mod address;
 mod error;
-mod goal_file;
 mod image;
 mod knowledge;
 mod lossy;
@@ -31,7 +30,6 @@ mod words;
 
 pub use address::{Address, BAUD};
 pub use error::LinkError;
-pub use goal_file::read_goal;
 pub use image::build as build_image;
 pub use knowledge::Knowledge;
 pub use lossy::{Lossy, Silent};

@@ -156,8 +156,9 @@ const ACTION_MAP: &[&str] = &[
     "Where learning went well, bars point outwards on the arrow's side and inwards behind it.",
 ];
 const SEQUENCE: &[&str] = &[
-    "A few decisions in a row. The robot finds the neuron of its present situation, picks a neighbour of it that is \
-     nearer to the goal, and asks the action map: which displacement brings the difference between the two?",
+    "A few decisions in a row. Looking one step ahead, the robot asks the action map what each direction would change, \
+     and takes the one whose situation to come is nearest to the goal. (In the presets that keep the paper's four steps it \
+     picks a neighbour of its present neuron that is nearer to the goal and asks which displacement brings the difference.)",
     "Compare the change that was wanted with the change that was measured after the move: they agree in direction \
      where the maps know the situation well.",
 ];

@@ -97,6 +97,7 @@ pub fn recording() -> Recording {
         bearings_rad: ring(16),
         near_m: NEAR_M,
         far_m: FAR_M,
+        goal_place: None,
         robot_radius_m: RADIUS_M,
         exploration,
         seeking,
@@ -190,6 +191,8 @@ impl Robot {
             executed_m: [way * along.x, way * along.y],
             touched: way < 0.25 && self.chance() < 0.2,
             shielded: way < 0.25,
+            leader: None,
+            part: 0,
         };
         self.place = self.place + along * way;
         self.time += 1.5;

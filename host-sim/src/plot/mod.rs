@@ -9,10 +9,13 @@
 //! front of the ring points up and its left to the left.
 
 mod action_map;
+mod behaviors;
 mod code_vectors;
 mod color;
+mod curves;
 pub mod demo;
 mod layout;
+mod marks;
 mod page;
 mod path;
 pub mod png;
@@ -31,7 +34,9 @@ mod worlds;
 pub(crate) mod fixture;
 
 pub use action_map::action_map;
+pub use behaviors::{Shown, behaviors};
 pub use code_vectors::code_vectors;
+pub use curves::{Curves, curves};
 pub use page::{Figure, index_html};
 pub use path::path;
 pub use scatter::scatter;

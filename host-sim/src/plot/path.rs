@@ -5,6 +5,7 @@ use crate::world::Point;
 
 use super::color::{self, GREY, INK, OBSTACLE, ORANGE, PURPLE, VERMILLION};
 use super::layout::{Legend, MARGIN, PAGE, PLOT, TOP, counted, heading};
+use super::marks;
 use super::scene::{self, View};
 use super::svg::{Anchor, Font, Svg, decimal, filled, num, stroke};
 
@@ -32,9 +33,7 @@ pub fn path(recording: &Recording) -> String {
     );
     let subtitle = subtitle(recording);
     heading(&mut svg, &title, &subtitle);
-    scene::obstacles(&mut svg, &view, &recording.world);
-    exploration(&mut svg, &view, &recording.exploration);
-    seeking(&mut svg, &view, recording);
+    way(&mut svg, &view, recording);
     scene::scale_bar(
         &mut svg,
         [MARGIN + 2.0, TOP + view.size[1] + 24.0],
@@ -43,6 +42,16 @@ pub fn path(recording: &Recording) -> String {
     );
     legend(&mut svg, &view, recording);
     svg.finish(&title, &subtitle)
+}
+
+/// The world with everything that happened in it.
+pub(super) fn way(svg: &mut Svg, view: &View, recording: &Recording) {
+    scene::obstacles(svg, view, &recording.world);
+    exploration(svg, view, &recording.exploration);
+    marks::leader(svg, view, recording);
+    seeking(svg, view, recording);
+    marks::goal_place(svg, view, recording);
+    marks::parts(svg, view, recording);
 }
 
 fn subtitle(recording: &Recording) -> String {
@@ -196,6 +205,7 @@ fn legend(svg: &mut Svg, view: &View, recording: &Recording) {
     legend.entry(svg, &stopped, shield_mark);
     let touched = format!("contacts: {}", count(steps, |step| step.touched));
     legend.entry(svg, &touched, |svg, at| contact_mark(svg, at, VERMILLION));
+    marks::legend(&mut legend, svg, recording);
     surroundings(&mut legend, svg, recording);
 }
 
@@ -214,10 +224,14 @@ fn surroundings(legend: &mut Legend, svg: &mut Svg, recording: &Recording) {
     legend.entry(svg, "wall, obstacle", |svg, [x, y]| {
         svg.rect([x - 9.0, y - 6.0, 18.0, 12.0], &filled(OBSTACLE, INK, 1.3));
     });
+    let near = if recording.near_m > 0.0 {
+        format!("something at {}\u{a0}m or nearer", num(recording.near_m))
+    } else {
+        "something at the ring".to_owned()
+    };
     let range = format!(
-        "Situations run from 0 (nothing within {}\u{a0}m) to 1 (something at {}\u{a0}m or nearer).",
-        num(recording.far_m),
-        num(recording.near_m)
+        "Situations run from 0 (nothing within {}\u{a0}m) to 1 ({near}).",
+        num(recording.far_m)
     );
     legend.skip(4.0);
     legend.note(svg, &range);

@@ -228,8 +228,8 @@ fn reading(svg: &mut Svg, [x, y]: [f64; 2]) {
     );
     legend.note(
         svg,
-        "measured: S(t) − S(t−1), what the last move changed. wanted: what the action map was probed with to choose \
-         that move. Across: the transducers, counted to the left from the front.",
+        "measured: S(t) − S(t−1), what the last move changed. wanted: the change that move was chosen for; with \
+         look-ahead what the action map foretold of it, else what the map was probed with. Across: the transducers, counted to the left from the front.",
     );
 }
 

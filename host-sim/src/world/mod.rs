@@ -31,6 +31,7 @@ pub use ray::{Hit, LobeView, Surface};
 pub use shapes::Shape;
 pub use spec::{WorldSource, parse_worlds};
 pub use sweep::{Sweep, TOUCH_SLACK_M};
+pub(crate) use toml_file::read_text;
 pub use view::{ConeShape, View};
 
 use faces::Faces;

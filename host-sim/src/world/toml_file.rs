@@ -35,10 +35,15 @@ const MAX_FILE_BYTES: u64 = 256 << 20;
 
 /// Loads the world file at `path`; without a `name` of its own the world is called after the file.
 pub(super) fn load(path: &Path) -> Result<World, BadInput> {
-    let text = String::from_utf8(read_bytes(path, MAX_FILE_BYTES)?)
-        .map_err(|_| BadInput::file(path, "is not a text file (it is not UTF-8)"))?;
+    let text = read_text(path, MAX_FILE_BYTES)?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     parse(&text, &path.display().to_string(), &stem)
+}
+
+/// The text of a file of at most `limit` bytes.
+pub(crate) fn read_text(path: &Path, limit: u64) -> Result<String, BadInput> {
+    String::from_utf8(read_bytes(path, limit)?)
+        .map_err(|_| BadInput::file(path, "is not a text file (it is not UTF-8)"))
 }
 
 /// The bytes of a file of at most `limit` bytes.

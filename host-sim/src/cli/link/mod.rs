@@ -6,13 +6,18 @@ mod tables;
 use super::Failure;
 use super::remote::{named, open};
 use crate::error::BadInput;
-use crate::link::{Address, Emulation, Knowledge, LinkError, Session, read_goal};
+use crate::goal_file::GoalFile;
+use crate::link::{Address, Emulation, Knowledge, LinkError, Session};
+use crate::scenes::Behavior;
+use amp::config::Config;
+use amp::fixed::Weight;
+use amp::goal::Goal;
 use amp::wire::ToMind;
 use amp::wire::message::{Clock, FromMind, GoalBy, ModeReport, Order, Refusal, Source};
 use clap::{Args, Subcommand};
 use follow::{Trouble, follow, monitor};
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 const EXAMPLES: &str = "\
@@ -23,7 +28,7 @@ Examples, each after `host-sim link --to serial:/dev/ttyUSB0`:
   learn              make the maps from them
   pull robot.mind    keep what it has learnt
   push robot.mind    give it back, to this chip or another
-  goal avoid         set the goal ...
+  goal wall-right    set the goal ...
   seek               ... and pursue it (the robot drives!)
   params far 1200    change a parameter
 
@@ -33,7 +38,7 @@ Without any hardware, in an emulated chip:
 A robot stops when its link falls silent: explore, seek and resume keep it alive until they end. Each command opens a \
 session of its own, and a robot that moves stops when another session begins.
 
-A goal FILE says what the sonars (0 ahead, 4 to the left, counter-clockwise) should perceive, from 0 = nothing within \
+A goal FILE holds a captured situation (host-sim capture writes one) or says what the sonars (0 ahead, 4 to the left, counter-clockwise) should perceive, from 0 = nothing within \
 the far limit to 1 = something as near as the near limit; sonars it does not name may perceive anything:
   [[sonar]]
   numbers = [4]
@@ -66,9 +71,9 @@ enum Verb {
     Hello,
     /// Watch what the mind says, one line per message, until interrupted
     Monitor(Span),
-    /// Set the goal: avoid (nothing near), perceived (what is heard now), or a goal FILE
+    /// Set the goal: perceived (what is heard now), a behaviour by name, or a goal FILE
     Goal {
-        /// avoid, perceived, or a TOML file
+        /// perceived, avoid, avoid-right, wall-left, wall-right, follow, or a TOML file
         goal: String,
     },
     /// Make random moves and remember them
@@ -170,7 +175,7 @@ impl Task {
             Verb::Goal { goal } => Self::Goal(match goal.as_str() {
                 "avoid" => GoalBy::Avoid,
                 "perceived" => GoalBy::Perceived,
-                file => GoalBy::Components(read_goal(file.as_ref())?),
+                name => GoalBy::Components(goal_by_name(name)?),
             }),
             Verb::Push { file } => Self::Push(Knowledge::load(file)?),
             Verb::Params { name, value } => {
@@ -178,6 +183,20 @@ impl Task {
             }
             _ => Self::Nothing,
         })
+    }
+}
+
+/// A behaviour's goal, for the ranges of the preset `default`, or a file's.
+fn goal_by_name(name: &str) -> Result<Goal<16>, BadInput> {
+    let is_file = name.contains(['.', '/']) || Path::new(name).exists();
+    if is_file {
+        return Ok(GoalFile::load(name.as_ref())?.goal());
+    }
+    match name.parse()? {
+        Behavior::Nest | Behavior::Chain(_) => Err(BadInput::new(format!(
+            "goal {name}: a mind on a chip takes one goal at a time; at the nest, `goal perceived` captures it"
+        ))),
+        behavior => Ok(behavior.goal(&Config::recommended(), &[Weight::ZERO; 16])),
     }
 }
 

@@ -25,6 +25,7 @@ fn setup(sonar: SonarModel, moves: u16, steps: u32) -> Setup {
         seed: 5,
         sonar,
         turret: TurretMode::Held,
+        set_down: None,
         record: true,
     }
 }

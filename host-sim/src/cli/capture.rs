@@ -1,0 +1,162 @@
+//! `host-sim capture`: what the robot perceives at a place, as a goal file.
+
+use super::Failure;
+use super::run::{Preset, SonarChoice};
+use crate::episode::perceive;
+use crate::error::BadInput;
+use crate::goal_file;
+use crate::plot::demo::save;
+use crate::robot::COLLISION_RADIUS_M;
+use crate::settings;
+use crate::world::{MAX_COORDINATE_M, Point, Pose, World, parse_worlds};
+use clap::Args;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+/// The `capture` command's flags.
+#[derive(Debug, Clone, Args)]
+pub struct CaptureArgs {
+    /// World, named as for `run`: a FILE, random:SEED, or a built-in name
+    #[arg(long, value_name = "WORLD", default_value = "paper")]
+    world: String,
+    /// Where the robot stands, metres, and where its ring looks, degrees [default: the world's start; without
+    /// DEG the start's bearing]
+    #[arg(long, value_name = "X,Y[,DEG]", value_parser = <At as FromStr>::from_str, allow_hyphen_values = true)]
+    at: Option<At>,
+    /// What the sonars return
+    #[arg(long, value_name = "MODEL", default_value = "ideal", value_enum)]
+    sonar: SonarChoice,
+    /// Seed of their noise
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+    /// The open choices of the method: the scale of nearness is one of them
+    #[arg(long, value_name = "NAME", default_value = "default", value_enum)]
+    preset: Preset,
+    /// Change one open choice (see `host-sim settings`); may be given several times
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    sets: Vec<String>,
+    /// The file to write
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+}
+
+/// A place, and a bearing if one was given.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct At {
+    place: Point,
+    bearing: Option<f64>,
+}
+
+impl FromStr for At {
+    type Err = BadInput;
+
+    fn from_str(text: &str) -> Result<Self, BadInput> {
+        let number = |text: &str| {
+            let number = text.trim().parse().ok();
+            number.filter(|number: &f64| number.abs() <= MAX_COORDINATE_M)
+        };
+        let numbers: Option<Vec<f64>> = text.split(',').map(number).collect();
+        match numbers.as_deref() {
+            Some([x, y]) => Ok(Self {
+                place: Point::new(*x, *y),
+                bearing: None,
+            }),
+            Some([x, y, degrees]) => Ok(Self {
+                place: Point::new(*x, *y),
+                bearing: Some(degrees.to_radians()),
+            }),
+            _ => Err(BadInput::new(format!(
+                "\"{text}\" is not a place: X,Y in metres or X,Y,DEG"
+            ))),
+        }
+    }
+}
+
+/// Captures the situation and writes the file, completely or not at all.
+///
+/// # Errors
+/// A world that cannot be loaded, a place where the robot does not fit, a file that cannot be written, a closed pipe.
+pub fn capture(args: &CaptureArgs, out: &mut impl Write) -> Result<(), Failure> {
+    let mut config = args.preset.config();
+    settings::apply(&mut config, &args.sets)?;
+    let world = only_world(&args.world)?;
+    let pose = pose(&world, args.at)?;
+    let sonar = args.sonar.into();
+    let situation = perceive(&world, pose, sonar, args.seed, config.encoding);
+    let remark = format!(
+        "Captured in the world {} with the sonars {} on a scale of {} to {} m.",
+        world.name().replace(char::is_control, " "),
+        sonar.name(),
+        f64::from(config.encoding.near_mm) / 1e3,
+        f64::from(config.encoding.far_mm) / 1e3,
+    );
+    let text = goal_file::text(&situation, pose.position, &remark);
+    write(&args.out, &text)?;
+    let Point { x, y } = pose.position;
+    let file = args.out.display();
+    Ok(writeln!(
+        out,
+        "{file}: what the robot perceives at ({x}, {y}) in {}\nGo there: host-sim run --world {} --behavior seek:{file}",
+        world.name(),
+        args.world
+    )?)
+}
+
+fn only_world(name: &str) -> Result<World, BadInput> {
+    match parse_worlds(name)?.as_slice() {
+        [source] => source.load(),
+        sources => Err(BadInput::new(format!(
+            "--world {name}: a place is in one world, not in {}",
+            sources.len()
+        ))),
+    }
+}
+
+fn pose(world: &World, at: Option<At>) -> Result<Pose, BadInput> {
+    let start = world.start();
+    let Some(At { place, bearing }) = at else {
+        return Ok(start);
+    };
+    let (low, high) = world.bounds();
+    let within = |value: f64, low: f64, high: f64| (low..=high).contains(&value);
+    let outside = !within(place.x, low.x, high.x) || !within(place.y, low.y, high.y);
+    if outside || world.is_inside(place) || world.clearance(place) < COLLISION_RADIUS_M {
+        return Err(BadInput::new(format!(
+            "--at {},{}: there is no room for the robot in the world {}",
+            place.x,
+            place.y,
+            world.name()
+        )));
+    }
+    Ok(Pose::new(place, bearing.unwrap_or(start.heading)))
+}
+
+fn write(path: &Path, text: &str) -> Result<(), BadInput> {
+    let Some(name) = path.file_name().and_then(|name| name.to_str()) else {
+        return Err(BadInput::file(path, "is not the name of a file"));
+    };
+    save(
+        path.parent().unwrap_or(Path::new("")),
+        name,
+        text.as_bytes(),
+    )?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_read_or_refused_by_name() {
+        let at: At = "-1.5, 2,90".parse().unwrap();
+        assert_eq!(at.place, Point::new(-1.5, 2.0));
+        assert!((at.bearing.unwrap() - core::f64::consts::FRAC_PI_2).abs() < 1e-12);
+        assert_eq!("1,2".parse::<At>().unwrap().bearing, None);
+        for wrong in ["", "1", "1,2,3,4", "1,x", "nan,0", "1e9,0", "1;2"] {
+            let why = wrong.parse::<At>().unwrap_err().to_string();
+            assert!(why.contains(&format!("\"{wrong}\"")), "{why}");
+        }
+    }
+}

@@ -1,0 +1,227 @@
+//! Every behaviour from the same 100 random moves: each runs in every world, and each does what it is for.
+
+use amp::config::Config;
+use amp::controller::{Event, Motion, Outputs};
+use amp::units::{Displacement, Millis};
+use host_sim::episode::{Body, Report, run};
+use host_sim::experiments::behaviors::{Trial, each};
+use host_sim::experiments::scenes::{SCENES, Scene};
+use host_sim::pilot::Pilot;
+use host_sim::robot::{COLLISION_RADIUS_M, TurretMode};
+use host_sim::scenes::Behavior;
+use host_sim::sonar::SonarModel;
+use host_sim::world::World;
+use serde_json::Value;
+use tests::{Program, host_sim};
+
+/// The figures of one line that `run --json` prints.
+fn line(program: &Program, flags: &str) -> Value {
+    let text = program.ok(&format!("run --json {flags}"));
+    assert_eq!(text.lines().count(), 1, "{text}");
+    serde_json::from_str(&text).expect("a JSON object")
+}
+
+fn figure(line: &Value, key: &str) -> f64 {
+    line[key]
+        .as_f64()
+        .unwrap_or_else(|| panic!("{key}: {line}"))
+}
+
+#[test]
+fn every_behaviour_runs_in_every_world() {
+    let program = host_sim!();
+    let names = Behavior::NAMES
+        .into_iter()
+        .chain(["avoid-right,wall-right,nest", "wall-left,follow"]);
+    for name in names {
+        for world in ["paper", "room", "corridor", "office", "posts", "random:3"] {
+            let line = line(
+                &program,
+                &format!("--world {world} --behavior {name} --steps 40"),
+            );
+            assert_eq!(line["behavior"], name);
+            assert_eq!(line["contacts"], 0, "{line}");
+            let steps = figure(&line, "steps");
+            // A chain ends when its last goal is reached.
+            assert!(steps == 40.0 || name.contains(','), "{line}");
+            assert!(figure(&line, "success") >= 0.0, "{line}");
+            assert!(!line["success_unit"].as_str().unwrap_or_default().is_empty());
+        }
+    }
+}
+
+#[test]
+fn a_captured_place_is_found_again() {
+    let program = host_sim!();
+    for (number, at) in ["1.5,1", "-1,0.5,0", "0,-1.2"].iter().enumerate() {
+        let file = format!("place-{number}.toml");
+        let said = program.ok(&format!("capture --world room --at {at} --out {file}"));
+        assert!(said.contains(&format!("seek:{file}")), "{said}");
+        let line = line(
+            &program,
+            &format!("--world room --behavior seek:{file} --shield off"),
+        );
+        assert_eq!(figure(&line, "success"), 1.0, "{line}");
+        assert!(figure(&line, "distance_m") >= 0.7, "{line}");
+    }
+    let names: Vec<_> = program.files("").into_iter().map(|file| file.0).collect();
+    assert_eq!(names, ["place-0.toml", "place-1.toml", "place-2.toml"]);
+}
+
+#[test]
+fn the_list_names_every_behaviour() {
+    let program = host_sim!();
+    let list = program.ok("behaviors --only wall --out pictures");
+    assert!(list.contains("wall-left") && list.contains("follows a wall on its right"));
+    assert!(list.contains("maps alone") && list.contains("with shield"));
+    let files = program.files("pictures");
+    for name in [
+        "behaviors.svg",
+        "behaviors.png",
+        "wall-right-plain-room/path.png",
+    ] {
+        assert!(files.iter().any(|(file, _)| file == name), "{name}");
+    }
+}
+
+/// All episodes of a scene.
+fn reports(
+    scene: &Scene,
+    shield: bool,
+    [worlds, seeds]: [u32; 2],
+    explore_moves: u16,
+) -> Vec<Report> {
+    let mut config = Config::recommended();
+    if !shield {
+        config.shield = None;
+    }
+    let trial = Trial {
+        first: 101,
+        worlds,
+        seeds,
+        explore_moves,
+        preset: "default",
+        config,
+        turret: TurretMode::Held,
+        sonar: SonarModel::Ideal,
+    };
+    let reports = each(scene, &trial, |world, setup| {
+        Ok(run(world, setup, |_, _, _| {})?.report)
+    });
+    reports.expect("every episode runs").concat()
+}
+
+fn scene(behavior: &str, place: &str) -> &'static Scene {
+    let mut scenes = SCENES.iter();
+    let found = scenes.find(|scene| scene.behavior == behavior && scene.place == place);
+    found.unwrap_or_else(|| panic!("{behavior} in {place}"))
+}
+
+fn mean(reports: &[Report], figure: impl Fn(&Report) -> f64) -> f64 {
+    reports.iter().map(figure).sum::<f64>() / reports.len() as f64
+}
+
+#[test]
+fn a_wall_is_followed_at_its_distance() {
+    for behavior in ["wall-right", "wall-left"] {
+        for place in ["plain room", "five boxes", "corridor"] {
+            let scene = scene(behavior, place);
+            let bare = reports(scene, false, [10, 3], 100);
+            let error = mean(&bare, |report| report.success);
+            assert!(error <= 0.12, "{behavior} in {place}: {error} m");
+            // It goes on all the while: 1000 steps of 0.25 m.
+            assert!(bare.iter().all(|report| report.distance_m > 200.0));
+            assert!(mean(&bare, |report| f64::from(report.contacts)) <= 10.0);
+            let shielded = reports(scene, true, [10, 1], 100);
+            assert!(shielded.iter().all(|report| report.contacts == 0));
+            assert!(mean(&shielded, |report| report.success) <= 0.20);
+        }
+    }
+}
+
+#[test]
+fn the_nest_and_a_place_that_was_shown_are_found() {
+    for behavior in ["nest", "seek"] {
+        for (place, least) in [("4 m × 4 m", 49), ("six boxes", 40)] {
+            let bare = reports(scene(behavior, place), false, [10, 5], 100);
+            let found = bare.iter().filter(|report| report.success == 1.0).count();
+            assert!(found >= least, "{behavior} in {place}: {found} of 50");
+        }
+    }
+}
+
+#[test]
+fn a_robot_that_knows_nothing_finds_no_nest() {
+    // One sample says nothing across its direction when it is not turned.
+    let mut config = Config::recommended();
+    config.learning.turned = false;
+    config.planning.wander = None;
+    config.online = None;
+    let trial = Trial {
+        first: 101,
+        worlds: 10,
+        seeds: 5,
+        explore_moves: 1,
+        preset: "default",
+        config,
+        turret: TurretMode::Held,
+        sonar: SonarModel::Ideal,
+    };
+    let found = each(scene("nest", "4 m × 4 m"), &trial, |world, setup| {
+        Ok(run(world, setup, |_, _, _| {})?.report.success)
+    });
+    let found: f64 = found.expect("every episode runs").concat().iter().sum();
+    assert!(found <= 15.0, "{found} of 50");
+}
+
+#[test]
+fn obstacles_are_passed_on_the_asked_side() {
+    let bare = reports(scene("avoid-right", "one obstacle"), false, [10, 3], 100);
+    assert!(mean(&bare, |report| report.success) >= 0.9);
+    assert!(mean(&bare, |report| report.distance_m) > 200.0);
+}
+
+#[test]
+fn a_leader_is_kept_and_not_touched() {
+    for place in ["plain room", "five boxes"] {
+        let bare = reports(scene("follow", place), false, [10, 3], 100);
+        let kept = mean(&bare, |report| report.success);
+        assert!(kept >= 0.85, "{place}: {kept}");
+        // The leader goes 45 m in 300 s at most: who stays behind has gone far, too.
+        assert!(mean(&bare, |report| report.distance_m) > 15.0);
+    }
+}
+
+/// Drives straight ahead, whatever it hears.
+struct Ram;
+
+impl Pilot for Ram {
+    fn handle(&mut self, _: Millis, event: Event<16>) -> Outputs<16> {
+        let motion = matches!(event, Event::Echo { sensor: 15, .. }).then(|| Motion {
+            id: 1,
+            displacement: Displacement::saturating(250, 0),
+            speed_mm_s: 500,
+        });
+        Outputs {
+            motion,
+            ..Outputs::NONE
+        }
+    }
+}
+
+#[test]
+fn touching_the_leader_is_a_contact() {
+    let world = World::builtin("room").expect("a built-in world");
+    let mut body = Body::new(&world, SonarModel::Ideal, TurretMode::Held, 1);
+    let start = world.start().position;
+    let free = world.sweep(start, start + host_sim::world::Point::new(1.5, 0.0), 0.3);
+    assert!(!free.touched(), "nothing but the leader is in the way");
+    body.add_leader();
+    let moved: Vec<_> = (0..30)
+        .map_while(|_| body.advance(&mut Ram).moved)
+        .take_while(|moved| moved.from.distance(start) < 1.2)
+        .collect();
+    let touch = moved.iter().find(|moved| moved.touched).expect("a contact");
+    let gap = touch.to.distance(body.leader().expect("the leader"));
+    assert!(gap > 2.0 * COLLISION_RADIUS_M - 0.01, "{gap}");
+}
