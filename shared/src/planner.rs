@@ -215,17 +215,20 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
     fn aim(&self, current: usize, goal: usize, goal_scores: &[i64; NEURONS]) -> (usize, Why) {
         let grid = self.situations.grid();
         let far = |k: usize| goal_scores.get(k).copied().unwrap_or(i64::MAX);
-        let nearest = match self.config.planning.intermediate {
+        let hops = match self.config.planning.intermediate {
             Intermediate::Goal => return (goal, Why::GoalDirectly),
             _ if current == goal => return (goal, Why::GoalNeuron),
-            Intermediate::FewestHops => grid
-                .neighbours(current)
-                .min_by_key(|&k| (grid.hops(k, goal), far(k), k)),
-            Intermediate::NearestCode => {
-                let nearer = grid.neighbours(current).filter(|&k| far(k) < far(current));
-                nearer.min_by_key(|&k| (far(k), k))
-            }
+            Intermediate::FewestHops => true,
+            Intermediate::NearestCode => false,
         };
+        let mut nearest = None;
+        let mut least = (usize::MAX, i64::MAX, usize::MAX);
+        for k in grid.neighbours(current) {
+            let key = (if hops { grid.hops(k, goal) } else { 0 }, far(k), k);
+            if key < least && (hops || far(k) < far(current)) {
+                (nearest, least) = (Some(k), key);
+            }
+        }
         nearest.map_or((goal, Why::NoNearerNeighbour), |k| (k, Why::Neighbour))
     }
 
