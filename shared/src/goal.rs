@@ -191,14 +191,17 @@ pub(crate) enum Over {
     Bent,
 }
 
-/// Squared deviation of values from what is asked of them, see [`Goal::deviation`].
+/// Squared deviation of values from what is asked of them, see [`Goal::deviation`]; what reaches `limit` may be more.
 #[inline(never)]
-pub(crate) fn missed(asked: &[Asked], values: &[i32], cap: i32) -> i64 {
+pub(crate) fn missed(asked: &[Asked], values: &[i32], cap: i32, limit: i64) -> i64 {
     let mut total = 0_i64;
     for (asked, value) in asked.iter().zip(values) {
         // Most values are as asked: nothing to multiply.
         if !asked.holds(*value) {
             total = total.wrapping_add(asked.deviation(*value, cap));
+            if total >= limit {
+                break;
+            }
         }
     }
     total
@@ -354,7 +357,7 @@ impl<const SENSORS: usize> Goal<SENSORS> {
     pub fn deviation(&self, values: &[i32; SENSORS], mask: Mask) -> i64 {
         let mut asked = [Asked::ANYTHING; SENSORS];
         self.ask(mask, &mut asked);
-        missed(&asked, values, self.cap_bits())
+        missed(&asked, values, self.cap_bits(), i64::MAX)
     }
 
     /// Says of each believed transducer what is asked of it in the ring's frame.

@@ -182,7 +182,7 @@ mod tests {
             landscape.shape(&forward, &asked);
             let share = crate::units::Bearing::from_turns(turns).direction();
             let values = forward.after(share);
-            let exact = missed(&asked, &values, goal.cap_bits());
+            let exact = missed(&asked, &values, goal.cap_bits(), i64::MAX);
             let found = landscape.at(share);
             // Each value is rounded down to one unit; the form's coefficients to 2⁹ and 2¹⁰.
             let weights: i64 = bounds.iter().map(|(_, _, weight)| i64::from(*weight)).sum();

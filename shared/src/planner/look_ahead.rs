@@ -52,7 +52,7 @@ struct Aim<'a, const SENSORS: usize> {
 
 impl<const SENSORS: usize> Aim<'_, SENSORS> {
     fn deviation(&self, values: &[i32; SENSORS]) -> i64 {
-        missed(self.asked, values, self.goal.cap_bits())
+        missed(self.asked, values, self.goal.cap_bits(), i64::MAX)
     }
 
     /// As [`Goal::holds`].
@@ -68,12 +68,13 @@ impl<const SENSORS: usize> Aim<'_, SENSORS> {
     }
 }
 
-/// Deviation when component 0 looks towards `place`.
+/// Deviation when component 0 looks towards `place`; what reaches `limit` may be more.
 fn turned_deviation<const SENSORS: usize>(
     asked: &[Asked; SENSORS],
     values: &[i32; SENSORS],
     place: usize,
     cap: i32,
+    limit: i64,
 ) -> i64 {
     let (Some((behind, ahead)), Some((first, last))) = (
         values.split_at_checked(place),
@@ -81,7 +82,11 @@ fn turned_deviation<const SENSORS: usize>(
     ) else {
         return i64::MAX;
     };
-    missed(first, ahead, cap).wrapping_add(missed(last, behind, cap))
+    let total = missed(first, ahead, cap, limit);
+    if total >= limit {
+        return total;
+    }
+    total.wrapping_add(missed(last, behind, cap, limit.wrapping_sub(total)))
 }
 
 /// A weight in Q16 times a cosine in Q14, in units of 2⁻²⁶.
@@ -126,13 +131,14 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         goal.ask(Mask::ALL, &mut asked);
         let (mut best, mut least) = (0, i64::MAX);
         for (place, direction) in self.config.robot.directions.iter().enumerate() {
+            let steady = weighted(goal.steady_q16, cosine_q14(*direction, course));
             let deviation = if self.config.believed.covers(SENSORS) {
-                turned_deviation(&asked, &values, place, goal.cap_bits())
+                let limit = least.saturating_add(steady);
+                turned_deviation(&asked, &values, place, goal.cap_bits(), limit)
             } else {
                 let turned = goal.towards(place);
                 turned.deviation(&values, self.config.believed)
             };
-            let steady = weighted(goal.steady_q16, cosine_q14(*direction, course));
             let score = deviation.wrapping_sub(steady);
             if score < least {
                 (best, least) = (place, score);
