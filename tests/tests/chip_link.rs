@@ -5,7 +5,8 @@ use amp::controller::{Command, Decision, Event, handle};
 use amp::goal::Goal;
 use amp::units::{Millis, Range};
 use amp::wire::message::{Clock, FromMind, Heard, Order, Report, ToMind};
-use host_sim::link::{Knowledge, read_goal};
+use host_sim::goal_file::GoalFile;
+use host_sim::link::Knowledge;
 use std::io::{BufRead as _, BufReader};
 use std::process::Stdio;
 use std::sync::mpsc::{Receiver, channel};
@@ -55,7 +56,8 @@ fn a_goal_file_is_what_the_chip_pursues(program: &Program, board: &Board, mind: 
         at_ms: chip.at_ms(),
         echoes: (0..16).map(heard).collect(),
     }));
-    let goal = read_goal(&program.folder().join("wall.toml")).expect("a goal");
+    let file = GoalFile::load(&program.folder().join("wall.toml")).expect("a goal");
+    let goal = file.goal();
     assert_eq!(theirs, Some(decided_here(mind, goal)));
     let other = Goal::avoiding(&mind.config().expect("a configuration"));
     assert_ne!(theirs, Some(decided_here(mind, other)));
