@@ -6,7 +6,7 @@
 //! 4. probe the action map with the change of situation wanted; it answers with an action.
 //!
 //! With [`Choice::Recall`] these are the steps. The other choices ask the action map the other way round: what change does
-//! each action bring, and which of the situations to come is nearest to the goal ([`look_ahead`]).
+//! each action bring, and which of the situations to come is nearest to the goal (`look_ahead`).
 
 use crate::action_map::{ActionMap, Answer, Preference, Probe};
 use crate::config::{AtGoal, Choice, Config, Intermediate};
