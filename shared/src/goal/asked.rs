@@ -1,0 +1,116 @@
+//! What is asked of values while a decision is taken: whole numbers, ready to be compared.
+
+use super::Component;
+
+/// What is asked of a value in units of 2⁻¹³.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Asked {
+    low: i32,
+    high: i32,
+    weight: i32,
+}
+
+impl Asked {
+    /// Any value is as asked.
+    pub(crate) const ANYTHING: Self = Self {
+        low: i32::MIN,
+        high: i32::MAX,
+        weight: 0,
+    };
+
+    #[inline(always)]
+    pub(super) fn of(component: &Component) -> Self {
+        Self {
+            low: i32::from(component.low.to_bits()),
+            high: i32::from(component.high.to_bits()),
+            weight: i32::from(component.weight),
+        }
+    }
+
+    /// Whether a value is as asked.
+    #[inline(always)]
+    pub(crate) const fn holds(&self, value: i32) -> bool {
+        self.low <= value && value <= self.high
+    }
+
+    /// Whether a value misses what is asked by at most `tolerance`.
+    #[inline(always)]
+    pub(crate) const fn holds_within(&self, value: i32, tolerance: i32) -> bool {
+        self.low.saturating_sub(tolerance) <= value && value <= self.high.saturating_add(tolerance)
+    }
+
+    /// How the deviation runs over the values from the least to the most, which may lie below 0 and count as 0 there.
+    pub(crate) const fn over(&self, (least, most): (i32, i32), cap: i32) -> Over {
+        let (low, high) = (self.low, self.high);
+        let from = if least < 0 { 0 } else { least };
+        let to = if most < 0 { 0 } else { most };
+        if low <= from && to <= high {
+            return Over::Met;
+        }
+        if from.saturating_sub(high) >= cap || low.saturating_sub(to) >= cap {
+            return Over::Capped;
+        }
+        let (target, farthest) = if from >= high {
+            (high, to.saturating_sub(high))
+        } else if to <= low {
+            (low, low.saturating_sub(from))
+        } else if low == high {
+            let (above, below) = (to.saturating_sub(high), low.saturating_sub(from));
+            (high, if above > below { above } else { below })
+        } else {
+            return Over::Bent;
+        };
+        if least >= 0 && farthest <= cap {
+            Over::Square(target)
+        } else {
+            Over::Bent
+        }
+    }
+
+    /// Weight of the deviation.
+    pub(crate) const fn weight(&self) -> i32 {
+        self.weight
+    }
+
+    /// The deviation of what is at the cap or beyond.
+    pub(crate) const fn most(&self, cap: i32) -> i64 {
+        cap.wrapping_mul(cap) as i64 * self.weight as i64
+    }
+
+    /// Squared deviation of a value, at most that of the cap, in units of 2⁻²⁶ · weight.
+    #[inline(always)]
+    pub(crate) fn deviation(&self, value: i32, cap: i32) -> i64 {
+        let nearest = value.max(self.low).min(self.high);
+        let off = value.wrapping_sub(nearest).saturating_abs().min(cap);
+        i64::from(off.wrapping_mul(off)).wrapping_mul(i64::from(self.weight))
+    }
+}
+
+/// How the deviation runs over an interval of values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Over {
+    /// All values are as asked.
+    Met,
+    /// All values deviate by the cap at least.
+    Capped,
+    /// The square of the distance from this value.
+    Square(i32),
+    /// One piece here, another there.
+    Bent,
+}
+
+/// Squared deviation of values from what is asked of them, see [`Goal::deviation`](super::Goal::deviation); what reaches `limit` may be more.
+#[inline(never)]
+pub(crate) fn missed(asked: &[Asked], values: &[i32], cap: i32, limit: i64) -> i64 {
+    let mut total = 0_i64;
+    for (asked, value) in asked.iter().zip(values) {
+        // Most values are as asked: nothing to multiply.
+        if !asked.holds(*value) {
+            total = total.wrapping_add(asked.deviation(*value, cap));
+            if total >= limit {
+                break;
+            }
+        }
+    }
+    total
+}
