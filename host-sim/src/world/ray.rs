@@ -163,12 +163,24 @@ impl LobeView {
     /// The first thing a ray from the tip along the unit vector `direction` meets.
     #[must_use]
     pub fn cast(&self, direction: Point) -> Option<Hit> {
-        let faces = self.faces.iter().filter_map(|face| face.hit(direction));
-        let circles = self
-            .circles
-            .iter()
-            .filter_map(|circle| circle.hit(direction));
-        nearest(faces.chain(circles))
+        // Plain loops: a chain of iterators is not always inlined, and this runs for every ray.
+        let mut first: Option<Hit> = None;
+        let mut take = |hit: Hit| {
+            if first.is_none_or(|first| hit.distance_m < first.distance_m) {
+                first = Some(hit);
+            }
+        };
+        for face in &self.faces {
+            if let Some(hit) = face.hit(direction) {
+                take(hit);
+            }
+        }
+        for circle in &self.circles {
+            if let Some(hit) = circle.hit(direction) {
+                take(hit);
+            }
+        }
+        first
     }
 
     /// The corners in the lobe, relative to its tip, m, hidden or not.
