@@ -231,11 +231,9 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             }
         } else {
             for direction in &self.config.robot.directions {
-                if self.is_allowed(*direction) {
-                    let candidate = try_out(*direction, 4);
-                    if candidate.score < best.score {
-                        best = candidate;
-                    }
+                let candidate = try_out(*direction, 4);
+                if candidate.score < best.score && self.is_allowed(*direction) {
+                    best = candidate;
                 }
             }
         }
