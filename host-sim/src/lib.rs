@@ -7,6 +7,7 @@ pub mod error;
 pub mod experiments;
 pub mod goal_file;
 pub mod link;
+pub mod log;
 pub mod noise;
 pub mod pilot;
 pub mod plot;

@@ -1,7 +1,7 @@
 //! The command line: what a person types, and what comes back.
 //!
-//! Results go to standard output, progress and times to standard error. Exit code 0: it ran; 2: bad
-//! input, with one sentence that names the file, key or value. A reader that closes the pipe ends the
+//! Results go to standard output, progress and times to standard error. Exit code 0: it ran; 1: what
+//! should be the same differs; 2: bad input, with one sentence that names the file, key or value. A reader that closes the pipe ends the
 //! program quietly.
 
 mod ablation;
@@ -9,6 +9,7 @@ mod behaviors;
 mod capture;
 mod demo;
 mod link;
+mod log;
 mod output;
 mod remote;
 mod repetition;
@@ -62,6 +63,10 @@ enum Command {
     Capture(capture::CaptureArgs),
     /// Measure whether a behaviour improves by being repeated, against frozen maps
     Repetition(repetition::RepetitionArgs),
+    /// Say what is in a log that `run --log FILE.mcap` wrote
+    Log(log::LogArgs),
+    /// Run the mind of a log again: does it decide the same, bit for bit? (exit code 1 if not)
+    Replay(log::ReplayArgs),
     /// Print a completion script for a shell
     Completions {
         /// The shell
@@ -76,6 +81,8 @@ pub enum Failure {
     Bad(BadInput),
     /// Standard output could not be written.
     Output(io::Error),
+    /// What should be the same is not.
+    Differs(String),
 }
 
 impl From<BadInput> for Failure {
@@ -102,6 +109,10 @@ pub fn main() -> ExitCode {
             ExitCode::SUCCESS
         }
         Err(Failure::Output(error)) => complain(&format!("standard output: {error}")),
+        Err(Failure::Differs(sentence)) => {
+            eprintln!("host-sim: {sentence}");
+            ExitCode::FAILURE
+        }
         Err(Failure::Bad(error)) => {
             // What was printed before the trouble is complete lines: it may stay.
             let _ = out.flush();
@@ -128,6 +139,8 @@ fn execute(command: Option<Command>, out: &mut impl Write) -> Result<(), Failure
         Some(Command::Behaviors(args)) => behaviors::behaviors(&args, out),
         Some(Command::Capture(args)) => capture::capture(&args, out),
         Some(Command::Repetition(args)) => repetition::repetition(&args, out),
+        Some(Command::Log(args)) => log::log(&args, out),
+        Some(Command::Replay(args)) => log::replay(&args, out),
         Some(Command::Completions { shell }) => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "host-sim", &mut script);

@@ -1,10 +1,12 @@
 //! `--mind`: whose mind drives, and an episode driven by one elsewhere.
 
+use super::run::drive;
 use crate::episode::{self, Episode, Setup};
 use crate::error::BadInput;
 use crate::link::{self, Address, Emulation, LinkError, RemoteMind, Session};
 use crate::world::World;
 use amp::wire::message::Clock;
+use std::path::Path;
 use std::str::FromStr;
 
 /// Where the mind runs.
@@ -63,7 +65,7 @@ impl Remote {
         }))
     }
 
-    /// Runs an episode.
+    /// Runs an episode, with a log if there is to be one.
     ///
     /// # Errors
     /// When the mind refuses something, falls silent or cannot be reached.
@@ -71,6 +73,7 @@ impl Remote {
         &mut self,
         world: &World,
         setup: &Setup,
+        log: Option<&Path>,
     ) -> Result<Episode, episode::Failure> {
         let number = link::next_number(self.session.number());
         let mut mind = RemoteMind::start(&mut self.session, number, &setup.config)
@@ -84,7 +87,7 @@ impl Remote {
                 replaced.join(", another ")
             );
         }
-        episode::run_with(world, setup, &mut mind, |_, _, _| {})
+        drive(world, setup, &mut mind, log)
     }
 }
 

@@ -7,7 +7,8 @@ use super::summary;
 use crate::episode::{self, Episode, Report, Setup};
 use crate::error::BadInput;
 use crate::link::Emulation;
-use crate::pilot::MOST_MOVES;
+use crate::log;
+use crate::pilot::{MOST_MOVES, Mind, Thinker};
 use crate::plot;
 use crate::robot::TurretMode;
 use crate::scenes::Behavior;
@@ -81,6 +82,10 @@ pub struct RunArgs {
     /// Write pictures and a page for each world into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Write everything the mind is told and answers into a new FILE in the MCAP format (one world only), for
+    /// `replay`, `log` and other tools
+    #[arg(long, value_name = "FILE")]
+    log: Option<PathBuf>,
     /// Worker threads [default: one per core]; the results do not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -177,6 +182,13 @@ impl Preset {
 pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
     let setup = setup(args)?;
     let sources = sources(&args.worlds)?;
+    if let (Some(path), true) = (&args.log, sources.len() != 1) {
+        let what = format!(
+            "a log holds one episode, not one of each of {} worlds",
+            sources.len()
+        );
+        return Err(BadInput::file(path, what).into());
+    }
     let emulation = Emulation {
         firmware: args.firmware.clone(),
         verbose: args.verbose,
@@ -227,7 +239,8 @@ fn in_parallel(
         let one = |(index, source): (usize, &WorldSource)| {
             let folder = folder(args, number * CHUNK + index, source, sources.len());
             let report = episode(source, folder.as_deref(), |world| {
-                episode::run(world, setup, |_, _, _| {})
+                let mut mind = Mind::new(setup.config.clone());
+                drive(world, setup, &mut mind, args.log.as_deref())
             });
             progress.inc(1);
             report
@@ -253,7 +266,7 @@ fn one_by_one(
     for (index, source) in sources.iter().enumerate() {
         let folder = folder(args, index, source, sources.len());
         print(episode(source, folder.as_deref(), |world| {
-            remote.episode(world, setup)
+            remote.episode(world, setup, args.log.as_deref())
         })?)?;
         progress.inc(1);
     }
@@ -327,6 +340,19 @@ fn episode(
         plot::demo::write(folder, recording, &summary::rows(&episode.report), &[])?;
     }
     Ok(episode.report)
+}
+
+/// Runs an episode, with a log if there is to be one.
+pub(super) fn drive(
+    world: &World,
+    setup: &Setup,
+    mind: &mut impl Thinker,
+    log: Option<&Path>,
+) -> Result<Episode, episode::Failure> {
+    match log {
+        Some(path) => log::run(world, setup, mind, path),
+        None => episode::run_with(world, setup, mind, |_, _, _| {}),
+    }
 }
 
 fn write_json(out: &mut impl Write, report: &Report) -> Result<(), Failure> {

@@ -107,7 +107,7 @@ impl<'w> Body<'w> {
     /// Simulated time as the mind hears it.
     #[must_use]
     pub fn now(&self) -> Millis {
-        Millis::from_ms((self.time_s * 1e3 + 0.5) as u64 as u32)
+        milliseconds(self.time_s)
     }
 
     /// Time one ring takes, seconds.
@@ -312,6 +312,11 @@ impl Happened {
 /// The world as it is met: with the second robot, if there is one.
 fn crowded<'a>(world: &'a World, leader: Option<&'a (Leader, World)>) -> &'a World {
     leader.map_or(world, |(_, crowded)| crowded)
+}
+
+/// Simulated time as the mind hears it.
+pub(super) fn milliseconds(time_s: f64) -> Millis {
+    Millis::from_ms((time_s * 1e3 + 0.5) as u64 as u32)
 }
 
 fn meters(displacement: Displacement) -> [f64; 2] {

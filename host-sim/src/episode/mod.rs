@@ -15,9 +15,11 @@ mod pursue;
 mod record;
 mod tally;
 
-pub use body::Body;
+pub use body::{Body, Happened, Moved};
 pub use capture::perceive;
-pub use drive::{Episode, Failure, Phase, Setup, drive_pilot, run, run_with};
+pub use drive::{
+    Episode, Failure, Observer, Phase, Setup, drive_pilot, run, run_observed, run_with,
+};
 pub use leader::Leader;
 pub use measure::{FOLLOWED_S, KEPT_M, NEST_M};
 pub use places::elsewhere;

@@ -16,7 +16,7 @@ const CARRIED_S: f64 = 601.0;
 /// When the mind refuses a command or falls silent.
 pub fn repeat(world: &World, setup: &Setup, times: u32) -> Result<Vec<Report>, Failure> {
     let mut mind = Mind::new(setup.config.clone());
-    let (mut driver, exploration) = educated(world, setup, &mut mind, |_, _, _| {})?;
+    let (mut driver, exploration) = educated(world, setup, &mut mind, None, |_, _, _| {})?;
     let mut reports = Vec::new();
     for _ in 0..times {
         driver.set_scene(setup);
