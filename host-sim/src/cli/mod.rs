@@ -10,6 +10,7 @@ mod capture;
 mod demo;
 mod link;
 mod output;
+mod paper;
 mod remote;
 mod repetition;
 mod run;
@@ -62,6 +63,8 @@ enum Command {
     Capture(capture::CaptureArgs),
     /// Measure whether a behaviour improves by being repeated, against frozen maps
     Repetition(repetition::RepetitionArgs),
+    /// Make the paper's figures anew and measure its claims one by one
+    Paper(paper::PaperArgs),
     /// Print a completion script for a shell
     Completions {
         /// The shell
@@ -128,6 +131,7 @@ fn execute(command: Option<Command>, out: &mut impl Write) -> Result<(), Failure
         Some(Command::Behaviors(args)) => behaviors::behaviors(&args, out),
         Some(Command::Capture(args)) => capture::capture(&args, out),
         Some(Command::Repetition(args)) => repetition::repetition(&args, out),
+        Some(Command::Paper(args)) => paper::paper(&args, out),
         Some(Command::Completions { shell }) => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "host-sim", &mut script);
