@@ -23,12 +23,18 @@ pub struct PaperArgs {
     /// Random rooms in which avoidance is watched, for each of three presets
     #[arg(long, value_name = "ROOMS", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     rooms: u32,
-    /// Worlds for each of the other behaviours, with four seeds each
+    /// Worlds for each of the other behaviours
     #[arg(long, value_name = "WORLDS", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     worlds: u32,
+    /// Seeds per world
+    #[arg(long, value_name = "SEEDS", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=999))]
+    seeds: u32,
     /// Repetitions of each behaviour
     #[arg(long, value_name = "TIMES", default_value_t = 6, value_parser = clap::value_parser!(u32).range(2..=1_000))]
     times: u32,
+    /// Chains, miniature robots and episodes in the paper's arena
+    #[arg(long, value_name = "DRAWS", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    draws: u32,
 }
 
 const HEADS: [&str; 6] = ["where", "claim", "holds if", "measured", "of", "verdict"];
@@ -65,6 +71,8 @@ pub fn paper(args: &PaperArgs, out: &mut impl Write) -> Result<(), Failure> {
     let size = Size {
         rooms: args.rooms,
         worlds: args.worlds,
+        seeds: args.seeds,
+        draws: args.draws,
         times: args.times,
         seed: args.seed,
     };

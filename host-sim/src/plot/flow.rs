@@ -248,7 +248,11 @@ fn steps(svg: &mut Svg, shown: &DecisionFigure, ring: &[f64]) {
             1 => rosette.values(svg, &shown.present, full),
             2 => rosette.values(svg, &shown.aim, full),
             3 => rosette.changes(svg, &shown.wanted, most),
-            _ => rosette.arrow(svg, shown.action_m, longest([shown.action_m].iter()) * 0.62),
+            _ => Rosette {
+                radius: 90.0,
+                ..rosette
+            }
+            .arrow(svg, shown.action_m, longest([shown.action_m].iter())),
         }
         if i < 3 {
             rosette.fill_hub(svg, color);

@@ -61,8 +61,9 @@ fn about(measured: &Measured) -> Vec<String> {
          asked meet its rule, and partly when some do."
             .to_owned(),
         format!(
-            "Seed {}; {} random rooms, {} worlds per behaviour, {} repetitions. The same seed gives the same page, byte by byte.",
-            size.seed, size.rooms, size.worlds, size.times
+            "Seed {}; {} random rooms, {} worlds × {} seeds per behaviour, {} repetitions, {} chains and miniature robots. The same \
+             numbers give the same page, byte by byte.",
+            size.seed, size.rooms, size.worlds, size.seeds, size.times, size.draws
         ),
     ]
 }
@@ -148,5 +149,6 @@ const FIGURE_5: &[&str] = &[
     "An arena after the paper's figure, which has no scale. The robot explores with 100 random moves and then avoids for 300 \
      decisions by preset probe, without the shield.",
 ];
-const FIGURE_5_LITERAL: &[&str] =
-    &["The same by the most literal reading of the paper: crosses are contacts."];
+const FIGURE_5_LITERAL: &[&str] = &[
+    "The same by the most literal reading of the paper, preset touzet. In most random rooms it touches something (see § 3).",
+];

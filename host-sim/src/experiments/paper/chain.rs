@@ -15,8 +15,8 @@ pub const NEURONS: usize = 32;
 const POINTS: usize = 2_000;
 /// Presentations of each.
 const EPOCHS: u32 = 20;
-/// Fresh points on which a chain is judged: 1000 per neuron on the average.
-const PROBES: usize = 32_000;
+/// Fresh points on which a chain is judged: 500 per neuron on the average.
+pub const PROBES: usize = 16_000;
 /// Side of a cluster; the two lie in opposite corners of the cube.
 const CLUSTER: f64 = 0.35;
 /// Of the uneven cloud, the share of the points that lies in the half with small x.

@@ -26,18 +26,18 @@ use rayon::prelude::*;
 
 /// Random moves with which avoidance is tried.
 pub const FEWER_MOVES: [u16; 5] = [10, 25, 50, 100, 200];
-/// Seeds of each chain and of the miniature robot.
-pub const DRAWS: u64 = 20;
-/// Seeds per world of the behaviours and repetitions.
-const SEEDS: u32 = 4;
 
 /// How much is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Size {
     /// Random rooms in which every decision is watched.
     pub rooms: u32,
-    /// Worlds of each behaviour, with four seeds each.
+    /// Worlds of each behaviour.
     pub worlds: u32,
+    /// Seeds per world of the behaviours and repetitions.
+    pub seeds: u32,
+    /// Chains of each kind, miniature robots, and episodes in the arena.
+    pub draws: u32,
     /// Repetitions of each behaviour, at least 2.
     pub times: u32,
     /// Seed of everything.
@@ -158,13 +158,13 @@ fn by_reading<T>(
 }
 
 fn seeds(size: Size) -> impl ParallelIterator<Item = u64> {
-    (0..DRAWS)
+    (0..u64::from(size.draws))
         .into_par_iter()
         .map(move |i| size.seed.wrapping_add(i))
 }
 
 fn chains(size: Size, watcher: &impl Watcher) -> [Vec<Chain>; 3] {
-    watcher.begin("chains", 3 * DRAWS);
+    watcher.begin("chains", 3 * u64::from(size.draws));
     [Cloud::Uniform, Cloud::Clusters, Cloud::Uneven].map(|cloud| {
         let of_seed = |seed| {
             let chain = Chain::trained(cloud, seed);
@@ -176,7 +176,7 @@ fn chains(size: Size, watcher: &impl Watcher) -> [Vec<Chain>; 3] {
 }
 
 fn miniatures(size: Size, watcher: &impl Watcher) -> Result<Vec<Miniature>, BadInput> {
-    watcher.begin("minis", DRAWS);
+    watcher.begin("minis", u64::from(size.draws));
     let of_seed = |seed| {
         let walked = miniature::walk(seed);
         watcher.done();
@@ -262,7 +262,7 @@ fn behavior_trial(size: Size, reading: &Reading) -> behaviors::Trial {
     behaviors::Trial {
         first: size.seed,
         worlds: size.worlds,
-        seeds: SEEDS,
+        seeds: size.seeds,
         explore_moves: MOVES,
         preset: reading.name,
         config: reading.config.clone(),
@@ -285,7 +285,7 @@ fn reached(
     let asked: Vec<_> = scenes()
         .filter(|scene| scene.behavior != "avoid" && scene.measure != "way m")
         .collect();
-    let each = 3 * u64::from(size.worlds) * u64::from(SEEDS);
+    let each = 3 * u64::from(size.worlds) * u64::from(size.seeds);
     watcher.begin("goals", asked.len() as u64 * each);
     let of_scene = |scene: &'static Scene| {
         let outcomes = by_reading(readings, |reading| {
@@ -308,7 +308,7 @@ fn repetitions(
             !settled && scene.place != "4 m × 4 m" && !scene.behavior.contains(',')
         })
         .collect();
-    let each = 2 * u64::from(size.worlds) * u64::from(SEEDS);
+    let each = 2 * u64::from(size.worlds) * u64::from(size.seeds);
     watcher.begin("repeat", asked.len() as u64 * each);
     let of_scene = |scene: &'static Scene| {
         let trial = behavior_trial(size, reading);

@@ -14,9 +14,9 @@ pub struct Plans {
     pub unmet: u32,
     /// Of them: a neighbour was aimed at.
     pub neighbour: u32,
-    /// Of them: the present neuron was the goal neuron.
+    /// Of them: the present neuron was the goal neuron, or its code vector is as the goal wants it, too.
     pub at_goal_neuron: u32,
-    /// Of them: no neighbour was nearer to the goal.
+    /// Of them: it was not, and no neighbour was nearer to the goal.
     pub no_nearer: u32,
     /// Of those that aimed at a neighbour: it was nearer to the goal in its code vector, too.
     pub nearer_neighbour: u32,
@@ -26,6 +26,8 @@ pub struct Plans {
     pub moves: u32,
     /// Of them: afterwards the situation was nearer to the wanted one, over the transducers whose change was wanted.
     pub nearer: u32,
+    /// Of them: those values changed in the wanted direction (cosine above 0).
+    pub along: u32,
     /// Moves that changed one of those transducers at all.
     pub changes: u32,
     /// Sum over them of the cosines between the wanted and the measured change.
@@ -56,8 +58,10 @@ impl Plans {
             let neighbour = now.plan.why == Why::Neighbour;
             plans.neighbour += u32::from(neighbour);
             plans.nearer_neighbour += u32::from(neighbour && now.aim_is_nearer);
-            plans.at_goal_neuron += u32::from(now.plan.why == Why::GoalNeuron);
-            plans.no_nearer += u32::from(now.plan.why == Why::NoNearerNeighbour);
+            let there = now.plan.why == Why::GoalNeuron || now.neuron_meets_goal;
+            plans.at_goal_neuron += u32::from(!neighbour && there);
+            let lost = now.plan.why == Why::NoNearerNeighbour;
+            plans.no_nearer += u32::from(lost && !there);
             if let Some(next) = seen.get(i + 1) {
                 plans.follow(now, next);
             }
@@ -97,6 +101,7 @@ impl Plans {
         self.nearer += u32::from(length(&left) < length(&wanted));
         if let Some(cosine) = cosine(&wanted, &measured) {
             self.changes += 1;
+            self.along += u32::from(cosine > 0.0);
             self.agreement += cosine;
         }
     }
@@ -113,6 +118,7 @@ impl Plans {
             at_aim: self.at_aim + other.at_aim,
             moves: self.moves + other.moves,
             nearer: self.nearer + other.nearer,
+            along: self.along + other.along,
             changes: self.changes + other.changes,
             agreement: self.agreement + other.agreement,
             reached: self.reached + other.reached,
@@ -220,6 +226,7 @@ mod tests {
             },
             aim: all(0.0),
             aim_is_nearer: true,
+            neuron_meets_goal: false,
         }
     }
 
@@ -253,7 +260,10 @@ mod tests {
             (1, 2, 1, 1)
         );
         // Two moves went the wanted way, one the other way.
-        assert_eq!((plans.moves, plans.nearer, plans.changes), (3, 2, 3));
+        assert_eq!(
+            (plans.moves, plans.nearer, plans.along, plans.changes),
+            (3, 2, 2, 3)
+        );
         assert!((plans.agreement - 1.0).abs() < 1e-9);
     }
 }

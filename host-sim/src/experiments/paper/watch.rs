@@ -21,6 +21,8 @@ pub struct Seen {
     pub aim: Situation<16>,
     /// That code vector is nearer to the goal than the present neuron's.
     pub aim_is_nearer: bool,
+    /// The present neuron's code vector is as the goal wants it.
+    pub neuron_meets_goal: bool,
 }
 
 /// The mind and what has been seen of it.
@@ -70,11 +72,13 @@ impl Pilot for Watched {
                 let goal = self.goal.as_ref();
                 goal.map_or(0, |goal| goal.distance(&code(neuron), Mask::ALL))
             };
+            let now = away(plan.current_neuron);
             self.seen.push(Seen {
                 situation: decision.situation,
                 plan,
                 aim: code(plan.intermediate_neuron),
-                aim_is_nearer: away(plan.intermediate_neuron) < away(plan.current_neuron),
+                aim_is_nearer: away(plan.intermediate_neuron) < now,
+                neuron_meets_goal: now == 0,
             });
             if self.seen.len() == self.keep_after {
                 self.later = Some(Box::new(self.mind.state().clone()));

@@ -82,7 +82,7 @@ fn no_iterations() -> Claim {
     let presentations = u32::from(config.learning.epochs) * 100;
     Claim::new("3", "need no learning iterations")
         .holds_if(
-            "no move beside the 100 (holds), no iteration either (does not: both maps are trained)",
+            "nothing but the 100 moves is needed: no further move, no presentation of samples",
         )
         .measured(
             format!(

@@ -6,6 +6,7 @@
 mod behaviors;
 mod maps;
 mod planning;
+mod repetition;
 
 use super::measure::Measured;
 
@@ -129,6 +130,7 @@ const COMPARED: &str = "see `host-sim compare`";
 #[must_use]
 pub fn claims(measured: &Measured) -> Vec<Claim> {
     let mut claims = maps::claims(measured);
+    claims.extend(repetition::claims(measured));
     claims.extend(planning::claims(measured));
     claims.extend(behaviors::claims(measured));
     claims
