@@ -1,7 +1,7 @@
 //! The paper made anew: what must be so whatever the seed, and the same bytes however the work is spread.
 
 use std::ffi::OsStr;
-use tests::{Program, host_sim, words};
+use tests::{Program, host_sim, root, words};
 
 const SMALL: &str = "paper --rooms 3 --worlds 1 --seeds 1 --times 2 --draws 2 --out page";
 
@@ -101,6 +101,10 @@ fn claims(stdout: &str, files: &[(String, Vec<u8>)]) {
             !row[3].contains("NaN") && !row[3].contains("inf "),
             "{row:?}"
         );
+    }
+    let docs = std::fs::read_to_string(root().join("docs/paper.md")).expect("docs/paper.md");
+    for row in &rows {
+        assert!(docs.contains(row[1]), "docs/paper.md lacks {}", row[1]);
     }
     // Facts of the method, not of the rooms.
     for (words, verdict) in [

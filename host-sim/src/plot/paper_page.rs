@@ -43,20 +43,18 @@ const fn class(verdict: Verdict) -> &'static str {
 fn count(html: &mut String, claims: &[Claim]) {
     html.push_str("<ul class=\"count\">\n");
     for verdict in Verdict::ALL {
-        let count = claims
-            .iter()
-            .filter(|claim| claim.verdict == verdict)
-            .count();
+        let has = |claim: &&Claim| claim.verdict == verdict;
+        let count = claims.iter().filter(has).count();
+        let words = match (verdict, count) {
+            (Verdict::NotTestable, _) | (_, 1) => verdict.words(),
+            (Verdict::Holds, _) => "hold",
+            (Verdict::Partly, _) => "hold partly",
+            (Verdict::DoesNotHold, _) => "do not hold",
+        };
+        let class = class(verdict);
         let _ = writeln!(
             html,
-            "<li class=\"verdict {}\"><span>{count} {}</span></li>",
-            class(verdict),
-            match (verdict, count) {
-                (Verdict::Holds, 1)
-                | (Verdict::Partly | Verdict::DoesNotHold | Verdict::NotTestable, _) =>
-                    verdict.words(),
-                (Verdict::Holds, _) => "hold",
-            }
+            "<li class=\"verdict {class}\"><span>{count} {words}</span></li>"
         );
     }
     html.push_str("</ul>\n");
@@ -97,4 +95,44 @@ fn table(html: &mut String, claims: &[Claim]) {
         );
     }
     html.push_str("</tbody>\n</table>\n</section>\n");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn claim(words: &'static str, verdict: Verdict) -> Claim {
+        Claim {
+            section: "2.3",
+            words,
+            rule: String::new(),
+            measured: "1 < 2".to_owned(),
+            sample: "3 & 4".to_owned(),
+            verdict,
+        }
+    }
+
+    #[test]
+    fn every_claim_is_counted_and_escaped() {
+        let claims = [
+            claim("<a>", Verdict::Holds),
+            claim("b", Verdict::DoesNotHold),
+            claim("c", Verdict::DoesNotHold),
+        ];
+        let html = paper_html("T", &["about".to_owned()], &claims, &[], &[]);
+        for part in [
+            "<span>1 holds</span>",
+            "<span>0 hold partly</span>",
+            "<span>2 do not hold</span>",
+            "“&lt;a&gt;”",
+            "<p>about</p>",
+        ] {
+            assert_eq!(html.matches(part).count(), 1, "{part} in {html}");
+        }
+        assert_eq!(
+            html.matches("1 &lt; 2<span class=\"of\">3 &amp; 4").count(),
+            3
+        );
+        assert_eq!(html.matches("§ 2.3").count(), 3);
+    }
 }

@@ -131,3 +131,21 @@ pub fn measure(
             .collect()
     }))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiments::paper::readings;
+
+    #[test]
+    fn the_same_goal_changes_nothing_and_another_one_the_action_alone() {
+        let names = ["avoid", "wall-right"];
+        let answers = measure(&readings()[0], &names, 2, 1).expect("episodes");
+        let asked = 2 * STEPS / EVERY as u32;
+        for answer in &answers {
+            assert_eq!((answer.tried, answer.unchanged), (asked, asked));
+        }
+        assert_eq!(answers[0].other_action, 0);
+        assert!(answers[1].other_action > asked / 2);
+    }
+}

@@ -100,3 +100,40 @@ impl Discreteness {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiments::paper::{readings, rooms, watch::Watched};
+    use crate::scenes::Behavior;
+    use crate::world::World;
+
+    #[test]
+    fn maps_recall_what_they_have_learnt_and_memory_knows_its_samples() {
+        let reading = &readings()[1];
+        let world = World::random(1);
+        let setup = rooms::setup(reading, Behavior::Avoid, 1, 20);
+        let mut watched = Watched::new(reading.config.clone(), 10);
+        crate::episode::run_with(&world, &setup, &mut watched, |_, _, _| {}).expect("an episode");
+        let (Some(learnt), Some(later)) = (watched.learnt, watched.later) else {
+            panic!("both states are kept");
+        };
+        let own = Recalled::of(&learnt, &learnt, &reading.config);
+        assert!(own.errors_deg.len() >= 90);
+        // Chance would be 90° off on the average.
+        let mean = own.errors_deg.iter().sum::<f64>() / own.errors_deg.len() as f64;
+        assert!(mean < 80.0, "{mean}");
+        assert!(
+            own.errors_deg
+                .iter()
+                .all(|error| (0.0..=180.0).contains(error))
+        );
+        // Put back to where a sample began, the robot finds at least that sample.
+        let mut there = watched.seen.first().copied().expect("a decision");
+        there.situation = from_bytes(&learnt.memory().samples()[7].before).0;
+        assert!(samples_alike(&learnt, &[there])[0] >= 1);
+        let same = Discreteness::of(&learnt, &learnt, &watched.seen);
+        assert_eq!(same.error_before, same.error_after);
+        assert_ne!(Discreteness::of(&learnt, &later, &watched.seen), same);
+    }
+}

@@ -1,6 +1,6 @@
 //! The table: what the paper says, when that counts as true, what was measured, and the verdict.
 //!
-//! Each rule was written down with the claim and holds for all readings alike. A claim about the method is asked of every
+//! The rules are ours (the paper has none) and the same for all readings. A claim about the method is asked of every
 //! preset; it *holds* when all meet the rule, *holds partly* when some do.
 
 mod behaviors;
