@@ -312,7 +312,7 @@ fn any_robot(measured: &Measured) -> Claim {
                 percents(exploring)
             ),
             format!(
-                "`default`, {} rooms each; `probe`, {} miniature robots",
+                "default, {} rooms each; probe, {} miniature robots",
                 measured.size.rooms.div_ceil(2),
                 measured.miniatures.len()
             ),

@@ -10,7 +10,7 @@ use crate::experiments::statistics::Mean;
 pub(super) fn claims(measured: &Measured) -> [Claim; 2] {
     let curves = &measured.repetitions;
     let sample = format!(
-        "{} scenes of `default`, {} episodes each, {} repetitions after 100 random moves",
+        "{} scenes of default, {} episodes each, {} repetitions after 100 random moves",
         curves.len(),
         measured.size.worlds * measured.size.seeds,
         measured.size.times
