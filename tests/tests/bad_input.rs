@@ -195,6 +195,9 @@ const CASES: &[Case] = &[
     ("run --steps 1 --out file", &["file: "]),
     ("run --steps 1 --out file/below", &["file/below"]),
     ("demo --out file/below", &["file/below"]),
+    ("paper --out file/below", &["file/below"]),
+    ("paper --rooms 0", &["--rooms"]),
+    ("paper --times 1", &["--times"]),
     ("worlds --out file/below", &["file/below"]),
     ("som --data good.csv --out file/below", &["file/below"]),
     // The command line itself.

@@ -25,7 +25,8 @@ fn an_episode_with_the_chip_prints_the_same_line() {
 fn what_the_chip_decided_is_decided_again_here() {
     let program = host_sim!();
     let image = image().to_str().expect("a path of letters");
-    let run = "run --world random:2 --steps 60 --sonar nomad --log chip.mcap --mind qemu --firmware";
+    let run =
+        "run --world random:2 --steps 60 --sonar nomad --log chip.mcap --mind qemu --firmware";
     let words: Vec<_> = run.split_whitespace().collect();
     let chip = program.run(&[&words[..], &[image]].concat());
     assert_eq!(chip.code, Some(0), "{}", chip.stderr);

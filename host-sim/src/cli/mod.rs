@@ -11,6 +11,7 @@ mod demo;
 mod link;
 mod log;
 mod output;
+mod paper;
 mod remote;
 mod repetition;
 mod run;
@@ -67,6 +68,8 @@ enum Command {
     Log(log::LogArgs),
     /// Run the mind of a log again: does it decide the same, bit for bit? (exit code 1 if not)
     Replay(log::ReplayArgs),
+    /// Make the paper's figures anew and measure its claims one by one
+    Paper(paper::PaperArgs),
     /// Print a completion script for a shell
     Completions {
         /// The shell
@@ -141,6 +144,7 @@ fn execute(command: Option<Command>, out: &mut impl Write) -> Result<(), Failure
         Some(Command::Repetition(args)) => repetition::repetition(&args, out),
         Some(Command::Log(args)) => log::log(&args, out),
         Some(Command::Replay(args)) => log::replay(&args, out),
+        Some(Command::Paper(args)) => paper::paper(&args, out),
         Some(Command::Completions { shell }) => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "host-sim", &mut script);

@@ -68,6 +68,19 @@ impl World {
     /// When there is no shape or more than [`MAX_SHAPES`]; a coordinate is not finite or beyond
     /// [`MAX_COORDINATE_M`]; a size is not positive; or the robot would start inside something.
     pub fn new(name: impl Into<String>, start: Pose, shapes: Vec<Shape>) -> Result<Self, BadInput> {
+        Self::for_body(name, start, shapes, COLLISION_RADIUS_M)
+    }
+
+    /// As [`World::new`], for a robot whose body has another radius, m.
+    ///
+    /// # Errors
+    /// Like [`World::new`].
+    pub fn for_body(
+        name: impl Into<String>,
+        start: Pose,
+        shapes: Vec<Shape>,
+        radius_m: f64,
+    ) -> Result<Self, BadInput> {
         if shapes.is_empty() {
             return Err(BadInput::new(
                 "a world needs at least one wall, box or circle",
@@ -83,7 +96,7 @@ impl World {
             return Err(BadInput::new(defect));
         }
         let world = Self::prepared(name.into(), start, shapes);
-        world.check_start()?;
+        world.check_start(radius_m)?;
         Ok(world)
     }
 
@@ -116,7 +129,7 @@ impl World {
         world
     }
 
-    fn check_start(&self) -> Result<(), BadInput> {
+    fn check_start(&self, radius_m: f64) -> Result<(), BadInput> {
         let at = self.start.position;
         if let Some(defect) = shapes::point_defect(at, MAX_COORDINATE_M) {
             return Err(BadInput::new(format!("the start: {defect}")));
@@ -125,12 +138,12 @@ impl World {
             return Err(BadInput::new("the start: the heading must be finite"));
         }
         let clearance = self.clearance(at);
-        if !self.is_inside(at) && clearance >= COLLISION_RADIUS_M {
+        if !self.is_inside(at) && clearance >= radius_m {
             return Ok(());
         }
         Err(BadInput::new(format!(
             "the robot would start inside something: at ({}, {}) the nearest surface is {clearance:.3} m \
-             from its centre, its radius is {COLLISION_RADIUS_M} m",
+             from its centre, its radius is {radius_m} m",
             at.x, at.y
         )))
     }
