@@ -29,7 +29,8 @@ fn every_behaviour_and_sonar_replays_bit_for_bit() {
 #[test]
 fn ten_thousand_steps_replay_bit_for_bit() {
     let program = host_sim!();
-    program.ok("run --world random:7 --steps 10000 --log long.mcap");
+    let line = program.ok("run --world random:7 --steps 10000 --json --log long.mcap");
+    assert!(line.contains("\"steps\":10000"), "{line}");
     let said = program.ok("replay long.mcap");
     assert!(said.starts_with("long.mcap: 10101 decisions"), "{said}");
     assert!(said.contains("every one identical"), "{said}");
@@ -39,9 +40,10 @@ fn ten_thousand_steps_replay_bit_for_bit() {
 fn the_same_seed_writes_the_same_log() {
     let program = host_sim!();
     for name in ["a", "b"] {
-        program.ok(&format!(
-            "run --world random:3 --steps 50 --sonar nomad --log {name}.mcap"
+        let line = program.ok(&format!(
+            "run --world random:3 --steps 50 --sonar nomad --json --log {name}.mcap"
         ));
+        assert!(line.contains("random:3"), "{line}");
     }
     let bytes = |name: &str| fs::read(program.folder().join(name)).expect("a log");
     assert_eq!(bytes("a.mcap"), bytes("b.mcap"));
