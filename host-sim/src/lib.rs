@@ -6,6 +6,7 @@ pub mod episode;
 pub mod error;
 pub mod experiments;
 pub mod goal_file;
+pub mod learn;
 pub mod link;
 pub mod noise;
 pub mod pilot;

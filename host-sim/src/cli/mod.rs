@@ -8,6 +8,7 @@ mod ablation;
 mod behaviors;
 mod capture;
 mod demo;
+mod learn;
 mod link;
 mod output;
 mod remote;
@@ -50,6 +51,8 @@ enum Command {
     Link(link::LinkArgs),
     /// Train a self-organising map on any CSV file and report its errors
     Som(crate::som::SomArgs),
+    /// Learn both maps from a logged run of a real robot and ask them what it did
+    Learn(crate::learn::LearnArgs),
     /// List and draw worlds
     Worlds(worlds::WorldsArgs),
     /// List the open choices of the method: the keys of --set, with the presets' values
@@ -122,6 +125,7 @@ fn execute(command: Option<Command>, out: &mut impl Write) -> Result<(), Failure
         Some(Command::Run(args)) => run::run(&args, out),
         Some(Command::Link(args)) => link::link(&args, out),
         Some(Command::Som(args)) => run_som(&args, out),
+        Some(Command::Learn(args)) => learn::learn(&args, out),
         Some(Command::Worlds(args)) => worlds::worlds(&args, out),
         Some(Command::Settings) => settings(out),
         Some(Command::Ablation(args)) => ablation::ablation(&args, out),
