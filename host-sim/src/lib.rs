@@ -1,4 +1,5 @@
 //! Simulator of a Nomad 200 driven by the `amp` crate.
+pub mod barn;
 pub mod baselines;
 pub mod cli;
 pub mod coverage;

@@ -5,6 +5,7 @@
 //! program quietly.
 
 mod ablation;
+mod barn;
 mod behaviors;
 mod capture;
 mod demo;
@@ -53,6 +54,8 @@ enum Command {
     Som(crate::som::SomArgs),
     /// Learn both maps from a logged run of a real robot and ask them what it did
     Learn(crate::learn::LearnArgs),
+    /// Drive the worlds of the BARN navigation benchmark: success and score
+    Barn(barn::BarnArgs),
     /// List and draw worlds
     Worlds(worlds::WorldsArgs),
     /// List the open choices of the method: the keys of --set, with the presets' values
@@ -126,6 +129,7 @@ fn execute(command: Option<Command>, out: &mut impl Write) -> Result<(), Failure
         Some(Command::Link(args)) => link::link(&args, out),
         Some(Command::Som(args)) => run_som(&args, out),
         Some(Command::Learn(args)) => learn::learn(&args, out),
+        Some(Command::Barn(args)) => barn::barn(&args, out),
         Some(Command::Worlds(args)) => worlds::worlds(&args, out),
         Some(Command::Settings) => settings(out),
         Some(Command::Ablation(args)) => ablation::ablation(&args, out),

@@ -17,7 +17,7 @@ mod tally;
 
 pub use body::Body;
 pub use capture::perceive;
-pub use drive::{Episode, Failure, Phase, Setup, drive_pilot, run, run_with};
+pub use drive::{Episode, Failure, Phase, Setup, drive_pilot, educate, run, run_with};
 pub use leader::Leader;
 pub use measure::{FOLLOWED_S, KEPT_M, NEST_M};
 pub use places::elsewhere;

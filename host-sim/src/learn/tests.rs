@@ -6,7 +6,7 @@ use super::study::{Lesson, Map, Method, Recalled, Study, study};
 use super::task::{Options, Part, Task};
 use crate::noise::Noise;
 use crate::sonar::{Ring, SonarModel};
-use crate::world::{Point, Pose, World};
+use crate::world::{Point, Pose, Shape, World};
 use amp::som::Grid;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 
@@ -26,9 +26,17 @@ const LESSON: Lesson = Lesson {
 /// Ranges of the simulated ring in m, and the quarter of the step that followed: 0 along x, 1 along y, ….
 type Row = ([f64; 16], usize);
 
-/// A random walk of steps along the axes in a random room; the ring keeps its bearing.
+/// A random walk of steps along the axes in an empty room of 4 m × 5 m; the ring keeps its bearing.
 fn walk(rows: usize) -> Vec<Row> {
-    let world = World::random(3);
+    let corners = [
+        (-2.0, -2.5),
+        (2.0, -2.5),
+        (2.0, 2.5),
+        (-2.0, 2.5),
+        (-2.0, -2.5),
+    ];
+    let points = corners.map(|(x, y)| Point::new(x, y)).to_vec();
+    let world = World::new("room", Pose::default(), vec![Shape::Wall { points }]).unwrap();
     let mut noise = Noise::new(9);
     let mut ring = Ring::new(SonarModel::Ideal, &mut noise);
     let mut at = Point::default();
@@ -87,12 +95,13 @@ fn a_label_of_the_situation_is_recalled_by_the_situation() {
     let study = found(&by_rule, &Columns::default(), 8);
     let majority = accuracy(&study, Method::Mean);
     assert!(majority < 0.6, "{majority}");
+    // Beside a wall not every change can be, so the change says something, too.
+    let by_change = accuracy(&study, Method::ActionByChange);
     for method in [Method::ActionBySituation, Method::SituationMap] {
         let right = accuracy(&study, method);
         assert!(right > 0.75, "{method:?}: {right}, majority {majority}");
+        assert!(right > by_change + 0.1, "{method:?}: {right}, by change {by_change}");
     }
-    let by_change = accuracy(&study, Method::ActionByChange);
-    assert!(by_change < 0.65, "{by_change}");
 }
 
 #[test]
@@ -100,11 +109,16 @@ fn a_label_of_the_move_is_recalled_by_the_change() {
     let rows = walk(900);
     let by_move = text(&rows, |_, (_, quarter)| format!("towards {quarter}"));
     let study = found(&by_move, &Columns::default(), 6);
-    assert!(accuracy(&study, Method::ActionByChange) > 0.8);
-    assert!(accuracy(&study, Method::NearestChange) > 0.8);
+    let by_change =
+        [Method::ActionByChange, Method::NearestChange].map(|method| accuracy(&study, method));
+    assert!(by_change.iter().all(|right| *right > 0.8), "{by_change:?}");
     // The next step is chance: the situation says no more of it than where there is no room.
-    assert!(accuracy(&study, Method::ActionBySituation) < 0.5);
-    assert!(accuracy(&study, Method::NearestSituation) < 0.5);
+    let by_situation = [Method::ActionBySituation, Method::NearestSituation]
+        .map(|method| accuracy(&study, method));
+    assert!(
+        by_situation.iter().all(|right| *right < 0.5),
+        "{by_situation:?}"
+    );
 }
 
 #[test]
@@ -294,7 +308,13 @@ fn bad_logs_are_named_with_line_and_column() {
     assert!(say("1,2,go\n1,2\n").contains("line 2: 2 fields where line 1 has 3"));
     assert!(say("go\nstop\n").contains("ranges"));
     assert!(say("1,go\n2,go\n").contains("both must be more than --stride 1"));
-    assert!(say("0,go\n0,go\n0,go\n0,go\n").contains("--near 0 must"));
+    let zero = Log::parse("log.csv", "0,go\n0,go\n0,go\n0,go\n", &Columns::default()).unwrap();
+    let options = Options {
+        far: None,
+        ..OPTIONS
+    };
+    let error = Task::of(&zero, &options).unwrap_err().to_string();
+    assert!(error.contains("--near 0 must"), "{error}");
     let many: String = (0..=MAX_LABELS).map(|i| format!("1,{i}\n")).collect();
     assert!(say(&many).contains("column 2 holds 65 different labels"));
 }
