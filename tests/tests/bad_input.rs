@@ -229,10 +229,7 @@ const CASES: &[Case] = &[
         "barn --file cells.csv --lengths lengths.csv",
         &["--lengths", "no length for world 3"],
     ),
-    (
-        "barn --file cells.csv --methods vfh",
-        &["--methods", "vfh"],
-    ),
+    ("barn --file cells.csv --methods vfh", &["--methods", "vfh"]),
     ("som --data missing.csv", &["missing.csv"]),
     ("som --data ragged.csv", &["ragged.csv, line 2", "1 fields"]),
     (

@@ -11,8 +11,8 @@ use super::svg::{Anchor, Font, Svg, decimal, fill, filled};
 
 /// Smallest tile that holds a rosette, px.
 const ROSETTE: f64 = 76.0;
-/// Smallest tile that holds a letter, px.
-const LETTER: f64 = 20.0;
+/// Smallest tile that holds a number, px.
+const NUMBER: f64 = 20.0;
 
 /// A map and its labels.
 #[derive(Debug, Clone, Copy)]
@@ -38,9 +38,12 @@ pub fn labelled_map(shown: &LabelledMap<'_>, title: &str) -> String {
     let side = (PLOT / columns.max(1) as f64).min(150.0);
     let mut svg = Svg::new(PAGE, TOP + side * rows as f64 + MARGIN);
     let dims = shown.map.code.first().map_or(0, Vec::len);
-    let subtitle = format!(
-        "{columns} × {rows} neurons · {dims} ranges · the first range is up, the others follow counter-clockwise"
-    );
+    let order = if side >= ROSETTE {
+        " · the first range is up, the others follow counter-clockwise"
+    } else {
+        ""
+    };
+    let subtitle = format!("{columns} × {rows} neurons · {dims} ranges{order}");
     heading(&mut svg, title, &subtitle);
     let bearings: Vec<f64> = (0..dims).map(|i| TAU * i as f64 / dims as f64).collect();
     for (index, code) in shown.map.code.iter().enumerate() {
@@ -80,7 +83,7 @@ fn tile(
     let font = Font::new(11.0).color(INK);
     if !shown.named {
         let rows = label.iter().enumerate().take((side / 13.0) as usize);
-        for (row, value) in rows.filter(|_| side >= 2.0 * LETTER) {
+        for (row, value) in rows.filter(|_| side >= 2.0 * NUMBER) {
             svg.text(
                 [x + 4.0, y + 13.0 + 12.0 * row as f64],
                 font,
@@ -106,19 +109,14 @@ fn tile(
             100.0 * share
         );
         svg.text([x + 5.0, y + 14.0], font.halo(), &text);
-    } else if side >= LETTER {
+    } else if side >= NUMBER {
         let middle = [x + side / 2.0, y + side / 2.0 + 4.0];
-        svg.text(middle, font.at(Anchor::Middle).halo(), &letters(name));
+        svg.text(
+            middle,
+            font.at(Anchor::Middle).halo(),
+            &(class + 1).to_string(),
+        );
     }
-}
-
-/// The first letters of a name's words.
-fn letters(name: &str) -> String {
-    let words = name.split(['-', ' ', '_']);
-    words
-        .filter_map(|word| word.chars().next())
-        .take(3)
-        .collect()
 }
 
 fn legend(svg: &mut Svg, shown: &LabelledMap<'_>, side: f64) {
@@ -132,7 +130,7 @@ fn legend(svg: &mut Svg, shown: &LabelledMap<'_>, side: f64) {
         legend.note(svg, "Colour: what was done most often in the learnt situations the neuron won; the paler, the less it prevailed.");
         for (class, name) in shown.components.iter().enumerate().take(16) {
             let name = if side < ROSETTE {
-                format!("{name} ({})", letters(name))
+                format!("{}  {name}", class + 1)
             } else {
                 name.clone()
             };
@@ -186,6 +184,5 @@ mod tests {
             assert_well_formed(&picture);
             assert!(picture.contains("ahead"));
         }
-        assert_eq!(letters("Slight-Left-Turn"), "SLT");
     }
 }
