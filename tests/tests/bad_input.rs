@@ -183,7 +183,7 @@ const CASES: &[Case] = &[
     ("run --set near=3 --set far=2", &["far", "near"]),
     // Tables.
     // Logs.
-    ("learn", &["--log"]),
+    ("learn", &["required arguments"]),
     ("learn --log missing.csv", &["missing.csv"]),
     (
         "learn --log log.csv",

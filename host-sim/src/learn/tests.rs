@@ -95,19 +95,18 @@ fn a_label_of_the_situation_is_recalled_by_the_situation() {
     let study = found(&by_rule, &Columns::default(), 8);
     let majority = accuracy(&study, Method::Mean);
     assert!(majority < 0.7, "{majority}");
-    // Beside a wall not every change can be, so the change says something, too.
-    let by_change = accuracy(&study, Method::ActionByChange);
-    for method in [Method::ActionBySituation, Method::SituationMap] {
+    for method in [
+        Method::ActionBySituation,
+        Method::SituationMap,
+        Method::NearestSituation,
+    ] {
         let right = accuracy(&study, method);
         assert!(
-            right > majority + 0.1,
+            right > majority + 0.05,
             "{method:?}: {right}, majority {majority}"
         );
-        assert!(
-            right > by_change + 0.1,
-            "{method:?}: {right}, by change {by_change}"
-        );
     }
+    assert!(accuracy(&study, Method::ActionBySituation) > 0.8);
 }
 
 #[test]
