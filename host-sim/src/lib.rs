@@ -1,4 +1,5 @@
 //! Simulator of a Nomad 200 driven by the `amp` crate.
+pub mod barn;
 pub mod baselines;
 pub mod cli;
 pub mod coverage;
@@ -6,6 +7,7 @@ pub mod episode;
 pub mod error;
 pub mod experiments;
 pub mod goal_file;
+pub mod learn;
 pub mod link;
 pub mod log;
 pub mod noise;

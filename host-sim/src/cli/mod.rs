@@ -5,9 +5,11 @@
 //! program quietly.
 
 mod ablation;
+mod barn;
 mod behaviors;
 mod capture;
 mod demo;
+mod learn;
 mod link;
 mod log;
 mod output;
@@ -52,6 +54,10 @@ enum Command {
     Link(link::LinkArgs),
     /// Train a self-organising map on any CSV file and report its errors
     Som(crate::som::SomArgs),
+    /// Learn both maps from a logged run of a real robot and ask them what it did
+    Learn(crate::learn::LearnArgs),
+    /// Drive the worlds of the BARN navigation benchmark: success and score
+    Barn(barn::BarnArgs),
     /// List and draw worlds
     Worlds(worlds::WorldsArgs),
     /// List the open choices of the method: the keys of --set, with the presets' values
@@ -136,6 +142,8 @@ fn execute(command: Option<Command>, out: &mut impl Write) -> Result<(), Failure
         Some(Command::Run(args)) => run::run(&args, out),
         Some(Command::Link(args)) => link::link(&args, out),
         Some(Command::Som(args)) => run_som(&args, out),
+        Some(Command::Learn(args)) => learn::learn(&args, out),
+        Some(Command::Barn(args)) => barn::barn(&args, out),
         Some(Command::Worlds(args)) => worlds::worlds(&args, out),
         Some(Command::Settings) => settings(out),
         Some(Command::Ablation(args)) => ablation::ablation(&args, out),

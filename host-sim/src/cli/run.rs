@@ -30,7 +30,7 @@ const CHUNK: usize = 256;
 /// The `run` command's flags; every one may be left out.
 #[derive(Debug, Clone, Args)]
 pub struct RunArgs {
-    /// World: a .toml or ROS .yaml FILE, a FOLDER of them, random:SEED, random:A..=B, or a built-in
+    /// World: a .toml or ROS .yaml FILE, a FOLDER of them, random:SEED, random:A..=B, barn:FILE#N, barn:FILE#A..=B (BARN benchmark), or a built-in
     /// name (see `host-sim worlds`); may be given several times
     #[arg(long = "world", value_name = "WORLD", default_value = "paper")]
     worlds: Vec<String>,

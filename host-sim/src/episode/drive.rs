@@ -178,6 +178,14 @@ pub(super) fn educated<'w>(
     Ok((driver, exploration))
 }
 
+/// Lets a mind explore and learn in a world, and nothing else.
+///
+/// # Errors
+/// When the mind refuses a command or falls silent.
+pub fn educate(world: &World, setup: &Setup, mind: &mut impl Pilot) -> Result<(), Failure> {
+    educated(world, setup, mind, None, |_, _, _| {}).map(|_| ())
+}
+
 /// Lets any pilot drive `steps` steps from the world's start: the tally of a yardstick.
 ///
 /// # Errors

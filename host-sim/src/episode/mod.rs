@@ -18,7 +18,7 @@ mod tally;
 pub use body::{Body, Happened, Moved};
 pub use capture::perceive;
 pub use drive::{
-    Episode, Failure, Observer, Phase, Setup, drive_pilot, run, run_observed, run_with,
+    Episode, Failure, Observer, Phase, Setup, drive_pilot, educate, run, run_observed, run_with,
 };
 pub use leader::Leader;
 pub use measure::{FOLLOWED_S, KEPT_M, NEST_M};

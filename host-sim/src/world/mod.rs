@@ -12,6 +12,7 @@ use std::path::Path;
 use crate::error::BadInput;
 use crate::robot::COLLISION_RADIUS_M;
 
+pub mod barn;
 mod builtin;
 mod faces;
 mod geometry;
@@ -20,6 +21,7 @@ mod pgm;
 mod random;
 mod ray;
 mod ros_map;
+mod sdf;
 mod shapes;
 mod spec;
 mod sweep;
@@ -54,6 +56,7 @@ struct Circle {
 pub struct World {
     name: String,
     start: Pose,
+    goal: Option<Point>,
     shapes: Vec<Shape>,
     faces: Faces,
     circles: Vec<Circle>,
@@ -116,6 +119,7 @@ impl World {
             bounds: bounds_of(&shapes),
             name,
             start,
+            goal: None,
             shapes,
         }
     }
@@ -127,6 +131,13 @@ impl World {
         world.shapes.push(Shape::Circle { center, radius });
         world.circles.push(Circle { center, radius });
         world
+    }
+
+    /// This world with a place to go to.
+    #[must_use]
+    pub fn with_goal(mut self, goal: Point) -> Self {
+        self.goal = Some(goal);
+        self
     }
 
     fn check_start(&self, radius_m: f64) -> Result<(), BadInput> {
@@ -183,6 +194,12 @@ impl World {
     #[must_use]
     pub fn start(&self) -> Pose {
         self.start
+    }
+
+    /// Where it is to go, if the world says it.
+    #[must_use]
+    pub fn goal(&self) -> Option<Point> {
+        self.goal
     }
 
     /// The shapes, as given.
