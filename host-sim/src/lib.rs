@@ -8,6 +8,7 @@ pub mod experiments;
 pub mod goal_file;
 pub mod link;
 pub mod noise;
+pub mod nomad;
 pub mod pilot;
 pub mod plot;
 pub mod recording;

@@ -1,0 +1,28 @@
+//! The Nomad 200's own protocol: a robot that speaks it, simulated, and a host that drives one.
+//!
+//! Facts from the manufacturer's client library (Nomadic Technologies, `Nclient.h` and `Ndirect.c` 2.6.13 as kept in CARMEN);
+//! where the library leaves something open, what this module does about it is written where it does it, and in
+//! `docs/nomad.md`.
+//!
+//! | | |
+//! |---|---|
+//! | [`Packet`], [`Decoder`] | bytes on a serial line (8N1) or a TCP connection |
+//! | [`Command`] | what a host asks |
+//! | [`Mask`], [`Greeting`] | what the robot is to say |
+//! | [`State`] | what it says |
+
+mod bytes;
+mod command;
+mod kind;
+mod mask;
+mod packet;
+mod state;
+
+pub use bytes::WrongLength;
+pub use command::{AxisMode, Command, Group, NoCommand};
+pub use kind::Kind;
+pub use mask::{
+    Greeting, LaserSetup, Mask, WITH_BUMPER, WITH_COMPASS, WITH_INFRARED, WITH_LASER, WITH_SONAR,
+};
+pub use packet::{Decoder, MOST_FROM_ROBOT, MOST_TO_ROBOT, Packet};
+pub use state::{MOST_LASER_POINTS, PosData, State};
