@@ -9,6 +9,7 @@ mod behaviors;
 mod capture;
 mod demo;
 mod link;
+mod nomad;
 mod output;
 mod remote;
 mod repetition;
@@ -48,6 +49,8 @@ enum Command {
     Run(RunArgs),
     /// Talk to a mind on a chip: watch it, give it orders, read and write what it knows
     Link(link::LinkArgs),
+    /// Be a simulated Nomad 200 to any program written for the robot
+    Nomad(nomad::NomadArgs),
     /// Train a self-organising map on any CSV file and report its errors
     Som(crate::som::SomArgs),
     /// List and draw worlds
@@ -121,6 +124,7 @@ fn execute(command: Option<Command>, out: &mut impl Write) -> Result<(), Failure
         Some(Command::Demo(args)) => demo::demo(&args, out),
         Some(Command::Run(args)) => run::run(&args, out),
         Some(Command::Link(args)) => link::link(&args, out),
+        Some(Command::Nomad(args)) => nomad::nomad(&args, out),
         Some(Command::Som(args)) => run_som(&args, out),
         Some(Command::Worlds(args)) => worlds::worlds(&args, out),
         Some(Command::Settings) => settings(out),

@@ -10,19 +10,35 @@
 //! | [`Command`] | what a host asks |
 //! | [`Mask`], [`Greeting`] | what the robot is to say |
 //! | [`State`] | what it says |
+//! | [`Simulated`] | a robot in a world, by the millisecond |
+//! | [`Line`] | that robot behind a line |
+//! | [`Server`], [`Pty`] | that line in real time: a TCP socket, a serial port |
 
 mod bytes;
 mod command;
+mod firing;
 mod kind;
+mod line;
 mod mask;
 mod packet;
+#[cfg(unix)]
+mod pty;
+mod reckoning;
+mod server;
+mod simulated;
 mod state;
+pub mod units;
 
 pub use bytes::WrongLength;
 pub use command::{AxisMode, Command, Group, NoCommand};
 pub use kind::Kind;
+pub use line::Line;
 pub use mask::{
     Greeting, LaserSetup, Mask, WITH_BUMPER, WITH_COMPASS, WITH_INFRARED, WITH_LASER, WITH_SONAR,
 };
 pub use packet::{Decoder, MOST_FROM_ROBOT, MOST_TO_ROBOT, Packet};
+#[cfg(unix)]
+pub use pty::Pty;
+pub use server::{Pace, Server};
+pub use simulated::{Ledger, Simulated};
 pub use state::{MOST_LASER_POINTS, PosData, State};
