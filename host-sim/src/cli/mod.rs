@@ -6,6 +6,7 @@
 
 mod ablation;
 mod behaviors;
+mod bridge;
 mod capture;
 mod demo;
 mod link;
@@ -49,6 +50,8 @@ enum Command {
     Run(RunArgs),
     /// Talk to a mind on a chip: watch it, give it orders, read and write what it knows
     Link(link::LinkArgs),
+    /// Let a mind drive a Nomad 200, real or simulated, over the robot's own line
+    Bridge(bridge::BridgeArgs),
     /// Be a simulated Nomad 200 to any program written for the robot
     Nomad(nomad::NomadArgs),
     /// Train a self-organising map on any CSV file and report its errors
@@ -124,6 +127,7 @@ fn execute(command: Option<Command>, out: &mut impl Write) -> Result<(), Failure
         Some(Command::Demo(args)) => demo::demo(&args, out),
         Some(Command::Run(args)) => run::run(&args, out),
         Some(Command::Link(args)) => link::link(&args, out),
+        Some(Command::Bridge(args)) => bridge::bridge(&args, out),
         Some(Command::Nomad(args)) => nomad::nomad(&args, out),
         Some(Command::Som(args)) => run_som(&args, out),
         Some(Command::Worlds(args)) => worlds::worlds(&args, out),

@@ -4,6 +4,7 @@ use crate::episode::{self, Episode, Setup};
 use crate::error::BadInput;
 use crate::link::{self, Address, Emulation, LinkError, RemoteMind, Session};
 use crate::world::World;
+use amp::config::Config;
 use amp::wire::message::Clock;
 use std::str::FromStr;
 
@@ -72,9 +73,17 @@ impl Remote {
         world: &World,
         setup: &Setup,
     ) -> Result<Episode, episode::Failure> {
+        let mut mind = self.mind(&setup.config).map_err(episode::Failure::Link)?;
+        episode::run_with(world, setup, &mut mind, |_, _, _| {})
+    }
+
+    /// The mind, with this configuration and nothing in its memory.
+    ///
+    /// # Errors
+    /// When it cannot be reached or does not become what it is told to.
+    pub(super) fn mind(&mut self, config: &Config<16>) -> Result<RemoteMind<'_>, LinkError> {
         let number = link::next_number(self.session.number());
-        let mut mind = RemoteMind::start(&mut self.session, number, &setup.config)
-            .map_err(episode::Failure::Link)?;
+        let mind = RemoteMind::start(&mut self.session, number, config)?;
         let replaced = mind.replaced();
         // From the second episode on it is what the one before left.
         if std::mem::take(&mut self.first) && !replaced.is_empty() {
@@ -84,7 +93,7 @@ impl Remote {
                 replaced.join(", another ")
             );
         }
-        episode::run_with(world, setup, &mut mind, |_, _, _| {})
+        Ok(mind)
     }
 }
 

@@ -12,11 +12,15 @@
 //! | [`State`] | what it says |
 //! | [`Simulated`] | a robot in a world, by the millisecond |
 //! | [`Line`] | that robot behind a line |
+//! | [`Host`] | the other end: asks a robot |
+//! | [`bridge`] | a mind drives a robot |
 //! | [`Server`], [`Pty`] | that line in real time: a TCP socket, a serial port |
 
+pub mod bridge;
 mod bytes;
 mod command;
 mod firing;
+mod host;
 mod kind;
 mod line;
 mod mask;
@@ -31,6 +35,7 @@ pub mod units;
 
 pub use bytes::WrongLength;
 pub use command::{AxisMode, Command, Group, NoCommand};
+pub use host::{Host, PATIENCE, RobotError};
 pub use kind::Kind;
 pub use line::Line;
 pub use mask::{
