@@ -3,8 +3,11 @@
 use crate::Program;
 use host_sim::link::{Serial, Tcp};
 use host_sim::nomad::{Host, State};
-use std::io::{BufRead as _, BufReader, Read};
+use std::io::{BufRead as _, BufReader, ErrorKind, Read, Write as _};
+use std::net::{Shutdown, TcpListener, TcpStream};
 use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
@@ -176,4 +179,80 @@ impl Robot {
 #[must_use]
 pub fn stands(state: &State) -> bool {
     state.motors == 0 && state.velocity == [0; 3]
+}
+
+/// What a socket in between does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Line {
+    /// Carries everything both ways.
+    Open,
+    /// Swallows everything.
+    Mute,
+    /// Is gone.
+    Off,
+}
+
+/// A socket in between that can be cut.
+#[derive(Debug)]
+pub struct Cut {
+    /// Where it is, as `HOST:PORT`.
+    pub place: String,
+    line: Arc<AtomicU8>,
+}
+
+impl Cut {
+    /// The way to whoever listens at `host`, for the first one to connect.
+    ///
+    /// # Panics
+    /// When there is no socket.
+    #[must_use]
+    pub fn to(host: &str) -> Self {
+        let listener = TcpListener::bind(("127.0.0.1", 0)).expect("a socket");
+        let place = listener.local_addr().expect("its address").to_string();
+        let line = Arc::new(AtomicU8::new(Line::Open as u8));
+        let (cut, host) = (Arc::clone(&line), host.to_owned());
+        std::thread::spawn(move || {
+            let Ok((near, _)) = listener.accept() else {
+                return;
+            };
+            let far = TcpStream::connect(host).expect("whoever listens");
+            for (from, to) in [(&near, &far), (&far, &near)] {
+                let ends = (from.try_clone(), to.try_clone());
+                let cut = Arc::clone(&cut);
+                if let (Ok(from), Ok(to)) = ends {
+                    std::thread::spawn(move || carry(from, to, &cut));
+                }
+            }
+        });
+        Self { place, line }
+    }
+
+    /// From now on.
+    pub fn switch(&self, line: Line) {
+        self.line.store(line as u8, Ordering::Relaxed);
+    }
+}
+
+fn carry(mut from: TcpStream, mut to: TcpStream, cut: &AtomicU8) {
+    let _ = (from.set_nodelay(true), to.set_nodelay(true));
+    let _ = from.set_read_timeout(Some(Duration::from_millis(20)));
+    let mut buffer = [0; 1_024];
+    loop {
+        let count = match from.read(&mut buffer) {
+            Ok(0) => break,
+            Ok(count) => count,
+            Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => 0,
+            Err(_) => break,
+        };
+        let line = cut.load(Ordering::Relaxed);
+        if line == Line::Off as u8 {
+            break;
+        }
+        if line == Line::Open as u8 && to.write_all(&buffer[..count]).is_err() {
+            break;
+        }
+    }
+    let _ = to.shutdown(Shutdown::Both);
+    let _ = from.shutdown(Shutdown::Both);
 }

@@ -1,11 +1,13 @@
 //! A mind drives the simulated Nomad over the robot's own line, and either of them may be lost.
 
+use amp::config::Config;
+use host_sim::link::Served;
 use host_sim::nomad::Command;
 use serde_json::Value;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 use tests::chip::image;
-use tests::nomad::{Robot, Running, stands};
+use tests::nomad::{Cut, Line, Robot, Running, stands};
 use tests::{Program, host_sim};
 
 fn bridge(program: &Program, robot: &str, flags: &str) -> Running {
@@ -81,8 +83,8 @@ fn the_firmware_in_an_emulated_chip_drives_a_robot() {
     let mut robot = Robot::at_a_port(&program, "--speed 20");
     let at = format!("tcp:{}", robot.place);
     let firmware = image().display();
-    let flags = format!("--explore 20 --steps 100 --mind qemu --firmware {firmware}");
-    drives_clean(&program, &mut robot, &at, &flags, [20, 100]);
+    let flags = format!("--explore 10 --steps 100 --mind qemu --firmware {firmware}");
+    drives_clean(&program, &mut robot, &at, &flags, [10, 100]);
 }
 
 /// Waits until the robot has been driven for a while.
@@ -152,6 +154,40 @@ fn without_its_robot_the_bridge_ends_and_so_does_the_mind() {
         "{stderr}"
     );
     assert_eq!(stderr.lines().count(), 1, "{stderr}");
+}
+
+/// A mind behind a socket that is switched off, or says nothing more while its socket stays.
+#[test]
+fn without_its_mind_the_base_is_told_to_stand() {
+    let program = host_sim!();
+    for (lost, why) in [
+        (Line::Off, "the link broke"),
+        (Line::Mute, "no answer within 2 s"),
+    ] {
+        let mut robot = Robot::at_a_port(&program, "--world room");
+        let at = format!("tcp:{}", robot.place);
+        let mind = Served::start(Config::recommended()).expect("a mind");
+        let line = Cut::to(&mind.host());
+        let to_mind = format!("tcp:{}", line.place);
+        let mut driver = bridge(&program, &at, &format!("--mind {to_mind}"));
+        under_way(&mut robot, &mut driver);
+        line.switch(lost);
+        let (code, stdout, stderr) = driver.end(Duration::from_secs(6));
+        assert_eq!(code, Some(2), "{stdout}");
+        assert!(
+            stderr.starts_with(&format!("host-sim: {to_mind}: {why}"))
+                && stderr.ends_with("; the robot was told to stand\n"),
+            "{stderr}"
+        );
+        assert!(figures(&stdout)["distance_m"].as_f64() > Some(0.0));
+        sleep(Duration::from_millis(700));
+        let state = robot
+            .connect()
+            .ask(&Command::GetState)
+            .expect("an answer")
+            .clone();
+        assert!(stands(&state), "{state:?}");
+    }
 }
 
 #[test]

@@ -5,10 +5,14 @@ use crate::episode::Failure;
 use crate::pilot::Pilot;
 use crate::world::Point;
 use amp::controller::{Command, Event, Motion, Outputs};
-use amp::units::{Millis, Range};
+use amp::units::Millis;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::thread::Scope;
 use std::time::{Duration, Instant};
+
+/// Echoes within this time are told together, ms: half a ring. A mind that is told of more at once believes that its ring
+/// has been silent.
+const SAME_TIME_MS: u32 = 320;
 
 /// What the mind is given to do.
 pub(super) enum Task {
@@ -133,35 +137,56 @@ fn alone(outputs: Outputs<16>) -> Thought {
     Thought { outputs, motion }
 }
 
-/// Tells the mind what happened; echoes from one place go together.
+/// Tells the mind what happened; echoes from one place and about one time go together, at the time of the last.
 fn hear(pilot: &mut impl Pilot, happenings: &[Happening]) -> Thought {
     let mut all = Thought {
         outputs: Outputs::NONE,
         motion: None,
     };
-    let mut echoes: Vec<(u8, Option<Range>)> = Vec::new();
-    for (number, happening) in happenings.iter().enumerate() {
-        let Event::Echo { sensor, range } = happening.event else {
-            all.add(happening, pilot.handle(happening.at, happening.event));
-            continue;
+    for group in happenings.chunk_by(|_, next| is_echo(next)) {
+        // What is no echo begins a group.
+        let (first, echoes) = match group.split_first() {
+            Some((first, echoes)) if !is_echo(first) => (Some(first), echoes),
+            _ => (None, group),
         };
-        echoes.push((sensor, range));
-        let next = happenings.get(number + 1);
-        if next.is_some_and(|next| matches!(next.event, Event::Echo { .. })) {
-            continue;
+        if let Some(first) = first {
+            all.add(first, pilot.handle(first.at, first.event));
         }
-        let mut left = &echoes[..];
-        while !left.is_empty() {
-            let (taken, outputs) = pilot.echoes(happening.at, left);
-            left = left.get(taken.max(1)..).unwrap_or(&[]);
-            all.add(happening, outputs);
+        let mut left = echoes;
+        while let Some(first) = left.first() {
+            let near = |happening: &&Happening| happening.at.since(first.at) <= SAME_TIME_MS;
+            let count = left.iter().take_while(near).count().max(1);
+            let (together, rest) = left.split_at(count);
+            all.hear(pilot, together);
+            left = rest;
         }
-        echoes.clear();
     }
     all
 }
 
+fn is_echo(happening: &Happening) -> bool {
+    matches!(happening.event, Event::Echo { .. })
+}
+
 impl Thought {
+    /// Echoes heard from one place.
+    fn hear(&mut self, pilot: &mut impl Pilot, happenings: &[Happening]) {
+        let Some(last) = happenings.last() else {
+            return;
+        };
+        let echo = |happening: &Happening| match happening.event {
+            Event::Echo { sensor, range } => Some((sensor, range)),
+            _ => None,
+        };
+        let echoes: Vec<_> = happenings.iter().filter_map(echo).collect();
+        let mut left = &echoes[..];
+        while !left.is_empty() {
+            let (taken, outputs) = pilot.echoes(last.at, left);
+            left = left.get(taken.max(1)..).unwrap_or(&[]);
+            self.add(last, outputs);
+        }
+    }
+
     fn add(&mut self, happening: &Happening, outputs: Outputs<16>) {
         self.outputs.decision = self.outputs.decision.or(outputs.decision);
         self.outputs.mode_changed |= outputs.mode_changed;
@@ -183,4 +208,106 @@ fn learn(pilot: &mut impl Pilot, at: Millis) -> Thought {
         outputs = pilot.handle(at, Event::Tick);
     }
     alone(outputs)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use amp::controller::Progress;
+    use amp::units::{Bearing, Displacement};
+
+    /// Notes what it is told, as (time, transducers), and asks for a motion at the sonar of that number.
+    struct Noting {
+        told: Vec<(u32, Vec<u8>)>,
+        moves_at: u8,
+    }
+
+    impl Pilot for Noting {
+        fn handle(&mut self, at: Millis, _: Event<16>) -> Outputs<16> {
+            self.told.push((at.as_ms(), Vec::new()));
+            Outputs::NONE
+        }
+
+        fn echoes(
+            &mut self,
+            at: Millis,
+            echoes: &[(u8, Option<amp::units::Range>)],
+        ) -> (usize, Outputs<16>) {
+            let sensors: Vec<_> = echoes.iter().map(|(sensor, _)| *sensor).collect();
+            let motion = sensors.contains(&self.moves_at).then_some(Motion {
+                id: 1,
+                displacement: Displacement {
+                    dx_mm: 100,
+                    dy_mm: 0,
+                },
+                speed_mm_s: 500,
+            });
+            self.told.push((at.as_ms(), sensors));
+            let outputs = Outputs {
+                motion,
+                ..Outputs::NONE
+            };
+            (echoes.len(), outputs)
+        }
+    }
+
+    fn happening(at_ms: u32, x: f64, event: Event<16>) -> Happening {
+        Happening {
+            at: Millis::from_ms(at_ms),
+            place: Point::new(x, 0.0),
+            ring: core::f64::consts::FRAC_PI_2,
+            event,
+        }
+    }
+
+    #[test]
+    fn echoes_of_one_place_and_time_go_together_and_a_motion_begins_where_it_was_asked_for() {
+        let echo = |at_ms, x, sensor| {
+            happening(
+                at_ms,
+                x,
+                Event::Echo {
+                    sensor,
+                    range: None,
+                },
+            )
+        };
+        let odometry = happening(
+            100,
+            0.1,
+            Event::Odometry {
+                motion: 1,
+                moved: Displacement::ZERO,
+                turned: Bearing::ZERO,
+                progress: Progress::Ended,
+            },
+        );
+        let mut pilot = Noting {
+            told: Vec::new(),
+            moves_at: 5,
+        };
+        let happenings = [
+            echo(40, 0.0, 0),
+            echo(80, 0.0, 2),
+            odometry,
+            echo(120, 0.1, 3),
+            echo(440, 0.1, 4),
+            echo(441, 0.1, 5),
+            echo(900, 0.1, 6),
+        ];
+        let thought = hear(&mut pilot, &happenings);
+        assert_eq!(
+            pilot.told,
+            [
+                (80, vec![0, 2]),
+                (100, vec![]),
+                (440, vec![3, 4]),
+                (441, vec![5]),
+                (900, vec![6]),
+            ]
+        );
+        // 100 mm along a ring that looks along y.
+        let goal = thought.motion.map(|(goal, _)| goal);
+        assert!(goal.is_some_and(|goal| goal.distance(Point::new(0.1, 0.1)) < 1e-12));
+    }
 }
