@@ -21,7 +21,7 @@ fn figures(stdout: &str) -> Value {
 /// Runs to its end without anything touched, by the robot's bumpers and by what the world saw.
 fn drives_clean(program: &Program, robot: &mut Robot, at: &str, flags: &str, moves: [u64; 2]) {
     let mut driver = bridge(program, at, flags);
-    let (code, stdout, stderr) = driver.end(Duration::from_secs(240));
+    let (code, stdout, stderr) = driver.end(Duration::from_secs(1_800));
     assert_eq!(code, Some(0), "{stderr}");
     let figures = figures(&stdout);
     for (key, wanted) in [
@@ -85,6 +85,18 @@ fn the_firmware_in_an_emulated_chip_drives_a_robot() {
     let firmware = image().display();
     let flags = format!("--explore 10 --steps 100 --mind qemu --firmware {firmware}");
     drives_clean(&program, &mut robot, &at, &flags, [10, 100]);
+}
+
+/// Takes minutes: `cargo test -p tests --test bridge -- --ignored`.
+#[test]
+#[ignore = "takes minutes"]
+fn the_firmware_drives_a_thousand_steps() {
+    let program = host_sim!();
+    let mut robot = Robot::at_a_port(&program, "--speed 20");
+    let at = format!("tcp:{}", robot.place);
+    let firmware = image().display();
+    let flags = format!("--explore 100 --steps 1000 --mind qemu --firmware {firmware}");
+    drives_clean(&program, &mut robot, &at, &flags, [100, 1_000]);
 }
 
 /// Waits until the robot has been driven for a while.

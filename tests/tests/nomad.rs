@@ -2,6 +2,7 @@
 //! masks, stops when they fall silent, and outlives them.
 
 use host_sim::link::Tcp;
+use host_sim::nomad::nserver::Message;
 use host_sim::nomad::{
     AxisMode, Command, Group, Host, Kind, Mask, PATIENCE, Packet, RobotError, WITH_SONAR,
 };
@@ -262,4 +263,42 @@ fn its_time_runs_as_fast_as_it_is_told() {
             "{passed} {real}"
         );
     }
+}
+
+/// A program linked with the other library, byte by byte.
+#[test]
+fn a_program_of_the_simulators_server_finds_the_same_robot() {
+    let program = host_sim!();
+    let robot = Robot::at_a_port(&program, "--protocol nserver --speed 20");
+    let mut line = TcpStream::connect(&robot.place).expect("a server");
+    line.set_read_timeout(Some(PATIENCE)).expect("a time-out");
+    let mut ask = |kind: u16, numbers: &[i32]| {
+        let numbers = numbers.to_vec();
+        let request = Message { kind, numbers };
+        line.write_all(&request.to_bytes()).expect("a line");
+        let (mut bytes, mut buffer) = (Vec::new(), [0; 4_096]);
+        loop {
+            if let Some(answer) = Message::take_from(&mut bytes) {
+                return (answer.kind, answer.numbers);
+            }
+            let count = line.read(&mut buffer).expect("an answer in time");
+            assert!(count > 0, "{request:?}");
+            bytes.extend(&buffer[..count]);
+        }
+    };
+    let port = robot
+        .place
+        .rsplit(':')
+        .next()
+        .and_then(|port| port.parse().ok());
+    let connected = ask(102, &[1, 4_711]);
+    assert_eq!(connected, (82, port.into_iter().collect::<Vec<i32>>()));
+    ask(16, &[255, 255, 255, 255, 255, 0b1110, 0]);
+    ask(26, &[5]);
+    let (kind, state) = ask(13, &[100, 0, 0]);
+    assert_eq!((kind, state[0], state[41], state.len()), (80, 200, 1, 49));
+    let (_, state) = ask(39, &[1, 1, 1, 20]);
+    assert!((state[34] - 100).abs() <= 1 && state[41] == 0, "{state:?}");
+    let (kind, sonars) = ask(28, &[]);
+    assert_eq!((kind, sonars.len()), (84, 17));
 }

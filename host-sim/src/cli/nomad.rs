@@ -3,23 +3,27 @@
 use super::Failure;
 use super::run::SonarChoice;
 use crate::error::BadInput;
-use crate::nomad::{Line, Server, Simulated};
+use crate::nomad::{Line, Protocol, Server, Simulated};
 use crate::world::{World, parse_worlds};
-use clap::{Args, Subcommand};
+use clap::{Args, Subcommand, ValueEnum};
 use std::io::Write;
 use std::net::TcpListener;
 
 /// Where the robot's own server listens.
-const LISTEN: &str = "127.0.0.1:65001";
+const DIRECT: &str = "127.0.0.1:65001";
+
+/// Where the original simulator's server listens.
+const NSERVER: &str = "127.0.0.1:7019";
 
 const EXAMPLES: &str = "\
 Examples:
   host-sim nomad serve                               the port of the robot's own server: 65001
   host-sim nomad serve --listen 127.0.0.1:0          any free port; the line printed says which
+  host-sim nomad serve --protocol nserver            the original simulator's server: 7019
   host-sim nomad serve --pty                         a serial port; the line printed says which
   host-sim nomad serve --speed 20 --world office     twenty times real time, elsewhere
 
-Any program written for the robot (Nclient.h, linked with Ndirect) finds a Nomad 200 there. docs/nomad.md has the protocol.";
+Any program written for the robot (Nclient.h) finds a Nomad 200 there. docs/nomad.md has the protocol.";
 
 /// The `nomad` command's verbs.
 #[derive(Debug, Clone, Args)]
@@ -38,12 +42,15 @@ enum Verb {
 #[derive(Debug, Clone, Args)]
 #[command(after_help = EXAMPLES)]
 struct ServeArgs {
-    /// Address to listen at; port 0 takes any free one
-    #[arg(long, value_name = "HOST:PORT", default_value = LISTEN)]
-    listen: String,
+    /// Address to listen at; port 0 takes any free one [default: 127.0.0.1:65001; 127.0.0.1:7019 as nserver]
+    #[arg(long, value_name = "HOST:PORT")]
+    listen: Option<String>,
     /// Be at a serial port (a pseudo terminal) instead
-    #[arg(long, conflicts_with = "listen")]
+    #[arg(long, conflicts_with_all = ["listen", "protocol"])]
     pty: bool,
+    /// How to speak: as the robot (programs linked with Ndirect) or as the original simulator's server (with Nclient)
+    #[arg(long, value_name = "NAME", default_value = "direct", value_enum)]
+    protocol: Spoken,
     /// World: a .toml or ROS .yaml FILE, random:SEED, or a built-in name (see `host-sim worlds`)
     #[arg(long, value_name = "WORLD", default_value = "paper")]
     world: String,
@@ -58,6 +65,15 @@ struct ServeArgs {
     seed: u64,
 }
 
+/// Protocols as named on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Spoken {
+    /// The robot's own
+    Direct,
+    /// That of the original simulator's server
+    Nserver,
+}
+
 /// Carries the verb out.
 ///
 /// # Errors
@@ -70,11 +86,11 @@ pub(super) fn nomad(args: &NomadArgs, out: &mut impl Write) -> Result<(), Failur
 
 fn serve(args: &ServeArgs, out: &mut impl Write) -> Result<(), Failure> {
     let robot = Simulated::new(world(&args.world)?, args.sonar.into(), args.seed);
-    let server = Server::new(Line::new(robot), args.speed);
     if args.pty {
+        let server = Server::new(Line::new(robot, Protocol::Direct), args.speed);
         serve_pty(server, out)
     } else {
-        serve_tcp(server, &args.listen, out)
+        serve_tcp(robot, args, out)
     }
 }
 
@@ -95,10 +111,24 @@ fn announce(out: &mut impl Write, place: impl std::fmt::Display) -> Result<(), F
     Ok(out.flush()?)
 }
 
-fn serve_tcp(mut server: Server, address: &str, out: &mut impl Write) -> Result<(), Failure> {
+fn serve_tcp(robot: Simulated, args: &ServeArgs, out: &mut impl Write) -> Result<(), Failure> {
+    let usual = match args.protocol {
+        Spoken::Direct => DIRECT,
+        Spoken::Nserver => NSERVER,
+    };
+    let address = args.listen.as_deref().unwrap_or(usual);
     let refuse = |error: std::io::Error| BadInput::new(format!("--listen {address}: {error}"));
     let listener = TcpListener::bind(address).map_err(refuse)?;
-    announce(out, listener.local_addr().map_err(refuse)?)?;
+    let place = listener.local_addr().map_err(refuse)?;
+    let protocol = match args.protocol {
+        Spoken::Direct => Protocol::Direct,
+        Spoken::Nserver => Protocol::Nserver {
+            port: place.port(),
+            speed: args.speed,
+        },
+    };
+    let mut server = Server::new(Line::new(robot, protocol), args.speed);
+    announce(out, place)?;
     loop {
         // Whoever is gone before the greeting is replaced by the next one.
         if let Ok(mut host) = server.accept(&listener) {

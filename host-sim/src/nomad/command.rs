@@ -44,7 +44,7 @@ impl AxisMode {
         Self::MostTorque,
     ];
 
-    fn of(number: u16) -> Option<Self> {
+    pub(super) fn of(number: u16) -> Option<Self> {
         Self::ALL.get(usize::from(number)).copied()
     }
 }

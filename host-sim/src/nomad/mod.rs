@@ -11,7 +11,7 @@
 //! | [`Mask`], [`Greeting`] | what the robot is to say |
 //! | [`State`] | what it says |
 //! | [`Simulated`] | a robot in a world, by the millisecond |
-//! | [`Line`] | that robot behind a line |
+//! | [`Line`] | that robot behind a line, also by the protocol of [`nserver`] |
 //! | [`Host`] | the other end: asks a robot |
 //! | [`bridge`] | a mind drives a robot |
 //! | [`Server`], [`Pty`] | that line in real time: a TCP socket, a serial port |
@@ -24,6 +24,7 @@ mod host;
 mod kind;
 mod line;
 mod mask;
+pub mod nserver;
 mod packet;
 #[cfg(unix)]
 mod pty;
@@ -37,7 +38,7 @@ pub use bytes::WrongLength;
 pub use command::{AxisMode, Command, Group, NoCommand};
 pub use host::{Host, PATIENCE, RobotError};
 pub use kind::Kind;
-pub use line::Line;
+pub use line::{Line, Protocol};
 pub use mask::{
     Greeting, LaserSetup, Mask, WITH_BUMPER, WITH_COMPASS, WITH_INFRARED, WITH_LASER, WITH_SONAR,
 };

@@ -16,7 +16,7 @@ mod feed;
 mod thinking;
 
 use super::{Command, Host, Mask, RobotError, State, WITH_SONAR};
-use crate::episode::{Failure, Seeds};
+use crate::episode::{Failure, Seeds, rounded};
 use crate::pilot::Pilot;
 use crate::scenes::{Behavior, is_reached};
 use crate::sonar::{FIRING_ORDER, FIRING_SLOT_S};
@@ -149,7 +149,12 @@ pub fn drive(
             result = bridge.run(interrupted, progress);
         }
         bridge.finish(&result);
-        (bridge.driven, result)
+        let distance_m = rounded(bridge.driven.distance_m);
+        let driven = Driven {
+            distance_m,
+            ..bridge.driven
+        };
+        (driven, result)
     })
 }
 
@@ -415,3 +420,19 @@ fn mask(sonar: u16) -> Mask {
 
 /// How a motion ended, if it did.
 type Ended = Option<Progress>;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// docs/nomad.md: 622 bytes over TCP; 178 over a serial line, 46 ms at 38 400 baud.
+    #[test]
+    fn answers_are_as_long_as_the_docs_say() {
+        let bytes = |sonars: u16| {
+            let payload = State::default().to_payload(&mask(sonars));
+            payload.len() + "01 LEN LEN TYPE CK 5C".split(' ').count()
+        };
+        assert_eq!((bytes(u16::MAX), bytes(0xf)), (622, 178));
+        assert_eq!(178 * 10 * 1_000 / 38_400, 46);
+    }
+}
