@@ -138,6 +138,26 @@ fn a_program_that_falls_silent_leaves_a_robot_that_stops() {
     assert_eq!(ask(&mut host, &Command::GetState).pose, pose);
 }
 
+/// At the robot's own speed: from 10 in/s it rolls 10 in in the second of its time-out and 1.7 in while it brakes.
+#[test]
+fn a_program_that_is_killed_leaves_a_base_that_stops_when_its_time_is_out() {
+    let program = host_sim!();
+    let robot = Robot::at_a_port(&program, "--sonar ideal");
+    let mut host = robot.connect();
+    ask(&mut host, &Command::ConfigureTimeout(1));
+    ask(&mut host, &Command::Velocity([100, 0, 0]));
+    sleep(ms(500));
+    let rolling = ask(&mut host, &Command::GetState);
+    assert_eq!(rolling.velocity[0], 100);
+    drop(host);
+    // A question would be a sign of life.
+    sleep(ms(1_500));
+    let state = ask(&mut robot.connect(), &Command::GetState);
+    assert!(stands(&state), "{state:?}");
+    let way = state.pose[0] - rolling.pose[0];
+    assert!((115..=119).contains(&way), "{way}");
+}
+
 #[test]
 fn another_order_is_fired_at_once() {
     let program = host_sim!();

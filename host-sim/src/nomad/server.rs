@@ -2,7 +2,7 @@
 
 use super::Line;
 use crate::link::{Tcp, Transport};
-use std::io::{self, ErrorKind};
+use std::io;
 use std::net::TcpListener;
 use std::time::{Duration, Instant};
 
@@ -73,7 +73,7 @@ impl Server {
     /// Waits for the next one to connect; the robot lives on meanwhile.
     ///
     /// # Errors
-    /// When the system refuses.
+    /// When whoever came is gone before the greeting.
     pub fn accept(&mut self, listener: &TcpListener) -> io::Result<Tcp> {
         listener.set_nonblocking(true)?;
         loop {
@@ -88,8 +88,8 @@ impl Server {
                     self.line.greet();
                     return host.send(&self.line.take()).map(|()| host);
                 }
-                Err(error) if error.kind() == ErrorKind::WouldBlock => std::thread::sleep(GLANCE),
-                Err(error) => return Err(error),
+                // Nobody is there, or gone again.
+                Err(_) => std::thread::sleep(GLANCE),
             }
         }
     }

@@ -206,3 +206,6 @@ impl Course {
 fn steering(state: &State) -> f64 {
     f64::from(state.pose[2]) * RAD_PER_TENTH_DEGREE
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,8 +1,8 @@
 //! A mind drives a Nomad: its sonars and its odometry become the mind's events, the mind's motions its commands.
 //!
-//! Two threads. One asks the robot for its state, again and again, and drives its motors ([`course`]); it is never kept
-//! waiting. The other has the mind ([`thinking`]), which may be in this process or at the end of a slow line. What has
-//! happened meanwhile goes to the mind in the order in which it happened ([`feed`]): each echo with the pose the robot had
+//! Two threads. One asks the robot for its state, again and again, and drives its motors (`course`); it is never kept
+//! waiting. The other has the mind (`thinking`), which may be in this process or at the end of a slow line. What has
+//! happened meanwhile goes to the mind in the order in which it happened (`feed`): each echo with the pose the robot had
 //! when it was heard, by the clock of the robot's own sensor board.
 //!
 //! The turret is never told to turn, and so keeps its bearing in the world.
