@@ -12,23 +12,23 @@
 //! gone, the base's own time-out of one second does (`conf_tm`), and no motion is longer than a step of the mind.
 
 mod course;
+mod driven;
 mod feed;
 mod thinking;
+
+pub use driven::{Driven, Plan, Trouble};
 
 use super::{Command, Host, Mask, RobotError, State, WITH_SONAR};
 use crate::episode::{Failure, Seeds, rounded};
 use crate::pilot::Pilot;
-use crate::scenes::{Behavior, is_reached};
+use crate::scenes::is_reached;
 use crate::sonar::{FIRING_ORDER, FIRING_SLOT_S};
-use amp::config::Config;
 use amp::controller::{self, Decision, Outputs, Progress};
 use amp::fixed::Weight;
 use amp::node::MOTION_TTL_MS;
 use amp::scan::Situation;
 use course::Course;
 use feed::Feed;
-use serde::Serialize;
-use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use thinking::{Mind, Task};
@@ -47,73 +47,6 @@ const ATTEMPTS: u32 = 3;
 
 /// Accelerations: those of the drivers.
 const ACCELERATIONS: [u16; 3] = [300; 3];
-
-/// What is to be done with the robot.
-#[derive(Debug, Clone)]
-pub struct Plan {
-    /// The mind's open choices.
-    pub config: Config<16>,
-    /// Random moves.
-    pub explore_moves: u16,
-    /// Decisions towards the goal.
-    pub steps: u32,
-    /// What to do after exploring.
-    pub behavior: Behavior,
-    /// Seed of the random moves.
-    pub seed: u64,
-    /// Sonars asked for at once; fewer are faster over a serial line.
-    pub sonars_at_once: u32,
-}
-
-/// Why the drive ended early. The base stands, if it could still be told to.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Trouble {
-    /// The robot.
-    Robot(RobotError),
-    /// The mind.
-    Mind(Failure),
-    /// Somebody wanted it to end.
-    Interrupted,
-}
-
-impl fmt::Display for Trouble {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Robot(error) => error.fmt(f),
-            Self::Mind(failure) => failure.fmt(f),
-            Self::Interrupted => f.write_str("interrupted; the base was told to stand"),
-        }
-    }
-}
-
-impl From<RobotError> for Trouble {
-    fn from(error: RobotError) -> Self {
-        Self::Robot(error)
-    }
-}
-
-/// What came of the drive, as far as it went.
-#[derive(Debug, Clone, PartialEq, Serialize, Default)]
-pub struct Driven {
-    /// Random moves made.
-    pub explore_moves: u32,
-    /// Random moves in which a bumper was pressed.
-    pub explore_contacts: u32,
-    /// Steps towards the goal.
-    pub steps: u32,
-    /// Steps in which a bumper was pressed.
-    pub contacts: u32,
-    /// Way rolled in all by the robot's odometry, m.
-    pub distance_m: f64,
-    /// Steps in which the goal held.
-    pub goal_steps: u32,
-    /// Steps the shield shortened or stopped.
-    pub shield_stops: u32,
-    /// Motions cut off because the mind had not confirmed in time.
-    pub expired: u32,
-    /// Time by the robot's clock, s.
-    pub time_s: f64,
-}
 
 /// The step under way.
 #[derive(Debug, Clone, Copy, Default)]
