@@ -168,6 +168,33 @@ fn without_its_robot_the_bridge_ends_and_so_does_the_mind() {
     assert_eq!(stderr.lines().count(), 1, "{stderr}");
 }
 
+/// The connection stays, but nothing comes over it any more: three questions, a second each.
+#[test]
+fn a_robot_that_falls_silent_ends_the_bridge_and_stops_by_itself() {
+    let program = host_sim!();
+    let mut robot = Robot::at_a_port(&program, "--world room");
+    let line = Cut::to(&robot.place);
+    let at = format!("tcp:{}", line.place);
+    let mut driver = bridge(&program, &at, "--explore 100");
+    under_way(&mut robot, &mut driver);
+    line.switch(Line::Mute);
+    let (code, stdout, stderr) = driver.end(Duration::from_secs(7));
+    assert_eq!(code, Some(2));
+    assert!(
+        stderr.starts_with(&format!(
+            "host-sim: {at}: the robot has not answered within 1 s"
+        )),
+        "{stderr}"
+    );
+    assert!(figures(&stdout)["distance_m"].as_f64() > Some(0.0));
+    let state = robot
+        .connect()
+        .ask(&Command::GetState)
+        .expect("an answer")
+        .clone();
+    assert!(stands(&state), "{state:?}");
+}
+
 /// A mind behind a socket that is switched off, or says nothing more while its socket stays.
 #[test]
 fn without_its_mind_the_base_is_told_to_stand() {
