@@ -11,6 +11,7 @@ pub mod learn;
 pub mod link;
 pub mod log;
 pub mod noise;
+pub mod nomad;
 pub mod pilot;
 pub mod plot;
 pub mod recording;

@@ -2,6 +2,7 @@
 
 pub mod board;
 pub mod chip;
+pub mod nomad;
 pub mod pty;
 pub mod twin;
 

@@ -111,6 +111,17 @@ const CASES: &[Case] = &[
     ("run --explore 1000000000000", &["--explore", "1..=1000"]),
     ("run --seed=-1", &["--seed", "-1"]),
     ("run --seed x", &["--seed", "'x'"]),
+    (
+        "nomad serve --world random:1..=2",
+        &["random:1..=2", "one world"],
+    ),
+    ("nomad serve --world paepr", &["did you mean \"paper\"?"]),
+    ("nomad serve --listen nowhere", &["--listen nowhere"]),
+    ("nomad serve --speed 0", &["--speed", "1..=1000"]),
+    (
+        "nomad serve --pty --listen 127.0.0.1:0",
+        &["--pty", "--listen"],
+    ),
     ("run --threads 0", &["--threads"]),
     ("run --sonar ideel", &["--sonar", "ideel"]),
     ("run --preset best", &["--preset", "best"]),

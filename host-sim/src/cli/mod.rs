@@ -7,11 +7,13 @@
 mod ablation;
 mod barn;
 mod behaviors;
+mod bridge;
 mod capture;
 mod demo;
 mod learn;
 mod link;
 mod log;
+mod nomad;
 mod output;
 mod paper;
 mod remote;
@@ -52,6 +54,10 @@ enum Command {
     Run(RunArgs),
     /// Talk to a mind on a chip: watch it, give it orders, read and write what it knows
     Link(link::LinkArgs),
+    /// Let a mind drive a Nomad 200, real or simulated, over the robot's own line
+    Bridge(bridge::BridgeArgs),
+    /// Be a simulated Nomad 200 to any program written for the robot
+    Nomad(nomad::NomadArgs),
     /// Train a self-organising map on any CSV file and report its errors
     Som(crate::som::SomArgs),
     /// Learn both maps from a logged run of a real robot and ask them what it did
@@ -141,6 +147,8 @@ fn execute(command: Option<Command>, out: &mut impl Write) -> Result<(), Failure
         Some(Command::Demo(args)) => demo::demo(&args, out),
         Some(Command::Run(args)) => run::run(&args, out),
         Some(Command::Link(args)) => link::link(&args, out),
+        Some(Command::Bridge(args)) => bridge::bridge(&args, out),
+        Some(Command::Nomad(args)) => nomad::nomad(&args, out),
         Some(Command::Som(args)) => run_som(&args, out),
         Some(Command::Learn(args)) => learn::learn(&args, out),
         Some(Command::Barn(args)) => barn::barn(&args, out),

@@ -5,6 +5,7 @@ use crate::episode::{self, Episode, Setup};
 use crate::error::BadInput;
 use crate::link::{self, Address, Emulation, LinkError, RemoteMind, Session};
 use crate::world::World;
+use amp::config::Config;
 use amp::wire::message::Clock;
 use std::path::Path;
 use std::str::FromStr;
@@ -75,9 +76,17 @@ impl Remote {
         setup: &Setup,
         log: Option<&Path>,
     ) -> Result<Episode, episode::Failure> {
+        let mut mind = self.mind(&setup.config).map_err(episode::Failure::Link)?;
+        drive(world, setup, &mut mind, log)
+    }
+
+    /// The mind, with this configuration and nothing in its memory.
+    ///
+    /// # Errors
+    /// When it cannot be reached or does not become what it is told to.
+    pub(super) fn mind(&mut self, config: &Config<16>) -> Result<RemoteMind<'_>, LinkError> {
         let number = link::next_number(self.session.number());
-        let mut mind = RemoteMind::start(&mut self.session, number, &setup.config)
-            .map_err(episode::Failure::Link)?;
+        let mind = RemoteMind::start(&mut self.session, number, config)?;
         let replaced = mind.replaced();
         // From the second episode on it is what the one before left.
         if std::mem::take(&mut self.first) && !replaced.is_empty() {
@@ -87,7 +96,7 @@ impl Remote {
                 replaced.join(", another ")
             );
         }
-        drive(world, setup, &mut mind, log)
+        Ok(mind)
     }
 }
 

@@ -91,7 +91,7 @@ pub struct RunArgs {
     threads: Option<u16>,
 }
 
-fn parse<T: std::str::FromStr<Err = BadInput>>(text: &str) -> Result<T, BadInput> {
+pub(super) fn parse<T: std::str::FromStr<Err = BadInput>>(text: &str) -> Result<T, BadInput> {
     text.parse()
 }
 
@@ -275,14 +275,7 @@ fn one_by_one(
 }
 
 fn setup(args: &RunArgs) -> Result<Setup, BadInput> {
-    let mut config = args.preset.config();
-    settings::apply(&mut config, &args.sets)?;
-    if args.shield == Switch::Off {
-        config.shield = None;
-    }
-    if args.online == Switch::Off {
-        config.online = None;
-    }
+    let config = configured(args.preset, &args.sets, args.shield, args.online)?;
     Ok(Setup {
         config: args.behavior.adapted(config),
         preset: args.preset.name().to_owned(),
@@ -299,6 +292,24 @@ fn setup(args: &RunArgs) -> Result<Setup, BadInput> {
         set_down: None,
         record: args.out.is_some(),
     })
+}
+
+/// The choices as the flags change them.
+pub(super) fn configured(
+    preset: Preset,
+    sets: &[String],
+    shield: Switch,
+    online: Switch,
+) -> Result<Config<16>, BadInput> {
+    let mut config = preset.config();
+    settings::apply(&mut config, sets)?;
+    if shield == Switch::Off {
+        config.shield = None;
+    }
+    if online == Switch::Off {
+        config.online = None;
+    }
+    Ok(config)
 }
 
 pub(super) fn sources(names: &[String]) -> Result<Vec<WorldSource>, BadInput> {

@@ -24,6 +24,7 @@ pub use leader::Leader;
 pub use measure::{FOLLOWED_S, KEPT_M, NEST_M};
 pub use places::elsewhere;
 pub use pursue::repeat;
+pub(crate) use tally::rounded;
 pub use tally::{Report, Tally};
 
 use rand_core::{Rng as _, SeedableRng as _};

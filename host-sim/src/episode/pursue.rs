@@ -3,7 +3,7 @@
 use super::drive::{Driver, Failure, Setup, educated, report};
 use super::tally::{Report, Tally};
 use crate::pilot::{Mind, Pilot};
-use crate::scenes::{Behavior, CHAIN_HOLDS};
+use crate::scenes::{self, Behavior};
 use crate::world::World;
 use amp::controller::Command;
 
@@ -84,14 +84,8 @@ impl Driver<'_> {
     }
 }
 
-/// A place is reached when its goal holds; a way when its goal has held for a while.
+/// As [`is_reached`](scenes::is_reached), by the tallies when it was begun and now.
 fn is_reached(part: &Behavior, begun: &Tally, now: &Tally) -> bool {
     let held = now.goal_steps.saturating_sub(begun.goal_steps);
-    match part {
-        Behavior::Nest | Behavior::Seek(_) => held > 0,
-        Behavior::WallLeft | Behavior::WallRight => {
-            now.steps.saturating_sub(begun.steps) >= CHAIN_HOLDS * 5
-        }
-        _ => held >= CHAIN_HOLDS,
-    }
+    scenes::is_reached(part, now.steps.saturating_sub(begun.steps), held)
 }

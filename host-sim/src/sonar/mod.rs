@@ -40,7 +40,7 @@ pub const FIRING_SLOT_S: f64 = 0.040;
 pub const RING_PERIOD_S: f64 = 0.640;
 
 /// Speed of sound at 20 °C, m/s.
-const SOUND_M_S: f64 = 343.2;
+pub(crate) const SOUND_M_S: f64 = 343.2;
 
 /// Transducers on a circle, evenly spaced, number 0 where the turret looks, counted to the left.
 #[derive(Debug, Clone, Copy, PartialEq)]
