@@ -13,7 +13,7 @@
 //! * The step is the shorter the more lies in its direction, as the speed in J. Borenstein, Y. Koren, *The vector field
 //!   histogram*, IEEE Transactions on Robotics and Automation 7(3), 1991, 278–288.
 
-use super::certainty_grid::{CELL_M, CertaintyGrid, REACH_M};
+use super::certainty_grid::{CELL_M, CertaintyGrid, REACH_M, SIDE};
 use super::ring_pilot::{Perceived, Policy, STEP_M, Steered};
 use crate::robot::COLLISION_RADIUS_M;
 use crate::world::{Point, wrap_angle};
@@ -208,6 +208,10 @@ impl Policy for VfhPlus {
         (self.course, self.chosen) = (direction, direction);
         let step = self.step(direction, &primary);
         Point::unit(direction - perceived.pose.heading) * step
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(self) + (SIDE * SIDE) as usize
     }
 }
 

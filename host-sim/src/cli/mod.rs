@@ -7,6 +7,7 @@
 mod ablation;
 mod behaviors;
 mod capture;
+mod compare;
 mod demo;
 mod link;
 mod output;
@@ -62,6 +63,8 @@ enum Command {
     Capture(capture::CaptureArgs),
     /// Measure whether a behaviour improves by being repeated, against frozen maps
     Repetition(repetition::RepetitionArgs),
+    /// Compare the two maps with other methods: hand-written rules, lazy samples, Q-learning
+    Compare(compare::CompareArgs),
     /// Print a completion script for a shell
     Completions {
         /// The shell
@@ -128,6 +131,7 @@ fn execute(command: Option<Command>, out: &mut impl Write) -> Result<(), Failure
         Some(Command::Behaviors(args)) => behaviors::behaviors(&args, out),
         Some(Command::Capture(args)) => capture::capture(&args, out),
         Some(Command::Repetition(args)) => repetition::repetition(&args, out),
+        Some(Command::Compare(args)) => compare::compare(&args, out),
         Some(Command::Completions { shell }) => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "host-sim", &mut script);
