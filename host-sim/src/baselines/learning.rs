@@ -113,6 +113,11 @@ pub struct Schooling {
     pub explores_least: f64,
     /// Each move is taught turned by so many of the ring's places as well, 1 (as it was) or 16 (all).
     pub turns: usize,
+    /// Unless it explores, it keeps its course while no value is above this, as the mind does while its goal holds; below
+    /// 0 = it never does.
+    pub free_below: f64,
+    /// It goes on learning from what it does when exploring is over.
+    pub learns_on: bool,
 }
 
 /// A learner that drives.
@@ -122,6 +127,7 @@ pub struct Trainee<L> {
     schooling: Schooling,
     noise: Noise,
     exploring: bool,
+    learning: bool,
     moves: u32,
     contacts: u32,
     /// What was perceived when the move under way was decided.
@@ -139,6 +145,7 @@ impl<L: Learner> Trainee<L> {
             schooling,
             noise: Noise::new(seed),
             exploring: true,
+            learning: true,
             moves: 0,
             contacts: 0,
             before: None,
@@ -164,12 +171,13 @@ impl<L: Learner> Trainee<L> {
         &self.learner
     }
 
-    /// The same, done with learning: from now on it only does what it thinks best, and starts along `course` (rad).
+    /// The same, done with exploring: from now on it only does what it thinks best, and starts along `course` (rad).
     #[must_use]
     pub fn settled(&self, course: f64) -> Self {
         let mut settled = self.clone();
         settled.learner.settle();
         settled.exploring = false;
+        settled.learning = self.schooling.learns_on;
         settled.before = None;
         settled.course = Point::unit(course);
         settled
@@ -218,6 +226,11 @@ impl<L: Learner> Trainee<L> {
                 .learner
                 .variation(situation, self.course, &mut self.noise);
             varied.unwrap_or_else(|| Point::unit(self.noise.uniform_in(0.0, TAU)))
+        } else if situation
+            .iter()
+            .all(|value| *value <= self.schooling.free_below)
+        {
+            self.course
         } else {
             self.learner.best(situation, self.course)
         }
@@ -227,7 +240,7 @@ impl<L: Learner> Trainee<L> {
 impl<L: Learner> Policy for Trainee<L> {
     fn decide(&mut self, perceived: &Perceived) -> Point {
         let situation = self.perceive(perceived);
-        if let (true, Some(before), Some(done)) = (self.exploring, self.before, &perceived.last) {
+        if let (true, Some(before), Some(done)) = (self.learning, self.before, &perceived.last) {
             self.learn(&before, done, &situation);
         }
         let turned = f64::from(perceived.turned.as_signed_turns()) * PI / 32_768.0;

@@ -12,6 +12,7 @@ pub mod q_table;
 pub mod q_two_soms;
 mod random_moves;
 mod ring_pilot;
+mod turned;
 pub mod vfh_plus;
 
 pub use braitenberg::Braitenberg;

@@ -8,7 +8,7 @@
 //! well, where that is asked for.
 
 use super::learning::{Experience, Learner, Reward, Schooling, Values};
-use super::q_lazy::distance;
+use super::turned::Ring;
 use crate::noise::Noise;
 use crate::world::Point;
 
@@ -24,9 +24,9 @@ pub enum Key {
 /// What is farther than this is not perceived, m.
 pub const FAR_M: f64 = 1.0;
 
-/// Random moves only; what is farther than this counts as nothing. The reward is not used.
+/// Random moves only, and the course is kept while the goal holds; what is farther than this counts as nothing. The reward is not used.
 #[must_use]
-pub const fn schooling(far_m: f64) -> Schooling {
+pub const fn schooling(tuning: &Tuning, far_m: f64) -> Schooling {
     Schooling {
         far_m,
         reward: Reward {
@@ -37,6 +37,8 @@ pub const fn schooling(far_m: f64) -> Schooling {
         explores_for: 1.0,
         explores_least: 1.0,
         turns: 1,
+        free_below: tuning.goal,
+        learns_on: false,
     }
 }
 
@@ -71,7 +73,17 @@ impl Tuning {
 #[derive(Debug, Clone)]
 pub struct Nearest {
     tuning: Tuning,
-    samples: Vec<Experience>,
+    samples: Vec<Sample>,
+}
+
+/// What of an experience is looked up.
+#[derive(Debug, Clone)]
+struct Sample {
+    before: Ring,
+    after: Ring,
+    /// Change of situation, brought to length 1; 0 where nothing changed.
+    change: Ring,
+    moved: Point,
 }
 
 impl Nearest {
@@ -85,30 +97,15 @@ impl Nearest {
     }
 
     /// How far a sample turned by `places` is from what is wanted.
-    fn mismatch(
-        &self,
-        situation: &Values,
-        wanted: &Values,
-        sample: &Experience,
-        places: usize,
-    ) -> f64 {
+    fn mismatch(&self, now: &Values, wanted: &Values, sample: &Sample, places: usize) -> f64 {
         match self.tuning.key {
             Key::Pair => {
-                distance(situation, &sample.before, places)
-                    + distance(wanted, &sample.after, places)
+                sample.before.squared_distance(now, places)
+                    + sample.after.squared_distance(wanted, places)
             }
             Key::Change => {
-                let change: Values = std::array::from_fn(|i| sample.after[i] - sample.before[i]);
-                let asked: Values = std::array::from_fn(|i| wanted[i] - situation[i]);
-                let turned = amp::scan::rotated(&change, places);
-                let product: f64 = asked.iter().zip(&turned).map(|(a, b)| a * b).sum();
-                let length = change.iter().map(|part| part * part).sum::<f64>().sqrt();
-                // A sample that changed nothing points nowhere.
-                if length > 1e-6 {
-                    -product / length
-                } else {
-                    0.0
-                }
+                let asked: Values = std::array::from_fn(|i| wanted[i] - now[i]);
+                -sample.change.product(&asked, places)
             }
         }
     }
@@ -117,9 +114,6 @@ impl Nearest {
 impl Learner for Nearest {
     fn best(&self, situation: &Values, course: Point) -> Point {
         let goal = self.tuning.goal;
-        if situation.iter().all(|value| *value <= goal) {
-            return course;
-        }
         let wanted = situation.map(|value| value.min(goal));
         let mut best = (f64::INFINITY, course);
         for sample in &self.samples {
@@ -141,7 +135,17 @@ impl Learner for Nearest {
     }
 
     fn learn(&mut self, experience: &Experience) {
-        self.samples.push(*experience);
+        let Experience { before, after, .. } = experience;
+        let change: Values = std::array::from_fn(|i| after[i] - before[i]);
+        let length = change.iter().map(|part| part * part).sum::<f64>().sqrt();
+        // A sample that changed nothing points nowhere.
+        let scale = if length > 1e-6 { 1.0 / length } else { 0.0 };
+        self.samples.push(Sample {
+            before: Ring::new(before),
+            after: Ring::new(after),
+            change: Ring::new(&change.map(|part| part * scale)),
+            moved: experience.moved,
+        });
     }
 
     fn variation(&self, _: &Values, _: Point, noise: &mut Noise) -> Option<Point> {
@@ -150,8 +154,8 @@ impl Learner for Nearest {
     }
 
     fn bytes(&self) -> usize {
-        // The reward is not used.
-        self.samples.len() * (size_of::<Experience>() - size_of::<f64>())
+        // Two situations and a displacement; the rest is kept for speed only.
+        self.samples.len() * (2 * size_of::<Values>() + size_of::<Point>())
     }
 }
 

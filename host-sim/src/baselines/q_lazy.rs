@@ -14,6 +14,7 @@
 //! sample counts turned by each of the ring's places as well, where that is asked for.
 
 use super::learning::{Experience, Learner, Reward, Schooling, Values, best_of, headings};
+use super::turned::Ring;
 use crate::noise::Noise;
 use crate::world::Point;
 
@@ -36,6 +37,8 @@ pub const SCHOOLING: Schooling = Schooling {
     explores_for: 1e9,
     explores_least: 1.0,
     turns: 1,
+    free_below: 0.2,
+    learns_on: false,
 };
 
 /// The learner's constants; the default values were searched for in rooms that nothing is compared in.
@@ -67,6 +70,8 @@ impl Default for Tuning {
 pub struct QLazy {
     tuning: Tuning,
     memory: Vec<Experience>,
+    /// The situations before each of them, for the search.
+    before: Vec<Ring>,
     values: Vec<f64>,
 }
 
@@ -90,13 +95,18 @@ impl Nearest {
         self.found.get(self.wanted - 1).map_or(0.0, |last| last.0)
     }
 
-    fn offer(&mut self, distance: f64, index: usize) {
+    /// Takes a sample if it is near enough; whether it is.
+    fn offer(&mut self, distance: f64, index: usize) -> bool {
+        if distance >= self.limit() {
+            return false;
+        }
         let mut held = (distance, index);
         for place in self.found.iter_mut().take(self.wanted) {
             if held.0 < place.0 {
                 std::mem::swap(place, &mut held);
             }
         }
+        true
     }
 
     /// The weighted mean of their values; 0 where there is none.
@@ -120,6 +130,7 @@ impl QLazy {
         Self {
             tuning,
             memory: Vec::new(),
+            before: Vec::new(),
             values: Vec::new(),
         }
     }
@@ -130,31 +141,27 @@ impl QLazy {
         let weight = self.tuning.action_weight * self.tuning.action_weight;
         let mut nearest = [Nearest::new(self.tuning.neighbours); 16];
         let mut farthest = f64::INFINITY;
-        for (index, sample) in self.memory.iter().enumerate() {
-            for turn in 0..self.tuning.turns {
-                let places = turn * 16 / self.tuning.turns;
-                let apart = distance(situation, &sample.before, places);
+        for turn in 0..self.tuning.turns {
+            let places = turn * 16 / self.tuning.turns;
+            let direction = super::axis(places);
+            for (index, (sample, before)) in self.memory.iter().zip(&self.before).enumerate() {
+                let apart = before.squared_distance(situation, places);
                 if apart >= farthest {
                     continue;
                 }
-                let taken = sample.asked.turned(super::axis(places));
+                let taken = sample.asked.turned(direction);
+                let mut changed = false;
                 for (nearest, action) in nearest.iter_mut().zip(&actions) {
                     let way = *action - taken;
-                    nearest.offer(apart + weight * way.dot(way), index);
+                    changed |= nearest.offer(apart + weight * way.dot(way), index);
                 }
-                farthest = nearest.iter().map(Nearest::limit).fold(0.0, f64::max);
+                if changed {
+                    farthest = nearest.iter().map(Nearest::limit).fold(0.0, f64::max);
+                }
             }
         }
         nearest
     }
-}
-
-/// Squared distance of a situation to another one turned by `places`.
-pub(super) fn distance(situation: &Values, other: &Values, places: usize) -> f64 {
-    let (tail, head) = other.split_at(16 - places % 16);
-    let turned = head.iter().chain(tail);
-    let pairs = situation.iter().zip(turned);
-    pairs.map(|(a, b)| (a - b) * (a - b)).sum()
 }
 
 impl Learner for QLazy {
@@ -166,6 +173,7 @@ impl Learner for QLazy {
 
     fn learn(&mut self, experience: &Experience) {
         self.memory.push(*experience);
+        self.before.push(Ring::new(&experience.before));
         self.values.push(experience.reward);
     }
 
@@ -257,15 +265,5 @@ mod tests {
         lazy.settle();
         assert!(lazy.best(&place(0), axis(0)).dot(axis(8)) > 0.3);
         assert!(lazy.best(&place(5), axis(5)).dot(axis(13)) > 0.3);
-    }
-
-    #[test]
-    fn a_turned_distance_is_that_of_the_turned_situation() {
-        let a: Values = std::array::from_fn(|i| i as f64);
-        let b: Values = std::array::from_fn(|i| (i * i) as f64);
-        for places in 0..16 {
-            let turned = amp::scan::rotated(&b, places);
-            assert_eq!(distance(&a, &b, places), distance(&a, &turned, 0));
-        }
     }
 }

@@ -25,6 +25,8 @@ pub const SCHOOLING: Schooling = Schooling {
     explores_for: 300.0,
     explores_least: 0.1,
     turns: 16,
+    free_below: 0.2,
+    learns_on: false,
 };
 
 /// The learner's constants; the default values were searched for in rooms that nothing is compared in.

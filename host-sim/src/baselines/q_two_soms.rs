@@ -34,6 +34,8 @@ pub const SCHOOLING: Schooling = Schooling {
     explores_for: 300.0,
     explores_least: 0.1,
     turns: 16,
+    free_below: 0.2,
+    learns_on: false,
 };
 
 /// The learner's constants; the default values were searched for in rooms that nothing is compared in.
@@ -119,11 +121,15 @@ fn weights(action: Point) -> [Weight; 2] {
     [weight(action.x), weight(action.y)]
 }
 
-/// φ between two neurons of a 4 × 4 grid.
-fn nearness(a: usize, b: usize, width: f64) -> f64 {
-    let apart = |a: usize, b: usize| a.abs_diff(b) as f64;
-    let (dx, dy) = (apart(a % 4, b % 4), apart(a / 4, b / 4));
-    libm::exp(-(dx * dx + dy * dy) / (2.0 * width * width))
+/// φ between a neuron of a 4 × 4 grid and each of them.
+fn nearness(neuron: usize, width: f64) -> [f64; NEURONS] {
+    // The distance along one side is 0 … 3.
+    let along: [f64; 4] = std::array::from_fn(|apart| {
+        let apart = apart as f64;
+        libm::exp(-apart * apart / (2.0 * width * width))
+    });
+    let near = |a: usize, b: usize| along.get(a.abs_diff(b)).copied().unwrap_or(0.0);
+    std::array::from_fn(|other| near(neuron % 4, other % 4) * near(neuron / 4, other / 4))
 }
 
 impl Learner for QTwoSoms {
@@ -152,10 +158,11 @@ impl Learner for QTwoSoms {
         if target > self.row(state).get(action).copied().unwrap_or(0.0) {
             self.actions.learn(action, &asked, Mask::ALL, &pull);
         }
-        for (m, row) in self.values.iter_mut().enumerate() {
-            let near = self.tuning.rate * nearness(state, m, width);
-            for (n, value) in row.iter_mut().enumerate() {
-                *value += near * nearness(action, n, width) * (target - *value);
+        let actions = nearness(action, width);
+        for (row, near) in self.values.iter_mut().zip(nearness(state, width)) {
+            let near = self.tuning.rate * near;
+            for (value, action) in row.iter_mut().zip(actions) {
+                *value += near * action * (target - *value);
             }
         }
         let before = experience.before.map(weight);

@@ -19,6 +19,9 @@ pub const ORANGE: &str = "#e69f00";
 /// Okabe and Ito's reddish purple: exploration.
 pub const PURPLE: &str = "#cc79a7";
 
+/// Okabe and Ito's bluish green.
+pub const GREEN: &str = "#009e73";
+
 const VIRIDIS: [[u8; 3]; 9] = [
     [0x44, 0x01, 0x54],
     [0x47, 0x2d, 0x7b],

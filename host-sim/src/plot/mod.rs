@@ -36,7 +36,7 @@ pub(crate) mod fixture;
 pub use action_map::action_map;
 pub use behaviors::{Shown, behaviors};
 pub use code_vectors::code_vectors;
-pub use curves::{Curves, curves};
+pub use curves::{Curves, Key, curves};
 pub use page::{Figure, index_html};
 pub use path::path;
 pub use scatter::scatter;

@@ -1,10 +1,11 @@
 //! What `compare --out` leaves behind.
 
+use super::picture::picture;
 use super::tables::{Line, Report};
 use crate::cli::Failure;
 use crate::error::BadInput;
 use crate::experiments::statistics::Mean;
-use crate::plot::demo::save;
+use crate::plot::{demo::save, png};
 use std::io::Write;
 use std::path::Path;
 
@@ -22,11 +23,20 @@ pub fn write(
     save(dir, "compare.csv", &csv).map_err(BadInput::from)?;
     let markdown = format!("{}{about}\n", report.markdown());
     save(dir, "compare.md", markdown.as_bytes()).map_err(BadInput::from)?;
-    Ok(writeln!(
+    writeln!(
         out,
         "Tables: {0}/compare.csv, {0}/compare.md",
         dir.display()
-    )?)
+    )?;
+    picture(report).map_or(Ok(()), |svg| draw(dir, &svg, out))
+}
+
+fn draw(dir: &Path, svg: &str, out: &mut impl Write) -> Result<(), Failure> {
+    let picture = save(dir, "compare.svg", svg.as_bytes()).map_err(BadInput::from)?;
+    let png =
+        png::render(svg, 2.0).map_err(|error| BadInput::new(format!("compare.png: {error}")))?;
+    save(dir, "compare.png", &png).map_err(BadInput::from)?;
+    Ok(writeln!(out, "Picture: {}", picture.display())?)
 }
 
 /// Columns that are means with an interval.

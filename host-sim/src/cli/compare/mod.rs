@@ -1,6 +1,7 @@
 //! `host-sim compare`: the mind against other methods.
 
 mod files;
+mod picture;
 mod tables;
 
 use super::Failure;

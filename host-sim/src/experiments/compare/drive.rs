@@ -177,7 +177,8 @@ impl Place<'_> {
         (tuning, far_m): (nearest::Tuning, f64),
         budgets: &[u32],
     ) -> Result<Vec<Outcome>, Failure> {
-        self.taught(Nearest::new(tuning), nearest::schooling(far_m), budgets)
+        let schooling = nearest::schooling(&tuning, far_m);
+        self.taught(Nearest::new(tuning), schooling, budgets)
     }
 
     fn mind(

@@ -41,6 +41,21 @@ macro_rules! whole {
     };
 }
 
+/// As [`knob!`], for what is done (1) or not (0).
+macro_rules! switch {
+    ($name:literal, $($place:tt)+) => {
+        Knob {
+            name: $name,
+            range: &[0.0, 1.0],
+            get: |constants| f64::from(u8::from(constants.$($place)+)),
+            set: |constants, value| constants.$($place)+ = value > 0.0,
+        }
+    };
+}
+
+/// Below 0: the course is never kept.
+const FREE: [f64; 4] = [-1.0, 0.0, 0.2, 0.4];
+
 /// The constants of how a learner by reward is taught.
 macro_rules! schooling {
     ($method:ident) => {
@@ -68,6 +83,8 @@ macro_rules! schooling {
                 $method.1.explores_least
             ),
             whole!("turns", [1.0, 16.0], $method.1.turns),
+            knob!("free below", FREE, $method.1.free_below),
+            switch!("learns on", $method.1.learns_on),
         ]
     };
 }
@@ -90,12 +107,13 @@ static BRAITENBERG: [Knob; 2] = [
     knob!("push", [1.0, 2.0, 4.0, 8.0], braitenberg.push),
 ];
 
-static VFH_PLUS: [Knob; 6] = [
+static VFH_PLUS: [Knob; 7] = [
     knob!("safety m", [0.05, 0.1, 0.15, 0.2], vfh_plus.safety_m),
     knob!("blocked m", [0.5, 0.6, 0.8, 1.0], vfh_plus.blocked_m),
     knob!("free m", [0.8, 1.0, 1.2, 1.4], vfh_plus.free_m),
     whole!("wide", [8.0, 12.0, 16.0, 24.0], vfh_plus.wide),
     knob!("slowest", [0.2, 0.5, 1.0], vfh_plus.slowest),
+    knob!("course", [0.0, 2.0, 4.0], vfh_plus.weights[1]),
     knob!("last choice", [0.0, 1.0, 2.0], vfh_plus.weights[2]),
 ];
 
@@ -111,7 +129,7 @@ static NEAREST_PAIR: [Knob; 3] = [
     whole!("turns", [1.0, 16.0], nearest_pair.0.turns),
 ];
 
-static Q_LAZY: [Knob; 8] = [
+static Q_LAZY: [Knob; 9] = [
     whole!("neighbours", [1.0, 2.0, 4.0, 8.0], q_lazy.0.neighbours),
     knob!("discount", [0.0, 0.5, 0.8, 0.9], q_lazy.0.discount),
     knob!(
@@ -128,6 +146,7 @@ static Q_LAZY: [Knob; 8] = [
         q_lazy.1.reward.in_front
     ),
     knob!("behind", [0.5, 1.0, 1.5, 2.5, 7.0], q_lazy.1.reward.behind),
+    knob!("free below", FREE, q_lazy.1.free_below),
 ];
 
 static Q_TABLE: [Knob; 3] = [
@@ -135,7 +154,7 @@ static Q_TABLE: [Knob; 3] = [
     knob!("rate", [0.05, 0.1, 0.3, 0.6], q_table.0.rate),
     knob!("discount", [0.0, 0.5, 0.8, 0.9], q_table.0.discount),
 ];
-static Q_TABLE_SCHOOLING: [Knob; 7] = schooling!(q_table);
+static Q_TABLE_SCHOOLING: [Knob; 9] = schooling!(q_table);
 
 static Q_SOM: [Knob; 8] = [
     knob!("rate", [0.1, 0.3, 0.5, 0.9], q_som.0.rate),
@@ -147,7 +166,7 @@ static Q_SOM: [Knob; 8] = [
     knob!("action weight", [0.3, 0.5, 0.7, 1.0], q_som.0.action_weight),
     knob!("value weight", [0.1, 0.25, 0.5, 1.0], q_som.0.value_weight),
 ];
-static Q_SOM_SCHOOLING: [Knob; 7] = schooling!(q_som);
+static Q_SOM_SCHOOLING: [Knob; 9] = schooling!(q_som);
 
 static Q_TWO_SOMS: [Knob; 6] = [
     knob!("rate", [0.1, 0.3, 0.5, 0.9], q_two_soms.0.rate),
@@ -157,7 +176,7 @@ static Q_TWO_SOMS: [Knob; 6] = [
     knob!("fades", [500.0, 2_000.0, 10_000.0], q_two_soms.0.fades),
     knob!("least", [0.02, 0.1, 0.3], q_two_soms.0.least),
 ];
-static Q_TWO_SOMS_SCHOOLING: [Knob; 7] = schooling!(q_two_soms);
+static Q_TWO_SOMS_SCHOOLING: [Knob; 9] = schooling!(q_two_soms);
 
 /// The constants of a method that are searched for: its own, and those of how it is taught. None for the mind, whose open
 /// choices have an ablation of their own, and for random moves.

@@ -1,0 +1,85 @@
+//! What goes on learning by its budgets of moves, beside the mind.
+
+use super::tables::{Line, Report};
+use crate::experiments::compare::{Figures, MOVES, Method};
+use crate::experiments::statistics::Mean;
+use crate::plot::{Curves, Key, curves};
+
+/// A figure that is drawn: its name, and how it is had.
+type Drawn = (&'static str, fn(&Figures) -> Mean);
+
+/// Without the shield.
+const BARE: [Drawn; 3] = [
+    ("contacts per 100 m", |figures| figures.contacts_per_100_m),
+    ("clean rooms %", |figures| figures.clean_percent),
+    ("coverage m²", |figures| figures.coverage_m2),
+];
+
+/// With it: contacts are its business.
+const SHIELDED: [Drawn; 3] = [
+    ("contacts per 100 m", |figures| figures.contacts_per_100_m),
+    ("distance m", |figures| figures.distance_m),
+    ("coverage m²", |figures| figures.coverage_m2),
+];
+
+/// An SVG document; `None` where nothing that goes on learning was compared.
+pub fn picture(report: &Report) -> Option<String> {
+    let all = report.by_shield().next()?;
+    let first = all.iter().find(|line| line.method.goes_on_learning())?;
+    let moves = budgets(all, first.method);
+    let names: Vec<Method> = [Method::Default, Method::Probe]
+        .into_iter()
+        .chain(
+            Method::ALL
+                .into_iter()
+                .filter(|method| method.goes_on_learning()),
+        )
+        .filter(|method| !budgets(all, *method).is_empty())
+        .collect();
+    let name = |method: &Method| {
+        if method.goes_on_learning() {
+            (method.name().to_owned(), false)
+        } else {
+            (format!("{}, {MOVES} moves", method.name()), true)
+        }
+    };
+    let key = Key {
+        subtitle: "Mean and 95 % interval after so many learning moves".to_owned(),
+        along: "learning moves".to_owned(),
+        ticks: moves.iter().map(u32::to_string).enumerate().collect(),
+        names: names.iter().map(name).collect(),
+    };
+    let panels: Vec<_> = report
+        .by_shield()
+        .flat_map(|lines| panels(lines, &names, moves.len()))
+        .collect();
+    Some(curves("Q-learning beside two maps", &key, &panels))
+}
+
+fn budgets(lines: &[Line], method: Method) -> Vec<u32> {
+    let own = lines.iter().filter(|line| line.method == method);
+    own.map(|line| line.moves).collect()
+}
+
+/// The panels of one condition, with so many places along them.
+fn panels(lines: &[Line], names: &[Method], places: usize) -> [Curves; 3] {
+    let shield = lines.first().is_some_and(|line| line.shield);
+    let (title, drawn) = if shield {
+        ("with the shield", SHIELDED)
+    } else {
+        ("the methods alone", BARE)
+    };
+    drawn.map(|(measure, value)| {
+        // What has one budget only is a level to compare with.
+        let of_method = |method: &Method| {
+            let own = lines.iter().filter(|line| line.method == *method);
+            let means = own.map(|line| value(&line.figures));
+            means.cycle().take(places).collect()
+        };
+        Curves {
+            title: title.to_owned(),
+            measure: measure.to_owned(),
+            lines: names.iter().map(of_method).collect(),
+        }
+    })
+}
