@@ -28,16 +28,16 @@ const NEAR: f64 = 1e-3;
 
 /// How it is taught; searched for likewise.
 pub const SCHOOLING: Schooling = Schooling {
-    far_m: 1.0,
+    far_m: 1.5,
     reward: Reward {
         fallen: 0.1,
-        in_front: 2.5,
+        in_front: 1.0,
         behind: 2.5,
     },
     explores_for: 1e9,
     explores_least: 1.0,
     turns: 1,
-    free_below: 0.2,
+    free_below: 0.4,
     learns_on: false,
 };
 
@@ -58,8 +58,8 @@ impl Default for Tuning {
     fn default() -> Self {
         Self {
             neighbours: 4,
-            discount: 0.8,
-            action_weight: 0.7,
+            discount: 0.0,
+            action_weight: 0.5,
             turns: 16,
         }
     }
@@ -255,15 +255,18 @@ mod tests {
     #[test]
     fn what_was_good_is_done_again_also_turned() {
         let mut lazy = QLazy::new(Tuning {
-            neighbours: 2,
+            neighbours: 1,
             discount: 0.0,
             action_weight: 1.0,
             turns: 16,
         });
-        lazy.learn(&moved(0, 8, 1.0, 4));
-        lazy.learn(&moved(0, 0, -1.0, 4));
+        // Every direction was tried in one place; one of them was good.
+        for heading in 0..16 {
+            let reward = if heading == 8 { 1.0 } else { -1.0 };
+            lazy.learn(&moved(0, heading, reward, 4));
+        }
         lazy.settle();
-        assert!(lazy.best(&place(0), axis(0)).dot(axis(8)) > 0.3);
-        assert!(lazy.best(&place(5), axis(5)).dot(axis(13)) > 0.3);
+        assert!(lazy.best(&place(0), axis(0)).distance(axis(8)) < 1e-9);
+        assert!(lazy.best(&place(5), axis(5)).distance(axis(13)) < 1e-9);
     }
 }

@@ -22,12 +22,12 @@ const VALUE: usize = 18;
 pub const SCHOOLING: Schooling = Schooling {
     far_m: 1.0,
     reward: Reward {
-        fallen: 0.1,
+        fallen: 0.2,
         in_front: 2.5,
-        behind: 2.5,
+        behind: 7.0,
     },
     explores_for: 300.0,
-    explores_least: 0.1,
+    explores_least: 0.0,
     turns: 16,
     free_below: 0.2,
     learns_on: false,
@@ -59,13 +59,13 @@ impl Default for Tuning {
     fn default() -> Self {
         Self {
             rate: 0.5,
-            discount: 0.8,
-            pull: 0.5,
+            discount: 0.5,
+            pull: 0.3,
             pull_least: 0.02,
-            fades: 2000.0,
-            share: 0.2,
+            fades: 2_000.0,
+            share: 0.0,
             action_weight: 0.7,
-            value_weight: 0.5,
+            value_weight: 1.0,
         }
     }
 }

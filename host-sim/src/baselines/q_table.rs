@@ -16,9 +16,9 @@ const ACTIONS: usize = 16;
 
 /// How it is taught; searched for likewise.
 pub const SCHOOLING: Schooling = Schooling {
-    far_m: 1.0,
+    far_m: 0.6,
     reward: Reward {
-        fallen: 0.1,
+        fallen: 0.4,
         in_front: 2.5,
         behind: 2.5,
     },
@@ -26,7 +26,7 @@ pub const SCHOOLING: Schooling = Schooling {
     explores_least: 0.1,
     turns: 16,
     free_below: 0.2,
-    learns_on: false,
+    learns_on: true,
 };
 
 /// The learner's constants; the default values were searched for in rooms that nothing is compared in.
@@ -43,9 +43,9 @@ pub struct Tuning {
 impl Default for Tuning {
     fn default() -> Self {
         Self {
-            threshold: 0.3,
-            rate: 0.3,
-            discount: 0.9,
+            threshold: 0.2,
+            rate: 0.1,
+            discount: 0.0,
         }
     }
 }

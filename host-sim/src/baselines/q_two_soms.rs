@@ -25,17 +25,17 @@ const NEURONS: usize = 16;
 
 /// How it is taught; searched for likewise.
 pub const SCHOOLING: Schooling = Schooling {
-    far_m: 1.0,
+    far_m: 0.6,
     reward: Reward {
-        fallen: 0.1,
-        in_front: 2.5,
-        behind: 2.5,
+        fallen: 0.2,
+        in_front: 4.0,
+        behind: 1.5,
     },
     explores_for: 300.0,
     explores_least: 0.1,
     turns: 16,
     free_below: 0.2,
-    learns_on: false,
+    learns_on: true,
 };
 
 /// The learner's constants; the default values were searched for in rooms that nothing is compared in.
@@ -60,10 +60,10 @@ impl Default for Tuning {
         Self {
             rate: 0.3,
             discount: 0.8,
-            pull: 0.3,
+            pull: 0.05,
             width: 1.0,
-            fades: 2000.0,
-            least: 0.1,
+            fades: 2_000.0,
+            least: 0.02,
         }
     }
 }

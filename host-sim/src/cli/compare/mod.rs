@@ -48,8 +48,9 @@ pub struct CompareArgs {
     /// Print the time each method takes per decision, on standard error
     #[arg(long)]
     time: bool,
-    /// Search the constants of one method instead, in the rooms random:20001..=20050, by its first budget of --moves
-    #[arg(long, value_name = "METHOD", conflicts_with_all = ["worlds", "methods", "seeds", "seed", "out", "time"], value_parser = parse_method)]
+    /// Search the constants of one method instead, with its first budget of --moves, in as many of the rooms from
+    /// random:20001 on as there are --seeds
+    #[arg(long, value_name = "METHOD", conflicts_with_all = ["worlds", "methods", "seed", "out", "time"], value_parser = parse_method)]
     tune: Option<Method>,
     /// Worker threads [default: one per core]; the results do not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -189,6 +190,7 @@ fn tune(method: Method, args: &CompareArgs) -> Result<String, BadInput> {
     let search = Search {
         method,
         moves: args.moves.first().copied().unwrap_or(1),
+        rooms: args.seeds,
         conditions: conditions(args, args.shield == Shields::On),
     };
     let progress = bar((search::ROUNDS * knobs.len()) as u64, "constants");

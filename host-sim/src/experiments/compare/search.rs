@@ -107,13 +107,12 @@ static BRAITENBERG: [Knob; 2] = [
     knob!("push", [1.0, 2.0, 4.0, 8.0], braitenberg.push),
 ];
 
-static VFH_PLUS: [Knob; 7] = [
+static VFH_PLUS: [Knob; 6] = [
     knob!("safety m", [0.05, 0.1, 0.15, 0.2], vfh_plus.safety_m),
     knob!("blocked m", [0.5, 0.6, 0.8, 1.0], vfh_plus.blocked_m),
     knob!("free m", [0.8, 1.0, 1.2, 1.4], vfh_plus.free_m),
     whole!("wide", [8.0, 12.0, 16.0, 24.0], vfh_plus.wide),
     knob!("slowest", [0.2, 0.5, 1.0], vfh_plus.slowest),
-    knob!("course", [0.0, 2.0, 4.0], vfh_plus.weights[1]),
     knob!("last choice", [0.0, 1.0, 2.0], vfh_plus.weights[2]),
 ];
 
@@ -199,8 +198,6 @@ pub fn knobs(method: Method) -> Vec<&'static Knob> {
 
 /// First room of the search.
 pub const FIRST_ROOM: u64 = 20_001;
-/// Rooms of the search.
-pub const ROOMS: u64 = 50;
 /// Rounds over all constants.
 pub const ROUNDS: usize = 2;
 
@@ -211,6 +208,8 @@ pub struct Search {
     pub method: Method,
     /// Learning moves of those that go on learning.
     pub moves: u32,
+    /// Rooms, from [`FIRST_ROOM`] on.
+    pub rooms: u32,
     /// How it is measured.
     pub conditions: Conditions,
 }
@@ -227,7 +226,7 @@ impl Search {
             constants,
             budgets: budgets.get(..1).unwrap_or_default(),
         };
-        let rooms = (FIRST_ROOM..FIRST_ROOM + ROOMS).into_par_iter();
+        let rooms = (FIRST_ROOM..FIRST_ROOM + u64::from(self.rooms)).into_par_iter();
         let outcomes: Result<Vec<Vec<Outcome>>, Failure> = rooms
             .map(|room| drive(&candidate, &World::random(room), room, &self.conditions))
             .collect();
@@ -237,7 +236,7 @@ impl Search {
             way += outcome.distance_m;
             area += outcome.coverage_m2;
         }
-        Ok(area / ROOMS as f64 / (1.0 + 100.0 * contacts / f64::max(way, 1.0)))
+        Ok(area / f64::from(self.rooms.max(1)) / (1.0 + 100.0 * contacts / f64::max(way, 1.0)))
     }
 
     /// Searches; `tried` hears of every constant that was settled: its name, its value and the score reached.
