@@ -160,6 +160,9 @@ impl Learner for QTwoSoms {
         }
         let actions = nearness(action, width);
         for (row, near) in self.values.iter_mut().zip(nearness(state, width)) {
+            if near == 0.0 {
+                continue;
+            }
             let near = self.tuning.rate * near;
             for (value, action) in row.iter_mut().zip(actions) {
                 *value += near * action * (target - *value);

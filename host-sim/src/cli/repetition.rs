@@ -83,6 +83,7 @@ pub fn repetition(args: &RepetitionArgs, out: &mut impl Write) -> Result<(), Fai
         panels.push(Curves {
             title: scene.title(),
             measure: scene.measure.to_owned(),
+            within: [f64::NEG_INFINITY, f64::INFINITY],
             lines: vec![curve.frozen, curve.learning],
         });
     }

@@ -38,6 +38,8 @@ pub struct Curves {
     pub title: String,
     /// The measure.
     pub measure: String,
+    /// The measure cannot lie outside: neither does the axis reach farther.
+    pub within: [f64; 2],
     /// The lines, all of one length.
     pub lines: Vec<Vec<Mean>>,
 }
@@ -124,12 +126,13 @@ impl Axes {
         let high = ends.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
         // A curve that never moves lies in the middle.
+        let [least, most] = curves.within;
         let longest = curves.lines.iter().map(Vec::len).max().unwrap_or(0);
         let rim = ((high - low) * 0.06).max(0.01);
         Self {
             area,
-            low: low - rim,
-            high: high + rim,
+            low: (low - rim).max(least),
+            high: (high + rim).min(most).max(least + rim),
             last: longest.saturating_sub(1).max(1),
         }
     }
@@ -185,6 +188,7 @@ mod tests {
         let of = |values: &[f64]| Curves {
             title: "nest, six boxes".into(),
             measure: "reached".into(),
+            within: [f64::NEG_INFINITY, f64::INFINITY],
             lines: vec![
                 values.iter().rev().copied().map(mean).collect(),
                 values.iter().copied().map(mean).collect(),

@@ -5,21 +5,25 @@ use crate::experiments::compare::{Figures, MOVES, Method};
 use crate::experiments::statistics::Mean;
 use crate::plot::{Curves, Key, curves};
 
-/// A figure that is drawn: its name, and how it is had.
-type Drawn = (&'static str, fn(&Figures) -> Mean);
+/// A figure that is drawn: its name, the most it can be, and how it is had.
+type Drawn = (&'static str, f64, fn(&Figures) -> Mean);
+
+const ANY: f64 = f64::INFINITY;
 
 /// Without the shield.
 const BARE: [Drawn; 3] = [
-    ("contacts per 100 m", |figures| figures.contacts_per_100_m),
-    ("clean rooms %", |figures| figures.clean_percent),
-    ("coverage m²", |figures| figures.coverage_m2),
+    ("steps with contact %", 100.0, |figures| {
+        figures.contact_percent
+    }),
+    ("clean rooms %", 100.0, |figures| figures.clean_percent),
+    ("coverage m²", ANY, |figures| figures.coverage_m2),
 ];
 
 /// With it: contacts are its business.
 const SHIELDED: [Drawn; 3] = [
-    ("contacts per 100 m", |figures| figures.contacts_per_100_m),
-    ("distance m", |figures| figures.distance_m),
-    ("coverage m²", |figures| figures.coverage_m2),
+    ("distance m", ANY, |figures| figures.distance_m),
+    ("least clearance m", ANY, |figures| figures.clearance_m),
+    ("coverage m²", ANY, |figures| figures.coverage_m2),
 ];
 
 /// An SVG document; `None` where nothing that goes on learning was compared.
@@ -69,7 +73,7 @@ fn panels(lines: &[Line], names: &[Method], places: usize) -> [Curves; 3] {
     } else {
         ("the methods alone", BARE)
     };
-    drawn.map(|(measure, value)| {
+    drawn.map(|(measure, most, value)| {
         // What has one budget only is a level to compare with.
         let of_method = |method: &Method| {
             let own = lines.iter().filter(|line| line.method == *method);
@@ -79,6 +83,7 @@ fn panels(lines: &[Line], names: &[Method], places: usize) -> [Curves; 3] {
         Curves {
             title: title.to_owned(),
             measure: measure.to_owned(),
+            within: [0.0, most],
             lines: names.iter().map(of_method).collect(),
         }
     })

@@ -24,6 +24,8 @@ pub struct Figures {
     pub learning_contacts: Mean,
     /// Steps with contact per 100 m: all contacts over all way.
     pub contacts_per_100_m: Mean,
+    /// Steps with contact, %.
+    pub contact_percent: Mean,
     /// Episodes without any contact, %.
     pub clean_percent: Mean,
     /// Way, m.
@@ -97,6 +99,8 @@ impl Row {
         Figures {
             learning_contacts: self.mean(|outcome| f64::from(outcome.learning_contacts)),
             contacts_per_100_m: bootstrap_of(&way, |[sum, way], _| ratio(sum, way)),
+            contact_percent: self
+                .mean(|outcome| contacts(outcome) / f64::from(outcome.seen.decisions.max(1))),
             clean_percent: self.mean(clean),
             distance_m: self.mean(|outcome| outcome.distance_m),
             coverage_m2: self.mean(|outcome| outcome.coverage_m2),
