@@ -18,7 +18,7 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, Args)]
 pub struct CompareArgs {
     /// World: a file, a folder, random:SEED, random:A..=B or a built-in name; may be given several times
-    #[arg(long = "world", value_name = "WORLD", default_value = "random:1..=10")]
+    #[arg(long = "world", value_name = "WORLD", default_value = "random:1..=6")]
     worlds: Vec<String>,
     /// Methods, separated by commas: default, probe, touzet (the two maps), random, braitenberg, potential-field, vfh-plus,
     /// nearest-change, nearest-pair, q-lazy, q-table, q-som, q-two-soms; or all
