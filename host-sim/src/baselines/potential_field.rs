@@ -34,7 +34,7 @@ impl Default for Tuning {
     fn default() -> Self {
         Self {
             reach_m: 0.8,
-            strength: 0.05,
+            strength: 0.02,
         }
     }
 }

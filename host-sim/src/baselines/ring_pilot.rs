@@ -57,6 +57,11 @@ pub fn axis(sensor: usize) -> Point {
 pub trait Policy {
     /// The displacement to try next, m in the ring's present frame, at most [`STEP_M`] long.
     fn decide(&mut self, perceived: &Perceived) -> Point;
+
+    /// Bytes of what it remembers, as the simulator holds it.
+    fn bytes(&self) -> usize {
+        size_of_val(self)
+    }
 }
 
 /// A policy that can be told where to go.

@@ -13,7 +13,7 @@
 //! * The step is the shorter the more lies in its direction, as the speed in J. Borenstein, Y. Koren, *The vector field
 //!   histogram*, IEEE Transactions on Robotics and Automation 7(3), 1991, 278–288.
 
-use super::certainty_grid::{CELL_M, CertaintyGrid, REACH_M};
+use super::certainty_grid::{CELL_M, CertaintyGrid, REACH_M, SIDE};
 use super::ring_pilot::{Perceived, Policy, STEP_M, Steered};
 use crate::robot::COLLISION_RADIUS_M;
 use crate::world::{Point, wrap_angle};
@@ -45,12 +45,12 @@ pub struct Tuning {
 impl Default for Tuning {
     fn default() -> Self {
         Self {
-            safety_m: 0.1,
-            blocked_m: 0.8,
-            free_m: 1.0,
-            wide: 16,
+            safety_m: 0.05,
+            blocked_m: 0.5,
+            free_m: 1.4,
+            wide: 8,
             weights: [5.0, 2.0, 2.0],
-            slowest: 0.2,
+            slowest: 1.0,
             turning_radius_m: 0.0,
         }
     }
@@ -209,6 +209,10 @@ impl Policy for VfhPlus {
         let step = self.step(direction, &primary);
         Point::unit(direction - perceived.pose.heading) * step
     }
+
+    fn bytes(&self) -> usize {
+        size_of_val(self) + (SIDE * SIDE) as usize
+    }
 }
 
 impl Steered for VfhPlus {
@@ -331,7 +335,14 @@ mod tests {
 
     #[test]
     fn between_the_thresholds_a_sector_stays_what_it_was() {
-        let mut vfh = VfhPlus::new(Tuning::default(), 0.0);
+        let mut vfh = VfhPlus::new(
+            Tuning {
+                blocked_m: 0.8,
+                free_m: 1.0,
+                ..Tuning::default()
+            },
+            0.0,
+        );
         let mut heard = |distance: f64| {
             vfh.update_blocked(&[magnitude(3, distance); SECTORS]);
             vfh.blocked[0]
@@ -356,7 +367,11 @@ mod tests {
 
     #[test]
     fn the_cost_prefers_the_target_and_then_the_course() {
-        let mut vfh = VfhPlus::new(Tuning::default(), -0.3);
+        let tuning = Tuning {
+            wide: 16,
+            ..Tuning::default()
+        };
+        let mut vfh = VfhPlus::new(tuning, -0.3);
         let wide = blocking(66..79);
         vfh.steer(Some(0.0));
         // Both edges are as far from the target: the course settles it.

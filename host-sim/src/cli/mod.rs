@@ -9,6 +9,7 @@ mod barn;
 mod behaviors;
 mod bridge;
 mod capture;
+mod compare;
 mod demo;
 mod learn;
 mod link;
@@ -82,6 +83,8 @@ enum Command {
     Replay(log::ReplayArgs),
     /// Make the paper's figures anew and measure its claims one by one
     Paper(paper::PaperArgs),
+    /// Compare the two maps with other methods: hand-written rules, lazy samples, Q-learning
+    Compare(compare::CompareArgs),
     /// Print a completion script for a shell
     Completions {
         /// The shell
@@ -161,6 +164,7 @@ fn execute(command: Option<Command>, out: &mut impl Write) -> Result<(), Failure
         Some(Command::Log(args)) => log::log(&args, out),
         Some(Command::Replay(args)) => log::replay(&args, out),
         Some(Command::Paper(args)) => paper::paper(&args, out),
+        Some(Command::Compare(args)) => compare::compare(&args, out),
         Some(Command::Completions { shell }) => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "host-sim", &mut script);

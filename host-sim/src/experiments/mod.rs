@@ -2,6 +2,7 @@
 
 pub mod ablation;
 pub mod behaviors;
+pub mod compare;
 pub mod paper;
 pub mod repetition;
 pub mod rooms;

@@ -48,7 +48,7 @@ pub use behaviors::{Shown, behaviors};
 pub use chain::chains;
 pub use code_vectors::code_vectors;
 pub use confusion::confusion;
-pub use curves::{Curves, curves};
+pub use curves::{Curves, Key, curves};
 pub use flow::flow;
 pub use labelled_map::{LabelledMap, labelled_map};
 pub use page::{Figure, index_html};
