@@ -12,6 +12,7 @@ use crate::episode::{Failure, Seeds, run};
 use crate::error::BadInput;
 use crate::experiments::ablation::{self, Driver, Figures, Variant};
 use crate::experiments::behaviors::{self, Outcome};
+use crate::experiments::compare::{self, Conditions, Constants, Method, Plan, Row};
 use crate::experiments::repetition::{self, Curve};
 use crate::experiments::scenes::{SCENES, Scene};
 use crate::recording::Recording;
@@ -26,6 +27,9 @@ use rayon::prelude::*;
 
 /// Random moves with which avoidance is tried.
 pub const FEWER_MOVES: [u16; 5] = [10, 25, 50, 100, 200];
+
+/// Moves after which Q-learners are measured.
+pub const LEARNING_MOVES: [u32; 4] = [100, 200, 1_000, 5_000];
 
 /// How much is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -83,6 +87,8 @@ pub struct Measured {
     pub rings: Vec<(usize, Vec<Count>)>,
     /// Avoidance with a ring that turns with the heading, `default`.
     pub following: Figures,
+    /// Avoidance by the presets and by Q-learners after [`LEARNING_MOVES`].
+    pub compared: Vec<Row>,
 }
 
 /// Why not everything was measured.
@@ -146,6 +152,7 @@ pub fn measure(size: Size, watcher: &impl Watcher) -> Result<Measured, Unmeasure
         repetitions: repetitions(size, &readings[0], watcher)?,
         rings: rings(size, &readings[0], watcher),
         following: following(size, &readings[0])?,
+        compared: compared(size, watcher)?,
     })
 }
 
@@ -256,6 +263,31 @@ fn moves(
 
 fn following(size: Size, reading: &Reading) -> Result<Figures, Failure> {
     ablation::measure(&variant(reading, TurretMode::Follow), &trial(size, MOVES))
+}
+
+fn compared(size: Size, watcher: &impl Watcher) -> Result<Vec<Row>, Failure> {
+    let plan = Plan {
+        worlds: (1..=u64::from(size.worlds)).map(World::random).collect(),
+        first_seed: size.seed,
+        seeds: size.seeds,
+        methods: vec![
+            Method::Default,
+            Method::Probe,
+            Method::Touzet,
+            Method::QTable,
+            Method::QSom,
+            Method::QTwoSoms,
+        ],
+        moves: LEARNING_MOVES.into(),
+        conditions: vec![Conditions {
+            steps: STEPS,
+            sonar: SonarModel::Ideal,
+            shield: false,
+            timed: false,
+        }],
+    };
+    watcher.begin("learners", plan.len() as u64);
+    compare::measure(&plan, &Constants::default(), &|| watcher.done())
 }
 
 fn behavior_trial(size: Size, reading: &Reading) -> behaviors::Trial {

@@ -1,6 +1,6 @@
 //! Sections 3 and 5.1: obstacle avoidance (Figs. 5 and 6), other behaviours at once, any robot.
 
-use super::{COMPARED, Claim, PRESETS, Verdict, each, mean, percent, percents};
+use super::{Claim, PRESETS, Verdict, each, mean, percent, percents, reinforcement};
 use crate::experiments::behaviors::Outcome;
 use crate::experiments::paper::any_ring::Count;
 use crate::experiments::paper::at_once::AtOnce;
@@ -12,18 +12,10 @@ use crate::scenes::Behavior;
 /// The claims of these sections, in their order.
 pub(super) fn claims(measured: &Measured) -> Vec<Claim> {
     let mut claims = vec![no_bumps(measured)];
-    claims.push(
-        Claim::new(
-            "3",
-            "of a similar quality as the best results achieved with reinforcement learning",
-        )
-        .untestable(COMPARED),
-    );
+    claims.push(reinforcement::similar_quality(measured));
     claims.push(no_iterations());
     claims.push(hundred_moves(measured));
-    claims.push(
-        Claim::new("3", "100 moves, compared to 200 minimum for Q-learning").untestable(COMPARED),
-    );
+    claims.push(reinforcement::fewer_moves(measured));
     claims.push(at_once(measured));
     claims.push(asked(
         measured,

@@ -6,6 +6,7 @@
 mod behaviors;
 mod maps;
 mod planning;
+mod reinforcement;
 mod repetition;
 
 use super::measure::Measured;
@@ -122,9 +123,6 @@ impl Claim {
         self
     }
 }
-
-/// Where the figures of the comparison with reinforcement learning come from: another command's measurement.
-const COMPARED: &str = "see `host-sim compare`";
 
 /// The whole table, in the paper's order.
 #[must_use]
