@@ -17,6 +17,7 @@ use super::certainty_grid::{CELL_M, CertaintyGrid, REACH_M, SIDE};
 use super::ring_pilot::{Perceived, Policy, STEP_M, Steered};
 use crate::robot::COLLISION_RADIUS_M;
 use crate::world::{Point, wrap_angle};
+use amp::shield::Shielding;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Sectors of the histograms, 5° each.
@@ -52,6 +53,19 @@ impl Default for Tuning {
             weights: [5.0, 2.0, 2.0],
             slowest: 1.0,
             turning_radius_m: 0.0,
+        }
+    }
+}
+
+impl Tuning {
+    /// These constants for a robot with a shield: what the shield would cut short counts as blocked, so at least its
+    /// margin and 1 cm are kept.
+    #[must_use]
+    pub fn behind(self, shield: Option<Shielding>) -> Self {
+        let kept_m = shield.map_or(0.0, |shield| f64::from(shield.margin_mm) / 1e3 + 0.01);
+        Self {
+            safety_m: self.safety_m.max(kept_m),
+            ..self
         }
     }
 }

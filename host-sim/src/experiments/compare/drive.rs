@@ -15,6 +15,7 @@ use crate::sonar::SonarModel;
 use crate::world::World;
 use amp::config::Config;
 use amp::controller::Part;
+use amp::shield::Shielding;
 use std::f64::consts::TAU;
 
 /// How a method is measured.
@@ -83,7 +84,10 @@ pub fn drive(
         Method::PotentialField => {
             place.fixed(PotentialField::new(constants.potential_field, course))
         }
-        Method::VfhPlus => place.fixed(VfhPlus::new(constants.vfh_plus, course)),
+        Method::VfhPlus => place.fixed(VfhPlus::new(
+            constants.vfh_plus.behind(place.shield()),
+            course,
+        )),
         Method::NearestChange => place.nearest(constants.nearest_change, budgets),
         Method::NearestPair => place.nearest(constants.nearest_pair, budgets),
         Method::QLazy => {
@@ -126,9 +130,13 @@ impl Place<'_> {
         Body::new(self.world, sonar, TurretMode::Held, self.seeds.noise)
     }
 
-    fn pilot<P: Policy>(&self, policy: P) -> RingPilot<P> {
+    fn shield(&self) -> Option<Shielding> {
         let shield = Config::recommended().shield;
-        RingPilot::new(policy, shield.filter(|_| self.conditions.shield))
+        shield.filter(|_| self.conditions.shield)
+    }
+
+    fn pilot<P: Policy>(&self, policy: P) -> RingPilot<P> {
+        RingPilot::new(policy, self.shield())
     }
 
     /// Measures a policy as it is.
