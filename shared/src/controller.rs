@@ -82,6 +82,10 @@ pub struct State<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usiz
     course: Displacement,
     /// Decisions for which each action neuron stays inhibited.
     inhibited: [u8; NEURONS],
+    /// The neuron that stood for the goal last time.
+    goal_neuron: u8,
+    /// The place of the ring towards which the goal fitted best last time.
+    way: u8,
     /// How the search for a place goes.
     search: Search,
 }
@@ -113,6 +117,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             motion_id: 0,
             course: Displacement::ZERO,
             inhibited: [0; NEURONS],
+            goal_neuron: 0,
+            way: 0,
             search: Search::NEW,
         }
     }

@@ -106,9 +106,11 @@ impl Encoding {
     /// The situation of a scan.
     #[must_use]
     pub fn situation<const SENSORS: usize>(self, scan: &Scan<SENSORS>) -> Situation<SENSORS> {
-        core::array::from_fn(|sensor| {
-            self.value(scan.echoes.get(sensor).and_then(|echo| echo.range))
-        })
+        let mut situation = [Weight::ZERO; SENSORS];
+        for (value, echo) in situation.iter_mut().zip(&scan.echoes) {
+            *value = self.value(echo.range);
+        }
+        situation
     }
 }
 

@@ -174,7 +174,11 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         });
         if same_place.is_none() {
             // The oldest makes room.
-            arcs.copy_within(..KEPT - 1, 1);
+            for place in (1..KEPT).rev() {
+                if let Some([newer, older]) = arcs.get_mut(place - 1..=place) {
+                    *older = *newer;
+                }
+            }
             *heard = heard.saturating_add(1).min(KEPT as u8);
         }
         let previous = same_place.and_then(|arc| arc.latest);

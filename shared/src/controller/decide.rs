@@ -5,7 +5,7 @@ use super::{Decision, Mode, Motion, Outputs, Pending, State};
 use crate::action_map::Effect;
 use crate::config::{Choice, Config, Taught};
 use crate::fixed::Mask;
-use crate::goal::{Frame, Goal};
+use crate::goal::{Asked, Frame, Goal, missed};
 use crate::memory::{self, Sample};
 use crate::planner::{NEXT_COURSE, Plan, Planner, Why, difference};
 use crate::scan::{Situation, rotated};
@@ -88,6 +88,9 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             current = self.learn_online(config, &pending, &situation);
             self.inhibit(config, &pending);
         }
+        if config.planning.choice != Choice::Recall {
+            self.actions.keep_products();
+        }
         let pursued = self.pursued(config, &situation, goal);
         let mut allowed = Mask::ALL;
         for (neuron, _) in self
@@ -104,12 +107,15 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             actions: &self.actions,
             allowed,
             current,
+            likely: usize::from(self.goal_neuron),
+            likely_way: usize::from(self.way),
             course: self.course,
             cut,
         };
         let goal = pursued.as_ref().unwrap_or(goal);
         let way = planner.way(&situation, goal);
         let mut plan = planner.plan_on_way(&situation, goal, way);
+        (self.goal_neuron, self.way) = (plan.goal_neuron, way as u8);
         if pursued.is_some() {
             plan.at_goal = false;
             plan.why = Why::Wander;
@@ -136,8 +142,10 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             return None;
         }
         let values = situation.map(|value| i32::from(value.to_bits()));
-        let deviation = goal.deviation(&values, config.believed);
-        if goal.is_met_by(deviation, config.believed) {
+        let mut asked = [Asked::ANYTHING; SENSORS];
+        goal.ask(0, config.believed, &mut asked);
+        let deviation = missed(&asked, &values, goal.cap_bits(), i64::MAX);
+        if goal.is_met_by(deviation, &asked) {
             self.search = Search::NEW;
         } else if self.search.is_stuck(deviation, wander) {
             let course = self.course.with_length(config.robot.step_mm);
@@ -190,8 +198,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 .actions
                 .winner(&effect, config.learning.action_weight_q8),
         };
-        self.actions
-            .learn(winner, &effect, &pull(online.action_rate_q16));
+        let action_pull = pull(online.action_rate_q16);
+        if config.planning.choice == Choice::Recall {
+            self.actions.learn(winner, &effect, &action_pull);
+        } else {
+            self.actions.learn_on(winner, &effect, &action_pull);
+        }
         let winner = self.situations.winner(after, config.believed);
         self.situations.learn(
             winner,

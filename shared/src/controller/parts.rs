@@ -155,6 +155,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.motion_id = 0;
         self.course = Displacement::ZERO;
         self.inhibited = [0; NEURONS];
+        (self.goal_neuron, self.way) = (0, 0);
         self.search = super::Search::NEW;
     }
 }

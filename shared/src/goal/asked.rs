@@ -1,6 +1,7 @@
 //! What is asked of values while a decision is taken: whole numbers, ready to be compared.
 
 use super::Component;
+use crate::fixed::{Fine, coarse};
 
 /// What is asked of a value in units of 2⁻¹³.
 #[derive(Debug, Clone, Copy, Default)]
@@ -86,6 +87,69 @@ impl Asked {
     }
 }
 
+/// What is asked, begun with the transducer that weighs most: what deviates much is soon seen to.
+pub(crate) struct Heaviest<'a, const SENSORS: usize> {
+    asked: &'a [Asked; SENSORS],
+    first: usize,
+}
+
+impl<'a, const SENSORS: usize> Heaviest<'a, SENSORS> {
+    /// Looks for it.
+    pub(crate) fn first(asked: &'a [Asked; SENSORS]) -> Self {
+        let (mut first, mut most) = (0, i32::MIN);
+        for (sensor, asked) in asked.iter().enumerate() {
+            if asked.weight > most {
+                (first, most) = (sensor, asked.weight);
+            }
+        }
+        Self { asked, first }
+    }
+
+    /// How far a code vector deviates from what is asked, in units of 2⁻²⁶ · weight; what reaches `limit` may be more.
+    #[inline(always)]
+    pub(crate) fn missed_by(&self, row: &[Fine; SENSORS], limit: i64) -> i64 {
+        let mut total = 0_i64;
+        for range in [self.first..SENSORS, 0..self.first] {
+            let (Some(asked), Some(row)) = (self.asked.get(range.clone()), row.get(range)) else {
+                break;
+            };
+            for (asked, value) in asked.iter().zip(row) {
+                let value = i32::from(coarse(*value).to_bits());
+                let off = if value < asked.low {
+                    asked.low.wrapping_sub(value)
+                } else if value > asked.high {
+                    value.wrapping_sub(asked.high)
+                } else {
+                    // Most are as asked: nothing to multiply.
+                    continue;
+                };
+                // At most five times 2¹³.
+                let squared = i64::from(off.wrapping_mul(off));
+                total = total.wrapping_add(squared.wrapping_mul(i64::from(asked.weight)));
+                if total >= limit {
+                    return total;
+                }
+            }
+        }
+        total
+    }
+
+    /// As [`missed`], of the values from place `from` on.
+    pub(crate) fn missed(&self, values: &[i32], from: usize, cap: i32, limit: i64) -> i64 {
+        let (Some((first, last)), Some(values)) =
+            (self.asked.split_at_checked(self.first), values.get(from..))
+        else {
+            return i64::MAX;
+        };
+        let heavy = values.get(self.first..).unwrap_or(&[]);
+        let total = missed(last, heavy, cap, limit);
+        if total >= limit {
+            return total;
+        }
+        total.wrapping_add(missed(first, values, cap, limit.wrapping_sub(total)))
+    }
+}
+
 /// How the deviation runs over an interval of values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Over {
@@ -105,11 +169,18 @@ pub(crate) fn missed(asked: &[Asked], values: &[i32], cap: i32, limit: i64) -> i
     let mut total = 0_i64;
     for (asked, value) in asked.iter().zip(values) {
         // Most values are as asked: nothing to multiply.
-        if !asked.holds(*value) {
-            total = total.wrapping_add(asked.deviation(*value, cap));
-            if total >= limit {
-                break;
-            }
+        let off = if *value < asked.low {
+            asked.low.wrapping_sub(*value)
+        } else if *value > asked.high {
+            value.wrapping_sub(asked.high)
+        } else {
+            continue;
+        };
+        let off = off.min(cap);
+        let squared = i64::from(off.wrapping_mul(off));
+        total = total.wrapping_add(squared.wrapping_mul(i64::from(asked.weight)));
+        if total >= limit {
+            break;
         }
     }
     total

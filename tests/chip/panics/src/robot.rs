@@ -62,6 +62,8 @@ fn plans() {
         actions: &actions,
         allowed: mask(),
         current: any(Some(1)),
+        likely: any(2),
+        likely_way: any(3),
         course: displacement(),
         cut: any(true),
     };
