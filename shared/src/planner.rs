@@ -88,6 +88,31 @@ pub struct Plan<const SENSORS: usize> {
     pub why: Why,
 }
 
+/// The neuron that stands for a goal, to start from when it is sought again: it and the place of the ring are looked at
+/// first, and most others soon drop out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct GoalNeuron {
+    /// The neuron.
+    pub neuron: u8,
+    /// Place of the ring towards which the goal was pursued.
+    pub place: u8,
+    /// Transducers that were believed.
+    pub believed: Mask,
+    /// Its deviation from the goal, if the goal is the same and no other neuron than [`Planner::current`] has changed since;
+    /// in units of 2⁻²⁶ · weight.
+    pub deviation: Option<i64>,
+}
+
+impl GoalNeuron {
+    /// Any; nothing is known.
+    pub const UNKNOWN: Self = Self {
+        neuron: 0,
+        place: 0,
+        believed: Mask::NONE,
+        deviation: None,
+    };
+}
+
 /// The maps and the moment a plan is made of.
 #[derive(Debug, Clone, Copy)]
 pub struct Planner<'a, const SENSORS: usize, const NEURONS: usize> {
@@ -101,10 +126,8 @@ pub struct Planner<'a, const SENSORS: usize, const NEURONS: usize> {
     pub allowed: Mask,
     /// Best-matching unit of the situation, if it is known already.
     pub current: Option<usize>,
-    /// The neuron that stood for the goal last time, if there was one: looked at first, most others soon drop out.
-    pub likely: usize,
-    /// Place of the ring towards which the goal fitted best last time, likewise.
-    pub likely_way: usize,
+    /// The neuron that stood for the goal last time, or any.
+    pub likely: GoalNeuron,
     /// The last displacement, in the ring's present frame.
     pub course: Displacement,
     /// The last displacement was cut below half.
@@ -115,35 +138,50 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
     /// The decision for one situation and one goal.
     #[must_use]
     pub fn plan(&self, situation: &Situation<SENSORS>, goal: &Goal<SENSORS>) -> Plan<SENSORS> {
-        self.plan_on_way(situation, goal, self.way(situation, goal))
+        let way = self.way(situation, goal);
+        self.plan_on_way(situation, goal, way).0
     }
 
-    /// The same on the [`way`](Self::way) towards a place of the ring.
+    /// The same on the [`way`](Self::way) towards a place of the ring; and the neuron that stands for the goal.
     #[must_use]
     pub fn plan_on_way(
         &self,
         situation: &Situation<SENSORS>,
         goal: &Goal<SENSORS>,
         way: usize,
-    ) -> Plan<SENSORS> {
-        match self.config.planning.choice {
-            Choice::Recall if way == 0 => self.recall(situation, goal),
-            Choice::Recall => self.recall(situation, &goal.towards(way)),
-            Choice::Neurons | Choice::Headings => self.look_ahead(situation, goal, way),
-        }
+    ) -> (Plan<SENSORS>, GoalNeuron) {
+        let mut asked = [Asked::ANYTHING; SENSORS];
+        goal.ask(way, self.config.believed, &mut asked);
+        let (neuron, deviation) = self.goal_neuron(&Heaviest::first(&asked), way);
+        let found = GoalNeuron {
+            neuron: neuron as u8,
+            place: way as u8,
+            believed: self.config.believed,
+            deviation: Some(deviation),
+        };
+        let plan = match self.config.planning.choice {
+            Choice::Recall if way == 0 => self.recall(situation, goal, &asked, neuron),
+            Choice::Recall => self.recall(situation, &goal.towards(way), &asked, neuron),
+            Choice::Neurons | Choice::Headings => {
+                self.look_ahead(situation, goal, &asked, way, neuron)
+            }
+        };
+        (plan, found)
     }
 
     /// The paper's four steps.
     #[inline(never)]
-    fn recall(&self, situation: &Situation<SENSORS>, goal: &Goal<SENSORS>) -> Plan<SENSORS> {
+    fn recall(
+        &self,
+        situation: &Situation<SENSORS>,
+        goal: &Goal<SENSORS>,
+        asked: &[Asked; SENSORS],
+        goal_neuron: usize,
+    ) -> Plan<SENSORS> {
         let planning = &self.config.planning;
         let mask = self.config.believed;
-        let mut asked = [Asked::ANYTHING; SENSORS];
-        goal.ask(0, mask, &mut asked);
-        let asked = Heaviest::first(&asked);
-        let goal_neuron = self.goal_neuron(&asked);
         let current = self.current(situation);
-        let (aim, why) = self.aim(current, goal_neuron, &asked);
+        let (aim, why) = self.aim(current, goal_neuron, &Heaviest::first(asked));
         let aimed = match why {
             Why::Neighbour => self.situations.code().get(aim),
             _ => None,
@@ -152,14 +190,14 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             true => None,
             false => self.situations.code().get(current),
         };
-        let mut wanted = *situation;
+        let mut wanted = [Weight::ZERO; SENSORS];
         let tolerant = planning.tolerance >= Weight::ZERO;
         let mut at_goal = tolerant || mask.indices(SENSORS).next().is_none();
-        for (sensor, (change, component)) in wanted.iter_mut().zip(&goal.components).enumerate() {
-            let value = *change;
+        let ring = situation.iter().zip(&goal.components);
+        for (sensor, (change, (value, component))) in wanted.iter_mut().zip(ring).enumerate() {
+            let value = *value;
             let met = component.nearest(value);
             if met == value && planning.unmet_only {
-                *change = Weight::ZERO;
                 continue;
             }
             at_goal &= !mask.contains(sensor) || value.abs_diff(met) <= planning.tolerance;
@@ -207,9 +245,24 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
     /// The neuron whose code vector deviates least from what is asked, the lowest on ties. Most drop out before all their
     /// components have been looked at.
     #[inline(never)]
-    fn goal_neuron(&self, asked: &Heaviest<'_, SENSORS>) -> usize {
+    fn goal_neuron(&self, asked: &Heaviest<'_, SENSORS>, place: usize) -> (usize, i64) {
         let code = self.situations.code();
-        let mut nearest = self.likely;
+        let likely = self.likely;
+        let mut nearest = usize::from(likely.neuron);
+        let same = usize::from(likely.place) == place && likely.believed == self.config.believed;
+        if let Some(least) = likely.deviation.filter(|_| same) {
+            let Some(changed) = self.current else {
+                return (nearest, least);
+            };
+            let limit = least.saturating_add(i64::from(changed <= nearest));
+            let deviation = self.distance(changed, asked, limit);
+            if deviation < limit {
+                return (changed, deviation);
+            }
+            if changed != nearest {
+                return (nearest, least);
+            }
+        }
         let mut least = self.distance(nearest, asked, i64::MAX);
         for (neuron, row) in code.iter().enumerate() {
             // Of two as near the lower counts.
@@ -222,7 +275,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
                 (nearest, least) = (neuron, distance);
             }
         }
-        nearest
+        (nearest, least)
     }
 
     /// How far neuron `k` deviates from what is asked, in units of 2⁻²⁶ · weight; what reaches `limit` may be more.
@@ -248,6 +301,9 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         } else {
             far(current, i64::MAX)
         };
+        if own == 0 {
+            return (goal, Why::NoNearerNeighbour);
+        }
         let mut nearest = None;
         let mut least = (usize::MAX, own, 0);
         for k in grid.neighbours(current) {

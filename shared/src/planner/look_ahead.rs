@@ -28,6 +28,9 @@ use crate::units::{Direction, Displacement};
 /// Shares of a step that are tried along the best direction to a place, in 1/4; the whole step has been tried.
 const SHORTER_Q2: [i32; 4] = [3, 2, 1, 0];
 
+/// More than any deviation, and a sum with one is no overflow.
+const FAR: i64 = i64::MAX / 2;
+
 /// An action and how well the situation it leads to suits the goal.
 #[derive(Debug, Clone, Copy)]
 struct Candidate {
@@ -118,7 +121,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             let direction = self.config.robot.directions.get(place).copied();
             let along = cosine_q14(direction.unwrap_or_default(), course);
             let steady = weighted(goal.steady_q16, along);
-            let limit = limit.saturating_add(steady);
+            let limit = limit.wrapping_add(steady);
             let cap = goal.cap_bits();
             let deviation = if whole {
                 heaviest.missed(values.as_flattened(), place, cap, limit)
@@ -129,12 +132,12 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             };
             deviation.wrapping_sub(steady)
         };
-        let mut best = self.likely_way.checked_rem(SENSORS).unwrap_or(0);
-        let mut least = score(best, i64::MAX);
-        for place in 0..SENSORS {
+        let likely = usize::from(self.likely.place);
+        let (mut best, mut least) = (SENSORS, FAR);
+        for place in core::iter::once(likely).chain(0..SENSORS) {
             // Of two as near the first counts.
-            let limit = least.saturating_add(i64::from(place < best));
-            if place != best {
+            let limit = least.wrapping_add(i64::from(place < best));
+            if place < SENSORS && place != best {
                 let score = score(place, limit);
                 if score < limit {
                     (best, least) = (place, score);
@@ -150,17 +153,17 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         &self,
         situation: &Situation<SENSORS>,
         goal: &Goal<SENSORS>,
+        asked: &[Asked; SENSORS],
         place: usize,
+        goal_neuron: usize,
     ) -> Plan<SENSORS> {
         let config = self.config;
         let mask = config.believed;
         let travels = goal.frame == Frame::Travel && config.robot.symmetric;
-        let mut asked = [Asked::ANYTHING; SENSORS];
-        goal.ask(place, mask, &mut asked);
         let ahead = config.robot.directions.get(place).copied();
         let aim = Aim {
             goal,
-            asked: &asked,
+            asked,
             place: place.min(SENSORS),
             way: ahead.filter(|_| travels).unwrap_or(unit(self.course)),
         };
@@ -174,12 +177,12 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         let now = aim.deviation(&situation.map(|value| i32::from(value.to_bits())));
         let to_come = values.map(unit_weight);
         let mut plan = Plan {
-            goal_neuron: self.goal_neuron(&Heaviest::first(&asked)) as u8,
+            goal_neuron: goal_neuron as u8,
             current_neuron: self.current(situation) as u8,
             intermediate_neuron: self.situations.winner(&to_come, mask) as u8,
             wanted: difference(&to_come, situation),
             action_neuron: self.neuron_of(best.direction) as u8,
-            at_goal: goal.is_met_by(now, &asked) || aim.holds(situation, config.planning.tolerance),
+            at_goal: goal.is_met_by(now, asked) || aim.holds(situation, config.planning.tolerance),
             recalled: true,
             action: Displacement::ZERO,
             why: Why::Stay,
@@ -206,7 +209,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         // What is surely not less than the limit may be more.
         let try_out = |direction: Direction, share_q2: i32, limit: i64| {
             let going = aim.going(direction, share_q2);
-            let deviation = landscape.at(part(direction, share_q2), limit.saturating_add(going));
+            let deviation = landscape.at(part(direction, share_q2), limit.wrapping_add(going));
             Candidate {
                 direction,
                 share_q2,
@@ -218,7 +221,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         let mut best = Candidate {
             direction: Direction::default(),
             share_q2: 0,
-            score: i64::MAX,
+            score: FAR,
             neuron: None,
         };
         if self.config.planning.choice == Choice::Neurons {
@@ -238,7 +241,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
                     .zip(directions.get(headings).unwrap_or(&[]))
                 {
                     // Of two as good the first counts.
-                    let limit = best.score.saturating_add(i64::from(heading < found));
+                    let limit = best.score.wrapping_add(i64::from(heading < found));
                     let candidate = try_out(*direction, 4, limit);
                     if candidate.score < limit && self.is_allowed(*direction) {
                         (best, found) = (candidate, heading);
@@ -248,7 +251,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         }
         if aim.goal.going_q16 == 0 {
             for share_q2 in SHORTER_Q2 {
-                let limit = best.score.saturating_add(1);
+                let limit = best.score.wrapping_add(1);
                 let shorter = try_out(best.direction, share_q2, limit);
                 if shorter.score <= best.score {
                     best = shorter;
