@@ -243,12 +243,18 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
 
     /// One step of learning around `winner`.
     pub fn learn(&mut self, winner: usize, effect: &Effect<SENSORS>, pull: &Pull<NEURONS>) {
-        self.products = None;
+        self.forget_products();
         self.pull(winner, effect, pull);
     }
 
+    /// Does without the products until they are summed again.
+    pub(crate) const fn forget_products(&mut self) {
+        self.products = None;
+    }
+
+    /// As [`learn`](Self::learn), the products left as they are.
     #[inline(never)]
-    fn pull(&mut self, winner: usize, effect: &Effect<SENSORS>, pull: &Pull<NEURONS>) {
+    pub(crate) fn pull(&mut self, winner: usize, effect: &Effect<SENSORS>, pull: &Pull<NEURONS>) {
         // Both codebooks stand on one grid.
         let learn = Learn {
             grid: self.changes.grid(),
@@ -341,17 +347,25 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         let Some(scores) = &found.scores else {
             return [Weight::ZERO; 2];
         };
-        let counted = || {
-            let all = scores.iter().zip(self.actions.code()).enumerate();
-            all.filter(|(k, (score, _))| **score > 0 && allowed.contains(*k))
-                .map(|(_, counted)| counted)
-        };
-        let best = counted().fold(1, |best, (score, _)| best.max(*score));
+        // What is not counted is 0; a score above 0 is a sum of at most 31 products and fits.
+        let (mut counted, mut best) = ([0_u32; NEURONS], 1_u32);
+        for (k, (counted, score)) in counted.iter_mut().zip(scores).enumerate() {
+            if *score > 0 && allowed.contains(k) {
+                *counted = *score as u32;
+                best = best.max(*counted);
+            }
+        }
         // At most 2¹⁰ times 2¹³ per neuron.
         let (mut sum, mut total) = ([0_i32; 2], 0_i32);
-        for (score, action) in counted() {
+        for (counted, action) in counted.iter().zip(self.actions.code()) {
+            if *counted == 0 {
+                continue;
+            }
             // The score over the best one's, Q10: its fourth power takes 20 bits before the last shift.
-            let share = quotient(score.saturating_mul(1 << 10), best) as i32;
+            let share = match counted.checked_mul(1 << 10) {
+                Some(scaled) => scaled.checked_div(best).unwrap_or(0),
+                None => quotient(i64::from(*counted) << 10, i64::from(best)) as u32,
+            } as i32;
             let squared = (share * share) >> 10;
             let weight = (squared * squared) >> 10;
             total = total.wrapping_add(weight);
