@@ -436,6 +436,7 @@ fn stretched<const SENSORS: usize>(vector: &[Weight; SENSORS]) -> [Weight; SENSO
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::som::Neighbourhood;
     use proptest::prelude::*;
 
     const CHANGES: [[i16; 3]; 4] = [[800, 0, 0], [0, 8_192, 0], [6_000, 0, 0], [7_000, 8_000, 0]];
@@ -518,6 +519,38 @@ mod tests {
         assert_eq!((recall(None), recall(Some(1)), recall(Some(2))), (0, 1, 2));
         // A preference is no match: the neuron without the wanted change does not answer.
         assert_ne!(recall(Some(3)), 3);
+    }
+
+    #[test]
+    fn products_kept_while_learning_are_those_summed_anew() {
+        let mut map = map();
+        map.keep_products();
+        let alone = Pull::new(Neighbourhood::Direct, 20_000, 0);
+        for (winner, (change, action)) in CHANGES.iter().zip(ACTIONS).enumerate() {
+            let effect = Effect {
+                change: change.map(|bits| Weight::from_bits(bits / 3 - 500)),
+                action: action.map(Weight::from_bits),
+                mask: Mask::ALL.without(winner),
+            };
+            map.learn_on((winner + 1) % 4, &effect, &alone);
+            let kept = *map.products().unwrap();
+            map.forget_products();
+            map.keep_products();
+            assert_eq!(map.products(), Some(&kept));
+            assert_eq!(map.clone(), map);
+        }
+        // Neighbours that learn too, and whatever is written, make them unknown.
+        let together = Pull::new(Neighbourhood::Direct, 20_000, 20_000);
+        let effect = Effect {
+            change: CHANGES[0].map(Weight::from_bits),
+            action: ACTIONS[0].map(Weight::from_bits),
+            mask: Mask::ALL,
+        };
+        map.learn_on(0, &effect, &together);
+        assert_eq!(map.products(), None);
+        map.keep_products();
+        map.actions_mut().set_component(0, Fine::from_bits(5));
+        assert_eq!(map.products(), None);
     }
 
     #[test]

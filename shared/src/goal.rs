@@ -240,15 +240,6 @@ impl<const SENSORS: usize> Goal<SENSORS> {
         }
     }
 
-    /// Squared deviation of values (2⁻¹³, which may leave [0, 1]) from what is asked in the ring's frame, over the
-    /// believed components, each at most the cap, in units of 2⁻²⁶ · weight.
-    #[must_use]
-    pub fn deviation(&self, values: &[i32; SENSORS], mask: Mask) -> i64 {
-        let mut asked = [Asked::ANYTHING; SENSORS];
-        self.ask(0, mask, &mut asked);
-        missed(&asked, values, self.cap_bits(), i64::MAX)
-    }
-
     /// Says of each believed transducer what is asked of it in the ring's frame by a robot that goes towards place
     /// `place` of the ring.
     #[inline(never)]

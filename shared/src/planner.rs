@@ -384,3 +384,6 @@ pub fn difference<const SENSORS: usize>(
 fn less(to: Weight, from: Weight) -> Weight {
     unit_weight(i32::from(to.to_bits()).wrapping_sub(i32::from(from.to_bits())))
 }
+
+#[cfg(test)]
+mod tests;

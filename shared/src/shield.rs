@@ -522,3 +522,6 @@ impl<'a> Way<'a> {
         along.wrapping_sub(half_chord as i32).max(0).min(limit)
     }
 }
+
+#[cfg(test)]
+mod tests;

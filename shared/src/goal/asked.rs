@@ -163,7 +163,8 @@ pub(crate) enum Over {
     Bent,
 }
 
-/// Squared deviation of values from what is asked of them, see [`Goal::deviation`](super::Goal::deviation); what reaches `limit` may be more.
+/// Squared deviation of values (2⁻¹³, which may leave [0, 1]) from what is asked of them, each at most that of the cap, in
+/// units of 2⁻²⁶ · weight; what reaches `limit` may be more.
 #[inline(never)]
 pub(crate) fn missed(asked: &[Asked], values: &[i32], cap: i32, limit: i64) -> i64 {
     let mut total = 0_i64;
@@ -184,4 +185,52 @@ pub(crate) fn missed(asked: &[Asked], values: &[i32], cap: i32, limit: i64) -> i
         }
     }
     total
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixed::{Mask, Weight};
+    use crate::goal::Goal;
+    use proptest::prelude::*;
+
+    fn goal(bounds: [(i16, i16, u8); 8]) -> Goal<8> {
+        Goal::of(bounds.map(|(a, b, weight)| Component {
+            low: Weight::from_bits(a.min(b)),
+            high: Weight::from_bits(a.max(b)),
+            weight,
+        }))
+    }
+
+    proptest! {
+        #[test]
+        fn begun_with_the_heaviest_it_is_the_same(
+            bounds in prop::array::uniform8((0_i16..=8_192, 0_i16..=8_192, any::<u8>())),
+            values in prop::array::uniform8(0_i16..=8_192),
+            believed in any::<u32>(), place in 0_usize..8, cap in 0_i32..=8_192,
+        ) {
+            let (goal, mask) = (goal(bounds), Mask::from_bits(believed));
+            let mut asked = [Asked::ANYTHING; 8];
+            goal.ask(place, mask, &mut asked);
+            let heaviest = Heaviest::first(&asked);
+            let situation = values.map(Weight::from_bits);
+            let turned = goal.towards(place);
+            let deviation = turned.distance(&situation, mask);
+            let row = situation.map(|value| Fine::from_bits(i32::from(value.to_bits()) << 16));
+            prop_assert_eq!(heaviest.missed_by(&row, i64::MAX), deviation);
+            prop_assert!(deviation == 0 || heaviest.missed_by(&row, deviation) >= deviation);
+            // Seen from each place, one after another around the ring.
+            let twice = [values.map(i32::from); 2];
+            for from in 0..8 {
+                let mut seen = values.map(i32::from);
+                seen.rotate_left(from);
+                prop_assert_eq!(
+                    heaviest.missed(twice.as_flattened(), from, cap, i64::MAX),
+                    missed(&asked, &seen, cap, i64::MAX)
+                );
+            }
+            let exact: i64 = asked.iter().zip(&values).map(|(asked, value)| asked.deviation(i32::from(*value), cap)).sum();
+            prop_assert_eq!(missed(&asked, &values.map(i32::from), cap, i64::MAX), exact);
+        }
+    }
 }
