@@ -98,7 +98,7 @@ pub struct GoalNeuron {
     pub place: u8,
     /// Transducers that were believed.
     pub believed: Mask,
-    /// Its deviation from the goal, if the goal is the same and no other neuron than [`Planner::current`] has changed since;
+    /// Its deviation from the goal, if the goal is the same and no neuron but the planner's `current` one has changed since;
     /// in units of 2⁻²⁶ · weight.
     pub deviation: Option<i64>,
 }
