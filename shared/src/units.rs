@@ -32,6 +32,16 @@ impl Range {
     }
 }
 
+impl Range {
+    /// Millimetres; more than any range where there is none.
+    #[inline(always)]
+    pub(crate) fn mm_or_most(range: Option<Self>) -> u32 {
+        range
+            .map_or(0, |range| u32::from(range.0.get()))
+            .wrapping_sub(1)
+    }
+}
+
 /// A moment in milliseconds since the robot's start; wraps after 49.7 days.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Millis(u32);

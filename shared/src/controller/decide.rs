@@ -5,10 +5,10 @@ use super::{Decision, Mode, Motion, Outputs, Pending, State};
 use crate::action_map::Effect;
 use crate::config::{Choice, Config, Taught};
 use crate::fixed::Mask;
-use crate::goal::{Frame, Goal};
+use crate::goal::{Asked, Frame, Goal, missed};
 use crate::memory::{self, Sample};
-use crate::planner::{NEXT_COURSE, Plan, Planner, Why, difference};
-use crate::scan::{Situation, rotated};
+use crate::planner::{GoalNeuron, NEXT_COURSE, Plan, Planner, Why, difference};
+use crate::scan::{Aligned, Situation, rotated};
 use crate::som::Neighbourhood;
 use crate::som::neighbourhood::Pull;
 use crate::units::{Bearing, Displacement, Millis};
@@ -18,7 +18,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 {
     /// A ring is complete and the base stands.
     pub(super) fn decide(&mut self, config: &Config<SENSORS>, now: Millis) -> Outputs<SENSORS> {
-        let situation = config.encoding.situation(&self.scan);
+        let situation = &Aligned(config.encoding.situation(&self.scan));
         let pending = self.pending.take();
         match self.mode {
             Mode::Explore { left } => self.explore(config, now, situation, pending, left),
@@ -31,7 +31,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         &mut self,
         config: &Config<SENSORS>,
         now: Millis,
-        situation: Situation<SENSORS>,
+        situation: &Aligned<SENSORS>,
         pending: Option<Pending<SENSORS>>,
         left: u16,
     ) -> Outputs<SENSORS> {
@@ -39,8 +39,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         if let Some(pending) = pending {
             // The command was refused unless the memory holds all the samples.
             let _ = self.memory.keep(Sample {
-                before: memory::to_bytes(&pending.before, config.believed),
-                after: memory::to_bytes(&situation, config.believed),
+                before: memory::to_bytes(&pending.before.0, config.believed),
+                after: memory::to_bytes(&situation.0, config.believed),
                 commanded: pending.commanded,
                 executed: pending.executed,
             });
@@ -75,42 +75,51 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         &mut self,
         config: &Config<SENSORS>,
         now: Millis,
-        situation: Situation<SENSORS>,
+        situation: &Aligned<SENSORS>,
         pending: Option<Pending<SENSORS>>,
         goal: &Goal<SENSORS>,
     ) -> Outputs<SENSORS> {
-        for left in &mut self.inhibited {
+        for left in self.inhibited_mut() {
             *left = left.saturating_sub(1);
         }
         let cut = pending.is_some_and(|pending| pending.was_cut());
         let mut current = None;
         if let Some(pending) = pending {
-            current = self.learn_online(config, &pending, &situation);
+            current = self.learn_online(config, &pending, &situation.0);
             self.inhibit(config, &pending);
         }
-        let pursued = self.pursued(config, &situation, goal);
-        let mut allowed = Mask::ALL;
-        for (neuron, _) in self
-            .inhibited
-            .iter()
-            .enumerate()
-            .filter(|(_, left)| **left > 0)
-        {
-            allowed = allowed.without(neuron);
+        if config.planning.choice != Choice::Recall {
+            self.actions.keep_products();
         }
+        let pursued = self.pursued(config, &situation.0, goal);
+        let mut allowed = Mask::ALL;
+        if self.inhibited_mut().next().is_some() {
+            let inhibited = self.inhibited.iter().enumerate();
+            for (neuron, _) in inhibited.filter(|(_, left)| **left > 0) {
+                allowed = allowed.without(neuron);
+            }
+        }
+        let likely = GoalNeuron {
+            // Of another goal.
+            deviation: self.goal_neuron.deviation.filter(|_| pursued.is_none()),
+            ..self.goal_neuron
+        };
         let planner = Planner {
             config,
             situations: &self.situations,
             actions: &self.actions,
             allowed,
             current,
+            likely,
             course: self.course,
             cut,
         };
         let goal = pursued.as_ref().unwrap_or(goal);
-        let way = planner.way(&situation, goal);
-        let mut plan = planner.plan_on_way(&situation, goal, way);
+        let way = planner.way(&situation.0, goal);
+        let (mut plan, found) = planner.plan_on_way(&situation.0, goal, way);
+        self.goal_neuron = found;
         if pursued.is_some() {
+            self.goal_neuron.deviation = None;
             plan.at_goal = false;
             plan.why = Why::Wander;
         }
@@ -136,14 +145,23 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             return None;
         }
         let values = situation.map(|value| i32::from(value.to_bits()));
-        let deviation = goal.deviation(&values, config.believed);
-        if goal.is_met_by(deviation, config.believed) {
+        let mut asked = [Asked::ANYTHING; SENSORS];
+        goal.ask(0, config.believed, &mut asked);
+        let deviation = missed(&asked, &values, goal.cap_bits(), i64::MAX);
+        if goal.is_met_by(deviation, &asked) {
             self.search = Search::NEW;
         } else if self.search.is_stuck(deviation, wander) {
             let course = self.course.with_length(config.robot.step_mm);
             self.course = course.rotated(NEXT_COURSE.direction());
         }
         self.search.wanders().then(|| Goal::avoiding(config))
+    }
+
+    /// Those that are inhibited, and a few others: mostly none at all.
+    fn inhibited_mut(&mut self) -> impl Iterator<Item = &mut u8> {
+        let (fours, rest) = self.inhibited.as_chunks_mut::<4>();
+        let fours = fours.iter_mut().filter(|four| **four != [0; 4]);
+        fours.flatten().chain(rest)
     }
 
     /// A move cut below half inhibits the neuron that asked for it.
@@ -179,7 +197,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             _ => taught,
         };
         let effect = Effect {
-            change: rotated(&difference(after, &pending.before), places),
+            change: rotated(&difference(after, &pending.before.0), places),
             action: config.action_code.encode(turned, config.robot.step_mm),
             mask: config.believed,
         };
@@ -190,8 +208,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 .actions
                 .winner(&effect, config.learning.action_weight_q8),
         };
-        self.actions
-            .learn(winner, &effect, &pull(online.action_rate_q16));
+        let action_pull = pull(online.action_rate_q16);
+        if config.planning.choice == Choice::Recall {
+            self.actions.learn(winner, &effect, &action_pull);
+        } else {
+            self.actions.learn_on(winner, &effect, &action_pull);
+        }
         let winner = self.situations.winner(after, config.believed);
         self.situations.learn(
             winner,
@@ -199,6 +221,9 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             config.believed,
             &pull(online.situation_rate_q16),
         );
+        if online.share_q16 != 0 {
+            self.goal_neuron.deviation = None;
+        }
         // A winner that came nearer, alone, is still the winner.
         (online.share_q16 == 0).then_some(winner)
     }
@@ -208,7 +233,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         &mut self,
         config: &Config<SENSORS>,
         now: Millis,
-        situation: Situation<SENSORS>,
+        situation: &Aligned<SENSORS>,
         wanted: Displacement,
         plan: Option<Plan<SENSORS>>,
     ) -> Outputs<SENSORS> {
@@ -224,7 +249,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
         self.await_ring(now);
         self.pending = Some(Pending {
-            before: situation,
+            before: *situation,
             commanded: wanted,
             executed: Displacement::ZERO,
             remaining: allowed,
@@ -240,7 +265,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 speed_mm_s: limit.speed_mm_s,
             }),
             decision: Some(Decision {
-                situation,
+                situation: situation.0,
                 plan,
                 wanted,
                 allowed,
