@@ -154,7 +154,7 @@ pub fn run(world: &World, method: Method, rules: &Rules, number: u64) -> Result<
         Method::Maps => drive(goal, body, Homing::new(maps()?, shield, told)),
         Method::MapsUntold => drive(goal, body, Homing::new(maps()?, shield, None)),
         Method::VfhPlus => {
-            let policy = VfhPlus::new(vfh_plus::Tuning::default().behind(shield), course);
+            let policy = VfhPlus::new(vfh_plus::Tuning::of(shield.is_some()), course);
             drive(goal, body, Homing::new(policy, shield, told))
         }
         Method::PotentialField => {

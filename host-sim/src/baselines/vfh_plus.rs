@@ -17,7 +17,6 @@ use super::certainty_grid::{CELL_M, CertaintyGrid, REACH_M, SIDE};
 use super::ring_pilot::{Perceived, Policy, STEP_M, Steered};
 use crate::robot::COLLISION_RADIUS_M;
 use crate::world::{Point, wrap_angle};
-use amp::shield::Shielding;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Sectors of the histograms, 5° each.
@@ -58,14 +57,18 @@ impl Default for Tuning {
 }
 
 impl Tuning {
-    /// These constants for a robot with a shield: what the shield would cut short counts as blocked, so at least its
-    /// margin and 1 cm are kept.
+    /// The constants found for a robot with the mind's shield, or without one: where the shield keeps its margin, a way
+    /// that passes closer is none.
     #[must_use]
-    pub fn behind(self, shield: Option<Shielding>) -> Self {
-        let kept_m = shield.map_or(0.0, |shield| f64::from(shield.margin_mm) / 1e3 + 0.01);
-        Self {
-            safety_m: self.safety_m.max(kept_m),
-            ..self
+    pub fn of(shield: bool) -> Self {
+        let free = Self::default();
+        match shield {
+            true => Self {
+                safety_m: 0.2,
+                blocked_m: 0.6,
+                ..free
+            },
+            false => free,
         }
     }
 }

@@ -122,7 +122,7 @@ pub fn compare(args: &CompareArgs, out: &mut impl Write) -> Result<(), Failure> 
     }
     let began = std::time::Instant::now();
     let progress = bar(plan.len() as u64, "episodes");
-    let rows = pool.install(|| measure(&plan, &Constants::default(), &|| progress.inc(1)));
+    let rows = pool.install(|| measure(&plan, &|| progress.inc(1)));
     progress.finish_and_clear();
     let rows = rows.map_err(|failure| BadInput::new(failure.to_string()))?;
     let report = pool.install(|| tables::Report::of(&rows));
@@ -195,10 +195,13 @@ fn tune(method: Method, args: &CompareArgs) -> Result<String, BadInput> {
     };
     let progress = bar((search::ROUNDS * knobs.len()) as u64, "constants");
     let mut lines = Vec::new();
-    let found = search.run(Constants::default(), |name, value, score| {
-        lines.push((name.to_owned(), value, score));
-        progress.inc(1);
-    });
+    let found = search.run(
+        Constants::of(search.conditions.shield),
+        |name, value, score| {
+            lines.push((name.to_owned(), value, score));
+            progress.inc(1);
+        },
+    );
     progress.finish_and_clear();
     found.map_err(|failure| BadInput::new(failure.to_string()))?;
     Ok(tables::search(&lines))

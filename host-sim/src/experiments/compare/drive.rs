@@ -15,7 +15,6 @@ use crate::sonar::SonarModel;
 use crate::world::World;
 use amp::config::Config;
 use amp::controller::Part;
-use amp::shield::Shielding;
 use std::f64::consts::TAU;
 
 /// How a method is measured.
@@ -84,10 +83,7 @@ pub fn drive(
         Method::PotentialField => {
             place.fixed(PotentialField::new(constants.potential_field, course))
         }
-        Method::VfhPlus => place.fixed(VfhPlus::new(
-            constants.vfh_plus.behind(place.shield()),
-            course,
-        )),
+        Method::VfhPlus => place.fixed(VfhPlus::new(constants.vfh_plus, course)),
         Method::NearestChange => place.nearest(constants.nearest_change, budgets),
         Method::NearestPair => place.nearest(constants.nearest_pair, budgets),
         Method::QLazy => {
@@ -130,13 +126,9 @@ impl Place<'_> {
         Body::new(self.world, sonar, TurretMode::Held, self.seeds.noise)
     }
 
-    fn shield(&self) -> Option<Shielding> {
-        let shield = Config::recommended().shield;
-        shield.filter(|_| self.conditions.shield)
-    }
-
     fn pilot<P: Policy>(&self, policy: P) -> RingPilot<P> {
-        RingPilot::new(policy, self.shield())
+        let shield = Config::recommended().shield;
+        RingPilot::new(policy, shield.filter(|_| self.conditions.shield))
     }
 
     /// Measures a policy as it is.
@@ -241,7 +233,7 @@ mod tests {
     fn outcomes(method: Method, budgets: &[u32], shield: bool) -> Vec<Outcome> {
         let candidate = Candidate {
             method,
-            constants: &Constants::default(),
+            constants: &Constants::of(false),
             budgets,
         };
         let conditions = Conditions {

@@ -107,7 +107,7 @@ impl FromStr for Method {
     }
 }
 
-/// The constants of all methods; the default values are those the search found.
+/// The constants of all methods; those of [`Constants::of`] are what the search found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Constants {
     /// Of the yardstick.
@@ -130,12 +130,14 @@ pub struct Constants {
     pub q_two_soms: (q_two_soms::Tuning, Schooling),
 }
 
-impl Default for Constants {
-    fn default() -> Self {
+impl Constants {
+    /// Those for robots with the mind's shield, or without one.
+    #[must_use]
+    pub fn of(shield: bool) -> Self {
         Self {
             braitenberg: braitenberg::Tuning::default(),
             potential_field: potential_field::Tuning::default(),
-            vfh_plus: vfh_plus::Tuning::default(),
+            vfh_plus: vfh_plus::Tuning::of(shield),
             nearest_change: (nearest::Tuning::CHANGE, nearest::FAR_M),
             nearest_pair: (nearest::Tuning::PAIR, nearest::FAR_M),
             q_lazy: (q_lazy::Tuning::default(), q_lazy::SCHOOLING),

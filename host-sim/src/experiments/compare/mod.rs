@@ -51,18 +51,15 @@ impl Plan {
 ///
 /// # Errors
 /// When an episode fails.
-pub fn measure(
-    plan: &Plan,
-    constants: &Constants,
-    done: &(impl Fn() + Sync),
-) -> Result<Vec<Row>, Failure> {
+pub fn measure(plan: &Plan, done: &(impl Fn() + Sync)) -> Result<Vec<Row>, Failure> {
     let mut rows = Vec::new();
     for conditions in &plan.conditions {
+        let constants = Constants::of(conditions.shield);
         for method in &plan.methods {
             let budgets = method.budgets(&plan.moves);
             let candidate = Candidate {
                 method: *method,
-                constants,
+                constants: &constants,
                 budgets: &budgets,
             };
             let of_seed = |world: &World, seed: u32| {

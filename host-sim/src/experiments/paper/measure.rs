@@ -12,7 +12,7 @@ use crate::episode::{Failure, Seeds, run};
 use crate::error::BadInput;
 use crate::experiments::ablation::{self, Driver, Figures, Variant};
 use crate::experiments::behaviors::{self, Outcome};
-use crate::experiments::compare::{self, Conditions, Constants, Method, Plan, Row};
+use crate::experiments::compare::{self, Conditions, Method, Plan, Row};
 use crate::experiments::repetition::{self, Curve};
 use crate::experiments::scenes::{SCENES, Scene};
 use crate::recording::Recording;
@@ -287,7 +287,7 @@ fn compared(size: Size, watcher: &impl Watcher) -> Result<Vec<Row>, Failure> {
         }],
     };
     watcher.begin("learners", plan.len() as u64);
-    compare::measure(&plan, &Constants::default(), &|| watcher.done())
+    compare::measure(&plan, &|| watcher.done())
 }
 
 fn behavior_trial(size: Size, reading: &Reading) -> behaviors::Trial {

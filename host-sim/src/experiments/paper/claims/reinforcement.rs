@@ -10,7 +10,7 @@ fn figures(row: &Row) -> (f64, f64) {
     (figures.clean_percent.mean, figures.contacts_per_100_m.mean)
 }
 
-fn of<'a>(measured: &'a Measured, method: Method) -> impl Iterator<Item = &'a Row> {
+fn of(measured: &Measured, method: Method) -> impl Iterator<Item = &Row> {
     let rows = measured.compared.iter();
     rows.filter(move |row| row.method == method)
 }
