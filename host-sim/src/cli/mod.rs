@@ -13,8 +13,10 @@ mod output;
 mod remote;
 mod repetition;
 mod run;
+mod setup;
 mod summary;
 mod table;
+mod view;
 mod worlds;
 
 use crate::error::BadInput;
@@ -62,6 +64,8 @@ enum Command {
     Capture(capture::CaptureArgs),
     /// Measure whether a behaviour improves by being repeated, against frozen maps
     Repetition(repetition::RepetitionArgs),
+    /// Watch a robot think, and steer it, in a browser
+    View(view::ViewArgs),
     /// Print a completion script for a shell
     Completions {
         /// The shell
@@ -128,6 +132,7 @@ fn execute(command: Option<Command>, out: &mut impl Write) -> Result<(), Failure
         Some(Command::Behaviors(args)) => behaviors::behaviors(&args, out),
         Some(Command::Capture(args)) => capture::capture(&args, out),
         Some(Command::Repetition(args)) => repetition::repetition(&args, out),
+        Some(Command::View(args)) => view::view(&args, out),
         Some(Command::Completions { shell }) => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "host-sim", &mut script);

@@ -112,7 +112,7 @@ pub(super) fn named(address: &Address, error: &LinkError) -> BadInput {
     }
 }
 
-fn only_for_qemu(qemu: bool, emulation: &Emulation) -> Result<(), BadInput> {
+pub(super) fn only_for_qemu(qemu: bool, emulation: &Emulation) -> Result<(), BadInput> {
     match &emulation.firmware {
         Some(image) if !qemu => Err(BadInput::new(format!(
             "--firmware {}: only qemu takes an image; flash a chip with its own tools",
