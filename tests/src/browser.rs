@@ -169,12 +169,10 @@ impl Browser {
     pub fn wait(&mut self, expression: &str) {
         let began = Instant::now();
         while self.eval(&format!("!!({expression})")) != true {
-            assert!(
-                began.elapsed() < PATIENCE,
-                "never true: {expression}; {:?}; {}",
-                self.complaints,
-                self.eval("document.getElementById('notice').textContent")
-            );
+            if began.elapsed() > PATIENCE {
+                let notice = self.eval("document.getElementById('notice').textContent");
+                panic!("never true: {expression}; {notice}; {:?}", self.complaints);
+            }
             std::thread::sleep(Duration::from_millis(30));
         }
     }

@@ -2,6 +2,7 @@
 
 use crate::{Program, words};
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::io::{BufRead as _, BufReader};
 use std::net::TcpStream;
 use std::process::{Child, Stdio};
@@ -79,7 +80,7 @@ impl Viewed {
         let stream = TcpStream::connect(self.host()).expect("it listens");
         stream.set_read_timeout(Some(PATIENCE)).expect("a timeout");
         match tungstenite::client(request, stream) {
-            Ok((socket, _)) => Ok(Viewer { socket, asked: 0 }),
+            Ok((socket, _)) => Ok(Viewer::new(socket)),
             Err(HandshakeError::Failure(Error::Http(response))) => Err(response.status().as_u16()),
             Err(other) => panic!("{other}"),
         }
@@ -118,9 +119,19 @@ impl Drop for Viewed {
 pub struct Viewer {
     socket: WebSocket<TcpStream>,
     asked: u64,
+    /// The latest of each part.
+    seen: BTreeMap<String, Value>,
 }
 
 impl Viewer {
+    fn new(socket: WebSocket<TcpStream>) -> Self {
+        Self {
+            socket,
+            asked: 0,
+            seen: BTreeMap::new(),
+        }
+    }
+
     /// The next message.
     ///
     /// # Panics
@@ -128,7 +139,11 @@ impl Viewer {
     pub fn next(&mut self) -> Value {
         loop {
             if let Message::Text(text) = self.socket.read().expect("a message") {
-                return serde_json::from_str(&text).expect("JSON");
+                let message: Value = serde_json::from_str(&text).expect("JSON");
+                if let Some(part) = message["part"].as_str() {
+                    self.seen.insert(part.to_owned(), message["value"].clone());
+                }
+                return message;
             }
         }
     }
@@ -162,18 +177,20 @@ impl Viewer {
         }
     }
 
-    /// Waits for a part of which something is true; its value.
+    /// Forgets what was last heard of a part.
+    pub fn forget(&mut self, part: &str) {
+        self.seen.remove(part);
+    }
+
+    /// Waits until something is true of a part.
     ///
     /// # Panics
-    /// When none comes in time.
-    pub fn wait(&mut self, part: &str, is: impl Fn(&Value) -> bool) -> Value {
+    /// When it does not become true in time.
+    pub fn wait(&mut self, part: &str, is: impl Fn(&Value) -> bool) {
         let began = Instant::now();
-        loop {
-            let mut message = self.next();
-            if message["part"] == part && is(&message["value"]) {
-                return message["value"].take();
-            }
+        while !self.seen.get(part).is_some_and(&is) {
             assert!(began.elapsed() < PATIENCE, "no such {part}");
+            self.next();
         }
     }
 }

@@ -6,6 +6,7 @@ function buildArena() {
   for (const name of ["things", "cones", "trails", "marks", "robots", "signs"]) arena[name] = svg("g", {}, root);
   arena.cones.setAttribute("pointer-events", "none");
   arena.beams = Array.from({ length: 16 }, () => svg("path", { class: "cone" }, arena.cones));
+  arena.heard = svg("circle", { class: "heard" }, arena.cones);
   arena.place = svg("circle", { class: "place" }, arena.marks);
   arena.leader = svg("circle", { class: "leader" }, arena.robots);
   arena.wanted = svg("path", { class: "arrow", opacity: 0.35, "pointer-events": "none" }, arena.robots);
@@ -32,6 +33,7 @@ function showScene(scene) {
   const [left, top] = cm([low[0], high[1]]);
   const size = [100 * (high[0] - low[0]) + 2 * margin, 100 * (high[1] - low[1]) + 3 * margin];
   set(arena.root, { viewBox: [left - margin, top - margin, size[0], size[1]].map((v) => v.toFixed(1)).join(" ") });
+  arena.root.parentElement.style.setProperty("--ratio", size[0] / size[1]);
   showShapes(scene);
   const u = arena.unit;
   const [x, y] = [left, -100 * low[1] + 1.4 * margin];
@@ -117,6 +119,7 @@ function showRobot(now) {
   const [cx, cy] = cm([hx, hy]);
   set(arena.wanted, { d: moving ? arrow(0, 0, now.allowed_m, length, 3 * arena.unit) : "", "stroke-width": 2 * arena.unit,
     transform: `translate(${cx} ${cy}) rotate(${90 - ring * 180 / Math.PI})` });
+  set(arena.heard, { cx, cy, r: 100 * face, "stroke-width": 1.2 * arena.unit });
   arena.leader.style.display = now.leader ? "" : "none";
   if (now.leader) { const [lx, ly] = cm(now.leader); set(arena.leader, { cx: lx, cy: ly }); }
   arena.place.style.display = now.goal.place ? "" : "none";
@@ -143,6 +146,8 @@ function showPiece(marks, index) {
     const group = svg("g", { "pointer-events": "none" }, arena.trails);
     const lines = { 0: svg("path", { class: "path explore" }, group), 1: svg("path", { class: "path seek" }, group) };
     arena.pieces.set(index, { group, lines, touches: svg("path", { class: "touch" }, group) });
+    // What is long past is pale.
+    for (const [other, piece] of arena.pieces) piece.group.classList.toggle("old", other < index - 1);
   }
   const before = view.trail.get(index - 1);
   let last = before && before.length ? before[before.length - 1] : null;

@@ -43,7 +43,8 @@ function showMode(now) {
   $("explore").disabled = now.mode === "explore" || now.mode === "learn";
   const next = !view.memory.length ? "explore" : !learnt ? "learn" : "seek";
   for (const id of ["explore", "learn", "seek"]) $(id).classList.toggle("primary", id === next && !$(id).disabled);
-  set($("pause"), { "aria-pressed": now.pace.paused });
+  say($("pause"), now.pace.paused ? "Run on" : "Pause");
+  $("pause").classList.toggle("primary", now.pace.paused);
   const speeds = SPEEDS.includes(now.pace.speed) ? SPEEDS : [now.pace.speed, ...SPEEDS];
   options($("speed"), speeds.map((speed) => [String(speed), speedName(speed)]), String(now.pace.speed));
   for (const id of ["shield", "online"]) if (awaited !== id) $(id).checked = now[id];
@@ -53,11 +54,13 @@ function showMode(now) {
 function showCounts(now) {
   const counts = now.counts;
   const share = (part) => counts.steps ? ` (${fixed(100 * part / counts.steps, 0)} %)` : "";
-  const rows = [["random moves", `${counts.explored[0]}`], ["touched while exploring", `${counts.explored[1]}`, counts.explored[1] > 0],
-    ["decisions", `${counts.steps}`], ["contacts", `${counts.contacts}`, counts.contacts > 0], ["shield", `${counts.shielded}${share(counts.shielded)}`],
+  const [moves, hurt] = counts.explored;
+  const mind = view.scene ? view.scene.mind : "";
+  const rows = [["random moves", hurt ? `${moves} (${hurt} touched)` : `${moves}`, hurt > 0], ["decisions", `${counts.steps}`],
+    ["contacts", `${counts.contacts}`, counts.contacts > 0], ["shield", `${counts.shielded}${share(counts.shielded)}`],
     ["goal held", `${counts.at_goal}${share(counts.at_goal)}`], ["way", `${fixed(counts.distance_m, 1)} m`],
     ["least gap", counts.clearance_m === null ? "–" : meters(counts.clearance_m)], ["area swept", `${fixed(counts.coverage_m2, 1)} m²`],
-    ["mind", view.scene ? view.scene.mind : "", false], ["link", now.link ? (now.why ? "failed" : "holds") : "none needed"]];
+    ["mind", now.link ? `${mind}, ${now.why ? "lost" : "linked"}` : mind, !!now.link && !!now.why]];
   const root = $("counts");
   if (root.children.length !== rows.length) root.replaceChildren(...rows.map(([name]) => {
     const pair = document.createElement("div");

@@ -16,10 +16,10 @@ function buildMap(name) {
     svg("circle", { class: "hub", cx: 50, cy: 55, r: can ? 38 * 0.27 : 38 * 0.62 }, group);
     tile.rim = svg("path", { class: "arrow rim", "stroke-width": 5 }, group);
     tile.arrow = svg("path", { class: "arrow", "stroke-width": 2.4 }, group);
-    svg("text", { x: 6, y: 16, "font-size": 13.5, "font-weight": 600 }, group).textContent = `${letter}${neuron + 1}`;
-    tile.hits = svg("text", { x: 94, y: 16, "font-size": 13, class: "quiet", "text-anchor": "end" }, group);
+    svg("text", { x: 8, y: 17, "font-size": 13.5, "font-weight": 600 }, group).textContent = `${letter}${neuron + 1}`;
+    tile.hits = svg("text", { x: 92, y: 17, "font-size": 13, class: "quiet", "text-anchor": "end" }, group);
     tile.next = svg("rect", { class: "next", x: 4, y: 4, width: 92, height: 92 }, group);
-    tile.goal = svg("rect", { class: "goal", x: 4, y: 4, width: 92, height: 92 }, group);
+    tile.goal = svg("rect", { class: "goal", x: 3, y: 3, width: 94, height: 94 }, group);
     tile.trained = svg("rect", { class: "trained", x: 9, y: 9, width: 82, height: 82 }, group);
     for (const mark of ["now", "next", "goal", "trained"]) tile[mark].style.display = "none";
     if (can) group.addEventListener("click", () => chooseGoal(neuron));
@@ -61,8 +61,8 @@ function look(name, neuron) {
 function describe(name) {
   const neuron = maps.shown[name];
   const seen = view.maps;
-  const note = !seen || !seen.learnt ? "" : name === "situations" ? "Shade: distance to neighbours (U-matrix); number: moves it answers to. Choose a neuron to make it the goal." :
-    "Bars: change of situation; arrow: the displacement that goes with it.";
+  const note = !seen || !seen.learnt ? "" : name === "situations" ? "Shade: U-matrix; number: moves it answers to. Choose a neuron as the goal." :
+    "Bars: change of situation; arrow: the move that brings it.";
   say($(`${name}-detail`), neuron === null || !seen || !seen.learnt ? note : words(name, neuron, seen));
 }
 
@@ -99,7 +99,7 @@ function showMaps(seen) {
     set(tile.up, { d: code.map((value, sensor) => value / full > 0.004 ? bar(50, 55, sensor, 38 * 0.27, 38 * (0.27 + 0.73 * Math.min(value / full, 1))) : "").join("") });
     set(tile.group, { "aria-label": words("situations", neuron, seen) });
   });
-  const most = axisEnd(seen.changes.code.flat());
+  const most = Math.max(...seen.changes.code.flat().map(Math.abs), 1e-6);
   const reach = Math.max(...seen.actions_m.map(([x, y]) => Math.hypot(x, y)), 1e-6);
   shades = shade(seen.changes);
   seen.changes.code.forEach((code, neuron) => {

@@ -19,6 +19,7 @@ function buildRing() {
       event.preventDefault();
     });
     for (const kind of ["pointerenter", "focus"]) group.addEventListener(kind, () => { ring.looked = sensor; if (view.now) showRing(view.now); });
+    for (const kind of ["pointerleave", "blur"]) group.addEventListener(kind, () => { ring.looked = undefined; if (view.now) showRing(view.now); });
     ring.sensors.push(parts);
   }
   signs(root);

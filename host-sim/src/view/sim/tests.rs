@@ -195,7 +195,9 @@ fn a_neuron_and_a_place_become_goals() {
 
 #[test]
 fn an_obstacle_is_met_where_it_was_put_and_never_on_the_robot() {
-    let mut simulator = simulator(SonarModel::Ideal);
+    let mut start = start(SonarModel::Ideal);
+    start.world = World::random(4);
+    let mut simulator = Simulator::new(start, MindPlace::Host).unwrap();
     let robot = simulator.body.pose().position;
     let shapes = simulator.body.world().shapes();
     let index = shapes
