@@ -31,8 +31,17 @@ impl Browser {
     pub fn open(url: &str) -> Self {
         let profile = tempfile::tempdir().expect("a temporary folder");
         let spawned = Command::new("chromium")
-            .args(["--headless=new", "--no-sandbox", "--disable-gpu", "--no-first-run"])
-            .args(["--disable-dev-shm-usage", "--hide-scrollbars", "--disable-background-networking"])
+            .args([
+                "--headless=new",
+                "--no-sandbox",
+                "--disable-gpu",
+                "--no-first-run",
+            ])
+            .args([
+                "--disable-dev-shm-usage",
+                "--hide-scrollbars",
+                "--disable-background-networking",
+            ])
             .args(["--remote-debugging-port=0", "about:blank"])
             .arg(format!("--user-data-dir={}", profile.path().display()))
             .stdin(Stdio::null())
@@ -73,8 +82,14 @@ impl Browser {
     fn show(&mut self, url: &str) {
         let target = self.ask("Target.createTarget", json!({"url": "about:blank"}));
         let id = &target["targetId"];
-        let attached = self.ask("Target.attachToTarget", json!({"targetId": id, "flatten": true}));
-        self.session = attached["sessionId"].as_str().expect("a session").to_owned();
+        let attached = self.ask(
+            "Target.attachToTarget",
+            json!({"targetId": id, "flatten": true}),
+        );
+        self.session = attached["sessionId"]
+            .as_str()
+            .expect("a session")
+            .to_owned();
         for domain in ["Page", "Runtime", "Log", "Network"] {
             self.ask(&format!("{domain}.enable"), json!({}));
         }
@@ -140,7 +155,8 @@ impl Browser {
     /// Makes the page so large, in CSS pixels.
     pub fn resize(&mut self, width: u32, height: u32) {
         let mobile = width < 500;
-        let size = json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": mobile});
+        let size =
+            json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": mobile});
         self.ask("Emulation.setDeviceMetricsOverride", size);
     }
 
@@ -158,7 +174,10 @@ impl Browser {
     pub fn eval(&mut self, expression: &str) -> Value {
         let params = json!({"expression": expression, "awaitPromise": true, "returnByValue": true});
         let mut result = self.ask("Runtime.evaluate", params);
-        assert!(result["exceptionDetails"].is_null(), "{expression}: {result}");
+        assert!(
+            result["exceptionDetails"].is_null(),
+            "{expression}: {result}"
+        );
         result["result"]["value"].take()
     }
 
@@ -190,7 +209,8 @@ impl Browser {
     }
 
     fn mouse(&mut self, kind: &str, [x, y]: [f64; 2]) {
-        let button = json!({"type": kind, "x": x, "y": y, "button": "left", "buttons": 1, "clickCount": 1});
+        let button =
+            json!({"type": kind, "x": x, "y": y, "button": "left", "buttons": 1, "clickCount": 1});
         self.ask("Input.dispatchMouseEvent", button);
     }
 
@@ -205,7 +225,10 @@ impl Browser {
         self.mouse("mouseMoved", from);
         self.mouse("mousePressed", from);
         if from != to {
-            self.mouse("mouseMoved", [0, 1].map(|axis| (from[axis] + to[axis]) / 2.0));
+            self.mouse(
+                "mouseMoved",
+                [0, 1].map(|axis| (from[axis] + to[axis]) / 2.0),
+            );
             self.mouse("mouseMoved", to);
         }
         self.mouse("mouseReleased", to);
@@ -214,7 +237,10 @@ impl Browser {
     /// Presses a key.
     pub fn press(&mut self, key: &str, code: &str) {
         for kind in ["keyDown", "keyUp"] {
-            self.ask("Input.dispatchKeyEvent", json!({"type": kind, "key": key, "code": code}));
+            self.ask(
+                "Input.dispatchKeyEvent",
+                json!({"type": kind, "key": key, "code": code}),
+            );
         }
     }
 
@@ -226,7 +252,9 @@ impl Browser {
         let params = json!({"format": "png", "captureBeyondViewport": whole});
         let shot = self.ask("Page.captureScreenshot", params);
         let data = shot["data"].as_str().expect("a picture");
-        data_encoding::BASE64.decode(data.as_bytes()).expect("a picture in base 64")
+        data_encoding::BASE64
+            .decode(data.as_bytes())
+            .expect("a picture in base 64")
     }
 }
 

@@ -36,7 +36,10 @@ impl Viewed {
         let mut lines = BufReader::new(child.stdout.take().expect("its output")).lines();
         let mut address = || {
             let line = lines.next().expect("an address").expect("text");
-            line.split_whitespace().last().expect("an address").to_owned()
+            line.split_whitespace()
+                .last()
+                .expect("an address")
+                .to_owned()
         };
         let (steer, watch) = (address(), address());
         Self {
@@ -53,7 +56,8 @@ impl Viewed {
     #[must_use]
     pub fn host(&self) -> &str {
         let host = self.watch.strip_prefix("http://");
-        host.and_then(|host| host.strip_suffix('/')).expect("an address")
+        host.and_then(|host| host.strip_suffix('/'))
+            .expect("an address")
     }
 
     /// The token.

@@ -32,12 +32,19 @@ fn fits(browser: &mut Browser) {
 #[test]
 fn a_person_explores_learns_seeks_and_stops() {
     let program = host_sim!();
-    let viewed = Viewed::start(&program, "--world random:7 --explore 60 --speed max --seed 5");
+    let viewed = Viewed::start(
+        &program,
+        "--world random:7 --explore 60 --speed max --seed 5",
+    );
     let mut page = Browser::open(&viewed.steer);
     page.set_dark(false);
     page.resize(1400, 900);
     page.wait("document.getElementById('seat').textContent.startsWith('you steer')");
-    assert_eq!(page.eval("location.hash"), "", "the token stays in the address");
+    assert_eq!(
+        page.eval("location.hash"),
+        "",
+        "the token stays in the address"
+    );
     page.wait("document.getElementById('situations-empty').offsetParent");
     page.wait("document.getElementById('seek').disabled");
     fits(&mut page);
@@ -46,20 +53,30 @@ fn a_person_explores_learns_seeks_and_stops() {
     page.click("#explore");
     page.wait("view.now.mode === 'explore' || view.memory.length === 60");
     page.wait("view.memory.length === 60 && view.now.mode === 'idle'");
-    assert_eq!(page.eval("document.querySelectorAll('#samples tr').length"), 60);
+    assert_eq!(
+        page.eval("document.querySelectorAll('#samples tr').length"),
+        60
+    );
     page.click("#learn");
     page.wait("view.maps.learnt && view.now.mode === 'idle'");
-    assert_eq!(page.eval("view.maps.situations.hits.reduce((a, b) => a + b)"), 60);
+    assert_eq!(
+        page.eval("view.maps.situations.hits.reduce((a, b) => a + b)"),
+        60
+    );
     page.click("#seek");
     page.wait("view.now.mode === 'seek' && view.now.counts.steps > 20");
-    page.wait("view.now.plan && document.getElementById('delta').getBoundingClientRect().height > 50");
+    page.wait(
+        "view.now.plan && document.getElementById('delta').getBoundingClientRect().height > 50",
+    );
 
     // One click stops, and so does the space bar, wherever the focus is.
     page.click("#stop");
     page.wait("view.now.mode === 'stopped' && view.now.pace.standing");
     let stood = page.eval("view.now.counts.steps");
     page.click("#resume");
-    page.wait(&format!("view.now.mode === 'seek' && view.now.counts.steps > {stood}"));
+    page.wait(&format!(
+        "view.now.mode === 'seek' && view.now.counts.steps > {stood}"
+    ));
     page.eval("document.getElementById('explore').focus()");
     page.press(" ", "Space");
     page.wait("view.now.mode === 'stopped'");
@@ -76,7 +93,10 @@ fn a_person_explores_learns_seeks_and_stops() {
     by_keyboard(&mut page);
     pictures(&mut page);
     assert_eq!(page.complaints(), [""; 0]);
-    let own = page.requests().iter().filter(|url| !url.starts_with(&viewed.watch));
+    let own = page
+        .requests()
+        .iter()
+        .filter(|url| !url.starts_with(&viewed.watch));
     let foreign: Vec<_> = own.filter(|url| !url.starts_with("data:")).collect();
     assert!(foreign.is_empty(), "{foreign:?}");
 }
@@ -102,7 +122,9 @@ fn an_obstacle_in_the_way(page: &mut Browser) {
     let center = page.middle("#arena");
     let side = if center[0] > x { 1.0 } else { -1.0 };
     page.drag(from, [x + side * wide * 1.7, y]);
-    page.wait(&format!("JSON.stringify(view.scene.shapes[{shape}]) !== {before}"));
+    page.wait(&format!(
+        "JSON.stringify(view.scene.shapes[{shape}]) !== {before}"
+    ));
     page.wait(&format!("{least} < 0.8"));
     page.click("#seek");
     page.wait("view.now.mode === 'seek'");
@@ -131,7 +153,9 @@ fn pictures(page: &mut Browser) {
     page.eval("ask('learn')");
     page.wait("view.maps.learnt && view.now.mode === 'idle'");
     page.eval("ask('seek').then(() => ask('speed', {factor: 10}))");
-    page.wait("view.now.counts.steps > 60 && !view.now.plan.at_goal && view.now.plan.walk.length > 1");
+    page.wait(
+        "view.now.counts.steps > 60 && !view.now.plan.at_goal && view.now.plan.walk.length > 1",
+    );
     page.eval("ask('pause', {paused: true})");
     page.wait("view.now.pace.paused");
     page.eval("document.activeElement.blur(), document.getElementById('notice').hidden = true");
@@ -156,8 +180,17 @@ fn strangers_are_refused_and_watchers_cannot_steer() {
     let viewed = Viewed::start(&program, "--explore 5");
     let own = format!("http://{}", viewed.host());
     assert!(viewed.knock(&[("Origin", &own)]).is_ok());
-    for foreign in ["http://evil.example", "null", "http://127.0.0.1", "https://localhost"] {
-        assert_eq!(viewed.knock(&[("Origin", foreign)]).err(), Some(403), "{foreign}");
+    for foreign in [
+        "http://evil.example",
+        "null",
+        "http://127.0.0.1",
+        "https://localhost",
+    ] {
+        assert_eq!(
+            viewed.knock(&[("Origin", foreign)]).err(),
+            Some(403),
+            "{foreign}"
+        );
     }
     // A name that somebody else lets point here.
     let port = viewed.host().rsplit(':').next().expect("a port");
@@ -198,18 +231,26 @@ fn strangers_are_refused_and_watchers_cannot_steer() {
 /// Explores, learns and takes thirty decisions: what the mind knows then.
 fn learnt(viewed: &Viewed) -> Value {
     let mut steerer = viewed.steerer();
-    steerer.order(json!({"do": "explore"})).expect("it explores");
-    steerer.wait("now", |now| now["mode"] == "idle" && now["counts"]["explored"][0] == 40);
+    steerer
+        .order(json!({"do": "explore"}))
+        .expect("it explores");
+    steerer.wait("now", |now| {
+        now["mode"] == "idle" && now["counts"]["explored"][0] == 40
+    });
     steerer.order(json!({"do": "learn"})).expect("it learns");
     steerer.wait("maps", |maps| maps["learnt"] == true);
     // What was heard before the maps is of before.
     steerer.forget("now");
     steerer.wait("now", |now| now["mode"] == "idle");
-    steerer.order(json!({"do": "pause", "paused": true})).expect("it pauses");
+    steerer
+        .order(json!({"do": "pause", "paused": true}))
+        .expect("it pauses");
     steerer.order(json!({"do": "seek"})).expect("it seeks");
     for step in 1..=30 {
         steerer.order(json!({"do": "step"})).expect("a step");
-        steerer.wait("now", |now| now["counts"]["steps"].as_u64() >= Some(step - 1) && now["pace"]["paused"] == true);
+        steerer.wait("now", |now| {
+            now["counts"]["steps"].as_u64() >= Some(step - 1) && now["pace"]["paused"] == true
+        });
     }
     let saved = steerer.order(json!({"do": "save_mind"})).expect("a mind");
     saved["file"]["hex"].clone()
@@ -225,7 +266,8 @@ fn fifty_viewers_and_a_slow_one_change_nothing() {
     // It asks for files by the dozen and takes none of them.
     let mut slow = viewed.viewer();
     let token = viewed.token();
-    slow.order(json!({"do": "steer", "token": token})).expect("the seat");
+    slow.order(json!({"do": "steer", "token": token}))
+        .expect("the seat");
     for _ in 0..400 {
         slow.send(json!({"do": "save_mind"}));
     }
@@ -235,7 +277,10 @@ fn fifty_viewers_and_a_slow_one_change_nothing() {
     let over = json!({"do": "steer", "token": token, "over": true});
     other.order(over).expect("the seat");
     other.order(json!({"do": "leave"})).expect("it rises");
-    assert!(began.elapsed() < Duration::from_secs(3), "the slow one was waited for");
+    assert!(
+        began.elapsed() < Duration::from_secs(3),
+        "the slow one was waited for"
+    );
     assert_eq!(learnt(&viewed), alone);
     for viewer in &mut viewers {
         viewer.wait("now", |now| now["counts"]["steps"].as_u64() >= Some(29));
@@ -249,6 +294,10 @@ fn an_address_beyond_this_machine_needs_a_word() {
     let program = host_sim!();
     let output = program.run(&["view", "--listen", "0.0.0.0:0"]);
     assert_eq!(output.code, Some(2));
-    assert!(output.stderr.contains("--allow-remote"), "{}", output.stderr);
+    assert!(
+        output.stderr.contains("--allow-remote"),
+        "{}",
+        output.stderr
+    );
     assert_eq!(output.stdout, "");
 }

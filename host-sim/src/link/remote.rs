@@ -271,7 +271,11 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
     fn let_learn(&mut self) -> Result<Outputs<16>, LinkError> {
         let mut outputs = Outputs::NONE;
         while !outputs.mode_changed {
-            match self.session.borrow_mut().next_report(Instant::now() + LEARNING)? {
+            match self
+                .session
+                .borrow_mut()
+                .next_report(Instant::now() + LEARNING)?
+            {
                 Some(report) => self.take(&report, &mut outputs)?,
                 // Had its report been lost, there would be nothing to wait for.
                 None => outputs.mode_changed = !self.is_learning()?,
@@ -321,7 +325,8 @@ impl<S: BorrowMut<Session>> Pilot for RemoteMind<S> {
 impl<S: BorrowMut<Session>> Thinker for RemoteMind<S> {
     fn knowledge(&mut self) -> Result<&SimState, Failure> {
         // Nothing happens in the mind while nothing is said to it, whatever its mode.
-        let pulled = Knowledge::read(self.session.borrow_mut()).and_then(|knowledge| knowledge.state());
+        let pulled =
+            Knowledge::read(self.session.borrow_mut()).and_then(|knowledge| knowledge.state());
         *self.knowledge = pulled.map_err(Failure::Link)?;
         Ok(&self.knowledge)
     }

@@ -56,7 +56,9 @@ fn names_us(listening: SocketAddr, host: &str) -> bool {
         None if port == 80 => host,
         None => return false,
     };
-    let number = name.strip_prefix('[').and_then(|name| name.strip_suffix(']'));
+    let number = name
+        .strip_prefix('[')
+        .and_then(|name| name.strip_suffix(']'));
     let address = number.unwrap_or(name).parse::<IpAddr>();
     match address {
         Ok(address) => address.is_loopback() || !listening.ip().is_loopback(),
@@ -70,8 +72,9 @@ mod tests {
 
     #[test]
     fn only_this_page_on_this_machine_is_admitted() {
-        let here: SocketAddr = "127.0.0.1:8016".parse().unwrap();
-        let admitted = |host, origin| admits(here, host, origin);
+        fn admitted(host: Option<&str>, origin: Option<&str>) -> bool {
+            admits(SocketAddr::from(([127, 0, 0, 1], 8016)), host, origin)
+        }
         for host in ["127.0.0.1:8016", "localhost:8016", "[::1]:8016"] {
             let own = format!("http://{host}");
             assert!(admitted(Some(host), None), "{host}");

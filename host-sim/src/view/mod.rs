@@ -47,8 +47,8 @@
 
 pub mod guard;
 pub mod order;
-mod page;
 pub mod pace;
+mod page;
 pub mod seat;
 mod server;
 mod sim;

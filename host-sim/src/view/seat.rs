@@ -133,10 +133,7 @@ mod tests {
         assert_eq!(seat.take(one, "", true), Err(SeatError::Token));
         assert!(!seat.may_stop(one));
         assert_eq!(seat.take(one, token.as_str(), false), Ok(()));
-        assert_eq!(
-            seat.take(two, token.as_str(), false),
-            Err(SeatError::Taken)
-        );
+        assert_eq!(seat.take(two, token.as_str(), false), Err(SeatError::Taken));
         assert!(seat.steers(one) && !seat.steers(two) && seat.may_stop(two));
         assert_eq!(seat.take(two, token.as_str(), true), Ok(()));
         assert!(seat.steers(two) && !seat.steers(one));

@@ -77,10 +77,11 @@ impl Door {
         getrandom::fill(&mut bytes).map_err(|error| refuse(format!("no token: {error}")))?;
         let listener = std::net::TcpListener::bind(address)
             .and_then(|listener| listener.set_nonblocking(true).map(|()| listener));
-        let listener = listener.map_err(|error| {
-            refuse(format!("{error} (port 0 takes any that is free)"))
-        })?;
-        let address = listener.local_addr().map_err(|error| refuse(error.to_string()))?;
+        let listener =
+            listener.map_err(|error| refuse(format!("{error} (port 0 takes any that is free)")))?;
+        let address = listener
+            .local_addr()
+            .map_err(|error| refuse(error.to_string()))?;
         Ok(Self {
             listener,
             address,
@@ -103,12 +104,15 @@ impl Door {
 /// # Errors
 /// When the system gives neither threads nor sockets.
 pub fn serve(door: Door, source: Box<dyn Source>, speed: Option<f64>) -> Result<(), BadInput> {
-    let refuse = |error: std::io::Error| BadInput::new(format!("the view cannot be served: {error}"));
+    let refuse =
+        |error: std::io::Error| BadInput::new(format!("the view cannot be served: {error}"));
     let (orders, asked) = sync_channel(MOST_ORDERS);
     let (show, latest) = watch::channel(Parts::default());
     let stage = Stage::new(source, speed);
     let robot = std::thread::Builder::new().name("robot".to_owned());
-    robot.spawn(move || run(stage, &asked, &show)).map_err(refuse)?;
+    robot
+        .spawn(move || run(stage, &asked, &show))
+        .map_err(refuse)?;
     let shared = Arc::new(Shared {
         latest,
         orders,
@@ -148,13 +152,20 @@ fn run(mut stage: Stage, asked: &Receiver<Asked>, show: &watch::Sender<Parts>) {
         }
         // Even when nothing goes on somebody may come to watch.
         let idle = Duration::from_millis(200);
-        let wait = next.unwrap_or(idle).min(until_shown.unwrap_or(idle)).min(idle);
+        let wait = next
+            .unwrap_or(idle)
+            .min(until_shown.unwrap_or(idle))
+            .min(idle);
         let mut order = match asked.recv_timeout(wait) {
             Ok(order) => Some(order),
             Err(RecvTimeoutError::Timeout) => None,
             Err(RecvTimeoutError::Disconnected) => return,
         };
-        while let Some(Asked { order: what, answer }) = order {
+        while let Some(Asked {
+            order: what,
+            answer,
+        }) = order
+        {
             // Whoever asked may be gone.
             let _ = answer.send(stage.carry_out(&what));
             order = asked.try_recv().ok();
@@ -175,7 +186,10 @@ fn admitted(shared: &Shared, headers: &HeaderMap) -> Result<(), (StatusCode, &'s
     if admits(shared.listening, text(header::HOST), text(header::ORIGIN)) {
         return Ok(());
     }
-    Err((StatusCode::FORBIDDEN, "only the page this program serves may ask\n"))
+    Err((
+        StatusCode::FORBIDDEN,
+        "only the page this program serves may ask\n",
+    ))
 }
 
 async fn page(State(shared): State<Arc<Shared>>, headers: HeaderMap) -> Response {
@@ -195,7 +209,11 @@ async fn socket(State(shared): State<Arc<Shared>>, request: Request) -> Response
         Err(refusal) => return refusal.into_response(),
     };
     let Some(id) = shared.seat().enter(MOST_VIEWERS) else {
-        return (StatusCode::SERVICE_UNAVAILABLE, "there are enough viewers\n").into_response();
+        return (
+            StatusCode::SERVICE_UNAVAILABLE,
+            "there are enough viewers\n",
+        )
+            .into_response();
     };
     let leaving = viewer::Leaving::new(Arc::clone(&shared), id);
     upgrade

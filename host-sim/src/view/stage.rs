@@ -65,6 +65,8 @@ impl Stage {
         match order {
             Order::Pause { paused } => self.pace.pause(*paused),
             Order::Speed { factor } => self.pace.set_speed(*factor),
+            // Nothing goes on that a step could be of.
+            Order::Step if self.standing => self.pace.pause(true),
             Order::Step => self.pace.single(),
             other => {
                 let done = self.source.carry_out(other)?;
@@ -150,11 +152,16 @@ mod tests {
         assert_eq!(count(), 1);
         stage.advance(at(500));
         assert_eq!(count(), 2);
-        assert_eq!(stage.carry_out(&Order::Speed { factor: None }), Ok(Done::Well));
+        assert_eq!(
+            stage.carry_out(&Order::Speed { factor: None }),
+            Ok(Done::Well)
+        );
         assert_eq!(stage.advance(at(600)), None);
         assert_eq!(count(), 10);
         assert!(stage.carry_out(&Order::Explore).is_err());
         assert_eq!(stage.advance(at(700)), None);
+        assert_eq!(stage.carry_out(&Order::Step), Ok(Done::Well));
+        assert!(stage.show(at(800)).unwrap().now.pace.paused);
     }
 
     #[test]

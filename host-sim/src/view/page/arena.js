@@ -3,7 +3,7 @@ const arena = { root: $("arena"), pieces: new Map(), shapes: [], drag: null, uni
 
 function buildArena() {
   const root = arena.root;
-  for (const name of ["things", "cones", "trails", "marks", "robots", "signs"]) arena[name] = svg("g", {}, root);
+  for (const name of ["things", "cones", "trails", "marks", "signs", "robots"]) arena[name] = svg("g", {}, root);
   arena.cones.setAttribute("pointer-events", "none");
   arena.beams = Array.from({ length: 16 }, () => svg("path", { class: "cone" }, arena.cones));
   arena.heard = svg("circle", { class: "heard" }, arena.cones);
@@ -31,7 +31,7 @@ function showScene(scene) {
   arena.unit = span * 100 / 500;
   const margin = arena.unit * 12;
   const [left, top] = cm([low[0], high[1]]);
-  const size = [100 * (high[0] - low[0]) + 2 * margin, 100 * (high[1] - low[1]) + 3 * margin];
+  const size = [100 * (high[0] - low[0]) + 2 * margin, 100 * (high[1] - low[1]) + 2.6 * margin];
   set(arena.root, { viewBox: [left - margin, top - margin, size[0], size[1]].map((v) => v.toFixed(1)).join(" ") });
   arena.root.parentElement.style.setProperty("--ratio", size[0] / size[1]);
   showShapes(scene);

@@ -126,9 +126,9 @@ async function loadGoal(file) {
 
 function startAnew() {
   const seed = $("seed").value.trim();
-  if (!/^\d{1,19}$/.test(seed)) return notify("A seed is a whole number.");
+  if (!/^\d+$/.test(seed) || !Number.isSafeInteger(Number(seed))) return notify("A seed is a whole number up to 9007199254740991.");
   const world = $("world").value === "random:" ? `random:${seed}` : $("world").value;
-  ask("reset", { seed: Number.isSafeInteger(Number(seed)) ? Number(seed) : undefined, world, preset: $("preset").value });
+  ask("reset", { seed: Number(seed), world, preset: $("preset").value });
 }
 
 function wire() {

@@ -75,7 +75,7 @@ impl AnyMind {
     /// What it is called.
     pub fn name(&self) -> String {
         match self {
-            Self::Host(_) => "in this process".to_owned(),
+            Self::Host(_) => "this process".to_owned(),
             Self::Link(elsewhere) => elsewhere.name.clone(),
         }
     }

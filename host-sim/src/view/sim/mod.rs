@@ -241,11 +241,9 @@ impl Simulator {
             shielded: decision.allowed != decision.wanted,
             touched: false,
         });
-        if self.doing == Doing::Seek {
-            self.mind.forget_known(false);
-            if self.config.online.is_some() {
-                self.shown.maps = None;
-            }
+        self.mind.forget_known(false);
+        if self.doing == Doing::Seek && self.config.online.is_some() {
+            self.shown.maps = None;
         }
     }
 
@@ -269,7 +267,9 @@ impl Simulator {
 
     /// The step under way has ended.
     fn close(&mut self) {
-        let Some(stride) = self.open.take() else { return };
+        let Some(stride) = self.open.take() else {
+            return;
+        };
         self.tally().step(stride);
         let neuron = self.decision.and_then(|decision| decision.plan);
         let neuron = neuron.map(|plan| usize::from(plan.current_neuron));

@@ -55,7 +55,8 @@ impl Simulator {
             Order::Sonar { number, on } => self.switch(*number, *on)?,
             Order::MoveShape { shape, x, y } => self.move_shape(*shape, Point::new(*x, *y))?,
             Order::MoveRobot { x, y } => self.move_robot(Point::new(*x, *y))?,
-            other => return Err(format!("the simulator knows no {other:?}").into()),
+            // Those of seat and pace do not come here.
+            _ => return Err("that is nothing for the robot".into()),
         }
         Ok(Done::Well)
     }
@@ -178,7 +179,9 @@ impl Simulator {
             return Err("this goal has a name, not a situation: it needs no file".into());
         };
         let Some(place) = place else {
-            return Err("a neuron's situation was perceived nowhere: go there and capture it".into());
+            return Err(
+                "a neuron's situation was perceived nowhere: go there and capture it".into(),
+            );
         };
         let encoding = self.config.encoding;
         let remark = format!(
@@ -235,7 +238,11 @@ impl Simulator {
             return Err(format!("there is no sonar {number}: they are 0 to 15").into());
         }
         let believed = self.config.believed;
-        let after = if on { believed.with(number) } else { believed.without(number) };
+        let after = if on {
+            believed.with(number)
+        } else {
+            believed.without(number)
+        };
         if (0..16).all(|sensor| !after.contains(sensor)) {
             return Err("one sonar must stay on: without any the robot never decides".into());
         }
@@ -258,7 +265,8 @@ impl Simulator {
             None => return Err(format!("there is no shape {index}").into()),
         };
         let world = world.with_shape(index, shape)?;
-        let free = |place: Point| !world.is_inside(place) && world.clearance(place) >= COLLISION_RADIUS_M;
+        let free =
+            |place: Point| !world.is_inside(place) && world.clearance(place) >= COLLISION_RADIUS_M;
         let robot = self.body.pose().position;
         if !free(robot) || !self.body.leader().is_none_or(free) {
             return Err("the robot stands there".into());
@@ -298,10 +306,18 @@ impl Simulator {
             start.world = menu_world(name)?;
             start.named.clone_from(name);
         }
-        if let Some(name) = reset.preset.as_ref().filter(|name| **name != start.setup.preset) {
+        if let Some(name) = reset
+            .preset
+            .as_ref()
+            .filter(|name| **name != start.setup.preset)
+        {
             choose_preset(&mut start, name)?;
         }
-        let config = start.setup.config.clone();
+        // What was switched stays switched.
+        let (config, whole) = (&mut start.setup.config, &start.whole);
+        config.shield = self.config.shield.and(whole.shield);
+        config.online = self.config.online.and(whole.online);
+        let config = config.clone();
         self.renew(start, &config)
     }
 
@@ -350,14 +366,9 @@ fn choose_preset(start: &mut Start, name: &str) -> Result<(), Refused> {
         let names: Vec<_> = start.presets.iter().map(|preset| preset.name).collect();
         return Err(BadInput::unknown("preset", name, &names).into());
     };
-    let (shield, online) = (start.setup.config.shield, start.setup.config.online);
-    start.whole = preset.config.clone();
     start.setup.preset = preset.name.to_owned();
     start.setup.turret = preset.turret;
-    start.setup.config = Config {
-        shield: start.whole.shield.filter(|_| shield.is_some()),
-        online: start.whole.online.filter(|_| online.is_some()),
-        ..start.whole.clone()
-    };
+    start.setup.config = preset.config.clone();
+    start.whole = preset.config.clone();
     Ok(())
 }

@@ -47,7 +47,10 @@ impl Simulator {
     }
 
     fn maps_and_memory(&mut self, revision: u64) -> Vec<Arc<dyn Showable>> {
-        let samples = self.mind.known().map_or(0, |known| known.memory().samples().len());
+        let samples = self
+            .mind
+            .known()
+            .map_or(0, |known| known.memory().samples().len());
         if samples != self.shown.samples {
             (self.shown.memory, self.shown.maps) = (None, None);
             self.shown.samples = samples;
@@ -58,7 +61,11 @@ impl Simulator {
             return Vec::new();
         };
         let maps = self.shown.maps.get_or_insert_with(|| {
-            let seen = if shows_maps { maps(known, &config) } else { Maps::default() };
+            let seen = if shows_maps {
+                maps(known, &config)
+            } else {
+                Maps::default()
+            };
             Arc::new(Part::new("maps", 0, revision, seen))
         });
         let memory = self.shown.memory.get_or_insert_with(|| {
@@ -81,7 +88,9 @@ impl Simulator {
         let nest = self.nest();
         let start = self.nest.map_or(pose.position, |(_, place)| place);
         let moved = |way: fn(&amp::controller::Decision<16>) -> Displacement| {
-            decision.as_ref().map_or(Xy::default(), |decision| meters(way(decision)))
+            decision
+                .as_ref()
+                .map_or(Xy::default(), |decision| meters(way(decision)))
         };
         Now {
             time_s: Short(self.body.time_s()),
@@ -157,7 +166,10 @@ fn scene(simulator: &Simulator) -> Scene {
     let config = &simulator.config;
     let (low, high) = world.bounds();
     let about = |name: &str| [name.to_owned(), Behavior::about(name).to_owned()];
-    let mut worlds: Vec<_> = World::builtin_names().iter().map(|&name| name.to_owned()).collect();
+    let mut worlds: Vec<_> = World::builtin_names()
+        .iter()
+        .map(|&name| name.to_owned())
+        .collect();
     if !worlds.contains(&simulator.start.named) {
         worlds.push(simulator.start.named.clone());
     }
@@ -191,7 +203,12 @@ fn scene(simulator: &Simulator) -> Scene {
         },
         behaviors: Behavior::NAMES.iter().map(|name| about(name)).collect(),
         worlds,
-        presets: simulator.start.presets.iter().map(|preset| preset.name.to_owned()).collect(),
+        presets: simulator
+            .start
+            .presets
+            .iter()
+            .map(|preset| preset.name.to_owned())
+            .collect(),
     }
 }
 
@@ -210,7 +227,12 @@ fn shape_seen(shape: &Shape) -> ShapeSeen {
 
 fn maps(known: &crate::pilot::SimState, config: &Config<16>) -> Maps {
     let (situations, actions) = (known.situations(), known.actions());
-    let rows: Vec<_> = known.memory().samples().iter().map(|sample| answering(known, config, sample)).collect();
+    let rows: Vec<_> = known
+        .memory()
+        .samples()
+        .iter()
+        .map(|sample| answering(known, config, sample))
+        .collect();
     let hits = |map: usize| {
         let mut hits = vec![0; 16];
         for row in &rows {
@@ -235,8 +257,13 @@ fn maps(known: &crate::pilot::SimState, config: &Config<16>) -> Maps {
 }
 
 /// The neurons that answer to a sample in either map.
-fn answering(known: &crate::pilot::SimState, config: &Config<16>, sample: &Sample<16>) -> [usize; 2] {
-    let ((before, believed), (after, too)) = (from_bytes(&sample.before), from_bytes(&sample.after));
+fn answering(
+    known: &crate::pilot::SimState,
+    config: &Config<16>,
+    sample: &Sample<16>,
+) -> [usize; 2] {
+    let ((before, believed), (after, too)) =
+        (from_bytes(&sample.before), from_bytes(&sample.after));
     let taught = match config.learning.taught {
         amp::config::Taught::Commanded => sample.commanded,
         amp::config::Taught::Executed => sample.executed,
@@ -246,7 +273,9 @@ fn answering(known: &crate::pilot::SimState, config: &Config<16>, sample: &Sampl
         action: config.action_code.encode(taught, config.robot.step_mm),
         mask: believed.and(too),
     };
-    let action = known.actions().winner(&effect, config.learning.action_weight_q8);
+    let action = known
+        .actions()
+        .winner(&effect, config.learning.action_weight_q8);
     [known.situations().winner(&after, too), action]
 }
 
@@ -255,7 +284,10 @@ fn map_seen(map: &Som<16, 16>, hits: Vec<u32>) -> MapSeen {
     MapSeen {
         code: map.code().iter().map(|row| shorts(row)).collect(),
         hits,
-        u_matrix: distances.iter().map(|&u| Short(f64::from(u) / 8_192.0)).collect(),
+        u_matrix: distances
+            .iter()
+            .map(|&u| Short(f64::from(u) / 8_192.0))
+            .collect(),
     }
 }
 
@@ -291,7 +323,12 @@ fn walk(map: &Som<16, 16>, from: usize, to: usize) -> Vec<usize> {
     let goal = map.code_vector(to);
     let mut at = from;
     while at != to && walk.len() <= grid.len() {
-        let far = |k: usize| (grid.hops(k, to), map.distance(k, &goal, amp::fixed::Mask::ALL));
+        let far = |k: usize| {
+            (
+                grid.hops(k, to),
+                map.distance(k, &goal, amp::fixed::Mask::ALL),
+            )
+        };
         match grid.neighbours(at).min_by_key(|&k| far(k)) {
             Some(next) => at = next,
             None => break,
@@ -314,7 +351,10 @@ fn row(sample: &Sample<16>) -> Row {
 }
 
 fn shorts<T: Scalar>(weights: &[T]) -> Vec<Short> {
-    weights.iter().map(|weight| Short(weight.fine().to_num())).collect()
+    weights
+        .iter()
+        .map(|weight| Short(weight.fine().to_num()))
+        .collect()
 }
 
 fn ring(values: &Situation<16>) -> Ring {
@@ -345,8 +385,14 @@ mod tests {
     fn the_walk_goes_over_neighbours_to_the_goal() {
         let map = Som::<16, 16>::zeroed(Grid::rectangle(4, 4));
         let walk = walk(&map, 0, 15);
-        assert_eq!((walk.first(), walk.last(), walk.len()), (Some(&0), Some(&15), 7));
-        assert!(walk.windows(2).all(|pair| map.grid().are_neighbours(pair[0], pair[1])));
+        assert_eq!(
+            (walk.first(), walk.last(), walk.len()),
+            (Some(&0), Some(&15), 7)
+        );
+        assert!(
+            walk.windows(2)
+                .all(|pair| map.grid().are_neighbours(pair[0], pair[1]))
+        );
         assert_eq!(super::walk(&map, 5, 5), [5]);
         assert_eq!(super::walk(&map, 99, 5), [99]);
     }

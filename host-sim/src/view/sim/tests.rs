@@ -224,13 +224,13 @@ fn an_obstacle_is_met_where_it_was_put_and_never_on_the_robot() {
 
 #[test]
 fn a_mind_comes_back_from_its_file() {
-    let mut simulator = simulator(SonarModel::Ideal);
-    educate(&mut simulator);
-    let Ok(Done::File(file)) = simulator.carry_out(&Order::SaveMind) else {
+    let mut one = simulator(SonarModel::Ideal);
+    educate(&mut one);
+    let Ok(Done::File(file)) = one.carry_out(&Order::SaveMind) else {
         panic!("no file");
     };
     let hex = file.hex.unwrap();
-    let mut other = super::tests::simulator(SonarModel::Ideal);
+    let mut other = simulator(SonarModel::Ideal);
     other
         .carry_out(&Order::LoadMind { hex: hex.clone() })
         .unwrap();

@@ -40,7 +40,10 @@ impl Trail {
         nearest_m: Option<f64>,
     ) {
         let bits = [stride.touched, stride.shielded, stride.at_goal];
-        let flags = bits.iter().rev().fold(0, |flags, bit| flags * 2 + u8::from(*bit));
+        let flags = bits
+            .iter()
+            .rev()
+            .fold(0, |flags, bit| flags * 2 + u8::from(*bit));
         let neuron = neuron.and_then(|neuron| i16::try_from(neuron).ok());
         self.last.push((
             Short(time_s),
@@ -53,7 +56,12 @@ impl Trail {
         ));
         self.revision += 1;
         if self.last.len() >= PIECE {
-            let part = Part::new("trail", self.number, self.revision, std::mem::take(&mut self.last));
+            let part = Part::new(
+                "trail",
+                self.number,
+                self.revision,
+                std::mem::take(&mut self.last),
+            );
             self.full.push_back(Arc::new(part));
             self.number += 1;
             if self.full.len() > MOST_PIECES {
@@ -83,7 +91,7 @@ mod tests {
     #[test]
     fn full_pieces_stay_and_the_oldest_are_forgotten() {
         let mut trail = Trail::default();
-        let mut mark = |trail: &mut Trail| {
+        let mark = |trail: &mut Trail| {
             let stride = Stride {
                 touched: true,
                 at_goal: true,
