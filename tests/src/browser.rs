@@ -244,13 +244,12 @@ impl Browser {
         }
     }
 
-    /// A picture of what the window shows, or of the whole page: a PNG file.
+    /// A picture of what the window shows: a PNG file.
     ///
     /// # Panics
     /// When it is none.
-    pub fn picture(&mut self, whole: bool) -> Vec<u8> {
-        let params = json!({"format": "png", "captureBeyondViewport": whole});
-        let shot = self.ask("Page.captureScreenshot", params);
+    pub fn picture(&mut self) -> Vec<u8> {
+        let shot = self.ask("Page.captureScreenshot", json!({"format": "png"}));
         let data = shot["data"].as_str().expect("a picture");
         data_encoding::BASE64
             .decode(data.as_bytes())

@@ -1,5 +1,7 @@
 //! The bench view as people meet it: in a real browser, and as strangers at the door.
 
+use amp::config::Config;
+use host_sim::link::Served;
 use serde_json::{Value, json};
 use std::fs;
 use std::time::{Duration, Instant};
@@ -8,8 +10,8 @@ use tests::viewed::Viewed;
 use tests::{host_sim, root};
 
 /// Keeps a screenshot: in the project's documents when `UPDATE_PICTURES=1`, else nowhere.
-fn keep(name: &str, browser: &mut Browser, whole: bool) {
-    let picture = browser.picture(whole);
+fn keep(name: &str, browser: &mut Browser) {
+    let picture = browser.picture();
     assert!(picture.len() > 20_000, "{name}: an empty picture");
     if std::env::var_os("UPDATE_PICTURES").is_some() {
         let path = root().join("docs/pictures").join(name);
@@ -48,7 +50,6 @@ fn a_person_explores_learns_seeks_and_stops() {
     page.wait("document.getElementById('situations-empty').offsetParent");
     page.wait("document.getElementById('seek').disabled");
     fits(&mut page);
-    keep("view-empty.png", &mut page, false);
 
     page.click("#explore");
     page.wait("view.now.mode === 'explore' || view.memory.length === 60");
@@ -160,18 +161,20 @@ fn pictures(page: &mut Browser) {
     page.wait("view.now.pace.paused");
     page.eval("document.activeElement.blur(), document.getElementById('notice').hidden = true");
     fits(page);
-    keep("view-light.png", page, false);
+    keep("view-light.png", page);
     page.set_dark(true);
     std::thread::sleep(Duration::from_millis(150));
-    keep("view-dark.png", page, false);
+    keep("view-dark.png", page);
     page.resize(390, 844);
     page.eval("window.scrollTo(0, 0)");
     std::thread::sleep(Duration::from_millis(150));
     fits(page);
-    keep("view-phone-dark.png", page, true);
     page.set_dark(false);
     std::thread::sleep(Duration::from_millis(150));
-    keep("view-phone.png", page, true);
+    keep("view-phone.png", page);
+    for i in 1..5 {
+        page.eval(&format!("window.scrollTo(0, {})", i * 640));
+    }
 }
 
 #[test]
@@ -287,6 +290,42 @@ fn fifty_viewers_and_a_slow_one_change_nothing() {
     }
     // The slow one is gone: 50 viewers and the one that looks.
     other.wait("seat", |seat| seat["viewers"].as_u64() <= Some(51));
+}
+
+#[test]
+fn a_mind_at_the_end_of_a_link_is_watched_until_it_is_lost() {
+    let served = Served::start(Config::recommended()).expect("a mind behind a socket");
+    let program = host_sim!();
+    let flags = format!("--explore 6 --speed max --mind tcp:{}", served.host());
+    let viewed = Viewed::start(&program, &flags);
+    let mut steerer = viewed.steerer();
+    steerer.wait("scene", |scene| scene["abilities"]["load"] == false);
+    steerer
+        .order(json!({"do": "explore"}))
+        .expect("it explores");
+    steerer.wait("memory", |rows| {
+        rows.as_array().is_some_and(|rows| rows.len() == 6)
+    });
+    steerer.order(json!({"do": "learn"})).expect("it learns");
+    steerer.wait("maps", |maps| maps["learnt"] == true);
+    let seek = json!({"do": "seek"});
+    while steerer.order(seek.clone()).is_err() {
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    let linked = |now: &Value| {
+        now["link"]
+            .as_str()
+            .is_some_and(|link| link.starts_with("tcp:"))
+    };
+    steerer.wait("now", |now| {
+        now["counts"]["steps"].as_u64() > Some(3) && linked(now)
+    });
+    drop(served);
+    steerer.wait("now", |now| {
+        now["mode"] == "failed" && now["why"].is_string()
+    });
+    let refused = steerer.order(seek).expect_err("the mind is gone");
+    assert!(refused.contains("start anew"), "{refused}");
 }
 
 #[test]

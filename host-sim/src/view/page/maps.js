@@ -146,7 +146,7 @@ function showMarks(now) {
   }
   set(maps.walk, { d: walk });
   set(maps.walkRim, { d: walk });
-  say($("next-name"), view.scene && view.scene.recalls ? "intermediate" : "expected next");
+  say($("next-name"), view.scene && view.scene.recalls ? "intermediate" : "expected");
 }
 
 buildMap("situations");

@@ -21,7 +21,7 @@ const FETCH: u32 = 20;
 
 /// A mind, wherever it is.
 pub(super) enum AnyMind {
-    Host(Mind),
+    Host(Box<Mind>),
     Link(Box<Elsewhere>),
 }
 
@@ -40,7 +40,7 @@ impl AnyMind {
     /// When it cannot be reached or is of another kind.
     pub fn new(config: &Config<16>, place: MindPlace) -> Result<Self, BadInput> {
         match place {
-            MindPlace::Host => Ok(Self::Host(Mind::new(config.clone()))),
+            MindPlace::Host => Ok(Self::here(config)),
             MindPlace::Link(session, name) => {
                 let number = next_number(session.number());
                 let started = RemoteMind::start(session, number, config);
@@ -55,10 +55,15 @@ impl AnyMind {
         }
     }
 
+    /// One in this process that knows nothing.
+    pub fn here(config: &Config<16>) -> Self {
+        Self::Host(Box::new(Mind::new(config.clone())))
+    }
+
     /// The same mind as when it knew nothing, with another configuration.
     pub fn afresh(&mut self, config: &Config<16>) -> Result<(), LinkError> {
         match self {
-            Self::Host(mind) => *mind = Mind::new(config.clone()),
+            Self::Host(_) => *self = Self::here(config),
             Self::Link(elsewhere) => {
                 elsewhere.mind.restart(config)?;
                 elsewhere.known = None;
@@ -121,7 +126,7 @@ impl AnyMind {
         let config = knowledge.config()?;
         let state = knowledge.state().ok()?;
         match self {
-            Self::Host(mind) => *mind = Mind::with_state(config.clone(), state),
+            Self::Host(mind) => **mind = Mind::with_state(config.clone(), state),
             Self::Link(_) => return None,
         }
         Some(config)

@@ -7,7 +7,6 @@ use crate::episode::{CARRIED_S, Seeds};
 use crate::error::BadInput;
 use crate::goal_file::{self, GoalFile};
 use crate::link::Knowledge;
-use crate::pilot::Mind;
 use crate::robot::COLLISION_RADIUS_M;
 use crate::scenes::Behavior;
 use crate::view::order::{Done, File, Order, Reset, unhex};
@@ -145,13 +144,14 @@ impl Simulator {
 
     fn choose(&mut self, goal: Pursued) -> Result<(), Refused> {
         let before = std::mem::replace(&mut self.goal, goal);
-        if self.doing == Doing::Seek {
-            if let Err(why) = self.seek() {
-                self.goal = before;
-                return Err(why);
-            }
+        let outcome = match self.doing {
+            Doing::Seek => self.seek(),
+            _ => Ok(()),
+        };
+        if outcome.is_err() {
+            self.goal = before;
         }
-        Ok(())
+        outcome
     }
 
     fn choose_neuron(&mut self, neuron: usize) -> Result<(), Refused> {
@@ -327,7 +327,7 @@ impl Simulator {
             self.fail(error.to_string());
             return Err(error.into());
         }
-        let mind = std::mem::replace(&mut self.mind, AnyMind::Host(Mind::new(config.clone())));
+        let mind = std::mem::replace(&mut self.mind, AnyMind::here(config));
         let mut next = Self::with_mind(start, mind);
         next.config = config.clone();
         next.trail = self.trail.afresh();
