@@ -96,7 +96,7 @@ impl Viewed {
     /// When he is refused.
     #[must_use]
     pub fn viewer(&self) -> Viewer {
-        self.knock(&[]).ok().expect("a viewer is let in")
+        self.knock(&[]).expect("a viewer is let in")
     }
 
     /// Somebody who steers.
@@ -137,10 +137,7 @@ impl Viewer {
     }
 
     /// The next message.
-    ///
-    /// # Panics
-    /// When there is none, or it is no JSON.
-    pub fn next(&mut self) -> Value {
+    fn hear(&mut self) -> Value {
         loop {
             if let Message::Text(text) = self.socket.read().expect("a message") {
                 let message: Value = serde_json::from_str(&text).expect("JSON");
@@ -171,7 +168,7 @@ impl Viewer {
     pub fn order(&mut self, order: Value) -> Result<Value, String> {
         let id = self.send(order);
         loop {
-            let message = self.next();
+            let message = self.hear();
             if message["reply"] == id {
                 return match message["error"].as_str() {
                     Some(why) => Err(why.to_owned()),
@@ -194,7 +191,7 @@ impl Viewer {
         let began = Instant::now();
         while !self.seen.get(part).is_some_and(&is) {
             assert!(began.elapsed() < PATIENCE, "no such {part}");
-            self.next();
+            self.hear();
         }
     }
 }

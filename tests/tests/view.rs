@@ -327,16 +327,3 @@ fn a_mind_at_the_end_of_a_link_is_watched_until_it_is_lost() {
     let refused = steerer.order(seek).expect_err("the mind is gone");
     assert!(refused.contains("start anew"), "{refused}");
 }
-
-#[test]
-fn an_address_beyond_this_machine_needs_a_word() {
-    let program = host_sim!();
-    let output = program.run(&["view", "--listen", "0.0.0.0:0"]);
-    assert_eq!(output.code, Some(2));
-    assert!(
-        output.stderr.contains("--allow-remote"),
-        "{}",
-        output.stderr
-    );
-    assert_eq!(output.stdout, "");
-}

@@ -64,7 +64,7 @@ fn speed(text: &str) -> Result<Speed, String> {
     match number.filter(|factor| (slow..=fast).contains(factor)) {
         Some(factor) => Ok(Speed(Some(factor))),
         None if text == "max" => Ok(Speed(None)),
-        None => Err(format!("it must be from {slow} to {fast}, or max")),
+        None => Err(format!("it must be {slow} to {fast}, or max")),
     }
 }
 
