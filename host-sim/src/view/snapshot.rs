@@ -97,8 +97,10 @@ pub fn message(part: &str, index: u64, value: &impl Serialize) -> String {
 pub struct Snapshot {
     /// What changes seldom.
     pub parts: Vec<Arc<dyn Showable>>,
-    /// What changes always; its revision.
+    /// What changes always.
     pub now: Box<Now>,
+    /// The decisions so far.
+    pub trail: Vec<Arc<dyn Showable>>,
     /// Counts the snapshots.
     pub revision: u64,
 }
@@ -109,12 +111,13 @@ impl Snapshot {
         self.now.pace = pace;
     }
 
-    /// All its parts.
+    /// All its parts; the trail, which may be long for a newcomer, comes last.
     #[must_use]
     pub fn into_parts(self) -> Vec<Arc<dyn Showable>> {
         let now = Part::new("now", 0, self.revision, *self.now);
         let mut parts = self.parts;
         parts.push(Arc::new(now));
+        parts.extend(self.trail);
         parts
     }
 }
@@ -349,6 +352,7 @@ pub(super) mod tests {
         Snapshot {
             parts: Vec::new(),
             now: Box::default(),
+            trail: Vec::new(),
             revision: 1,
         }
     }

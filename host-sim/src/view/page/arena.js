@@ -11,6 +11,7 @@ function buildArena() {
   arena.leader = svg("circle", { class: "leader" }, arena.robots);
   arena.wanted = svg("path", { class: "arrow", opacity: 0.35, "pointer-events": "none" }, arena.robots);
   const robot = svg("g", { class: "robot", tabindex: 0, role: "button" }, arena.robots);
+  arena.robots.style.display = "none";
   Object.assign(arena, { robot, body: svg("circle", { class: "body" }, robot), front: svg("path", { class: "front" }, robot) });
   arena.ghost = svg("circle", { class: "ghost", "pointer-events": "none" }, arena.signs);
   arena.scale = svg("path", { fill: "none", stroke: "var(--grey)" }, arena.signs);
@@ -95,6 +96,7 @@ function middle(shape) {
 function showRobot(now) {
   const scene = view.scene;
   if (!scene) return;
+  arena.robots.style.display = "";
   const [x, y, heading] = now.pose;
   if (!(arena.drag && arena.drag.element === arena.robot)) place(arena.robot, x, y, heading, glide(now));
   arena.body.classList.toggle("hit", now.touched);

@@ -53,12 +53,12 @@ function showMode(now) {
 
 function showCounts(now) {
   const counts = now.counts;
-  const share = (part) => counts.steps ? ` (${fixed(100 * part / counts.steps, 0)} %)` : "";
+  const share = (part) => counts.steps ? `${fixed(100 * part / counts.steps, 0)} %` : "–";
   const [moves, hurt] = counts.explored;
   const mind = view.scene ? view.scene.mind : "";
   const rows = [["random moves", hurt ? `${moves} (${hurt} touched)` : `${moves}`, hurt > 0], ["decisions", `${counts.steps}`],
-    ["contacts", `${counts.contacts}`, counts.contacts > 0], ["shield", `${counts.shielded}${share(counts.shielded)}`],
-    ["goal held", `${counts.at_goal}${share(counts.at_goal)}`], ["way", `${fixed(counts.distance_m, 1)} m`],
+    ["contacts", `${counts.contacts}`, counts.contacts > 0], ["shield", `${counts.shielded}`],
+    ["goal held", share(counts.at_goal)], ["way", `${fixed(counts.distance_m, 1)} m`],
     ["least gap", counts.clearance_m === null ? "–" : meters(counts.clearance_m)], ["area swept", `${fixed(counts.coverage_m2, 1)} m²`],
     ["mind", now.link ? `${mind}, ${now.why ? "lost" : "linked"}` : mind, !!now.link && !!now.why]];
   const root = $("counts");

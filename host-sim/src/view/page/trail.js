@@ -46,7 +46,7 @@ function drawTrail() {
     pen.fillRect(x, bottom + 3, wide, 7);
     if (mark[4] & 4) { pen.fillStyle = color("held"); pen.fillRect(x, bottom + 11, wide, 5); }
     if (mark[4] & 2) { pen.fillStyle = color("goal"); pen.fillRect(x, bottom + 17, wide, 5); }
-    if (mark[4] & 1) { pen.fillStyle = color("up"); pen.fillRect(x, top, Math.max(wide, 1.5), height - top); }
+    if (mark[4] & 1) { pen.fillStyle = color("up"); pen.globalAlpha = 0.6; pen.fillRect(x, top, Math.max(wide, 1.5), bottom - top); pen.globalAlpha = 1; }
   });
   pen.beginPath();
   marks.forEach((mark, index) => pen[index ? "lineTo" : "moveTo"](left + (index + 0.5) * step, y(mark[6])));

@@ -29,10 +29,10 @@ impl Simulator {
         }
         let mut parts: Vec<Arc<dyn Showable>> = vec![self.scene(revision)];
         parts.extend(self.maps_and_memory(revision));
-        parts.extend(self.trail.parts());
         Snapshot {
             parts,
             now: Box::new(self.now()),
+            trail: self.trail.parts().collect(),
             revision,
         }
     }
