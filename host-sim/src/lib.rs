@@ -20,4 +20,5 @@ pub mod scenes;
 pub mod settings;
 pub mod som;
 pub mod sonar;
+pub mod view;
 pub mod world;

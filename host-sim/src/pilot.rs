@@ -84,6 +84,20 @@ impl Mind {
         }
     }
 
+    /// A mind that knows this already.
+    #[must_use]
+    pub fn with_state(config: Config<16>, state: SimState) -> Self {
+        Self {
+            config,
+            state: Box::new(state),
+        }
+    }
+
+    /// Tells it something else; what it knows stays.
+    pub fn configure(&mut self, config: Config<16>) {
+        self.config = config;
+    }
+
     /// What it was told.
     #[must_use]
     pub fn config(&self) -> &Config<16> {

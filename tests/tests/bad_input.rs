@@ -256,6 +256,14 @@ const CASES: &[Case] = &[
     ("som --data good.csv --epochs 0", &["--epochs"]),
     ("som --data good.csv --rate 0.1:0.5", &["--rate", "0.1:0.5"]),
     ("som --data good.csv --init start.csv", &["start.csv"]),
+    // The bench view.
+    ("view --world paepr", &["did you mean \"paper\"?"]),
+    ("view --world random:1..=3", &["random:1..=3", "one world"]),
+    ("view --speed 0", &["--speed", "0.05 to 1000", "max"]),
+    ("view --listen here", &["--listen", "here"]),
+    ("view --listen 0.0.0.0:0", &["0.0.0.0:0", "--allow-remote"]),
+    ("view --firmware x.elf", &["x.elf", "qemu"]),
+    ("view --mind tcp:127.0.0.1:1", &["tcp:127.0.0.1:1"]),
     // Folders that cannot be written.
     ("run --steps 1 --out file", &["file: "]),
     ("run --steps 1 --out file/below", &["file/below"]),

@@ -3,7 +3,8 @@
 use super::Failure;
 use super::output::bar;
 use super::remote::{MindChoice, Remote, named};
-use super::run::{Preset, Switch, configured, parse};
+use super::run::{Preset, Switch};
+use super::setup::{configured, parsed};
 use super::table::plain;
 use crate::error::BadInput;
 use crate::link::{Address, Emulation, Serial, Tcp};
@@ -38,11 +39,11 @@ program is gone.";
 #[command(after_help = EXAMPLES)]
 pub(super) struct BridgeArgs {
     /// The robot: tcp:HOST:PORT or serial:PORT[@BAUD] (38400 unless said otherwise)
-    #[arg(long, value_name = "WHERE", value_parser = parse::<Robot>)]
+    #[arg(long, value_name = "WHERE", value_parser = parsed::<Robot>)]
     nomad: Robot,
     /// Where the mind runs: host (in this process), qemu (the firmware in an emulated chip), serial:PORT[@BAUD]
     /// or tcp:HOST:PORT (a chip)
-    #[arg(long, value_name = "WHERE", default_value = "host", value_parser = parse::<MindChoice>)]
+    #[arg(long, value_name = "WHERE", default_value = "host", value_parser = parsed::<MindChoice>)]
     mind: MindChoice,
     /// Image for --mind qemu [default: built from the project's sources]
     #[arg(long, value_name = "ELF")]
@@ -51,7 +52,7 @@ pub(super) struct BridgeArgs {
     #[arg(long)]
     verbose: bool,
     /// What to do after exploring (see `host-sim behaviors`)
-    #[arg(long, value_name = "NAME", default_value = "avoid", value_parser = parse::<Behavior>)]
+    #[arg(long, value_name = "NAME", default_value = "avoid", value_parser = parsed::<Behavior>)]
     behavior: Behavior,
     /// Random moves before it
     #[arg(long, value_name = "MOVES", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=i64::from(MOST_MOVES)))]

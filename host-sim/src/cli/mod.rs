@@ -20,8 +20,10 @@ mod paper;
 mod remote;
 mod repetition;
 mod run;
+mod setup;
 mod summary;
 mod table;
+mod view;
 mod worlds;
 
 use crate::error::BadInput;
@@ -85,6 +87,8 @@ enum Command {
     Paper(paper::PaperArgs),
     /// Compare the two maps with other methods: hand-written rules, lazy samples, Q-learning
     Compare(compare::CompareArgs),
+    /// Watch a robot think, and steer it, in a browser
+    View(view::ViewArgs),
     /// Print a completion script for a shell
     Completions {
         /// The shell
@@ -165,6 +169,7 @@ fn execute(command: Option<Command>, out: &mut impl Write) -> Result<(), Failure
         Some(Command::Replay(args)) => log::replay(&args, out),
         Some(Command::Paper(args)) => paper::paper(&args, out),
         Some(Command::Compare(args)) => compare::compare(&args, out),
+        Some(Command::View(args)) => view::view(&args, out),
         Some(Command::Completions { shell }) => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "host-sim", &mut script);

@@ -84,7 +84,10 @@ impl Remote {
     ///
     /// # Errors
     /// When it cannot be reached or does not become what it is told to.
-    pub(super) fn mind(&mut self, config: &Config<16>) -> Result<RemoteMind<'_>, LinkError> {
+    pub(super) fn mind(
+        &mut self,
+        config: &Config<16>,
+    ) -> Result<RemoteMind<&mut Session>, LinkError> {
         let number = link::next_number(self.session.number());
         let mind = RemoteMind::start(&mut self.session, number, config)?;
         let replaced = mind.replaced();
@@ -124,7 +127,7 @@ pub(super) fn named(address: &Address, error: &LinkError) -> BadInput {
     }
 }
 
-fn only_for_qemu(qemu: bool, emulation: &Emulation) -> Result<(), BadInput> {
+pub(super) fn only_for_qemu(qemu: bool, emulation: &Emulation) -> Result<(), BadInput> {
     match &emulation.firmware {
         Some(image) if !qemu => Err(BadInput::new(format!(
             "--firmware {}: only qemu takes an image; flash a chip with its own tools",

@@ -3,16 +3,15 @@
 use super::Failure;
 use super::output::{bar, prepare};
 use super::remote::{MindChoice, Remote};
+use super::setup::{SetupArgs, parsed};
 use super::summary;
 use crate::episode::{self, Episode, Report, Setup};
 use crate::error::BadInput;
 use crate::link::Emulation;
 use crate::log;
-use crate::pilot::{MOST_MOVES, Mind, Thinker};
+use crate::pilot::{Mind, Thinker};
 use crate::plot;
 use crate::robot::TurretMode;
-use crate::scenes::Behavior;
-use crate::settings;
 use crate::sonar::SonarModel;
 use crate::world::{World, WorldSource, parse_worlds};
 use amp::config::Config;
@@ -34,41 +33,14 @@ pub struct RunArgs {
     /// name (see `host-sim worlds`); may be given several times
     #[arg(long = "world", value_name = "WORLD", default_value = "paper")]
     worlds: Vec<String>,
-    /// What to do after exploring: avoid, avoid-right, wall-left, wall-right, nest, follow, seek:FILE (a
-    /// captured situation), or several of them one after the other: a,b,c (see `host-sim behaviors`)
-    #[arg(long, value_name = "NAME", default_value = "avoid", value_parser = parse::<Behavior>)]
-    behavior: Behavior,
-    /// Random moves before it
-    #[arg(long, value_name = "MOVES", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=i64::from(MOST_MOVES)))]
-    explore: u16,
+    #[command(flatten)]
+    setup: SetupArgs,
     /// Decisions towards the goal
     #[arg(long, value_name = "STEPS", default_value_t = 1_000, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_STEPS)))]
     steps: u32,
-    /// Seed of all randomness: the same seed gives the same bytes
-    #[arg(long, value_name = "SEED", default_value_t = 1)]
-    seed: u64,
-    /// Let the sonars limit motion: what the robot does (on) or what the maps alone do (off)
-    #[arg(long, value_name = "ON|OFF", default_value = "on", value_enum)]
-    shield: Switch,
-    /// Let both maps go on learning from every move
-    #[arg(long, value_name = "ON|OFF", default_value = "on", value_enum)]
-    online: Switch,
-    /// What the sonars return
-    #[arg(long, value_name = "MODEL", default_value = "ideal", value_enum)]
-    sonar: SonarChoice,
-    /// Whether the ring keeps its bearing in the world or turns with the heading
-    /// [default: held; follow for the preset touzet]
-    #[arg(long, value_name = "MODE", value_enum)]
-    turret: Option<TurretChoice>,
-    /// The open choices of the method: the best found, or the most literal reading of the paper
-    #[arg(long, value_name = "NAME", default_value = "default", value_enum)]
-    preset: Preset,
-    /// Change one open choice, e.g. --set far=1.2 (see `host-sim settings`); may be given several times
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    sets: Vec<String>,
     /// Where the mind runs: host (in this process), qemu (the firmware in an emulated chip), serial:PORT[@BAUD]
     /// or tcp:HOST:PORT (a chip); the results are the same
-    #[arg(long, value_name = "WHERE", default_value = "host", value_parser = parse::<MindChoice>)]
+    #[arg(long, value_name = "WHERE", default_value = "host", value_parser = parsed::<MindChoice>)]
     mind: MindChoice,
     /// Image for --mind qemu [default: built from the project's sources]
     #[arg(long, value_name = "ELF")]
@@ -89,10 +61,6 @@ pub struct RunArgs {
     /// Worker threads [default: one per core]; the results do not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-}
-
-pub(super) fn parse<T: std::str::FromStr<Err = BadInput>>(text: &str) -> Result<T, BadInput> {
-    text.parse()
 }
 
 /// On or off.
@@ -126,7 +94,7 @@ impl From<SonarChoice> for SonarModel {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum TurretChoice {
+pub(super) enum TurretChoice {
     /// The ring keeps its bearing in the world
     Held,
     /// The ring turns with the heading
@@ -180,7 +148,11 @@ impl Preset {
 /// # Errors
 /// Bad input before anything is run; a world that cannot be loaded when its turn comes; a closed pipe.
 pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
-    let setup = setup(args)?;
+    let setup = Setup {
+        steps: args.steps,
+        record: args.out.is_some(),
+        ..args.setup.setup()?
+    };
     let sources = sources(&args.worlds)?;
     if let (Some(path), true) = (&args.log, sources.len() != 1) {
         let what = format!(
@@ -272,44 +244,6 @@ fn one_by_one(
     }
     progress.finish_and_clear();
     Ok(())
-}
-
-fn setup(args: &RunArgs) -> Result<Setup, BadInput> {
-    let config = configured(args.preset, &args.sets, args.shield, args.online)?;
-    Ok(Setup {
-        config: args.behavior.adapted(config),
-        preset: args.preset.name().to_owned(),
-        behavior: args.behavior.clone(),
-        explore_moves: args.explore,
-        steps: args.steps,
-        seed: args.seed,
-        sonar: args.sonar.into(),
-        turret: match args.turret {
-            None => args.preset.turret(),
-            Some(TurretChoice::Held) => TurretMode::Held,
-            Some(TurretChoice::Follow) => TurretMode::Follow,
-        },
-        set_down: None,
-        record: args.out.is_some(),
-    })
-}
-
-/// The choices as the flags change them.
-pub(super) fn configured(
-    preset: Preset,
-    sets: &[String],
-    shield: Switch,
-    online: Switch,
-) -> Result<Config<16>, BadInput> {
-    let mut config = preset.config();
-    settings::apply(&mut config, sets)?;
-    if shield == Switch::Off {
-        config.shield = None;
-    }
-    if online == Switch::Off {
-        config.online = None;
-    }
-    Ok(config)
 }
 
 pub(super) fn sources(names: &[String]) -> Result<Vec<WorldSource>, BadInput> {

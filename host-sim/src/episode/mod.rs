@@ -23,9 +23,9 @@ pub use drive::{
 pub use leader::Leader;
 pub use measure::{FOLLOWED_S, KEPT_M, NEST_M};
 pub use places::elsewhere;
-pub use pursue::repeat;
+pub use pursue::{CARRIED_S, repeat};
 pub(crate) use tally::rounded;
-pub use tally::{Report, Tally};
+pub use tally::{Report, Stride, Tally};
 
 use rand_core::{Rng as _, SeedableRng as _};
 use rand_xoshiro::SplitMix64;

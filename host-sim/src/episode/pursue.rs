@@ -8,7 +8,7 @@ use crate::world::World;
 use amp::controller::Command;
 
 /// Carrying the robot takes so long that its shield has forgotten what it heard before, s.
-const CARRIED_S: f64 = 601.0;
+pub const CARRIED_S: f64 = 601.0;
 
 /// Explores and learns once, then pursues the behaviour `times` times, each from a new scene: the reports of all.
 ///

@@ -140,6 +140,25 @@ impl World {
         self
     }
 
+    /// This world with another shape in the place of shape `index`; the start is not looked at again.
+    ///
+    /// # Errors
+    /// When there is no such shape, or the new one is impossible.
+    pub fn with_shape(&self, index: usize, shape: Shape) -> Result<Self, BadInput> {
+        if let Some(defect) = shape.defect(MAX_COORDINATE_M) {
+            return Err(BadInput::new(defect));
+        }
+        let mut shapes = self.shapes.clone();
+        match shapes.get_mut(index) {
+            Some(place) => *place = shape,
+            None => return Err(BadInput::new(format!("there is no shape {index}"))),
+        }
+        Ok(Self {
+            goal: self.goal,
+            ..Self::prepared(self.name.clone(), self.start, shapes)
+        })
+    }
+
     fn check_start(&self, radius_m: f64) -> Result<(), BadInput> {
         let at = self.start.position;
         if let Some(defect) = shapes::point_defect(at, MAX_COORDINATE_M) {
