@@ -295,18 +295,24 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         probe: Probe,
         allowed: Mask,
     ) -> Match<NEURONS> {
-        let scores = match probe.recall {
-            Recall::Distance => Some(
-                self.changes
-                    .scores_masked(wanted, mask)
-                    .map(i64::saturating_neg),
-            ),
-            // Nothing wanted: no neuron points that way more than another.
-            Recall::Direction if wanted.iter().all(|w| *w == Weight::ZERO) => None,
-            Recall::Direction => Some(self.changes.alignments(&stretched(wanted), mask)),
-            Recall::Projection => Some(self.changes.projections(wanted, mask)),
+        // Made in place: its scores are many to copy.
+        let mut found = Match {
+            neuron: 0,
+            scores: None,
         };
-        let neuron = match (probe.preference, &scores) {
+        match probe.recall {
+            Recall::Distance => {
+                let scores = self.changes.scores_masked(wanted, mask);
+                found.scores = Some(scores.map(i64::saturating_neg));
+            }
+            // Nothing wanted: no neuron points that way more than another.
+            Recall::Direction if *wanted == [Weight::ZERO; SENSORS] => {}
+            Recall::Direction => {
+                found.scores = Some(self.changes.alignments(&stretched(wanted), mask));
+            }
+            Recall::Projection => found.scores = Some(self.changes.projections(wanted, mask)),
+        }
+        found.neuron = match (probe.preference, &found.scores) {
             (Some(preference), scores) => {
                 let scores = scores.as_ref().unwrap_or(&[0; NEURONS]);
                 kernels::greatest(&self.preferring(scores, wanted, preference), allowed)
@@ -314,7 +320,7 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
             (None, Some(scores)) => kernels::greatest(scores, allowed),
             (None, None) => (0..NEURONS).find(|k| allowed.contains(*k)).unwrap_or(0),
         };
-        Match { neuron, scores }
+        found
     }
 
     /// The scores plus the weighted cosine of the neurons' actions with the preferred one.
