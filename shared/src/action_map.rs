@@ -278,7 +278,8 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         probe: Probe,
         allowed: Mask,
     ) -> Answer {
-        let found = self.matches(wanted, mask, probe, allowed);
+        let mut found = Match::none();
+        self.matches(wanted, mask, probe, allowed, &mut found);
         Answer {
             neuron: found.neuron,
             alone: self.actions.code_vector(found.neuron),
@@ -286,7 +287,8 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         }
     }
 
-    /// The best neuron for a wanted change among those `allowed` counts, and how well each neuron matches.
+    /// The best neuron for a wanted change among those `allowed` counts, and how well each neuron matches; into room lent
+    /// for it, as the scores are many to copy.
     #[inline(never)]
     pub(crate) fn matches(
         &self,
@@ -294,12 +296,9 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         mask: Mask,
         probe: Probe,
         allowed: Mask,
-    ) -> Match<NEURONS> {
-        // Made in place: its scores are many to copy.
-        let mut found = Match {
-            neuron: 0,
-            scores: None,
-        };
+        found: &mut Match<NEURONS>,
+    ) {
+        found.scores = None;
         match probe.recall {
             Recall::Distance => {
                 let scores = self.changes.scores_masked(wanted, mask);
@@ -320,7 +319,6 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
             (None, Some(scores)) => kernels::greatest(scores, allowed),
             (None, None) => (0..NEURONS).find(|k| allowed.contains(*k)).unwrap_or(0),
         };
-        found
     }
 
     /// The scores plus the weighted cosine of the neurons' actions with the preferred one.
@@ -391,6 +389,17 @@ pub(crate) struct Match<const NEURONS: usize> {
     pub(crate) neuron: usize,
     /// The greater, the better; `None` = nothing is wanted.
     scores: Option<[i64; NEURONS]>,
+}
+
+impl<const NEURONS: usize> Match<NEURONS> {
+    /// Nothing has been asked yet. Made on the spot: a constant would be copied with all its room.
+    #[inline(always)]
+    pub(crate) const fn none() -> Self {
+        Self {
+            neuron: 0,
+            scores: None,
+        }
+    }
 }
 
 /// How to probe the map.

@@ -225,7 +225,9 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             recall: planning.recall,
             preference,
         };
-        let found = self.actions.matches(&wanted, mask, probe, self.allowed);
+        let mut found = Match::none();
+        self.actions
+            .matches(&wanted, mask, probe, self.allowed, &mut found);
         let (action, why) = if at_goal {
             self.at_goal()
         } else {

@@ -354,6 +354,11 @@ const LONGEST_AXIS_Q14: i32 = (1 << 14) + (1 << 10);
 /// Of a range longer than this nothing is certain: products leave 32 bits.
 const CERTAIN_MOST_MM: u32 = 1 << 15;
 
+/// The amount of a number, one less for those below 0: a single instruction on the chip.
+const fn magnitude(value: i32) -> u32 {
+    (value ^ (value >> 31)) as u32
+}
+
 /// The way ahead.
 struct Way<'a> {
     shielding: &'a Shielding,
@@ -436,7 +441,7 @@ impl<'a> Way<'a> {
         for arc in arcs {
             // Nothing on an arc is met while its face is nearer than its range is long: most are far off.
             let (x, y) = (i32::from(arc.face.dx_mm), i32::from(arc.face.dy_mm));
-            let slack = x.unsigned_abs().wrapping_add(y.unsigned_abs());
+            let slack = magnitude(x).wrapping_add(magnitude(y));
             let range = Range::mm_or_most(arc.range);
             if range <= near.wrapping_add(slack)
                 && !self.is_aside(arc, range, distance)
@@ -449,9 +454,10 @@ impl<'a> Way<'a> {
         distance
     }
 
-    /// What lies farther from the robot than this is not met before `limit`.
+    /// What lies farther from the robot than this is not met before `limit`; with what two magnitudes lack.
     fn near(&self, limit: i32) -> u32 {
-        limit.saturating_add(self.certain_mm).unsigned_abs()
+        let near = limit.saturating_add(self.certain_mm).unsigned_abs();
+        near.wrapping_add(2)
     }
 
     /// Distance until the body would come within the margin of the arc; `limit` where it would not before that. Apart
