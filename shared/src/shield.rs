@@ -490,7 +490,7 @@ impl<'a> Way<'a> {
 
     /// Whether an arc surely changes nothing: all of it lies behind, beside the way or beyond its end. Spares most arcs
     /// their ends.
-    #[inline(never)]
+    #[inline(always)]
     fn is_aside(&self, arc: &Arc, range: u32, limit: i32) -> bool {
         if range <= self.certain_least_mm || range > CERTAIN_MOST_MM {
             return false;
