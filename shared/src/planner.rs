@@ -96,6 +96,8 @@ pub struct GoalNeuron {
     pub neuron: u8,
     /// Place of the ring towards which the goal was pursued.
     pub place: u8,
+    /// The goal's component that weighs most, if the deviation is known.
+    pub heaviest: u8,
     /// Transducers that were believed.
     pub believed: Mask,
     /// Its deviation from the goal, if the goal is the same and no neuron but the planner's `current` one has changed since;
@@ -108,6 +110,7 @@ impl GoalNeuron {
     pub const UNKNOWN: Self = Self {
         neuron: 0,
         place: 0,
+        heaviest: 0,
         believed: Mask::NONE,
         deviation: None,
     };
@@ -152,7 +155,8 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
     ) -> (Plan<SENSORS>, GoalNeuron) {
         let mut asked = [Asked::ANYTHING; SENSORS];
         goal.ask(way, self.config.believed, &mut asked);
-        let heaviest = Heaviest::first(&asked);
+        let heaviest = self.heaviest(&asked, way);
+        let component = heaviest.begin().wrapping_add(SENSORS).wrapping_sub(way);
         let planning = &self.config.planning;
         let own = (planning.choice == Choice::Recall
             && planning.intermediate == Intermediate::NearestCode)
@@ -163,6 +167,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         let found = GoalNeuron {
             neuron: neuron as u8,
             place: way as u8,
+            heaviest: component.checked_rem(SENSORS).unwrap_or(0) as u8,
             believed: self.config.believed,
             deviation: Some(deviation),
         };
@@ -174,6 +179,14 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             }
         };
         (plan, found)
+    }
+
+    /// What is asked on the way towards `place`, begun with what weighs most; not looked for again for the same goal.
+    fn heaviest<'b>(&self, asked: &'b [Asked; SENSORS], place: usize) -> Heaviest<'b, SENSORS> {
+        match self.likely.deviation {
+            Some(_) => Heaviest::at(asked, place.wrapping_add(usize::from(self.likely.heaviest))),
+            None => Heaviest::first(asked),
+        }
     }
 
     /// The paper's four steps.

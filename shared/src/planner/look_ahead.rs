@@ -21,7 +21,7 @@ use super::landscape::Landscape;
 use super::{Plan, Planner, Why, difference};
 use crate::config::Choice;
 use crate::fixed::{Mask, Weight, coarse, unit_weight};
-use crate::goal::{Asked, Frame, Goal, Heaviest, missed};
+use crate::goal::{Asked, Frame, Goal, missed};
 use crate::scan::Situation;
 use crate::units::{Direction, Displacement};
 
@@ -116,7 +116,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         let values = [values; 2];
         let mut asked = [Asked::ANYTHING; SENSORS];
         goal.ask(0, Mask::ALL, &mut asked);
-        let heaviest = Heaviest::first(&asked);
+        let heaviest = self.heaviest(&asked, 0);
         let score = |place: usize, limit: i64| {
             let direction = self.config.robot.directions.get(place).copied();
             let along = cosine_q14(direction.unwrap_or_default(), course);
