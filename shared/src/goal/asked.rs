@@ -154,7 +154,7 @@ impl<'a, const SENSORS: usize> Heaviest<'a, SENSORS> {
         };
         let heavy = values.get(self.first..).unwrap_or(&[]);
         let total = missed(last, heavy, cap, limit);
-        if total >= limit {
+        if total >= limit || first.is_empty() {
             return total;
         }
         total.wrapping_add(missed(first, values, cap, limit.wrapping_sub(total)))

@@ -20,7 +20,7 @@ use super::forward::Forward;
 use super::landscape::Landscape;
 use super::{Plan, Planner, Why, difference};
 use crate::config::Choice;
-use crate::fixed::{Mask, Weight, coarse, unit_weight};
+use crate::fixed::{Mask, Weight, coarse, ONE_BITS};
 use crate::goal::{Asked, Frame, Goal, missed};
 use crate::scan::Situation;
 use crate::units::{Direction, Displacement};
@@ -175,7 +175,8 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             None => forward.after(part(best.direction, best.share_q2)),
         };
         let now = aim.deviation(&situation.map(|value| i32::from(value.to_bits())));
-        let to_come = values.map(unit_weight);
+        // None is below 0.
+        let to_come = values.map(|value| Weight::from_bits(value.min(i32::from(ONE_BITS)) as i16));
         let mut plan = Plan {
             goal_neuron: goal_neuron as u8,
             current_neuron: self.current(situation) as u8,
