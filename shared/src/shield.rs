@@ -265,7 +265,11 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         };
         let axes = &config.robot.directions;
         if asked.covers(SENSORS) {
-            if axes.iter().enumerate().any(|(sensor, axis)| is_stale(sensor, axis)) {
+            if axes
+                .iter()
+                .enumerate()
+                .any(|(sensor, axis)| is_stale(sensor, axis))
+            {
                 return 0;
             }
             // Arcs not heard are none.

@@ -314,7 +314,11 @@ mod tests {
             let moved = Displacement { dx_mm, dy_mm };
             let length = u32::from(moved.length_mm());
             for limit in [0, 1, length.saturating_sub(1), length, length + 1, 65_536] {
-                assert_eq!(moved.is_shorter_than(limit), length < limit, "{moved:?} {limit}");
+                assert_eq!(
+                    moved.is_shorter_than(limit),
+                    length < limit,
+                    "{moved:?} {limit}"
+                );
             }
         }
     }

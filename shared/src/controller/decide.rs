@@ -81,11 +81,11 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         for left in self.inhibited_mut() {
             *left = left.saturating_sub(1);
         }
-        let cut = pending.is_some_and(|pending| pending.was_cut());
+        let cut = pending.as_ref().is_some_and(Pending::was_cut);
         let mut current = None;
         if let Some(pending) = pending {
             current = self.learn_online(config, &pending, &situation.0);
-            self.inhibit(config, &pending);
+            self.inhibit(config, cut);
         }
         if config.planning.choice != Choice::Recall {
             self.actions.keep_products();
@@ -101,7 +101,13 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let Mode::Seek { goal } = &self.mode else {
             return Outputs::none();
         };
-        let pursued = pursued(config, &situation.0, goal, &mut self.search, &mut self.course);
+        let pursued = pursued(
+            config,
+            &situation.0,
+            goal,
+            &mut self.search,
+            &mut self.course,
+        );
         let likely = GoalNeuron {
             // Of another goal.
             deviation: self.goal_neuron.deviation.filter(|_| pursued.is_none()),
@@ -144,8 +150,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 
     /// A move cut below half inhibits the neuron that asked for it.
-    fn inhibit(&mut self, config: &Config<SENSORS>, pending: &Pending<SENSORS>) {
-        let asked = self.asked_by.filter(|_| pending.was_cut());
+    fn inhibit(&mut self, config: &Config<SENSORS>, cut: bool) {
+        let asked = self.asked_by.filter(|_| cut);
         let neuron = asked.map(usize::from);
         if let Some(left) = neuron.and_then(|neuron| self.inhibited.get_mut(neuron)) {
             *left = config.planning.inhibition;

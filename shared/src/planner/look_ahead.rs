@@ -20,7 +20,7 @@ use super::forward::Forward;
 use super::landscape::Landscape;
 use super::{Plan, Planner, Why, difference};
 use crate::config::Choice;
-use crate::fixed::{Mask, Weight, coarse, ONE_BITS};
+use crate::fixed::{Mask, ONE_BITS, Weight, coarse};
 use crate::goal::{Asked, Frame, Goal, missed};
 use crate::scan::Situation;
 use crate::units::{Direction, Displacement};
