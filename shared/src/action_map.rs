@@ -278,7 +278,8 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         probe: Probe,
         allowed: Mask,
     ) -> Answer {
-        let found = self.matches(wanted, mask, probe, allowed);
+        let mut found = Match::none();
+        self.matches(wanted, mask, probe, allowed, &mut found);
         Answer {
             neuron: found.neuron,
             alone: self.actions.code_vector(found.neuron),
@@ -286,7 +287,8 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         }
     }
 
-    /// The best neuron for a wanted change among those `allowed` counts, and how well each neuron matches.
+    /// The best neuron for a wanted change among those `allowed` counts, and how well each neuron matches; into room lent
+    /// for it, as the scores are many to copy.
     #[inline(never)]
     pub(crate) fn matches(
         &self,
@@ -294,19 +296,22 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         mask: Mask,
         probe: Probe,
         allowed: Mask,
-    ) -> Match<NEURONS> {
-        let scores = match probe.recall {
-            Recall::Distance => Some(
-                self.changes
-                    .scores_masked(wanted, mask)
-                    .map(i64::saturating_neg),
-            ),
+        found: &mut Match<NEURONS>,
+    ) {
+        found.scores = None;
+        match probe.recall {
+            Recall::Distance => {
+                let scores = self.changes.scores_masked(wanted, mask);
+                found.scores = Some(scores.map(i64::saturating_neg));
+            }
             // Nothing wanted: no neuron points that way more than another.
-            Recall::Direction if wanted.iter().all(|w| *w == Weight::ZERO) => None,
-            Recall::Direction => Some(self.changes.alignments(&stretched(wanted), mask)),
-            Recall::Projection => Some(self.changes.projections(wanted, mask)),
-        };
-        let neuron = match (probe.preference, &scores) {
+            Recall::Direction if *wanted == [Weight::ZERO; SENSORS] => {}
+            Recall::Direction => {
+                found.scores = Some(self.changes.alignments(&stretched(wanted), mask));
+            }
+            Recall::Projection => found.scores = Some(self.changes.projections(wanted, mask)),
+        }
+        found.neuron = match (probe.preference, &found.scores) {
             (Some(preference), scores) => {
                 let scores = scores.as_ref().unwrap_or(&[0; NEURONS]);
                 kernels::greatest(&self.preferring(scores, wanted, preference), allowed)
@@ -314,7 +319,6 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
             (None, Some(scores)) => kernels::greatest(scores, allowed),
             (None, None) => (0..NEURONS).find(|k| allowed.contains(*k)).unwrap_or(0),
         };
-        Match { neuron, scores }
     }
 
     /// The scores plus the weighted cosine of the neurons' actions with the preferred one.
@@ -385,6 +389,17 @@ pub(crate) struct Match<const NEURONS: usize> {
     pub(crate) neuron: usize,
     /// The greater, the better; `None` = nothing is wanted.
     scores: Option<[i64; NEURONS]>,
+}
+
+impl<const NEURONS: usize> Match<NEURONS> {
+    /// Nothing has been asked yet. Made on the spot: a constant would be copied with all its room.
+    #[inline(always)]
+    pub(crate) const fn none() -> Self {
+        Self {
+            neuron: 0,
+            scores: None,
+        }
+    }
 }
 
 /// How to probe the map.

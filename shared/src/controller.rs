@@ -51,7 +51,8 @@ struct Pending<const SENSORS: usize> {
 impl<const SENSORS: usize> Pending<SENSORS> {
     /// Less than half of it was carried out.
     fn was_cut(&self) -> bool {
-        self.executed.length_mm() < self.commanded.length_mm() / 2
+        let half = u32::from(self.commanded.length_mm() / 2);
+        self.executed.is_shorter_than(half)
     }
 }
 

@@ -249,14 +249,18 @@ impl<const SENSORS: usize> Goal<SENSORS> {
             .split_at_checked(SENSORS.wrapping_sub(place));
         let (first, last) = halves.unwrap_or((&self.components, &[]));
         let (before, after) = asked.split_at_mut_checked(last.len()).unwrap_or_default();
-        let mut believed = mask.to_bits();
         for (components, asked) in [(last, before), (first, after)] {
             for (component, asked) in components.iter().zip(asked) {
-                if component.weight > 0 && believed & 1 > 0 {
+                if component.weight > 0 {
                     *asked = Asked::of(component);
                 }
-                // Components from 32 on always count.
-                believed = (believed as i32 >> 1) as u32 | 1 << 31;
+            }
+        }
+        if !mask.covers(SENSORS) {
+            for (sensor, asked) in asked.iter_mut().enumerate() {
+                if !mask.contains(sensor) {
+                    *asked = Asked::ANYTHING;
+                }
             }
         }
     }

@@ -96,6 +96,8 @@ pub struct GoalNeuron {
     pub neuron: u8,
     /// Place of the ring towards which the goal was pursued.
     pub place: u8,
+    /// The goal's component that weighs most, if the deviation is known.
+    pub heaviest: u8,
     /// Transducers that were believed.
     pub believed: Mask,
     /// Its deviation from the goal, if the goal is the same and no neuron but the planner's `current` one has changed since;
@@ -108,6 +110,7 @@ impl GoalNeuron {
     pub const UNKNOWN: Self = Self {
         neuron: 0,
         place: 0,
+        heaviest: 0,
         believed: Mask::NONE,
         deviation: None,
     };
@@ -152,21 +155,38 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
     ) -> (Plan<SENSORS>, GoalNeuron) {
         let mut asked = [Asked::ANYTHING; SENSORS];
         goal.ask(way, self.config.believed, &mut asked);
-        let (neuron, deviation) = self.goal_neuron(&Heaviest::first(&asked), way);
+        let heaviest = self.heaviest(&asked, way);
+        let component = heaviest.begin().wrapping_add(SENSORS).wrapping_sub(way);
+        let planning = &self.config.planning;
+        let own = (planning.choice == Choice::Recall
+            && planning.intermediate == Intermediate::NearestCode)
+            .then_some(self.current)
+            .flatten()
+            .map(|current| self.distance(current, &heaviest, i64::MAX));
+        let (neuron, deviation) = self.goal_neuron(&heaviest, way, own);
         let found = GoalNeuron {
             neuron: neuron as u8,
             place: way as u8,
+            heaviest: component.checked_rem(SENSORS).unwrap_or(0) as u8,
             believed: self.config.believed,
             deviation: Some(deviation),
         };
-        let plan = match self.config.planning.choice {
-            Choice::Recall if way == 0 => self.recall(situation, goal, &asked, neuron),
-            Choice::Recall => self.recall(situation, &goal.towards(way), &asked, neuron),
+        let plan = match planning.choice {
+            Choice::Recall if way == 0 => self.recall(situation, goal, &heaviest, neuron, own),
+            Choice::Recall => self.recall(situation, &goal.towards(way), &heaviest, neuron, own),
             Choice::Neurons | Choice::Headings => {
                 self.look_ahead(situation, goal, &asked, way, neuron)
             }
         };
         (plan, found)
+    }
+
+    /// What is asked on the way towards `place`, begun with what weighs most; not looked for again for the same goal.
+    fn heaviest<'b>(&self, asked: &'b [Asked; SENSORS], place: usize) -> Heaviest<'b, SENSORS> {
+        match self.likely.deviation {
+            Some(_) => Heaviest::at(asked, place.wrapping_add(usize::from(self.likely.heaviest))),
+            None => Heaviest::first(asked),
+        }
     }
 
     /// The paper's four steps.
@@ -175,13 +195,14 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         &self,
         situation: &Situation<SENSORS>,
         goal: &Goal<SENSORS>,
-        asked: &[Asked; SENSORS],
+        asked: &Heaviest<'_, SENSORS>,
         goal_neuron: usize,
+        own: Option<i64>,
     ) -> Plan<SENSORS> {
         let planning = &self.config.planning;
         let mask = self.config.believed;
         let current = self.current(situation);
-        let (aim, why) = self.aim(current, goal_neuron, &Heaviest::first(asked));
+        let (aim, why) = self.aim(current, goal_neuron, asked, own);
         let aimed = match why {
             Why::Neighbour => self.situations.code().get(aim),
             _ => None,
@@ -217,7 +238,9 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             recall: planning.recall,
             preference,
         };
-        let found = self.actions.matches(&wanted, mask, probe, self.allowed);
+        let mut found = Match::none();
+        self.actions
+            .matches(&wanted, mask, probe, self.allowed, &mut found);
         let (action, why) = if at_goal {
             self.at_goal()
         } else {
@@ -243,9 +266,14 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
     }
 
     /// The neuron whose code vector deviates least from what is asked, the lowest on ties. Most drop out before all their
-    /// components have been looked at.
+    /// components have been looked at. `own` is the current neuron's deviation, if it is known already.
     #[inline(never)]
-    fn goal_neuron(&self, asked: &Heaviest<'_, SENSORS>, place: usize) -> (usize, i64) {
+    fn goal_neuron(
+        &self,
+        asked: &Heaviest<'_, SENSORS>,
+        place: usize,
+        own: Option<i64>,
+    ) -> (usize, i64) {
         let code = self.situations.code();
         let likely = self.likely;
         let mut nearest = usize::from(likely.neuron);
@@ -255,7 +283,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
                 return (nearest, least);
             };
             let limit = least.saturating_add(i64::from(changed <= nearest));
-            let deviation = self.distance(changed, asked, limit);
+            let deviation = own.unwrap_or_else(|| self.distance(changed, asked, limit));
             if deviation < limit {
                 return (changed, deviation);
             }
@@ -287,7 +315,13 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
 
     /// Step 3: which neuron to aim at, and why.
     #[inline(never)]
-    fn aim(&self, current: usize, goal: usize, asked: &Heaviest<'_, SENSORS>) -> (usize, Why) {
+    fn aim(
+        &self,
+        current: usize,
+        goal: usize,
+        asked: &Heaviest<'_, SENSORS>,
+        own: Option<i64>,
+    ) -> (usize, Why) {
         let grid = self.situations.grid();
         let hops = match self.config.planning.intermediate {
             Intermediate::Goal => return (goal, Why::GoalDirectly),
@@ -299,7 +333,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         let own = if hops {
             i64::MAX
         } else {
-            far(current, i64::MAX)
+            own.unwrap_or_else(|| far(current, i64::MAX))
         };
         if own == 0 {
             return (goal, Why::NoNearerNeighbour);

@@ -257,18 +257,30 @@ impl<const SENSORS: usize> Shield<SENSORS> {
             return limit;
         }
         let asked = config.believed.and(among);
-        for sensor in asked.indices(SENSORS) {
-            let heard = self.heard.get(sensor).copied().unwrap_or(0);
-            let axis = config.robot.directions.get(sensor);
-            if axis.is_some_and(|axis| way.is_covered_by(*axis))
-                && !way.is_fresh(self.kept(sensor, heard.min(way.places)))
+        let is_stale = |sensor: usize, axis: &Direction| {
+            way.is_covered_by(*axis) && {
+                let heard = self.heard.get(sensor).copied().unwrap_or(0);
+                !way.is_fresh(self.kept(sensor, heard.min(way.places)))
+            }
+        };
+        let axes = &config.robot.directions;
+        if asked.covers(SENSORS) {
+            if axes
+                .iter()
+                .enumerate()
+                .any(|(sensor, axis)| is_stale(sensor, axis))
             {
                 return 0;
             }
-        }
-        // Arcs not heard are none.
-        if asked.covers(SENSORS) && usize::from(way.places) >= KEPT {
-            return way.until_any(self.arcs.as_flattened(), limit);
+            // Arcs not heard are none.
+            if usize::from(way.places) >= KEPT {
+                return way.until_any(self.arcs.as_flattened(), limit);
+            }
+        } else {
+            let mut asked = asked.indices(SENSORS);
+            if asked.any(|sensor| axes.get(sensor).is_some_and(|axis| is_stale(sensor, axis))) {
+                return 0;
+            }
         }
         asked.indices(SENSORS).fold(limit, |distance, sensor| {
             way.until_any(self.kept(sensor, way.places), distance)
@@ -342,6 +354,14 @@ impl Lobe {
 /// Axes turned many times may have grown by rounding: at most this long, a sixteenth too long,
 /// [`Way::is_aside`] holds.
 const LONGEST_AXIS_Q14: i32 = (1 << 14) + (1 << 10);
+
+/// Of a range longer than this nothing is certain: products leave 32 bits.
+const CERTAIN_MOST_MM: u32 = 1 << 15;
+
+/// The amount of a number, one less for those below 0: a single instruction on the chip.
+const fn magnitude(value: i32) -> u32 {
+    (value ^ (value >> 31)) as u32
+}
 
 /// The way ahead.
 struct Way<'a> {
@@ -425,7 +445,7 @@ impl<'a> Way<'a> {
         for arc in arcs {
             // Nothing on an arc is met while its face is nearer than its range is long: most are far off.
             let (x, y) = (i32::from(arc.face.dx_mm), i32::from(arc.face.dy_mm));
-            let slack = x.unsigned_abs().wrapping_add(y.unsigned_abs());
+            let slack = magnitude(x).wrapping_add(magnitude(y));
             let range = Range::mm_or_most(arc.range);
             if range <= near.wrapping_add(slack)
                 && !self.is_aside(arc, range, distance)
@@ -438,9 +458,10 @@ impl<'a> Way<'a> {
         distance
     }
 
-    /// What lies farther from the robot than this is not met before `limit`.
+    /// What lies farther from the robot than this is not met before `limit`; with what two magnitudes lack.
     fn near(&self, limit: i32) -> u32 {
-        limit.saturating_add(self.certain_mm).unsigned_abs()
+        let near = limit.saturating_add(self.certain_mm).unsigned_abs();
+        near.wrapping_add(2)
     }
 
     /// Distance until the body would come within the margin of the arc; `limit` where it would not before that. Apart
@@ -473,24 +494,23 @@ impl<'a> Way<'a> {
 
     /// Whether an arc surely changes nothing: all of it lies behind, beside the way or beyond its end. Spares most arcs
     /// their ends.
-    #[inline(never)]
+    #[inline(always)]
     fn is_aside(&self, arc: &Arc, range: u32, limit: i32) -> bool {
-        if range <= self.certain_least_mm {
+        if range <= self.certain_least_mm || range > CERTAIN_MOST_MM {
             return false;
         }
         let (fx, fy) = (i32::from(arc.face.dx_mm), i32::from(arc.face.dy_mm));
         let (ax, ay) = (i32::from(arc.axis.x_q14), i32::from(arc.axis.y_q14));
-        // 16 bits times 15 and a sixteenth more.
         let out = |axis_q14: i32| (range as i32).wrapping_mul(axis_q14) >> 14;
         let spread = range.wrapping_mul(self.spread_q14) >> 14;
-        // A range is at most four times 2¹⁴: roundings of less than 12 in all.
+        // Roundings of less than 8 in all.
         let spread = (spread as i32).wrapping_add(16);
-        let (along, axis_along) = (self.direction.along(fx, fy), self.direction.along(ax, ay));
-        let along = along.wrapping_add(out(axis_along));
+        // The middle, at most 46 341 + 34 816 away; its products with a direction no longer than √2 fit.
+        let (x, y) = (fx.wrapping_add(out(ax)), fy.wrapping_add(out(ay)));
+        let along = self.direction.along(x, y);
         let is_aside = along.wrapping_add(spread) <= 0
             || {
-                let across = self.direction.along(fy, -fx);
-                let across = across.wrapping_add(out(self.direction.along(ay, -ax)));
+                let across = self.direction.along(y, x.wrapping_neg());
                 across.wrapping_abs().wrapping_sub(spread) >= self.reach_mm
             }
             || along.wrapping_sub(spread).wrapping_sub(limit) >= self.reach_mm;

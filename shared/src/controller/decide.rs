@@ -22,7 +22,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let pending = self.pending.take();
         match self.mode {
             Mode::Explore { left } => self.explore(config, now, situation, pending, left),
-            Mode::Seek { goal } => self.seek(config, now, situation, pending, &goal),
+            Mode::Seek { .. } => self.seek(config, now, situation, pending),
             Mode::Idle | Mode::Learn { .. } | Mode::Stopped(_) => Outputs::none(),
         }
     }
@@ -77,21 +77,19 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         now: Millis,
         situation: &Aligned<SENSORS>,
         pending: Option<Pending<SENSORS>>,
-        goal: &Goal<SENSORS>,
     ) -> Outputs<SENSORS> {
         for left in self.inhibited_mut() {
             *left = left.saturating_sub(1);
         }
-        let cut = pending.is_some_and(|pending| pending.was_cut());
+        let cut = pending.as_ref().is_some_and(Pending::was_cut);
         let mut current = None;
         if let Some(pending) = pending {
             current = self.learn_online(config, &pending, &situation.0);
-            self.inhibit(config, &pending);
+            self.inhibit(config, cut);
         }
         if config.planning.choice != Choice::Recall {
             self.actions.keep_products();
         }
-        let pursued = self.pursued(config, &situation.0, goal);
         let mut allowed = Mask::ALL;
         if self.inhibited_mut().next().is_some() {
             let inhibited = self.inhibited.iter().enumerate();
@@ -99,6 +97,17 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 allowed = allowed.without(neuron);
             }
         }
+        // Looked at where it lies: it is much to copy.
+        let Mode::Seek { goal } = &self.mode else {
+            return Outputs::none();
+        };
+        let pursued = pursued(
+            config,
+            &situation.0,
+            goal,
+            &mut self.search,
+            &mut self.course,
+        );
         let likely = GoalNeuron {
             // Of another goal.
             deviation: self.goal_neuron.deviation.filter(|_| pursued.is_none()),
@@ -123,38 +132,14 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             plan.at_goal = false;
             plan.why = Why::Wander;
         }
-        let outputs = self.go(config, now, situation, plan.action, Some(plan));
         // A robot that backs away from what it follows still looks at it.
         let looks = goal.frame == Frame::Travel && goal.going_q16 == 0;
+        let outputs = self.go(config, now, situation, plan.action, Some(&plan));
         if let Some(direction) = config.robot.directions.get(way).filter(|_| looks) {
             let (x, y) = direction.times(i32::from(config.robot.step_mm));
             self.course = Displacement::saturating(x, y);
         }
         outputs
-    }
-
-    /// What is pursued instead of the goal while the robot wanders: obstacle avoidance on another course.
-    fn pursued(
-        &mut self,
-        config: &Config<SENSORS>,
-        situation: &Situation<SENSORS>,
-        goal: &Goal<SENSORS>,
-    ) -> Option<Goal<SENSORS>> {
-        let wander = config.planning.wander?;
-        if goal.going_q16 > 0 || goal.frame != Frame::Ring {
-            return None;
-        }
-        let values = situation.map(|value| i32::from(value.to_bits()));
-        let mut asked = [Asked::ANYTHING; SENSORS];
-        goal.ask(0, config.believed, &mut asked);
-        let deviation = missed(&asked, &values, goal.cap_bits(), i64::MAX);
-        if goal.is_met_by(deviation, &asked) {
-            self.search = Search::NEW;
-        } else if self.search.is_stuck(deviation, wander) {
-            let course = self.course.with_length(config.robot.step_mm);
-            self.course = course.rotated(NEXT_COURSE.direction());
-        }
-        self.search.wanders().then(|| Goal::avoiding(config))
     }
 
     /// Those that are inhibited, and a few others: mostly none at all.
@@ -165,8 +150,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 
     /// A move cut below half inhibits the neuron that asked for it.
-    fn inhibit(&mut self, config: &Config<SENSORS>, pending: &Pending<SENSORS>) {
-        let asked = self.asked_by.filter(|_| pending.was_cut());
+    fn inhibit(&mut self, config: &Config<SENSORS>, cut: bool) {
+        let asked = self.asked_by.filter(|_| cut);
         let neuron = asked.map(usize::from);
         if let Some(left) = neuron.and_then(|neuron| self.inhibited.get_mut(neuron)) {
             *left = config.planning.inhibition;
@@ -235,10 +220,10 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         now: Millis,
         situation: &Aligned<SENSORS>,
         wanted: Displacement,
-        plan: Option<Plan<SENSORS>>,
+        plan: Option<&Plan<SENSORS>>,
     ) -> Outputs<SENSORS> {
         let limit = self.shield.allow(config, wanted, now);
-        let allowed = if limit.distance_mm >= wanted.length_mm() {
+        let allowed = if wanted.is_shorter_than(u32::from(limit.distance_mm).wrapping_add(1)) {
             wanted
         } else {
             wanted.with_length(limit.distance_mm)
@@ -266,7 +251,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             }),
             decision: Some(Decision {
                 situation: situation.0,
-                plan,
+                plan: plan.copied(),
                 wanted,
                 allowed,
                 at_goal: plan.is_some_and(|plan| plan.at_goal),
@@ -274,4 +259,29 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             ..Outputs::none()
         }
     }
+}
+
+/// What is pursued instead of the goal while the robot wanders: obstacle avoidance on another course.
+fn pursued<const SENSORS: usize>(
+    config: &Config<SENSORS>,
+    situation: &Situation<SENSORS>,
+    goal: &Goal<SENSORS>,
+    search: &mut Search,
+    course: &mut Displacement,
+) -> Option<Goal<SENSORS>> {
+    let wander = config.planning.wander?;
+    if goal.going_q16 > 0 || goal.frame != Frame::Ring {
+        return None;
+    }
+    let values = situation.map(|value| i32::from(value.to_bits()));
+    let mut asked = [Asked::ANYTHING; SENSORS];
+    goal.ask(0, config.believed, &mut asked);
+    let deviation = missed(&asked, &values, goal.cap_bits(), i64::MAX);
+    if goal.is_met_by(deviation, &asked) {
+        *search = Search::NEW;
+    } else if search.is_stuck(deviation, wander) {
+        let onward = course.with_length(config.robot.step_mm);
+        *course = onward.rotated(NEXT_COURSE.direction());
+    }
+    search.wanders().then(|| Goal::avoiding(config))
 }

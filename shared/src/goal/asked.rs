@@ -105,6 +105,17 @@ impl<'a, const SENSORS: usize> Heaviest<'a, SENSORS> {
         Self { asked, first }
     }
 
+    /// Begins with this transducer, whichever weighs most.
+    pub(crate) fn at(asked: &'a [Asked; SENSORS], first: usize) -> Self {
+        let first = first.checked_rem(SENSORS).unwrap_or(0);
+        Self { asked, first }
+    }
+
+    /// The transducer it begins with.
+    pub(crate) const fn begin(&self) -> usize {
+        self.first
+    }
+
     /// How far a code vector deviates from what is asked, in units of 2⁻²⁶ · weight; what reaches `limit` may be more.
     #[inline(always)]
     pub(crate) fn missed_by(&self, row: &[Fine; SENSORS], limit: i64) -> i64 {
@@ -143,7 +154,7 @@ impl<'a, const SENSORS: usize> Heaviest<'a, SENSORS> {
         };
         let heavy = values.get(self.first..).unwrap_or(&[]);
         let total = missed(last, heavy, cap, limit);
-        if total >= limit {
+        if total >= limit || first.is_empty() {
             return total;
         }
         total.wrapping_add(missed(first, values, cap, limit.wrapping_sub(total)))

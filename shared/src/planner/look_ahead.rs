@@ -20,8 +20,8 @@ use super::forward::Forward;
 use super::landscape::Landscape;
 use super::{Plan, Planner, Why, difference};
 use crate::config::Choice;
-use crate::fixed::{Mask, Weight, coarse, unit_weight};
-use crate::goal::{Asked, Frame, Goal, Heaviest, missed};
+use crate::fixed::{Mask, ONE_BITS, Weight, coarse};
+use crate::goal::{Asked, Frame, Goal, missed};
 use crate::scan::Situation;
 use crate::units::{Direction, Displacement};
 
@@ -116,7 +116,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         let values = [values; 2];
         let mut asked = [Asked::ANYTHING; SENSORS];
         goal.ask(0, Mask::ALL, &mut asked);
-        let heaviest = Heaviest::first(&asked);
+        let heaviest = self.heaviest(&asked, 0);
         let score = |place: usize, limit: i64| {
             let direction = self.config.robot.directions.get(place).copied();
             let along = cosine_q14(direction.unwrap_or_default(), course);
@@ -175,7 +175,8 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             None => forward.after(part(best.direction, best.share_q2)),
         };
         let now = aim.deviation(&situation.map(|value| i32::from(value.to_bits())));
-        let to_come = values.map(unit_weight);
+        // None is below 0.
+        let to_come = values.map(|value| Weight::from_bits(value.min(i32::from(ONE_BITS)) as i16));
         let mut plan = Plan {
             goal_neuron: goal_neuron as u8,
             current_neuron: self.current(situation) as u8,

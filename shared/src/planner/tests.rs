@@ -51,6 +51,9 @@ proptest! {
         let current = changed.or(Some(3));
         let after = found(&situations, current, before);
         prop_assert_eq!(after, found(&situations, current, GoalNeuron::UNKNOWN));
+        // Wherever the comparison begins.
+        let begun = found(&situations, current, GoalNeuron { heaviest: likely, ..before });
+        prop_assert_eq!((begun.neuron, begun.deviation), (after.neuron, after.deviation));
         let deviation = |k: usize| goal.distance(&situations.code_vector(k), Mask::ALL);
         let nearest = (0..16).min_by_key(|&k| (deviation(k), k));
         prop_assert_eq!(Some(usize::from(after.neuron)), nearest);

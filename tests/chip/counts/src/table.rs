@@ -61,24 +61,24 @@ fn print_maps(watch: &Stopwatch, episode: &Episode<'_>) {
 fn print_episode(episode: &Episode<'_>) {
     let counts = &episode.counts;
     row("echo at rest", counts.echo, 480);
-    row("echo on the way: the guard", counts.guard, 2_100);
+    row("echo on the way: the guard", counts.guard, 2_050);
     row("report of the base", counts.odometry, 1_550);
     row(
         "random move (last echo of the ring)",
         counts.random_move,
-        11_500,
+        10_250,
     );
     row(
         "**decision** (last echo of the ring): avoid",
         counts.decision,
-        17_800,
+        16_700,
     );
-    row("decision: along a wall", counts.along_wall, 22_500);
-    row("decision: to a place", counts.to_place, 20_000);
+    row("decision: along a wall", counts.along_wall, 21_500);
+    row("decision: to a place", counts.to_place, 19_000);
     row(
         "decision: avoid by the paper's four steps (`probe`)",
         counts.four_steps,
-        17_500,
+        15_800,
     );
     row("tick of learning", counts.tick, 20_000);
     let mut learning = Tally::default();
@@ -97,7 +97,7 @@ fn print_link(watch: &Stopwatch, episode: &Episode<'_>) {
     row(
         "decision by a frame: scan in, three frames out",
         counts.decision,
-        35_500,
+        34_400,
     );
 }
 
