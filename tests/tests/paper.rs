@@ -113,10 +113,13 @@ fn claims(stdout: &str, files: &[(String, Vec<u8>)]) {
         ("devoid of input points", "holds"),
         ("larger fields of attraction", "holds"),
         ("extremely few similar ones", "holds"),
-        ("reinforcement learning", "not testable here"),
         ("need no learning iterations", "holds partly"),
     ] {
         assert_eq!(row(words)[5], verdict, "{:?}", row(words));
+    }
+    let beside = row("best results achieved with reinforcement learning")[3];
+    for method in ["default", "touzet", "q-table", "q-som", "q-two-soms"] {
+        assert!(beside.contains(method), "{beside}");
     }
     let at_once = row("another behavior instantaneously");
     let unchanged = at_once[3]
