@@ -92,7 +92,6 @@ impl<W: Write + Seek> Log<W> {
     fn try_begin(to: W, name: &str) -> Result<Self, McapError> {
         let options = WriteOptions::new()
             .compression(Some(Compression::Lz4))
-            .library(concat!("host-sim ", env!("CARGO_PKG_VERSION")))
             .chunk_size(Some(CHUNK_BYTES))
             // Each chunk is written at once, with its length before it.
             .disable_seeking(true);
