@@ -1,0 +1,153 @@
+//! `tests/figures.toml`: which command prints which figure.
+
+use regex::Regex;
+use serde::Deserialize;
+use std::path::Path;
+
+/// All that is measured, in the order of the page.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct List {
+    /// Commands, in groups.
+    #[serde(rename = "command")]
+    pub commands: Vec<Command>,
+}
+
+/// A shell command, run in the workspace's folder.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Command {
+    /// The section its figures stand in.
+    pub group: String,
+    /// For `sh -c`.
+    pub run: String,
+    /// The figures in what it prints.
+    pub row: Vec<Row>,
+}
+
+/// A figure.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Row {
+    /// What it is; names the row.
+    pub what: String,
+    /// A regular expression; its groups are the figure.
+    pub find: String,
+    /// The figure as text, `$1` the first group and so on; `$1` alone if left out.
+    #[serde(default = "first_group")]
+    pub show: String,
+    /// What was aimed at.
+    #[serde(default)]
+    pub aim: String,
+    /// Its first group divided by its second, to two decimals, is `$1`.
+    #[serde(default)]
+    pub ratio: bool,
+}
+
+fn first_group() -> String {
+    "$1".into()
+}
+
+impl List {
+    /// Reads it; an error names the file and the line.
+    pub fn read(path: &Path) -> Result<Self, String> {
+        let failed = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+        let text = std::fs::read_to_string(path).map_err(|error| failed(&error))?;
+        toml::from_str(&text).map_err(|error| failed(&error))
+    }
+}
+
+impl Command {
+    /// Whether one of the words is in its group or its command.
+    pub fn is_meant(&self, words: &[String]) -> bool {
+        let has = |word: &String| self.group.contains(word.as_str()) || self.run.contains(word.as_str());
+        words.is_empty() || words.iter().any(has)
+    }
+}
+
+impl Row {
+    /// The figure in `output`.
+    pub fn value(&self, output: &str) -> Result<String, String> {
+        let find = Regex::new(&self.find).map_err(|error| format!("{}: {error}", self.what))?;
+        let found = find.captures(output);
+        let found = found.ok_or_else(|| format!("{}: nothing printed matches {}", self.what, self.find))?;
+        let group = |index| found.get(index).map_or("", |group| group.as_str());
+        let mut value = self.show.clone();
+        for index in (1..found.len()).rev() {
+            let figure = match (self.ratio, index) {
+                (true, 1) => ratio(group(1), group(2)).ok_or_else(|| format!("{}: no ratio", self.what))?,
+                _ => grouped(group(index)),
+            };
+            value = value.replace(&format!("${index}"), &figure);
+        }
+        Ok(value)
+    }
+}
+
+fn ratio(of: &str, to: &str) -> Option<String> {
+    let number = |text: &str| text.replace(' ', "").parse::<f64>().ok();
+    let ratio = number(of)? / number(to)?;
+    ratio.is_finite().then(|| format!("{ratio:.2}"))
+}
+
+/// A whole number of five digits and more in groups of three; anything else as it is.
+fn grouped(text: &str) -> String {
+    if text.len() < 5 || !text.bytes().all(|byte| byte.is_ascii_digit()) {
+        return text.into();
+    }
+    let mut groups: Vec<&str> = Vec::new();
+    let mut rest = text;
+    while rest.len() > 3 {
+        let (before, last) = rest.split_at(rest.len() - 3);
+        groups.push(last);
+        rest = before;
+    }
+    groups.push(rest);
+    groups.reverse();
+    groups.join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(find: &str) -> Row {
+        Row {
+            what: "steps".into(),
+            find: find.into(),
+            show: "$1".into(),
+            aim: String::new(),
+            ratio: false,
+        }
+    }
+
+    #[test]
+    fn a_figure_is_found_and_grouped() {
+        let output = "steps | 12 | 39883162 |\n";
+        let row = row(r"steps \| \d+ \| (\d+)");
+        assert_eq!(row.value(output), Ok("39 883 162".into()));
+        assert!(row.value("nothing").is_err());
+    }
+
+    #[test]
+    fn a_ratio_is_the_first_group_by_the_second() {
+        let row = Row {
+            ratio: true,
+            show: "$1 ($2 alone)".into(),
+            ..row(r"(\d+) and (\d+)")
+        };
+        assert_eq!(row.value("300 and 200"), Ok("1.50 (200 alone)".into()));
+        assert!(row.value("300 and 0").is_err());
+    }
+
+    #[test]
+    fn the_list_is_readable_and_names_each_row_once() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("figures.toml");
+        let list = List::read(&path).expect("it is there");
+        let rows: Vec<_> = list.commands.iter().flat_map(|command| &command.row).collect();
+        for row in &rows {
+            assert!(Regex::new(&row.find).is_ok(), "{}", row.what);
+            assert_eq!(rows.iter().filter(|r| r.what == row.what).count(), 1, "{}", row.what);
+        }
+    }
+}
