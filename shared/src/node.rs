@@ -68,7 +68,7 @@ pub struct Node<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize
     state: State<SENSORS, NEURONS, SAMPLES>,
     goal: Goal<SENSORS>,
     goals: KeptGoals<SENSORS>,
-    flash: Option<FlashTask>,
+    flash: FlashTask,
     identity: Identity,
     source: Source,
     link: Link,
@@ -105,7 +105,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             state: State::new(Grid::rectangle(1, 1)),
             goal: Goal::zeroed(),
             goals: KeptGoals::new(),
-            flash: None,
+            flash: FlashTask::NONE,
             identity: Identity {
                 build: [0; 8],
                 reset: ResetCause::Unknown,
@@ -346,6 +346,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.say(FromMind::Refusal { seq, why }, now, out);
     }
 
+    // One copy of it in a program.
+    #[inline(never)]
     fn say(&mut self, said: FromMind<SENSORS>, now: Millis, out: &mut impl Outbox) {
         self.seq = self.seq.wrapping_add(1);
         let header = Header {

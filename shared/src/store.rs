@@ -3,12 +3,12 @@
 //!
 //! ```text
 //! image  = "AMPS" record…
-//! record = length:u8 body zeros          body in postcard's form, zeros up to a multiple of 4 bytes
-//! body   = 0 layout:u16 grammar:u32 generation:u32 sensors:u8 neurons:u8 samples:u16      the first
-//!        | 1 part:Part offset:u16 bytes:vec<u8>      a piece, as on the wire; maps that were never learnt are left out
-//!        | 2 seed:u64                                of the mind's randomness from here on
-//!        | 3 name:Name goal:Goal                     a goal that is kept; without a name the present one
-//!        | 4 crc:[u8; 4]                             the last: CRC-32 of everything before it, lowest byte first
+//! record = length:u8 body zeros          zeros up to a multiple of 4 bytes; numbers little-endian
+//! body   = 00 layout:u16 grammar:u32 generation:u32 sensors:u8 neurons:u8 samples:u16      the first
+//!        | 01 part:u8 offset:u16 bytes    a piece of a part, as on the wire; maps that were never learnt are left out
+//!        | 02 seed:u64                    of the mind's randomness from here on
+//!        | 03 name:[u8; 12] goal          a goal that is kept, in postcard's form; without a name the present one
+//!        | 04 crc:u32                     the last: CRC-32 of everything before it
 //! ```
 //!
 //! An image is written piece by piece and is one only with its last record: whatever is cut short, torn or damaged before is
@@ -24,9 +24,7 @@ use crate::controller::{Part as StatePart, State};
 use crate::goal::{Goal, KeptGoal, KeptGoals, Name};
 use crate::node::MOST_CONFIG;
 use crate::wire::CRC;
-use crate::wire::message::{MOST_PIECE, Part};
-use heapless::Vec;
-use serde::{Deserialize, Serialize};
+use crate::wire::message::MOST_PIECE;
 
 mod read;
 mod write;
@@ -48,8 +46,14 @@ const LAYOUT: u16 = 1;
 /// Most bytes of a record, length and zeros included.
 const MOST_RECORD: usize = 256;
 
-/// First byte of the last record's body.
-const END: u8 = 4;
+/// First byte of each kind of record's body.
+mod kind {
+    pub(super) const HEAD: u8 = 0;
+    pub(super) const PIECE: u8 = 1;
+    pub(super) const RANDOM: u8 = 2;
+    pub(super) const GOAL: u8 = 3;
+    pub(super) const END: u8 = 4;
+}
 
 /// CRC-32 of the grammar of what is kept: everything from the configuration on.
 pub const GRAMMAR: u32 = CRC.checksum(kept(include_bytes!("wire/schema.txt")));
@@ -66,7 +70,7 @@ const fn kept(mut text: &[u8]) -> &[u8] {
 }
 
 /// The first record.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Head {
     layout: u16,
     grammar: u32,
@@ -76,30 +80,12 @@ struct Head {
     samples: u16,
 }
 
-/// A record; see the module's head.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-enum Record<'a, const SENSORS: usize> {
-    Head(Head),
-    Piece {
-        part: Part,
-        offset: u16,
-        bytes: &'a [u8],
-    },
-    Random {
-        seed: u64,
-    },
-    Goal(KeptGoal<SENSORS>),
-    End {
-        crc: [u8; 4],
-    },
-}
-
-/// The parts of a state.
-const STATE_PARTS: [(Part, StatePart); 4] = [
-    (Part::Situations, StatePart::Situations),
-    (Part::Changes, StatePart::Changes),
-    (Part::Actions, StatePart::Actions),
-    (Part::Memory, StatePart::Memory),
+/// The parts in their order, by number; the configuration is number 0.
+const PARTS: [StatePart; 4] = [
+    StatePart::Situations,
+    StatePart::Changes,
+    StatePart::Actions,
+    StatePart::Memory,
 ];
 
 /// What is saved of a mind.

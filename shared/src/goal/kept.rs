@@ -47,6 +47,14 @@ impl Name {
         core::str::from_utf8(self.as_bytes()).unwrap_or("")
     }
 
+    pub(crate) const fn to_bytes(self) -> [u8; MOST_NAME] {
+        self.0
+    }
+
+    pub(crate) const fn from_bytes(bytes: [u8; MOST_NAME]) -> Self {
+        Self(bytes)
+    }
+
     fn as_bytes(&self) -> &[u8] {
         let end = self.0.iter().position(|byte| *byte == 0);
         self.0.get(..end.unwrap_or(MOST_NAME)).unwrap_or(&[])

@@ -9,11 +9,20 @@ use crate::store::{Contents, ContentsMut, Fault};
 use crate::units::Millis;
 use crate::wire::message::{Flash, FlashError, FromMind, Refusal};
 
-/// A request that waits for the flash.
+/// A request that waits for the flash; all zeros while there is none.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FlashTask {
-    seq: u16,
+    /// Number of the frame that asked.
+    seq: Option<u16>,
     what: Flash,
+}
+
+impl FlashTask {
+    /// No request.
+    pub(super) const NONE: Self = Self {
+        seq: None,
+        what: Flash::Save,
+    };
 }
 
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
@@ -53,8 +62,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     /// What is to be done with the flash, until [`flash_done`](Self::flash_done). Frames and time should wait meanwhile.
     #[must_use]
     pub const fn flash_task(&self) -> Option<Flash> {
-        match &self.flash {
-            Some(task) => Some(task.what),
+        match self.flash.seq {
+            Some(_) => Some(self.flash.what),
             None => None,
         }
     }
@@ -71,7 +80,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         now: Millis,
         out: &mut impl Outbox,
     ) {
-        let Some(FlashTask { seq, .. }) = self.flash.take() else {
+        let Some(seq) = self.flash.seq.take() else {
             return;
         };
         self.link.resume(now);
@@ -85,7 +94,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     /// Notes a request for the flash.
     pub(super) fn ask_flash(&mut self, seq: u16, what: Flash) -> Result<(), Refusal> {
         self.standing()?;
-        self.flash = Some(FlashTask { seq, what });
+        let seq = Some(seq);
+        self.flash = FlashTask { seq, what };
         Ok(())
     }
 

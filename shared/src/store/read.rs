@@ -45,32 +45,88 @@ type Read<'r> = &'r mut dyn FnMut(usize, &mut [u8]) -> bool;
 /// # Errors
 /// [`Fault::Torn`] if there is none, [`Fault::Source`].
 pub fn check(read: Read<'_>, most: usize) -> Result<Found, Fault> {
-    look(read, most).map(|(_, bytes, generation)| Found { generation, bytes })
+    look(read, most).map(|(head, bytes)| Found {
+        generation: head.generation,
+        bytes,
+    })
 }
 
-/// The first record, if it can be read at all; the image's length; its generation.
-fn look(read: Read<'_>, most: usize) -> Result<(Option<Head>, usize, u32), Fault> {
+/// The first record, the image's length.
+#[inline(never)]
+fn look(read: Read<'_>, most: usize) -> Result<(Head, usize), Fault> {
     let mut digest = CRC.digest();
     let mut walk = Walk::begin(read, most)?;
     digest.update(&MAGIC);
     walk.next(read)?;
     digest.update(walk.bytes());
-    // Its generation stands where it always does, whatever else has changed.
-    let head = match postcard::take_from_bytes::<Record<0>>(walk.body()) {
-        Ok((Record::Head(head), _)) => head,
-        _ => return Err(Fault::Torn),
+    let Some(Record::Head(head)) = Record::parse(walk.body()) else {
+        return Err(Fault::Torn);
     };
     loop {
         walk.next(read)?;
-        if let [END, crc @ ..] = walk.body()
-            && crc.len() == size_of::<u32>()
-        {
-            let whole = *crc == digest.finalize().to_le_bytes();
-            let known = (head.layout, head.grammar) == (LAYOUT, GRAMMAR);
-            let found = (known.then_some(head), walk.at, head.generation);
-            return whole.then_some(found).ok_or(Fault::Torn);
+        if let Some(Record::End(crc)) = Record::parse(walk.body()) {
+            let whole = crc == digest.finalize();
+            return whole.then_some((head, walk.at)).ok_or(Fault::Torn);
         }
         digest.update(walk.bytes());
+    }
+}
+
+/// What a record says.
+enum Record<'a> {
+    Head(Head),
+    Piece {
+        part: u8,
+        offset: u16,
+        bytes: &'a [u8],
+    },
+    Random(u64),
+    Goal {
+        name: Name,
+        goal: &'a [u8],
+    },
+    End(u32),
+}
+
+impl<'a> Record<'a> {
+    /// `None` for a kind that later versions may have, and for too few bytes.
+    fn parse(body: &'a [u8]) -> Option<Self> {
+        let (kind, rest) = body.split_first()?;
+        let mut rest = Fields(rest);
+        Some(match *kind {
+            // Stands for good.
+            kind::HEAD => Self::Head(Head {
+                layout: u16::from_le_bytes(rest.take()?),
+                grammar: u32::from_le_bytes(rest.take()?),
+                generation: u32::from_le_bytes(rest.take()?),
+                sensors: u8::from_le_bytes(rest.take()?),
+                neurons: u8::from_le_bytes(rest.take()?),
+                samples: u16::from_le_bytes(rest.take()?),
+            }),
+            kind::PIECE => Self::Piece {
+                part: u8::from_le_bytes(rest.take()?),
+                offset: u16::from_le_bytes(rest.take()?),
+                bytes: rest.0,
+            },
+            kind::RANDOM => Self::Random(u64::from_le_bytes(rest.take()?)),
+            kind::GOAL => Self::Goal {
+                name: Name::from_bytes(rest.take()?),
+                goal: rest.0,
+            },
+            kind::END => Self::End(u32::from_le_bytes(rest.take()?)),
+            _ => return None,
+        })
+    }
+}
+
+/// What is left of a record.
+struct Fields<'a>(&'a [u8]);
+
+impl Fields<'_> {
+    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let (first, rest) = self.0.split_first_chunk()?;
+        self.0 = rest;
+        Some(*first)
     }
 }
 
@@ -146,8 +202,10 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     /// [`Fault`]; nothing has changed then, except by an image that is sound and yet none of a program's: that leaves a mind
     /// as new, with [`Fault::Version`].
     pub fn read(&mut self, read: Read<'_>, most: usize) -> Result<Found, Fault> {
-        let (head, bytes, generation) = look(read, most)?;
-        let head = head.ok_or(Fault::Version)?;
+        let (head, bytes) = look(read, most)?;
+        if (head.layout, head.grammar) != (LAYOUT, GRAMMAR) {
+            return Err(Fault::Version);
+        }
         let ours = (SENSORS as u8, NEURONS as u8);
         if (head.sensors, head.neurons) != ours || usize::from(head.samples) > SAMPLES {
             return Err(Fault::Dimensions);
@@ -156,62 +214,63 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.state.forget();
         self.kept.clear();
         *self.goal = Goal::avoiding(self.config);
-        let mut walk = Walk::begin(read, most)?;
-        loop {
-            walk.next(read)?;
-            let record = postcard::from_bytes(walk.body()).map_err(|_| Fault::Version);
-            match record.and_then(|record| self.take(record)) {
-                Ok(true) => return Ok(Found { generation, bytes }),
-                Ok(false) => {}
-                Err(fault) => {
-                    self.state.forget();
-                    return Err(fault);
-                }
-            }
+        let taken = self.take_all(read, most);
+        if taken.is_none() {
+            self.state.forget();
         }
+        let generation = head.generation;
+        taken.ok_or(Fault::Version)?;
+        Ok(Found { generation, bytes })
     }
 
-    /// Takes a record; true for the last.
-    fn take(&mut self, record: Record<'_, SENSORS>) -> Result<bool, Fault> {
-        match record {
-            Record::Head(_) => {}
-            Record::Piece {
-                part,
-                offset,
-                bytes,
-            } => {
-                let known = STATE_PARTS.iter().find(|(known, _)| *known == part);
-                if let Some((_, ours)) = known {
-                    let written = self.state.write_part(*ours, offset.into(), bytes);
-                    written.map_err(|_| Fault::Version)?;
+    fn take_all(&mut self, read: Read<'_>, most: usize) -> Option<()> {
+        let mut walk = Walk::begin(read, most).ok()?;
+        loop {
+            walk.next(read).ok()?;
+            match Record::parse(walk.body())? {
+                Record::Head(_) | Record::Piece { part: 0, .. } => {}
+                Record::Piece {
+                    part,
+                    offset,
+                    bytes,
+                } => {
+                    let part = PARTS.get(usize::from(part).wrapping_sub(1))?;
+                    self.state.write_part(*part, offset.into(), bytes).ok()?;
                 }
+                Record::Random(seed) => self.state.seed(seed),
+                Record::Goal { name, goal } => {
+                    let goal = postcard::from_bytes(goal).ok()?;
+                    if name == Name::NONE {
+                        *self.goal = goal;
+                    } else {
+                        self.kept.keep(KeptGoal { name, goal }).ok()?;
+                    }
+                }
+                Record::End(_) => return Some(()),
             }
-            Record::Random { seed } => self.state.seed(seed),
-            Record::Goal(kept) if kept.name == Name::NONE => *self.goal = kept.goal,
-            Record::Goal(kept) => self.kept.keep(kept).map_err(|_| Fault::Version)?,
-            Record::End { .. } => return Ok(true),
         }
-        Ok(false)
     }
 }
 
-/// The configuration in an image.
+/// The configuration in an image, which sends it first.
 fn told<const SENSORS: usize>(read: Read<'_>, most: usize) -> Result<Config<SENSORS>, Fault> {
-    let mut staged = Vec::<u8, MOST_CONFIG>::new();
+    let mut buffer = [0; MOST_CONFIG];
+    let mut length = 0_usize;
     let mut walk = Walk::begin(read, most)?;
     loop {
         walk.next(read)?;
-        match postcard::from_bytes::<Record<SENSORS>>(walk.body()) {
-            Ok(Record::Head(_)) => {}
-            Ok(Record::Piece {
-                part: Part::Config,
-                bytes,
-                ..
-            }) => staged
-                .extend_from_slice(bytes)
-                .map_err(|_| Fault::Version)?,
+        match Record::parse(walk.body()) {
+            Some(Record::Head(_)) => {}
+            Some(Record::Piece { part: 0, bytes, .. }) => {
+                let end = length.saturating_add(bytes.len());
+                let place = buffer.get_mut(length..end).ok_or(Fault::Version)?;
+                for (place, byte) in place.iter_mut().zip(bytes) {
+                    *place = *byte;
+                }
+                length = end;
+            }
             _ => break,
         }
     }
-    postcard::from_bytes(&staged).map_err(|_| Fault::Version)
+    Config::from_bytes(buffer.get(..length).unwrap_or(&[])).ok_or(Fault::Version)
 }

@@ -31,7 +31,7 @@ impl<const SAMPLES: usize> Mind<SAMPLES> {
     fn full() -> Self {
         let mut mind = Self::fresh();
         mind.config.clearance_mm = u16::MAX;
-        for (_, part) in STATE_PARTS {
+        for part in PARTS {
             let length = match part {
                 StatePart::Memory => SAMPLES * State::<16, 16, SAMPLES>::SAMPLE_BYTES,
                 _ => mind.state.part_len(part),
@@ -158,7 +158,7 @@ fn the_largest_image_has_the_room_it_was_given() {
     let bytes = mind.image(u32::MAX).len();
     // A configuration of the longest numbers has another record at most.
     let mut buffer = [0; MOST_CONFIG];
-    let told = postcard::to_slice(&mind.config, &mut buffer).unwrap().len();
+    let told = mind.config.to_bytes(&mut buffer).len();
     let most = bytes + (MOST_CONFIG - told) + 12;
     std::println!("{bytes} bytes, with the longest configuration {most} at most");
     assert!((MOST_NOMAD - 64..=MOST_NOMAD).contains(&most), "{most}");
@@ -190,9 +190,9 @@ fn whatever_is_cut_or_changed_is_no_image_and_changes_nothing() {
 fn other_versions_and_robots_are_known_as_such() {
     let image = Mind::<20>::full().image(7);
     let mut mind = Mind::<20>::fresh();
-    // "AMPS", a length, the variant, the layout.
+    // "AMPS", a length, the kind, the layout.
     let mut later = image.clone();
-    assert_eq!(later[5..7], [0, LAYOUT as u8]);
+    assert_eq!(later[4..8], [15, kind::HEAD, LAYOUT as u8, 0]);
     later[6] = 2;
     let later = sealed(later);
     assert_eq!(checked(&later).map(|found| found.generation), Ok(7));
