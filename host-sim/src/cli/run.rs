@@ -6,8 +6,8 @@ use super::remote::{MindChoice, Remote};
 use super::summary;
 use crate::episode::{self, Episode, Report, Setup};
 use crate::error::BadInput;
-use crate::link::Emulation;
-use crate::pilot::MOST_MOVES;
+use crate::link::{Emulation, Knowledge};
+use crate::pilot::{MOST_MOVES, Mind};
 use crate::plot;
 use crate::robot::TurretMode;
 use crate::scenes::Behavior;
@@ -81,6 +81,9 @@ pub struct RunArgs {
     /// Write pictures and a page for each world into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Write what the mind knows in the end into this file, for `host-sim link … push` (one world, --mind host)
+    #[arg(long, value_name = "FILE")]
+    save: Option<PathBuf>,
     /// Worker threads [default: one per core]; the results do not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -177,6 +180,15 @@ impl Preset {
 pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
     let setup = setup(args)?;
     let sources = sources(&args.worlds)?;
+    if let Some(file) = &args.save
+        && (sources.len() > 1 || args.mind != MindChoice::Host)
+    {
+        return Err(BadInput::new(format!(
+            "--save {}: only the mind in this process, of one world (a chip's: host-sim link … pull)",
+            file.display()
+        ))
+        .into());
+    }
     let emulation = Emulation {
         firmware: args.firmware.clone(),
         verbose: args.verbose,
@@ -195,7 +207,10 @@ pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
         Ok(())
     };
     match remote {
-        None => in_parallel(args, &setup, &sources, &mut print)?,
+        None => match &args.save {
+            Some(file) => saved(args, &setup, &sources, file, &mut print)?,
+            None => in_parallel(args, &setup, &sources, &mut print)?,
+        },
         Some(remote) => one_by_one(args, &setup, &sources, remote, &mut print)?,
     }
     if !args.json {
@@ -238,6 +253,25 @@ fn in_parallel(
         }
     }
     progress.finish_and_clear();
+    Ok(())
+}
+
+/// One world, and what the mind makes of it goes into a file.
+fn saved(
+    args: &RunArgs,
+    setup: &Setup,
+    sources: &[WorldSource],
+    file: &Path,
+    print: Print<'_>,
+) -> Result<(), Failure> {
+    for source in sources {
+        let mut mind = Mind::new(setup.config.clone());
+        let report = episode(source, args.out.as_deref(), |world| {
+            episode::run_with(world, setup, &mut mind, |_, _, _| {})
+        })?;
+        Knowledge::of(&mind).save(file)?;
+        print(report)?;
+    }
     Ok(())
 }
 

@@ -308,8 +308,8 @@ impl Pilot for RemoteMind<'_> {
 impl Thinker for RemoteMind<'_> {
     fn knowledge(&mut self) -> Result<&SimState, Failure> {
         // Nothing happens in the mind while nothing is said to it, whatever its mode.
-        let pulled = Knowledge::read(self.session).and_then(|knowledge| knowledge.state());
-        *self.knowledge = pulled.map_err(Failure::Link)?;
+        let pulled = Knowledge::read(self.session).map(Knowledge::into_state);
+        self.knowledge = pulled.map_err(Failure::Link)?;
         Ok(&self.knowledge)
     }
 }

@@ -179,7 +179,12 @@ impl Walk {
         }
         self.at = self.at.wrapping_add(whole);
         (self.body, self.length) = (body, whole);
-        Ok(())
+        let zeros = self.bytes().iter().skip(body).skip(1);
+        zeros
+            .copied()
+            .all(|byte| byte == 0)
+            .then_some(())
+            .ok_or(Fault::Torn)
     }
 
     /// The body of the record just read.
