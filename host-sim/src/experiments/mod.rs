@@ -2,6 +2,8 @@
 
 pub mod ablation;
 pub mod behaviors;
+pub mod compare;
+pub mod paper;
 pub mod repetition;
 pub mod rooms;
 pub mod scenes;

@@ -2,7 +2,7 @@
 
 use super::{Fingerprint, LinkError, Session, next_number};
 use crate::error::BadInput;
-use crate::pilot::{Mind, SimState};
+use crate::pilot::SimState;
 use crate::plot::demo::save;
 use amp::config::Config;
 use amp::controller::Part as StatePart;
@@ -35,10 +35,10 @@ pub struct Knowledge {
 }
 
 impl Knowledge {
-    /// Of a mind in this process; its goal is to avoid obstacles.
+    /// What a mind in this process was told and has learnt; its goal is to avoid obstacles.
     #[must_use]
-    pub fn of(mind: &Mind) -> Self {
-        Self::new(mind.config().clone(), mind.state().clone())
+    pub fn of(config: &Config<16>, state: &SimState) -> Self {
+        Self::new(config.clone(), state.clone())
     }
 
     fn new(config: Config<16>, state: SimState) -> Self {
