@@ -205,7 +205,7 @@ pub(super) fn link(args: &LinkArgs, out: &mut impl Write) -> Result<(), Failure>
 enum Task {
     Nothing,
     Goal(GoalBy<16>),
-    Push(Knowledge),
+    Push(Box<Knowledge>),
     Parameters(tables::Wanted),
     Ask(ToMind<16>),
 }
@@ -221,7 +221,7 @@ impl Task {
                 }
                 name => GoalBy::Components(goal_by_name(name)?),
             }),
-            Verb::Push { file } => Self::Push(Knowledge::load(file)?),
+            Verb::Push { file } => Self::Push(Box::new(Knowledge::load(file)?)),
             Verb::Flash { action } => Self::Ask(ToMind::Flash((*action).into())),
             Verb::Keep { name: text } => Self::Ask(ToMind::Keep { name: name(text)? }),
             Verb::Drop { name: text } => Self::Ask(ToMind::Drop { name: name(text)? }),
