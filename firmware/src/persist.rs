@@ -18,7 +18,7 @@
 //! Cost: a slot's bytes of flash an image, 3 words for a mark; memory for one record. Starting reads both sectors once.
 
 use amp::store::{Contents, Fault, Found, WORD, check};
-use amp::wire::CRC;
+use amp::wire::checksum;
 use amp::wire::message::{Flash, FlashError};
 use embedded_storage::nor_flash::NorFlash;
 
@@ -223,6 +223,7 @@ impl<F: NorFlash> Store<F> {
     }
 
     /// The first slot behind everything that has been written to a sector.
+    #[inline(never)]
     fn free_in(&mut self, sector: u32) -> Option<Place> {
         let places = (0..self.slots()).map(|slot| Place { sector, slot });
         let mut free = None;
@@ -280,7 +281,7 @@ fn mark(generation: u32) -> [u8; MARK_BYTES as usize] {
     let [g, h, i, j] = generation.to_le_bytes();
     let [m, n, o, p] = MARK;
     let text = [m, n, o, p, g, h, i, j];
-    let [c, d, e, f] = CRC.checksum(&text).to_le_bytes();
+    let [c, d, e, f] = checksum(&text).to_le_bytes();
     [m, n, o, p, g, h, i, j, c, d, e, f]
 }
 
