@@ -27,7 +27,8 @@ const BAUD: u32 = 115_200;
 /// ms; every task shows itself each 10 ms.
 const WATCHDOG_MS: u32 = 500;
 
-/// The watchdog bites after this time while sectors of flash are erased: 10.9 to 30.1 s, and two take 8 s at most.
+/// The watchdog bites after this time while flash is erased or written: 10.9 to 30.1 s, and two sectors take 8 s at most, an
+/// image less than a second.
 const PATIENT_MS: u32 = 16_000;
 
 /// The devices the tasks work with.

@@ -109,7 +109,7 @@ impl<F: NorFlash> Store<F> {
     }
 
     /// How many sectors this will erase.
-    pub fn erasures(&mut self, task: Flash) -> u32 {
+    fn erasures(&mut self, task: Flash) -> u32 {
         match task {
             Flash::Recall => 0,
             Flash::Save => u32::from(self.free().is_none()),
@@ -183,7 +183,7 @@ impl<F: NorFlash> Store<F> {
         let erased = erased.and_then(|()| self.erase_sector(1 - spare));
         self.look();
         erased?;
-        self.tidy()
+        self.mark_spare()
     }
 
     /// The sector that does not have the newest image.
@@ -198,11 +198,15 @@ impl<F: NorFlash> Store<F> {
         }
         let spare = self.spare();
         self.erase_sector(spare)?;
-        let mark = mark(self.generation);
-        self.flash
-            .write(spare * Self::SECTOR_BYTES, &mark)
-            .map_err(failed)?;
+        self.mark_spare()?;
         self.free().ok_or(FlashError::Failed)
+    }
+
+    /// Notes that the spare sector has been erased to the end.
+    fn mark_spare(&mut self) -> Result<(), FlashError> {
+        let from = self.spare() * Self::SECTOR_BYTES;
+        let written = self.flash.write(from, &mark(self.generation));
+        written.map_err(failed)
     }
 
     fn erase_sector(&mut self, sector: u32) -> Result<(), FlashError> {

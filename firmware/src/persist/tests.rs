@@ -230,8 +230,11 @@ fn an_erasure_that_is_cut_short_leaves_nothing_half() {
         store.save(&Nomad::of(9).contents()).expect("room");
         assert_eq!(number::<16, 16, 100, _>(&mut store, &[9]), Some(9));
     }
+    let erasures = before.erasures.iter().sum::<u32>();
     let mut store = nomad(before);
+    assert_eq!(store.pause_ms(Flash::Erase), 2 * ERASE_MS);
     assert_eq!(store.erase(), Ok(()));
+    assert_eq!(store.flash.erasures.iter().sum::<u32>(), erasures + 2);
     assert_eq!(number::<16, 16, 100, _>(&mut store, &[]), None);
     assert_eq!(store.pause_ms(Flash::Save), WRITE_MS, "there is room");
     assert_eq!(nomad(store.flash).generation(), 0);
