@@ -12,6 +12,7 @@
 //! | [`lamp`] | when the lamp is lit |
 //! | [`line`](mod@line) | how the serial interrupt moves bytes |
 //! | [`pinout`] | which pin does what, and which pins must be left alone |
+//! | [`sonar_ring`] | when which sonar fires, and what its echo means |
 //! | [`stack`] | how deep the stack has been |
 //! | [`vigil`] | whether the watchdog may be fed |
 //!
@@ -31,5 +32,6 @@ pub mod line;
 pub mod pinout;
 #[cfg(feature = "qemu")]
 pub mod provoke;
+pub mod sonar_ring;
 pub mod stack;
 pub mod vigil;

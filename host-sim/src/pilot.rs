@@ -3,6 +3,7 @@
 use crate::episode::Failure;
 use amp::config::Config;
 use amp::controller::{self, Event, Outputs, State};
+use amp::faults::{Detector, Verdict};
 use amp::som::Grid;
 use amp::units::{Millis, Range};
 
@@ -52,6 +53,8 @@ pub trait Thinker: Pilot {
 pub struct Mind {
     config: Config<16>,
     state: Box<SimState>,
+    detector: Detector<16>,
+    verdicts: Vec<Verdict>,
 }
 
 impl Mind {
@@ -61,6 +64,8 @@ impl Mind {
         Self {
             config,
             state: Box::new(State::new(Grid::rectangle(4, 4))),
+            detector: Detector::new(),
+            verdicts: Vec::new(),
         }
     }
 
@@ -68,6 +73,18 @@ impl Mind {
     #[must_use]
     pub fn config(&self) -> &Config<16> {
         &self.config
+    }
+
+    /// Which transducers it has ceased to believe, or believes again, in order.
+    #[must_use]
+    pub fn verdicts(&self) -> &[Verdict] {
+        &self.verdicts
+    }
+
+    /// What keeps watch over its transducers.
+    #[must_use]
+    pub fn detector(&self) -> &Detector<16> {
+        &self.detector
     }
 
     /// What it knows.
@@ -79,6 +96,8 @@ impl Mind {
 
 impl Pilot for Mind {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
+        let verdict = self.detector.heed(&mut self.config, &event);
+        self.verdicts.extend(verdict);
         controller::handle(&self.config, &mut self.state, at, event)
     }
 }

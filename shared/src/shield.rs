@@ -231,6 +231,9 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         limit: i32,
         among: Mask,
     ) -> i32 {
+        if among == Mask::ALL && way.is_blind(config) {
+            return 0;
+        }
         let asked = config.believed.and(among);
         let places = usize::from(way.shielding.places.max(1));
         let mut distance = limit;
@@ -328,6 +331,20 @@ impl<'a> Way<'a> {
             },
             now,
         }
+    }
+
+    /// Whether the transducer that looks nearest to the way is not believed. Its neighbours' lobes leave a gap in which a
+    /// post straight ahead stays unheard all the way; to either side of the gap they hear it in time.
+    fn is_blind<const SENSORS: usize>(&self, config: &Config<SENSORS>) -> bool {
+        if config.believed.covers(SENSORS) {
+            return false;
+        }
+        let ring = config.robot.directions.iter().enumerate();
+        let nearest = ring.max_by_key(|(_, axis)| {
+            let (x, y) = (i32::from(axis.x_q14), i32::from(axis.y_q14));
+            self.direction.along(x, y)
+        });
+        nearest.is_some_and(|(sensor, _)| !config.believed.contains(sensor))
     }
 
     /// Whether the transducer looks where the robot would go.

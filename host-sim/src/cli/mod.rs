@@ -8,6 +8,7 @@ mod ablation;
 mod behaviors;
 mod capture;
 mod demo;
+mod faults;
 mod link;
 mod output;
 mod remote;
@@ -62,6 +63,8 @@ enum Command {
     Capture(capture::CaptureArgs),
     /// Measure whether a behaviour improves by being repeated, against frozen maps
     Repetition(repetition::RepetitionArgs),
+    /// Measure what a sonar out of order does, and how soon the robot ceases to believe it
+    Faults(faults::FaultsArgs),
     /// Print a completion script for a shell
     Completions {
         /// The shell
@@ -128,6 +131,7 @@ fn execute(command: Option<Command>, out: &mut impl Write) -> Result<(), Failure
         Some(Command::Behaviors(args)) => behaviors::behaviors(&args, out),
         Some(Command::Capture(args)) => capture::capture(&args, out),
         Some(Command::Repetition(args)) => repetition::repetition(&args, out),
+        Some(Command::Faults(args)) => faults::faults(&args, out),
         Some(Command::Completions { shell }) => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "host-sim", &mut script);

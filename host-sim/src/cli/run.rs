@@ -12,7 +12,7 @@ use crate::plot;
 use crate::robot::TurretMode;
 use crate::scenes::Behavior;
 use crate::settings;
-use crate::sonar::SonarModel;
+use crate::sonar::{SonarModel, TransducerFault};
 use crate::world::{World, WorldSource, parse_worlds};
 use amp::config::Config;
 use clap::{Args, ValueEnum};
@@ -55,6 +55,10 @@ pub struct RunArgs {
     /// What the sonars return
     #[arg(long, value_name = "MODEL", default_value = "ideal", value_enum)]
     sonar: SonarChoice,
+    /// A sonar that is out of order: dead:N, stuck:N:METRES, scaled:N:SHARE, offset:N:METRES or
+    /// jumping:N:PROBABILITY; may be given several times (see --set fault-detection=on)
+    #[arg(long = "fault", value_name = "KIND:N", value_parser = parse::<TransducerFault>)]
+    faults: Vec<TransducerFault>,
     /// Whether the ring keeps its bearing in the world or turns with the heading
     /// [default: held; follow for the preset touzet]
     #[arg(long, value_name = "MODE", value_enum)]
@@ -284,6 +288,7 @@ fn setup(args: &RunArgs) -> Result<Setup, BadInput> {
             Some(TurretChoice::Follow) => TurretMode::Follow,
         },
         set_down: None,
+        faults: args.faults.clone(),
         record: args.out.is_some(),
     })
 }

@@ -2,6 +2,7 @@
 
 pub mod ablation;
 pub mod behaviors;
+pub mod faults;
 pub mod repetition;
 pub mod rooms;
 pub mod scenes;

@@ -16,9 +16,11 @@ use crate::noise::Noise;
 use crate::world::{ConeShape, LobeView, Point, Pose, View, World};
 
 mod config;
+mod fault;
 mod hearing;
 
 pub use config::{SonarConfig, SonarModel};
+pub use fault::{FaultKind, TransducerFault};
 
 /// Length of an inch, m.
 pub const M_PER_INCH: f64 = 0.0254;
@@ -105,6 +107,7 @@ pub struct Ring {
     lobe: LobeView,
     hearing: hearing::Hearing,
     dead: Option<usize>,
+    faults: fault::Faults,
     earlier: Option<EarlierPing>,
 }
 
@@ -137,11 +140,19 @@ impl Ring {
             lobe: LobeView::default(),
             hearing: hearing::Hearing::new(&config, half_angle),
             dead: config.one_dead.then(|| noise.index(geometry.count)),
+            faults: fault::Faults::default(),
             earlier: None,
             geometry,
             config,
             model,
         }
+    }
+
+    /// The same ring with these faults.
+    #[must_use]
+    pub fn with_faults(mut self, faults: &[TransducerFault]) -> Self {
+        self.faults = fault::Faults::new(faults);
+        self
     }
 
     /// Where the transducers sit.
@@ -166,6 +177,20 @@ impl Ring {
     #[must_use]
     pub fn dead(&self) -> Option<usize> {
         self.dead
+    }
+
+    /// What all transducers say at once, whatever the model: the exact ranges, m, but for faults.
+    pub fn scan_with_faults(
+        &mut self,
+        world: &World,
+        pose: &Pose,
+        out: &mut [Option<f64>],
+        noise: &mut Noise,
+    ) {
+        self.scan(world, pose, out);
+        for (sensor, range) in out.iter_mut().enumerate() {
+            *range = self.faults.reported(sensor, *range, noise);
+        }
     }
 
     /// The exact ranges, m, of all transducers at once, whatever the model: `out[i]` for transducer i, as
@@ -196,7 +221,8 @@ impl Ring {
             let (offset, reach) = (self.geometry.face_radius_m, self.config.max_range_m);
             self.view.build(world, pose.position, offset, reach);
             let range = self.view.nearest_in_cone(axis, offset, self.cone);
-            return (range <= reach).then_some(range);
+            let range = (range <= reach).then_some(range);
+            return self.faults.reported(sensor, range, noise);
         }
         let tip = pose.position + axis * self.geometry.face_radius_m;
         let reach = self.config.max_range_m;
@@ -211,7 +237,8 @@ impl Ring {
         self.earlier = echo
             .map(|echo_m| EarlierPing { time_s, echo_m })
             .or(self.earlier);
-        self.as_reported(heard, noise)
+        let range = self.as_reported(heard, noise);
+        self.faults.reported(sensor, range, noise)
     }
 
     /// The echo, or the reverberation of the ping before if that comes earlier. Sound that goes to and
