@@ -4,11 +4,13 @@
 //! is more to do. Learning is done in slices between events, so that an event waits for one slice at most.
 
 use crate::line::{Faults, Outbox};
+use crate::sonar_ring::{Firing, Heard};
 use amp::config::Config;
 use amp::node::{Identity, NomadNode};
 use amp::som::Grid;
 use amp::units::Millis;
 use amp::wire::Receiver;
+use amp::wire::message::Source;
 use heapless::spsc::Consumer;
 
 /// Starts the mind of the Nomad 200 with the recommended configuration: 16 transducers, 16 neurons to a map, a hundred
@@ -51,6 +53,7 @@ pub struct Control<'parts> {
     mind: &'parts mut NomadNode,
     receiver: Receiver,
     received: Consumer<'parts, u8>,
+    ring: Option<Consumer<'parts, Firing>>,
     outbox: Outbox<'parts>,
     faults: &'parts Faults,
     last_run: Millis,
@@ -71,12 +74,26 @@ impl<'parts> Control<'parts> {
             mind,
             receiver: Receiver::new(),
             received,
+            ring: None,
             outbox,
             faults,
             last_run: Millis::from_ms(0),
             known_linked: false,
             known_lost: 0,
         }
+    }
+
+    /// The same with a ring of its own.
+    #[must_use]
+    pub fn with_ring(mut self, ring: Consumer<'parts, Firing>) -> Self {
+        self.ring = Some(ring);
+        self
+    }
+
+    /// Whether the ring is to fire.
+    #[must_use]
+    pub fn wants_ring(&self) -> bool {
+        self.ring.is_some() && self.mind.source() == Source::Ring
     }
 
     /// Starts the mind at the time `now`.
@@ -96,6 +113,7 @@ impl<'parts> Control<'parts> {
     pub fn run(&mut self, now: Millis) -> bool {
         self.count(now);
         let more_bytes = self.drain(now);
+        self.hear_ring(now);
         let more_work = self.mind.tick(now, &mut self.outbox);
         more_bytes || more_work
     }
@@ -143,6 +161,22 @@ impl<'parts> Control<'parts> {
         self.received.ready()
     }
 
+    /// Hands on what the ring has heard; what the line spoilt is counted, and nothing is known of that transducer.
+    fn hear_ring(&mut self, now: Millis) {
+        let Some(ring) = &mut self.ring else { return };
+        for _ in 0..ring.capacity() {
+            let Some(firing) = ring.dequeue() else { return };
+            match firing.heard {
+                Heard::Range(range) => {
+                    let age_ms = now.since(firing.at);
+                    self.mind
+                        .ring_echo(firing.sensor, range, age_ms, now, &mut self.outbox);
+                }
+                Heard::Fault => self.faults.spoil(),
+            }
+        }
+    }
+
     fn count(&mut self, now: Millis) {
         let waited_ms = now.since(self.last_run);
         self.last_run = now;
@@ -150,6 +184,7 @@ impl<'parts> Control<'parts> {
         let counters = self.mind.device_counters();
         counters.overruns = self.faults.overruns();
         counters.queue_losses = self.faults.lost();
+        counters.ring_faults = self.faults.spoilt();
         counters.ticks = counters.ticks.wrapping_add(1);
         counters.longest_tick_ms = counters.longest_tick_ms.max(waited_ms);
     }

@@ -20,8 +20,9 @@
 //! is no longer believed. A line that is stuck low, a dead transducer and a multiplexer stuck at an address look like
 //! echoes or silence to the pins; the mind's own watch over its transducers ([`amp::faults`]) is what notices them.
 
-use amp::units::Range;
+use amp::units::{Millis, Range};
 use embedded_hal::digital::OutputPin;
+use heapless::spsc::Producer;
 
 pub mod channel;
 pub mod timing;
@@ -143,6 +144,77 @@ impl<P: OutputPin> Pins<P> {
             Action::Init(high) => self.init.set_state(high.into()),
             Action::Binh(high) => self.binh.set_state(high.into()),
         }
+    }
+}
+
+/// What a transducer has to say to the mind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Firing {
+    /// Transducer.
+    pub sensor: u8,
+    /// What it heard.
+    pub heard: Heard,
+    /// When it fired.
+    pub at: Millis,
+}
+
+/// A driver that fires while it is wanted and fills a queue.
+pub struct Ring<'queue, P> {
+    driver: Driver<P>,
+    timing: Timing,
+    sound: Sound,
+    firings: Producer<'queue, Firing>,
+    runs: bool,
+}
+
+impl<'queue, P: OutputPin> Ring<'queue, P> {
+    /// A ring at rest, in the Nomad's order.
+    #[must_use]
+    pub const fn new(
+        driver: Driver<P>,
+        timing: Timing,
+        sound: Sound,
+        firings: Producer<'queue, Firing>,
+    ) -> Self {
+        Self {
+            driver,
+            timing,
+            sound,
+            firings,
+            runs: false,
+        }
+    }
+
+    /// Does what is due at `now`, the time of the moment the capture's clock shows. Returns when to come again, on that
+    /// clock; `None` while the ring is not wanted.
+    ///
+    /// # Errors
+    /// When a pin cannot be set.
+    pub fn serve(
+        &mut self,
+        capture: &mut impl Capture,
+        now: Millis,
+        wanted: bool,
+    ) -> Result<Option<u32>, P::Error> {
+        let now_us = capture.now_us();
+        if wanted != self.runs {
+            self.runs = wanted;
+            self.driver
+                .restart(self.timing, FiringOrder::NOMAD, now_us)?;
+        }
+        if !wanted {
+            return Ok(None);
+        }
+        let (sound, firings) = (self.sound, &mut self.firings);
+        self.driver.run(capture, |reading| {
+            let age_ms = now_us.wrapping_sub(reading.fired_us) / 1_000;
+            // No room: the mind has not looked for half a second. The ring stays incomplete.
+            let _ = firings.enqueue(Firing {
+                sensor: reading.sensor,
+                heard: reading.outcome.heard(sound),
+                at: Millis::from_ms(now.as_ms().wrapping_sub(age_ms)),
+            });
+        })
     }
 }
 

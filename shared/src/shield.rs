@@ -333,18 +333,18 @@ impl<'a> Way<'a> {
         }
     }
 
-    /// Whether the transducer that looks nearest to the way is not believed. Its neighbours' lobes leave a gap in which a
-    /// post straight ahead stays unheard all the way; to either side of the gap they hear it in time.
+    /// Whether the way leads along the gap of a transducer that is not believed: a post there stays unheard all the way. A
+    /// gap reaches to the middle of its neighbours' lobes, or the robot would touch what stands between (measured).
     fn is_blind<const SENSORS: usize>(&self, config: &Config<SENSORS>) -> bool {
         if config.believed.covers(SENSORS) {
             return false;
         }
-        let ring = config.robot.directions.iter().enumerate();
-        let nearest = ring.max_by_key(|(_, axis)| {
+        const COS_24_Q14: i32 = 14_968;
+        let mut ring = config.robot.directions.iter().enumerate();
+        ring.any(|(sensor, axis)| {
             let (x, y) = (i32::from(axis.x_q14), i32::from(axis.y_q14));
-            self.direction.along(x, y)
-        });
-        nearest.is_some_and(|(sensor, _)| !config.believed.contains(sensor))
+            !config.believed.contains(sensor) && self.direction.along(x, y) > COS_24_Q14
+        })
     }
 
     /// Whether the transducer looks where the robot would go.

@@ -12,8 +12,8 @@ use amp::fixed::Mask;
 use amp::som::Grid;
 use amp::units::{Millis, Range};
 use amp::wire::message::{
-    Clock, FromMind, GoalBy, Heard, MindHello, ModeReport, MotionOrder, Order, Part, Refusal,
-    Report,
+    Clock, FromMind, GoalBy, Heard, MindHello, ModeReport, MotionOrder, Notice, Order, Part,
+    Refusal, Report,
 };
 use amp::wire::{ToMind, message};
 use std::time::{Duration, Instant};
@@ -243,6 +243,12 @@ impl<'s> RemoteMind<'s> {
                 return Err(LinkError::Stopped(*reason));
             }
             FromMind::Mode(_) => outputs.mode_changed = true,
+            FromMind::Log(Notice::Disbelieved { sensor, .. }) => {
+                self.config.believed = self.config.believed.without((*sensor).into());
+            }
+            FromMind::Log(Notice::Believed { sensor }) => {
+                self.config.believed = self.config.believed.with((*sensor).into());
+            }
             _ => {}
         }
         Ok(())

@@ -100,6 +100,13 @@ pub fn describe(report: &Report<16>) -> String {
         FromMind::Log(Notice::FramesDropped { count }) => {
             ("log", format!("{count} frames found no room so far"))
         }
+        FromMind::Log(Notice::Disbelieved { sensor, fault }) => (
+            "log",
+            format!("sonar {sensor} is not believed any more: {fault:?}"),
+        ),
+        FromMind::Log(Notice::Believed { sensor }) => {
+            ("log", format!("sonar {sensor} is believed again"))
+        }
         FromMind::Done { seq } => ("done", format!("frame {seq}")),
     };
     let time_s = f64::from(report.device_ms) / 1e3;
