@@ -85,7 +85,7 @@ fn found(wrong: impl Fn(u32, Option<Range>) -> Option<Range>) -> Option<Fault> {
 #[test]
 fn every_kind_of_fault_is_found_and_named() {
     assert_eq!(found(|_, _| None), Some(Fault::Dead));
-    assert_eq!(found(|_, _| mm(700)), Some(Fault::Stuck));
+    assert_eq!(found(|_, _| mm(1_750)), Some(Fault::Stuck));
     let jump = |step: u32, _| mm((step.wrapping_mul(2_654_435_761) >> 20) as u16 + 200);
     assert_eq!(found(jump), Some(Fault::Jumping));
     // Right changes, half the range too near.
