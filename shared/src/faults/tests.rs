@@ -157,7 +157,14 @@ fn no_more_than_a_quarter_of_the_ring_is_disbelieved() {
     for _ in 0..400 {
         let moved = Event::Odometry {
             motion: 1,
-            moved: Displacement::saturating(if walk.step % 2 == 0 { 250 } else { -250 }, 250),
+            moved: Displacement::saturating(
+                if walk.step.is_multiple_of(2) {
+                    250
+                } else {
+                    -250
+                },
+                250,
+            ),
             turned: Bearing::ZERO,
             progress: Progress::Ended,
         };
