@@ -82,17 +82,24 @@ impl GoalFile {
     /// A sentence that names the file, the line and what is wrong there.
     pub fn load(path: &Path) -> Result<Self, BadInput> {
         let text = read_text(path, MAX_FILE_BYTES)?;
-        let name = path.display().to_string();
-        let (components, place_mm) = parse(&text).map_err(|(at, what)| match at {
+        Self::read(&text, &path.display().to_string())
+    }
+
+    /// Reads the text of a goal file; `name` names it in errors.
+    ///
+    /// # Errors
+    /// Like [`GoalFile::load`].
+    pub fn read(text: &str, name: &str) -> Result<Self, BadInput> {
+        let (components, place_mm) = parse(text).map_err(|(at, what)| match at {
             Some(at) => {
                 let before = text.as_bytes().get(..at).unwrap_or_default();
                 let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
-                BadInput::line(&name, line, what)
+                BadInput::line(name, line, what)
             }
-            None => BadInput::file(path, what),
+            None => BadInput::file(name.as_ref(), what),
         })?;
         Ok(Self {
-            path: name,
+            path: name.to_owned(),
             components,
             place_mm,
         })

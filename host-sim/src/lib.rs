@@ -1,4 +1,5 @@
 //! Simulator of a Nomad 200 driven by the `amp` crate.
+pub mod barn;
 pub mod baselines;
 pub mod cli;
 pub mod coverage;
@@ -6,8 +7,11 @@ pub mod episode;
 pub mod error;
 pub mod experiments;
 pub mod goal_file;
+pub mod learn;
 pub mod link;
+pub mod log;
 pub mod noise;
+pub mod nomad;
 pub mod pilot;
 pub mod plot;
 pub mod recording;
@@ -16,4 +20,5 @@ pub mod scenes;
 pub mod settings;
 pub mod som;
 pub mod sonar;
+pub mod view;
 pub mod world;

@@ -49,6 +49,26 @@ pub trait Thinker: Pilot {
     fn knowledge(&mut self) -> Result<&SimState, Failure>;
 }
 
+impl<P: Pilot> Pilot for &mut P {
+    fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
+        (**self).handle(at, event)
+    }
+
+    fn echoes(&mut self, at: Millis, echoes: &[(u8, Option<Range>)]) -> (usize, Outputs<16>) {
+        (**self).echoes(at, echoes)
+    }
+
+    fn failure(&self) -> Option<Failure> {
+        (**self).failure()
+    }
+}
+
+impl<P: Thinker> Thinker for &mut P {
+    fn knowledge(&mut self) -> Result<&SimState, Failure> {
+        (**self).knowledge()
+    }
+}
+
 /// The robot's mind: the very crate that runs on the microcontroller.
 pub struct Mind {
     config: Config<16>,
@@ -61,12 +81,23 @@ impl Mind {
     /// A mind that knows nothing yet.
     #[must_use]
     pub fn new(config: Config<16>) -> Self {
+        Self::with_state(config, State::new(Grid::rectangle(4, 4)))
+    }
+
+    /// A mind that knows this already.
+    #[must_use]
+    pub fn with_state(config: Config<16>, state: SimState) -> Self {
         Self {
             config,
-            state: Box::new(State::new(Grid::rectangle(4, 4))),
+            state: Box::new(state),
             detector: Detector::new(),
             verdicts: Vec::new(),
         }
+    }
+
+    /// Tells it something else; what it knows stays.
+    pub fn configure(&mut self, config: Config<16>) {
+        self.config = config;
     }
 
     /// What it was told.

@@ -2,21 +2,26 @@
 //!
 //! Two ways to move it. [`Base::move_exactly`] puts it where the command says, or where it touches
 //! something: instant and without noise. [`Base::command`] and [`Base::advance`] move it as the machine
-//! does: steer first, then roll, each with limited speed and acceleration, and with slip.
+//! does: steer first, then roll, each with limited speed and acceleration, and with slip. [`Axes`] has the three
+//! motors at their own commands instead.
 //!
 //! Steering turns the wheels alone: the base keeps its bearing in the world, and its bumpers with it. The
 //! turret carries the ring. *Held*, it keeps its bearing too; *follow*, it turns with the wheels.
 
-use core::f64::consts::{FRAC_PI_2, PI, TAU};
+use core::f64::consts::{FRAC_PI_2, PI};
 use core::str::FromStr;
 
 use crate::error::BadInput;
 use crate::noise::Noise;
-use crate::world::{Point, Pose, Sweep, World, wrap_angle};
+use crate::world::{Point, Pose, World, wrap_angle};
 
+mod axes;
+mod chassis;
 mod motion;
 mod servo;
 
+pub use axes::{Axes, Axis, AxisLimits};
+use chassis::{Chassis, share_of};
 pub use motion::{Executed, Motion};
 use servo::{approach, slow};
 
@@ -102,10 +107,7 @@ enum Drive {
 pub struct Base {
     limits: BaseLimits,
     turret: TurretMode,
-    position: Point,
-    odometry: Point,
-    /// Bearing of the base itself: fixed.
-    front: f64,
+    chassis: Chassis,
     steering: f64,
     ring: f64,
     drive: Drive,
@@ -113,8 +115,6 @@ pub struct Base {
     /// Along the wheels; negative in reverse.
     speed: f64,
     turn_rate: f64,
-    /// Complex factor from odometry to truth.
-    slip: Point,
 }
 
 impl Base {
@@ -124,23 +124,20 @@ impl Base {
         Self {
             limits,
             turret,
-            position: pose.position,
-            odometry: pose.position,
-            front: pose.heading,
+            chassis: Chassis::new(pose),
             steering: pose.heading,
             ring: pose.heading,
             drive: Drive::Still,
             speed_limit: limits.speed_m_s,
             speed: 0.0,
             turn_rate: 0.0,
-            slip: Point::new(1.0, 0.0),
         }
     }
 
     /// True position and bearing of the ring.
     #[must_use]
     pub fn pose(&self) -> Pose {
-        Pose::new(self.position, self.ring)
+        Pose::new(self.chassis.position, self.ring)
     }
 
     /// Direction in which the wheels roll forward, in the world, rad.
@@ -152,7 +149,7 @@ impl Base {
     /// Where the odometry believes to be, m: the truth without slip, from the same start.
     #[must_use]
     pub fn odometry(&self) -> Point {
-        self.odometry
+        self.chassis.odometry
     }
 
     /// Direction of travel relative to the ring, rad in [−π, π).
@@ -179,12 +176,12 @@ impl Base {
     pub fn move_exactly(&mut self, world: &World, dx_m: f64, dy_m: f64) -> Executed {
         let asked = Point::new(dx_m, dy_m);
         let length = asked.length();
-        let (from, ring_before) = (self.position, Point::unit(self.ring));
+        let (from, ring_before) = (self.chassis.position, Point::unit(self.ring));
         let sweep = world.sweep(from, from + asked.turned(ring_before), COLLISION_RADIUS_M);
         let share = share_of(&sweep, length);
         let done = asked * share;
-        self.position = from + done.turned(ring_before);
-        self.odometry = self.odometry + done.turned(ring_before);
+        self.chassis.position = from + done.turned(ring_before);
+        self.chassis.odometry = self.chassis.odometry + done.turned(ring_before);
         let turned_rad = if length > 0.0 {
             self.point_wheels(asked)
         } else {
@@ -197,7 +194,7 @@ impl Base {
             odometry_dy_m: done.y,
             turned_rad,
             touched: sweep.touched(),
-            bumpers: self.bumpers_at(&sweep),
+            bumpers: self.chassis.bumpers_at(&sweep),
             moving: false,
             travelled_m: sweep.travelled_m,
             min_clearance_m: sweep.min_clearance_m,
@@ -218,22 +215,11 @@ impl Base {
         }
     }
 
-    fn bumpers_at(&self, sweep: &Sweep) -> u32 {
-        let Some(contact) = sweep.contact else {
-            return 0;
-        };
-        let bearing = (contact - self.position).angle() - self.front;
-        let switch = libm::rint(bearing / TAU * f64::from(BUMPERS));
-        // A whole number of switches from the front, within ±2 turns.
-        1 << (switch as i32).rem_euclid(BUMPERS as i32)
-    }
-
     /// Starts a timed motion; it replaces the present one. A displacement of zero brakes to a stop. A base
     /// that already rolls towards the new goal keeps rolling (it may pass beside it by 1° of the way left);
     /// otherwise it stops first. Slip is drawn from `noise`.
     pub fn command(&mut self, motion: Motion, noise: &mut Noise) {
-        let share = 1.0 + self.limits.slip * noise.normal();
-        self.slip = Point::unit(self.limits.slip * noise.normal()) * share;
+        self.chassis.slip(self.limits.slip, noise);
         let asked = Point::new(motion.dx_m, motion.dy_m);
         let finite = asked.x.is_finite() && asked.y.is_finite() && motion.speed_m_s.is_finite();
         if !finite || asked.length() <= NEGLIGIBLE || motion.speed_m_s <= 0.0 {
@@ -241,7 +227,7 @@ impl Base {
             return;
         }
         self.speed_limit = motion.speed_m_s.min(self.limits.speed_m_s);
-        let goal = self.odometry + asked.turned(Point::unit(self.ring));
+        let goal = self.chassis.odometry + asked.turned(Point::unit(self.ring));
         self.drive = if self.rolls_towards(goal) {
             Drive::Roll(goal)
         } else {
@@ -250,7 +236,7 @@ impl Base {
     }
 
     fn rolls_towards(&self, goal: Point) -> bool {
-        let way = (goal - self.odometry).turned_back(Point::unit(self.steering));
+        let way = (goal - self.chassis.odometry).turned_back(Point::unit(self.steering));
         let off = way.y.abs() <= way.x.abs() * SAME_DIRECTION_RAD;
         off && self.speed * way.x > 0.0
     }
@@ -270,16 +256,8 @@ impl Base {
                 break;
             }
         }
-        if done.min_clearance_m == f64::INFINITY {
-            // Nothing rolled: the gap where it stands.
-            done.min_clearance_m = (world.clearance(self.position) - COLLISION_RADIUS_M).max(0.0);
-        }
-        let ring = Point::unit(before.ring);
-        let truth = (self.position - before.position).turned_back(ring);
-        let believed = (self.odometry - before.odometry).turned_back(ring);
-        (done.dx_m, done.dy_m) = (truth.x, truth.y);
-        (done.odometry_dx_m, done.odometry_dy_m) = (believed.x, believed.y);
-        done.turned_rad = wrap_angle(self.ring - before.ring);
+        let rings = [before.ring, self.ring];
+        self.chassis.since(&before.chassis, rings, world, &mut done);
         done.moving = self.is_moving();
         done
     }
@@ -290,7 +268,7 @@ impl Base {
             Drive::Brake(goal) => self.brake(goal, dt, world, done),
             Drive::Steer(goal) => self.steer(goal, dt),
             Drive::Roll(goal) => {
-                let way = (goal - self.odometry).dot(Point::unit(self.steering));
+                let way = (goal - self.chassis.odometry).dot(Point::unit(self.steering));
                 let (a, limit) = (self.limits.acceleration_m_s2, self.speed_limit);
                 let (moved, speed) = approach(way, self.speed, limit, a, dt);
                 self.speed = speed;
@@ -314,14 +292,14 @@ impl Base {
         if self.drive == Drive::Still || self.speed != 0.0 || self.turn_rate != 0.0 {
             return;
         }
-        let goal = goal.filter(|goal| goal.distance(self.odometry) > NEGLIGIBLE);
+        let goal = goal.filter(|goal| goal.distance(self.chassis.odometry) > NEGLIGIBLE);
         self.drive = goal.map_or(Drive::Still, Drive::Steer);
     }
 
     /// Turns the wheels at rest: straight towards the goal, or straight away from it where that is the
     /// shorter turn and the turret does not follow.
     fn steer(&mut self, goal: Point, dt: f64) {
-        let mut left = wrap_angle((goal - self.odometry).angle() - self.steering);
+        let mut left = wrap_angle((goal - self.chassis.odometry).angle() - self.steering);
         if self.turret == TurretMode::Held && left.abs() > FRAC_PI_2 {
             left -= if left > 0.0 { PI } else { -PI };
         }
@@ -346,33 +324,11 @@ impl Base {
 
     /// Rolls `way` m along the wheels, as the odometry counts, up to the first touch.
     fn roll(&mut self, way: f64, world: &World, done: &mut Executed) {
-        if way == 0.0 {
-            return;
-        }
-        let believed = Point::unit(self.steering) * way;
-        let truth = believed.turned(self.slip);
-        let sweep = world.sweep(self.position, self.position + truth, COLLISION_RADIUS_M);
-        let length = truth.length();
-        let share = share_of(&sweep, length);
-        self.position = self.position + truth * share;
-        self.odometry = self.odometry + believed * share;
-        done.travelled_m += sweep.travelled_m;
-        done.min_clearance_m = done.min_clearance_m.min(sweep.min_clearance_m);
-        if sweep.touched() {
-            done.touched = true;
-            done.bumpers |= self.bumpers_at(&sweep);
+        self.chassis.roll(way, self.steering, world, done);
+        if done.touched {
             (self.speed, self.turn_rate) = (0.0, 0.0);
             self.drive = Drive::Still;
         }
-    }
-}
-
-/// Share of a way of `length` m that a sweep went.
-fn share_of(sweep: &Sweep, length: f64) -> f64 {
-    if sweep.touched() && length > 0.0 {
-        (sweep.travelled_m / length).min(1.0)
-    } else {
-        1.0
     }
 }
 

@@ -181,6 +181,17 @@ impl FromStr for Behavior {
     }
 }
 
+/// Whether a part of a chain is done after so many steps, of which the goal held in some: a place when its goal holds, a
+/// way when its goal has held for a while.
+#[must_use]
+pub fn is_reached(part: &Behavior, steps: u32, goal_steps: u32) -> bool {
+    match part {
+        Behavior::Nest | Behavior::Seek(_) => goal_steps > 0,
+        Behavior::WallLeft | Behavior::WallRight => steps >= CHAIN_HOLDS * 5,
+        _ => goal_steps >= CHAIN_HOLDS,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

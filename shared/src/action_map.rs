@@ -3,7 +3,9 @@
 //! A neuron holds a change of situation Δ and an action side by side: two codebooks over one grid. Learning finds the
 //! winner by both parts, |Δ − Δ_k|² + λ |a − a_k|²; recall probes with the change alone.
 
-use crate::fixed::{Mask, ONE_BITS, Weight, coarse, isqrt, quotient, squared_norm, unit_weight};
+use crate::fixed::{
+    Fine, Mask, ONE_BITS, Weight, coarse, isqrt, quotient, squared_norm, unit_weight,
+};
 use crate::som::neighbourhood::Pull;
 use crate::som::{Grid, Learn, Som, kernels};
 use crate::units::{Bearing, Displacement};
@@ -81,10 +83,54 @@ pub struct Effect<const SENSORS: usize> {
 }
 
 /// A map of (change of situation, action).
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone)]
 pub struct ActionMap<const NEURONS: usize, const SENSORS: usize> {
     changes: Som<NEURONS, SENSORS>,
     actions: Som<NEURONS, 2>,
+    /// Of the code vectors as they are; `None` = to be summed again.
+    products: Option<Products<SENSORS>>,
+}
+
+/// The code vectors alone: the products follow from them.
+impl<const NEURONS: usize, const SENSORS: usize> PartialEq for ActionMap<NEURONS, SENSORS> {
+    fn eq(&self, other: &Self) -> bool {
+        self.changes == other.changes && self.actions == other.actions
+    }
+}
+
+impl<const NEURONS: usize, const SENSORS: usize> Eq for ActionMap<NEURONS, SENSORS> {}
+
+/// Sums over all neurons of a map, at most 31, in units of 2⁻²⁶. A decision needs all of them, and what is learnt from a
+/// move changes one neuron's part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Products<const SENSORS: usize> {
+    /// Of the actions' components: x x, x y, y y.
+    pub(crate) plane: [i32; 3],
+    /// Of each transducer's change with x and with y.
+    pub(crate) changes: [[i32; 2]; SENSORS],
+}
+
+impl<const SENSORS: usize> Products<SENSORS> {
+    const NONE: Self = Self {
+        plane: [0; 3],
+        changes: [[0; 2]; SENSORS],
+    };
+
+    /// Adds a neuron's part, or takes it away.
+    #[inline(never)]
+    fn count(&mut self, action: &[Fine; 2], change: &[Fine; SENSORS], sign: i32) {
+        let [x, y] = action.map(|part| i32::from(coarse(part).to_bits()));
+        let (signed_x, signed_y) = (x.wrapping_mul(sign), y.wrapping_mul(sign));
+        let [xx, xy, yy] = &mut self.plane;
+        *xx = xx.wrapping_add(signed_x.wrapping_mul(x));
+        *xy = xy.wrapping_add(signed_x.wrapping_mul(y));
+        *yy = yy.wrapping_add(signed_y.wrapping_mul(y));
+        for ([along_x, along_y], change) in self.changes.iter_mut().zip(change) {
+            let change = i32::from(coarse(*change).to_bits());
+            *along_x = along_x.wrapping_add(signed_x.wrapping_mul(change));
+            *along_y = along_y.wrapping_add(signed_y.wrapping_mul(change));
+        }
+    }
 }
 
 impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
@@ -98,6 +144,7 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         Self {
             changes: Som::new(grid, changes),
             actions: Som::new(grid, actions),
+            products: None,
         }
     }
 
@@ -107,16 +154,19 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         Self {
             changes: Som::zeroed(grid),
             actions: Som::zeroed(grid),
+            products: None,
         }
     }
 
     /// The changes of situation, to be written.
     pub(crate) const fn changes_mut(&mut self) -> &mut Som<NEURONS, SENSORS> {
+        self.products = None;
         &mut self.changes
     }
 
     /// The actions, to be written.
     pub(crate) const fn actions_mut(&mut self) -> &mut Som<NEURONS, 2> {
+        self.products = None;
         &mut self.actions
     }
 
@@ -151,9 +201,60 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         })
     }
 
+    /// Sums the products unless they are known; maps of more than 31 neurons do without.
+    pub(crate) fn keep_products(&mut self) {
+        if self.products.is_none() && NEURONS <= 31 {
+            let products = self.products.insert(Products::NONE);
+            for (action, change) in self.actions.code().iter().zip(self.changes.code()) {
+                products.count(action, change, 1);
+            }
+        }
+    }
+
+    /// The products, if they are known.
+    pub(crate) const fn products(&self) -> Option<&Products<SENSORS>> {
+        self.products.as_ref()
+    }
+
+    fn count_products(&mut self, neuron: usize, sign: i32) {
+        let code = (
+            self.actions.code().get(neuron),
+            self.changes.code().get(neuron),
+        );
+        if let (Some(products), (Some(action), Some(change))) = (&mut self.products, code) {
+            products.count(action, change, sign);
+        }
+    }
+
+    /// As [`learn`](Self::learn), the products kept where the winner learns alone.
+    pub(crate) fn learn_on(
+        &mut self,
+        winner: usize,
+        effect: &Effect<SENSORS>,
+        pull: &Pull<NEURONS>,
+    ) {
+        if !pull.is_alone() {
+            return self.learn(winner, effect, pull);
+        }
+        self.count_products(winner, -1);
+        self.pull(winner, effect, pull);
+        self.count_products(winner, 1);
+    }
+
     /// One step of learning around `winner`.
-    #[inline(never)]
     pub fn learn(&mut self, winner: usize, effect: &Effect<SENSORS>, pull: &Pull<NEURONS>) {
+        self.forget_products();
+        self.pull(winner, effect, pull);
+    }
+
+    /// Does without the products until they are summed again.
+    pub(crate) const fn forget_products(&mut self) {
+        self.products = None;
+    }
+
+    /// As [`learn`](Self::learn), the products left as they are.
+    #[inline(never)]
+    pub(crate) fn pull(&mut self, winner: usize, effect: &Effect<SENSORS>, pull: &Pull<NEURONS>) {
         // Both codebooks stand on one grid.
         let learn = Learn {
             grid: self.changes.grid(),
@@ -168,9 +269,8 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
     }
 
     /// What the map answers to a wanted change: the best neuron among those `allowed` counts (among all
-    /// where it counts none), and the action of it or, with `together`, of all of them.
+    /// where it counts none), and the action of it and of all of them together.
     #[must_use]
-    #[inline(never)]
     pub fn recall(
         &self,
         wanted: &[Weight; SENSORS],
@@ -178,27 +278,47 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         probe: Probe,
         allowed: Mask,
     ) -> Answer {
-        let scores = match probe.recall {
-            Recall::Distance => self
-                .changes
-                .scores_masked(wanted, mask)
-                .map(i64::saturating_neg),
-            // Nothing wanted: no neuron points that way more than another.
-            Recall::Direction if wanted.iter().all(|w| *w == Weight::ZERO) => [0; NEURONS],
-            Recall::Direction => self.changes.alignments(&stretched(wanted), mask),
-            Recall::Projection => self.changes.projections(wanted, mask),
-        };
-        let neuron = match probe.preference {
-            Some(preference) => {
-                kernels::greatest(&self.preferring(&scores, wanted, preference), allowed)
-            }
-            None => kernels::greatest(&scores, allowed),
-        };
+        let mut found = Match::none();
+        self.matches(wanted, mask, probe, allowed, &mut found);
         Answer {
-            neuron,
-            alone: self.actions.code_vector(neuron),
-            together: self.together(&scores, allowed),
+            neuron: found.neuron,
+            alone: self.actions.code_vector(found.neuron),
+            together: self.together(&found, allowed),
         }
+    }
+
+    /// The best neuron for a wanted change among those `allowed` counts, and how well each neuron matches; into room lent
+    /// for it, as the scores are many to copy.
+    #[inline(never)]
+    pub(crate) fn matches(
+        &self,
+        wanted: &[Weight; SENSORS],
+        mask: Mask,
+        probe: Probe,
+        allowed: Mask,
+        found: &mut Match<NEURONS>,
+    ) {
+        found.scores = None;
+        match probe.recall {
+            Recall::Distance => {
+                let scores = self.changes.scores_masked(wanted, mask);
+                found.scores = Some(scores.map(i64::saturating_neg));
+            }
+            // Nothing wanted: no neuron points that way more than another.
+            Recall::Direction if *wanted == [Weight::ZERO; SENSORS] => {}
+            Recall::Direction => {
+                found.scores = Some(self.changes.alignments(&stretched(wanted), mask));
+            }
+            Recall::Projection => found.scores = Some(self.changes.projections(wanted, mask)),
+        }
+        found.neuron = match (probe.preference, &found.scores) {
+            (Some(preference), scores) => {
+                let scores = scores.as_ref().unwrap_or(&[0; NEURONS]);
+                kernels::greatest(&self.preferring(scores, wanted, preference), allowed)
+            }
+            (None, Some(scores)) => kernels::greatest(scores, allowed),
+            (None, None) => (0..NEURONS).find(|k| allowed.contains(*k)).unwrap_or(0),
+        };
     }
 
     /// The scores plus the weighted cosine of the neurons' actions with the preferred one.
@@ -227,28 +347,58 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
     /// The mean of the neurons' actions, weighted with the fourth power of their scores; neurons with a
     /// score below 0, or that `allowed` does not count, have no part in it. Zero where none has.
     #[inline(never)]
-    fn together(&self, scores: &[i64; NEURONS], allowed: Mask) -> [Weight; 2] {
-        let counted = |k: usize, score: i64| if allowed.contains(k) { score.max(0) } else { 0 };
-        let best = scores
-            .iter()
-            .enumerate()
-            .map(|(k, score)| counted(k, *score))
-            .max();
-        let best = best.unwrap_or(0).max(1);
-        let (mut sum, mut total) = ([0_i64; 2], 0_i64);
-        for (k, (score, action)) in scores.iter().zip(self.actions.code()).enumerate() {
-            // The score over the best one's, Q10: its fourth power takes 20 bits before the last shift.
-            let share = quotient(counted(k, *score).saturating_mul(1 << 10), best);
-            let share = share.min(1 << 10) as i32;
-            let squared = (share * share) >> 10;
-            let weight = (squared * squared) >> 10;
-            total = total.wrapping_add(i64::from(weight));
-            for (sum, part) in sum.iter_mut().zip(action) {
-                let part = i32::from(coarse(*part).to_bits());
-                *sum = sum.wrapping_add(i64::from(weight) * i64::from(part));
+    pub(crate) fn together(&self, found: &Match<NEURONS>, allowed: Mask) -> [Weight; 2] {
+        let Some(scores) = &found.scores else {
+            return [Weight::ZERO; 2];
+        };
+        // What is not counted is 0; a score above 0 is a sum of at most 31 products and fits.
+        let (mut counted, mut best) = ([0_u32; NEURONS], 1_u32);
+        for (k, (counted, score)) in counted.iter_mut().zip(scores).enumerate() {
+            if *score > 0 && allowed.contains(k) {
+                *counted = *score as u32;
+                best = best.max(*counted);
             }
         }
-        sum.map(|sum| unit_weight(quotient(sum, total) as i32))
+        // At most 2¹⁰ times 2¹³ per neuron.
+        let (mut sum, mut total) = ([0_i32; 2], 0_i32);
+        for (counted, action) in counted.iter().zip(self.actions.code()) {
+            if *counted == 0 {
+                continue;
+            }
+            // The score over the best one's, Q10: its fourth power takes 20 bits before the last shift.
+            let share = match counted.checked_mul(1 << 10) {
+                Some(scaled) => scaled.checked_div(best).unwrap_or(0),
+                None => quotient(i64::from(*counted) << 10, i64::from(best)) as u32,
+            } as i32;
+            let squared = (share * share) >> 10;
+            let weight = (squared * squared) >> 10;
+            total = total.wrapping_add(weight);
+            for (sum, part) in sum.iter_mut().zip(action) {
+                let part = i32::from(coarse(*part).to_bits());
+                *sum = sum.wrapping_add(weight * part);
+            }
+        }
+        sum.map(|sum| unit_weight(sum.checked_div(total).unwrap_or(0)))
+    }
+}
+
+/// How well the neurons match a wanted change.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Match<const NEURONS: usize> {
+    /// The best neuron.
+    pub(crate) neuron: usize,
+    /// The greater, the better; `None` = nothing is wanted.
+    scores: Option<[i64; NEURONS]>,
+}
+
+impl<const NEURONS: usize> Match<NEURONS> {
+    /// Nothing has been asked yet. Made on the spot: a constant would be copied with all its room.
+    #[inline(always)]
+    pub(crate) const fn none() -> Self {
+        Self {
+            neuron: 0,
+            scores: None,
+        }
     }
 }
 
@@ -301,7 +451,7 @@ fn stretched<const SENSORS: usize>(vector: &[Weight; SENSORS]) -> [Weight; SENSO
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fixed::Fine;
+    use crate::som::Neighbourhood;
     use proptest::prelude::*;
 
     const CHANGES: [[i16; 3]; 4] = [[800, 0, 0], [0, 8_192, 0], [6_000, 0, 0], [7_000, 8_000, 0]];
@@ -384,6 +534,38 @@ mod tests {
         assert_eq!((recall(None), recall(Some(1)), recall(Some(2))), (0, 1, 2));
         // A preference is no match: the neuron without the wanted change does not answer.
         assert_ne!(recall(Some(3)), 3);
+    }
+
+    #[test]
+    fn products_kept_while_learning_are_those_summed_anew() {
+        let mut map = map();
+        map.keep_products();
+        let alone = Pull::new(Neighbourhood::Direct, 20_000, 0);
+        for (winner, (change, action)) in CHANGES.iter().zip(ACTIONS).enumerate() {
+            let effect = Effect {
+                change: change.map(|bits| Weight::from_bits(bits / 3 - 500)),
+                action: action.map(Weight::from_bits),
+                mask: Mask::ALL.without(winner),
+            };
+            map.learn_on((winner + 1) % 4, &effect, &alone);
+            let kept = *map.products().unwrap();
+            map.forget_products();
+            map.keep_products();
+            assert_eq!(map.products(), Some(&kept));
+            assert_eq!(map.clone(), map);
+        }
+        // Neighbours that learn too, and whatever is written, make them unknown.
+        let together = Pull::new(Neighbourhood::Direct, 20_000, 20_000);
+        let effect = Effect {
+            change: CHANGES[0].map(Weight::from_bits),
+            action: ACTIONS[0].map(Weight::from_bits),
+            mask: Mask::ALL,
+        };
+        map.learn_on(0, &effect, &together);
+        assert_eq!(map.products(), None);
+        map.keep_products();
+        map.actions_mut().set_component(0, Fine::from_bits(5));
+        assert_eq!(map.products(), None);
     }
 
     #[test]

@@ -16,7 +16,8 @@ use crate::action_map::ActionMap;
 use crate::config::Config;
 use crate::fixed::Mask;
 use crate::memory::Memory;
-use crate::scan::{Echo, Scan, Situation};
+use crate::planner::GoalNeuron;
+use crate::scan::{Aligned, Echo, Scan};
 use crate::shield::Shield;
 use crate::som::{Grid, Som};
 use crate::units::{Bearing, Displacement, Millis};
@@ -36,7 +37,7 @@ use search::Search;
 /// A motion under way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Pending<const SENSORS: usize> {
-    before: Situation<SENSORS>,
+    before: Aligned<SENSORS>,
     commanded: Displacement,
     /// Executed so far, in the ring's frame at the decision.
     executed: Displacement,
@@ -50,7 +51,8 @@ struct Pending<const SENSORS: usize> {
 impl<const SENSORS: usize> Pending<SENSORS> {
     /// Less than half of it was carried out.
     fn was_cut(&self) -> bool {
-        self.executed.length_mm() < self.commanded.length_mm() / 2
+        let half = u32::from(self.commanded.length_mm() / 2);
+        self.executed.is_shorter_than(half)
     }
 }
 
@@ -82,6 +84,8 @@ pub struct State<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usiz
     course: Displacement,
     /// Decisions for which each action neuron stays inhibited.
     inhibited: [u8; NEURONS],
+    /// The neuron that stood for the goal last time.
+    goal_neuron: GoalNeuron,
     /// How the search for a place goes.
     search: Search,
 }
@@ -113,6 +117,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             motion_id: 0,
             course: Displacement::ZERO,
             inhibited: [0; NEURONS],
+            goal_neuron: GoalNeuron::UNKNOWN,
             search: Search::NEW,
         }
     }
@@ -274,6 +279,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         at: Millis,
         command: Command<SENSORS>,
     ) -> Outputs<SENSORS> {
+        self.goal_neuron.deviation = None;
         let most = u16::try_from(SAMPLES).unwrap_or(u16::MAX);
         let mode = match command {
             Command::Explore { moves, .. } if moves == 0 || moves > most => {

@@ -254,6 +254,23 @@ impl Mask {
         self.0 & low == low
     }
 
+    /// The first `count` components, at most 32, that count, in order.
+    pub(crate) fn indices(self, count: usize) -> impl Iterator<Item = usize> {
+        let low = if count >= 32 {
+            u32::MAX
+        } else {
+            (1 << count) - 1
+        };
+        let mut left = self.0 & low;
+        core::iter::from_fn(move || {
+            let first = left.trailing_zeros();
+            (left != 0).then(|| {
+                left &= left.wrapping_sub(1);
+                first as usize
+            })
+        })
+    }
+
     /// This mask without component `index`.
     #[must_use]
     pub const fn without(self, index: usize) -> Self {

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 mod asked;
 mod behaviours;
 
-pub(crate) use asked::{Asked, Over, missed};
+pub(crate) use asked::{Asked, Heaviest, Over, missed};
 pub use behaviours::Side;
 
 /// What a step straight ahead weighs in obstacle avoidance: enough to cross free space, too little to graze a wall.
@@ -240,20 +240,27 @@ impl<const SENSORS: usize> Goal<SENSORS> {
         }
     }
 
-    /// Squared deviation of values (2⁻¹³, which may leave [0, 1]) from what is asked in the ring's frame, over the
-    /// believed components, each at most the cap, in units of 2⁻²⁶ · weight.
-    #[must_use]
-    pub fn deviation(&self, values: &[i32; SENSORS], mask: Mask) -> i64 {
-        let mut asked = [Asked::ANYTHING; SENSORS];
-        self.ask(mask, &mut asked);
-        missed(&asked, values, self.cap_bits(), i64::MAX)
-    }
-
-    /// Says of each believed transducer what is asked of it in the ring's frame.
-    pub(crate) fn ask(&self, mask: Mask, asked: &mut [Asked; SENSORS]) {
-        for (sensor, (asked, component)) in asked.iter_mut().zip(&self.components).enumerate() {
-            if component.weight > 0 && mask.contains(sensor) {
-                *asked = Asked::of(component);
+    /// Says of each believed transducer what is asked of it in the ring's frame by a robot that goes towards place
+    /// `place` of the ring.
+    #[inline(never)]
+    pub(crate) fn ask(&self, place: usize, mask: Mask, asked: &mut [Asked; SENSORS]) {
+        let halves = self
+            .components
+            .split_at_checked(SENSORS.wrapping_sub(place));
+        let (first, last) = halves.unwrap_or((&self.components, &[]));
+        let (before, after) = asked.split_at_mut_checked(last.len()).unwrap_or_default();
+        for (components, asked) in [(last, before), (first, after)] {
+            for (component, asked) in components.iter().zip(asked) {
+                if component.weight > 0 {
+                    *asked = Asked::of(component);
+                }
+            }
+        }
+        if !mask.covers(SENSORS) {
+            for (sensor, asked) in asked.iter_mut().enumerate() {
+                if !mask.contains(sensor) {
+                    *asked = Asked::ANYTHING;
+                }
             }
         }
     }
@@ -263,15 +270,11 @@ impl<const SENSORS: usize> Goal<SENSORS> {
         i32::from(self.cap.to_bits()).max(0)
     }
 
-    /// Whether a deviation is within the tolerance.
-    #[must_use]
-    pub fn is_met_by(&self, deviation: i64, mask: Mask) -> bool {
-        let tolerance = i64::from(self.tolerance.to_bits());
-        let counted = self.components.iter().enumerate();
-        let weights = counted
-            .filter(|(index, _)| mask.contains(*index))
-            .map(|(_, component)| i64::from(component.weight));
-        deviation <= weights.sum::<i64>().wrapping_mul(tolerance * tolerance)
+    /// Whether a deviation is within the tolerance, by what is asked of the believed transducers.
+    pub(crate) fn is_met_by(&self, deviation: i64, asked: &[Asked; SENSORS]) -> bool {
+        let tolerance = i32::from(self.tolerance.to_bits());
+        let weights: i32 = asked.iter().map(Asked::weight).sum();
+        deviation <= i64::from(weights).wrapping_mul(i64::from(tolerance * tolerance))
     }
 }
 

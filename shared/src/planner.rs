@@ -8,12 +8,12 @@
 //! With [`Choice::Recall`] these are the steps. The other choices ask the action map the other way round: what change does
 //! each action bring, and which of the situations to come is nearest to the goal (`look_ahead`).
 
-use crate::action_map::{ActionMap, Answer, Preference, Probe};
+use crate::action_map::{ActionMap, Match, Preference, Probe};
 use crate::config::{AtGoal, Choice, Config, Intermediate};
-use crate::fixed::{Mask, Weight, coarse, unit_weight};
-use crate::goal::Goal;
+use crate::fixed::{Fine, Mask, Weight, coarse, unit_weight};
+use crate::goal::{Asked, Goal, Heaviest};
 use crate::scan::Situation;
-use crate::som::{Som, kernels};
+use crate::som::Som;
 use crate::units::{Bearing, Displacement};
 use serde::{Deserialize, Serialize};
 
@@ -88,6 +88,34 @@ pub struct Plan<const SENSORS: usize> {
     pub why: Why,
 }
 
+/// The neuron that stands for a goal, to start from when it is sought again: it and the place of the ring are looked at
+/// first, and most others soon drop out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct GoalNeuron {
+    /// The neuron.
+    pub neuron: u8,
+    /// Place of the ring towards which the goal was pursued.
+    pub place: u8,
+    /// The goal's component that weighs most, if the deviation is known.
+    pub heaviest: u8,
+    /// Transducers that were believed.
+    pub believed: Mask,
+    /// Its deviation from the goal, if the goal is the same and no neuron but the planner's `current` one has changed since;
+    /// in units of 2⁻²⁶ · weight.
+    pub deviation: Option<i64>,
+}
+
+impl GoalNeuron {
+    /// Any; nothing is known.
+    pub const UNKNOWN: Self = Self {
+        neuron: 0,
+        place: 0,
+        heaviest: 0,
+        believed: Mask::NONE,
+        deviation: None,
+    };
+}
+
 /// The maps and the moment a plan is made of.
 #[derive(Debug, Clone, Copy)]
 pub struct Planner<'a, const SENSORS: usize, const NEURONS: usize> {
@@ -101,6 +129,8 @@ pub struct Planner<'a, const SENSORS: usize, const NEURONS: usize> {
     pub allowed: Mask,
     /// Best-matching unit of the situation, if it is known already.
     pub current: Option<usize>,
+    /// The neuron that stood for the goal last time, or any.
+    pub likely: GoalNeuron,
     /// The last displacement, in the ring's present frame.
     pub course: Displacement,
     /// The last displacement was cut below half.
@@ -111,49 +141,91 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
     /// The decision for one situation and one goal.
     #[must_use]
     pub fn plan(&self, situation: &Situation<SENSORS>, goal: &Goal<SENSORS>) -> Plan<SENSORS> {
-        self.plan_on_way(situation, goal, self.way(situation, goal))
+        let way = self.way(situation, goal);
+        self.plan_on_way(situation, goal, way).0
     }
 
-    /// The same on the [`way`](Self::way) towards a place of the ring.
+    /// The same on the [`way`](Self::way) towards a place of the ring; and the neuron that stands for the goal.
     #[must_use]
     pub fn plan_on_way(
         &self,
         situation: &Situation<SENSORS>,
         goal: &Goal<SENSORS>,
         way: usize,
-    ) -> Plan<SENSORS> {
-        match self.config.planning.choice {
-            Choice::Recall => self.recall(situation, &goal.towards(way)),
-            Choice::Neurons | Choice::Headings => self.look_ahead(situation, goal, way),
+    ) -> (Plan<SENSORS>, GoalNeuron) {
+        let mut asked = [Asked::ANYTHING; SENSORS];
+        goal.ask(way, self.config.believed, &mut asked);
+        let heaviest = self.heaviest(&asked, way);
+        let component = heaviest.begin().wrapping_add(SENSORS).wrapping_sub(way);
+        let planning = &self.config.planning;
+        let own = (planning.choice == Choice::Recall
+            && planning.intermediate == Intermediate::NearestCode)
+            .then_some(self.current)
+            .flatten()
+            .map(|current| self.distance(current, &heaviest, i64::MAX));
+        let (neuron, deviation) = self.goal_neuron(&heaviest, way, own);
+        let found = GoalNeuron {
+            neuron: neuron as u8,
+            place: way as u8,
+            heaviest: component.checked_rem(SENSORS).unwrap_or(0) as u8,
+            believed: self.config.believed,
+            deviation: Some(deviation),
+        };
+        let plan = match planning.choice {
+            Choice::Recall if way == 0 => self.recall(situation, goal, &heaviest, neuron, own),
+            Choice::Recall => self.recall(situation, &goal.towards(way), &heaviest, neuron, own),
+            Choice::Neurons | Choice::Headings => {
+                self.look_ahead(situation, goal, &asked, way, neuron)
+            }
+        };
+        (plan, found)
+    }
+
+    /// What is asked on the way towards `place`, begun with what weighs most; not looked for again for the same goal.
+    fn heaviest<'b>(&self, asked: &'b [Asked; SENSORS], place: usize) -> Heaviest<'b, SENSORS> {
+        match self.likely.deviation {
+            Some(_) => Heaviest::at(asked, place.wrapping_add(usize::from(self.likely.heaviest))),
+            None => Heaviest::first(asked),
         }
     }
 
     /// The paper's four steps.
     #[inline(never)]
-    fn recall(&self, situation: &Situation<SENSORS>, goal: &Goal<SENSORS>) -> Plan<SENSORS> {
+    fn recall(
+        &self,
+        situation: &Situation<SENSORS>,
+        goal: &Goal<SENSORS>,
+        asked: &Heaviest<'_, SENSORS>,
+        goal_neuron: usize,
+        own: Option<i64>,
+    ) -> Plan<SENSORS> {
         let planning = &self.config.planning;
         let mask = self.config.believed;
-        let goal_scores = self.goal_scores(goal);
-        let goal_neuron = kernels::least(&goal_scores);
         let current = self.current(situation);
-        let (aim, why) = self.aim(current, goal_neuron, &goal_scores);
-        let target = match why {
-            Why::Neighbour => self.situations.code_vector(aim),
-            _ => goal.nearest(situation),
+        let (aim, why) = self.aim(current, goal_neuron, asked, own);
+        let aimed = match why {
+            Why::Neighbour => self.situations.code().get(aim),
+            _ => None,
         };
-        let from = if planning.from_measured {
-            *situation
-        } else {
-            self.situations.code_vector(current)
+        let own = match planning.from_measured {
+            true => None,
+            false => self.situations.code().get(current),
         };
-        let mut wanted = difference(&target, &from);
-        if planning.unmet_only {
-            let met = goal.nearest(situation);
-            for ((change, met), value) in wanted.iter_mut().zip(&met).zip(situation) {
-                if met == value {
-                    *change = Weight::ZERO;
-                }
+        let mut wanted = [Weight::ZERO; SENSORS];
+        let tolerant = planning.tolerance >= Weight::ZERO;
+        let mut at_goal = tolerant || mask.indices(SENSORS).next().is_none();
+        let ring = situation.iter().zip(&goal.components);
+        for (sensor, (change, (value, component))) in wanted.iter_mut().zip(ring).enumerate() {
+            let value = *value;
+            let met = component.nearest(value);
+            if met == value && planning.unmet_only {
+                continue;
             }
+            at_goal &= !mask.contains(sensor) || value.abs_diff(met) <= planning.tolerance;
+            let part = |row: &[Fine; SENSORS]| row.get(sensor).copied().map(coarse);
+            let target = aimed.and_then(part).unwrap_or(met);
+            let from = own.and_then(part).unwrap_or(value);
+            *change = less(target, from);
         }
         let preference = (planning.straight_q8 > 0).then(|| Preference {
             code: self
@@ -166,22 +238,24 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             recall: planning.recall,
             preference,
         };
-        let answer = self.actions.recall(&wanted, mask, probe, self.allowed);
-        let plan = Plan {
+        let mut found = Match::none();
+        self.actions
+            .matches(&wanted, mask, probe, self.allowed, &mut found);
+        let (action, why) = if at_goal {
+            self.at_goal()
+        } else {
+            (self.recalled(&found), why)
+        };
+        Plan {
             goal_neuron: goal_neuron as u8,
             current_neuron: current as u8,
             intermediate_neuron: aim as u8,
             wanted,
-            action_neuron: answer.neuron as u8,
-            at_goal: goal.holds(situation, mask, planning.tolerance),
-            recalled: true,
-            action: self.recalled(&answer),
+            action_neuron: found.neuron as u8,
+            at_goal,
+            recalled: !at_goal,
+            action,
             why,
-        };
-        if plan.at_goal {
-            self.at_goal(plan)
-        } else {
-            plan
         }
     }
 
@@ -191,41 +265,90 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         self.current.unwrap_or_else(search)
     }
 
-    /// [`Goal::distance`] of every code vector, transducer by transducer.
+    /// The neuron whose code vector deviates least from what is asked, the lowest on ties. Most drop out before all their
+    /// components have been looked at. `own` is the current neuron's deviation, if it is known already.
     #[inline(never)]
-    fn goal_scores(&self, goal: &Goal<SENSORS>) -> [i64; NEURONS] {
-        let mut scores = [0_i64; NEURONS];
-        for (sensor, component) in goal.components.iter().enumerate() {
-            if !self.config.believed.contains(sensor) || component.weight == 0 {
-                continue;
+    fn goal_neuron(
+        &self,
+        asked: &Heaviest<'_, SENSORS>,
+        place: usize,
+        own: Option<i64>,
+    ) -> (usize, i64) {
+        let code = self.situations.code();
+        let likely = self.likely;
+        let mut nearest = usize::from(likely.neuron);
+        let same = usize::from(likely.place) == place && likely.believed == self.config.believed;
+        if let Some(least) = likely.deviation.filter(|_| same) {
+            let Some(changed) = self.current else {
+                return (nearest, least);
+            };
+            let limit = least.saturating_add(i64::from(changed <= nearest));
+            let deviation = own.unwrap_or_else(|| self.distance(changed, asked, limit));
+            if deviation < limit {
+                return (changed, deviation);
             }
-            for (score, row) in scores.iter_mut().zip(self.situations.code()) {
-                let value = row.get(sensor).copied().map_or(Weight::ZERO, coarse);
-                // Most lie within: nothing to multiply.
-                if value < component.low || value > component.high {
-                    *score = score.wrapping_add(component.deviation(value));
-                }
+            if changed != nearest {
+                return (nearest, least);
             }
         }
-        scores
+        let mut least = self.distance(nearest, asked, i64::MAX);
+        for (neuron, row) in code.iter().enumerate() {
+            // Of two as near the lower counts.
+            let limit = least.saturating_add(i64::from(neuron < nearest));
+            if limit == 0 {
+                break;
+            }
+            let distance = asked.missed_by(row, limit);
+            if distance < limit {
+                (nearest, least) = (neuron, distance);
+            }
+        }
+        (nearest, least)
+    }
+
+    /// How far neuron `k` deviates from what is asked, in units of 2⁻²⁶ · weight; what reaches `limit` may be more.
+    #[inline(never)]
+    fn distance(&self, k: usize, asked: &Heaviest<'_, SENSORS>, limit: i64) -> i64 {
+        let row = self.situations.code().get(k);
+        row.map_or(i64::MAX, |row| asked.missed_by(row, limit))
     }
 
     /// Step 3: which neuron to aim at, and why.
     #[inline(never)]
-    fn aim(&self, current: usize, goal: usize, goal_scores: &[i64; NEURONS]) -> (usize, Why) {
+    fn aim(
+        &self,
+        current: usize,
+        goal: usize,
+        asked: &Heaviest<'_, SENSORS>,
+        own: Option<i64>,
+    ) -> (usize, Why) {
         let grid = self.situations.grid();
-        let far = |k: usize| goal_scores.get(k).copied().unwrap_or(i64::MAX);
         let hops = match self.config.planning.intermediate {
             Intermediate::Goal => return (goal, Why::GoalDirectly),
             _ if current == goal => return (goal, Why::GoalNeuron),
             Intermediate::FewestHops => true,
             Intermediate::NearestCode => false,
         };
+        let far = |k: usize, limit: i64| self.distance(k, asked, limit);
+        let own = if hops {
+            i64::MAX
+        } else {
+            own.unwrap_or_else(|| far(current, i64::MAX))
+        };
+        if own == 0 {
+            return (goal, Why::NoNearerNeighbour);
+        }
         let mut nearest = None;
-        let mut least = (usize::MAX, i64::MAX, usize::MAX);
+        let mut least = (usize::MAX, own, 0);
         for k in grid.neighbours(current) {
-            let key = (if hops { grid.hops(k, goal) } else { 0 }, far(k), k);
-            if key < least && (hops || far(k) < far(current)) {
+            let steps = if hops { grid.hops(k, goal) } else { 0 };
+            let limit = if steps < least.0 {
+                own
+            } else {
+                least.1.saturating_add(1)
+            };
+            let key = (steps, far(k, limit), k);
+            if key < least && (hops || key.1 < own) {
                 (nearest, least) = (Some(k), key);
             }
         }
@@ -233,13 +356,13 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
     }
 
     #[inline(never)]
-    fn recalled(&self, answer: &Answer) -> Displacement {
+    fn recalled(&self, found: &Match<NEURONS>) -> Displacement {
         let step = self.config.robot.step_mm;
         let planning = &self.config.planning;
         let decode = |code| self.config.action_code.decode(code, step);
-        let mut action = decode(answer.alone);
+        let mut action = decode(self.actions.actions().code_vector(found.neuron));
         if planning.together && !self.cut {
-            let mean = decode(answer.together);
+            let mean = decode(self.actions.together(found, self.allowed));
             // Answers that cancel out say nothing: the best one decides.
             if mean.length_mm() >= step / 8 {
                 action = mean;
@@ -259,21 +382,17 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
 
     /// The goal asks for no change, so nothing is recalled: the robot goes on as it went, or, where it
     /// could not, on a course turned by a part of the ring that comes by every place in turn.
-    fn at_goal(&self, plan: Plan<SENSORS>) -> Plan<SENSORS> {
+    fn at_goal(&self) -> (Displacement, Why) {
         let step = self.config.robot.step_mm;
-        let ahead = Displacement::saturating(i32::from(step), 0);
         let course = self.course.with_length(step);
         let keeps = self.config.planning.at_goal == AtGoal::KeepCourse;
-        let (action, why) = match (keeps && course != Displacement::ZERO, self.cut) {
+        match (keeps && course != Displacement::ZERO, self.cut) {
             (true, false) => (course, Why::KeepCourse),
             (true, true) => (course.rotated(NEXT_COURSE.direction()), Why::TurnCourse),
-            (false, _) => (ahead, Why::StraightAhead),
-        };
-        Plan {
-            action,
-            why,
-            recalled: false,
-            ..plan
+            (false, _) => {
+                let ahead = Displacement::saturating(i32::from(step), 0);
+                (ahead, Why::StraightAhead)
+            }
         }
     }
 }
@@ -289,7 +408,16 @@ pub fn difference<const SENSORS: usize>(
 ) -> [Weight; SENSORS] {
     let mut change = *to;
     for (value, start) in change.iter_mut().zip(from) {
-        *value = unit_weight(i32::from(value.to_bits()).wrapping_sub(i32::from(start.to_bits())));
+        *value = less(*value, *start);
     }
     change
 }
+
+/// `to − from`, clamped to [−1, 1].
+#[inline(always)]
+fn less(to: Weight, from: Weight) -> Weight {
+    unit_weight(i32::from(to.to_bits()).wrapping_sub(i32::from(from.to_bits())))
+}
+
+#[cfg(test)]
+mod tests;

@@ -4,12 +4,17 @@
 //! 0.0 for none within the far limit (Fig. 2 of the paper), linear in between. A transducer without an echo hears nothing
 //! and reads 0.0; one that is masked out does not count at all.
 
-use crate::fixed::{Mask, ONE_BITS, Weight, unit_weight};
+use crate::fixed::{Mask, ONE_BITS, Weight};
 use crate::units::{Millis, Range};
 use serde::{Deserialize, Serialize};
 
 /// A situation: one value in [0, 1] per transducer.
 pub type Situation<const SENSORS: usize> = [Weight; SENSORS];
+
+/// A situation at a whole word's address: the chip copies it by words.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(align(4))]
+pub(crate) struct Aligned<const SENSORS: usize>(pub(crate) Situation<SENSORS>);
 
 /// The latest echo of one transducer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -94,21 +99,38 @@ impl Encoding {
     /// The value of one range, rounded down to 2⁻¹³.
     #[must_use]
     pub fn value(self, range: Option<Range>) -> Weight {
-        let Some(range) = range else {
-            return Weight::ZERO;
-        };
-        let (near, far) = (i32::from(self.near_mm), i32::from(self.far_mm));
-        let width = far.wrapping_sub(near).max(1);
-        let beyond = far.wrapping_sub(i32::from(range.as_mm())).clamp(0, width);
-        unit_weight(beyond.wrapping_mul(i32::from(ONE_BITS)).wrapping_div(width))
+        Self::value_within(i32::from(self.far_mm), self.width(), range)
+    }
+
+    /// From the far to the near limit, at least 1.
+    fn width(self) -> i32 {
+        i32::from(self.far_mm)
+            .wrapping_sub(i32::from(self.near_mm))
+            .max(1)
+    }
+
+    #[inline(always)]
+    fn value_within(far: i32, width: i32, range: Option<Range>) -> Weight {
+        let beyond = range.map_or(0, |range| far.wrapping_sub(i32::from(range.as_mm())));
+        if beyond <= 0 {
+            Weight::ZERO
+        } else if beyond >= width {
+            Weight::ONE
+        } else {
+            let bits = beyond.wrapping_mul(i32::from(ONE_BITS)).wrapping_div(width);
+            Weight::from_bits(bits as i16)
+        }
     }
 
     /// The situation of a scan.
     #[must_use]
     pub fn situation<const SENSORS: usize>(self, scan: &Scan<SENSORS>) -> Situation<SENSORS> {
-        core::array::from_fn(|sensor| {
-            self.value(scan.echoes.get(sensor).and_then(|echo| echo.range))
-        })
+        let mut situation = [Weight::ZERO; SENSORS];
+        let (far, width) = (i32::from(self.far_mm), self.width());
+        for (value, echo) in situation.iter_mut().zip(&scan.echoes) {
+            *value = Self::value_within(far, width, echo.range);
+        }
+        situation
     }
 }
 

@@ -107,6 +107,8 @@ pub struct Shield<const SENSORS: usize> {
     arcs: [[Arc; KEPT]; SENSORS],
     /// How many arcs of each transducer were heard; the others are [`Arc::NONE`].
     heard: [u8; SENSORS],
+    /// The lobe of the last echo.
+    lobe: Option<Lobe>,
 }
 
 impl<const SENSORS: usize> Default for Shield<SENSORS> {
@@ -131,6 +133,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         Self {
             arcs: [[Arc::NONE; KEPT]; SENSORS],
             heard: [0; SENSORS],
+            lobe: None,
         }
     }
 
@@ -151,7 +154,18 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         };
         let (x_mm, y_mm) = axis.times(i32::from(config.robot.face_radius_mm));
         let face = Displacement::saturating(x_mm, y_mm);
-        let spacing = config.shield.map_or(0, |shielding| shielding.spacing_mm);
+        let spacing = match &config.shield {
+            Some(shielding) => {
+                if self
+                    .lobe
+                    .is_none_or(|lobe| lobe.half != shielding.half_lobe)
+                {
+                    self.lobe = Some(Lobe::of(shielding.half_lobe));
+                }
+                shielding.spacing_mm
+            }
+            None => 0,
+        };
         let newest = arcs.first().copied().filter(|_| *heard > 0);
         let same_place = newest.filter(|arc| {
             let apart = arc.face.minus(face);
@@ -160,7 +174,11 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         });
         if same_place.is_none() {
             // The oldest makes room.
-            arcs.copy_within(..KEPT - 1, 1);
+            for place in (1..KEPT).rev() {
+                if let Some([newer, older]) = arcs.get_mut(place - 1..=place) {
+                    *older = *newer;
+                }
+            }
             *heard = heard.saturating_add(1).min(KEPT as u8);
         }
         let previous = same_place.and_then(|arc| arc.latest);
@@ -201,14 +219,17 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         now: Millis,
         among: Mask,
     ) -> Allowed {
-        let Some(shielding) = config.shield else {
+        let length = wanted.length_mm();
+        let Some(shielding) = &config.shield else {
             return Allowed {
-                distance_mm: wanted.length_mm(),
+                distance_mm: length,
                 speed_mm_s: config.robot.speed_mm_s,
             };
         };
-        let length = i32::from(wanted.length_mm());
-        let way = Way::new(config, &shielding, wanted, length, now);
+        let length = i32::from(length);
+        let lobe = self.lobe.filter(|lobe| lobe.half == shielding.half_lobe);
+        let lobe = lobe.unwrap_or_else(|| Lobe::of(shielding.half_lobe));
+        let way = Way::new(config, shielding, lobe, wanted, length, now);
         let free = self.free_distance(
             config,
             &way,
@@ -231,25 +252,48 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         limit: i32,
         among: Mask,
     ) -> i32 {
-        if among == Mask::ALL && way.is_blind(config) {
-            return 0;
+        // Who stands meets nothing.
+        if way.direction == Direction::default() {
+            return limit;
         }
         let asked = config.believed.and(among);
-        let places = usize::from(way.shielding.places.max(1));
-        let mut distance = limit;
-        let ring = self.heard.iter().zip(&config.robot.directions);
-        for (sensor, (arcs, (heard, axis))) in self.arcs.iter().zip(ring).enumerate() {
-            if !asked.contains(sensor) {
-                continue;
+        let is_stale = |sensor: usize, axis: &Direction| {
+            way.is_covered_by(*axis) && {
+                let heard = self.heard.get(sensor).copied().unwrap_or(0);
+                !way.is_fresh(self.kept(sensor, heard.min(way.places)))
             }
-            let heard = places.min(usize::from(*heard));
-            let kept = arcs.get(..heard).unwrap_or(arcs);
-            if !way.is_fresh(kept) && way.is_covered_by(*axis) {
+        };
+        let axes = &config.robot.directions;
+        if asked.covers(SENSORS) {
+            if axes
+                .iter()
+                .enumerate()
+                .any(|(sensor, axis)| is_stale(sensor, axis))
+            {
                 return 0;
             }
-            distance = way.until_any(kept, distance);
+            // Arcs not heard are none.
+            if usize::from(way.places) >= KEPT {
+                return way.until_any(self.arcs.as_flattened(), limit);
+            }
+        } else {
+            if among == Mask::ALL && way.is_blind(config) {
+                return 0;
+            }
+            let mut asked = asked.indices(SENSORS);
+            if asked.any(|sensor| axes.get(sensor).is_some_and(|axis| is_stale(sensor, axis))) {
+                return 0;
+            }
         }
-        distance
+        asked.indices(SENSORS).fold(limit, |distance, sensor| {
+            way.until_any(self.kept(sensor, way.places), distance)
+        })
+    }
+
+    /// The newest arcs of a transducer, so many at most.
+    fn kept(&self, sensor: usize, most: u8) -> &[Arc] {
+        let arcs = self.arcs.get(sensor).map_or(&[][..], |arcs| arcs);
+        arcs.get(..usize::from(most)).unwrap_or(arcs)
     }
 }
 
@@ -270,25 +314,74 @@ fn braking_distance<const SENSORS: usize>(config: &Config<SENSORS>) -> i32 {
 /// The highest speed from which the robot stops within `distance`, at most its limit.
 fn stopping_speed<const SENSORS: usize>(config: &Config<SENSORS>, distance: i32) -> u16 {
     let squared = 2 * i64::from(distance) * i64::from(config.robot.braking_mm_s2);
-    isqrt(squared.max(0).unsigned_abs()).min(u32::from(config.robot.speed_mm_s)) as u16
+    let limit = config.robot.speed_mm_s;
+    if squared >= i64::from(limit) * i64::from(limit) {
+        return limit;
+    }
+    isqrt(squared.max(0).unsigned_abs()) as u16
+}
+
+/// The opening of a transducer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Lobe {
+    half: Bearing,
+    left_edge: Direction,
+    right_edge: Direction,
+    /// No edge is farther from the axis than this, measured in any direction, Q14.
+    spread_q14: u32,
+}
+
+impl Lobe {
+    #[inline(never)]
+    fn of(half: Bearing) -> Self {
+        let left_edge = half.direction();
+        let right_edge = Bearing::ZERO.minus(half).direction();
+        // Each is below 2¹⁷; two more for the edges' rounding.
+        let chord = |edge: Direction| {
+            let (x, y) = (i32::from(edge.x_q14), i32::from(edge.y_q14));
+            (1_i32 << 14)
+                .wrapping_sub(x)
+                .unsigned_abs()
+                .wrapping_add(y.unsigned_abs())
+        };
+        let spread = chord(left_edge).max(chord(right_edge)).wrapping_add(2);
+        Self {
+            half,
+            left_edge,
+            right_edge,
+            spread_q14: spread.wrapping_add(spread >> 4),
+        }
+    }
 }
 
 /// Axes turned many times may have grown by rounding: at most this long, a sixteenth too long,
 /// [`Way::is_aside`] holds.
 const LONGEST_AXIS_Q14: i32 = (1 << 14) + (1 << 10);
 
+/// Of a range longer than this nothing is certain: products leave 32 bits.
+const CERTAIN_MOST_MM: u32 = 1 << 15;
+
+/// The amount of a number, one less for those below 0: a single instruction on the chip.
+const fn magnitude(value: i32) -> u32 {
+    (value ^ (value >> 31)) as u32
+}
+
 /// The way ahead.
 struct Way<'a> {
     shielding: &'a Shielding,
+    /// Places per transducer that are looked at.
+    places: u8,
     direction: Direction,
-    left_edge: Direction,
-    right_edge: Direction,
-    /// No end of an arc is farther from its middle than this share of its range, measured along the way or across it.
-    spread_q14: i32,
+    lobe: Lobe,
+    /// No end of an arc is farther from its middle than this share of its range, measured along the way or across it; at
+    /// most 16 bits, four times its range.
+    spread_q14: u32,
     /// Body and margin.
     reach_mm: i32,
     /// What lies farther from the robot than this and the way's length is surely not met.
     certain_mm: i32,
+    /// Only of a longer range it can be certain that the arc is aside.
+    certain_least_mm: u32,
     now: Millis,
 }
 
@@ -296,6 +389,7 @@ impl<'a> Way<'a> {
     fn new<const SENSORS: usize>(
         config: &Config<SENSORS>,
         shielding: &'a Shielding,
+        lobe: Lobe,
         wanted: Displacement,
         length: i32,
         now: Millis,
@@ -305,29 +399,29 @@ impl<'a> Way<'a> {
             x_q14: unit(wanted.dx_mm),
             y_q14: unit(wanted.dy_mm),
         };
-        let left_edge = shielding.half_lobe.direction();
-        let right_edge = Bearing::ZERO.minus(shielding.half_lobe).direction();
-        // Each is below 2¹⁷; two more for the edges' rounding.
-        let chord = |edge: Direction| {
-            let (x, y) = (i32::from(edge.x_q14), i32::from(edge.y_q14));
-            (1_i32 << 14).wrapping_sub(x).abs().wrapping_add(y.abs())
-        };
-        let spread = chord(left_edge).max(chord(right_edge)).wrapping_add(2);
-        let spread = spread.saturating_add(spread >> 4);
         // The direction is too long by its divisor's rounding.
-        let excess = spread.checked_div(length).unwrap_or(spread);
+        let spread = lobe.spread_q14;
+        let excess = spread.checked_div(length.unsigned_abs()).unwrap_or(spread);
+        let spread = spread.wrapping_add(excess).wrapping_add(2);
         let reach_mm = i32::from(config.robot.body_radius_mm) + i32::from(shielding.margin_mm);
+        let least_mm = shielding.least_range_mm;
+        let approaches = shielding.approach_mm_s > 0;
         Self {
             shielding,
+            places: shielding.places.max(1),
             direction,
-            left_edge,
-            right_edge,
-            spread_q14: spread.saturating_add(excess).saturating_add(2),
+            lobe,
+            spread_q14: spread.min(u32::from(u16::MAX)),
             reach_mm,
-            certain_mm: if shielding.approach_mm_s > 0 {
+            certain_mm: if approaches {
                 i32::MAX
             } else {
-                reach_mm.max(i32::from(shielding.least_range_mm))
+                reach_mm.max(i32::from(least_mm))
+            },
+            certain_least_mm: if approaches {
+                u32::MAX
+            } else {
+                u32::from(least_mm)
             },
             now,
         }
@@ -336,9 +430,6 @@ impl<'a> Way<'a> {
     /// Whether the way leads along the gap of a transducer that is not believed: a post there stays unheard all the way. A
     /// gap reaches to the middle of its neighbours' lobes, or the robot would touch what stands between (measured).
     fn is_blind<const SENSORS: usize>(&self, config: &Config<SENSORS>) -> bool {
-        if config.believed.covers(SENSORS) {
-            return false;
-        }
         const COS_24_Q14: i32 = 14_968;
         let mut ring = config.robot.directions.iter().enumerate();
         ring.any(|(sensor, axis)| {
@@ -361,56 +452,49 @@ impl<'a> Way<'a> {
     }
 
     /// Distance until the body would come within the margin of an arc; `limit` where it would not before that.
-    fn until_any(&self, kept: &[Arc], limit: i32) -> i32 {
+    #[inline(never)]
+    fn until_any(&self, arcs: &[Arc], limit: i32) -> i32 {
         let mut distance = limit;
-        let mut near = limit.saturating_add(self.certain_mm);
-        for arc in kept {
-            let Some(range) = arc.range else { continue };
+        let mut near = self.near(limit);
+        for arc in arcs {
             // Nothing on an arc is met while its face is nearer than its range is long: most are far off.
-            let slack = i32::from(arc.face.dx_mm).abs() + i32::from(arc.face.dy_mm).abs();
-            if i32::from(range.as_mm()) <= near.saturating_add(slack)
+            let (x, y) = (i32::from(arc.face.dx_mm), i32::from(arc.face.dy_mm));
+            let slack = magnitude(x).wrapping_add(magnitude(y));
+            let range = Range::mm_or_most(arc.range);
+            if range <= near.wrapping_add(slack)
+                && !self.is_aside(arc, range, distance)
                 && self.now.since(arc.at) <= self.shielding.forget_ms
             {
-                distance = self.until(arc, range, distance);
-                near = distance.saturating_add(self.certain_mm);
+                distance = self.until(arc, range as i32, distance);
+                near = self.near(distance);
             }
         }
         distance
     }
 
+    /// What lies farther from the robot than this is not met before `limit`; with what two magnitudes lack.
+    fn near(&self, limit: i32) -> u32 {
+        let near = limit.saturating_add(self.certain_mm).unsigned_abs();
+        near.wrapping_add(2)
+    }
+
     /// Distance until the body would come within the margin of the arc; `limit` where it would not before that. Apart
     /// from the loop over all arcs, whose values then stay in registers.
     #[inline(never)]
-    fn until(&self, arc: &Arc, range: Range, limit: i32) -> i32 {
-        if range.as_mm() <= self.shielding.least_range_mm {
-            let (x, y) = (i32::from(arc.face.dx_mm), i32::from(arc.face.dy_mm));
-            return self.until_point(x, y, limit);
+    fn until(&self, arc: &Arc, mut range: i32, limit: i32) -> i32 {
+        let (face_x, face_y) = (i32::from(arc.face.dx_mm), i32::from(arc.face.dy_mm));
+        if range <= i32::from(self.shielding.least_range_mm) {
+            return self.until_point(face_x, face_y, limit);
         }
-        let mut range = i32::from(range.as_mm());
-        if self.shielding.approach_mm_s > 0 {
-            let age_ms = self.now.since(arc.at);
-            let aged = age_ms.saturating_mul(u32::from(self.shielding.approach_mm_s)) / 1_000;
+        let approach = u32::from(self.shielding.approach_mm_s);
+        if approach > 0 {
+            let aged = self.now.since(arc.at).saturating_mul(approach) / 1_000;
             range = range.saturating_sub(aged.min(65_535) as i32).max(0);
         }
-        self.until_arc(arc, range, limit)
-    }
-
-    /// As [`until`](Self::until), for an arc near enough to look at its middle and its ends.
-    fn until_arc(&self, arc: &Arc, range: i32, limit: i32) -> i32 {
-        let (face_x, face_y) = (i32::from(arc.face.dx_mm), i32::from(arc.face.dy_mm));
         let (ax, ay) = (i32::from(arc.axis.x_q14), i32::from(arc.axis.y_q14));
-        if self.is_aside(
-            face_x.saturating_add(range.saturating_mul(ax) >> 14),
-            face_y.saturating_add(range.saturating_mul(ay) >> 14),
-            range,
-            limit,
-        ) && ax.wrapping_mul(ax).wrapping_add(ay.wrapping_mul(ay)) <= LONGEST_AXIS_Q14.pow(2)
-        {
-            return limit;
-        }
         let edges = [
-            self.left_edge.rotate(ax, ay),
-            self.right_edge.rotate(ax, ay),
+            self.lobe.left_edge.rotate(ax, ay),
+            self.lobe.right_edge.rotate(ax, ay),
             (ax, ay),
         ];
         let mut nearest = limit;
@@ -422,19 +506,29 @@ impl<'a> Way<'a> {
         nearest
     }
 
-    /// Whether an arc of this range around this middle surely changes nothing: all of it lies behind, beside the way or
-    /// beyond its end. Spares most arcs their ends.
-    fn is_aside(&self, x_mm: i32, y_mm: i32, range: i32, limit: i32) -> bool {
-        if x_mm.saturating_abs().max(y_mm.saturating_abs()) > 16_000 {
+    /// Whether an arc surely changes nothing: all of it lies behind, beside the way or beyond its end. Spares most arcs
+    /// their ends.
+    #[inline(always)]
+    fn is_aside(&self, arc: &Arc, range: u32, limit: i32) -> bool {
+        if range <= self.certain_least_mm || range > CERTAIN_MOST_MM {
             return false;
         }
-        let along = self.direction.along(x_mm, y_mm);
-        let across = self.direction.along(y_mm, x_mm.wrapping_neg());
-        // Four roundings of less than 2.
-        let spread = (range.saturating_mul(self.spread_q14) >> 14).wrapping_add(8);
-        along.wrapping_add(spread) <= 0
-            || across.saturating_abs().wrapping_sub(spread) >= self.reach_mm
-            || along.wrapping_sub(spread).wrapping_sub(limit) >= self.reach_mm
+        let (fx, fy) = (i32::from(arc.face.dx_mm), i32::from(arc.face.dy_mm));
+        let (ax, ay) = (i32::from(arc.axis.x_q14), i32::from(arc.axis.y_q14));
+        let out = |axis_q14: i32| (range as i32).wrapping_mul(axis_q14) >> 14;
+        let spread = range.wrapping_mul(self.spread_q14) >> 14;
+        // Roundings of less than 8 in all.
+        let spread = (spread as i32).wrapping_add(16);
+        // The middle, at most 46 341 + 34 816 away; its products with a direction no longer than √2 fit.
+        let (x, y) = (fx.wrapping_add(out(ax)), fy.wrapping_add(out(ay)));
+        let along = self.direction.along(x, y);
+        let is_aside = along.wrapping_add(spread) <= 0
+            || {
+                let across = self.direction.along(y, x.wrapping_neg());
+                across.wrapping_abs().wrapping_sub(spread) >= self.reach_mm
+            }
+            || along.wrapping_sub(spread).wrapping_sub(limit) >= self.reach_mm;
+        is_aside && ax.wrapping_mul(ax).wrapping_add(ay.wrapping_mul(ay)) <= LONGEST_AXIS_Q14.pow(2)
     }
 
     /// Distance until the body would come within the margin of a point.
@@ -462,3 +556,6 @@ impl<'a> Way<'a> {
         along.wrapping_sub(half_chord as i32).max(0).min(limit)
     }
 }
+
+#[cfg(test)]
+mod tests;

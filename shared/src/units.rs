@@ -32,6 +32,16 @@ impl Range {
     }
 }
 
+impl Range {
+    /// Millimetres; more than any range where there is none.
+    #[inline(always)]
+    pub(crate) fn mm_or_most(range: Option<Self>) -> u32 {
+        range
+            .map_or(0, |range| u32::from(range.0.get()))
+            .wrapping_sub(1)
+    }
+}
+
 /// A moment in milliseconds since the robot's start; wraps after 49.7 days.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Millis(u32);
@@ -190,9 +200,18 @@ impl Displacement {
     /// Length in millimetres, rounded down.
     #[must_use]
     pub fn length_mm(self) -> u16 {
-        let square = |mm: i16| u32::from(mm.unsigned_abs()).pow(2);
-        // At most 2³¹.
-        crate::fixed::isqrt_u32(square(self.dx_mm).wrapping_add(square(self.dy_mm))) as u16
+        crate::fixed::isqrt_u32(self.squared_mm2()) as u16
+    }
+
+    /// Whether [`length_mm`](Self::length_mm) is below this; without its root.
+    pub(crate) const fn is_shorter_than(self, mm: u32) -> bool {
+        self.squared_mm2() < mm.saturating_mul(mm)
+    }
+
+    /// Squared length; at most 2³¹.
+    const fn squared_mm2(self) -> u32 {
+        let (x, y) = (self.dx_mm as i32, self.dy_mm as i32);
+        (x.wrapping_mul(x) as u32).wrapping_add(y.wrapping_mul(y) as u32)
     }
 
     /// Bearing of the move; zero for no move. Error at most 0.003 rad (micromath's arc tangent).
@@ -287,5 +306,20 @@ mod tests {
         );
         assert_eq!(Displacement::ZERO.with_length(250), Displacement::ZERO);
         assert_eq!(moved.length_mm(), 250);
+    }
+
+    #[test]
+    fn shorter_is_what_is_shorter_rounded_down() {
+        for (dx_mm, dy_mm) in [(0, 0), (3, 4), (3, 5), (-250, 1), (i16::MIN, i16::MIN)] {
+            let moved = Displacement { dx_mm, dy_mm };
+            let length = u32::from(moved.length_mm());
+            for limit in [0, 1, length.saturating_sub(1), length, length + 1, 65_536] {
+                assert_eq!(
+                    moved.is_shorter_than(limit),
+                    length < limit,
+                    "{moved:?} {limit}"
+                );
+            }
+        }
     }
 }

@@ -1,9 +1,12 @@
 //! Harness of the integration tests: the program as a user starts it, in a folder of its own.
 
 pub mod board;
+pub mod browser;
 pub mod chip;
+pub mod nomad;
 pub mod pty;
 pub mod twin;
+pub mod viewed;
 
 use std::ffi::OsStr;
 use std::fs;

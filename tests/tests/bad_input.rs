@@ -52,6 +52,12 @@ const TABLES: &[(&str, &[u8])] = &[
     ("heading.csv", b"length,width\n"),
     ("binary.csv", b"\x89PNG\0\xff"),
     ("file", b"no folder"),
+    ("log.csv", b"1,2,left\n3,4,right\n1,x,left\n"),
+    ("short_log.csv", b"1,2,left\n3,4,right\n"),
+    ("cells.csv", b"world,ix,iy\n3,0,0\n3,1,0\n"),
+    ("bad_cells.csv", b"world,ix,iy\n3,0,0\n3,1.5,0\n"),
+    ("lengths.csv", b"world,reference_path_length_m\n4,12\n"),
+    ("world_3.world", b"<sdf version='1.6'>\n<world name='w'>\n<model name='m'>\n<pose>0 0</pose></model></world></sdf>"),
 ];
 
 const CASES: &[Case] = &[
@@ -105,6 +111,17 @@ const CASES: &[Case] = &[
     ("run --explore 1000000000000", &["--explore", "1..=1000"]),
     ("run --seed=-1", &["--seed", "-1"]),
     ("run --seed x", &["--seed", "'x'"]),
+    (
+        "nomad serve --world random:1..=2",
+        &["random:1..=2", "one world"],
+    ),
+    ("nomad serve --world paepr", &["did you mean \"paper\"?"]),
+    ("nomad serve --listen nowhere", &["--listen nowhere"]),
+    ("nomad serve --speed 0", &["--speed", "1..=1000"]),
+    (
+        "nomad serve --pty --listen 127.0.0.1:0",
+        &["--pty", "--listen"],
+    ),
     ("run --threads 0", &["--threads"]),
     ("run --sonar ideel", &["--sonar", "ideel"]),
     ("run --preset best", &["--preset", "best"]),
@@ -176,6 +193,54 @@ const CASES: &[Case] = &[
     ("run --set far", &["KEY=VALUE", "\"far\""]),
     ("run --set near=3 --set far=2", &["far", "near"]),
     // Tables.
+    // Logs.
+    ("learn", &["required arguments"]),
+    ("learn --log missing.csv", &["missing.csv"]),
+    (
+        "learn --log log.csv",
+        &["log.csv, line 3, column 2", "\"x\" is not a number"],
+    ),
+    ("learn --log short_log.csv", &["short_log.csv", "--stride"]),
+    (
+        "learn --log short_log.csv --label lable",
+        &["--label", "no column \"lable\""],
+    ),
+    ("learn --log short_log.csv --map 3x3", &["--map", "3x3"]),
+    (
+        "learn --log short_log.csv --held-out 1",
+        &["--held-out", "below 1"],
+    ),
+    (
+        "learn --log short_log.csv --near 5 --far 2",
+        &["--near 5", "--far 2"],
+    ),
+    // Worlds of the BARN benchmark.
+    (
+        "run --world barn:missing.csv#1",
+        &["barn:missing.csv#1", "missing.csv: "],
+    ),
+    (
+        "run --world barn:cells.csv#4",
+        &["cells.csv", "no world 4", "1 worlds, 3 to 3"],
+    ),
+    ("run --world barn:cells.csv#x", &["\"x\" is not the number"]),
+    (
+        "barn --file bad_cells.csv",
+        &["bad_cells.csv, line 3, column 2", "1.5"],
+    ),
+    (
+        "barn --file world_3.world",
+        &["world_3.world, line 4", "<pose> must hold 6"],
+    ),
+    (
+        "barn --file cells.csv --worlds 5..=2",
+        &["--worlds", "empty"],
+    ),
+    (
+        "barn --file cells.csv --lengths lengths.csv",
+        &["--lengths", "no length for world 3"],
+    ),
+    ("barn --file cells.csv --methods vfh", &["--methods", "vfh"]),
     ("som --data missing.csv", &["missing.csv"]),
     ("som --data ragged.csv", &["ragged.csv, line 2", "1 fields"]),
     (
@@ -191,10 +256,21 @@ const CASES: &[Case] = &[
     ("som --data good.csv --epochs 0", &["--epochs"]),
     ("som --data good.csv --rate 0.1:0.5", &["--rate", "0.1:0.5"]),
     ("som --data good.csv --init start.csv", &["start.csv"]),
+    // The bench view.
+    ("view --world paepr", &["did you mean \"paper\"?"]),
+    ("view --world random:1..=3", &["random:1..=3", "one world"]),
+    ("view --speed 0", &["--speed", "0.05 to 1000", "max"]),
+    ("view --listen here", &["--listen", "here"]),
+    ("view --listen 0.0.0.0:0", &["0.0.0.0:0", "--allow-remote"]),
+    ("view --firmware x.elf", &["x.elf", "qemu"]),
+    ("view --mind tcp:127.0.0.1:1", &["tcp:127.0.0.1:1"]),
     // Folders that cannot be written.
     ("run --steps 1 --out file", &["file: "]),
     ("run --steps 1 --out file/below", &["file/below"]),
     ("demo --out file/below", &["file/below"]),
+    ("paper --out file/below", &["file/below"]),
+    ("paper --rooms 0", &["--rooms"]),
+    ("paper --times 1", &["--times"]),
     ("worlds --out file/below", &["file/below"]),
     ("som --data good.csv --out file/below", &["file/below"]),
     // The command line itself.

@@ -22,6 +22,19 @@ fn an_episode_with_the_chip_prints_the_same_line() {
 }
 
 #[test]
+fn what_the_chip_decided_is_decided_again_here() {
+    let program = host_sim!();
+    let image = image().to_str().expect("a path of letters");
+    let run =
+        "run --world random:2 --steps 60 --sonar nomad --log chip.mcap --mind qemu --firmware";
+    let words: Vec<_> = run.split_whitespace().collect();
+    let chip = program.run(&[&words[..], &[image]].concat());
+    assert_eq!(chip.code, Some(0), "{}", chip.stderr);
+    let said = program.ok("replay chip.mcap");
+    assert!(said.contains("every one identical"), "{said}");
+}
+
+#[test]
 fn the_chip_answers_questions() {
     let program = host_sim!();
     let image = image().to_str().expect("a path of letters");

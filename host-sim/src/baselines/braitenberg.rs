@@ -3,11 +3,9 @@
 //!
 //! The yardstick for distance and coverage: it learns nothing and is tuned by hand.
 
-use crate::pilot::Pilot;
-use amp::controller::{Decision, Event, Motion, Outputs};
-use amp::fixed::{Mask, Weight};
-use amp::scan::{Echo, Scan};
-use amp::units::{Bearing, Displacement, Millis};
+use super::ring_pilot::{Perceived, Policy, STEP_M, axis};
+use crate::world::Point;
+use std::f64::consts::PI;
 
 /// The yardstick's constants.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,7 +21,7 @@ pub struct Tuning {
 impl Default for Tuning {
     fn default() -> Self {
         Self {
-            step_m: 0.25,
+            step_m: STEP_M,
             far_m: 0.9,
             push: 2.0,
         }
@@ -34,114 +32,79 @@ impl Default for Tuning {
 #[derive(Debug, Clone)]
 pub struct Braitenberg {
     tuning: Tuning,
-    scan: Scan<16>,
-    standing: bool,
-    motion: u16,
     /// Unit vector of the course in the ring's frame.
-    course: [f64; 2],
+    course: Point,
 }
 
 impl Braitenberg {
     /// A vehicle that starts along the ring's x axis.
     #[must_use]
     pub fn new(tuning: Tuning) -> Self {
-        Self {
-            tuning,
-            scan: Scan::default(),
-            standing: true,
-            motion: 0,
-            course: [1.0, 0.0],
-        }
+        Self::towards(tuning, 0.0)
     }
 
     /// A vehicle that starts at `angle_rad` from the ring's x axis.
     #[must_use]
     pub fn towards(tuning: Tuning, angle_rad: f64) -> Self {
-        let (sin, cos) = libm::sincos(angle_rad);
         Self {
-            course: [cos, sin],
-            ..Self::new(tuning)
+            tuning,
+            course: Point::unit(angle_rad),
         }
     }
 
     /// Course and pushes added up. Only what lies ahead (within a quarter turn of the course) pushes,
     /// so a wall along the side does not drive the robot away from its course.
-    fn next_course(&self) -> [f64; 2] {
+    fn next_course(&self, perceived: &Perceived) -> Point {
         let mut sum = self.course;
-        for (sensor, echo) in self.scan.echoes().iter().enumerate() {
-            let Some(range) = echo.range else { continue };
+        for (sensor, range) in perceived.ranges.iter().enumerate() {
+            let Some(range) = range else { continue };
             let nearness = 1.0 - f64::from(range.as_mm()) / (self.tuning.far_m * 1e3);
-            let (sin, cos) = libm::sincos(sensor as f64 * std::f64::consts::TAU / 16.0);
-            let ahead = cos * self.course[0] + sin * self.course[1];
+            let axis = axis(sensor);
+            let ahead = axis.dot(self.course);
             if nearness > 0.0 && ahead > -0.1 {
                 let push = self.tuning.push * nearness * nearness * (0.2 + ahead.max(0.0));
-                sum = [sum[0] - push * cos, sum[1] - push * sin];
+                sum = sum - axis * push;
             }
         }
-        let length = (sum[0] * sum[0] + sum[1] * sum[1]).sqrt();
+        let length = sum.length();
         if length > 1e-6 {
-            [sum[0] / length, sum[1] / length]
+            Point::new(sum.x / length, sum.y / length)
         } else {
-            [-self.course[1], self.course[0]]
+            Point::new(-self.course.y, self.course.x)
         }
-    }
-
-    fn decide(&mut self) -> Outputs<16> {
-        self.course = self.next_course();
-        let millimeters = |part: f64| libm::round(part * self.tuning.step_m * 1e3) as i32;
-        let wanted =
-            Displacement::saturating(millimeters(self.course[0]), millimeters(self.course[1]));
-        self.motion = self.motion.wrapping_add(1);
-        self.standing = false;
-        self.scan.renew();
-        Outputs {
-            motion: Some(Motion {
-                id: self.motion,
-                displacement: wanted,
-                speed_mm_s: 508,
-            }),
-            decision: Some(Decision {
-                situation: [Weight::ZERO; 16],
-                plan: None,
-                wanted,
-                allowed: wanted,
-                at_goal: false,
-            }),
-            ..Outputs::NONE
-        }
-    }
-
-    /// The ring has turned: the course stays where it is in the world.
-    fn turn(&mut self, turned: Bearing) {
-        let angle = -f64::from(turned.as_signed_turns()) * std::f64::consts::PI / 32_768.0;
-        let (sin, cos) = libm::sincos(angle);
-        let [x, y] = self.course;
-        self.course = [x * cos - y * sin, x * sin + y * cos];
     }
 }
 
-impl Pilot for Braitenberg {
-    fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
-        match event {
-            Event::Echo { sensor, range } => {
-                self.scan.hear(usize::from(sensor), Echo { range, at });
-                if self.standing && self.scan.is_complete(Mask::ALL) {
-                    self.decide()
-                } else {
-                    Outputs::NONE
-                }
-            }
-            Event::Odometry {
-                turned, progress, ..
-            } => {
-                self.turn(turned);
-                if progress != amp::controller::Progress::Moving && !self.standing {
-                    self.standing = true;
-                    self.scan.renew();
-                }
-                Outputs::NONE
-            }
-            Event::Command(_) | Event::Tick | Event::Alarm(_) => Outputs::NONE,
-        }
+impl Policy for Braitenberg {
+    fn decide(&mut self, perceived: &Perceived) -> Point {
+        // The ring has turned: the course stays where it is in the world.
+        let turned = f64::from(perceived.turned.as_signed_turns()) * PI / 32_768.0;
+        self.course = self.course.turned_back(Point::unit(turned));
+        self.course = self.next_course(perceived);
+        self.course * self.tuning.step_m
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::world::Pose;
+    use amp::units::{Bearing, Range};
+
+    #[test]
+    fn a_wall_half_heard_ahead_pushes_back_by_hand() {
+        let mut ranges = [None; 16];
+        ranges[2] = Some(Range::from_mm(450));
+        let perceived = Perceived {
+            ranges,
+            pose: Pose::default(),
+            turned: Bearing::ZERO,
+            last: None,
+        };
+        // Nearness 1/2 at 45° to the left: a push of 2 · 1/4 · (0.2 + cos 45°) away from it.
+        let push = 0.5 * (0.2 + 0.5_f64.sqrt()) * 0.5_f64.sqrt();
+        let expected = Point::new(1.0 - push, -push);
+        let step = Braitenberg::new(Tuning::default()).decide(&perceived);
+        assert!(step.distance(expected * (STEP_M / expected.length())) < 1e-12);
     }
 }

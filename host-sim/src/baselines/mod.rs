@@ -1,5 +1,28 @@
-//! Hand-written drivers to compare the mind with.
+//! What the mind is compared with: other methods on the same robot, with the same sonars, the same shield and the same
+//! budget of moves. A rule is a [`Policy`]; [`RingPilot`] makes it a driver; a [`Learner`] becomes a rule as a [`Trainee`].
 
-mod braitenberg;
+pub mod braitenberg;
+mod certainty_grid;
+pub mod learning;
+pub mod nearest;
+pub mod potential_field;
+pub mod q_lazy;
+pub mod q_som;
+pub mod q_table;
+pub mod q_two_soms;
+mod random_moves;
+mod ring_pilot;
+mod turned;
+pub mod vfh_plus;
 
-pub use braitenberg::{Braitenberg, Tuning};
+pub use braitenberg::Braitenberg;
+pub use learning::{Learner, Trainee};
+pub use nearest::Nearest;
+pub use potential_field::PotentialField;
+pub use q_lazy::QLazy;
+pub use q_som::QSom;
+pub use q_table::QTable;
+pub use q_two_soms::QTwoSoms;
+pub use random_moves::RandomMoves;
+pub use ring_pilot::{Done, Perceived, Policy, RingPilot, STEP_M, Steered, axis};
+pub use vfh_plus::VfhPlus;

@@ -1,21 +1,30 @@
 //! The command line: what a person types, and what comes back.
 //!
-//! Results go to standard output, progress and times to standard error. Exit code 0: it ran; 2: bad
-//! input, with one sentence that names the file, key or value. A reader that closes the pipe ends the
+//! Results go to standard output, progress and times to standard error. Exit code 0: it ran; 1: what
+//! should be the same differs; 2: bad input, with one sentence that names the file, key or value. A reader that closes the pipe ends the
 //! program quietly.
 
 mod ablation;
+mod barn;
 mod behaviors;
+mod bridge;
 mod capture;
+mod compare;
 mod demo;
 mod faults;
+mod learn;
 mod link;
+mod log;
+mod nomad;
 mod output;
+mod paper;
 mod remote;
 mod repetition;
 mod run;
+mod setup;
 mod summary;
 mod table;
+mod view;
 mod worlds;
 
 use crate::error::BadInput;
@@ -49,8 +58,16 @@ enum Command {
     Run(RunArgs),
     /// Talk to a mind on a chip: watch it, give it orders, read and write what it knows
     Link(link::LinkArgs),
+    /// Let a mind drive a Nomad 200, real or simulated, over the robot's own line
+    Bridge(bridge::BridgeArgs),
+    /// Be a simulated Nomad 200 to any program written for the robot
+    Nomad(nomad::NomadArgs),
     /// Train a self-organising map on any CSV file and report its errors
     Som(crate::som::SomArgs),
+    /// Learn both maps from a logged run of a real robot and ask them what it did
+    Learn(crate::learn::LearnArgs),
+    /// Drive the worlds of the BARN navigation benchmark: success and score
+    Barn(barn::BarnArgs),
     /// List and draw worlds
     Worlds(worlds::WorldsArgs),
     /// List the open choices of the method: the keys of --set, with the presets' values
@@ -65,6 +82,16 @@ enum Command {
     Repetition(repetition::RepetitionArgs),
     /// Measure what a sonar out of order does, and how soon the robot ceases to believe it
     Faults(faults::FaultsArgs),
+    /// Say what is in a log that `run --log FILE.mcap` wrote
+    Log(log::LogArgs),
+    /// Run the mind of a log again: does it decide the same, bit for bit? (exit code 1 if not)
+    Replay(log::ReplayArgs),
+    /// Make the paper's figures anew and measure its claims one by one
+    Paper(paper::PaperArgs),
+    /// Compare the two maps with other methods: hand-written rules, lazy samples, Q-learning
+    Compare(compare::CompareArgs),
+    /// Watch a robot think, and steer it, in a browser
+    View(view::ViewArgs),
     /// Print a completion script for a shell
     Completions {
         /// The shell
@@ -79,6 +106,8 @@ pub enum Failure {
     Bad(BadInput),
     /// Standard output could not be written.
     Output(io::Error),
+    /// What should be the same is not.
+    Differs(String),
 }
 
 impl From<BadInput> for Failure {
@@ -105,6 +134,10 @@ pub fn main() -> ExitCode {
             ExitCode::SUCCESS
         }
         Err(Failure::Output(error)) => complain(&format!("standard output: {error}")),
+        Err(Failure::Differs(sentence)) => {
+            eprintln!("host-sim: {sentence}");
+            ExitCode::FAILURE
+        }
         Err(Failure::Bad(error)) => {
             // What was printed before the trouble is complete lines: it may stay.
             let _ = out.flush();
@@ -124,7 +157,11 @@ fn execute(command: Option<Command>, out: &mut impl Write) -> Result<(), Failure
         Some(Command::Demo(args)) => demo::demo(&args, out),
         Some(Command::Run(args)) => run::run(&args, out),
         Some(Command::Link(args)) => link::link(&args, out),
+        Some(Command::Bridge(args)) => bridge::bridge(&args, out),
+        Some(Command::Nomad(args)) => nomad::nomad(&args, out),
         Some(Command::Som(args)) => run_som(&args, out),
+        Some(Command::Learn(args)) => learn::learn(&args, out),
+        Some(Command::Barn(args)) => barn::barn(&args, out),
         Some(Command::Worlds(args)) => worlds::worlds(&args, out),
         Some(Command::Settings) => settings(out),
         Some(Command::Ablation(args)) => ablation::ablation(&args, out),
@@ -132,6 +169,11 @@ fn execute(command: Option<Command>, out: &mut impl Write) -> Result<(), Failure
         Some(Command::Capture(args)) => capture::capture(&args, out),
         Some(Command::Repetition(args)) => repetition::repetition(&args, out),
         Some(Command::Faults(args)) => faults::faults(&args, out),
+        Some(Command::Log(args)) => log::log(&args, out),
+        Some(Command::Replay(args)) => log::replay(&args, out),
+        Some(Command::Paper(args)) => paper::paper(&args, out),
+        Some(Command::Compare(args)) => compare::compare(&args, out),
+        Some(Command::View(args)) => view::view(&args, out),
         Some(Command::Completions { shell }) => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "host-sim", &mut script);

@@ -1,10 +1,13 @@
 //! `--mind`: whose mind drives, and an episode driven by one elsewhere.
 
+use super::run::drive;
 use crate::episode::{self, Episode, Setup};
 use crate::error::BadInput;
 use crate::link::{self, Address, Emulation, LinkError, RemoteMind, Session};
 use crate::world::World;
+use amp::config::Config;
 use amp::wire::message::Clock;
+use std::path::Path;
 use std::str::FromStr;
 
 /// Where the mind runs.
@@ -63,7 +66,7 @@ impl Remote {
         }))
     }
 
-    /// Runs an episode.
+    /// Runs an episode, with a log if there is to be one.
     ///
     /// # Errors
     /// When the mind refuses something, falls silent or cannot be reached.
@@ -71,10 +74,22 @@ impl Remote {
         &mut self,
         world: &World,
         setup: &Setup,
+        log: Option<&Path>,
     ) -> Result<Episode, episode::Failure> {
+        let mut mind = self.mind(&setup.config).map_err(episode::Failure::Link)?;
+        drive(world, setup, &mut mind, log)
+    }
+
+    /// The mind, with this configuration and nothing in its memory.
+    ///
+    /// # Errors
+    /// When it cannot be reached or does not become what it is told to.
+    pub(super) fn mind(
+        &mut self,
+        config: &Config<16>,
+    ) -> Result<RemoteMind<&mut Session>, LinkError> {
         let number = link::next_number(self.session.number());
-        let mut mind = RemoteMind::start(&mut self.session, number, &setup.config)
-            .map_err(episode::Failure::Link)?;
+        let mind = RemoteMind::start(&mut self.session, number, config)?;
         let replaced = mind.replaced();
         // From the second episode on it is what the one before left.
         if std::mem::take(&mut self.first) && !replaced.is_empty() {
@@ -84,7 +99,7 @@ impl Remote {
                 replaced.join(", another ")
             );
         }
-        episode::run_with(world, setup, &mut mind, |_, _, _| {})
+        Ok(mind)
     }
 }
 
@@ -112,7 +127,7 @@ pub(super) fn named(address: &Address, error: &LinkError) -> BadInput {
     }
 }
 
-fn only_for_qemu(qemu: bool, emulation: &Emulation) -> Result<(), BadInput> {
+pub(super) fn only_for_qemu(qemu: bool, emulation: &Emulation) -> Result<(), BadInput> {
     match &emulation.firmware {
         Some(image) if !qemu => Err(BadInput::new(format!(
             "--firmware {}: only qemu takes an image; flash a chip with its own tools",

@@ -9,7 +9,7 @@ use crate::experiments::repetition::{Curve, measure};
 use crate::experiments::scenes::{Scene, scenes_named};
 use crate::experiments::statistics::Mean;
 use crate::pilot::MOST_MOVES;
-use crate::plot::{self, Curves, demo::save};
+use crate::plot::{self, Curves, Key, demo::save};
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -83,8 +83,8 @@ pub fn repetition(args: &RepetitionArgs, out: &mut impl Write) -> Result<(), Fai
         panels.push(Curves {
             title: scene.title(),
             measure: scene.measure.to_owned(),
-            learning: curve.learning,
-            frozen: curve.frozen,
+            within: [f64::NEG_INFINITY, f64::INFINITY],
+            lines: vec![curve.frozen, curve.learning],
         });
     }
     progress.finish_and_clear();
@@ -101,7 +101,7 @@ pub fn repetition(args: &RepetitionArgs, out: &mut impl Write) -> Result<(), Fai
     )?;
     args.out
         .as_ref()
-        .map_or(Ok(()), |dir| picture(dir, &panels, out))
+        .map_or(Ok(()), |dir| picture(dir, args.times, &panels, out))
 }
 
 fn trial(args: &RepetitionArgs) -> Result<Trial, BadInput> {
@@ -148,8 +148,14 @@ fn row(scene: &Scene, curve: &Curve) -> Vec<String> {
     ]
 }
 
-fn picture(dir: &Path, panels: &[Curves], out: &mut impl Write) -> Result<(), Failure> {
-    let svg = plot::curves("Does repetition improve a behaviour?", panels);
+fn picture(dir: &Path, times: u32, panels: &[Curves], out: &mut impl Write) -> Result<(), Failure> {
+    let key = Key {
+        subtitle: "Mean and 95 % interval by repetition · orange: the maps go on learning · blue: frozen maps".to_owned(),
+        along: "repetition".to_owned(),
+        ticks: vec![(0, "1".to_owned()), (times as usize - 1, times.to_string())],
+        names: Vec::new(),
+    };
+    let svg = plot::curves("Does repetition improve a behaviour?", &key, panels);
     let picture = save(dir, "repetition.svg", svg.as_bytes()).map_err(BadInput::from)?;
     let png = plot::png::render(&svg, 2.0)
         .map_err(|error| BadInput::new(format!("repetition.png: {error}")))?;

@@ -3,16 +3,16 @@
 use super::Failure;
 use super::output::{bar, prepare};
 use super::remote::{MindChoice, Remote};
+use super::setup::{SetupArgs, parsed};
 use super::summary;
 use crate::episode::{self, Episode, Report, Setup};
 use crate::error::BadInput;
 use crate::link::Emulation;
-use crate::pilot::MOST_MOVES;
+use crate::log;
+use crate::pilot::{Mind, Thinker};
 use crate::plot;
 use crate::robot::TurretMode;
-use crate::scenes::Behavior;
-use crate::settings;
-use crate::sonar::{SonarModel, TransducerFault};
+use crate::sonar::SonarModel;
 use crate::world::{World, WorldSource, parse_worlds};
 use amp::config::Config;
 use clap::{Args, ValueEnum};
@@ -29,49 +29,18 @@ const CHUNK: usize = 256;
 /// The `run` command's flags; every one may be left out.
 #[derive(Debug, Clone, Args)]
 pub struct RunArgs {
-    /// World: a .toml or ROS .yaml FILE, a FOLDER of them, random:SEED, random:A..=B, or a built-in
+    /// World: a .toml or ROS .yaml FILE, a FOLDER of them, random:SEED, random:A..=B, barn:FILE#N, barn:FILE#A..=B (BARN benchmark), or a built-in
     /// name (see `host-sim worlds`); may be given several times
     #[arg(long = "world", value_name = "WORLD", default_value = "paper")]
     worlds: Vec<String>,
-    /// What to do after exploring: avoid, avoid-right, wall-left, wall-right, nest, follow, seek:FILE (a
-    /// captured situation), or several of them one after the other: a,b,c (see `host-sim behaviors`)
-    #[arg(long, value_name = "NAME", default_value = "avoid", value_parser = parse::<Behavior>)]
-    behavior: Behavior,
-    /// Random moves before it
-    #[arg(long, value_name = "MOVES", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=i64::from(MOST_MOVES)))]
-    explore: u16,
+    #[command(flatten)]
+    setup: SetupArgs,
     /// Decisions towards the goal
     #[arg(long, value_name = "STEPS", default_value_t = 1_000, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_STEPS)))]
     steps: u32,
-    /// Seed of all randomness: the same seed gives the same bytes
-    #[arg(long, value_name = "SEED", default_value_t = 1)]
-    seed: u64,
-    /// Let the sonars limit motion: what the robot does (on) or what the maps alone do (off)
-    #[arg(long, value_name = "ON|OFF", default_value = "on", value_enum)]
-    shield: Switch,
-    /// Let both maps go on learning from every move
-    #[arg(long, value_name = "ON|OFF", default_value = "on", value_enum)]
-    online: Switch,
-    /// What the sonars return
-    #[arg(long, value_name = "MODEL", default_value = "ideal", value_enum)]
-    sonar: SonarChoice,
-    /// A sonar that is out of order: dead:N, stuck:N:METRES, scaled:N:SHARE, offset:N:METRES or
-    /// jumping:N:PROBABILITY; may be given several times (see --set fault-detection=on)
-    #[arg(long = "fault", value_name = "KIND:N", value_parser = parse::<TransducerFault>)]
-    faults: Vec<TransducerFault>,
-    /// Whether the ring keeps its bearing in the world or turns with the heading
-    /// [default: held; follow for the preset touzet]
-    #[arg(long, value_name = "MODE", value_enum)]
-    turret: Option<TurretChoice>,
-    /// The open choices of the method: the best found, or the most literal reading of the paper
-    #[arg(long, value_name = "NAME", default_value = "default", value_enum)]
-    preset: Preset,
-    /// Change one open choice, e.g. --set far=1.2 (see `host-sim settings`); may be given several times
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    sets: Vec<String>,
     /// Where the mind runs: host (in this process), qemu (the firmware in an emulated chip), serial:PORT[@BAUD]
     /// or tcp:HOST:PORT (a chip); the results are the same
-    #[arg(long, value_name = "WHERE", default_value = "host", value_parser = parse::<MindChoice>)]
+    #[arg(long, value_name = "WHERE", default_value = "host", value_parser = parsed::<MindChoice>)]
     mind: MindChoice,
     /// Image for --mind qemu [default: built from the project's sources]
     #[arg(long, value_name = "ELF")]
@@ -85,13 +54,13 @@ pub struct RunArgs {
     /// Write pictures and a page for each world into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Write everything the mind is told and answers into a new FILE in the MCAP format (one world only), for
+    /// `replay`, `log` and other tools
+    #[arg(long, value_name = "FILE")]
+    log: Option<PathBuf>,
     /// Worker threads [default: one per core]; the results do not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-}
-
-fn parse<T: std::str::FromStr<Err = BadInput>>(text: &str) -> Result<T, BadInput> {
-    text.parse()
 }
 
 /// On or off.
@@ -125,7 +94,7 @@ impl From<SonarChoice> for SonarModel {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum TurretChoice {
+pub(super) enum TurretChoice {
     /// The ring keeps its bearing in the world
     Held,
     /// The ring turns with the heading
@@ -179,8 +148,19 @@ impl Preset {
 /// # Errors
 /// Bad input before anything is run; a world that cannot be loaded when its turn comes; a closed pipe.
 pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
-    let setup = setup(args)?;
+    let setup = Setup {
+        steps: args.steps,
+        record: args.out.is_some(),
+        ..args.setup.setup()?
+    };
     let sources = sources(&args.worlds)?;
+    if let (Some(path), true) = (&args.log, sources.len() != 1) {
+        let what = format!(
+            "a log holds one episode, not one of each of {} worlds",
+            sources.len()
+        );
+        return Err(BadInput::file(path, what).into());
+    }
     let emulation = Emulation {
         firmware: args.firmware.clone(),
         verbose: args.verbose,
@@ -231,7 +211,8 @@ fn in_parallel(
         let one = |(index, source): (usize, &WorldSource)| {
             let folder = folder(args, number * CHUNK + index, source, sources.len());
             let report = episode(source, folder.as_deref(), |world| {
-                episode::run(world, setup, |_, _, _| {})
+                let mut mind = Mind::new(setup.config.clone());
+                drive(world, setup, &mut mind, args.log.as_deref())
             });
             progress.inc(1);
             report
@@ -257,40 +238,12 @@ fn one_by_one(
     for (index, source) in sources.iter().enumerate() {
         let folder = folder(args, index, source, sources.len());
         print(episode(source, folder.as_deref(), |world| {
-            remote.episode(world, setup)
+            remote.episode(world, setup, args.log.as_deref())
         })?)?;
         progress.inc(1);
     }
     progress.finish_and_clear();
     Ok(())
-}
-
-fn setup(args: &RunArgs) -> Result<Setup, BadInput> {
-    let mut config = args.preset.config();
-    settings::apply(&mut config, &args.sets)?;
-    if args.shield == Switch::Off {
-        config.shield = None;
-    }
-    if args.online == Switch::Off {
-        config.online = None;
-    }
-    Ok(Setup {
-        config: args.behavior.adapted(config),
-        preset: args.preset.name().to_owned(),
-        behavior: args.behavior.clone(),
-        explore_moves: args.explore,
-        steps: args.steps,
-        seed: args.seed,
-        sonar: args.sonar.into(),
-        turret: match args.turret {
-            None => args.preset.turret(),
-            Some(TurretChoice::Held) => TurretMode::Held,
-            Some(TurretChoice::Follow) => TurretMode::Follow,
-        },
-        set_down: None,
-        faults: args.faults.clone(),
-        record: args.out.is_some(),
-    })
 }
 
 pub(super) fn sources(names: &[String]) -> Result<Vec<WorldSource>, BadInput> {
@@ -332,6 +285,19 @@ fn episode(
         plot::demo::write(folder, recording, &summary::rows(&episode.report), &[])?;
     }
     Ok(episode.report)
+}
+
+/// Runs an episode, with a log if there is to be one.
+pub(super) fn drive(
+    world: &World,
+    setup: &Setup,
+    mind: &mut impl Thinker,
+    log: Option<&Path>,
+) -> Result<Episode, episode::Failure> {
+    match log {
+        Some(path) => log::run(world, setup, mind, path),
+        None => episode::run_with(world, setup, mind, |_, _, _| {}),
+    }
 }
 
 fn write_json(out: &mut impl Write, report: &Report) -> Result<(), Failure> {

@@ -15,10 +15,11 @@ use crate::sonar::{FIRING_ORDER, FIRING_SLOT_S, RING_PERIOD_S, Ring, SonarModel,
 use crate::world::{Point, Pose, World};
 use amp::controller::{Decision, Event, Motion, Outputs, Progress};
 use amp::units::{Bearing, Displacement, Millis, Range};
+use std::borrow::Cow;
 
 /// A robot in a world.
 pub struct Body<'w> {
-    world: &'w World,
+    world: Cow<'w, World>,
     /// A second robot, and the world with it.
     leader: Option<(Leader, World)>,
     base: Base,
@@ -73,6 +74,17 @@ impl<'w> Body<'w> {
     /// A robot at the world's start.
     #[must_use]
     pub fn new(world: &'w World, sonar: SonarModel, turret: TurretMode, noise_seed: u64) -> Self {
+        Self::within(Cow::Borrowed(world), sonar, turret, noise_seed)
+    }
+
+    /// The same in a world of its own, if it is to be changed.
+    #[must_use]
+    pub fn within(
+        world: Cow<'w, World>,
+        sonar: SonarModel,
+        turret: TurretMode,
+        noise_seed: u64,
+    ) -> Self {
         let mut noise = Noise::new(noise_seed);
         let ring = Ring::new(sonar, &mut noise);
         let limits = BaseLimits::default();
@@ -114,7 +126,7 @@ impl<'w> Body<'w> {
     /// Simulated time as the mind hears it.
     #[must_use]
     pub fn now(&self) -> Millis {
-        Millis::from_ms((self.time_s * 1e3 + 0.5) as u64 as u32)
+        milliseconds(self.time_s)
     }
 
     /// Time one ring takes, seconds.
@@ -142,7 +154,7 @@ impl<'w> Body<'w> {
     fn ideal_ring(&mut self, pilot: &mut impl Pilot) -> Happened {
         let pose = self.base.pose();
         self.time_s += RING_PERIOD_S;
-        let world = crowded(self.world, self.leader.as_ref());
+        let world = crowded(&self.world, self.leader.as_ref());
         self.ring
             .scan_with_faults(world, &pose, &mut self.ranges_m, &mut self.noise);
         let mut happened = self.nothing_yet(pose);
@@ -155,7 +167,7 @@ impl<'w> Body<'w> {
             if let Some(motion) = outputs.motion {
                 self.motion = motion;
                 let [dx_m, dy_m] = meters(motion.displacement);
-                let world = crowded(self.world, self.leader.as_ref());
+                let world = crowded(&self.world, self.leader.as_ref());
                 let done = self.base.move_exactly(world, dx_m, dy_m);
                 self.time_s += done.travelled_m / self.limits.speed_m_s;
                 happened.moved = Some(self.report(pilot, pose.position, &done));
@@ -168,7 +180,7 @@ impl<'w> Body<'w> {
         let pose = self.base.pose();
         let sensor = FIRING_ORDER[self.slot % FIRING_ORDER.len()];
         self.slot += 1;
-        let world = crowded(self.world, self.leader.as_ref());
+        let world = crowded(&self.world, self.leader.as_ref());
         self.ranges_m[sensor] = self
             .ring
             .ping(world, &pose, sensor, self.time_s, &mut self.noise);
@@ -194,7 +206,7 @@ impl<'w> Body<'w> {
         }
         let done = self
             .base
-            .advance(FIRING_SLOT_S, crowded(self.world, self.leader.as_ref()));
+            .advance(FIRING_SLOT_S, crowded(&self.world, self.leader.as_ref()));
         self.time_s += FIRING_SLOT_S;
         happened.moved = Some(self.report(pilot, pose.position, &done));
         happened
@@ -260,7 +272,7 @@ impl<'w> Body<'w> {
         let robot = self.base.pose().position;
         if let Some((leader, world)) = &mut self.leader {
             let before = leader.position();
-            leader.advance(dt_s, self.world, robot);
+            leader.advance(dt_s, &self.world, robot);
             if leader.position() != before {
                 *world = self.world.with_post(leader.position(), COLLISION_RADIUS_M);
             }
@@ -269,7 +281,7 @@ impl<'w> Body<'w> {
 
     /// Sets a second robot down about 1 m ahead of where this one stands.
     pub fn add_leader(&mut self) {
-        let leader = Leader::ahead_of(self.base.pose(), self.world);
+        let leader = Leader::ahead_of(self.base.pose(), &self.world);
         let world = self.world.with_post(leader.position(), COLLISION_RADIUS_M);
         self.leader = Some((leader, world));
     }
@@ -280,6 +292,52 @@ impl<'w> Body<'w> {
         self.leader.as_ref().map(|(leader, _)| leader.position())
     }
 
+    /// Where the robot is and where its ring looks.
+    #[must_use]
+    pub fn pose(&self) -> Pose {
+        self.base.pose()
+    }
+
+    /// Whether the base is under way.
+    #[must_use]
+    pub fn is_moving(&self) -> bool {
+        self.base.is_moving()
+    }
+
+    /// The world without the second robot.
+    #[must_use]
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// From now on the world is another one; the robot stays where it is.
+    pub fn set_world(&mut self, world: World) {
+        if let Some((leader, crowded)) = &mut self.leader {
+            *crowded = world.with_post(leader.position(), COLLISION_RADIUS_M);
+        }
+        self.world = Cow::Owned(world);
+    }
+
+    /// Brakes, whatever was under way.
+    pub fn halt(&mut self) {
+        self.base.command(BaseMotion::default(), &mut self.noise);
+    }
+
+    /// What the ring would hear from here, metres, as if at rest: nothing happens, neither noise nor time is used up.
+    #[must_use]
+    pub fn look(&self) -> [Option<f64>; 16] {
+        let (mut ring, mut noise) = (self.ring.clone(), self.noise.clone());
+        let world = crowded(&self.world, self.leader.as_ref());
+        let pose = self.base.pose();
+        let mut ranges_m = [None; 16];
+        for sensor in FIRING_ORDER {
+            if let Some(range) = ranges_m.get_mut(sensor) {
+                *range = ring.ping(world, &pose, sensor, self.time_s, &mut noise);
+            }
+        }
+        ranges_m
+    }
+
     /// Lets time pass while the robot is carried.
     pub fn wait(&mut self, dt_s: f64) {
         self.time_s += dt_s;
@@ -287,7 +345,7 @@ impl<'w> Body<'w> {
 
     /// Sets the robot down at a free place elsewhere in the world, drawn by the noise, at rest and with the same bearing.
     pub fn set_down_elsewhere(&mut self, nest: Point) {
-        let place = places::elsewhere(self.world, nest, &mut self.noise);
+        let place = places::elsewhere(&self.world, nest, &mut self.noise);
         self.set_down_at(place);
     }
 
@@ -320,6 +378,11 @@ impl Happened {
 /// The world as it is met: with the second robot, if there is one.
 fn crowded<'a>(world: &'a World, leader: Option<&'a (Leader, World)>) -> &'a World {
     leader.map_or(world, |(_, crowded)| crowded)
+}
+
+/// Simulated time as the mind hears it.
+pub(super) fn milliseconds(time_s: f64) -> Millis {
+    Millis::from_ms((time_s * 1e3 + 0.5) as u64 as u32)
 }
 
 fn meters(displacement: Displacement) -> [f64; 2] {

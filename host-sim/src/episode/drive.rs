@@ -1,7 +1,7 @@
 //! Explore, learn, seek: the course of an episode.
 
 use super::Seeds;
-use super::body::{Body, Happened};
+use super::body::{Body, Happened, milliseconds};
 use super::measure::Measure;
 use super::record::Recorder;
 use super::tally::{Report, Stride, Tally, rounded};
@@ -16,6 +16,7 @@ use amp::config::Config;
 use amp::controller::{Command, Decision, Event, Refusal};
 use amp::fixed::Weight;
 use amp::scan::Situation;
+use amp::units::Millis;
 
 /// What an episode is made of, but for its world.
 #[derive(Debug, Clone)]
@@ -64,6 +65,8 @@ pub enum Failure {
     Silent,
     /// The mind is elsewhere, and the way to it failed.
     Link(LinkError),
+    /// The log could not be written on.
+    Log(String),
 }
 
 impl std::fmt::Display for Failure {
@@ -72,11 +75,18 @@ impl std::fmt::Display for Failure {
             Self::Refused(why) => write!(f, "the mind refused a command: {why:?}"),
             Self::Silent => f.write_str("the mind has decided nothing for a hundred rings"),
             Self::Link(error) => error.fmt(f),
+            Self::Log(why) => f.write_str(why),
         }
     }
 }
 
 impl std::error::Error for Failure {}
+
+/// Looks on while an episode runs. What it does changes nothing.
+pub trait Observer {
+    /// The simulation went on by a turn, which ended its ring at `at`; a second robot is at `leader`.
+    fn happened(&mut self, at: Millis, happened: &Happened, leader: Option<Point>);
+}
 
 /// What came of an episode.
 #[derive(Debug, Clone)]
@@ -107,9 +117,23 @@ pub fn run_with(
     world: &World,
     setup: &Setup,
     mind: &mut impl Thinker,
+    progress: impl FnMut(Phase, u32, u32),
+) -> Result<Episode, Failure> {
+    run_observed(world, setup, mind, None, progress)
+}
+
+/// As [`run_with`], while somebody looks on.
+///
+/// # Errors
+/// As [`run_with`].
+pub fn run_observed<'w>(
+    world: &'w World,
+    setup: &Setup,
+    mind: &mut impl Thinker,
+    observer: Option<&'w mut dyn Observer>,
     mut progress: impl FnMut(Phase, u32, u32),
 ) -> Result<Episode, Failure> {
-    let (mut driver, exploration) = educated(world, setup, mind, &mut progress)?;
+    let (mut driver, exploration) = educated(world, setup, mind, observer, &mut progress)?;
     driver.set_scene(setup);
     let began_s = driver.body.time_s();
     driver.pursue(mind, setup, |done| progress(Phase::Seek, done, setup.steps))?;
@@ -131,11 +155,13 @@ pub(super) fn educated<'w>(
     world: &'w World,
     setup: &Setup,
     mind: &mut impl Pilot,
+    observer: Option<&'w mut dyn Observer>,
     mut progress: impl FnMut(Phase, u32, u32),
 ) -> Result<(Driver<'w>, Tally), Failure> {
     let seeds = Seeds::of(setup.seed);
     let body = Body::new(world, setup.sonar, setup.turret, seeds.noise).with_faults(&setup.faults);
     let mut driver = Driver::new(world, body, setup.record);
+    driver.observer = observer;
 
     let moves = u32::from(setup.explore_moves);
     driver.command(
@@ -152,6 +178,14 @@ pub(super) fn educated<'w>(
     driver.learn(mind)?;
     progress(Phase::Learn, 1, 1);
     Ok((driver, exploration))
+}
+
+/// Lets a mind explore and learn in a world, and nothing else.
+///
+/// # Errors
+/// When the mind refuses a command or falls silent.
+pub fn educate(world: &World, setup: &Setup, mind: &mut impl Pilot) -> Result<(), Failure> {
+    educated(world, setup, mind, None, |_, _, _| {}).map(|_| ())
 }
 
 /// Lets any pilot drive `steps` steps from the world's start: the tally of a yardstick.
@@ -213,6 +247,7 @@ pub(super) struct Driver<'w> {
     /// The step under way.
     open: Option<Stride>,
     recorder: Option<Recorder>,
+    observer: Option<&'w mut dyn Observer>,
 }
 
 impl<'w> Driver<'w> {
@@ -231,6 +266,7 @@ impl<'w> Driver<'w> {
             first: true,
             open: None,
             recorder: record.then(Recorder::default),
+            observer: None,
         }
     }
 
@@ -262,6 +298,9 @@ impl<'w> Driver<'w> {
         let mut last_decision_s = self.body.time_s();
         loop {
             let happened = self.body.advance(pilot);
+            if let Some(observer) = &mut self.observer {
+                observer.happened(milliseconds(happened.time_s), &happened, self.body.leader());
+            }
             pilot.failure().map_or(Ok(()), Err)?;
             if happened.decision.is_some() || happened.mode_changed {
                 self.close();

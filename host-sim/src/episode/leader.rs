@@ -3,7 +3,7 @@
 //! It hears walls and the robot behind it with an exact ring of its own, and waits rather than touch the robot. The robot
 //! meets it as one more post in the world: its sonars hear it, and touching it is a contact like any other.
 
-use crate::baselines::{Braitenberg, Tuning};
+use crate::baselines::{Braitenberg, RingPilot, braitenberg::Tuning};
 use crate::noise::Noise;
 use crate::pilot::Pilot as _;
 use crate::robot::COLLISION_RADIUS_M;
@@ -23,7 +23,7 @@ const GAP_M: f64 = 0.02;
 #[derive(Debug)]
 pub struct Leader {
     position: Point,
-    pilot: Braitenberg,
+    pilot: RingPilot<Braitenberg>,
     ring: Ring,
     /// Simulated time it has not driven yet, s.
     owed_s: f64,
@@ -48,9 +48,10 @@ impl Leader {
                     best
                 }
             });
+        let course = turned(best.unwrap_or(0));
         Self {
             position: place(best.unwrap_or(0)),
-            pilot: Braitenberg::towards(Tuning::default(), turned(best.unwrap_or(0))),
+            pilot: RingPilot::new(Braitenberg::towards(Tuning::default(), course), None),
             // An exact ring draws no noise.
             ring: Ring::new(SonarModel::Ideal, &mut Noise::new(0)),
             owed_s: 0.0,

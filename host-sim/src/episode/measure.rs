@@ -2,11 +2,10 @@
 
 use super::tally::Tally;
 use crate::scenes::{Behavior, WALL_RANGE_M};
+use crate::sonar::FACE_RADIUS_M;
 use crate::world::{ConeShape, Point, Shape, View, World};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
 
-/// From the centre to the sonars' faces, m.
-const FACE_M: f64 = 0.2305;
 /// At the nest means within this distance, m.
 pub const NEST_M: f64 = 0.3;
 /// A leader is kept within this distance between centres, m.
@@ -90,7 +89,7 @@ impl Measure {
         let half = ConeShape::new(FRAC_PI_2 - 0.0175);
         self.view.build(world, self.at, 0.0, 20.0);
         let nearest = self.view.nearest_in_cone(Point::unit(side), 0.0, half);
-        self.errors += (nearest.min(20.0) - FACE_M - WALL_RANGE_M).abs();
+        self.errors += (nearest.min(20.0) - FACE_RADIUS_M - WALL_RANGE_M).abs();
         self.steps += 1;
     }
 

@@ -15,14 +15,17 @@ mod pursue;
 mod record;
 mod tally;
 
-pub use body::Body;
+pub use body::{Body, Happened, Moved};
 pub use capture::perceive;
-pub use drive::{Episode, Failure, Phase, Setup, drive_pilot, run, run_with};
+pub use drive::{
+    Episode, Failure, Observer, Phase, Setup, drive_pilot, educate, run, run_observed, run_with,
+};
 pub use leader::Leader;
 pub use measure::{FOLLOWED_S, KEPT_M, NEST_M};
 pub use places::elsewhere;
-pub use pursue::repeat;
-pub use tally::{Report, Tally};
+pub use pursue::{CARRIED_S, repeat};
+pub(crate) use tally::rounded;
+pub use tally::{Report, Stride, Tally};
 
 use rand_core::{Rng as _, SeedableRng as _};
 use rand_xoshiro::SplitMix64;

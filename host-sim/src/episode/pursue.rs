@@ -3,12 +3,12 @@
 use super::drive::{Driver, Failure, Setup, educated, report};
 use super::tally::{Report, Tally};
 use crate::pilot::{Mind, Pilot};
-use crate::scenes::{Behavior, CHAIN_HOLDS};
+use crate::scenes::{self, Behavior};
 use crate::world::World;
 use amp::controller::Command;
 
 /// Carrying the robot takes so long that its shield has forgotten what it heard before, s.
-const CARRIED_S: f64 = 601.0;
+pub const CARRIED_S: f64 = 601.0;
 
 /// Explores and learns once, then pursues the behaviour `times` times, each from a new scene: the reports of all.
 ///
@@ -16,7 +16,7 @@ const CARRIED_S: f64 = 601.0;
 /// When the mind refuses a command or falls silent.
 pub fn repeat(world: &World, setup: &Setup, times: u32) -> Result<Vec<Report>, Failure> {
     let mut mind = Mind::new(setup.config.clone());
-    let (mut driver, exploration) = educated(world, setup, &mut mind, |_, _, _| {})?;
+    let (mut driver, exploration) = educated(world, setup, &mut mind, None, |_, _, _| {})?;
     let mut reports = Vec::new();
     for _ in 0..times {
         driver.set_scene(setup);
@@ -84,14 +84,8 @@ impl Driver<'_> {
     }
 }
 
-/// A place is reached when its goal holds; a way when its goal has held for a while.
+/// As [`is_reached`](scenes::is_reached), by the tallies when it was begun and now.
 fn is_reached(part: &Behavior, begun: &Tally, now: &Tally) -> bool {
     let held = now.goal_steps.saturating_sub(begun.goal_steps);
-    match part {
-        Behavior::Nest | Behavior::Seek(_) => held > 0,
-        Behavior::WallLeft | Behavior::WallRight => {
-            now.steps.saturating_sub(begun.steps) >= CHAIN_HOLDS * 5
-        }
-        _ => held >= CHAIN_HOLDS,
-    }
+    scenes::is_reached(part, now.steps.saturating_sub(begun.steps), held)
 }

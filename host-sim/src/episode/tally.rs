@@ -115,6 +115,6 @@ pub struct Report {
 
 /// A figure as printed: four decimals are below a tenth of a millimetre.
 #[must_use]
-pub(super) fn rounded(value: f64) -> f64 {
+pub(crate) fn rounded(value: f64) -> f64 {
     (value * 1e4 + 0.5).floor() / 1e4
 }

@@ -1,7 +1,7 @@
 //! What each open choice is worth: the recommended preset with one choice changed at a time, the
 //! literal preset, and the hand-written yardstick, over the same random rooms.
 
-use crate::baselines::{Braitenberg, Tuning};
+use crate::baselines::{Braitenberg, RingPilot, braitenberg::Tuning};
 use crate::episode::{Body, Failure, Seeds, Setup, drive_pilot, run};
 use crate::error::BadInput;
 use crate::robot::TurretMode;
@@ -286,7 +286,7 @@ fn braitenberg(trial: &Trial, world: &World) -> Result<Figures, Failure> {
     );
     let tally = drive_pilot(
         world,
-        &mut Braitenberg::new(Tuning::default()),
+        &mut RingPilot::new(Braitenberg::new(Tuning::default()), None),
         body,
         trial.steps,
     )?;

@@ -3,6 +3,8 @@
 pub mod ablation;
 pub mod behaviors;
 pub mod faults;
+pub mod compare;
+pub mod paper;
 pub mod repetition;
 pub mod rooms;
 pub mod scenes;

@@ -15,6 +15,8 @@ pub struct Curve {
     pub frozen: Vec<Mean>,
     /// Learning less frozen over the last half, paired by episode.
     pub difference: Mean,
+    /// The last half less the first repetition while learning, paired by episode.
+    pub gain: Mean,
 }
 
 /// Measures `times` repetitions of a scene; `done` is called after each series.
@@ -35,11 +37,16 @@ pub fn measure(
         let difference = |(a, b): (&Vec<f64>, &Vec<f64>)| late(a) - late(b);
         a.iter().zip(b).map(difference).collect()
     });
+    let since_first = |curve: &Vec<f64>| late(curve) - curve.first().copied().unwrap_or(0.0);
+    let gains = learning
+        .iter()
+        .map(|world| world.iter().map(since_first).collect());
     let all = 0..times as usize;
     Ok(Curve {
         learning: all.clone().map(|i| at(&learning, i)).collect(),
         frozen: all.map(|i| at(&frozen, i)).collect(),
         difference: bootstrap(&pairs.collect::<Vec<_>>()),
+        gain: bootstrap(&gains.collect::<Vec<_>>()),
     })
 }
 

@@ -24,31 +24,52 @@ const DRAWS: usize = 2_000;
 /// Mean and percentile interval; both worlds and the seeds within them are drawn anew.
 #[must_use]
 pub fn bootstrap(worlds: &[Vec<f64>]) -> Mean {
-    let all: Vec<f64> = worlds.iter().flatten().copied().collect();
-    let mean_of = |sum: f64, count: usize| sum / count.max(1) as f64;
+    let single = |world: &Vec<f64>| world.iter().map(|value| [*value]).collect();
+    let rows: Vec<_> = worlds.iter().map(single).collect();
+    bootstrap_of(&rows, |[sum], count| sum / count)
+}
+
+/// As [`bootstrap`], of a `statistic` of the columns' sums and the number of rows (at least 1): a ratio of two sums, a
+/// difference of two ratios.
+#[must_use]
+pub fn bootstrap_of<const COLUMNS: usize>(
+    worlds: &[Vec<[f64; COLUMNS]>],
+    statistic: impl Fn([f64; COLUMNS], f64) -> f64,
+) -> Mean {
+    let value_of = |sums: [f64; COLUMNS], count: usize| statistic(sums, count.max(1) as f64);
+    let add = |sums: &mut [f64; COLUMNS], row: &[f64; COLUMNS]| {
+        for (sum, value) in sums.iter_mut().zip(row) {
+            *sum += value;
+        }
+    };
     let mut noise = Noise::new(1);
-    let mut means: Vec<f64> = (0..DRAWS)
+    let mut values: Vec<f64> = (0..DRAWS)
         .map(|_| {
-            let (mut sum, mut count) = (0.0, 0);
+            let (mut sums, mut count) = ([0.0; COLUMNS], 0);
             for _ in worlds {
                 let Some(world) = worlds.get(noise.index(worlds.len())) else {
                     continue;
                 };
                 for _ in world {
-                    sum += world.get(noise.index(world.len())).copied().unwrap_or(0.0);
+                    if let Some(row) = world.get(noise.index(world.len())) {
+                        add(&mut sums, row);
+                    }
                     count += 1;
                 }
             }
-            mean_of(sum, count)
+            value_of(sums, count)
         })
         .collect();
-    means.sort_by(f64::total_cmp);
+    values.sort_by(f64::total_cmp);
     let at = |share: f64| {
         let index = (share * (DRAWS - 1) as f64) as usize;
-        means.get(index).copied().unwrap_or(0.0)
+        values.get(index).copied().unwrap_or(0.0)
     };
+    let mut sums = [0.0; COLUMNS];
+    let rows = worlds.iter().flatten();
+    rows.clone().for_each(|row| add(&mut sums, row));
     Mean {
-        mean: mean_of(all.iter().sum(), all.len()),
+        mean: value_of(sums, rows.count()),
         interval: [at(0.025), at(0.975)],
     }
 }
@@ -68,5 +89,13 @@ mod tests {
         let width = |found: Mean| found.interval[1] - found.interval[0];
         assert!(width(many) < width(few) / 5.0);
         assert_eq!(bootstrap(&[]).mean, 0.0);
+    }
+    #[test]
+    fn a_ratio_is_that_of_the_sums() {
+        // 6 contacts on 4 m and none on 8 m: half a contact per metre, not the mean of 1.5 and 0.
+        let rows = vec![vec![[6.0, 4.0], [0.0, 8.0]]; 40];
+        let found = bootstrap_of(&rows, |[contacts, way], _| contacts / way);
+        assert!((found.mean - 0.5).abs() < 1e-12);
+        assert!(found.interval[0] < 0.5 && found.interval[1] > 0.5);
     }
 }

@@ -79,6 +79,27 @@ impl Knowledge {
         }
     }
 
+    /// What a mind in this process was told and has learnt.
+    ///
+    /// # Errors
+    /// When the configuration is none a mind can send.
+    pub fn of(config: &Config<16>, state: &SimState) -> Result<Self, LinkError> {
+        let part = |part: StatePart| {
+            let mut bytes = vec![0; state.part_len(part)];
+            state.read_part(part, 0, &mut bytes);
+            bytes
+        };
+        Ok(Self {
+            parts: [
+                Self::of_config(config)?,
+                part(StatePart::Situations),
+                part(StatePart::Changes),
+                part(StatePart::Actions),
+                part(StatePart::Memory),
+            ],
+        })
+    }
+
     /// A configuration as on the wire.
     pub(super) fn of_config(config: &Config<16>) -> Result<Vec<u8>, LinkError> {
         let mut buffer = [0; MOST_CONFIG];

@@ -16,6 +16,7 @@ use amp::wire::message::{
     Refusal, Report,
 };
 use amp::wire::{ToMind, message};
+use std::borrow::BorrowMut;
 use std::time::{Duration, Instant};
 
 /// A sign of life at least this often in simulated time, milliseconds: half the silence a mind bears, so that one may be
@@ -69,9 +70,9 @@ impl Fingerprint {
     }
 }
 
-/// A mind at the other end of a link, for one episode.
-pub struct RemoteMind<'s> {
-    session: &'s mut Session,
+/// A mind at the other end of a link, for one episode; the session is its own (`Session`) or lent (`&mut Session`).
+pub struct RemoteMind<S> {
+    session: S,
     config: Config<16>,
     found: Fingerprint,
     fresh: Fingerprint,
@@ -83,27 +84,14 @@ pub struct RemoteMind<'s> {
     error: Option<LinkError>,
 }
 
-impl<'s> RemoteMind<'s> {
+impl<S: BorrowMut<Session>> RemoteMind<S> {
     /// Opens the sessions `number` and the one after it: gives the mind its configuration, makes it forget everything, and
     /// makes sure that it did.
     ///
     /// # Errors
     /// [`LinkError`].
-    pub fn start(
-        session: &'s mut Session,
-        number: u16,
-        config: &Config<16>,
-    ) -> Result<Self, LinkError> {
-        let fresh = Fingerprint::fresh(config)?;
-        let found = Fingerprint::from(&session.open(number, Clock::Host)?);
-        // A mind that learns takes no configuration.
-        session.order(0, Order::Stop)?;
-        session.write_part(Part::Config, &Knowledge::of_config(config)?)?;
-        session.order(0, Order::Forget)?;
-        let hello = session.open(next_number(session.number()), Clock::Host)?;
-        if let Some(what) = Fingerprint::from(&hello).differences(&fresh).first() {
-            return Err(LinkError::Unlike { what });
-        }
+    pub fn start(mut session: S, number: u16, config: &Config<16>) -> Result<Self, LinkError> {
+        let (found, fresh) = begin(session.borrow_mut(), number, config)?;
         Ok(Self {
             session,
             config: config.clone(),
@@ -114,6 +102,37 @@ impl<'s> RemoteMind<'s> {
             knowledge: Box::new(SimState::new(Grid::rectangle(4, 4))),
             error: None,
         })
+    }
+
+    /// As after [`start`](Self::start) with another configuration, whatever went wrong before; the simulation's time begins anew.
+    ///
+    /// # Errors
+    /// [`LinkError`].
+    pub fn restart(&mut self, config: &Config<16>) -> Result<(), LinkError> {
+        let session = self.session.borrow_mut();
+        let number = next_number(session.number());
+        (self.found, self.fresh) = begin(session, number, config)?;
+        self.config = config.clone();
+        (self.told, self.motion, self.error) = (Millis::from_ms(0), None, None);
+        Ok(())
+    }
+
+    /// Gives the mind another configuration; what it knows stays.
+    ///
+    /// # Errors
+    /// [`LinkError`]; a refusal while the robot explores, learns or seeks.
+    pub fn configure(&mut self, config: &Config<16>) -> Result<(), LinkError> {
+        let bytes = Knowledge::of_config(config)?;
+        let session = self.session.borrow_mut();
+        session.write_part(Part::Config, &bytes)?;
+        self.config = config.clone();
+        Ok(())
+    }
+
+    /// What the mind was told, and whom it believes by now.
+    #[must_use]
+    pub fn config(&self) -> &Config<16> {
+        &self.config
     }
 
     /// What the mind had instead of this configuration, empty maps and an empty memory before it was told; in words.
@@ -200,7 +219,7 @@ impl<'s> RemoteMind<'s> {
     /// Sends something that happened at `at` and returns what came of it.
     fn tell(&mut self, at: Millis, message: &ToMind<16>) -> Result<Outputs<16>, LinkError> {
         self.pass_time(at)?;
-        let answer = self.session.request(message)?;
+        let answer = self.session.borrow_mut().request(message)?;
         self.outputs(&answer)
     }
 
@@ -211,7 +230,7 @@ impl<'s> RemoteMind<'s> {
         while (ALIVE_MS + 1..1 << 31).contains(&gap_ms) {
             self.told = Millis::from_ms(self.told.as_ms().wrapping_add(ALIVE_MS));
             let at_ms = self.told.as_ms();
-            self.session.put(&ToMind::Alive { at_ms })?;
+            self.session.borrow_mut().put(&ToMind::Alive { at_ms })?;
             gap_ms = at.since(self.told);
         }
         self.told = at;
@@ -264,7 +283,11 @@ impl<'s> RemoteMind<'s> {
     fn let_learn(&mut self) -> Result<Outputs<16>, LinkError> {
         let mut outputs = Outputs::NONE;
         while !outputs.mode_changed {
-            match self.session.next_report(Instant::now() + LEARNING)? {
+            match self
+                .session
+                .borrow_mut()
+                .next_report(Instant::now() + LEARNING)?
+            {
                 Some(report) => self.take(&report, &mut outputs)?,
                 // Had its report been lost, there would be nothing to wait for.
                 None => outputs.mode_changed = !self.is_learning()?,
@@ -274,7 +297,7 @@ impl<'s> RemoteMind<'s> {
     }
 
     fn is_learning(&mut self) -> Result<bool, LinkError> {
-        let mode = self.session.mode()?;
+        let mode = self.session.borrow_mut().mode()?;
         Ok(mode == ModeReport::Learn)
     }
 
@@ -286,7 +309,7 @@ impl<'s> RemoteMind<'s> {
     }
 }
 
-impl Pilot for RemoteMind<'_> {
+impl<S: BorrowMut<Session>> Pilot for RemoteMind<S> {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
         if self.error.is_some() {
             return Outputs::NONE;
@@ -311,12 +334,32 @@ impl Pilot for RemoteMind<'_> {
     }
 }
 
-impl Thinker for RemoteMind<'_> {
+impl<S: BorrowMut<Session>> Thinker for RemoteMind<S> {
     fn knowledge(&mut self) -> Result<&SimState, Failure> {
         // Nothing happens in the mind while nothing is said to it, whatever its mode.
-        let pulled = Knowledge::read(self.session).and_then(|knowledge| knowledge.state());
+        let pulled =
+            Knowledge::read(self.session.borrow_mut()).and_then(|knowledge| knowledge.state());
         *self.knowledge = pulled.map_err(Failure::Link)?;
         Ok(&self.knowledge)
+    }
+}
+
+/// Opens two sessions with a mind: what it was before, and what it is with this configuration and nothing else.
+fn begin(
+    session: &mut Session,
+    number: u16,
+    config: &Config<16>,
+) -> Result<(Fingerprint, Fingerprint), LinkError> {
+    let fresh = Fingerprint::fresh(config)?;
+    let found = Fingerprint::from(&session.open(number, Clock::Host)?);
+    // A mind that learns takes no configuration.
+    session.order(0, Order::Stop)?;
+    session.write_part(Part::Config, &Knowledge::of_config(config)?)?;
+    session.order(0, Order::Forget)?;
+    let hello = session.open(next_number(session.number()), Clock::Host)?;
+    match Fingerprint::from(&hello).differences(&fresh).first() {
+        Some(what) => Err(LinkError::Unlike { what }),
+        None => Ok((found, fresh)),
     }
 }
 

@@ -19,6 +19,19 @@ pub const ORANGE: &str = "#e69f00";
 /// Okabe and Ito's reddish purple: exploration.
 pub const PURPLE: &str = "#cc79a7";
 
+/// Okabe and Ito's bluish green.
+pub const GREEN: &str = "#009e73";
+/// Okabe and Ito's sky blue.
+pub const SKY: &str = "#56b4e9";
+/// Okabe and Ito's yellow.
+pub const YELLOW: &str = "#f0e442";
+
+/// The colour of class `index`; they come again after eight.
+pub fn class(index: usize) -> &'static str {
+    const CLASSES: [&str; 8] = [BLUE, ORANGE, GREEN, PURPLE, SKY, VERMILLION, YELLOW, PALE];
+    CLASSES[index % CLASSES.len()]
+}
+
 const VIRIDIS: [[u8; 3]; 9] = [
     [0x44, 0x01, 0x54],
     [0x47, 0x2d, 0x7b],

@@ -1,10 +1,10 @@
-//! Curves with their 95 % bands: a measure over repetitions, with learning and with frozen maps.
+//! Curves with their 95 % bands: measures over repetitions or budgets, several lines in each panel.
 
 use crate::experiments::statistics::Mean;
 
-use super::color::{BLUE, GREY, ORANGE, PALE};
+use super::color::{BLUE, GREEN, GREY, INK, ORANGE, PALE, PURPLE, VERMILLION};
 use super::layout::{MARGIN, PAGE, TOP, heading, shortened};
-use super::svg::{Anchor, Font, Svg, fill, num, stroke};
+use super::svg::{Anchor, Font, Svg, fill, stroke};
 
 /// Panels in a row.
 const COLUMNS: usize = 3;
@@ -12,38 +12,77 @@ const COLUMNS: usize = 3;
 const HEIGHT: f64 = 214.0;
 const AXES: f64 = 138.0;
 
-/// One panel: the same measure twice.
+/// Height of the names below the panels, where there are any, px.
+const NAMES: f64 = 30.0;
+
+/// The lines' colours, in their order.
+const COLORS: [&str; 6] = [BLUE, ORANGE, GREEN, PURPLE, VERMILLION, INK];
+
+/// What holds for all panels.
+#[derive(Debug, Clone)]
+pub struct Key {
+    /// What the page shows, in a line.
+    pub subtitle: String,
+    /// What runs along the panels.
+    pub along: String,
+    /// Places along the panels (counted from 0) that are labelled, and how.
+    pub ticks: Vec<(usize, String)>,
+    /// Names of the lines and whether they are dashed; none where the subtitle names them.
+    pub names: Vec<(String, bool)>,
+}
+
+/// One panel: a measure by each line, the first drawn first.
 #[derive(Debug, Clone)]
 pub struct Curves {
-    /// What is repeated.
+    /// What it is about.
     pub title: String,
     /// The measure.
     pub measure: String,
-    /// By repetition, while the maps learn.
-    pub learning: Vec<Mean>,
-    /// By repetition, with frozen maps.
-    pub frozen: Vec<Mean>,
+    /// The measure cannot lie outside: neither does the axis reach farther.
+    pub within: [f64; 2],
+    /// The lines, all of one length.
+    pub lines: Vec<Vec<Mean>>,
 }
 
-/// Draws a panel for each behaviour: orange while the maps go on learning, blue with frozen maps.
+/// Draws a panel for each measure, the lines in the colours blue, orange, green, purple, vermillion, black.
 ///
 /// Returns an SVG document.
 #[must_use]
-pub fn curves(title: &str, panels: &[Curves]) -> String {
+pub fn curves(title: &str, key: &Key, panels: &[Curves]) -> String {
     let rows = panels.len().div_ceil(COLUMNS).max(1);
-    let mut svg = Svg::new(PAGE, TOP + rows as f64 * HEIGHT);
-    let subtitle = "Mean and 95 % interval by repetition · orange: the maps go on learning · blue: frozen maps";
-    heading(&mut svg, title, subtitle);
+    let below = TOP + rows as f64 * HEIGHT;
+    let names = if key.names.is_empty() { 0.0 } else { NAMES };
+    let mut svg = Svg::new(PAGE, below + names);
+    heading(&mut svg, title, &key.subtitle);
     let side = (PAGE - 2.0 * MARGIN) / COLUMNS as f64;
     for (index, curves) in panels.iter().enumerate() {
         let left = MARGIN + (index % COLUMNS) as f64 * side;
         let top = TOP + (index / COLUMNS) as f64 * HEIGHT;
-        panel(&mut svg, [left, top], side, curves);
+        panel(&mut svg, [left, top], side, key, curves);
     }
-    svg.finish(title, subtitle)
+    let width = (PAGE - 2.0 * MARGIN) / key.names.len().max(1) as f64;
+    for (index, (name, _)) in key.names.iter().enumerate() {
+        let left = MARGIN + index as f64 * width;
+        let line = [[left, below + 8.0], [left + 24.0, below + 8.0]];
+        svg.polyline(&line, &drawn(key, index));
+        svg.text([left + 30.0, below + 12.0], Font::new(12.0), name);
+    }
+    svg.finish(title, &key.subtitle)
 }
 
-fn panel(svg: &mut Svg, [left, top]: [f64; 2], side: f64, curves: &Curves) {
+fn color(line: usize) -> &'static str {
+    COLORS.get(line % COLORS.len()).copied().unwrap_or(INK)
+}
+
+fn drawn(key: &Key, line: usize) -> String {
+    let solid = stroke(color(line), 2.0);
+    match key.names.get(line) {
+        Some((_, true)) => format!(r#"{solid} stroke-dasharray="6 4""#),
+        _ => solid,
+    }
+}
+
+fn panel(svg: &mut Svg, [left, top]: [f64; 2], side: f64, key: &Key, curves: &Curves) {
     let name = shortened(&curves.title, (side / 7.0) as usize);
     svg.text([left, top + 14.0], Font::new(12.5).bold(), &name);
     svg.text(
@@ -53,18 +92,21 @@ fn panel(svg: &mut Svg, [left, top]: [f64; 2], side: f64, curves: &Curves) {
     );
     let area = [left + 42.0, top + 38.0, side - 62.0, AXES];
     let axes = Axes::holding(area, curves);
-    axes.draw(svg, curves.learning.len());
-    for (means, color) in [(&curves.frozen, BLUE), (&curves.learning, ORANGE)] {
+    axes.draw(svg, key);
+    for (line, means) in curves.lines.iter().enumerate() {
         let place = |end: usize| {
             move |(i, mean): (usize, &Mean)| (i, mean.interval.get(end).copied().unwrap_or(0.0))
         };
         let upper = means.iter().enumerate().map(place(1));
         let lower = means.iter().enumerate().rev().map(place(0));
         let band: Vec<_> = upper.chain(lower).map(|(i, v)| axes.at(i, v)).collect();
-        svg.polygon(&band, &format!(r#"{} fill-opacity="0.22""#, fill(color)));
+        svg.polygon(
+            &band,
+            &format!(r#"{} fill-opacity="0.22""#, fill(color(line))),
+        );
         let middle = means.iter().enumerate();
-        let line: Vec<_> = middle.map(|(i, mean)| axes.at(i, mean.mean)).collect();
-        svg.polyline(&line, &stroke(color, 2.0));
+        let points: Vec<_> = middle.map(|(i, mean)| axes.at(i, mean.mean)).collect();
+        svg.polyline(&points, &drawn(key, line));
     }
 }
 
@@ -78,18 +120,20 @@ struct Axes {
 
 impl Axes {
     fn holding(area: [f64; 4], curves: &Curves) -> Self {
-        let both = curves.learning.iter().chain(&curves.frozen);
-        let ends: Vec<f64> = both.flat_map(|mean| mean.interval).collect();
+        let all = curves.lines.iter().flatten();
+        let ends: Vec<f64> = all.flat_map(|mean| mean.interval).collect();
         let low = ends.iter().copied().fold(f64::INFINITY, f64::min);
         let high = ends.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
         // A curve that never moves lies in the middle.
+        let [least, most] = curves.within;
+        let longest = curves.lines.iter().map(Vec::len).max().unwrap_or(0);
         let rim = ((high - low) * 0.06).max(0.01);
         Self {
             area,
-            low: low - rim,
-            high: high + rim,
-            last: curves.learning.len().saturating_sub(1).max(1),
+            low: (low - rim).max(least),
+            high: (high + rim).min(most).max(least + rim),
+            last: longest.saturating_sub(1).max(1),
         }
     }
 
@@ -102,7 +146,7 @@ impl Axes {
         ]
     }
 
-    fn draw(&self, svg: &mut Svg, repetitions: usize) {
+    fn draw(&self, svg: &mut Svg, key: &Key) {
         let [left, top, width, height] = self.area;
         svg.rect([left, top, width, height], &stroke(PALE, 1.0));
         let font = Font::new(11.0).color(GREY);
@@ -112,13 +156,20 @@ impl Axes {
             svg.text([left - 5.0, y], font.at(Anchor::End), &text);
         }
         let below = top + height + 16.0;
-        svg.text([left, below], font.at(Anchor::Middle), "1");
-        let last = num(repetitions as f64);
-        svg.text([left + width, below], font.at(Anchor::Middle), &last);
+        for (place, label) in &key.ticks {
+            let [x, _] = self.at(*place, self.low);
+            svg.text([x, below], font.at(Anchor::Middle), label);
+        }
+        // Between the labels of the two ends, or below many of them.
+        let along = if key.ticks.len() > 2 {
+            below + 14.0
+        } else {
+            below
+        };
         svg.text(
-            [left + width / 2.0, below],
+            [left + width / 2.0, along],
             font.at(Anchor::Middle),
-            "repetition",
+            &key.along,
         );
     }
 }
@@ -137,11 +188,21 @@ mod tests {
         let of = |values: &[f64]| Curves {
             title: "nest, six boxes".into(),
             measure: "reached".into(),
-            learning: values.iter().copied().map(mean).collect(),
-            frozen: values.iter().rev().copied().map(mean).collect(),
+            within: [f64::NEG_INFINITY, f64::INFINITY],
+            lines: vec![
+                values.iter().rev().copied().map(mean).collect(),
+                values.iter().copied().map(mean).collect(),
+            ],
+        };
+        let key = Key {
+            subtitle: "Mean and 95 % interval".into(),
+            along: "repetition".into(),
+            ticks: vec![(0, "1".into()), (2, "3".into())],
+            names: vec![("frozen".into(), true), ("learning".into(), false)],
         };
         let picture = curves(
             "Repetition",
+            &key,
             &[of(&[1.0, 2.0, 4.0]), of(&[1.0; 3]), of(&[])],
         );
         assert_well_formed(&picture);

@@ -12,7 +12,7 @@ use super::situation_map::MapMarks;
 use super::{action_map, path, png, sequence, situation_map};
 
 /// Pixels per page unit of the bitmaps.
-const PNG_SCALE: f32 = 2.0;
+pub(super) const PNG_SCALE: f32 = 2.0;
 
 /// A file that could not be written, and why.
 #[derive(Debug)]

@@ -27,20 +27,28 @@ pub fn index_html(
     figures: &[Figure],
     next: &[&str],
 ) -> String {
+    let mut html = opening(title);
+    table(&mut html, summary);
+    for (i, figure) in figures.iter().enumerate() {
+        picture(&mut html, &format!("{}. ", i + 1), figure);
+    }
+    commands(&mut html, next);
+    html.push_str(CLOSING);
+    html
+}
+
+/// The end of every page.
+pub(super) const CLOSING: &str = "</main>\n</body>\n</html>\n";
+
+/// The beginning of every page, up to its headline.
+pub(super) fn opening(title: &str) -> String {
     let heading = escape(title);
-    let mut html = format!(
+    format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta name=\"color-scheme\" content=\"light dark\">\n<title>{heading}</title>\n\
          <style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n<h1>{heading}</h1>\n"
-    );
-    table(&mut html, summary);
-    for (i, figure) in figures.iter().enumerate() {
-        picture(&mut html, i + 1, figure);
-    }
-    commands(&mut html, next);
-    html.push_str("</main>\n</body>\n</html>\n");
-    html
+    )
 }
 
 fn table(html: &mut String, summary: &[(String, String)]) {
@@ -59,11 +67,12 @@ fn table(html: &mut String, summary: &[(String, String)]) {
     html.push_str("</table>\n");
 }
 
-fn picture(html: &mut String, number: usize, figure: &Figure) {
+/// One figure; `number` stands before its title.
+pub(super) fn picture(html: &mut String, number: &str, figure: &Figure) {
     let (file, title) = (escape(&figure.file), escape(&figure.title));
     let _ = write!(
         html,
-        "<figure>\n<h2>{number}. {title}</h2>\n<div class=\"card\"><a href=\"{file}\"><img src=\"{file}\" \
+        "<figure>\n<h2>{number}{title}</h2>\n<div class=\"card\"><a href=\"{file}\"><img src=\"{file}\" \
          alt=\"{title}\"></a></div>\n<figcaption>\n"
     );
     for paragraph in &figure.caption {
@@ -72,7 +81,8 @@ fn picture(html: &mut String, number: usize, figure: &Figure) {
     html.push_str("</figcaption>\n</figure>\n");
 }
 
-fn commands(html: &mut String, next: &[&str]) {
+/// Commands to try next.
+pub(super) fn commands(html: &mut String, next: &[&str]) {
     if next.is_empty() {
         return;
     }

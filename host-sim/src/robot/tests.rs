@@ -147,7 +147,7 @@ fn a_timed_move_ends_at_rest_at_the_commanded_place() {
                 );
                 assert_eq!((base.speed, base.turn_rate), (0.0, 0.0));
                 assert!((sum.travelled_m - Point::new(dx, dy).length()).abs() < 1e-8);
-                assert_eq!(base.odometry(), base.position);
+                assert_eq!(base.odometry(), base.chassis.position);
                 if turret == TurretMode::Held {
                     assert_eq!(base.pose().heading, 0.0);
                     assert!(

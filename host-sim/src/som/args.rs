@@ -57,7 +57,7 @@ pub struct SomArgs {
     pub neighbourhood: Neighbourhood,
 
     /// Learning rate and how it falls; SHAPE is linear, exponential or inverse
-    #[arg(long, value_name = "START:END:SHAPE", default_value = "0.9:0.03:exponential", value_parser = rate)]
+    #[arg(long, value_name = "START:END:SHAPE", default_value = DEFAULT_RATE, value_parser = rate)]
     pub rate: Schedule,
 
     /// Radius of the gaussian in grid steps and how it falls [default: from 0.3 times the longer side of the
@@ -96,24 +96,36 @@ impl SomArgs {
     /// # Errors
     /// A direct neighbours' share above 1.
     pub fn radius(&self) -> Result<Schedule, BadInput> {
-        let text = match (self.radius, self.neighbourhood) {
+        match (self.radius, self.neighbourhood) {
             (Some(radius), Neighbourhood::Direct) if radius.start_q16() > 1 << 16 => {
-                return Err(BadInput::new(
+                Err(BadInput::new(
                     "--radius must lie between 0 and 1 with --neighbourhood direct: it is the neighbours' share",
-                ));
+                ))
             }
-            (Some(radius), _) => return Ok(radius),
-            (None, Neighbourhood::Direct) => "0.5:0.05:exponential".to_owned(),
-            (None, Neighbourhood::Gaussian) => {
-                let side = self.grid.columns().max(self.grid.rows());
-                // Ends where neighbours still hold together (less of it costs topographic error, more of it quantization
-                // error).
-                format!("{}:0.42:exponential", (0.3 * side as f64).max(1.0))
-            }
-        };
-        radius(&text)
+            (Some(radius), _) => Ok(radius),
+            (None, neighbourhood) => default_radius(neighbourhood, self.grid),
+        }
     }
 }
+
+/// The fall of the radius for a grid where nobody says it.
+///
+/// # Errors
+/// None for a grid of at most [`MAX_NEURONS`].
+pub fn default_radius(neighbourhood: Neighbourhood, grid: Grid) -> Result<Schedule, BadInput> {
+    radius(&match neighbourhood {
+        Neighbourhood::Direct => "0.5:0.05:exponential".to_owned(),
+        Neighbourhood::Gaussian => {
+            let side = grid.columns().max(grid.rows());
+            // Ends where neighbours still hold together (less of it costs topographic error, more of it quantization
+            // error).
+            format!("{}:0.42:exponential", (0.3 * side as f64).max(1.0))
+        }
+    })
+}
+
+/// The learning rate where nobody says it.
+pub const DEFAULT_RATE: &str = "0.9:0.03:exponential";
 
 fn grid(text: &str) -> Result<Grid, BadInput> {
     let shape =
@@ -151,7 +163,11 @@ fn neighbourhood(word: String) -> Neighbourhood {
     }
 }
 
-fn rate(text: &str) -> Result<Schedule, BadInput> {
+/// Reads a learning rate and how it falls, `START:END:SHAPE`.
+///
+/// # Errors
+/// A rate outside 0 to 1, one that rises, an unknown shape.
+pub fn rate(text: &str) -> Result<Schedule, BadInput> {
     settings::schedule(text, 1.0).map_err(BadInput::new)
 }
 

@@ -39,7 +39,11 @@ impl Scale {
             .map_err(|why| BadInput::new(format!("{}: its values: {why}", table.source)))
     }
 
-    fn between(least: f64, greatest: f64) -> Result<Self, String> {
+    /// From one value to another.
+    ///
+    /// # Errors
+    /// Ends in the wrong order, or so near or far that distances are lost.
+    pub fn between(least: f64, greatest: f64) -> Result<Self, String> {
         let span = greatest - least;
         if span <= 0.0 {
             return Err(format!("{least} is not below {greatest}"));

@@ -31,12 +31,7 @@ impl Table {
     /// A sentence naming the file, and line and column where it is about them: a file that cannot be read or is not
     /// text, no samples, rows of different lengths, text or something infinite where a number should be.
     pub fn load(path: &Path) -> Result<Self, BadInput> {
-        let bytes = std::fs::read(path).map_err(|error| BadInput::file(path, error))?;
-        let text = match String::from_utf8(bytes) {
-            Ok(text) if !text.contains('\0') => text,
-            _ => return Err(BadInput::file(path, "it is not a text file")),
-        };
-        Self::parse(&path.display().to_string(), &text)
+        Self::parse(&path.display().to_string(), &read_text(path)?)
     }
 
     /// Reads the table in a text; `source` names it in messages.
@@ -44,23 +39,9 @@ impl Table {
     /// # Errors
     /// As [`load`](Self::load).
     pub fn parse(source: &str, text: &str) -> Result<Self, BadInput> {
-        let about = |what: &str| BadInput::new(format!("{source}: {what}"));
-        let mut records = records(text);
-        let Some((_, first)) = records.first() else {
-            return Err(about("the file is empty"));
-        };
-        let names = if first.iter().all(|field| number(field).is_none()) {
-            records.remove(0).1.into_iter().map(str::to_owned).collect()
-        } else {
-            Vec::new()
-        };
-        if records.is_empty() {
-            return Err(about(
-                "there is no sample: its only line holds no number at all",
-            ));
-        }
-        same_length(source, &names, &records)?;
-        Self::of(source, names, &records)
+        let Records { heading, rows } = Records::parse(source, text, None)?;
+        let names = heading.into_iter().map(str::to_owned).collect();
+        Self::of(source, names, &rows)
     }
 
     /// An error about one field; `index` is its column's, from 0.
@@ -103,7 +84,57 @@ impl Table {
 }
 
 /// A line's number and its fields.
-type Record<'a> = (usize, Vec<&'a str>);
+pub type Record<'a> = (usize, Vec<&'a str>);
+
+/// The lines of a table as text: at least one row, all of the same number of fields.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Records<'a> {
+    /// The fields of the first line, if that is a heading; else empty.
+    pub heading: Vec<&'a str>,
+    /// The other lines.
+    pub rows: Vec<Record<'a>>,
+}
+
+impl<'a> Records<'a> {
+    /// Splits a text into lines and fields; `source` names it in messages. Whether the first line is a heading is told by
+    /// its fields where `headed` does not say it.
+    ///
+    /// # Errors
+    /// No line, no line but a heading, lines of different lengths.
+    pub fn parse(source: &str, text: &'a str, headed: Option<bool>) -> Result<Self, BadInput> {
+        let about = |what: &str| BadInput::new(format!("{source}: {what}"));
+        let mut rows = records(text);
+        let Some((_, first)) = rows.first() else {
+            return Err(about("the file is empty"));
+        };
+        let no_number = || first.iter().all(|field| number(field).is_none());
+        let heading = if headed.unwrap_or_else(no_number) {
+            rows.remove(0).1
+        } else {
+            Vec::new()
+        };
+        if rows.is_empty() {
+            return Err(about(match headed {
+                None => "there is no sample: its only line holds no number at all",
+                Some(_) => "there is no sample: its only line is the heading",
+            }));
+        }
+        same_length(source, &heading, &rows)?;
+        Ok(Self { heading, rows })
+    }
+}
+
+/// The text in a file.
+///
+/// # Errors
+/// A sentence naming a file that cannot be read or is not text.
+pub fn read_text(path: &Path) -> Result<String, BadInput> {
+    let bytes = std::fs::read(path).map_err(|error| BadInput::file(path, error))?;
+    match String::from_utf8(bytes) {
+        Ok(text) if !text.contains('\0') => Ok(text),
+        _ => Err(BadInput::file(path, "it is not a text file")),
+    }
+}
 
 fn records(text: &str) -> Vec<Record<'_>> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
@@ -129,7 +160,9 @@ fn fields(line: &str, separator: char) -> Vec<&str> {
     .collect()
 }
 
-fn number(field: &str) -> Option<f64> {
+/// The number a field holds, if it holds one.
+#[must_use]
+pub fn number(field: &str) -> Option<f64> {
     field.parse().ok()
 }
 
@@ -142,7 +175,7 @@ fn finite(field: &str) -> Result<f64, String> {
     }
 }
 
-fn same_length(source: &str, names: &[String], records: &[Record]) -> Result<(), BadInput> {
+fn same_length(source: &str, names: &[&str], records: &[Record]) -> Result<(), BadInput> {
     let Some((first_line, first)) = records.first() else {
         return Ok(());
     };

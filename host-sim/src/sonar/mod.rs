@@ -25,6 +25,9 @@ pub use fault::{FaultKind, TransducerFault};
 /// Length of an inch, m.
 pub const M_PER_INCH: f64 = 0.0254;
 
+/// Distance of the transducers' faces from the robot's centre, m.
+pub const FACE_RADIUS_M: f64 = 0.2305;
+
 /// The largest reading, in: what a transducer that hears nothing reports.
 pub const MAX_READING_IN: u8 = 255;
 
@@ -39,7 +42,7 @@ pub const FIRING_SLOT_S: f64 = 0.040;
 pub const RING_PERIOD_S: f64 = 0.640;
 
 /// Speed of sound at 20 °C, m/s.
-const SOUND_M_S: f64 = 343.2;
+pub(crate) const SOUND_M_S: f64 = 343.2;
 
 /// Transducers on a circle, evenly spaced, number 0 where the turret looks, counted to the left.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,7 +58,7 @@ impl Default for RingGeometry {
     fn default() -> Self {
         Self {
             count: 16,
-            face_radius_m: 0.2305,
+            face_radius_m: FACE_RADIUS_M,
         }
     }
 }

@@ -12,6 +12,7 @@ use std::path::Path;
 use crate::error::BadInput;
 use crate::robot::COLLISION_RADIUS_M;
 
+pub mod barn;
 mod builtin;
 mod faces;
 mod geometry;
@@ -20,6 +21,7 @@ mod pgm;
 mod random;
 mod ray;
 mod ros_map;
+mod sdf;
 mod shapes;
 mod spec;
 mod sweep;
@@ -54,6 +56,7 @@ struct Circle {
 pub struct World {
     name: String,
     start: Pose,
+    goal: Option<Point>,
     shapes: Vec<Shape>,
     faces: Faces,
     circles: Vec<Circle>,
@@ -68,6 +71,19 @@ impl World {
     /// When there is no shape or more than [`MAX_SHAPES`]; a coordinate is not finite or beyond
     /// [`MAX_COORDINATE_M`]; a size is not positive; or the robot would start inside something.
     pub fn new(name: impl Into<String>, start: Pose, shapes: Vec<Shape>) -> Result<Self, BadInput> {
+        Self::for_body(name, start, shapes, COLLISION_RADIUS_M)
+    }
+
+    /// As [`World::new`], for a robot whose body has another radius, m.
+    ///
+    /// # Errors
+    /// Like [`World::new`].
+    pub fn for_body(
+        name: impl Into<String>,
+        start: Pose,
+        shapes: Vec<Shape>,
+        radius_m: f64,
+    ) -> Result<Self, BadInput> {
         if shapes.is_empty() {
             return Err(BadInput::new(
                 "a world needs at least one wall, box or circle",
@@ -83,7 +99,7 @@ impl World {
             return Err(BadInput::new(defect));
         }
         let world = Self::prepared(name.into(), start, shapes);
-        world.check_start()?;
+        world.check_start(radius_m)?;
         Ok(world)
     }
 
@@ -103,6 +119,7 @@ impl World {
             bounds: bounds_of(&shapes),
             name,
             start,
+            goal: None,
             shapes,
         }
     }
@@ -116,7 +133,33 @@ impl World {
         world
     }
 
-    fn check_start(&self) -> Result<(), BadInput> {
+    /// This world with a place to go to.
+    #[must_use]
+    pub fn with_goal(mut self, goal: Point) -> Self {
+        self.goal = Some(goal);
+        self
+    }
+
+    /// This world with another shape in the place of shape `index`; the start is not looked at again.
+    ///
+    /// # Errors
+    /// When there is no such shape, or the new one is impossible.
+    pub fn with_shape(&self, index: usize, shape: Shape) -> Result<Self, BadInput> {
+        if let Some(defect) = shape.defect(MAX_COORDINATE_M) {
+            return Err(BadInput::new(defect));
+        }
+        let mut shapes = self.shapes.clone();
+        match shapes.get_mut(index) {
+            Some(place) => *place = shape,
+            None => return Err(BadInput::new(format!("there is no shape {index}"))),
+        }
+        Ok(Self {
+            goal: self.goal,
+            ..Self::prepared(self.name.clone(), self.start, shapes)
+        })
+    }
+
+    fn check_start(&self, radius_m: f64) -> Result<(), BadInput> {
         let at = self.start.position;
         if let Some(defect) = shapes::point_defect(at, MAX_COORDINATE_M) {
             return Err(BadInput::new(format!("the start: {defect}")));
@@ -125,12 +168,12 @@ impl World {
             return Err(BadInput::new("the start: the heading must be finite"));
         }
         let clearance = self.clearance(at);
-        if !self.is_inside(at) && clearance >= COLLISION_RADIUS_M {
+        if !self.is_inside(at) && clearance >= radius_m {
             return Ok(());
         }
         Err(BadInput::new(format!(
             "the robot would start inside something: at ({}, {}) the nearest surface is {clearance:.3} m \
-             from its centre, its radius is {COLLISION_RADIUS_M} m",
+             from its centre, its radius is {radius_m} m",
             at.x, at.y
         )))
     }
@@ -170,6 +213,12 @@ impl World {
     #[must_use]
     pub fn start(&self) -> Pose {
         self.start
+    }
+
+    /// Where it is to go, if the world says it.
+    #[must_use]
+    pub fn goal(&self) -> Option<Point> {
+        self.goal
     }
 
     /// The shapes, as given.

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::barn::{self, BarnSource};
 use super::{World, builtin};
 use crate::error::{BadInput, suggestion};
 
@@ -17,6 +18,8 @@ pub enum WorldSource {
     Random(u64),
     /// A built-in world, by name.
     Builtin(&'static str),
+    /// A world of the BARN benchmark.
+    Barn(BarnSource),
 }
 
 impl WorldSource {
@@ -29,6 +32,7 @@ impl WorldSource {
             Self::File(path) => World::load(path),
             Self::Random(seed) => Ok(World::random(*seed)),
             Self::Builtin(name) => World::builtin(name),
+            Self::Barn(source) => source.load(),
         }
     }
 }
@@ -40,19 +44,25 @@ impl std::fmt::Display for WorldSource {
             Self::File(path) => write!(f, "{}", path.display()),
             Self::Random(seed) => write!(f, "random:{seed}"),
             Self::Builtin(name) => f.write_str(name),
+            Self::Barn(source) => source.fmt(f),
         }
     }
 }
 
 /// The worlds `text` names, in order: a built-in name, `random:SEED`, `random:A..=B`, a folder (its
 /// `.toml`, `.yaml` and `.yml` files by name) or a file. A file called like a built-in world is reached
-/// as `./NAME`.
+/// as `./NAME`. `barn:FILE#N` and `barn:FILE#A..=B` are worlds of the BARN benchmark (see [`barn`]).
 ///
 /// # Errors
 /// When `text` names nothing known, a range is empty or too long, or a folder holds no world.
 pub fn parse_worlds(text: &str) -> Result<Vec<WorldSource>, BadInput> {
     if let Some(seeds) = text.strip_prefix("random:") {
         return random_sources(text, seeds);
+    }
+    if let Some(rest) = text.strip_prefix("barn:") {
+        let named = |error| BadInput::new(format!("world \"{text}\": {error}"));
+        let sources = barn::parse(rest).map_err(named)?;
+        return Ok(sources.into_iter().map(WorldSource::Barn).collect());
     }
     let names = World::builtin_names();
     if let Some(name) = names.iter().find(|&&name| name == text) {
@@ -70,7 +80,7 @@ pub fn parse_worlds(text: &str) -> Result<Vec<WorldSource>, BadInput> {
     }
     let hint = suggestion(text, &names);
     Err(BadInput::new(format!(
-        "unknown world \"{text}\"{hint} (a file, a folder, random:SEED, random:A..=B, or one of: {})",
+        "unknown world \"{text}\"{hint} (a file, a folder, random:SEED, random:A..=B, barn:FILE#N, or one of: {})",
         names.join(", ")
     )))
 }

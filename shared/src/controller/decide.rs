@@ -5,10 +5,10 @@ use super::{Decision, Mode, Motion, Outputs, Pending, State};
 use crate::action_map::Effect;
 use crate::config::{Choice, Config, Taught};
 use crate::fixed::Mask;
-use crate::goal::{Frame, Goal};
+use crate::goal::{Asked, Frame, Goal, missed};
 use crate::memory::{self, Sample};
-use crate::planner::{NEXT_COURSE, Plan, Planner, Why, difference};
-use crate::scan::{Situation, rotated};
+use crate::planner::{GoalNeuron, NEXT_COURSE, Plan, Planner, Why, difference};
+use crate::scan::{Aligned, Situation, rotated};
 use crate::som::Neighbourhood;
 use crate::som::neighbourhood::Pull;
 use crate::units::{Bearing, Displacement, Millis};
@@ -18,11 +18,11 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 {
     /// A ring is complete and the base stands.
     pub(super) fn decide(&mut self, config: &Config<SENSORS>, now: Millis) -> Outputs<SENSORS> {
-        let situation = config.encoding.situation(&self.scan);
+        let situation = &Aligned(config.encoding.situation(&self.scan));
         let pending = self.pending.take();
         match self.mode {
             Mode::Explore { left } => self.explore(config, now, situation, pending, left),
-            Mode::Seek { goal } => self.seek(config, now, situation, pending, &goal),
+            Mode::Seek { .. } => self.seek(config, now, situation, pending),
             Mode::Idle | Mode::Learn { .. } | Mode::Stopped(_) => Outputs::none(),
         }
     }
@@ -31,7 +31,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         &mut self,
         config: &Config<SENSORS>,
         now: Millis,
-        situation: Situation<SENSORS>,
+        situation: &Aligned<SENSORS>,
         pending: Option<Pending<SENSORS>>,
         left: u16,
     ) -> Outputs<SENSORS> {
@@ -39,8 +39,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         if let Some(pending) = pending {
             // The command was refused unless the memory holds all the samples.
             let _ = self.memory.keep(Sample {
-                before: memory::to_bytes(&pending.before, config.believed),
-                after: memory::to_bytes(&situation, config.believed),
+                before: memory::to_bytes(&pending.before.0, config.believed),
+                after: memory::to_bytes(&situation.0, config.believed),
                 commanded: pending.commanded,
                 executed: pending.executed,
             });
@@ -75,48 +75,66 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         &mut self,
         config: &Config<SENSORS>,
         now: Millis,
-        situation: Situation<SENSORS>,
+        situation: &Aligned<SENSORS>,
         pending: Option<Pending<SENSORS>>,
-        goal: &Goal<SENSORS>,
     ) -> Outputs<SENSORS> {
-        for left in &mut self.inhibited {
+        for left in self.inhibited_mut() {
             *left = left.saturating_sub(1);
         }
-        let cut = pending.is_some_and(|pending| pending.was_cut());
+        let cut = pending.as_ref().is_some_and(Pending::was_cut);
         let mut current = None;
         if let Some(pending) = pending {
-            current = self.learn_online(config, &pending, &situation);
-            self.inhibit(config, &pending);
+            current = self.learn_online(config, &pending, &situation.0);
+            self.inhibit(config, cut);
         }
-        let pursued = self.pursued(config, &situation, goal);
+        if config.planning.choice != Choice::Recall {
+            self.actions.keep_products();
+        }
         let mut allowed = Mask::ALL;
-        for (neuron, _) in self
-            .inhibited
-            .iter()
-            .enumerate()
-            .filter(|(_, left)| **left > 0)
-        {
-            allowed = allowed.without(neuron);
+        if self.inhibited_mut().next().is_some() {
+            let inhibited = self.inhibited.iter().enumerate();
+            for (neuron, _) in inhibited.filter(|(_, left)| **left > 0) {
+                allowed = allowed.without(neuron);
+            }
         }
+        // Looked at where it lies: it is much to copy.
+        let Mode::Seek { goal } = &self.mode else {
+            return Outputs::none();
+        };
+        let pursued = pursued(
+            config,
+            &situation.0,
+            goal,
+            &mut self.search,
+            &mut self.course,
+        );
+        let likely = GoalNeuron {
+            // Of another goal.
+            deviation: self.goal_neuron.deviation.filter(|_| pursued.is_none()),
+            ..self.goal_neuron
+        };
         let planner = Planner {
             config,
             situations: &self.situations,
             actions: &self.actions,
             allowed,
             current,
+            likely,
             course: self.course,
             cut,
         };
         let goal = pursued.as_ref().unwrap_or(goal);
-        let way = planner.way(&situation, goal);
-        let mut plan = planner.plan_on_way(&situation, goal, way);
+        let way = planner.way(&situation.0, goal);
+        let (mut plan, found) = planner.plan_on_way(&situation.0, goal, way);
+        self.goal_neuron = found;
         if pursued.is_some() {
+            self.goal_neuron.deviation = None;
             plan.at_goal = false;
             plan.why = Why::Wander;
         }
-        let outputs = self.go(config, now, situation, plan.action, Some(plan));
         // A robot that backs away from what it follows still looks at it.
         let looks = goal.frame == Frame::Travel && goal.going_q16 == 0;
+        let outputs = self.go(config, now, situation, plan.action, Some(&plan));
         if let Some(direction) = config.robot.directions.get(way).filter(|_| looks) {
             let (x, y) = direction.times(i32::from(config.robot.step_mm));
             self.course = Displacement::saturating(x, y);
@@ -124,31 +142,16 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         outputs
     }
 
-    /// What is pursued instead of the goal while the robot wanders: obstacle avoidance on another course.
-    fn pursued(
-        &mut self,
-        config: &Config<SENSORS>,
-        situation: &Situation<SENSORS>,
-        goal: &Goal<SENSORS>,
-    ) -> Option<Goal<SENSORS>> {
-        let wander = config.planning.wander?;
-        if goal.going_q16 > 0 || goal.frame != Frame::Ring {
-            return None;
-        }
-        let values = situation.map(|value| i32::from(value.to_bits()));
-        let deviation = goal.deviation(&values, config.believed);
-        if goal.is_met_by(deviation, config.believed) {
-            self.search = Search::NEW;
-        } else if self.search.is_stuck(deviation, wander) {
-            let course = self.course.with_length(config.robot.step_mm);
-            self.course = course.rotated(NEXT_COURSE.direction());
-        }
-        self.search.wanders().then(|| Goal::avoiding(config))
+    /// Those that are inhibited, and a few others: mostly none at all.
+    fn inhibited_mut(&mut self) -> impl Iterator<Item = &mut u8> {
+        let (fours, rest) = self.inhibited.as_chunks_mut::<4>();
+        let fours = fours.iter_mut().filter(|four| **four != [0; 4]);
+        fours.flatten().chain(rest)
     }
 
     /// A move cut below half inhibits the neuron that asked for it.
-    fn inhibit(&mut self, config: &Config<SENSORS>, pending: &Pending<SENSORS>) {
-        let asked = self.asked_by.filter(|_| pending.was_cut());
+    fn inhibit(&mut self, config: &Config<SENSORS>, cut: bool) {
+        let asked = self.asked_by.filter(|_| cut);
         let neuron = asked.map(usize::from);
         if let Some(left) = neuron.and_then(|neuron| self.inhibited.get_mut(neuron)) {
             *left = config.planning.inhibition;
@@ -179,7 +182,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             _ => taught,
         };
         let effect = Effect {
-            change: rotated(&difference(after, &pending.before), places),
+            change: rotated(&difference(after, &pending.before.0), places),
             action: config.action_code.encode(turned, config.robot.step_mm),
             mask: config.believed,
         };
@@ -190,8 +193,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 .actions
                 .winner(&effect, config.learning.action_weight_q8),
         };
-        self.actions
-            .learn(winner, &effect, &pull(online.action_rate_q16));
+        let action_pull = pull(online.action_rate_q16);
+        if config.planning.choice == Choice::Recall {
+            self.actions.learn(winner, &effect, &action_pull);
+        } else {
+            self.actions.learn_on(winner, &effect, &action_pull);
+        }
         let winner = self.situations.winner(after, config.believed);
         self.situations.learn(
             winner,
@@ -199,6 +206,9 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             config.believed,
             &pull(online.situation_rate_q16),
         );
+        if online.share_q16 != 0 {
+            self.goal_neuron.deviation = None;
+        }
         // A winner that came nearer, alone, is still the winner.
         (online.share_q16 == 0).then_some(winner)
     }
@@ -208,12 +218,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         &mut self,
         config: &Config<SENSORS>,
         now: Millis,
-        situation: Situation<SENSORS>,
+        situation: &Aligned<SENSORS>,
         wanted: Displacement,
-        plan: Option<Plan<SENSORS>>,
+        plan: Option<&Plan<SENSORS>>,
     ) -> Outputs<SENSORS> {
         let limit = self.shield.allow(config, wanted, now);
-        let allowed = if limit.distance_mm >= wanted.length_mm() {
+        let allowed = if wanted.is_shorter_than(u32::from(limit.distance_mm).wrapping_add(1)) {
             wanted
         } else {
             wanted.with_length(limit.distance_mm)
@@ -224,7 +234,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
         self.await_ring(now);
         self.pending = Some(Pending {
-            before: situation,
+            before: *situation,
             commanded: wanted,
             executed: Displacement::ZERO,
             remaining: allowed,
@@ -240,8 +250,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 speed_mm_s: limit.speed_mm_s,
             }),
             decision: Some(Decision {
-                situation,
-                plan,
+                situation: situation.0,
+                plan: plan.copied(),
                 wanted,
                 allowed,
                 at_goal: plan.is_some_and(|plan| plan.at_goal),
@@ -249,4 +259,29 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             ..Outputs::none()
         }
     }
+}
+
+/// What is pursued instead of the goal while the robot wanders: obstacle avoidance on another course.
+fn pursued<const SENSORS: usize>(
+    config: &Config<SENSORS>,
+    situation: &Situation<SENSORS>,
+    goal: &Goal<SENSORS>,
+    search: &mut Search,
+    course: &mut Displacement,
+) -> Option<Goal<SENSORS>> {
+    let wander = config.planning.wander?;
+    if goal.going_q16 > 0 || goal.frame != Frame::Ring {
+        return None;
+    }
+    let values = situation.map(|value| i32::from(value.to_bits()));
+    let mut asked = [Asked::ANYTHING; SENSORS];
+    goal.ask(0, config.believed, &mut asked);
+    let deviation = missed(&asked, &values, goal.cap_bits(), i64::MAX);
+    if goal.is_met_by(deviation, &asked) {
+        *search = Search::NEW;
+    } else if search.is_stuck(deviation, wander) {
+        let onward = course.with_length(config.robot.step_mm);
+        *course = onward.rotated(NEXT_COURSE.direction());
+    }
+    search.wanders().then(|| Goal::avoiding(config))
 }

@@ -107,6 +107,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         };
         let (for_situations, for_actions) = (pull(&learning.situations), pull(&learning.actions));
         let mut lesson = Lesson::empty();
+        self.actions.forget_products();
         for step in done..end {
             self.lesson(config, Some(step), &mut lesson);
             let winner = self.situations.winner(&lesson.after, lesson.effect.mask);
@@ -115,7 +116,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             let winner = self
                 .actions
                 .winner(&lesson.effect, learning.action_weight_q8);
-            self.actions.learn(winner, &lesson.effect, &for_actions);
+            self.actions.pull(winner, &lesson.effect, &for_actions);
         }
         end
     }

@@ -10,6 +10,7 @@
 use super::{Mode, State};
 use crate::fixed::Fine;
 use crate::memory::Sample;
+use crate::planner::GoalNeuron;
 use crate::som::Som;
 use crate::units::Displacement;
 use serde::{Deserialize, Serialize};
@@ -155,6 +156,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.motion_id = 0;
         self.course = Displacement::ZERO;
         self.inhibited = [0; NEURONS];
+        self.goal_neuron = GoalNeuron::UNKNOWN;
         self.search = super::Search::NEW;
     }
 }

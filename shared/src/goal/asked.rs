@@ -1,6 +1,7 @@
 //! What is asked of values while a decision is taken: whole numbers, ready to be compared.
 
 use super::Component;
+use crate::fixed::{Fine, coarse};
 
 /// What is asked of a value in units of 2⁻¹³.
 #[derive(Debug, Clone, Copy, Default)]
@@ -86,6 +87,80 @@ impl Asked {
     }
 }
 
+/// What is asked, begun with the transducer that weighs most: what deviates much is soon seen to.
+pub(crate) struct Heaviest<'a, const SENSORS: usize> {
+    asked: &'a [Asked; SENSORS],
+    first: usize,
+}
+
+impl<'a, const SENSORS: usize> Heaviest<'a, SENSORS> {
+    /// Looks for it.
+    pub(crate) fn first(asked: &'a [Asked; SENSORS]) -> Self {
+        let (mut first, mut most) = (0, i32::MIN);
+        for (sensor, asked) in asked.iter().enumerate() {
+            if asked.weight > most {
+                (first, most) = (sensor, asked.weight);
+            }
+        }
+        Self { asked, first }
+    }
+
+    /// Begins with this transducer, whichever weighs most.
+    pub(crate) fn at(asked: &'a [Asked; SENSORS], first: usize) -> Self {
+        let first = first.checked_rem(SENSORS).unwrap_or(0);
+        Self { asked, first }
+    }
+
+    /// The transducer it begins with.
+    pub(crate) const fn begin(&self) -> usize {
+        self.first
+    }
+
+    /// How far a code vector deviates from what is asked, in units of 2⁻²⁶ · weight; what reaches `limit` may be more.
+    #[inline(always)]
+    pub(crate) fn missed_by(&self, row: &[Fine; SENSORS], limit: i64) -> i64 {
+        let mut total = 0_i64;
+        for range in [self.first..SENSORS, 0..self.first] {
+            let (Some(asked), Some(row)) = (self.asked.get(range.clone()), row.get(range)) else {
+                break;
+            };
+            for (asked, value) in asked.iter().zip(row) {
+                let value = i32::from(coarse(*value).to_bits());
+                let off = if value < asked.low {
+                    asked.low.wrapping_sub(value)
+                } else if value > asked.high {
+                    value.wrapping_sub(asked.high)
+                } else {
+                    // Most are as asked: nothing to multiply.
+                    continue;
+                };
+                // At most five times 2¹³.
+                let squared = i64::from(off.wrapping_mul(off));
+                total = total.wrapping_add(squared.wrapping_mul(i64::from(asked.weight)));
+                if total >= limit {
+                    return total;
+                }
+            }
+        }
+        total
+    }
+
+    /// As [`missed`], of the values from place `from` on.
+    pub(crate) fn missed(&self, values: &[i32], from: usize, cap: i32, limit: i64) -> i64 {
+        let (Some((first, last)), Some(values)) =
+            (self.asked.split_at_checked(self.first), values.get(from..))
+        else {
+            return i64::MAX;
+        };
+        let heavy = values.get(self.first..).unwrap_or(&[]);
+        let total = missed(last, heavy, cap, limit);
+        if total >= limit || first.is_empty() {
+            return total;
+        }
+        total.wrapping_add(missed(first, values, cap, limit.wrapping_sub(total)))
+    }
+}
+
 /// How the deviation runs over an interval of values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Over {
@@ -99,18 +174,74 @@ pub(crate) enum Over {
     Bent,
 }
 
-/// Squared deviation of values from what is asked of them, see [`Goal::deviation`](super::Goal::deviation); what reaches `limit` may be more.
+/// Squared deviation of values (2⁻¹³, which may leave [0, 1]) from what is asked of them, each at most that of the cap, in
+/// units of 2⁻²⁶ · weight; what reaches `limit` may be more.
 #[inline(never)]
 pub(crate) fn missed(asked: &[Asked], values: &[i32], cap: i32, limit: i64) -> i64 {
     let mut total = 0_i64;
     for (asked, value) in asked.iter().zip(values) {
         // Most values are as asked: nothing to multiply.
-        if !asked.holds(*value) {
-            total = total.wrapping_add(asked.deviation(*value, cap));
-            if total >= limit {
-                break;
-            }
+        let off = if *value < asked.low {
+            asked.low.wrapping_sub(*value)
+        } else if *value > asked.high {
+            value.wrapping_sub(asked.high)
+        } else {
+            continue;
+        };
+        let off = off.min(cap);
+        let squared = i64::from(off.wrapping_mul(off));
+        total = total.wrapping_add(squared.wrapping_mul(i64::from(asked.weight)));
+        if total >= limit {
+            break;
         }
     }
     total
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixed::{Mask, Weight};
+    use crate::goal::Goal;
+    use proptest::prelude::*;
+
+    fn goal(bounds: [(i16, i16, u8); 8]) -> Goal<8> {
+        Goal::of(bounds.map(|(a, b, weight)| Component {
+            low: Weight::from_bits(a.min(b)),
+            high: Weight::from_bits(a.max(b)),
+            weight,
+        }))
+    }
+
+    proptest! {
+        #[test]
+        fn begun_with_the_heaviest_it_is_the_same(
+            bounds in prop::array::uniform8((0_i16..=8_192, 0_i16..=8_192, any::<u8>())),
+            values in prop::array::uniform8(0_i16..=8_192),
+            believed in any::<u32>(), place in 0_usize..8, cap in 0_i32..=8_192,
+        ) {
+            let (goal, mask) = (goal(bounds), Mask::from_bits(believed));
+            let mut asked = [Asked::ANYTHING; 8];
+            goal.ask(place, mask, &mut asked);
+            let heaviest = Heaviest::first(&asked);
+            let situation = values.map(Weight::from_bits);
+            let turned = goal.towards(place);
+            let deviation = turned.distance(&situation, mask);
+            let row = situation.map(|value| Fine::from_bits(i32::from(value.to_bits()) << 16));
+            prop_assert_eq!(heaviest.missed_by(&row, i64::MAX), deviation);
+            prop_assert!(deviation == 0 || heaviest.missed_by(&row, deviation) >= deviation);
+            // Seen from each place, one after another around the ring.
+            let twice = [values.map(i32::from); 2];
+            for from in 0..8 {
+                let mut seen = values.map(i32::from);
+                seen.rotate_left(from);
+                prop_assert_eq!(
+                    heaviest.missed(twice.as_flattened(), from, cap, i64::MAX),
+                    missed(&asked, &seen, cap, i64::MAX)
+                );
+            }
+            let exact: i64 = asked.iter().zip(&values).map(|(asked, value)| asked.deviation(i32::from(*value), cap)).sum();
+            prop_assert_eq!(missed(&asked, &values.map(i32::from), cap, i64::MAX), exact);
+        }
+    }
 }

@@ -141,6 +141,7 @@ impl<const SENSORS: usize> Goal<SENSORS> {
 mod tests {
     use super::*;
     use crate::fixed::Mask;
+    use crate::goal::{Asked, missed};
 
     fn config() -> Config<16> {
         Config::recommended()
@@ -163,7 +164,9 @@ mod tests {
         let goal = Goal::wall(Side::Right, Range::from_mm(600), &config());
         let deviation = |mm: f64, places: usize| {
             let values = beside_a_wall(mm).map(|value| i32::from(value.to_bits()));
-            goal.towards(places).deviation(&values, Mask::ALL)
+            let mut asked = [Asked::ANYTHING; 16];
+            goal.ask(places, Mask::ALL, &mut asked);
+            missed(&asked, &values, goal.cap_bits(), i64::MAX)
         };
         let here = deviation(600.0, 0);
         assert!(here < 2_000, "{here}");

@@ -29,6 +29,16 @@ impl<const SENSORS: usize> Forward<SENSORS> {
         code: ActionCode,
         step_mm: u16,
     ) {
+        if code == ActionCode::Displacement
+            && let Some(products) = actions.products()
+        {
+            let [xx, xy, yy] = products.plane.map(i64::from);
+            let inverse = Inverse::of(xx, xy, yy);
+            for (line, sums) in self.lines.iter_mut().zip(&products.changes) {
+                (line.along_x, line.along_y) = inverse.slopes(*sums);
+            }
+            return;
+        }
         let mut plane = [Packed(0); NEURONS];
         let (mut xx, mut xy, mut yy) = (0_i64, 0_i64, 0_i64);
         for (place, action) in plane.iter_mut().zip(actions.actions().code()) {

@@ -58,13 +58,21 @@ impl<const SENSORS: usize> Landscape<SENSORS> {
         self.form = smooth.then(|| sums.form());
     }
 
-    /// The deviation after a displacement given as shares of the longest step, Q14.
+    /// The deviation after a displacement given as shares of the longest step, Q14; what reaches `limit` may be more.
     #[inline(always)]
-    pub(super) fn at(&self, share: Direction) -> i64 {
-        let smooth = self.form.as_ref().map_or(0, |form| form.at(share));
-        self.parts.iter().fold(smooth, |total, part| {
-            total.wrapping_add(part.asked.deviation(part.line.after(share), self.cap))
-        })
+    pub(super) fn at(&self, share: Direction, limit: i64) -> i64 {
+        let mut total = self.form.as_ref().map_or(0, |form| form.at(share));
+        for part in &self.parts {
+            if total >= limit {
+                break;
+            }
+            let value = part.line.after(share);
+            // Most values are as asked: nothing to multiply.
+            if !part.asked.holds(value) {
+                total = total.wrapping_add(part.asked.deviation(value, self.cap));
+            }
+        }
+        total
     }
 }
 
@@ -176,14 +184,14 @@ mod tests {
             }));
             goal.cap = Weight::from_bits(cap);
             let mut asked = [Asked::ANYTHING; 4];
-            goal.ask(Mask::ALL, &mut asked);
+            goal.ask(0, Mask::ALL, &mut asked);
             let forward = forward(situation.map(Weight::from_bits), slopes);
             let mut landscape = Landscape::flat(goal.cap_bits());
             landscape.shape(&forward, &asked);
             let share = crate::units::Bearing::from_turns(turns).direction();
             let values = forward.after(share);
             let exact = missed(&asked, &values, goal.cap_bits(), i64::MAX);
-            let found = landscape.at(share);
+            let found = landscape.at(share, i64::MAX);
             // Each value is rounded down to one unit; the form's coefficients to 2⁹ and 2¹⁰.
             let weights: i64 = bounds.iter().map(|(_, _, weight)| i64::from(*weight)).sum();
             let bound = weights * (2 * i64::from(cap) + 2) + 5 * 1_024;

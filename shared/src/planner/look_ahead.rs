@@ -12,21 +12,24 @@
 //! place of the ring towards which the goal fits the present situation best, with a preference for the course. Seen along
 //! that way the goal stays the same for every candidate: the look-ahead keeps the distance, the way keeps the robot going.
 //!
-//! Cost for 16 transducers and neurons: about 500 products for the linear map; some ten per transducer for the deviation as a
-//! function of the direction ([`Landscape`]) and ten per direction, with a few more for each transducer that may cross a bound;
-//! at most 256 comparisons for the way of a goal in the frame of travel.
+//! Cost for 16 transducers and neurons: 64 products for the linear map of sums that the action map keeps; some ten per
+//! transducer for the deviation as a function of the direction ([`Landscape`]) and ten per direction, with a few more for each
+//! transducer that may cross a bound; for the way of a goal in the frame of travel at most 256 comparisons, mostly a quarter.
 
 use super::forward::Forward;
 use super::landscape::Landscape;
 use super::{Plan, Planner, Why, difference};
 use crate::config::Choice;
-use crate::fixed::{Mask, Weight, coarse, unit_weight};
+use crate::fixed::{Mask, ONE_BITS, Weight, coarse};
 use crate::goal::{Asked, Frame, Goal, missed};
 use crate::scan::Situation;
 use crate::units::{Direction, Displacement};
 
 /// Shares of a step that are tried along the best direction to a place, in 1/4; the whole step has been tried.
 const SHORTER_Q2: [i32; 4] = [3, 2, 1, 0];
+
+/// More than any deviation, and a sum with one is no overflow.
+const FAR: i64 = i64::MAX / 2;
 
 /// An action and how well the situation it leads to suits the goal.
 #[derive(Debug, Clone, Copy)]
@@ -43,10 +46,11 @@ struct Candidate {
 
 /// A goal as it is looked at while a decision is taken.
 struct Aim<'a, const SENSORS: usize> {
-    /// In the ring's frame.
     goal: &'a Goal<SENSORS>,
-    /// What it asks of each transducer.
+    /// What it asks of each transducer in the ring's frame.
     asked: &'a [Asked; SENSORS],
+    /// Place of the ring towards which the goal is pursued.
+    place: usize,
     /// Direction in which going on is preferred; zero = none.
     way: Direction,
 }
@@ -67,27 +71,6 @@ impl<const SENSORS: usize> Aim<'_, SENSORS> {
         let whole = weighted(self.goal.going_q16, cosine_q14(direction, self.way));
         whole.wrapping_mul(i64::from(share_q2)) >> 2
     }
-}
-
-/// Deviation when component 0 looks towards `place`; what reaches `limit` may be more.
-fn turned_deviation<const SENSORS: usize>(
-    asked: &[Asked; SENSORS],
-    values: &[i32; SENSORS],
-    place: usize,
-    cap: i32,
-    limit: i64,
-) -> i64 {
-    let (Some((behind, ahead)), Some((first, last))) = (
-        values.split_at_checked(place),
-        asked.split_at_checked(SENSORS.wrapping_sub(place)),
-    ) else {
-        return i64::MAX;
-    };
-    let total = missed(first, ahead, cap, limit);
-    if total >= limit {
-        return total;
-    }
-    total.wrapping_add(missed(last, behind, cap, limit.wrapping_sub(total)))
 }
 
 /// A weight in Q16 times a cosine in Q14, in units of 2⁻²⁶.
@@ -128,21 +111,37 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         }
         let course = unit(self.course);
         let values = situation.map(|value| i32::from(value.to_bits()));
+        let whole = self.config.believed.covers(SENSORS);
+        // Twice around, so that each place is the beginning of a ring.
+        let values = [values; 2];
         let mut asked = [Asked::ANYTHING; SENSORS];
-        goal.ask(Mask::ALL, &mut asked);
-        let (mut best, mut least) = (0, i64::MAX);
-        for (place, direction) in self.config.robot.directions.iter().enumerate() {
-            let steady = weighted(goal.steady_q16, cosine_q14(*direction, course));
-            let deviation = if self.config.believed.covers(SENSORS) {
-                let limit = least.saturating_add(steady);
-                turned_deviation(&asked, &values, place, goal.cap_bits(), limit)
+        goal.ask(0, Mask::ALL, &mut asked);
+        let heaviest = self.heaviest(&asked, 0);
+        let score = |place: usize, limit: i64| {
+            let direction = self.config.robot.directions.get(place).copied();
+            let along = cosine_q14(direction.unwrap_or_default(), course);
+            let steady = weighted(goal.steady_q16, along);
+            let limit = limit.wrapping_add(steady);
+            let cap = goal.cap_bits();
+            let deviation = if whole {
+                heaviest.missed(values.as_flattened(), place, cap, limit)
             } else {
-                let turned = goal.towards(place);
-                turned.deviation(&values, self.config.believed)
+                let mut asked = [Asked::ANYTHING; SENSORS];
+                goal.ask(place, self.config.believed, &mut asked);
+                missed(&asked, values.as_flattened(), cap, limit)
             };
-            let score = deviation.wrapping_sub(steady);
-            if score < least {
-                (best, least) = (place, score);
+            deviation.wrapping_sub(steady)
+        };
+        let likely = usize::from(self.likely.place);
+        let (mut best, mut least) = (SENSORS, FAR);
+        for place in core::iter::once(likely).chain(0..SENSORS) {
+            // Of two as near the first counts.
+            let limit = least.wrapping_add(i64::from(place < best));
+            if place < SENSORS && place != best {
+                let score = score(place, limit);
+                if score < limit {
+                    (best, least) = (place, score);
+                }
             }
         }
         best
@@ -154,19 +153,18 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         &self,
         situation: &Situation<SENSORS>,
         goal: &Goal<SENSORS>,
+        asked: &[Asked; SENSORS],
         place: usize,
+        goal_neuron: usize,
     ) -> Plan<SENSORS> {
         let config = self.config;
         let mask = config.believed;
         let travels = goal.frame == Frame::Travel && config.robot.symmetric;
-        let turned = (place > 0).then(|| goal.towards(place));
-        let goal = turned.as_ref().unwrap_or(goal);
-        let mut asked = [Asked::ANYTHING; SENSORS];
-        goal.ask(mask, &mut asked);
         let ahead = config.robot.directions.get(place).copied();
         let aim = Aim {
             goal,
-            asked: &asked,
+            asked,
+            place: place.min(SENSORS),
             way: ahead.filter(|_| travels).unwrap_or(unit(self.course)),
         };
         let mut forward = Forward::from(situation);
@@ -177,14 +175,15 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             None => forward.after(part(best.direction, best.share_q2)),
         };
         let now = aim.deviation(&situation.map(|value| i32::from(value.to_bits())));
-        let to_come = values.map(unit_weight);
+        // None is below 0.
+        let to_come = values.map(|value| Weight::from_bits(value.min(i32::from(ONE_BITS)) as i16));
         let mut plan = Plan {
-            goal_neuron: self.goal_neuron(&asked) as u8,
+            goal_neuron: goal_neuron as u8,
             current_neuron: self.current(situation) as u8,
             intermediate_neuron: self.situations.winner(&to_come, mask) as u8,
             wanted: difference(&to_come, situation),
             action_neuron: self.neuron_of(best.direction) as u8,
-            at_goal: goal.is_met_by(now, mask) || aim.holds(situation, config.planning.tolerance),
+            at_goal: goal.is_met_by(now, asked) || aim.holds(situation, config.planning.tolerance),
             recalled: true,
             action: Displacement::ZERO,
             why: Why::Stay,
@@ -208,19 +207,22 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
     ) -> Candidate {
         let mut landscape = Landscape::flat(aim.goal.cap_bits());
         landscape.shape(forward, aim.asked);
-        let try_out = |direction: Direction, share_q2: i32| Candidate {
-            direction,
-            share_q2,
-            score: landscape
-                .at(part(direction, share_q2))
-                .wrapping_sub(aim.going(direction, share_q2)),
-            neuron: None,
+        // What is surely not less than the limit may be more.
+        let try_out = |direction: Direction, share_q2: i32, limit: i64| {
+            let going = aim.going(direction, share_q2);
+            let deviation = landscape.at(part(direction, share_q2), limit.wrapping_add(going));
+            Candidate {
+                direction,
+                share_q2,
+                score: deviation.wrapping_sub(going),
+                neuron: None,
+            }
         };
         // Where every action is inhibited the robot waits for the first to come back.
         let mut best = Candidate {
             direction: Direction::default(),
             share_q2: 0,
-            score: i64::MAX,
+            score: FAR,
             neuron: None,
         };
         if self.config.planning.choice == Choice::Neurons {
@@ -231,16 +233,27 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
                 }
             }
         } else {
-            for direction in &self.config.robot.directions {
-                let candidate = try_out(*direction, 4);
-                if candidate.score < best.score && self.is_allowed(*direction) {
-                    best = candidate;
+            let directions = &self.config.robot.directions;
+            let mut found = 0;
+            // The way first: most others soon drop out.
+            for headings in [aim.place..SENSORS, 0..aim.place] {
+                for (heading, direction) in headings
+                    .clone()
+                    .zip(directions.get(headings).unwrap_or(&[]))
+                {
+                    // Of two as good the first counts.
+                    let limit = best.score.wrapping_add(i64::from(heading < found));
+                    let candidate = try_out(*direction, 4, limit);
+                    if candidate.score < limit && self.is_allowed(*direction) {
+                        (best, found) = (candidate, heading);
+                    }
                 }
             }
         }
         if aim.goal.going_q16 == 0 {
             for share_q2 in SHORTER_Q2 {
-                let shorter = try_out(best.direction, share_q2);
+                let limit = best.score.wrapping_add(1);
+                let shorter = try_out(best.direction, share_q2, limit);
                 if shorter.score <= best.score {
                     best = shorter;
                 }
@@ -291,31 +304,6 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             *value = stretched.wrapping_add(i32::from(now.to_bits())).max(0);
         }
         values
-    }
-
-    /// The neuron whose code vector is nearest to the goal. Most drop out before all their components have been looked at.
-    #[inline(never)]
-    fn goal_neuron(&self, asked: &[Asked; SENSORS]) -> usize {
-        let (mut nearest, mut least) = (0, i64::MAX);
-        for (neuron, row) in self.situations.code().iter().enumerate() {
-            let mut total = 0_i64;
-            for (asked, value) in asked.iter().zip(row) {
-                let value = i32::from(coarse(*value).to_bits());
-                if !asked.holds(value) {
-                    total = total.wrapping_add(asked.deviation(value, i32::from(i16::MAX)));
-                    if total >= least {
-                        break;
-                    }
-                }
-            }
-            if total < least {
-                (nearest, least) = (neuron, total);
-            }
-            if least == 0 {
-                break;
-            }
-        }
-        nearest
     }
 
     /// The neuron whose action goes farthest in a direction: the one that answers for it.

@@ -87,6 +87,11 @@ impl<const REACH: usize> Pull<REACH> {
         Self { rate, shape }
     }
 
+    /// Whether the winner learns alone.
+    pub(crate) fn is_alone(&self) -> bool {
+        self.shape == Shape::Direct { share: Gain::ZERO }
+    }
+
     /// This pull without its size.
     #[must_use]
     pub const fn view(&self) -> View<'_> {

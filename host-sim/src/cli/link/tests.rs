@@ -14,6 +14,7 @@ fn host_sim(served: &Served, line: &str) -> Result<String, String> {
         Ok(()) => Ok(String::from_utf8(out).unwrap()),
         Err(Failure::Bad(error)) => Err(error.to_string()),
         Err(Failure::Output(error)) => panic!("{error}"),
+        Err(Failure::Differs(sentence)) => panic!("{sentence}"),
     }
 }
 

@@ -42,7 +42,7 @@ fn print_maps(watch: &Stopwatch, episode: &Episode<'_>) {
         coarse,
         1_400,
     );
-    row("recall of an action", maps::recalls(watch, episode), 5_200);
+    row("recall of an action", maps::recalls(watch, episode), 4_500);
     let [[situation, action], [near_situation, near_action]] = maps::updates(watch, episode);
     row("situation map learns, winner alone", situation, 210);
     row(
@@ -60,25 +60,25 @@ fn print_maps(watch: &Stopwatch, episode: &Episode<'_>) {
 
 fn print_episode(episode: &Episode<'_>) {
     let counts = &episode.counts;
-    row("echo at rest", counts.echo, 320);
-    row("echo on the way: the guard", counts.guard, 2_500);
+    row("echo at rest", counts.echo, 480);
+    row("echo on the way: the guard", counts.guard, 2_050);
     row("report of the base", counts.odometry, 1_550);
     row(
         "random move (last echo of the ring)",
         counts.random_move,
-        16_000,
+        10_250,
     );
     row(
         "**decision** (last echo of the ring): avoid",
         counts.decision,
-        23_500,
+        16_700,
     );
-    row("decision: along a wall", counts.along_wall, 32_000);
-    row("decision: to a place", counts.to_place, 28_000);
+    row("decision: along a wall", counts.along_wall, 21_500);
+    row("decision: to a place", counts.to_place, 19_000);
     row(
         "decision: avoid by the paper's four steps (`probe`)",
         counts.four_steps,
-        24_500,
+        15_800,
     );
     row("tick of learning", counts.tick, 20_000);
     let mut learning = Tally::default();
@@ -97,7 +97,7 @@ fn print_link(watch: &Stopwatch, episode: &Episode<'_>) {
     row(
         "decision by a frame: scan in, three frames out",
         counts.decision,
-        43_000,
+        34_400,
     );
 }
 

@@ -1,0 +1,69 @@
+//! What a look at a seeking robot costs its loop (ten times a second while somebody watches), and the viewers' tasks.
+
+use amp::config::Config;
+use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
+use host_sim::episode::Setup;
+use host_sim::robot::TurretMode;
+use host_sim::scenes::Behavior;
+use host_sim::sonar::SonarModel;
+use host_sim::view::order::Order;
+use host_sim::view::{MindPlace, Simulator, Source, Start, Stepped};
+use host_sim::world::World;
+
+fn seeking() -> Simulator {
+    let config = Config::recommended();
+    let start = Start {
+        world: World::random(1),
+        named: "random:1".to_owned(),
+        setup: Setup {
+            config: config.clone(),
+            preset: "default".to_owned(),
+            behavior: Behavior::Avoid,
+            explore_moves: 100,
+            steps: 1,
+            seed: 1,
+            sonar: SonarModel::Ideal,
+            turret: TurretMode::Held,
+            set_down: None,
+            record: false,
+        },
+        whole: config,
+        presets: Vec::new(),
+    };
+    let mut robot = Simulator::new(start, MindPlace::Host).expect("a mind in this process");
+    for order in [Order::Explore, Order::Learn] {
+        robot.carry_out(&order).expect("it is done");
+        while robot.step() != Stepped::Standing {}
+    }
+    robot.carry_out(&Order::Seek).expect("it seeks");
+    for _ in 0..1_000 {
+        robot.step();
+    }
+    robot
+}
+
+fn benches(c: &mut Criterion) {
+    let mut robot = seeking();
+    c.bench_function("a step", |b| b.iter(|| robot.step()));
+    c.bench_function("a step and a snapshot", |b| {
+        b.iter(|| {
+            robot.step();
+            robot.snapshot().into_parts()
+        });
+    });
+    c.bench_function("the texts of a snapshot", |b| {
+        let snapshot = |robot: &mut Simulator| {
+            robot.step();
+            robot.snapshot().into_parts()
+        };
+        let texts = |parts: Vec<_>| parts.iter().map(text_len).sum::<usize>();
+        b.iter_batched(|| snapshot(&mut robot), texts, BatchSize::SmallInput);
+    });
+}
+
+fn text_len(part: &std::sync::Arc<dyn host_sim::view::snapshot::Showable>) -> usize {
+    part.text().len()
+}
+
+criterion_group!(all, benches);
+criterion_main!(all);

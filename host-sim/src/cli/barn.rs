@@ -1,0 +1,390 @@
+//! `host-sim barn`: the BARN benchmark's table.
+
+use super::output::{bar, prepare};
+use super::run::{Preset, SonarChoice, Switch};
+use super::{Failure, table};
+use crate::barn::{self, CHALLENGE_M_S, End, Method, Rules, Run, Tuning, length, score, shortest};
+use crate::error::BadInput;
+use crate::experiments::statistics::bootstrap;
+use crate::pilot::MOST_MOVES;
+use crate::plot::{self, RoutePanel, demo::save};
+use crate::settings;
+use crate::som::table::{Records, Table, read_text};
+use crate::world::barn::{range, sources};
+use crate::world::{Point, World};
+use clap::Args;
+use rayon::prelude::*;
+use serde_json::json;
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+
+/// Worlds in a picture.
+const SHOWN: usize = 8;
+/// Reference lengths of this column are taken.
+const LENGTH: &str = "reference_path_length_m";
+
+/// Drives the worlds of the BARN benchmark and prints success and score
+#[derive(Debug, Clone, Args)]
+#[command(after_help = "\
+Examples:
+  host-sim barn --file worlds/BARN --worlds 0..=299
+      the published worlds, world_0.world to world_299.world in a folder
+  host-sim barn --file cells.csv --methods maps,vfh-plus --shield off --out out/barn
+      worlds from a table of filled cells (heading world,ix,iy); what the methods do on their own; a picture")]
+pub struct BarnArgs {
+    /// Worlds: a folder of world_N.world files, one such file, or a table of filled cells with the heading world,ix,iy
+    #[arg(long, value_name = "FILE|FOLDER")]
+    file: PathBuf,
+    /// Worlds to drive, N or A..=B, as far as they are there [default: all]
+    #[arg(long, value_name = "RANGE", value_parser = range)]
+    worlds: Option<RangeInclusive<u32>>,
+    /// Who drives [default: all]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_enum)]
+    methods: Vec<Method>,
+    /// Table with the columns world and reference_path_length_m: lengths of the way to score by [default: computed]
+    #[arg(long, value_name = "FILE")]
+    lengths: Option<PathBuf>,
+    /// Seed of the first world; each further world has the next one
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+    /// Random moves the maps learn from, in a random room
+    #[arg(long, value_name = "MOVES", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=i64::from(MOST_MOVES)))]
+    explore: u16,
+    /// Let the sonars limit everybody's motion
+    #[arg(long, value_name = "ON|OFF", default_value = "on", value_enum)]
+    shield: Switch,
+    /// Distance the shield keeps between body and anything heard, m
+    #[arg(long, value_name = "M", default_value = "0.09", value_parser = margin)]
+    margin: f64,
+    /// What the maps want to keep clear around the ring, m
+    #[arg(long, value_name = "M", default_value_t = Tuning::default().clearance_m, value_parser = clearance)]
+    clearance: f64,
+    /// What a step towards the goal weighs to the maps, in units of a squared deviation of 1
+    #[arg(long, value_name = "WEIGHT", default_value_t = Tuning::default().pull, value_parser = pull)]
+    pull: f64,
+    /// What the sonars return
+    #[arg(long, value_name = "MODEL", default_value = "ideal", value_enum)]
+    sonar: SonarChoice,
+    /// Change one open choice of the maps (see `host-sim settings`); may be given several times
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    sets: Vec<String>,
+    /// Print Markdown
+    #[arg(long, conflicts_with = "json")]
+    markdown: bool,
+    /// Print one JSON object per world and method instead of the table
+    #[arg(long)]
+    json: bool,
+    /// Write a picture of the first worlds with the ways driven into this folder
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+fn between(text: &str, least: f64, most: f64) -> Result<f64, BadInput> {
+    let number = text
+        .parse()
+        .ok()
+        .filter(|number| (least..=most).contains(number));
+    number.ok_or_else(|| BadInput::new(format!("it must lie between {least} and {most}")))
+}
+
+fn margin(text: &str) -> Result<f64, BadInput> {
+    between(text, 0.0, 1.0)
+}
+
+fn clearance(text: &str) -> Result<f64, BadInput> {
+    between(text, 0.0, 6.0)
+}
+
+fn pull(text: &str) -> Result<f64, BadInput> {
+    between(text, 0.0, 0.99)
+}
+
+/// A world, the shortest way through it and what the methods did there.
+struct Course {
+    world: World,
+    number: u32,
+    /// The shortest way of the body.
+    way: Option<Vec<Point>>,
+    /// The shortest way of the body and the shield's margin, m.
+    with_margin: bool,
+    /// Length to score by, m.
+    length_m: f64,
+    runs: Vec<Run>,
+}
+
+/// Drives the worlds and prints the table.
+///
+/// # Errors
+/// Worlds that cannot be loaded, a flag that cannot be used, a folder that cannot be written, a closed pipe.
+pub fn barn(args: &BarnArgs, out: &mut impl Write) -> Result<(), Failure> {
+    let rules = rules(args)?;
+    let methods = if args.methods.is_empty() {
+        Method::ALL.to_vec()
+    } else {
+        args.methods.clone()
+    };
+    let lengths = args.lengths.as_deref().map(lengths).transpose()?;
+    let sources = sources(&args.file, args.worlds.as_ref())?;
+    if let Some(dir) = &args.out {
+        prepare(dir)?;
+    }
+    let progress = bar(sources.len() as u64, "worlds");
+    let course = |source: &_| {
+        let course = drive(args, &rules, &methods, lengths.as_ref(), source);
+        progress.inc(1);
+        course
+    };
+    let courses: Vec<_> = sources.par_iter().map(course).collect::<Result<_, _>>()?;
+    progress.finish_and_clear();
+    if args.json {
+        for line in courses.iter().flat_map(|course| objects(course, &methods)) {
+            writeln!(out, "{line}")?;
+        }
+    } else {
+        tables(args, &courses, &methods, out)?;
+    }
+    match &args.out {
+        Some(dir) => picture(dir, &courses, &methods, args.json, out),
+        None => Ok(()),
+    }
+}
+
+fn rules(args: &BarnArgs) -> Result<Rules, BadInput> {
+    let mut config = Preset::Default.config();
+    settings::apply(&mut config, &args.sets)?;
+    if let Some(shield) = &mut config.shield {
+        shield.margin_mm = libm::rint(args.margin * 1e3) as u16;
+    }
+    if args.shield == Switch::Off {
+        config.shield = None;
+    }
+    Ok(Rules {
+        config,
+        sonar: args.sonar.into(),
+        explore_moves: args.explore,
+        seed: args.seed,
+        tuning: Tuning {
+            clearance_m: args.clearance,
+            pull: args.pull,
+        },
+    })
+}
+
+fn drive(
+    args: &BarnArgs,
+    rules: &Rules,
+    methods: &[Method],
+    lengths: Option<&BTreeMap<u32, f64>>,
+    source: &crate::world::barn::BarnSource,
+) -> Result<Course, BadInput> {
+    let world = source.load()?;
+    let number = source.number;
+    let way = shortest(&world, 0.0)?;
+    let length_m = match lengths {
+        Some(lengths) => lengths.get(&number).copied().ok_or_else(|| {
+            BadInput::new(format!("--lengths: there is no length for world {number}"))
+        })?,
+        // A world without a way is failed by everybody: any length does.
+        None => way.as_deref().map_or(1.0, length),
+    };
+    let run = |method: &Method| barn::run(&world, *method, rules, u64::from(number));
+    Ok(Course {
+        number,
+        with_margin: shortest(&world, args.margin)?.is_some(),
+        runs: methods.iter().map(run).collect::<Result<_, _>>()?,
+        way,
+        length_m,
+        world,
+    })
+}
+
+/// Reads lengths of the ways by world.
+fn lengths(path: &Path) -> Result<BTreeMap<u32, f64>, BadInput> {
+    let source = path.display().to_string();
+    let text = read_text(path)?;
+    let records = Records::parse(&source, &text, None)?;
+    let column = |name: &str| {
+        let place = records.heading.iter().position(|head| *head == name);
+        place.ok_or_else(|| BadInput::line(&source, 1, format!("there is no column {name}")))
+    };
+    let (world, length) = (column("world")?, column(LENGTH)?);
+    let mut found = BTreeMap::new();
+    for (line, row) in &records.rows {
+        let field = |column: usize| row.get(column).copied().unwrap_or_default();
+        let bad = |column, what: &str| {
+            Table::cell(
+                &source,
+                *line,
+                column,
+                format!("\"{}\" {what}", field(column)),
+            )
+        };
+        let number = field(world)
+            .parse()
+            .map_err(|_| bad(world, "is not the number of a world"))?;
+        let meters = field(length)
+            .parse()
+            .ok()
+            .filter(|m: &f64| m.is_finite() && *m > 0.0);
+        found.insert(
+            number,
+            meters.ok_or_else(|| bad(length, "is not a length"))?,
+        );
+    }
+    Ok(found)
+}
+
+fn tables(
+    args: &BarnArgs,
+    courses: &[Course],
+    methods: &[Method],
+    out: &mut impl Write,
+) -> Result<(), Failure> {
+    let count = courses.len();
+    let passable = courses.iter().filter(|course| course.way.is_some()).count();
+    let with_margin = courses.iter().filter(|course| course.with_margin).count();
+    let ways: Vec<f64> = courses
+        .iter()
+        .filter_map(|course| Some(length(course.way.as_deref()?)))
+        .collect();
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
+    writeln!(out, "worlds                                       {count}")?;
+    writeln!(
+        out,
+        "passable for a disc of 0.269 m               {passable}"
+    )?;
+    writeln!(
+        out,
+        "passable with the shield's margin of {:.2} m  {with_margin}",
+        args.margin
+    )?;
+    writeln!(
+        out,
+        "mean length of the shortest way, m           {:.3}",
+        mean(&ways)
+    )?;
+    if args.lengths.is_some() {
+        let given: Vec<f64> = courses.iter().map(|course| course.length_m).collect();
+        writeln!(
+            out,
+            "mean length to score by (--lengths), m       {:.3}",
+            mean(&given)
+        )?;
+    }
+    writeln!(out)?;
+    let own = settings_speed();
+    let heads = [
+        "method".to_owned(),
+        "reached % [95 %]".to_owned(),
+        "touched %".to_owned(),
+        "timed out %".to_owned(),
+        "mean time to the goal s".to_owned(),
+        format!("score at {own} m/s"),
+        format!("score at {CHALLENGE_M_S} m/s"),
+    ];
+    let rows: Vec<_> = methods
+        .iter()
+        .enumerate()
+        .map(|(index, method)| row(courses, index, *method))
+        .collect();
+    let text = if args.markdown {
+        table::markdown
+    } else {
+        table::plain
+    };
+    let heads = heads.each_ref().map(String::as_str);
+    Ok(out.write_all(text(&heads, &rows, &[1, 2, 3, 4, 5, 6]).as_bytes())?)
+}
+
+/// The Nomad's highest speed, m/s.
+fn settings_speed() -> f64 {
+    f64::from(amp::robot::RobotSpec::nomad200().speed_mm_s) / 1e3
+}
+
+fn row(courses: &[Course], index: usize, method: Method) -> Vec<String> {
+    let runs: Vec<_> = courses
+        .iter()
+        .filter_map(|course| Some((course, course.runs.get(index)?)))
+        .collect();
+    let share = |end: End| {
+        let ended: Vec<Vec<f64>> = runs
+            .iter()
+            .map(|(_, run)| vec![100.0 * f64::from(u8::from(run.end == end))])
+            .collect();
+        bootstrap(&ended)
+    };
+    let times: Vec<f64> = runs.iter().filter_map(|(_, run)| run.success_s()).collect();
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
+    let scores = |speed: f64| {
+        let one = |(course, run): &(&Course, &Run)| score(run.success_s(), course.length_m, speed);
+        mean(&runs.iter().map(one).collect::<Vec<_>>())
+    };
+    let reached = share(End::Reached);
+    let [low, high] = reached.interval;
+    vec![
+        method.name().to_owned(),
+        format!("{:.1} [{low:.1}, {high:.1}]", reached.mean),
+        format!("{:.1}", share(End::Touched).mean),
+        format!("{:.1}", share(End::TimedOut).mean),
+        if times.is_empty() {
+            "–".to_owned()
+        } else {
+            format!("{:.1}", mean(&times))
+        },
+        format!("{:.4}", scores(settings_speed())),
+        format!("{:.4}", scores(CHALLENGE_M_S)),
+    ]
+}
+
+fn objects(course: &Course, methods: &[Method]) -> Vec<serde_json::Value> {
+    let one = |(method, run): (&Method, &Run)| {
+        json!({
+            "world": course.number,
+            "method": method.name(),
+            "end": match run.end {
+                End::Reached => "reached",
+                End::Touched => "touched",
+                End::TimedOut => "timed out",
+            },
+            "time_s": (run.time_s * 1e3 + 0.5).floor() / 1e3,
+            "way_m": (length(&run.places) * 1e3 + 0.5).floor() / 1e3,
+            "shortest_m": course.way.as_deref().map(|way| (length(way) * 1e4 + 0.5).floor() / 1e4),
+            "score_own_speed": score(run.success_s(), course.length_m, settings_speed()),
+            "score": score(run.success_s(), course.length_m, CHALLENGE_M_S),
+        })
+    };
+    methods.iter().zip(&course.runs).map(one).collect()
+}
+
+fn picture(
+    dir: &Path,
+    courses: &[Course],
+    methods: &[Method],
+    quiet: bool,
+    out: &mut impl Write,
+) -> Result<(), Failure> {
+    // Spread over all the worlds: the later ones are the harder ones.
+    let count = courses.len().min(SHOWN);
+    let spread = |place: usize| {
+        courses.get(place * courses.len().saturating_sub(1) / count.saturating_sub(1).max(1))
+    };
+    let panel = |course: &'_ Course| RoutePanel {
+        world: course.world.clone(),
+        shortest: course.way.clone().unwrap_or_default(),
+        ways: course.runs.iter().map(|run| run.places.clone()).collect(),
+        marks: course.runs.iter().map(|run| run.end).collect(),
+    };
+    let panels: Vec<_> = (0..count).filter_map(spread).map(panel).collect();
+    let names: Vec<_> = methods.iter().map(|method| method.name()).collect();
+    let svg = plot::routes("Ways through the BARN worlds", &names, &panels);
+    let path = save(dir, "barn.svg", svg.as_bytes()).map_err(BadInput::from)?;
+    let png = plot::png::render(&svg, 2.0)
+        .map_err(|error| BadInput::new(format!("barn.png: {error}")))?;
+    save(dir, "barn.png", &png).map_err(BadInput::from)?;
+    if !quiet {
+        writeln!(out, "\nPicture: {}", path.display())?;
+    }
+    Ok(())
+}

@@ -1,0 +1,213 @@
+//! `host-sim compare`: the mind against other methods.
+
+mod files;
+mod picture;
+mod tables;
+
+use super::Failure;
+use super::output::{bar, prepare};
+use super::run::{SonarChoice, sources};
+use crate::error::BadInput;
+use crate::experiments::compare::search::{self, Search};
+use crate::experiments::compare::{Conditions, Constants, Method, Plan, Row, measure};
+use clap::{Args, ValueEnum};
+use std::io::Write;
+use std::path::PathBuf;
+
+/// The `compare` command's flags.
+#[derive(Debug, Clone, Args)]
+pub struct CompareArgs {
+    /// World: a file, a folder, random:SEED, random:A..=B or a built-in name; may be given several times
+    #[arg(long = "world", value_name = "WORLD", default_value = "random:1..=6")]
+    worlds: Vec<String>,
+    /// Methods, separated by commas: default, probe, touzet (the two maps), random, braitenberg, potential-field, vfh-plus,
+    /// nearest-change, nearest-pair, q-lazy, q-table, q-som, q-two-soms; or all
+    #[arg(long, value_name = "NAMES", default_value = "all", value_parser = parse_methods)]
+    methods: Methods,
+    /// Seeds in each world
+    #[arg(long, value_name = "SEEDS", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    seeds: u32,
+    /// First of these seeds
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    seed: u64,
+    /// Measure without the shield, with it, or both one after the other
+    #[arg(long, value_name = "ON|OFF|BOTH", default_value = "both", value_enum)]
+    shield: Shields,
+    /// Decisions measured in each episode, after learning
+    #[arg(long, value_name = "STEPS", default_value_t = 1_000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    steps: u32,
+    /// Learning moves of the methods that go on learning by reward, rising
+    #[arg(long, value_name = "MOVES", value_delimiter = ',', default_value = "100,200,1000,5000,20000", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    moves: Vec<u32>,
+    /// What the sonars return
+    #[arg(long, value_name = "MODEL", default_value = "ideal", value_enum)]
+    sonar: SonarChoice,
+    /// Write compare.csv, compare.md and pictures into this folder
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print the time each method takes per decision, on standard error
+    #[arg(long)]
+    time: bool,
+    /// Search the constants of one method instead, with its first budget of --moves, in as many of the rooms from
+    /// random:20001 on as there are --seeds
+    #[arg(long, value_name = "METHOD", conflicts_with_all = ["worlds", "methods", "seed", "out", "time"], value_parser = parse_method)]
+    tune: Option<Method>,
+    /// Worker threads [default: one per core]; the results do not depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+/// Methods as named on the command line.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Methods(Vec<Method>);
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Shields {
+    /// With the shield
+    On,
+    /// Without it
+    Off,
+    /// Without, then with it
+    Both,
+}
+
+impl Shields {
+    fn each(self) -> &'static [bool] {
+        match self {
+            Self::On => &[true],
+            Self::Off => &[false],
+            Self::Both => &[false, true],
+        }
+    }
+}
+
+fn parse_method(text: &str) -> Result<Method, BadInput> {
+    text.parse()
+}
+
+/// In the order of the tables, each once.
+fn parse_methods(text: &str) -> Result<Methods, BadInput> {
+    if text == "all" {
+        return Ok(Methods(Method::ALL.to_vec()));
+    }
+    let named: Result<Vec<Method>, _> = text.split(',').map(str::parse).collect();
+    let named = named?;
+    let listed = Method::ALL.into_iter();
+    Ok(Methods(
+        listed.filter(|method| named.contains(method)).collect(),
+    ))
+}
+
+/// Measures and prints the tables, or searches constants.
+///
+/// # Errors
+/// A world that cannot be loaded, budgets that do not rise, an episode that fails, a folder that cannot be written.
+pub fn compare(args: &CompareArgs, out: &mut impl Write) -> Result<(), Failure> {
+    if !args.moves.is_sorted_by(|a, b| a < b) {
+        return Err(
+            BadInput::new("--moves: each number must be greater than the one before").into(),
+        );
+    }
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(args.threads.map_or(0, usize::from))
+        .build();
+    let pool = pool.map_err(|error| BadInput::new(format!("--threads: {error}")))?;
+    if let Some(method) = args.tune {
+        let text = pool.install(|| tune(method, args))?;
+        return Ok(out.write_all(text.as_bytes())?);
+    }
+    let plan = plan(args)?;
+    if let Some(dir) = &args.out {
+        prepare(dir)?;
+    }
+    let began = std::time::Instant::now();
+    let progress = bar(plan.len() as u64, "episodes");
+    let rows = pool.install(|| measure(&plan, &|| progress.inc(1)));
+    progress.finish_and_clear();
+    let rows = rows.map_err(|failure| BadInput::new(failure.to_string()))?;
+    let report = pool.install(|| tables::Report::of(&rows));
+    eprintln!(
+        "{} episodes in {:.1} s",
+        plan.len(),
+        began.elapsed().as_secs_f64()
+    );
+    out.write_all(report.text().as_bytes())?;
+    writeln!(out, "{}", about(&plan, args))?;
+    if args.time {
+        eprint!("{}", report.times());
+    }
+    args.out.as_ref().map_or(Ok(()), |dir| {
+        files::write(dir, &report, &about(&plan, args), out)
+    })
+}
+
+fn plan(args: &CompareArgs) -> Result<Plan, BadInput> {
+    let mut worlds = Vec::new();
+    for source in sources(&args.worlds)? {
+        worlds.push(source.load()?);
+    }
+    let shields = args.shield.each().iter();
+    Ok(Plan {
+        worlds,
+        first_seed: args.seed,
+        seeds: args.seeds,
+        methods: args.methods.0.clone(),
+        moves: args.moves.clone(),
+        conditions: shields.map(|shield| conditions(args, *shield)).collect(),
+    })
+}
+
+fn conditions(args: &CompareArgs, shield: bool) -> Conditions {
+    Conditions {
+        steps: args.steps,
+        sonar: args.sonar.into(),
+        shield,
+        timed: args.time,
+    }
+}
+
+/// What the figures are of, in a sentence or two.
+fn about(plan: &Plan, args: &CompareArgs) -> String {
+    format!(
+        "Mean [95 % interval] of {} worlds ({}) × {} seeds, {} steps each, measured from the world's start after learning in the \
+         same world; sonars: {}. Intervals by the bootstrap over worlds and seeds.",
+        plan.worlds.len(),
+        args.worlds.join(", "),
+        plan.seeds,
+        args.steps,
+        crate::sonar::SonarModel::from(args.sonar).name(),
+    )
+}
+
+fn tune(method: Method, args: &CompareArgs) -> Result<String, BadInput> {
+    let knobs = search::knobs(method);
+    if knobs.is_empty() {
+        let name = method.name();
+        return Err(BadInput::new(format!(
+            "--tune {name}: it has no constants to search"
+        )));
+    }
+    let search = Search {
+        method,
+        moves: args.moves.first().copied().unwrap_or(1),
+        rooms: args.seeds,
+        conditions: conditions(args, args.shield == Shields::On),
+    };
+    let progress = bar((search::ROUNDS * knobs.len()) as u64, "constants");
+    let mut lines = Vec::new();
+    let found = search.run(
+        Constants::of(search.conditions.shield),
+        |name, value, score| {
+            lines.push((name.to_owned(), value, score));
+            progress.inc(1);
+        },
+    );
+    progress.finish_and_clear();
+    found.map_err(|failure| BadInput::new(failure.to_string()))?;
+    Ok(tables::search(&lines))
+}
+
+/// Its rows by condition: without the shield, with it.
+fn by_shield(rows: &[Row]) -> impl Iterator<Item = &[Row]> {
+    rows.chunk_by(|a, b| a.shield == b.shield)
+}

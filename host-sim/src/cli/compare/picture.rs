@@ -1,0 +1,90 @@
+//! What goes on learning by its budgets of moves, beside the mind.
+
+use super::tables::{Line, Report};
+use crate::experiments::compare::{Figures, MOVES, Method};
+use crate::experiments::statistics::Mean;
+use crate::plot::{Curves, Key, curves};
+
+/// A figure that is drawn: its name, the most it can be, and how it is had.
+type Drawn = (&'static str, f64, fn(&Figures) -> Mean);
+
+const ANY: f64 = f64::INFINITY;
+
+/// Without the shield.
+const BARE: [Drawn; 3] = [
+    ("steps with contact %", 100.0, |figures| {
+        figures.contact_percent
+    }),
+    ("clean rooms %", 100.0, |figures| figures.clean_percent),
+    ("coverage m²", ANY, |figures| figures.coverage_m2),
+];
+
+/// With it: contacts are its business.
+const SHIELDED: [Drawn; 3] = [
+    ("distance m", ANY, |figures| figures.distance_m),
+    ("least clearance m", ANY, |figures| figures.clearance_m),
+    ("coverage m²", ANY, |figures| figures.coverage_m2),
+];
+
+/// An SVG document; `None` where nothing that goes on learning was compared.
+pub fn picture(report: &Report) -> Option<String> {
+    let all = report.by_shield().next()?;
+    let first = all.iter().find(|line| line.method.goes_on_learning())?;
+    let moves = budgets(all, first.method);
+    let names: Vec<Method> = [Method::Default, Method::Probe]
+        .into_iter()
+        .chain(
+            Method::ALL
+                .into_iter()
+                .filter(|method| method.goes_on_learning()),
+        )
+        .filter(|method| !budgets(all, *method).is_empty())
+        .collect();
+    let name = |method: &Method| {
+        if method.goes_on_learning() {
+            (method.name().to_owned(), false)
+        } else {
+            (format!("{}, {MOVES} moves", method.name()), true)
+        }
+    };
+    let key = Key {
+        subtitle: "Mean and 95 % interval after so many learning moves".to_owned(),
+        along: "learning moves".to_owned(),
+        ticks: moves.iter().map(u32::to_string).enumerate().collect(),
+        names: names.iter().map(name).collect(),
+    };
+    let panels: Vec<_> = report
+        .by_shield()
+        .flat_map(|lines| panels(lines, &names, moves.len()))
+        .collect();
+    Some(curves("Q-learning beside two maps", &key, &panels))
+}
+
+fn budgets(lines: &[Line], method: Method) -> Vec<u32> {
+    let own = lines.iter().filter(|line| line.method == method);
+    own.map(|line| line.moves).collect()
+}
+
+/// The panels of one condition, with so many places along them.
+fn panels(lines: &[Line], names: &[Method], places: usize) -> [Curves; 3] {
+    let shield = lines.first().is_some_and(|line| line.shield);
+    let (title, drawn) = if shield {
+        ("with the shield", SHIELDED)
+    } else {
+        ("the methods alone", BARE)
+    };
+    drawn.map(|(measure, most, value)| {
+        // What has one budget only is a level to compare with.
+        let of_method = |method: &Method| {
+            let own = lines.iter().filter(|line| line.method == *method);
+            let means = own.map(|line| value(&line.figures));
+            means.cycle().take(places).collect()
+        };
+        Curves {
+            title: title.to_owned(),
+            measure: measure.to_owned(),
+            within: [0.0, most],
+            lines: names.iter().map(of_method).collect(),
+        }
+    })
+}

@@ -1,0 +1,144 @@
+//! Pictures of what `host-sim learn` found, and the page that shows them.
+
+use super::{Told, size};
+use crate::cli::Failure;
+use crate::learn::{Map, Method, Score};
+use crate::plot::{self, Figure, LabelledMap};
+use crate::recording::MapRecord;
+use crate::som::report::{code_vectors_csv, write_files};
+use std::path::Path;
+
+/// Decimals of code vectors on file: finer than any range finder.
+const DECIMALS: usize = 6;
+
+impl Told<'_> {
+    /// Writes them all.
+    ///
+    /// # Errors
+    /// A folder that cannot be written.
+    pub(super) fn pictures(&self, folder: &Path) -> Result<(), Failure> {
+        let mut files = Vec::new();
+        let mut figures = Vec::new();
+        if self.found.maps.len() > 1 {
+            files.push(("map_size.svg".to_owned(), self.curve()));
+            figures.push(figure("map_size.svg", "Map size", CURVE));
+        }
+        for map in &self.found.maps {
+            let (maps, names) = self.pictures_of(map);
+            files.extend(maps);
+            figures.extend(names);
+        }
+        let page = plot::index_html("Learnt from a log", &self.facts(), &figures, &[]);
+        files.push(("index.html".to_owned(), page));
+        let files: Vec<_> = files
+            .iter()
+            .map(|(name, content)| (name.as_str(), content.clone()))
+            .collect();
+        Ok(write_files(folder, &files)?)
+    }
+
+    fn pictures_of(&self, map: &Map) -> (Vec<(String, String)>, Vec<Figure>) {
+        let name = |what: &str, ending: &str| match self.found.maps.len() {
+            1 => format!("{what}.{ending}"),
+            _ => format!("{what}_{}.{ending}", size(map)),
+        };
+        let record = self.record(map);
+        let labels = LabelledMap {
+            map: &record,
+            labels: &map.labels,
+            components: self.components(),
+            named: self.named(),
+        };
+        let (svg, csv) = (name("situation_map", "svg"), name("code_vectors", "csv"));
+        let title = format!("Situation map, {}", size(map));
+        let mut figures = vec![figure(&svg, &title, MAP)];
+        let mut files = vec![
+            (svg, plot::labelled_map(&labels, &title)),
+            (csv, code_vectors_csv(&record, &self.log.names, DECIMALS)),
+        ];
+        for recalled in &map.recalls {
+            let Score::Classes { confusion, .. } = &recalled.score else {
+                continue;
+            };
+            let svg = name(&format!("confusion_{}", recalled.method.key()), "svg");
+            let [by, with] = recalled.method.words(true);
+            let title = format!("{by}, asked with the {with}, {}", size(map));
+            figures.push(figure(&svg, &title, CONFUSION));
+            files.push((svg, plot::confusion(&title, self.components(), confusion)));
+        }
+        (files, figures)
+    }
+
+    /// The situation map as nearness; distances in the log's unit.
+    fn record(&self, map: &Map) -> MapRecord {
+        let nearness = |row: &[amp::fixed::Fine]| {
+            let one = f64::from(amp::fixed::FINE_ONE_BITS);
+            row.iter()
+                .map(|weight| f64::from(weight.to_bits()) / one)
+                .collect()
+        };
+        MapRecord {
+            grid: [map.grid.columns(), map.grid.rows()],
+            code: map.situations.code_vectors().map(nearness).collect(),
+            hits: map.learnt.hits.clone(),
+            u_matrix: map
+                .situations
+                .u_matrix()
+                .iter()
+                .map(|distance| distance * self.span())
+                .collect(),
+        }
+    }
+
+    fn curve(&self) -> String {
+        let lines = (0..3).filter_map(|index| {
+            let recalled = |map: &Map| {
+                map.recalls
+                    .get(index)
+                    .map(|recalled| self.headline(recalled))
+            };
+            let method = self.found.maps.first()?.recalls.get(index)?.method;
+            let values = self.found.maps.iter().filter_map(recalled).collect();
+            Some((self.line_name(method), values))
+        });
+        let levels = self.found.references.iter();
+        let levels =
+            levels.map(|recalled| (self.line_name(recalled.method), self.headline(recalled)));
+        let sizes: Vec<_> = self.found.maps.iter().map(size).collect();
+        let measure = if self.named() {
+            "share of the held-out actions recalled rightly"
+        } else {
+            "error beside that of the mean"
+        };
+        plot::sizes(
+            "Recall by map size",
+            measure,
+            &sizes,
+            &lines.collect::<Vec<_>>(),
+            &levels.collect::<Vec<_>>(),
+        )
+    }
+
+    fn line_name(&self, method: Method) -> String {
+        let [by, with] = method.words(self.named());
+        if with == "nothing" {
+            by.to_owned()
+        } else {
+            format!("{by}, by the {with}")
+        }
+    }
+}
+
+fn figure(file: &str, title: &str, caption: &str) -> Figure {
+    Figure {
+        file: file.to_owned(),
+        title: title.to_owned(),
+        caption: vec![caption.to_owned()],
+    }
+}
+
+const CURVE: &str =
+    "How much of the part held out is recalled, by the size of the maps, beside what needs no map.";
+const MAP: &str = "Each tile is a neuron: in maps of large tiles bars show how near something is around the ring, first column up and the \
+    others counter-clockwise from there; the colour is what was done most often in the situations the neuron won.";
+const CONFUSION: &str = "Rows: what was done; columns: what was recalled; in each cell its share of the row and its number.";

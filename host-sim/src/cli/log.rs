@@ -1,0 +1,107 @@
+//! `host-sim log` and `host-sim replay`: what is in a log, and whether the mind does the same again.
+
+use super::Failure;
+use super::output::bar;
+use super::table::plain;
+use crate::log::{self, LogFile, Summary};
+use clap::Args;
+use std::io::Write;
+use std::path::PathBuf;
+
+/// The `log` command's flags.
+#[derive(Debug, Clone, Args)]
+pub struct LogArgs {
+    /// The log, as written by `run --log FILE.mcap`
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+}
+
+/// The `replay` command's flags.
+#[derive(Debug, Clone, Args)]
+pub struct ReplayArgs {
+    /// The log, as written by `run --log FILE.mcap`
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+}
+
+/// Prints what is in a log.
+///
+/// # Errors
+/// A file that is no log, a message that is not what it should be, a closed pipe.
+pub fn log(args: &LogArgs, out: &mut impl Write) -> Result<(), Failure> {
+    let log = log::read(&args.file)?;
+    let summary = Summary::of(&log)?;
+    out.write_all(plain(&["log", ""], &rows(&log, &summary), &[]).as_bytes())?;
+    Ok(())
+}
+
+fn rows(log: &LogFile, summary: &Summary) -> Vec<Vec<String>> {
+    let setup = log.setup();
+    let mut rows = vec![
+        ("world", setup.world.clone()),
+        ("behavior", setup.behavior.clone()),
+        ("preset", setup.preset.clone()),
+        ("seed", setup.seed.to_string()),
+        ("sonars", setup.sonar.clone()),
+        ("written by", format!("host-sim {}", setup.program)),
+        (
+            "ends",
+            format!("at {:.3} s, {}", summary.last_s, summary.ending),
+        ),
+        ("random moves", summary.random_moves.to_string()),
+        (
+            "decisions",
+            format!(
+                "{} ({} with the goal held, {} motions shortened by the shield)",
+                summary.decisions, summary.at_goal, summary.shortened
+            ),
+        ),
+        (
+            "distance by odometry",
+            format!("{:.1} m", summary.distance_m),
+        ),
+        ("reports of a touch", summary.contacts.to_string()),
+    ];
+    let commands = summary.commands.iter();
+    let commands: Vec<_> = commands
+        .map(|(s, what)| format!("{what} at {s:.1} s"))
+        .collect();
+    rows.push(("told to", commands.join(", ")));
+    for (topic, count) in &summary.messages {
+        rows.push((topic, format!("{count} messages")));
+    }
+    let cells = rows.into_iter();
+    cells
+        .map(|(label, value)| vec![label.to_owned(), value])
+        .collect()
+}
+
+/// Runs the mind of a log again and says whether every answer is the same.
+///
+/// # Errors
+/// As [`log`]; an answer that differs.
+pub fn replay(args: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
+    let log = log::read(&args.file)?;
+    let progress = bar(0, "replay").with_message("");
+    let end_ms = log
+        .messages()
+        .last()
+        .map_or(0, |message| message.time_ns / 1_000_000);
+    progress.set_length(end_ms);
+    let done = log::replay(&log, |ms| progress.set_position(ms.into()))?;
+    progress.finish_and_clear();
+    let file = args.file.display();
+    if let Some(difference) = &done.difference {
+        return Err(Failure::Differs(format!("{file}: {difference}")));
+    }
+    writeln!(
+        out,
+        "{file}: {} decisions and {} other answers to {} events, every one identical; the log ends at {:.3} s, {}",
+        done.decisions,
+        done.answers - done.decisions,
+        done.events,
+        f64::from(done.last_ms) / 1e3,
+        done.ending
+    )?;
+    Ok(())
+}

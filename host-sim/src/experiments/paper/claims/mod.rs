@@ -1,0 +1,189 @@
+//! The table: what the paper says, when that counts as true, what was measured, and the verdict.
+//!
+//! The rules are ours (the paper has none) and the same for all readings. A claim about the method is asked of every
+//! preset; it *holds* when all meet the rule, *holds partly* when some do.
+
+mod behaviors;
+mod maps;
+mod planning;
+mod reinforcement;
+mod repetition;
+
+use super::measure::Measured;
+
+/// What a measurement says about a claim.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// It is so.
+    Holds,
+    /// For some readings or cases only.
+    Partly,
+    /// It is not so.
+    DoesNotHold,
+    /// Nothing measured here can say.
+    NotTestable,
+}
+
+impl Verdict {
+    /// All verdicts, from the most favourable.
+    pub const ALL: [Self; 4] = [
+        Self::Holds,
+        Self::Partly,
+        Self::DoesNotHold,
+        Self::NotTestable,
+    ];
+
+    /// In words.
+    #[must_use]
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Holds => "holds",
+            Self::Partly => "holds partly",
+            Self::DoesNotHold => "does not hold",
+            Self::NotTestable => "not testable here",
+        }
+    }
+
+    /// All cases meet the rule, some do, or none.
+    fn of(cases: &[bool]) -> Self {
+        match cases.iter().filter(|&&met| met).count() {
+            0 => Self::DoesNotHold,
+            met if met == cases.len() => Self::Holds,
+            _ => Self::Partly,
+        }
+    }
+}
+
+/// One line of the table.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Claim {
+    /// Section or figure of the paper, as a number or "Fig.".
+    pub section: &'static str,
+    /// The claim in a few of its words.
+    pub words: &'static str,
+    /// When it counts as true.
+    pub rule: String,
+    /// What was measured; why nothing was, where nothing could be.
+    pub measured: String,
+    /// Of how many.
+    pub sample: String,
+    /// The verdict.
+    pub verdict: Verdict,
+}
+
+impl Claim {
+    fn new(section: &'static str, words: &'static str) -> Self {
+        Self {
+            section,
+            words,
+            rule: String::new(),
+            measured: String::new(),
+            sample: String::new(),
+            verdict: Verdict::NotTestable,
+        }
+    }
+
+    /// Where in the paper it is said: "§ 2.3", "Fig. 5".
+    #[must_use]
+    pub fn place(&self) -> String {
+        let mark = if self.section.starts_with(|c: char| c.is_ascii_digit()) {
+            "§ "
+        } else {
+            ""
+        };
+        format!("{mark}{}", self.section)
+    }
+
+    fn holds_if(mut self, rule: impl Into<String>) -> Self {
+        self.rule = rule.into();
+        self
+    }
+
+    fn measured(mut self, what: impl Into<String>, sample: impl Into<String>) -> Self {
+        (self.measured, self.sample) = (what.into(), sample.into());
+        self
+    }
+
+    fn verdict(mut self, verdict: Verdict) -> Self {
+        self.verdict = verdict;
+        self
+    }
+
+    /// The system is built so: nothing to measure.
+    fn by_construction(mut self, why: &'static str) -> Self {
+        self.rule = "by construction".to_owned();
+        self.measured = why.to_owned();
+        self.verdict = Verdict::Holds;
+        self
+    }
+
+    /// Nothing can be measured, for this reason.
+    fn untestable(mut self, why: &'static str) -> Self {
+        self.measured = why.to_owned();
+        self
+    }
+}
+
+/// The whole table, in the paper's order.
+#[must_use]
+pub fn claims(measured: &Measured) -> Vec<Claim> {
+    let mut claims = maps::claims(measured);
+    claims.extend(repetition::claims(measured));
+    claims.extend(planning::claims(measured));
+    claims.extend(behaviors::claims(measured));
+    claims
+}
+
+/// The names of the presets, in the order of the readings.
+const PRESETS: [&str; 3] = ["default", "probe", "touzet"];
+
+/// A value for each of some presets: "default 1, probe 2".
+fn each<T>(presets: &[&str], values: &[T], text: impl Fn(&T) -> String) -> String {
+    let parts = presets.iter().zip(values);
+    let parts: Vec<_> = parts
+        .map(|(name, v)| format!("{name} {}", text(v)))
+        .collect();
+    parts.join(", ")
+}
+
+/// Part of a whole in per cent; 0 of nothing.
+fn percent(part: u32, whole: u32) -> f64 {
+    100.0 * f64::from(part) / f64::from(whole.max(1))
+}
+
+/// A percentage as text.
+fn percents(value: f64) -> String {
+    format!("{value:.1} %")
+}
+
+/// The mean; 0 of nothing.
+fn mean(values: impl IntoIterator<Item = f64>) -> f64 {
+    let (mut sum, mut count) = (0.0, 0_u32);
+    for value in values {
+        sum += value;
+        count += 1;
+    }
+    sum / f64::from(count.max(1))
+}
+
+/// The middle one; 0 of nothing.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verdicts_follow_the_cases() {
+        let of = Verdict::of;
+        assert_eq!(of(&[true, true]), Verdict::Holds);
+        assert_eq!(of(&[true, false]), Verdict::Partly);
+        assert_eq!(of(&[false]), Verdict::DoesNotHold);
+        assert_eq!((mean([1.0, 3.0]), mean([])), (2.0, 0.0));
+        assert_eq!(median(vec![3.0, 1.0, 2.0]), 2.0);
+        assert_eq!(each(&["a", "b"], &[1, 2], i32::to_string), "a 1, b 2");
+    }
+}

@@ -1,0 +1,199 @@
+//! Logs in memory: whole, cut off, changed, and onto a full disk.
+
+use super::read::LogFile;
+use super::*;
+use crate::episode::{self, Setup as EpisodeSetup};
+use crate::pilot::Mind;
+use crate::robot::TurretMode;
+use crate::scenes::Behavior;
+use crate::sonar::SonarModel;
+use crate::world::World;
+use amp::config::Config;
+use std::cell::RefCell;
+use std::io::{Cursor, Seek, SeekFrom, Write};
+use std::path::Path;
+use std::rc::Rc;
+
+fn setup(sonar: SonarModel) -> EpisodeSetup {
+    EpisodeSetup {
+        config: Config::recommended(),
+        preset: "default".into(),
+        behavior: Behavior::Avoid,
+        explore_moves: 30,
+        steps: 60,
+        seed: 5,
+        sonar,
+        turret: TurretMode::Held,
+        set_down: None,
+        faults: Vec::new(),
+        record: false,
+    }
+}
+
+/// The log of an episode.
+fn logged(sonar: SonarModel) -> Vec<u8> {
+    let world = World::random(3);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.mcap");
+    run(
+        &world,
+        &setup(sonar),
+        Mind::new(Config::recommended()),
+        &path,
+    )
+    .unwrap();
+    std::fs::read(path).unwrap()
+}
+
+fn file(bytes: Vec<u8>) -> LogFile {
+    LogFile::of(Path::new("a.mcap"), bytes).unwrap()
+}
+
+#[test]
+fn a_log_replays_bit_for_bit() {
+    for sonar in [SonarModel::Ideal, SonarModel::Nomad] {
+        let done = replay(&file(logged(sonar)), |_| {}).unwrap();
+        assert_eq!(done.difference, None);
+        assert_eq!(done.ending, Ending::Complete);
+        // The last decision of each phase is not carried out.
+        assert!(done.decisions >= 90, "{done:?}");
+    }
+}
+
+#[test]
+fn a_log_does_not_change_the_episode_and_is_the_same_twice() {
+    let world = World::random(3);
+    let setup = setup(SonarModel::Nomad);
+    let plain = episode::run(&world, &setup, |_, _, _| {}).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.mcap");
+    let mind = Mind::new(setup.config.clone());
+    let watched = run(&world, &setup, mind, &path).unwrap();
+    assert_eq!(plain.report, watched.report);
+    assert_eq!(std::fs::read(path).unwrap(), logged(SonarModel::Nomad));
+}
+
+#[test]
+fn wherever_it_is_cut_off_the_whole_chunks_replay() {
+    let whole = logged(SonarModel::Nomad);
+    let mut seen = std::collections::BTreeSet::new();
+    for part in 0..=32 {
+        let mut bytes = whole.clone();
+        bytes.truncate(whole.len() * part / 32);
+        let Ok(log) = LogFile::of(Path::new("a.mcap"), bytes) else {
+            assert!(part < 32, "the whole log is readable");
+            continue;
+        };
+        let done = replay(&log, |_| {}).unwrap();
+        assert_eq!(done.difference, None);
+        let ending = if part == 32 {
+            Ending::Complete
+        } else {
+            Ending::Interrupted
+        };
+        assert_eq!(done.ending, ending, "{part}");
+        seen.insert(done.decisions);
+    }
+    assert!(seen.len() > 2, "several chunks: {seen:?}");
+}
+
+#[test]
+fn a_changed_byte_is_noticed() {
+    let mut bytes = logged(SonarModel::Ideal);
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    let ending = LogFile::of(Path::new("a.mcap"), bytes).map(|log| {
+        let mut messages = log.messages();
+        messages.by_ref().for_each(drop);
+        messages.ending()
+    });
+    assert!(!matches!(ending, Ok(Ending::Complete)), "{ending:?}");
+}
+
+#[test]
+fn a_changed_answer_is_found_and_named() {
+    let original = file(logged(SonarModel::Ideal));
+    let mut log = Log::begin(Cursor::new(Vec::new()), "b.mcap").unwrap();
+    log.setup(original.setup(), &World::random(3));
+    let mut answers = 0;
+    for message in original.messages() {
+        match message.topic.as_str() {
+            channel::EVENT => log.event(&message.content().unwrap()),
+            channel::PLAN => {
+                let mut answer: Answer = message.content().unwrap();
+                answers += 1;
+                if let (40, Some(motion)) = (answers, &mut answer.motion) {
+                    motion.displacement_mm[0] += 1;
+                }
+                log.answer(&answer);
+            }
+            _ => {}
+        }
+    }
+    let changed = file(log.finish().unwrap().into_inner());
+    let done = replay(&changed, |_| {}).unwrap();
+    assert_eq!(done.answers, 40);
+    let difference = done.difference.unwrap();
+    assert!(
+        difference.contains("the log says {\"at_ms\":"),
+        "{difference}"
+    );
+}
+
+#[test]
+fn the_summary_counts_what_happened() {
+    let log = file(logged(SonarModel::Ideal));
+    let summary = Summary::of(&log).unwrap();
+    assert_eq!(summary.random_moves, 30);
+    assert_eq!(summary.decisions, 61);
+    let told: Vec<_> = summary.commands.iter().map(|(_, what)| *what).collect();
+    assert_eq!(told, ["explore", "learn", "seek"]);
+    assert!(summary.distance_m > 10.0);
+    assert_eq!(log.setup().seed, 5);
+}
+
+/// A disk with room for so many bytes.
+struct Full {
+    room: usize,
+    at: u64,
+}
+
+impl Write for Full {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        if bytes.len() > self.room {
+            return Err(std::io::Error::from(std::io::ErrorKind::StorageFull));
+        }
+        self.room -= bytes.len();
+        self.at += bytes.len() as u64;
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Seek for Full {
+    fn seek(&mut self, _: SeekFrom) -> std::io::Result<u64> {
+        Ok(self.at)
+    }
+}
+
+#[test]
+fn a_full_disk_ends_the_episode_in_words() {
+    let world = World::random(3);
+    let setup = setup(SonarModel::Nomad);
+    let disk = Full {
+        room: 50_000,
+        at: 0,
+    };
+    let log = Rc::new(RefCell::new(Log::begin(disk, "a.mcap").unwrap()));
+    let mut tap = Tap::new(Mind::new(setup.config.clone()), Rc::clone(&log));
+    let mut watcher = Watcher::new(log);
+    let done = episode::run_observed(&world, &setup, &mut tap, Some(&mut watcher), |_, _, _| {});
+    let failure = done.unwrap_err().to_string();
+    assert!(
+        failure.starts_with("a.mcap: cannot be written: "),
+        "{failure}"
+    );
+}

@@ -1,0 +1,257 @@
+//! Packets on the line: `01 LEN LEN TYPE payload CK 5C`.
+//!
+//! LEN (low byte first) counts type, payload and check byte. CK is the sum of all bytes before it, modulo 256. Nothing is
+//! escaped and nothing is numbered: a [`Decoder`] that has lost its place looks for the next bytes that are a whole sound
+//! packet. A byte 01 in the middle of garbage may promise a packet that never ends; [`Decoder::idle`] ends the waiting.
+
+use super::Kind;
+
+const BEGIN: u8 = 1;
+const END: u8 = 0x5c;
+/// Bytes before the type.
+const HEAD: usize = 3;
+/// Bytes of a packet that LEN does not count: its beginning, itself and its end.
+const UNCOUNTED: usize = 4;
+
+/// Largest LEN of a packet to the robot: the client library writes its low byte only.
+pub const MOST_TO_ROBOT: usize = 255;
+
+/// Largest LEN of a packet from the robot that is believed: the client library's buffer.
+pub const MOST_FROM_ROBOT: usize = 4_096;
+
+/// A packet without its frame.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Packet {
+    /// Its type; not every number is one.
+    pub kind: u8,
+    /// What it carries.
+    pub payload: Vec<u8>,
+}
+
+impl Packet {
+    /// A packet of a known type.
+    #[must_use]
+    pub fn new(kind: Kind, payload: Vec<u8>) -> Self {
+        Self {
+            kind: kind as u8,
+            payload,
+        }
+    }
+
+    /// The bytes on the line. A payload beyond 65 533 bytes has no LEN and is cut off there.
+    #[must_use]
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let most = usize::from(u16::MAX) - 2;
+        let payload = self.payload.get(..most).unwrap_or(&self.payload);
+        // At most 65 535 by the line above.
+        let length = (payload.len() + 2) as u16;
+        let mut bytes = Vec::with_capacity(payload.len() + HEAD + 3);
+        bytes.push(BEGIN);
+        bytes.extend_from_slice(&length.to_le_bytes());
+        bytes.push(self.kind);
+        bytes.extend_from_slice(payload);
+        bytes.push(sum(&bytes));
+        bytes.push(END);
+        bytes
+    }
+}
+
+fn sum(bytes: &[u8]) -> u8 {
+    bytes.iter().fold(0, |sum, &byte| sum.wrapping_add(byte))
+}
+
+/// Finds packets in a stream of bytes. Keeps at most one unfinished packet; each byte costs at most one look at as many
+/// bytes as the longest packet has.
+#[derive(Debug, Clone)]
+pub struct Decoder {
+    most: usize,
+    kept: Vec<u8>,
+    /// Bytes that belonged to no packet.
+    skipped: u64,
+}
+
+/// What the kept bytes begin with.
+enum Begun {
+    /// No packet.
+    Nothing,
+    /// A packet that may still come.
+    Part,
+    /// A whole one of so many bytes.
+    Whole(usize),
+}
+
+impl Decoder {
+    /// A decoder that believes in packets with a LEN of at most `most`.
+    #[must_use]
+    pub fn new(most: usize) -> Self {
+        Self {
+            most,
+            kept: Vec::new(),
+            skipped: 0,
+        }
+    }
+
+    /// Takes bytes; appends the packets they complete to `found`.
+    pub fn push(&mut self, bytes: &[u8], found: &mut Vec<Packet>) {
+        for &byte in bytes {
+            self.kept.push(byte);
+            self.search(found, false);
+        }
+    }
+
+    /// Nothing has come for a while: what is unfinished will stay so. Packets hidden behind a false beginning are found.
+    pub fn idle(&mut self, found: &mut Vec<Packet>) {
+        self.search(found, true);
+    }
+
+    /// Whether an unfinished packet is kept.
+    #[must_use]
+    pub fn is_waiting(&self) -> bool {
+        !self.kept.is_empty()
+    }
+
+    /// Bytes so far that belonged to no packet.
+    #[must_use]
+    pub fn skipped(&self) -> u64 {
+        self.skipped
+    }
+
+    /// Takes whole packets off the front; gives up what is none, and unfinished ones too if `hopeless`.
+    fn search(&mut self, found: &mut Vec<Packet>, hopeless: bool) {
+        let mut from = 0;
+        while let Some(kept) = self.kept.get(from..).filter(|kept| !kept.is_empty()) {
+            match self.look(kept) {
+                Begun::Whole(length) => {
+                    found.push(Packet {
+                        kind: kept.get(HEAD).copied().unwrap_or(0),
+                        payload: kept.get(HEAD + 1..length - 2).unwrap_or(&[]).to_vec(),
+                    });
+                    from += length;
+                }
+                Begun::Part if !hopeless => break,
+                Begun::Part | Begun::Nothing => {
+                    self.skipped += 1;
+                    from += 1;
+                }
+            }
+        }
+        self.kept.drain(..from);
+    }
+
+    fn look(&self, kept: &[u8]) -> Begun {
+        let length = match *kept {
+            [BEGIN, low, high, ..] => usize::from(u16::from_le_bytes([low, high])),
+            [BEGIN] | [BEGIN, _] => return Begun::Part,
+            _ => return Begun::Nothing,
+        };
+        // Type and check byte at least.
+        if length < 2 || length > self.most {
+            return Begun::Nothing;
+        }
+        let Some(packet) = kept.get(..length + UNCOUNTED) else {
+            return Begun::Part;
+        };
+        match packet {
+            [summed @ .., check, END] if sum(summed) == *check => Begun::Whole(packet.len()),
+            _ => Begun::Nothing,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn decoded(bytes: &[u8]) -> Vec<Packet> {
+        let (mut decoder, mut found) = (Decoder::new(MOST_TO_ROBOT), Vec::new());
+        decoder.push(bytes, &mut found);
+        found
+    }
+
+    /// By the reference, worked by hand.
+    #[test]
+    fn packets_have_the_librarys_bytes() {
+        let cases: [(Kind, &[u8], &[u8]); 4] = [
+            (Kind::Gs, &[], &[1, 2, 0, 7, 0x0a, 0x5c]),
+            (Kind::St, &[], &[1, 2, 0, 9, 0x0c, 0x5c]),
+            (Kind::GetSn, &[], &[1, 2, 0, 0x14, 0x17, 0x5c]),
+            (Kind::ConfTm, &[5], &[1, 3, 0, 0x12, 5, 0x1b, 0x5c]),
+        ];
+        for (kind, payload, bytes) in cases {
+            let packet = Packet::new(kind, payload.to_vec());
+            assert_eq!(packet.to_bytes(), bytes);
+            assert_eq!(decoded(bytes), [packet]);
+        }
+    }
+
+    #[test]
+    fn what_is_damaged_is_no_packet_and_the_next_one_is_found() {
+        let good = Packet::new(Kind::ConfTm, vec![5]);
+        let bytes = good.to_bytes();
+        for place in 0..bytes.len() {
+            let mut stream = bytes.clone();
+            stream[place] ^= 0x10;
+            stream.extend_from_slice(&bytes);
+            let (mut decoder, mut found) = (Decoder::new(MOST_TO_ROBOT), Vec::new());
+            decoder.push(&stream, &mut found);
+            // A longer LEN swallows the next packet until the line has been silent for a while.
+            decoder.idle(&mut found);
+            assert_eq!(found, std::slice::from_ref(&good), "byte {place}");
+            assert!(!decoder.is_waiting());
+        }
+    }
+
+    #[test]
+    fn a_false_beginning_hides_a_packet_only_for_a_while() {
+        let good = Packet::new(Kind::Gs, Vec::new());
+        let stream = [&[BEGIN, 200, 0, 7], &good.to_bytes()[..]].concat();
+        let (mut decoder, mut found) = (Decoder::new(MOST_TO_ROBOT), Vec::new());
+        decoder.push(&stream, &mut found);
+        assert!(found.is_empty() && decoder.is_waiting());
+        decoder.idle(&mut found);
+        assert_eq!(found, [good]);
+        assert_eq!(decoder.skipped(), 4);
+    }
+
+    #[test]
+    fn a_decoder_keeps_no_more_than_one_packet() {
+        let mut decoder = Decoder::new(MOST_TO_ROBOT);
+        let mut found = Vec::new();
+        for round in 0..20_000_u32 {
+            decoder.push(&[BEGIN, (round % 256) as u8, 0], &mut found);
+            assert!(decoder.kept.len() <= MOST_TO_ROBOT + UNCOUNTED);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn any_packet_comes_back_byte_by_byte(kind: u8, payload in prop::collection::vec(any::<u8>(), 0..253)) {
+            let packet = Packet { kind, payload };
+            let (mut decoder, mut found) = (Decoder::new(MOST_TO_ROBOT), Vec::new());
+            for byte in packet.to_bytes() {
+                prop_assert!(found.is_empty());
+                decoder.push(&[byte], &mut found);
+            }
+            prop_assert_eq!(found, vec![packet]);
+            prop_assert_eq!(decoder.skipped(), 0);
+        }
+
+        #[test]
+        fn after_any_garbage_and_a_pause_the_next_packet_is_found(garbage in prop::collection::vec(any::<u8>(), 0..600)) {
+            let good = Packet::new(Kind::St, Vec::new());
+            let (mut decoder, mut found) = (Decoder::new(MOST_TO_ROBOT), Vec::new());
+            decoder.push(&garbage, &mut found);
+            decoder.idle(&mut found);
+            decoder.push(&good.to_bytes(), &mut found);
+            prop_assert_eq!(found.last(), Some(&good));
+            // And without a pause, once the line is silent.
+            let mut stream = garbage;
+            stream.extend(good.to_bytes());
+            let (mut decoder, mut found) = (Decoder::new(MOST_TO_ROBOT), Vec::new());
+            decoder.push(&stream, &mut found);
+            decoder.idle(&mut found);
+            prop_assert_eq!(found.last(), Some(&good));
+        }
+    }
+}

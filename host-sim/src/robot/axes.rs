@@ -1,0 +1,276 @@
+//! The base at its motors: translation, steering and turret, each with its own command.
+//!
+//! This is the machine as its own software drives it: the axes run together, so the robot rolls in arcs while it steers,
+//! and the turret is turned only by its own motor. Each axis is a servo with a speed for moves, an acceleration, and one
+//! of three tasks: hold, run at a velocity, go to a position.
+
+use super::chassis::Chassis;
+use super::servo::{approach, slow};
+use super::{BaseLimits, Executed, MAX_STEP_S};
+use crate::noise::Noise;
+use crate::world::{Point, Pose, World, wrap_angle};
+
+/// A motor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Axis {
+    /// Rolls the base along its wheels, m.
+    Translation = 0,
+    /// Turns the wheels, rad.
+    Steering = 1,
+    /// Turns the turret, rad.
+    Turret = 2,
+}
+
+impl Axis {
+    /// The three, in the order of the Nomad's commands.
+    pub const ALL: [Self; 3] = [Self::Translation, Self::Steering, Self::Turret];
+}
+
+/// Greatest speed and acceleration of an axis (m or rad, and seconds).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxisLimits {
+    /// Speed.
+    pub speed: f64,
+    /// Acceleration.
+    pub acceleration: f64,
+}
+
+impl AxisLimits {
+    /// Those of a base, in the order of [`Axis::ALL`].
+    #[must_use]
+    pub fn of(limits: &BaseLimits) -> [Self; 3] {
+        let turn = Self {
+            speed: limits.turn_rate_rad_s,
+            acceleration: limits.turn_acceleration_rad_s2,
+        };
+        let roll = Self {
+            speed: limits.speed_m_s,
+            acceleration: limits.acceleration_m_s2,
+        };
+        [roll, turn, turn]
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Task {
+    Hold,
+    Run(f64),
+    GoTo(f64),
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Servo {
+    limits: AxisLimits,
+    /// As set, within the limits.
+    set: AxisLimits,
+    at: f64,
+    rate: f64,
+    task: Task,
+}
+
+impl Servo {
+    fn new(limits: AxisLimits) -> Self {
+        Self {
+            limits,
+            set: limits,
+            at: 0.0,
+            rate: 0.0,
+            task: Task::Hold,
+        }
+    }
+
+    fn is_active(&self) -> bool {
+        self.rate != 0.0 || matches!(self.task, Task::GoTo(_) | Task::Run(_))
+    }
+
+    /// One time step: how far it wants to go. Its rate is that after the step, its position is not.
+    fn step(&mut self, dt: f64) -> f64 {
+        let a = self.set.acceleration;
+        let (moved, rate) = match self.task {
+            Task::Hold => slow(self.rate, a, dt),
+            Task::Run(wanted) => {
+                let next = wanted.clamp(self.rate - a * dt, self.rate + a * dt);
+                ((self.rate + next) / 2.0 * dt, next)
+            }
+            Task::GoTo(goal) => {
+                let left = goal - self.at;
+                let (moved, rate) = approach(left, self.rate, self.set.speed, a, dt);
+                if rate == 0.0 && (left - moved).abs() <= super::NEGLIGIBLE {
+                    self.task = Task::Hold;
+                }
+                (moved, rate)
+            }
+        };
+        self.rate = rate;
+        moved
+    }
+
+    fn stop_dead(&mut self) {
+        self.rate = 0.0;
+        self.task = Task::Hold;
+    }
+}
+
+/// The three axes and the body they move.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axes {
+    servos: [Servo; 3],
+    chassis: Chassis,
+    /// Bearing at which steering and turret stand at 0.
+    front: f64,
+    slip: f64,
+    bumpers: u32,
+}
+
+impl Axes {
+    /// A base at rest, all axes at 0: wheels, turret and front along the pose's heading.
+    #[must_use]
+    pub fn new(pose: Pose, limits: &BaseLimits) -> Self {
+        Self {
+            servos: AxisLimits::of(limits).map(Servo::new),
+            chassis: Chassis::new(pose),
+            front: pose.heading,
+            slip: limits.slip,
+            bumpers: 0,
+        }
+    }
+
+    /// True position and bearing of the turret.
+    #[must_use]
+    pub fn pose(&self) -> Pose {
+        let bearing = wrap_angle(self.front + self.at(Axis::Turret));
+        Pose::new(self.chassis.position, bearing)
+    }
+
+    /// Where an axis stands: m rolled in all, or rad, not wrapped.
+    #[must_use]
+    pub fn at(&self, axis: Axis) -> f64 {
+        self.servos[axis as usize].at
+    }
+
+    /// How fast it runs.
+    #[must_use]
+    pub fn rate(&self, axis: Axis) -> f64 {
+        self.servos[axis as usize].rate
+    }
+
+    /// Speed of its moves and acceleration, as set.
+    #[must_use]
+    pub fn set(&self, axis: Axis) -> AxisLimits {
+        self.servos[axis as usize].set
+    }
+
+    /// Whether it runs or is about to.
+    #[must_use]
+    pub fn is_active(&self, axis: Axis) -> bool {
+        self.servos[axis as usize].is_active()
+    }
+
+    /// Bit i: switch i is pressed; it stays so until the base rolls away.
+    #[must_use]
+    pub fn bumpers(&self) -> u32 {
+        self.bumpers
+    }
+
+    /// Sets the speed of moves, at most the limit.
+    pub fn set_speed(&mut self, axis: Axis, speed: f64) {
+        let servo = &mut self.servos[axis as usize];
+        servo.set.speed = speed.clamp(0.0, servo.limits.speed);
+    }
+
+    /// Sets the acceleration, at most the limit. Without any, an axis could never stop: 0 stands for the limit.
+    pub fn set_acceleration(&mut self, axis: Axis, acceleration: f64) {
+        let servo = &mut self.servos[axis as usize];
+        servo.set.acceleration = if acceleration > 0.0 {
+            acceleration.min(servo.limits.acceleration)
+        } else {
+            servo.limits.acceleration
+        };
+    }
+
+    /// Brakes to rest and holds.
+    pub fn hold(&mut self, axis: Axis) {
+        self.servos[axis as usize].task = Task::Hold;
+    }
+
+    /// Runs at a velocity, at most the limit. What the wheels slip is drawn from `noise` when they begin to roll.
+    pub fn run(&mut self, axis: Axis, velocity: f64, noise: &mut Noise) {
+        self.begin(axis, noise);
+        let servo = &mut self.servos[axis as usize];
+        let most = servo.limits.speed;
+        servo.task = if velocity == 0.0 {
+            Task::Hold
+        } else {
+            Task::Run(velocity.clamp(-most, most))
+        };
+    }
+
+    /// Goes to a position, at the set speed; nowhere if that is 0.
+    pub fn go_to(&mut self, axis: Axis, goal: f64, noise: &mut Noise) {
+        self.begin(axis, noise);
+        let servo = &mut self.servos[axis as usize];
+        servo.task = if servo.set.speed > 0.0 {
+            Task::GoTo(goal)
+        } else {
+            Task::Hold
+        };
+    }
+
+    fn begin(&mut self, axis: Axis, noise: &mut Noise) {
+        if axis == Axis::Translation && self.rate(axis) == 0.0 {
+            self.chassis.slip(self.slip, noise);
+        }
+    }
+
+    /// Lets `dt_s` seconds pass. Returns what the base did, and the way rolled as the odometry counts it, as a
+    /// displacement in the frame in which steering 0 is along x.
+    pub fn advance(&mut self, dt_s: f64, world: &World) -> (Executed, Point) {
+        let (before, ring) = (self.chassis.clone(), self.pose().heading);
+        let mut done = Executed {
+            min_clearance_m: f64::INFINITY,
+            ..Executed::default()
+        };
+        let mut counted = Point::default();
+        let steps = libm::ceil(dt_s / MAX_STEP_S).clamp(1.0, 1e7) as u32;
+        let step_s = dt_s.max(0.0) / f64::from(steps);
+        for _ in 0..steps {
+            counted = counted + self.step(step_s, world, &mut done);
+        }
+        let rings = [ring, self.pose().heading];
+        self.chassis.since(&before, rings, world, &mut done);
+        done.moving = Axis::ALL.into_iter().any(|axis| self.is_active(axis));
+        (done, counted)
+    }
+
+    fn step(&mut self, dt: f64, world: &World, done: &mut Executed) -> Point {
+        let [way, turned, turret] = self.servos.each_mut().map(|servo| servo.step(dt));
+        let [translation, steering, ring] = &mut self.servos;
+        ring.at += turret;
+        // An arc is rolled as its chord.
+        let along = steering.at + turned / 2.0;
+        steering.at += turned;
+        if way == 0.0 {
+            return Point::default();
+        }
+        let mut rolled = Executed {
+            min_clearance_m: done.min_clearance_m,
+            ..Executed::default()
+        };
+        let count = self
+            .chassis
+            .roll(way, self.front + along, world, &mut rolled);
+        translation.at += count;
+        self.bumpers = rolled.bumpers;
+        if rolled.touched {
+            translation.stop_dead();
+        }
+        done.touched |= rolled.touched;
+        done.bumpers |= rolled.bumpers;
+        done.travelled_m += rolled.travelled_m;
+        done.min_clearance_m = rolled.min_clearance_m;
+        Point::unit(along) * count
+    }
+}
+
+#[cfg(test)]
+mod tests;

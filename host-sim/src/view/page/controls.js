@@ -1,0 +1,168 @@
+// Orders, counters, who steers.
+const SPEEDS = [0.25, 0.5, 1, 2, 4, 10, 40, 200, null];
+const speedName = (speed) => speed === null ? "max" : `${speed}×`;
+
+function options(select, names, chosen) {
+  const same = select.options.length === names.length && names.every(([value], place) => select.options[place].value === value);
+  if (!same) select.replaceChildren(...names.map(([value, text]) => new Option(text, value)));
+  if (document.activeElement !== select || !same) select.value = chosen;
+}
+
+const NAMED = "\u0000";
+function showGoalChoice() {
+  const [scene, now] = [view.scene, view.now];
+  if (!scene || !now) return;
+  const names = scene.behaviors.map(([name]) => [name, name]);
+  const known = names.some(([name]) => name === now.goal.name);
+  options($("behavior"), known ? names : [[NAMED, now.goal.name], ...names], known ? now.goal.name : NAMED);
+  const about = scene.behaviors.find(([name]) => name === now.goal.name);
+  $("behavior").title = about ? about[1] : now.goal.name;
+}
+
+const MODES = { idle: "stands", explore: "explores", learn: "learns", seek: "seeks", stopped: "stopped", failed: "cannot go on" };
+let told = "";
+let awaited = null;
+
+function showMode(now) {
+  const goal = now.mode === "seek" ? `: ${now.goal.name}` : "";
+  const paused = now.pace.paused ? ", time stands still" : "";
+  say($("mode"), MODES[now.mode] + goal + paused);
+  set($("mode"), { "data-mode": now.mode });
+  const busy = now.mode === "explore" || now.mode === "learn";
+  $("done").hidden = !busy;
+  if (busy) $("done").value = now.done;
+  say($("time"), `${fixed(now.time_s, 1)} s`);
+  $("alarm").hidden = !now.why;
+  if (now.why) say($("alarm"), `${now.why}. Start anew to go on.`);
+  const text = MODES[now.mode] + goal;
+  if (text !== told) { told = text; say($("status"), `The robot ${text}`); }
+  const learnt = view.maps && view.maps.learnt;
+  $("resume").disabled = !now.resumes;
+  $("learn").disabled = !view.memory.length || busy;
+  $("seek").disabled = !learnt || now.mode === "learn" || now.mode === "seek";
+  $("explore").disabled = now.mode === "explore" || now.mode === "learn";
+  const next = !view.memory.length ? "explore" : !learnt ? "learn" : "seek";
+  for (const id of ["explore", "learn", "seek"]) $(id).classList.toggle("primary", id === next && !$(id).disabled);
+  say($("pause"), now.pace.paused ? "Run on" : "Pause");
+  $("pause").classList.toggle("primary", now.pace.paused);
+  const speeds = SPEEDS.includes(now.pace.speed) ? SPEEDS : [now.pace.speed, ...SPEEDS];
+  options($("speed"), speeds.map((speed) => [String(speed), speedName(speed)]), String(now.pace.speed));
+  for (const id of ["shield", "online"]) if (awaited !== id) $(id).checked = now[id];
+  showGoalChoice();
+}
+
+function showCounts(now) {
+  const counts = now.counts;
+  const share = (part) => counts.steps ? `${fixed(100 * part / counts.steps, 0)} %` : "–";
+  const [moves, hurt] = counts.explored;
+  const mind = view.scene ? view.scene.mind : "";
+  const rows = [["random moves", hurt ? `${moves} (${hurt} touched)` : `${moves}`, hurt > 0], ["decisions", `${counts.steps}`],
+    ["contacts", `${counts.contacts}`, counts.contacts > 0], ["shield", `${counts.shielded}`],
+    ["goal held", share(counts.at_goal)], ["way", `${fixed(counts.distance_m, 1)} m`],
+    ["least gap", counts.clearance_m === null ? "–" : meters(counts.clearance_m)], ["area swept", `${fixed(counts.coverage_m2, 1)} m²`],
+    ["mind", now.link ? `${mind}, ${now.why ? "lost" : "linked"}` : mind, !!now.link && !!now.why]];
+  const root = $("counts");
+  if (root.children.length !== rows.length) root.replaceChildren(...rows.map(([name]) => {
+    const pair = document.createElement("div");
+    pair.append(document.createElement("dt"), document.createElement("dd"));
+    pair.firstChild.textContent = name;
+    return pair;
+  }));
+  rows.forEach(([, text, bad], place) => {
+    const value = root.children[place].lastChild;
+    say(value, text);
+    value.classList.toggle("bad", !!bad);
+  });
+}
+
+function showSetup(scene) {
+  say($("what"), `${scene.world} · ${scene.preset} · sonars ${scene.sonar}, ring ${scene.turret} · seed ${scene.seed}`);
+  options($("world"), [...scene.worlds, "random:"].map((name) => [name, name === "random:" ? "a random room" : name]), scene.world);
+  options($("preset"), scene.presets.map((name) => [name, name]), scene.preset);
+  if (document.activeElement !== $("seed")) $("seed").value = scene.seed;
+  const can = scene.abilities;
+  for (const [ids, ability] of [[["explore", "learn", "seek", "resume", "here"], can.drive], [["pause", "step"], can.pace], [["save-mind"], can.save],
+    [["load-mind"], can.load], [["reset"], can.reset]]) for (const id of ids) $(id).hidden = !ability;
+}
+
+function showSeat(seat) {
+  const others = seat.viewers > 1 ? `, ${seat.viewers} watch` : "";
+  say($("seat"), (seat.you ? "you steer" : seat.taken ? "somebody else steers" : token ? "nobody steers" : "you only watch") + others);
+  $("seat").title = token ? "" : "Open the whole address the program printed to steer.";
+  $("steer").hidden = !token || seat.you;
+  $("steer").textContent = seat.taken ? "Take over" : "Steer";
+  for (const id of ["orders", "setup"]) $(id).disabled = !seat.you;
+  $("stop").disabled = !token;
+}
+
+function keep(file) {
+  if (!file) return;
+  const bytes = file.hex ? Uint8Array.from(file.hex.match(/../g), (pair) => parseInt(pair, 16)) : file.text;
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([bytes]));
+  link.download = file.name;
+  link.click();
+  URL.revokeObjectURL(link.href);
+}
+
+function choose(accept, read) {
+  const input = $("file");
+  input.accept = accept;
+  input.value = "";
+  input.onchange = async () => { if (input.files[0]) read(input.files[0]); };
+  input.click();
+}
+
+async function loadMind(file) {
+  const bytes = new Uint8Array(await file.arrayBuffer());
+  if (bytes.length > 120000) return notify(`${file.name} is too large for a mind.`);
+  const hex = Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");
+  if (await ask("load_mind", { hex })) notify(`${file.name} is loaded: choose a goal and press Seek.`);
+}
+
+async function loadGoal(file) {
+  if (await ask("goal_file", { text: (await file.text()).slice(0, 100000) })) notify(`${file.name} is the goal now.`);
+}
+
+function startAnew() {
+  const seed = $("seed").value.trim();
+  if (!/^\d+$/.test(seed) || !Number.isSafeInteger(Number(seed))) return notify("A seed is a whole number up to 9007199254740991.");
+  const world = $("world").value === "random:" ? `random:${seed}` : $("world").value;
+  ask("reset", { seed: Number(seed), world, preset: $("preset").value });
+}
+
+function wire() {
+  for (const id of ["stop", "explore", "learn", "seek", "resume", "step"]) $(id).addEventListener("click", () => ask(id));
+  $("pause").addEventListener("click", () => ask("pause", { paused: !(view.now && view.now.pace.paused) }));
+  $("here").addEventListener("click", async () => { if (await ask("goal_here") && view.now.mode !== "seek") notify("This place is the goal now: carry the robot away and press Seek."); });
+  $("speed").addEventListener("change", (event) => ask("speed", { factor: event.target.value === "null" ? null : Number(event.target.value) }).then(() => event.target.blur()));
+  $("behavior").addEventListener("change", (event) => { if (event.target.value !== NAMED) ask("behavior", { name: event.target.value }); event.target.blur(); });
+  for (const id of ["shield", "online"]) $(id).addEventListener("change", async (event) => {
+    awaited = id;
+    await ask(id, { on: event.target.checked });
+    setTimeout(() => { awaited = null; if (view.now) event.target.checked = view.now[id]; }, 300);
+  });
+  $("reset").addEventListener("click", startAnew);
+  $("save-mind").addEventListener("click", async () => { const reply = await ask("save_mind"); if (reply) keep(reply.file); });
+  $("save-goal").addEventListener("click", async () => { const reply = await ask("save_goal"); if (reply) keep(reply.file); });
+  $("load-mind").addEventListener("click", () => choose(".mind", loadMind));
+  $("load-goal").addEventListener("click", () => choose(".toml", loadGoal));
+  $("steer").addEventListener("click", () => ask("steer", { token, over: true }));
+  // The space bar stops, wherever the focus is; Enter presses buttons.
+  const space = (event) => {
+    if (event.code !== "Space" || event.ctrlKey || event.altKey || event.metaKey) return;
+    event.preventDefault();
+    event.stopPropagation();
+    if (event.type === "keydown" && !event.repeat) ask("stop");
+  };
+  window.addEventListener("keydown", space, true);
+  window.addEventListener("keyup", space, true);
+}
+
+wire();
+showers.now.push(showMode, showCounts);
+showers.maps.push(() => { if (view.now) showMode(view.now); });
+showers.memory.push(() => { if (view.now) showMode(view.now); });
+showers.scene.push(showSetup, showGoalChoice);
+showers.seat.push(showSeat);
+showers.gone.push(() => { showSeat(view.seat); say($("seat"), "the program is not there: trying again"); });

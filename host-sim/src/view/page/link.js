@@ -1,0 +1,69 @@
+// The socket: parts come in, orders go out.
+const view = { scene: null, maps: null, memory: [], now: null, trail: new Map(), seat: { you: false, taken: false, viewers: 0 } };
+const showers = { scene: [], maps: [], memory: [], now: [], trail: [], seat: [], gone: [] };
+const waiting = new Map();
+let socket = null;
+let orders = 0;
+
+// The token comes in the fragment, which is sent to nobody, and leaves the address at once.
+function findToken() {
+  const found = /^#token=([0-9a-f]+)$/.exec(location.hash);
+  if (found) {
+    sessionStorage.setItem("token", found[1]);
+    history.replaceState(null, "", location.pathname);
+  }
+  return sessionStorage.getItem("token");
+}
+const token = findToken();
+
+function order(what, details) {
+  return new Promise((resolve, reject) => {
+    if (!socket || socket.readyState !== WebSocket.OPEN) return reject(new Error("the program is not there"));
+    orders += 1;
+    waiting.set(orders, { resolve, reject });
+    socket.send(JSON.stringify({ id: orders, do: what, ...details }));
+  });
+}
+
+// An order whose refusal is shown to the person.
+const ask = (what, details) => order(what, details).catch((why) => { notify(why.message); return null; });
+
+function receive(message) {
+  if ("reply" in message) {
+    const asked = waiting.get(message.reply);
+    waiting.delete(message.reply);
+    if (!asked) return;
+    if (message.error) asked.reject(new Error(message.error)); else asked.resolve(message);
+    return;
+  }
+  if (message.part === "trail") view.trail.set(message.index, message.value);
+  else view[message.part] = message.value;
+  for (const show of showers[message.part] || []) show(message.value, message.index);
+}
+
+function connect(pause) {
+  socket = new WebSocket(`ws://${location.host}/socket`);
+  let next = Math.min(pause * 2, 5000);
+  socket.onopen = () => {
+    next = 250;
+    view.trail.clear();
+    if (token) order("steer", { token }).catch((why) => notify(why.message));
+  };
+  socket.onmessage = (event) => receive(JSON.parse(event.data));
+  socket.onclose = () => {
+    for (const asked of waiting.values()) asked.reject(new Error("the program is not there"));
+    waiting.clear();
+    view.seat = { you: false, taken: false, viewers: 0 };
+    for (const show of showers.gone) show();
+    setTimeout(() => connect(next), next);
+  };
+}
+
+let noticed = 0;
+function notify(text) {
+  const notice = $("notice");
+  notice.textContent = text;
+  notice.hidden = false;
+  clearTimeout(noticed);
+  noticed = setTimeout(() => { notice.hidden = true; }, 5000);
+}

@@ -1,0 +1,99 @@
+// The time line: a column per decision, the oldest left; the nearest range as a line.
+const trail = { root: $("trail"), looked: null, queued: false };
+
+function allMarks() {
+  const first = view.now ? view.now.trail[0] : 0;
+  const pieces = [...view.trail.entries()].filter(([index]) => index >= first).sort((a, b) => a[0] - b[0]);
+  return pieces.flatMap(([, marks]) => marks);
+}
+
+function drawTrail() {
+  trail.queued = false;
+  const canvas = trail.root;
+  const [width, height] = [canvas.clientWidth, canvas.clientHeight];
+  const scale = window.devicePixelRatio || 1;
+  if (!width) return;
+  if (canvas.width !== Math.round(width * scale)) { canvas.width = Math.round(width * scale); canvas.height = Math.round(height * scale); }
+  const pen = canvas.getContext("2d");
+  const style = getComputedStyle(document.documentElement);
+  const color = (name) => style.getPropertyValue(`--${name}`).trim();
+  pen.setTransform(scale, 0, 0, scale, 0, 0);
+  pen.clearRect(0, 0, width, height);
+  const marks = allMarks();
+  trail.marks = marks;
+  pen.font = "11px system-ui, sans-serif";
+  pen.fillStyle = color("grey");
+  if (!marks.length) {
+    pen.font = "13px system-ui, sans-serif";
+    pen.fillText("No decisions yet.", 8, height / 2 + 4);
+    return sayTrail();
+  }
+  const [left, top, bottom] = [34, 4, height - 26];
+  // Few decisions are not stretched over the whole width.
+  const step = Math.min((width - left - 4) / marks.length, 6);
+  trail.scale = { left, step };
+  const reach = view.scene ? view.scene.near_far_m[1] : 4;
+  const y = (range) => bottom - (bottom - top) * Math.min(range < 0 ? reach : range, reach) / reach;
+  pen.strokeStyle = color("faint");
+  pen.strokeRect(left + 0.5, top + 0.5, Math.max(step * marks.length, 1), bottom - top);
+  pen.textAlign = "right";
+  pen.fillText(`${fixed(reach, 1)} m`, left - 3, top + 9);
+  pen.fillText("0", left - 3, bottom + 2);
+  marks.forEach((mark, index) => {
+    const x = left + index * step;
+    const wide = Math.max(step, 0.6);
+    pen.fillStyle = color(mark[3] ? "value" : "explore");
+    pen.fillRect(x, bottom + 3, wide, 7);
+    if (mark[4] & 4) { pen.fillStyle = color("held"); pen.fillRect(x, bottom + 11, wide, 5); }
+    if (mark[4] & 2) { pen.fillStyle = color("goal"); pen.fillRect(x, bottom + 17, wide, 5); }
+    if (mark[4] & 1) { pen.fillStyle = color("up"); pen.globalAlpha = 0.6; pen.fillRect(x, top, Math.max(wide, 1.5), bottom - top); pen.globalAlpha = 1; }
+  });
+  pen.beginPath();
+  marks.forEach((mark, index) => pen[index ? "lineTo" : "moveTo"](left + (index + 0.5) * step, y(mark[6])));
+  pen.strokeStyle = color("ink");
+  pen.lineWidth = 1.2;
+  pen.stroke();
+  if (trail.looked !== null && trail.looked < marks.length) {
+    pen.fillStyle = color("down");
+    pen.fillRect(left + (trail.looked + 0.5) * step - 1, 0, 2, height);
+  }
+  sayTrail();
+}
+
+function sayTrail() {
+  const marks = trail.marks || [];
+  const mark = trail.looked === null ? null : marks[trail.looked];
+  showGhost(mark);
+  const last = Math.max(marks.length - 1, 0);
+  set(trail.root, { "aria-valuemax": last, "aria-valuenow": trail.looked === null ? last : trail.looked });
+  const text = mark ? `Decision ${trail.looked + 1} at ${fixed(mark[0], 1)} s: ${mark[3] ? "seeks" : "explores"}${mark[5] >= 0 ? ` in N${mark[5] + 1}` : ""}, ` +
+    `nearest ${mark[6] < 0 ? "none" : meters(mark[6])}${mark[4] & 1 ? ", touched" : ""}${mark[4] & 2 ? ", shield" : ""}${mark[4] & 4 ? ", goal holds" : ""}` :
+    marks.length ? `${marks.length} decisions${marks.length >= 6400 ? " (the latest)" : ""}: point at one to see where the robot was.` : "";
+  set(trail.root, { "aria-valuetext": text });
+  say($("trail-detail"), text);
+}
+
+function queueTrail() {
+  if (!trail.queued) { trail.queued = true; requestAnimationFrame(drawTrail); }
+}
+
+trail.root.addEventListener("pointermove", (event) => {
+  if (!trail.scale || !trail.marks.length) return;
+  const index = Math.floor((event.offsetX - trail.scale.left) / trail.scale.step);
+  trail.looked = index >= 0 && index < trail.marks.length ? index : null;
+  queueTrail();
+});
+trail.root.addEventListener("pointerleave", () => { trail.looked = null; queueTrail(); });
+trail.root.addEventListener("blur", () => { trail.looked = null; queueTrail(); });
+trail.root.addEventListener("keydown", (event) => {
+  const count = (trail.marks || []).length;
+  const at = trail.looked === null ? count - 1 : trail.looked;
+  const next = { ArrowLeft: at - 1, ArrowRight: at + 1, PageUp: at - 20, PageDown: at + 20, Home: 0, End: count - 1 }[event.key];
+  if (next === undefined || !count) return;
+  event.preventDefault();
+  trail.looked = Math.max(0, Math.min(next, count - 1));
+  queueTrail();
+});
+window.addEventListener("resize", queueTrail);
+showers.trail.push(queueTrail);
+showers.now.push(queueTrail);

@@ -1,0 +1,374 @@
+//! What the simulator does when somebody asks.
+
+use super::goal::Pursued;
+use super::mind::AnyMind;
+use super::{Doing, Simulator, Start};
+use crate::episode::{CARRIED_S, Seeds};
+use crate::error::BadInput;
+use crate::goal_file::{self, GoalFile};
+use crate::link::Knowledge;
+use crate::robot::COLLISION_RADIUS_M;
+use crate::scenes::Behavior;
+use crate::view::order::{Done, File, Order, Reset, unhex};
+use crate::view::source::Refused;
+use crate::world::{Point, Shape, World, WorldSource, parse_worlds};
+use amp::config::Config;
+use amp::controller::Command;
+use amp::fixed::Weight;
+use amp::scan::Situation;
+use amp::shield::Shielding;
+use amp::units::Range;
+
+impl Simulator {
+    pub(super) fn obey(&mut self, order: &Order) -> Result<Done, Refused> {
+        if let (Some(why), false) = (&self.failure, matches!(order, Order::Reset(_))) {
+            return Err(format!("{why}; start anew").into());
+        }
+        match order {
+            Order::Stop => self.stop()?,
+            Order::Explore => self.explore()?,
+            Order::Learn => self.begin_learning()?,
+            Order::Seek => self.seek()?,
+            Order::Resume => self.resume()?,
+            Order::Reset(reset) => self.reset(reset)?,
+            Order::Behavior { name } => self.choose(Pursued::behavior(&behavior(name)?))?,
+            Order::GoalNeuron { neuron } => self.choose_neuron(*neuron)?,
+            Order::GoalHere => self.choose(Pursued::captured(
+                self.perceived(),
+                self.body.pose().position,
+            ))?,
+            Order::GoalFile { text } => {
+                self.choose(Pursued::file(GoalFile::read(text, "goal.toml")?))?;
+            }
+            Order::SaveGoal => return self.save_goal(),
+            Order::SaveMind => return self.save_mind(),
+            Order::LoadMind { hex } => self.load_mind(hex)?,
+            Order::Shield { on } => self.configure(|config, whole| {
+                let shield = whole.shield.unwrap_or(Shielding::nomad200());
+                config.shield = on.then_some(shield);
+            })?,
+            Order::Online { on } => self.configure(|config, whole| {
+                let online = whole.online.or(Config::recommended().online);
+                config.online = online.filter(|_| *on);
+            })?,
+            Order::Sonar { number, on } => self.switch(*number, *on)?,
+            Order::MoveShape { shape, x, y } => self.move_shape(*shape, Point::new(*x, *y))?,
+            Order::MoveRobot { x, y } => self.move_robot(Point::new(*x, *y))?,
+            // Those of seat and pace do not come here.
+            _ => return Err("that is nothing for the robot".into()),
+        }
+        Ok(Done::Well)
+    }
+
+    fn stop(&mut self) -> Result<(), Refused> {
+        if matches!(self.doing, Doing::Explore | Doing::Seek) {
+            self.interrupted = self.doing;
+        } else if self.doing != Doing::Stopped {
+            self.interrupted = Doing::Idle;
+        }
+        self.command(Command::Stop)?;
+        self.doing = Doing::Stopped;
+        // Not before it was known what the mind made of it: its last step ends here.
+        self.open = None;
+        if self.body.is_moving() {
+            self.body.halt();
+        }
+        Ok(())
+    }
+
+    fn begin(&mut self, doing: Doing) {
+        self.doing = doing;
+        self.interrupted = Doing::Idle;
+        self.last_decision_s = self.body.time_s();
+        self.before = None;
+    }
+
+    fn explore(&mut self) -> Result<(), Refused> {
+        let setup = &self.start.setup;
+        // Another exploration of the same start has moves of its own.
+        let seed = Seeds::of(setup.seed.wrapping_add(self.explorations)).exploration;
+        let moves = setup.explore_moves;
+        self.command(Command::Explore { moves, seed })?;
+        self.explorations += 1;
+        self.explored = crate::episode::Tally::new(self.body.world());
+        self.begin(Doing::Explore);
+        Ok(())
+    }
+
+    fn begin_learning(&mut self) -> Result<(), Refused> {
+        self.command(Command::Learn)?;
+        self.learning = 0;
+        self.begin(Doing::Learn);
+        Ok(())
+    }
+
+    /// What was perceived before the first move, or now if there was none.
+    pub(super) fn nest(&self) -> Situation<16> {
+        self.nest.map_or_else(|| self.perceived(), |(nest, _)| nest)
+    }
+
+    fn seek(&mut self) -> Result<(), Refused> {
+        if self.doing == Doing::Learn {
+            return Err("it still learns".into());
+        }
+        self.prepare_goal()?;
+        let goal = self.goal.goal(&self.config, &self.nest());
+        self.command(Command::Seek(goal))?;
+        if self.doing != Doing::Seek {
+            self.begin(Doing::Seek);
+        }
+        Ok(())
+    }
+
+    /// A leader where one is to be followed; the choices as the behaviour needs them.
+    fn prepare_goal(&mut self) -> Result<(), Refused> {
+        let Some(behavior) = self.goal.as_behavior().cloned() else {
+            return Ok(());
+        };
+        if behavior.has_leader() && self.body.leader().is_none() {
+            self.body.add_leader();
+        }
+        let adapted = behavior.adapted(self.config.clone());
+        if adapted != self.config {
+            self.mind.configure(&adapted)?;
+            self.config = adapted;
+        }
+        Ok(())
+    }
+
+    fn resume(&mut self) -> Result<(), Refused> {
+        self.command(Command::Resume)?;
+        self.begin(self.interrupted);
+        Ok(())
+    }
+
+    fn choose(&mut self, goal: Pursued) -> Result<(), Refused> {
+        let before = std::mem::replace(&mut self.goal, goal);
+        let outcome = match self.doing {
+            Doing::Seek => self.seek(),
+            _ => Ok(()),
+        };
+        if outcome.is_err() {
+            self.goal = before;
+        }
+        outcome
+    }
+
+    fn choose_neuron(&mut self, neuron: usize) -> Result<(), Refused> {
+        if !self.learnt {
+            return Err("there are no maps yet: explore and learn first".into());
+        }
+        let known = self.mind.known()?;
+        if neuron >= known.situations().code().len() {
+            return Err(format!("there is no neuron {neuron}").into());
+        }
+        let code = known.situations().code_vector(neuron);
+        let within = code.map(|value| value.clamp(Weight::ZERO, Weight::ONE));
+        self.choose(Pursued::neuron(neuron, within))
+    }
+
+    /// What the ring hears from here, as a situation.
+    pub(super) fn perceived(&self) -> Situation<16> {
+        let millimeters = |m: f64| Range::from_mm((m * 1e3) as u16);
+        let value = |range: Option<f64>| self.config.encoding.value(range.map(millimeters));
+        self.body.look().map(value)
+    }
+
+    fn save_goal(&self) -> Result<Done, Refused> {
+        let Some((situation, place)) = self.goal.as_situation() else {
+            return Err("this goal has a name, not a situation: it needs no file".into());
+        };
+        let Some(place) = place else {
+            return Err(
+                "a neuron's situation was perceived nowhere: go there and capture it".into(),
+            );
+        };
+        let encoding = self.config.encoding;
+        let remark = format!(
+            "Captured in the bench view on a scale of {} to {} m.",
+            f64::from(encoding.near_mm) / 1e3,
+            f64::from(encoding.far_mm) / 1e3
+        );
+        Ok(Done::File(File {
+            name: "goal.toml",
+            text: Some(goal_file::text(situation, place, &remark)),
+            hex: None,
+        }))
+    }
+
+    fn save_mind(&mut self) -> Result<Done, Refused> {
+        let config = self.config.clone();
+        let knowledge = Knowledge::of(&config, self.mind.known()?)?;
+        Ok(Done::File(File {
+            name: "robot.mind",
+            text: None,
+            hex: Some(crate::view::order::hex(&knowledge.to_bytes())),
+        }))
+    }
+
+    fn load_mind(&mut self, hex: &str) -> Result<(), Refused> {
+        if !self.mind.is_here() {
+            return Err("a mind elsewhere takes its file from `host-sim link … push`".into());
+        }
+        let bytes = unhex(hex).ok_or("the file did not arrive whole")?;
+        let knowledge = Knowledge::from_bytes(&bytes)?;
+        let config = knowledge.config().ok_or("it holds no configuration")?;
+        self.renew(self.start.clone(), &config)?;
+        let loaded = self.mind.replace(&knowledge);
+        let state = knowledge.state()?;
+        let code = state.situations().code().as_flattened();
+        self.learnt = loaded.is_some() && code.iter().any(|value| value.to_bits() != 0);
+        Ok(())
+    }
+
+    /// Changes a choice; `change` gets the present choices and those with everything switched on.
+    fn configure(
+        &mut self,
+        change: impl FnOnce(&mut Config<16>, &Config<16>),
+    ) -> Result<(), Refused> {
+        let mut config = self.config.clone();
+        change(&mut config, &self.start.whole);
+        self.mind.configure(&config)?;
+        self.config = config;
+        Ok(())
+    }
+
+    fn switch(&mut self, number: usize, on: bool) -> Result<(), Refused> {
+        if number >= 16 {
+            return Err(format!("there is no sonar {number}: they are 0 to 15").into());
+        }
+        let believed = self.config.believed;
+        let after = if on {
+            believed.with(number)
+        } else {
+            believed.without(number)
+        };
+        if (0..16).all(|sensor| !after.contains(sensor)) {
+            return Err("one sonar must stay on: without any the robot never decides".into());
+        }
+        self.configure(|config, _| config.believed = after)
+    }
+
+    fn move_shape(&mut self, index: usize, to: Point) -> Result<(), Refused> {
+        let world = self.body.world();
+        let shape = match world.shapes().get(index) {
+            Some(Shape::Box { size, angle, .. }) => Shape::Box {
+                center: to,
+                size: *size,
+                angle: *angle,
+            },
+            Some(Shape::Circle { radius, .. }) => Shape::Circle {
+                center: to,
+                radius: *radius,
+            },
+            Some(_) => return Err("walls stay where they are".into()),
+            None => return Err(format!("there is no shape {index}").into()),
+        };
+        let world = world.with_shape(index, shape)?;
+        let free =
+            |place: Point| !world.is_inside(place) && world.clearance(place) >= COLLISION_RADIUS_M;
+        let robot = self.body.pose().position;
+        if !free(robot) || !self.body.leader().is_none_or(free) {
+            return Err("the robot stands there".into());
+        }
+        self.body.set_world(world);
+        self.shown.scene = None;
+        Ok(())
+    }
+
+    /// Carries the robot: what it did is interrupted, and its shield forgets what it heard before.
+    fn move_robot(&mut self, to: Point) -> Result<(), Refused> {
+        let world = self.body.world();
+        let (low, high) = world.bounds();
+        let inside = (low.x..=high.x).contains(&to.x) && (low.y..=high.y).contains(&to.y);
+        if !inside || world.is_inside(to) || world.clearance(to) < COLLISION_RADIUS_M {
+            return Err("there is no room for the robot".into());
+        }
+        let goes_on = matches!(self.doing, Doing::Explore | Doing::Seek);
+        if goes_on {
+            self.stop()?;
+        }
+        self.body.wait(CARRIED_S);
+        self.body.set_down_at(to);
+        self.before = None;
+        if goes_on {
+            self.resume()?;
+        }
+        Ok(())
+    }
+
+    fn reset(&mut self, reset: &Reset) -> Result<(), Refused> {
+        let mut start = self.start.clone();
+        if let Some(seed) = reset.seed {
+            start.setup.seed = seed;
+        }
+        if let Some(name) = reset.world.as_ref().filter(|name| **name != start.named) {
+            start.world = menu_world(name)?;
+            start.named.clone_from(name);
+        }
+        if let Some(name) = reset
+            .preset
+            .as_ref()
+            .filter(|name| **name != start.setup.preset)
+        {
+            choose_preset(&mut start, name)?;
+        }
+        // What was switched stays switched.
+        let (config, whole) = (&mut start.setup.config, &start.whole);
+        config.shield = self.config.shield.and(whole.shield);
+        config.online = self.config.online.and(whole.online);
+        let config = config.clone();
+        self.renew(start, &config)
+    }
+
+    /// Everything from the beginning, but for what the goal is called.
+    fn renew(&mut self, start: Start, config: &Config<16>) -> Result<(), Refused> {
+        if let Err(error) = self.mind.afresh(config) {
+            self.fail(error.to_string());
+            return Err(error.into());
+        }
+        let mind = std::mem::replace(&mut self.mind, AnyMind::here(config));
+        let mut next = Self::with_mind(start, mind);
+        next.config = config.clone();
+        next.trail = self.trail.afresh();
+        next.shown.revision = self.shown.revision;
+        if self.goal.as_behavior().is_some() {
+            next.goal = self.goal.clone();
+        }
+        *self = next;
+        Ok(())
+    }
+}
+
+/// A behaviour of the menu: no files, which are for whoever sits at this machine.
+fn behavior(name: &str) -> Result<Behavior, Refused> {
+    let known = Behavior::NAMES;
+    if !known.contains(&name) {
+        return Err(BadInput::unknown("behavior", name, &known).into());
+    }
+    Ok(name.parse()?)
+}
+
+/// A world of the menu, or a random room: no files, for the same reason.
+fn menu_world(name: &str) -> Result<World, Refused> {
+    if !name.starts_with("random:") && !World::builtin_names().contains(&name) {
+        let known = World::builtin_names();
+        return Err(BadInput::unknown("world", name, &known).into());
+    }
+    match parse_worlds(name)?.as_slice() {
+        [source @ (WorldSource::Random(_) | WorldSource::Builtin(_))] => Ok(source.load()?),
+        _ => Err(format!("world \"{name}\": one room at a time").into()),
+    }
+}
+
+fn choose_preset(start: &mut Start, name: &str) -> Result<(), Refused> {
+    let Some(preset) = start.presets.iter().find(|preset| preset.name == name) else {
+        let names: Vec<_> = start.presets.iter().map(|preset| preset.name).collect();
+        return Err(BadInput::unknown("preset", name, &names).into());
+    };
+    start.setup.preset = preset.name.to_owned();
+    start.setup.turret = preset.turret;
+    start.setup.config = preset.config.clone();
+    start.whole = preset.config.clone();
+    Ok(())
+}

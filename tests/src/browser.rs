@@ -1,0 +1,265 @@
+//! A real browser without a window, driven over its DevTools protocol.
+
+use serde_json::{Value, json};
+use std::fs;
+use std::net::TcpStream;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+use tungstenite::{Message, WebSocket};
+
+/// Longest wait for anything.
+pub const PATIENCE: Duration = Duration::from_secs(30);
+
+/// A browser with one page. Gone when dropped.
+pub struct Browser {
+    child: Child,
+    socket: WebSocket<TcpStream>,
+    session: String,
+    asked: u64,
+    complaints: Vec<String>,
+    requests: Vec<String>,
+    _profile: TempDir,
+}
+
+impl Browser {
+    /// Starts one and opens a page.
+    ///
+    /// # Panics
+    /// When there is no Chromium, or it does not start.
+    #[must_use]
+    pub fn open(url: &str) -> Self {
+        let profile = tempfile::tempdir().expect("a temporary folder");
+        let spawned = Command::new("chromium")
+            .args([
+                "--headless=new",
+                "--no-sandbox",
+                "--disable-gpu",
+                "--no-first-run",
+            ])
+            .args([
+                "--disable-dev-shm-usage",
+                "--hide-scrollbars",
+                "--disable-background-networking",
+            ])
+            .args(["--remote-debugging-port=0", "about:blank"])
+            .arg(format!("--user-data-dir={}", profile.path().display()))
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn();
+        let child = spawned.unwrap_or_else(|error| {
+            panic!("chromium: {error}: apt-get install -y --no-install-recommends chromium")
+        });
+        let active = profile.path().join("DevToolsActivePort");
+        let began = Instant::now();
+        let (port, path) = loop {
+            let text = fs::read_to_string(&active).unwrap_or_default();
+            if let [port, path] = text.lines().collect::<Vec<_>>()[..] {
+                break (port.to_owned(), path.to_owned());
+            }
+            assert!(began.elapsed() < PATIENCE, "chromium does not start");
+            std::thread::sleep(Duration::from_millis(20));
+        };
+        let host = format!("127.0.0.1:{port}");
+        let stream = TcpStream::connect(&host).expect("the browser listens");
+        stream.set_read_timeout(Some(PATIENCE)).expect("a timeout");
+        let opened = tungstenite::client(format!("ws://{host}{path}"), stream);
+        let (socket, _) = opened.expect("the browser's own socket");
+        let mut browser = Self {
+            child,
+            socket,
+            session: String::new(),
+            asked: 0,
+            complaints: Vec::new(),
+            requests: Vec::new(),
+            _profile: profile,
+        };
+        browser.show(url);
+        browser
+    }
+
+    fn show(&mut self, url: &str) {
+        let target = self.ask("Target.createTarget", json!({"url": "about:blank"}));
+        let id = &target["targetId"];
+        let attached = self.ask(
+            "Target.attachToTarget",
+            json!({"targetId": id, "flatten": true}),
+        );
+        self.session = attached["sessionId"]
+            .as_str()
+            .expect("a session")
+            .to_owned();
+        for domain in ["Page", "Runtime", "Log", "Network"] {
+            self.ask(&format!("{domain}.enable"), json!({}));
+        }
+        self.ask("Page.navigate", json!({"url": url}));
+    }
+
+    /// Asks the browser for something.
+    ///
+    /// # Panics
+    /// When it refuses or falls silent.
+    pub fn ask(&mut self, method: &str, params: Value) -> Value {
+        self.asked += 1;
+        let mut message = json!({"id": self.asked, "method": method, "params": params});
+        if !self.session.is_empty() {
+            message["sessionId"] = json!(self.session);
+        }
+        let sent = self.socket.send(Message::text(message.to_string()));
+        sent.expect("the browser is there");
+        loop {
+            let heard = self.socket.read().expect("the browser answers");
+            let Message::Text(text) = heard else { continue };
+            let mut heard: Value = serde_json::from_str(&text).expect("JSON");
+            if heard["id"] == self.asked {
+                assert!(heard["error"].is_null(), "{method}: {}", heard["error"]);
+                return heard["result"].take();
+            }
+            self.notice(&heard);
+        }
+    }
+
+    fn notice(&mut self, event: &Value) {
+        let params = &event["params"];
+        match event["method"].as_str() {
+            Some("Runtime.exceptionThrown") => {
+                self.complaints.push(params["exceptionDetails"].to_string());
+            }
+            Some("Runtime.consoleAPICalled") if params["type"] == "error" => {
+                self.complaints.push(params["args"].to_string());
+            }
+            Some("Log.entryAdded") if params["entry"]["level"] == "error" => {
+                self.complaints.push(params["entry"].to_string());
+            }
+            Some("Network.requestWillBeSent") => {
+                let url = params["request"]["url"].as_str().unwrap_or_default();
+                self.requests.push(url.to_owned());
+            }
+            _ => {}
+        }
+    }
+
+    /// Errors in the page and on its console so far.
+    #[must_use]
+    pub fn complaints(&self) -> &[String] {
+        &self.complaints
+    }
+
+    /// What the page has requested so far, but for sockets.
+    #[must_use]
+    pub fn requests(&self) -> &[String] {
+        &self.requests
+    }
+
+    /// Makes the page so large, in CSS pixels.
+    pub fn resize(&mut self, width: u32, height: u32) {
+        let mobile = width < 500;
+        let size =
+            json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": mobile});
+        self.ask("Emulation.setDeviceMetricsOverride", size);
+    }
+
+    /// Lets the system prefer dark colours, or light ones.
+    pub fn set_dark(&mut self, dark: bool) {
+        let value = if dark { "dark" } else { "light" };
+        let feature = json!({"name": "prefers-color-scheme", "value": value});
+        self.ask("Emulation.setEmulatedMedia", json!({"features": [feature]}));
+    }
+
+    /// The value of an expression in the page.
+    ///
+    /// # Panics
+    /// When it throws.
+    pub fn eval(&mut self, expression: &str) -> Value {
+        let params = json!({"expression": expression, "awaitPromise": true, "returnByValue": true});
+        let mut result = self.ask("Runtime.evaluate", params);
+        assert!(
+            result["exceptionDetails"].is_null(),
+            "{expression}: {result}"
+        );
+        result["result"]["value"].take()
+    }
+
+    /// Waits until an expression in the page is true.
+    ///
+    /// # Panics
+    /// When it does not become true in time.
+    pub fn wait(&mut self, expression: &str) {
+        let began = Instant::now();
+        while self.eval(&format!("!!({expression})")) != true {
+            if began.elapsed() > PATIENCE {
+                let notice = self.eval("document.getElementById('notice').textContent");
+                panic!("never true: {expression}; {notice}; {:?}", self.complaints);
+            }
+            std::thread::sleep(Duration::from_millis(30));
+        }
+    }
+
+    /// The middle of an element on the page, scrolled into view.
+    ///
+    /// # Panics
+    /// When there is no such element.
+    pub fn middle(&mut self, selector: &str) -> [f64; 2] {
+        let found = self.eval(&format!(
+            "(() => {{ const e = document.querySelector({selector:?}); e.scrollIntoView({{block: 'center'}}); \
+             const r = e.getBoundingClientRect(); return [r.x + r.width / 2, r.y + r.height / 2]; }})()"
+        ));
+        [0, 1].map(|axis| found[axis].as_f64().expect("a place on the page"))
+    }
+
+    fn mouse(&mut self, kind: &str, [x, y]: [f64; 2]) {
+        let button =
+            json!({"type": kind, "x": x, "y": y, "button": "left", "buttons": 1, "clickCount": 1});
+        self.ask("Input.dispatchMouseEvent", button);
+    }
+
+    /// Presses the mouse where an element is.
+    pub fn click(&mut self, selector: &str) {
+        let at = self.middle(selector);
+        self.drag(at, at);
+    }
+
+    /// Presses the mouse at one place of the page and releases it at another.
+    pub fn drag(&mut self, from: [f64; 2], to: [f64; 2]) {
+        self.mouse("mouseMoved", from);
+        self.mouse("mousePressed", from);
+        if from != to {
+            self.mouse(
+                "mouseMoved",
+                [0, 1].map(|axis| (from[axis] + to[axis]) / 2.0),
+            );
+            self.mouse("mouseMoved", to);
+        }
+        self.mouse("mouseReleased", to);
+    }
+
+    /// Presses a key.
+    pub fn press(&mut self, key: &str, code: &str) {
+        for kind in ["keyDown", "keyUp"] {
+            self.ask(
+                "Input.dispatchKeyEvent",
+                json!({"type": kind, "key": key, "code": code}),
+            );
+        }
+    }
+
+    /// A picture of what the window shows: a PNG file.
+    ///
+    /// # Panics
+    /// When it is none.
+    pub fn picture(&mut self) -> Vec<u8> {
+        let shot = self.ask("Page.captureScreenshot", json!({"format": "png"}));
+        let data = shot["data"].as_str().expect("a picture");
+        data_encoding::BASE64
+            .decode(data.as_bytes())
+            .expect("a picture in base 64")
+    }
+}
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}

@@ -1,0 +1,258 @@
+//! A simulated Nomad 200 as a user starts it, and programs that drive it.
+
+use crate::Program;
+use host_sim::link::{Serial, Tcp};
+use host_sim::nomad::{Host, State};
+use std::io::{BufRead as _, BufReader, ErrorKind, Read, Write as _};
+use std::net::{Shutdown, TcpListener, TcpStream};
+use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::time::{Duration, Instant};
+
+/// How long anything may take before a test fails.
+pub const PATIENCE: Duration = Duration::from_secs(30);
+
+/// A program that runs beside the test; killed with it.
+#[derive(Debug)]
+pub struct Running {
+    child: Child,
+    stdout: Receiver<String>,
+    stderr: Receiver<String>,
+}
+
+impl Running {
+    /// Starts `program` with the words of `line`.
+    ///
+    /// # Panics
+    /// When it cannot be started.
+    #[must_use]
+    pub fn start(program: &Program, line: &str) -> Self {
+        let mut child = program
+            .command(&crate::words(line))
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the program starts");
+        let stdout = lines(child.stdout.take().expect("its output"));
+        let stderr = lines(child.stderr.take().expect("its messages"));
+        Self {
+            child,
+            stdout,
+            stderr,
+        }
+    }
+
+    /// The next line of its output.
+    ///
+    /// # Panics
+    /// When none comes.
+    #[must_use]
+    pub fn line(&self) -> String {
+        let line = self.stdout.recv_timeout(PATIENCE);
+        line.unwrap_or_else(|_| panic!("no line; {:?}", self.messages()))
+    }
+
+    /// What it has said on standard error so far.
+    #[must_use]
+    pub fn messages(&self) -> Vec<String> {
+        self.stderr.try_iter().collect()
+    }
+
+    /// Ends it at once, without a chance to tidy up.
+    pub fn kill(&mut self) {
+        // It may have ended by itself.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+
+    /// As Ctrl-C does.
+    ///
+    /// # Panics
+    /// When there is no shell.
+    pub fn interrupt(&self) {
+        let kill = format!("kill -INT {}", self.child.id());
+        let status = Command::new("sh").args(["-c", &kill]).status();
+        assert!(status.is_ok_and(|status| status.success()));
+    }
+
+    /// Waits for its end: exit code, the rest of its output, its messages.
+    ///
+    /// # Panics
+    /// When it goes on for too long.
+    #[must_use]
+    pub fn end(&mut self, patience: Duration) -> (Option<i32>, String, String) {
+        let until = Instant::now() + patience;
+        let status = loop {
+            if let Some(status) = self.child.try_wait().expect("its state") {
+                break status;
+            }
+            assert!(Instant::now() < until, "it goes on: {:?}", self.messages());
+            std::thread::sleep(Duration::from_millis(5));
+        };
+        let rest = |stream: &Receiver<String>| {
+            let mut text = String::new();
+            loop {
+                match stream.recv_timeout(PATIENCE) {
+                    Ok(line) => text += &(line + "\n"),
+                    Err(RecvTimeoutError::Disconnected) => return text,
+                    Err(RecvTimeoutError::Timeout) => panic!("its output does not end"),
+                }
+            }
+        };
+        (status.code(), rest(&self.stdout), rest(&self.stderr))
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        self.kill();
+    }
+}
+
+/// The lines of a stream as they come.
+fn lines(stream: impl Read + Send + 'static) -> Receiver<String> {
+    let (sender, receiver) = channel();
+    std::thread::spawn(move || {
+        for line in BufReader::new(stream).lines().map_while(Result::ok) {
+            if sender.send(line).is_err() {
+                break;
+            }
+        }
+    });
+    receiver
+}
+
+/// A simulated robot that is served.
+#[derive(Debug)]
+pub struct Robot {
+    /// The program.
+    pub program: Running,
+    /// Where it is: `HOST:PORT`, or a device.
+    pub place: String,
+}
+
+impl Robot {
+    /// At a free port, with more flags.
+    #[must_use]
+    pub fn at_a_port(program: &Program, flags: &str) -> Self {
+        Self::start(program, &format!("--listen 127.0.0.1:0 {flags}"))
+    }
+
+    /// At a serial port, with more flags.
+    #[must_use]
+    pub fn at_a_pty(program: &Program, flags: &str) -> Self {
+        Self::start(program, &format!("--pty {flags}"))
+    }
+
+    fn start(program: &Program, flags: &str) -> Self {
+        let program = Running::start(program, &format!("nomad serve {flags}"));
+        let line = program.line();
+        let place = line.strip_prefix("listening on ");
+        let place = place.unwrap_or_else(|| panic!("{line}")).to_owned();
+        Self { program, place }
+    }
+
+    /// Connects as a program for the robot does.
+    ///
+    /// # Panics
+    /// When it is not there or does not greet.
+    #[must_use]
+    pub fn connect(&self) -> Host {
+        let line = Tcp::open(&self.place).unwrap_or_else(|error| panic!("{error}"));
+        Host::greeted(line).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// Opens its serial port.
+    ///
+    /// # Panics
+    /// When it is not there.
+    #[must_use]
+    pub fn open(&self, baud: u32) -> Host {
+        let line = Serial::open(&self.place, baud).unwrap_or_else(|error| panic!("{error}"));
+        Host::new(line)
+    }
+}
+
+/// Whether the base stands.
+#[must_use]
+pub fn stands(state: &State) -> bool {
+    state.motors == 0 && state.velocity == [0; 3]
+}
+
+/// What a socket in between does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Line {
+    /// Carries everything both ways.
+    Open,
+    /// Swallows everything.
+    Mute,
+    /// Is gone.
+    Off,
+}
+
+/// A socket in between that can be cut.
+#[derive(Debug)]
+pub struct Cut {
+    /// Where it is, as `HOST:PORT`.
+    pub place: String,
+    line: Arc<AtomicU8>,
+}
+
+impl Cut {
+    /// The way to whoever listens at `host`, for the first one to connect.
+    ///
+    /// # Panics
+    /// When there is no socket.
+    #[must_use]
+    pub fn to(host: &str) -> Self {
+        let listener = TcpListener::bind(("127.0.0.1", 0)).expect("a socket");
+        let place = listener.local_addr().expect("its address").to_string();
+        let line = Arc::new(AtomicU8::new(Line::Open as u8));
+        let (cut, host) = (Arc::clone(&line), host.to_owned());
+        std::thread::spawn(move || {
+            let Ok((near, _)) = listener.accept() else {
+                return;
+            };
+            let far = TcpStream::connect(host).expect("whoever listens");
+            for (from, to) in [(&near, &far), (&far, &near)] {
+                let ends = (from.try_clone(), to.try_clone());
+                let cut = Arc::clone(&cut);
+                if let (Ok(from), Ok(to)) = ends {
+                    std::thread::spawn(move || carry(from, to, &cut));
+                }
+            }
+        });
+        Self { place, line }
+    }
+
+    /// From now on.
+    pub fn switch(&self, line: Line) {
+        self.line.store(line as u8, Ordering::Relaxed);
+    }
+}
+
+fn carry(mut from: TcpStream, mut to: TcpStream, cut: &AtomicU8) {
+    let _ = (from.set_nodelay(true), to.set_nodelay(true));
+    let _ = from.set_read_timeout(Some(Duration::from_millis(20)));
+    let mut buffer = [0; 1_024];
+    loop {
+        let count = match from.read(&mut buffer) {
+            Ok(0) => break,
+            Ok(count) => count,
+            Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => 0,
+            Err(_) => break,
+        };
+        let line = cut.load(Ordering::Relaxed);
+        if line == Line::Off as u8 {
+            break;
+        }
+        if line == Line::Open as u8 && to.write_all(&buffer[..count]).is_err() {
+            break;
+        }
+    }
+    let _ = to.shutdown(Shutdown::Both);
+    let _ = from.shutdown(Shutdown::Both);
+}

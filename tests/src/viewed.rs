@@ -1,0 +1,197 @@
+//! A running `host-sim view`, and viewers without a browser.
+
+use crate::{Program, words};
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::io::{BufRead as _, BufReader};
+use std::net::TcpStream;
+use std::process::{Child, Stdio};
+use std::time::{Duration, Instant};
+use tungstenite::client::IntoClientRequest as _;
+use tungstenite::handshake::HandshakeError;
+use tungstenite::http::HeaderValue;
+use tungstenite::{Error, Message, WebSocket};
+
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// The program as a server. Ended when dropped.
+pub struct Viewed {
+    child: Child,
+    /// Where to watch.
+    pub watch: String,
+    /// Where to watch and steer.
+    pub steer: String,
+}
+
+impl Viewed {
+    /// Starts `host-sim view` at a free port.
+    ///
+    /// # Panics
+    /// When it does not start or prints something else than two addresses.
+    #[must_use]
+    pub fn start(program: &Program, flags: &str) -> Self {
+        let line = format!("view --listen 127.0.0.1:0 {flags}");
+        let mut command = program.command(&words(&line));
+        let mut child = command.stdout(Stdio::piped()).spawn().expect("it starts");
+        let mut lines = BufReader::new(child.stdout.take().expect("its output")).lines();
+        let mut address = || {
+            let line = lines.next().expect("an address").expect("text");
+            line.split_whitespace()
+                .last()
+                .expect("an address")
+                .to_owned()
+        };
+        let (steer, watch) = (address(), address());
+        Self {
+            child,
+            watch,
+            steer,
+        }
+    }
+
+    /// HOST:PORT.
+    ///
+    /// # Panics
+    /// When the address is none.
+    #[must_use]
+    pub fn host(&self) -> &str {
+        let host = self.watch.strip_prefix("http://");
+        host.and_then(|host| host.strip_suffix('/'))
+            .expect("an address")
+    }
+
+    /// The token.
+    ///
+    /// # Panics
+    /// When the address has none.
+    #[must_use]
+    pub fn token(&self) -> &str {
+        self.steer.split_once("#token=").expect("a token").1
+    }
+
+    /// Knocks with these headers instead of its own: the status of the answer if it is refused.
+    ///
+    /// # Panics
+    /// When there is no answer.
+    pub fn knock(&self, headers: &[(&'static str, &str)]) -> Result<Viewer, u16> {
+        let mut request = format!("ws://{}/socket", self.host())
+            .into_client_request()
+            .expect("an address");
+        for (name, value) in headers {
+            let value = HeaderValue::from_str(value).expect("a header");
+            request.headers_mut().insert(*name, value);
+        }
+        let stream = TcpStream::connect(self.host()).expect("it listens");
+        stream.set_read_timeout(Some(PATIENCE)).expect("a timeout");
+        match tungstenite::client(request, stream) {
+            Ok((socket, _)) => Ok(Viewer::new(socket)),
+            Err(HandshakeError::Failure(Error::Http(response))) => Err(response.status().as_u16()),
+            Err(other) => panic!("{other}"),
+        }
+    }
+
+    /// Somebody who watches.
+    ///
+    /// # Panics
+    /// When he is refused.
+    #[must_use]
+    pub fn viewer(&self) -> Viewer {
+        self.knock(&[]).expect("a viewer is let in")
+    }
+
+    /// Somebody who steers.
+    ///
+    /// # Panics
+    /// When he is refused.
+    #[must_use]
+    pub fn steerer(&self) -> Viewer {
+        let mut viewer = self.viewer();
+        let order = json!({"do": "steer", "token": self.token()});
+        viewer.order(order).expect("the seat");
+        viewer
+    }
+}
+
+impl Drop for Viewed {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// A viewer without a page.
+pub struct Viewer {
+    socket: WebSocket<TcpStream>,
+    asked: u64,
+    /// The latest of each part.
+    seen: BTreeMap<String, Value>,
+}
+
+impl Viewer {
+    fn new(socket: WebSocket<TcpStream>) -> Self {
+        Self {
+            socket,
+            asked: 0,
+            seen: BTreeMap::new(),
+        }
+    }
+
+    /// The next message.
+    fn hear(&mut self) -> Value {
+        loop {
+            if let Message::Text(text) = self.socket.read().expect("a message") {
+                let message: Value = serde_json::from_str(&text).expect("JSON");
+                if let Some(part) = message["part"].as_str() {
+                    self.seen.insert(part.to_owned(), message["value"].clone());
+                }
+                return message;
+            }
+        }
+    }
+
+    /// Sends an order and waits for nothing.
+    ///
+    /// # Panics
+    /// When the socket is gone.
+    pub fn send(&mut self, mut order: Value) -> u64 {
+        self.asked += 1;
+        order["id"] = json!(self.asked);
+        let sent = self.socket.send(Message::text(order.to_string()));
+        sent.expect("the server is there");
+        self.asked
+    }
+
+    /// Gives an order; its answer, or why it was refused.
+    ///
+    /// # Errors
+    /// The refusal.
+    pub fn order(&mut self, order: Value) -> Result<Value, String> {
+        let id = self.send(order);
+        loop {
+            let message = self.hear();
+            if message["reply"] == id {
+                return match message["error"].as_str() {
+                    Some(why) => Err(why.to_owned()),
+                    None => Ok(message),
+                };
+            }
+        }
+    }
+
+    /// Forgets what was last heard of a part.
+    pub fn forget(&mut self, part: &str) {
+        self.seen.remove(part);
+    }
+
+    /// Waits until something is true of a part.
+    ///
+    /// # Panics
+    /// When it does not become true in time.
+    pub fn wait(&mut self, part: &str, is: impl Fn(&Value) -> bool) {
+        let began = Instant::now();
+        while !self.seen.get(part).is_some_and(&is) {
+            assert!(began.elapsed() < PATIENCE, "no such {part}");
+            self.hear();
+        }
+    }
+}

@@ -1,0 +1,254 @@
+//! A mind drives the simulated Nomad over the robot's own line, and either of them may be lost.
+
+use amp::config::Config;
+use host_sim::link::Served;
+use host_sim::nomad::Command;
+use serde_json::Value;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+use tests::chip::image;
+use tests::nomad::{Cut, Line, Robot, Running, stands};
+use tests::{Program, host_sim};
+
+fn bridge(program: &Program, robot: &str, flags: &str) -> Running {
+    Running::start(program, &format!("bridge --nomad {robot} --json {flags}"))
+}
+
+fn figures(stdout: &str) -> Value {
+    serde_json::from_str(stdout).unwrap_or_else(|error| panic!("{stdout}: {error}"))
+}
+
+/// Runs to its end without anything touched, by the robot's bumpers and by what the world saw.
+fn drives_clean(program: &Program, robot: &mut Robot, at: &str, flags: &str, moves: [u64; 2]) {
+    let mut driver = bridge(program, at, flags);
+    let (code, stdout, stderr) = driver.end(Duration::from_secs(1_800));
+    assert_eq!(code, Some(0), "{stderr}");
+    let figures = figures(&stdout);
+    for (key, wanted) in [
+        ("explore_moves", moves[0]),
+        ("steps", moves[1]),
+        ("contacts", 0),
+        ("explore_contacts", 0),
+    ] {
+        assert_eq!(figures[key].as_u64(), Some(wanted), "{key}: {figures}");
+    }
+    assert!(
+        figures["distance_m"].as_f64() > Some(0.05 * moves[1] as f64),
+        "{figures}"
+    );
+    let until = Instant::now() + Duration::from_secs(5);
+    let mut seen = robot.program.messages();
+    // At a serial port nobody is seen to go.
+    while seen.is_empty() && at.starts_with("tcp") && Instant::now() < until {
+        sleep(Duration::from_millis(10));
+        seen = robot.program.messages();
+    }
+    for line in &seen {
+        assert!(line.contains(" 0 contacts"), "{line}");
+    }
+}
+
+#[test]
+fn a_mind_in_this_process_drives_a_robot_at_a_socket() {
+    let program = host_sim!();
+    let mut robot = Robot::at_a_port(&program, "--speed 20");
+    let at = format!("tcp:{}", robot.place);
+    drives_clean(
+        &program,
+        &mut robot,
+        &at,
+        "--explore 40 --steps 100",
+        [40, 100],
+    );
+}
+
+#[test]
+fn a_mind_in_this_process_drives_a_robot_at_a_serial_port() {
+    let program = host_sim!();
+    let mut robot = Robot::at_a_pty(&program, "--speed 20 --world room");
+    let at = format!("serial:{}@38400", robot.place);
+    drives_clean(
+        &program,
+        &mut robot,
+        &at,
+        "--explore 15 --steps 30",
+        [15, 30],
+    );
+}
+
+/// The whole chain: robot, its line, bridge, link, chip.
+#[test]
+fn the_firmware_in_an_emulated_chip_drives_a_robot() {
+    let program = host_sim!();
+    let mut robot = Robot::at_a_port(&program, "--speed 20");
+    let at = format!("tcp:{}", robot.place);
+    let firmware = image().display();
+    let flags = format!("--explore 10 --steps 100 --mind qemu --firmware {firmware}");
+    drives_clean(&program, &mut robot, &at, &flags, [10, 100]);
+}
+
+/// Takes minutes: `cargo test -p tests --test bridge -- --ignored`.
+#[test]
+#[ignore = "takes minutes"]
+fn the_firmware_drives_a_thousand_steps() {
+    let program = host_sim!();
+    let mut robot = Robot::at_a_port(&program, "--speed 20");
+    let at = format!("tcp:{}", robot.place);
+    let firmware = image().display();
+    let flags = format!("--explore 100 --steps 1000 --mind qemu --firmware {firmware}");
+    drives_clean(&program, &mut robot, &at, &flags, [100, 1_000]);
+}
+
+/// Waits until the robot has been driven for a while.
+fn under_way(robot: &mut Robot, driver: &mut Running) {
+    sleep(Duration::from_secs(4));
+    let (gone, said) = (robot.program.messages(), driver.messages());
+    assert!(gone.is_empty() && said.is_empty(), "{gone:?} {said:?}");
+}
+
+/// At the robot's own speed: killed, the bridge leaves a base that its own time-out stops.
+#[test]
+fn without_its_bridge_the_base_stops_by_itself() {
+    let program = host_sim!();
+    let mut robot = Robot::at_a_port(&program, "--world room");
+    let at = format!("tcp:{}", robot.place);
+    let mut driver = bridge(&program, &at, "--explore 100");
+    under_way(&mut robot, &mut driver);
+    driver.kill();
+    let killed = Instant::now();
+    // Whoever comes next does not ask before the time-out is over: a question would be a sign of life.
+    sleep(Duration::from_millis(1_700));
+    let mut host = robot.connect();
+    let state = host.ask(&Command::GetState).expect("an answer").clone();
+    assert!(stands(&state), "{:?} after {:?}", state, killed.elapsed());
+    assert_eq!(state.bumpers, 0);
+}
+
+#[test]
+fn an_interrupted_bridge_tells_the_base_to_stand() {
+    let program = host_sim!();
+    let mut robot = Robot::at_a_port(&program, "--world room");
+    let at = format!("tcp:{}", robot.place);
+    let mut driver = bridge(&program, &at, "--explore 100");
+    under_way(&mut robot, &mut driver);
+    driver.interrupt();
+    let (code, stdout, stderr) = driver.end(Duration::from_secs(3));
+    assert_eq!(code, Some(2));
+    assert_eq!(
+        stderr,
+        "host-sim: interrupted; the base was told to stand\n"
+    );
+    assert!(figures(&stdout)["distance_m"].as_f64() > Some(0.0));
+    // 0.508 m/s at 0.762 m/s².
+    sleep(Duration::from_millis(700));
+    let state = robot
+        .connect()
+        .ask(&Command::GetState)
+        .expect("an answer")
+        .clone();
+    assert!(stands(&state), "{state:?}");
+}
+
+#[test]
+fn without_its_robot_the_bridge_ends_and_so_does_the_mind() {
+    let program = host_sim!();
+    let mut robot = Robot::at_a_port(&program, "--world room");
+    let at = format!("tcp:{}", robot.place);
+    let mut driver = bridge(&program, &at, "--explore 100");
+    under_way(&mut robot, &mut driver);
+    robot.program.kill();
+    let killed = Instant::now();
+    let (code, _, stderr) = driver.end(Duration::from_secs(5));
+    assert_eq!(code, Some(2));
+    assert!(killed.elapsed() < Duration::from_secs(4));
+    assert!(
+        stderr.starts_with(&format!("host-sim: {at}: the line to the robot broke")),
+        "{stderr}"
+    );
+    assert_eq!(stderr.lines().count(), 1, "{stderr}");
+}
+
+/// The connection stays, but nothing comes over it any more: three questions, a second each.
+#[test]
+fn a_robot_that_falls_silent_ends_the_bridge_and_stops_by_itself() {
+    let program = host_sim!();
+    let mut robot = Robot::at_a_port(&program, "--world room");
+    let line = Cut::to(&robot.place);
+    let at = format!("tcp:{}", line.place);
+    let mut driver = bridge(&program, &at, "--explore 100");
+    under_way(&mut robot, &mut driver);
+    line.switch(Line::Mute);
+    let (code, stdout, stderr) = driver.end(Duration::from_secs(7));
+    assert_eq!(code, Some(2));
+    assert!(
+        stderr.starts_with(&format!(
+            "host-sim: {at}: the robot has not answered within 1 s"
+        )),
+        "{stderr}"
+    );
+    assert!(figures(&stdout)["distance_m"].as_f64() > Some(0.0));
+    let state = robot
+        .connect()
+        .ask(&Command::GetState)
+        .expect("an answer")
+        .clone();
+    assert!(stands(&state), "{state:?}");
+}
+
+/// A mind behind a socket that is switched off, or says nothing more while its socket stays.
+#[test]
+fn without_its_mind_the_base_is_told_to_stand() {
+    let program = host_sim!();
+    for (lost, why) in [
+        (Line::Off, "the link broke"),
+        (Line::Mute, "no answer within 2 s"),
+    ] {
+        let mut robot = Robot::at_a_port(&program, "--world room");
+        let at = format!("tcp:{}", robot.place);
+        let mind = Served::start(Config::recommended()).expect("a mind");
+        let line = Cut::to(&mind.host());
+        let to_mind = format!("tcp:{}", line.place);
+        let mut driver = bridge(&program, &at, &format!("--mind {to_mind}"));
+        under_way(&mut robot, &mut driver);
+        line.switch(lost);
+        let (code, stdout, stderr) = driver.end(Duration::from_secs(6));
+        assert_eq!(code, Some(2), "{stdout}");
+        assert!(
+            stderr.starts_with(&format!("host-sim: {to_mind}: {why}"))
+                && stderr.ends_with("; the robot was told to stand\n"),
+            "{stderr}"
+        );
+        assert!(figures(&stdout)["distance_m"].as_f64() > Some(0.0));
+        sleep(Duration::from_millis(700));
+        let state = robot
+            .connect()
+            .ask(&Command::GetState)
+            .expect("an answer")
+            .clone();
+        assert!(stands(&state), "{state:?}");
+    }
+}
+
+#[test]
+fn what_is_not_there_is_named() {
+    let program = host_sim!();
+    let refused = |flags: &str| {
+        let output = program.run(&tests::words(&format!("bridge {flags}")));
+        assert_eq!(
+            (output.code, output.stdout.as_str()),
+            (Some(2), ""),
+            "{flags}"
+        );
+        assert!(!output.stderr.contains("panicked"));
+        output.stderr
+    };
+    // Nobody listens at port 1.
+    assert!(refused("--nomad tcp:127.0.0.1:1").contains("tcp:127.0.0.1:1"));
+    assert!(refused("--nomad serial:/dev/ttyNowhere7").contains("/dev/ttyNowhere7"));
+    assert!(refused("--nomad qemu").contains("no address of a robot"));
+    let robot = Robot::at_a_port(&program, "");
+    let at = format!("tcp:{}", robot.place);
+    let lost = refused(&format!("--nomad {at} --mind tcp:127.0.0.1:1"));
+    assert!(lost.contains("tcp:127.0.0.1:1 cannot be reached"), "{lost}");
+    assert!(refused(&format!("--nomad {at} --preset touzet")).contains("turret"));
+}

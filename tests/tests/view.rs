@@ -1,0 +1,329 @@
+//! The bench view as people meet it: in a real browser, and as strangers at the door.
+
+use amp::config::Config;
+use host_sim::link::Served;
+use serde_json::{Value, json};
+use std::fs;
+use std::time::{Duration, Instant};
+use tests::browser::Browser;
+use tests::viewed::Viewed;
+use tests::{host_sim, root};
+
+/// Keeps a screenshot: in the project's documents when `UPDATE_PICTURES=1`, else nowhere.
+fn keep(name: &str, browser: &mut Browser) {
+    let picture = browser.picture();
+    assert!(picture.len() > 20_000, "{name}: an empty picture");
+    if std::env::var_os("UPDATE_PICTURES").is_some() {
+        let path = root().join("docs/pictures").join(name);
+        fs::write(path, picture).expect("a picture in docs/pictures");
+    }
+}
+
+/// Nothing sticks out of the window, and no text is cut off.
+fn fits(browser: &mut Browser) {
+    let wide = browser.eval("document.documentElement.scrollWidth - window.innerWidth");
+    assert!(wide.as_f64() <= Some(0.0), "{wide} px too wide");
+    let cut = browser.eval(
+        "[...document.querySelectorAll('button, h2, dd, .chip, .legend span')]\
+         .filter(e => e.offsetParent && e.scrollWidth > e.clientWidth + 1 && e.clientWidth > 0 && getComputedStyle(e).display !== 'inline')\
+         .map(e => e.id || e.textContent)",
+    );
+    assert_eq!(cut, json!([]), "cut off");
+}
+
+#[test]
+fn a_person_explores_learns_seeks_and_stops() {
+    let program = host_sim!();
+    let viewed = Viewed::start(
+        &program,
+        "--world random:7 --explore 60 --speed max --seed 5",
+    );
+    let mut page = Browser::open(&viewed.steer);
+    page.set_dark(false);
+    page.resize(1400, 900);
+    page.wait("document.getElementById('seat').textContent.startsWith('you steer')");
+    assert_eq!(
+        page.eval("location.hash"),
+        "",
+        "the token stays in the address"
+    );
+    page.wait("document.getElementById('situations-empty').offsetParent");
+    page.wait("document.getElementById('seek').disabled");
+    fits(&mut page);
+
+    page.click("#explore");
+    page.wait("view.now.mode === 'explore' || view.memory.length === 60");
+    page.wait("view.memory.length === 60 && view.now.mode === 'idle'");
+    assert_eq!(
+        page.eval("document.querySelectorAll('#samples tr').length"),
+        60
+    );
+    page.click("#learn");
+    page.wait("view.maps.learnt && view.now.mode === 'idle'");
+    assert_eq!(
+        page.eval("view.maps.situations.hits.reduce((a, b) => a + b)"),
+        60
+    );
+    page.click("#seek");
+    page.wait("view.now.mode === 'seek' && view.now.counts.steps > 20");
+    page.wait(
+        "view.now.plan && document.getElementById('delta').getBoundingClientRect().height > 50",
+    );
+
+    // One click stops, and so does the space bar, wherever the focus is.
+    page.click("#stop");
+    page.wait("view.now.mode === 'stopped' && view.now.pace.standing");
+    let stood = page.eval("view.now.counts.steps");
+    page.click("#resume");
+    page.wait(&format!(
+        "view.now.mode === 'seek' && view.now.counts.steps > {stood}"
+    ));
+    page.eval("document.getElementById('explore').focus()");
+    page.press(" ", "Space");
+    page.wait("view.now.mode === 'stopped'");
+
+    // A neuron becomes the goal.
+    page.eval("document.getElementById('speed').value = '4', document.getElementById('speed').dispatchEvent(new Event('change'))");
+    page.click("[data-neuron='9']");
+    page.wait("view.now.goal.neuron === 9");
+    page.click("#seek");
+    page.wait("view.now.mode === 'seek' && document.querySelectorAll('.tile .goal')[9].style.display === ''");
+    page.wait("view.now.plan.walk.length >= 1 && view.now.goal.name === 'neuron N10'");
+
+    an_obstacle_in_the_way(&mut page);
+    by_keyboard(&mut page);
+    pictures(&mut page);
+    assert_eq!(page.complaints(), [""; 0]);
+    let own = page
+        .requests()
+        .iter()
+        .filter(|url| !url.starts_with(&viewed.watch));
+    let foreign: Vec<_> = own.filter(|url| !url.starts_with("data:")).collect();
+    assert!(foreign.is_empty(), "{foreign:?}");
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().expect("a number")
+}
+
+/// A box is dragged into the path: the ring hears it there.
+fn an_obstacle_in_the_way(page: &mut Browser) {
+    page.press(" ", "Space");
+    page.wait("view.now.pace.standing");
+    let from = page.middle(".thing.loose");
+    let robot = page.eval(
+        "(() => { const r = arena.robot.getBoundingClientRect(); return [r.x + r.width / 2, r.y + r.height / 2, r.width]; })()",
+    );
+    let [x, y, wide] = [0, 1, 2].map(|place| number(&robot[place]));
+    let shape = page.eval("document.querySelector('.thing.loose').dataset.shape");
+    let shape = shape.as_str().expect("a number").to_owned();
+    let before = page.eval(&format!("JSON.stringify(view.scene.shapes[{shape}])"));
+    let least = "Math.min(...view.now.ranges_m.filter(m => m !== null))";
+    // Towards the middle of the arena there is room.
+    let center = page.middle("#arena");
+    let side = if center[0] > x { 1.0 } else { -1.0 };
+    page.drag(from, [x + side * wide * 1.7, y]);
+    page.wait(&format!(
+        "JSON.stringify(view.scene.shapes[{shape}]) !== {before}"
+    ));
+    page.wait(&format!("{least} < 0.8"));
+    page.click("#seek");
+    page.wait("view.now.mode === 'seek'");
+}
+
+/// Sonars, switches and tiles answer to keys.
+fn by_keyboard(page: &mut Browser) {
+    page.eval("document.querySelector('[data-sonar=\"0\"]').focus()");
+    page.press("ArrowLeft", "ArrowLeft");
+    page.press("Enter", "Enter");
+    page.wait("view.now.on[1] === false");
+    page.press("Enter", "Enter");
+    page.wait("view.now.on[1] === true");
+    page.eval("document.querySelector('[data-neuron=\"0\"]').focus()");
+    page.press("ArrowRight", "ArrowRight");
+    assert_eq!(page.eval("document.activeElement.dataset.neuron"), "1");
+    page.press("Enter", "Enter");
+    page.wait("view.now.goal.neuron === 1");
+}
+
+fn pictures(page: &mut Browser) {
+    page.eval("ask('reset', {seed: 18, world: 'paper', preset: 'default'})");
+    page.wait("view.scene.world === 'paper' && view.scene.seed === '18'");
+    page.eval("ask('behavior', {name: 'avoid'}).then(() => ask('speed', {factor: null})).then(() => ask('explore'))");
+    page.wait("view.memory.length === 60 && view.now.mode === 'idle'");
+    page.eval("ask('learn')");
+    page.wait("view.maps.learnt && view.now.mode === 'idle'");
+    page.eval("ask('seek').then(() => ask('speed', {factor: 10}))");
+    page.wait(
+        "view.now.counts.steps > 60 && !view.now.plan.at_goal && view.now.plan.walk.length > 1",
+    );
+    page.eval("ask('pause', {paused: true})");
+    page.wait("view.now.pace.paused");
+    page.eval("document.activeElement.blur(), document.getElementById('notice').hidden = true");
+    fits(page);
+    keep("view-light.png", page);
+    page.set_dark(true);
+    std::thread::sleep(Duration::from_millis(150));
+    keep("view-dark.png", page);
+    page.resize(390, 844);
+    page.eval("window.scrollTo(0, 0)");
+    std::thread::sleep(Duration::from_millis(150));
+    fits(page);
+    page.set_dark(false);
+    std::thread::sleep(Duration::from_millis(150));
+    keep("view-phone.png", page);
+    for i in 1..5 {
+        page.eval(&format!("window.scrollTo(0, {})", i * 640));
+    }
+}
+
+#[test]
+fn strangers_are_refused_and_watchers_cannot_steer() {
+    let program = host_sim!();
+    let viewed = Viewed::start(&program, "--explore 5");
+    let own = format!("http://{}", viewed.host());
+    assert!(viewed.knock(&[("Origin", &own)]).is_ok());
+    for foreign in [
+        "http://evil.example",
+        "null",
+        "http://127.0.0.1",
+        "https://localhost",
+    ] {
+        assert_eq!(
+            viewed.knock(&[("Origin", foreign)]).err(),
+            Some(403),
+            "{foreign}"
+        );
+    }
+    // A name that somebody else lets point here.
+    let port = viewed.host().rsplit(':').next().expect("a port");
+    let name = format!("evil.example:{port}");
+    assert_eq!(viewed.knock(&[("Host", &name)]).err(), Some(403));
+    let own_name = format!("http://{name}");
+    let both = [("Host", name.as_str()), ("Origin", own_name.as_str())];
+    assert_eq!(viewed.knock(&both).err(), Some(403));
+
+    let mut watcher = viewed.viewer();
+    watcher.wait("now", |now| now["mode"] == "idle");
+    for order in ["explore", "stop", "learn", "reset", "save_mind"] {
+        let refused = watcher.order(json!({"do": order})).expect_err(order);
+        assert!(refused.contains("take the seat"), "{order}: {refused}");
+    }
+    for token in ["", "0", &"0".repeat(32)] {
+        let refused = watcher.order(json!({"do": "steer", "token": token, "over": true}));
+        assert!(refused.expect_err(token).contains("not the token"));
+    }
+    // One steers; the other is told, may take over, and may always stop.
+    let mut first = viewed.steerer();
+    watcher.wait("seat", |seat| seat["taken"] == true && seat["you"] == false);
+    let token = viewed.token();
+    let refused = watcher.order(json!({"do": "steer", "token": token}));
+    assert_eq!(refused, Err("somebody else steers".to_owned()));
+    first.order(json!({"do": "explore"})).expect("it explores");
+    assert!(watcher.order(json!({"do": "explore"})).is_err());
+    watcher.order(json!({"do": "stop"})).expect("it stops");
+    first.wait("now", |now| now["mode"] == "stopped");
+    let over = json!({"do": "steer", "token": token, "over": true});
+    watcher.order(over).expect("the seat");
+    first.wait("seat", |seat| seat["you"] == false && seat["taken"] == true);
+    assert!(first.order(json!({"do": "explore"})).is_err());
+    drop(watcher);
+    first.wait("seat", |seat| seat["taken"] == false);
+}
+
+/// Explores, learns and takes thirty decisions: what the mind knows then.
+fn learnt(viewed: &Viewed) -> Value {
+    let mut steerer = viewed.steerer();
+    steerer
+        .order(json!({"do": "explore"}))
+        .expect("it explores");
+    steerer.wait("now", |now| {
+        now["mode"] == "idle" && now["counts"]["explored"][0] == 40
+    });
+    steerer.order(json!({"do": "learn"})).expect("it learns");
+    steerer.wait("maps", |maps| maps["learnt"] == true);
+    // What was heard before the maps is of before.
+    steerer.forget("now");
+    steerer.wait("now", |now| now["mode"] == "idle");
+    steerer
+        .order(json!({"do": "pause", "paused": true}))
+        .expect("it pauses");
+    steerer.order(json!({"do": "seek"})).expect("it seeks");
+    for step in 1..=30 {
+        steerer.order(json!({"do": "step"})).expect("a step");
+        steerer.wait("now", |now| {
+            now["counts"]["steps"].as_u64() >= Some(step - 1) && now["pace"]["paused"] == true
+        });
+    }
+    let saved = steerer.order(json!({"do": "save_mind"})).expect("a mind");
+    saved["file"]["hex"].clone()
+}
+
+#[test]
+fn fifty_viewers_and_a_slow_one_change_nothing() {
+    let flags = "--explore 40 --speed max --sonar nomad --seed 9";
+    let program = host_sim!();
+    let alone = learnt(&Viewed::start(&program, flags));
+    let viewed = Viewed::start(&program, flags);
+    let mut viewers: Vec<_> = (0..50).map(|_| viewed.viewer()).collect();
+    // It asks for files by the dozen and takes none of them.
+    let mut slow = viewed.viewer();
+    let token = viewed.token();
+    slow.order(json!({"do": "steer", "token": token}))
+        .expect("the seat");
+    for _ in 0..400 {
+        slow.send(json!({"do": "save_mind"}));
+    }
+    slow.send(json!({"do": "leave"}));
+    let began = Instant::now();
+    let mut other = viewed.viewer();
+    let over = json!({"do": "steer", "token": token, "over": true});
+    other.order(over).expect("the seat");
+    other.order(json!({"do": "leave"})).expect("it rises");
+    assert!(
+        began.elapsed() < Duration::from_secs(3),
+        "the slow one was waited for"
+    );
+    assert_eq!(learnt(&viewed), alone);
+    for viewer in &mut viewers {
+        viewer.wait("now", |now| now["counts"]["steps"].as_u64() >= Some(29));
+    }
+    // The slow one is gone: 50 viewers and the one that looks.
+    other.wait("seat", |seat| seat["viewers"].as_u64() <= Some(51));
+}
+
+#[test]
+fn a_mind_at_the_end_of_a_link_is_watched_until_it_is_lost() {
+    let served = Served::start(Config::recommended()).expect("a mind behind a socket");
+    let program = host_sim!();
+    let flags = format!("--explore 6 --speed max --mind tcp:{}", served.host());
+    let viewed = Viewed::start(&program, &flags);
+    let mut steerer = viewed.steerer();
+    steerer.wait("scene", |scene| scene["abilities"]["load"] == false);
+    steerer
+        .order(json!({"do": "explore"}))
+        .expect("it explores");
+    steerer.wait("memory", |rows| {
+        rows.as_array().is_some_and(|rows| rows.len() == 6)
+    });
+    steerer.order(json!({"do": "learn"})).expect("it learns");
+    steerer.wait("maps", |maps| maps["learnt"] == true);
+    let seek = json!({"do": "seek"});
+    while steerer.order(seek.clone()).is_err() {
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    let linked = |now: &Value| {
+        now["link"]
+            .as_str()
+            .is_some_and(|link| link.starts_with("tcp:"))
+    };
+    steerer.wait("now", |now| {
+        now["counts"]["steps"].as_u64() > Some(3) && linked(now)
+    });
+    drop(served);
+    steerer.wait("now", |now| {
+        now["mode"] == "failed" && now["why"].is_string()
+    });
+    let refused = steerer.order(seek).expect_err("the mind is gone");
+    assert!(refused.contains("start anew"), "{refused}");
+}
