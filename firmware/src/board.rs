@@ -5,6 +5,7 @@
 //! An emulated chip differs in three points: its oscillators are never ready, so it stays on the internal one; its port
 //! raises no interrupt when it takes a byte, so this is done by software; watchdog and reset flags do nothing.
 
+use crate::flash::Kept;
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use firmware::crash::Flags;
@@ -27,6 +28,9 @@ const BAUD: u32 = 115_200;
 /// ms; every task shows itself each 10 ms.
 const WATCHDOG_MS: u32 = 500;
 
+/// The watchdog bites after this time while sectors of flash are erased: 10.9 to 30.1 s, and two take 8 s at most.
+const PATIENT_MS: u32 = 16_000;
+
 /// The devices the tasks work with.
 pub struct Board {
     /// The serial port of the link.
@@ -41,6 +45,8 @@ pub struct Board {
     pub ring_timer: RingTimer,
     /// What the chip remembers of the last reset.
     pub flags: Flags,
+    /// What outlives a loss of power.
+    pub kept: Kept,
 }
 
 impl Board {
@@ -83,6 +89,7 @@ impl Board {
             ring_pins,
             ring_timer,
             flags,
+            kept: Kept::new(device.FLASH),
         }
     }
 }
@@ -227,8 +234,19 @@ impl Capture for RingTimer {
 pub struct Watchdog(IndependentWatchdog);
 
 impl Watchdog {
-    /// Gives it another [`WATCHDOG_MS`].
+    /// Gives it as much time again.
     pub fn feed(&mut self) {
+        self.0.feed();
+    }
+
+    /// Makes it bite after [`PATIENT_MS`] from now on, or after [`WATCHDOG_MS`] again.
+    pub fn be_patient(&mut self, patient: bool) {
+        let bite_ms = if patient { PATIENT_MS } else { WATCHDOG_MS };
+        // A change takes the watchdog some cycles of its own clock, 0.3 ms, during which it takes no other: it is waited for,
+        // and then it is fed, so that it counts from the new time.
+        let _ = self.0.interval();
+        self.0.start(bite_ms.millis());
+        let _ = self.0.interval();
         self.0.feed();
     }
 }

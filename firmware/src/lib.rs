@@ -11,6 +11,7 @@
 //! | [`crash`] | what is kept over a reset, whether to believe it, and what to call the reset |
 //! | [`lamp`] | when the lamp is lit |
 //! | [`line`](mod@line) | how the serial interrupt moves bytes |
+//! | [`persist`] | where in flash an image of the mind goes, and which one is the newest |
 //! | [`pinout`] | which pin does what, and which pins must be left alone |
 //! | [`sonar_ring`] | when which sonar fires, and what its echo means |
 //! | [`stack`] | how deep the stack has been |
@@ -29,6 +30,7 @@ pub mod control;
 pub mod crash;
 pub mod lamp;
 pub mod line;
+pub mod persist;
 pub mod pinout;
 #[cfg(feature = "qemu")]
 pub mod provoke;

@@ -60,7 +60,7 @@ impl Faults {
         self.lost.load(Ordering::Relaxed)
     }
 
-    /// Firings of the ring that its ECHO line spoilt.
+    /// Firings of the ring that its ECHO line spoilt or that nobody took.
     #[must_use]
     pub fn spoilt(&self) -> u32 {
         self.spoilt.load(Ordering::Relaxed)
@@ -136,6 +136,12 @@ impl<'queues> Outbox<'queues> {
             to_send,
             sent: false,
         }
+    }
+
+    /// Whether everything sent has gone to the port.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.to_send.len() == 0
     }
 
     /// Whether anything was sent since this was asked last: the interrupt has to be told.

@@ -17,6 +17,8 @@ mod board;
 #[cfg(target_os = "none")]
 mod fault;
 #[cfg(target_os = "none")]
+mod flash;
+#[cfg(target_os = "none")]
 mod log;
 
 #[cfg(target_os = "none")]
@@ -24,6 +26,7 @@ mod log;
 mod app {
     use crate::board::{Board, Lamp, RingPin, RingTimer, SerialPort, Watchdog};
     use crate::fault;
+    use crate::flash::Kept;
     use amp::node::{Identity, NomadNode};
     use amp::units::Millis;
     use amp::wire::message::ResetCause;
@@ -32,6 +35,7 @@ mod app {
     use firmware::crash::{Flags, name, reset_cause};
     use firmware::lamp;
     use firmware::line::{Faults, Line, Outbox};
+    use firmware::persist::{SLOT_BYTES, Store};
     use firmware::sonar_ring::{Capture, Driver, Firing, FiringOrder, Ring, Sound, Timing};
     use firmware::vigil::{Task, Vigil};
     use heapless::spsc::Queue;
@@ -66,7 +70,7 @@ mod app {
         watchdog: Watchdog,
         ring: Ring<'static, RingPin>,
         timer: RingTimer,
-        control: Control<'static>,
+        control: Control<'static, Kept>,
     }
 
     #[init(local = [
@@ -77,15 +81,18 @@ mod app {
         firings: Queue<Firing, 16> = Queue::new(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
-        let board = Board::init(cx.device, cx.core);
+        let mut board = Board::init(cx.device, cx.core);
         let reset = why_we_started(board.flags);
         let faults: &'static Faults = cx.local.faults;
         let (received_in, received_out) = cx.local.received.split();
         let (to_send_in, to_send_out) = cx.local.to_send.split();
         let outbox = Outbox::new(to_send_in);
         let (firings_in, firings_out) = cx.local.firings.split();
-        let control = Control::new(cx.local.mind, received_out, outbox, faults);
+        let store = Store::mount(board.kept, SLOT_BYTES);
+        let control = Control::new(cx.local.mind, received_out, outbox, faults, store);
         let mut control = control.with_ring(firings_out);
+        // A sector of flash may have to be erased.
+        board.watchdog.be_patient(true);
         control.start(
             Identity {
                 build: build(),
@@ -94,6 +101,7 @@ mod app {
             },
             Millis::from_ms(0),
         );
+        board.watchdog.be_patient(false);
         // The hello waits in its queue.
         rtic::pend(Interrupt::USART1);
         let shared = Shared {
@@ -107,7 +115,7 @@ mod app {
         let (timing, mut timer) = (Timing::relays(), board.ring_timer);
         let now_us = timer.now_us();
         let Ok(driver) = Driver::new(board.ring_pins, timing, FiringOrder::NOMAD, now_us);
-        let ring = Ring::new(driver, timing, Sound::at(AIR), firings_in);
+        let ring = Ring::new(driver, timing, Sound::at(AIR), firings_in, faults);
         let local = Local {
             line: Line::new(received_in, to_send_out),
             port: board.port,
@@ -143,9 +151,13 @@ mod app {
             .fetch_add(1, Ordering::Relaxed)
             .wrapping_add(1);
         shared.vigil.seen(Task::Clock);
+        let watchdog = &mut *cx.local.watchdog;
+        shared
+            .vigil
+            .change_patience(|patient| watchdog.be_patient(patient));
         if now_ms.is_multiple_of(ROUND_MS) {
             if shared.vigil.relieve() {
-                cx.local.watchdog.feed();
+                watchdog.feed();
             }
             // Both have to show themselves until the next round.
             rtic::pend(CONTROL);
@@ -170,7 +182,9 @@ mod app {
     fn control(cx: control::Context) {
         let (control, shared) = (cx.local.control, cx.shared);
         let now_ms = shared.now_ms.load(Ordering::Relaxed);
+        control.note_patience(shared.vigil.is_patient());
         let more = control.run(Millis::from_ms(now_ms));
+        shared.vigil.want_patience(control.wants_patience());
         if control.take_sent() {
             rtic::pend(Interrupt::USART1);
         }
@@ -190,7 +204,7 @@ mod app {
     }
 
     /// What need not be looked at often: how deep the stack has been, and what the log should know.
-    fn look_after(control: &mut Control<'static>) {
+    fn look_after(control: &mut Control<'static, Kept>) {
         control.note_stack(fault::stack_peak_bytes());
         if let Some(news) = control.news() {
             news.log();

@@ -20,6 +20,7 @@
 //! is no longer believed. A line that is stuck low, a dead transducer and a multiplexer stuck at an address look like
 //! echoes or silence to the pins; the mind's own watch over its transducers ([`amp::faults`]) is what notices them.
 
+use crate::line::Faults;
 use amp::units::{Millis, Range};
 use embedded_hal::digital::OutputPin;
 use heapless::spsc::Producer;
@@ -152,8 +153,8 @@ impl<P: OutputPin> Pins<P> {
 pub struct Firing {
     /// Transducer.
     pub sensor: u8,
-    /// What it heard.
-    pub heard: Heard,
+    /// What it heard; `None` = nothing answered.
+    pub range: Option<Range>,
     /// When it fired.
     pub at: Millis,
 }
@@ -164,23 +165,26 @@ pub struct Ring<'queue, P> {
     timing: Timing,
     sound: Sound,
     firings: Producer<'queue, Firing>,
+    faults: &'queue Faults,
     runs: bool,
 }
 
 impl<'queue, P: OutputPin> Ring<'queue, P> {
-    /// A ring at rest, in the Nomad's order.
+    /// A ring at rest, in the Nomad's order. It counts in `faults` what its line spoils and what there is no room for.
     #[must_use]
     pub const fn new(
         driver: Driver<P>,
         timing: Timing,
         sound: Sound,
         firings: Producer<'queue, Firing>,
+        faults: &'queue Faults,
     ) -> Self {
         Self {
             driver,
             timing,
             sound,
             firings,
+            faults,
             runs: false,
         }
     }
@@ -205,15 +209,21 @@ impl<'queue, P: OutputPin> Ring<'queue, P> {
         if !wanted {
             return Ok(None);
         }
-        let (sound, firings) = (self.sound, &mut self.firings);
+        let (sound, firings, faults) = (self.sound, &mut self.firings, self.faults);
         self.driver.run(capture, |reading| {
             let age_ms = now_us.wrapping_sub(reading.fired_us) / 1_000;
-            // No room: the mind has not looked for half a second. The ring stays incomplete.
-            let _ = firings.enqueue(Firing {
-                sensor: reading.sensor,
-                heard: reading.outcome.heard(sound),
-                at: Millis::from_ms(now.as_ms().wrapping_sub(age_ms)),
-            });
+            let told = match reading.outcome.heard(sound) {
+                // No room: the mind has not looked for a second. The ring stays incomplete.
+                Heard::Range(range) => firings.enqueue(Firing {
+                    sensor: reading.sensor,
+                    range,
+                    at: Millis::from_ms(now.as_ms().wrapping_sub(age_ms)),
+                }),
+                Heard::Fault => return faults.spoil(),
+            };
+            if told.is_err() {
+                faults.spoil();
+            }
         })
     }
 }

@@ -10,6 +10,8 @@ use proptest::prelude::*;
 use std::rc::Rc;
 use std::vec::Vec;
 
+mod serve;
+
 /// What is wrong with the module, its line or its multiplexer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Wrong {

@@ -8,6 +8,7 @@ use crate::sonar::{FaultKind, SonarModel, TransducerFault};
 use crate::world::World;
 use amp::config::Config;
 use amp::controller::{Event, Outputs, Progress};
+use amp::faults::Fault;
 use amp::units::{Millis, Range};
 use rayon::prelude::*;
 
@@ -32,6 +33,9 @@ pub struct Trial {
     pub preset: &'static str,
 }
 
+/// The faults that have a name, as [`Course::false_alarms`] counts them.
+pub const FAULTS: [Fault; 4] = [Fault::Dead, Fault::Stuck, Fault::Short, Fault::Jumping];
+
 /// What came of one episode.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Course {
@@ -41,10 +45,14 @@ pub struct Course {
     pub contacts_after: u32,
     /// Moves, random ones included, until it was no longer believed.
     pub noticed: Option<u32>,
+    /// Moves until its fault had a name: as before, but for [`Fault::Unheard`].
+    pub named: Option<u32>,
     /// Times it was believed again.
     pub returns: u32,
-    /// Times a transducer in good order was disbelieved.
-    pub false_alarms: u32,
+    /// Times a transducer in good order was disbelieved, by fault: [`FAULTS`]; but not because it had never been heard.
+    pub false_alarms: [u32; 4],
+    /// Times a transducer in good order was not believed because it had never been heard.
+    pub unheard: u32,
     /// Area swept, m².
     pub coverage_m2: f64,
     /// Way travelled, m.
@@ -63,7 +71,10 @@ pub fn courses(
 ) -> Result<Vec<Course>, Failure> {
     let faults: Vec<_> = match kind {
         Some(kind) => (0..16)
-            .map(|sensor| Some(TransducerFault { sensor, kind }))
+            .map(|sensor| {
+                let kind = kind.turned(sensor);
+                Some(TransducerFault { sensor, kind })
+            })
             .collect(),
         None => vec![None],
     };
@@ -172,14 +183,19 @@ impl Witness {
         let news = self.mind.verdicts().get(self.seen..).unwrap_or_default();
         for verdict in news {
             let mine = Some(verdict.sensor) == self.faulty;
-            match (mine, verdict.fault) {
-                (true, Some(_)) => {
-                    let noticed = &mut self.course.noticed;
-                    *noticed = noticed.or(Some(self.moves));
-                }
-                (true, None) => self.course.returns += 1,
-                (false, Some(_)) => self.course.false_alarms += 1,
-                (false, None) => {}
+            let course = &mut self.course;
+            let Some(fault) = verdict.fault else {
+                course.returns += u32::from(mine);
+                continue;
+            };
+            let place = FAULTS.iter().position(|named| *named == fault);
+            if mine {
+                course.noticed = course.noticed.or(Some(self.moves));
+                course.named = course.named.or(place.map(|_| self.moves));
+            } else if let Some(count) = place.and_then(|place| course.false_alarms.get_mut(place)) {
+                *count += 1;
+            } else {
+                course.unheard += 1;
             }
         }
         self.seen += news.len();

@@ -2,8 +2,8 @@
 
 pub mod ablation;
 pub mod behaviors;
-pub mod faults;
 pub mod compare;
+pub mod faults;
 pub mod paper;
 pub mod repetition;
 pub mod rooms;

@@ -187,12 +187,15 @@ impl Ring {
         &mut self,
         world: &World,
         pose: &Pose,
-        out: &mut [Option<f64>],
+        out: &mut [Option<f64>; 16],
         noise: &mut Noise,
     ) {
         self.scan(world, pose, out);
+        let heard = *out;
         for (sensor, range) in out.iter_mut().enumerate() {
-            *range = self.faults.reported(sensor, *range, noise);
+            let asked = self.faults.asked(sensor);
+            let heard = heard.get(asked).copied().flatten();
+            *range = self.faults.reported(sensor, heard, noise);
         }
     }
 
@@ -219,13 +222,25 @@ impl Ring {
         time_s: f64,
         noise: &mut Noise,
     ) -> Option<f64> {
+        let heard = self.heard(world, pose, self.faults.asked(sensor), time_s, noise);
+        self.faults.reported(sensor, heard, noise)
+    }
+
+    /// What a transducer in good order would report.
+    fn heard(
+        &mut self,
+        world: &World,
+        pose: &Pose,
+        sensor: usize,
+        time_s: f64,
+        noise: &mut Noise,
+    ) -> Option<f64> {
         let axis = self.axes.get(sensor)?.turned(Point::unit(pose.heading));
         if self.model == SonarModel::Ideal {
             let (offset, reach) = (self.geometry.face_radius_m, self.config.max_range_m);
             self.view.build(world, pose.position, offset, reach);
             let range = self.view.nearest_in_cone(axis, offset, self.cone);
-            let range = (range <= reach).then_some(range);
-            return self.faults.reported(sensor, range, noise);
+            return (range <= reach).then_some(range);
         }
         let tip = pose.position + axis * self.geometry.face_radius_m;
         let reach = self.config.max_range_m;
@@ -240,8 +255,7 @@ impl Ring {
         self.earlier = echo
             .map(|echo_m| EarlierPing { time_s, echo_m })
             .or(self.earlier);
-        let range = self.as_reported(heard, noise);
-        self.faults.reported(sensor, range, noise)
+        self.as_reported(heard, noise)
     }
 
     /// The echo, or the reverberation of the ping before if that comes earlier. Sound that goes to and

@@ -3,7 +3,7 @@ use crate::controller::{Decision, Progress, Refusal as CommandRefusal};
 use crate::goal::Component;
 use crate::link::SILENCE_MS;
 use crate::units::{Displacement, Range};
-use crate::wire::message::{Clock, GoalBy, Heard, Order, Part};
+use crate::wire::message::{Clock, Flash, FlashError, GoalBy, Heard, Order, Part};
 use std::vec::Vec;
 
 type Small = Node<16, 16, 20>;
@@ -583,4 +583,210 @@ fn a_full_way_out_is_counted() {
         (rig.node.counters().dropped, rig.node.counters().sent),
         (2, sent)
     );
+}
+
+fn image(node: &Small) -> Vec<u8> {
+    let mut image = Vec::new();
+    let _ = node.contents().write(3, &mut |bytes| {
+        image.extend_from_slice(bytes);
+        Ok::<_, ()>(())
+    });
+    image
+}
+
+fn recall(node: &mut Small, image: &[u8]) -> Result<(), crate::store::Fault> {
+    let mut read = |at: usize, out: &mut [u8]| {
+        out.copy_from_slice(&image[at..at + out.len()]);
+        true
+    };
+    node.recall(&mut read, image.len())
+}
+
+#[test]
+fn a_node_that_recalls_goes_on_as_any_other_that_does() {
+    let mut rig = Rig::ready(Clock::Host);
+    rig.order(Order::Seek);
+    let _ = rig.rounds(30);
+    rig.order(Order::Stop);
+    let saved = image(&rig.node);
+    let sums = |node: &Small| [node.config_crc(), node.maps_crc(), node.memory_crc()];
+    let known = sums(&rig.node);
+    // The one that saved it, and one that has just been switched on; at the same time by the host's clock.
+    let mut other = Rig::new(Clock::Host);
+    assert_ne!(sums(&other.node), known);
+    other.now = rig.now;
+    let decisions: Vec<_> = [&mut rig, &mut other]
+        .map(|rig| {
+            recall(&mut rig.node, &saved).unwrap();
+            assert_eq!(sums(&rig.node), known);
+            assert_eq!(refusal(&rig.order(Order::Seek)), None);
+            rig.rounds(60)
+        })
+        .into();
+    assert_eq!(decisions[0].len(), 60);
+    assert_eq!(decisions[0], decisions[1]);
+    // Not that of a moving one.
+    assert!(image(&rig.node) != saved);
+}
+
+#[test]
+fn goals_are_kept_by_name_and_saved() {
+    let mut rig = Rig::new(Clock::Host);
+    let name = |text| crate::goal::Name::new(text).unwrap();
+    let situation = GoalBy::Situation([100; 16]);
+    rig.order(Order::Goal(situation));
+    let nest = rig.node.goal;
+    assert_eq!(
+        refusal(&rig.send(ToMind::Keep { name: name("nest") })),
+        None
+    );
+    rig.order(Order::Goal(GoalBy::Avoid));
+    let avoid = rig.node.goal;
+    let none = crate::goal::Name::NONE;
+    assert_eq!(
+        refusal(&rig.send(ToMind::Keep { name: none })),
+        Some(Refusal::GoalName)
+    );
+    let saved = image(&rig.node);
+    let mut other = Rig::new(Clock::Host);
+    recall(&mut other.node, &saved).unwrap();
+    let said = other.send(ToMind::Goals);
+    let goal = |name, goal| FromMind::Goal { name, goal };
+    assert_eq!(said[..2], [goal(none, avoid), goal(name("nest"), nest)]);
+    other.order(Order::Goal(GoalBy::Kept(name("nest"))));
+    assert_eq!(other.node.goal, nest);
+    let gone = ToMind::Drop { name: name("nest") };
+    assert_eq!(refusal(&other.send(gone.clone())), None);
+    assert_eq!(refusal(&other.send(gone)), Some(Refusal::NoSuchGoal));
+    let unknown = Order::Goal(GoalBy::Kept(name("nest")));
+    assert_eq!(refusal(&other.order(unknown)), Some(Refusal::NoSuchGoal));
+    rig.order(Order::Forget);
+    assert_eq!(
+        rig.send(ToMind::Goals).len(),
+        2,
+        "the present goal, and done"
+    );
+}
+
+#[test]
+fn the_flash_is_asked_for_at_standstill_and_answered_when_it_is_done() {
+    let mut rig = Rig::ready(Clock::Device);
+    rig.order(Order::Seek);
+    let moving = refusal(&rig.send(ToMind::Flash(Flash::Save)));
+    assert_eq!(moving, Some(Refusal::Moving));
+    assert_eq!(rig.node.flash_task(), None);
+    rig.order(Order::Stop);
+    let save = rig.packed(&ToMind::Flash(Flash::Save));
+    assert!(rig.raw(&save).is_empty());
+    assert_eq!(rig.node.flash_task(), Some(Flash::Save));
+    let mut said = Said::default();
+    let now = Millis::from_ms(rig.now);
+    rig.node.announce_pause(5_000, now, &mut said);
+    // No sign of life for five seconds, as was said.
+    rig.now += 5_000;
+    let now = Millis::from_ms(rig.now);
+    rig.node.flash_done(Err(FlashError::Failed), now, &mut said);
+    let failed = Some(Refusal::Flash(FlashError::Failed));
+    assert_eq!(refusal(&read(&said)), failed);
+    assert!(matches!(
+        read(&said)[..],
+        [FromMind::Busy { ms: 5_000 }, _, FromMind::Done { .. }]
+    ));
+    assert_eq!(rig.node.flash_task(), None);
+    rig.now += SILENCE_MS;
+    assert!(rig.tick().1.is_empty() && rig.node.is_linked());
+    // The answer was lost: it comes again, and nothing is saved once more.
+    assert_eq!(rig.raw(&save), read(&said));
+    assert_eq!(rig.node.flash_task(), None);
+}
+
+impl Rig {
+    /// One whose mind has a ring of its own.
+    fn with_ring() -> Self {
+        let mut rig = Self::new(Clock::Device);
+        rig.node.prepare(
+            &Config::recommended(),
+            Grid::rectangle(4, 4),
+            Identity {
+                ring: true,
+                ..Identity::default()
+            },
+        );
+        let dimensions = Small::dimensions();
+        let clock = Clock::Device;
+        let said = rig.send(ToMind::Hello(HostHello { dimensions, clock }));
+        assert!(matches!(said[..], [FromMind::Hello(_)]), "{said:?}");
+        rig
+    }
+
+    /// The chip's own ring hears `range_mm` everywhere.
+    fn own_ring(&mut self, range_mm: u16) -> Vec<FromMind<16>> {
+        let (mut said, now) = (Said::default(), Millis::from_ms(self.now));
+        for sensor in 0..16 {
+            let range = Some(Range::from_mm(range_mm));
+            self.node.ring_echo(sensor, range, 40, now, &mut said);
+        }
+        read(&said)
+    }
+}
+
+#[test]
+fn echoes_come_from_where_the_session_listens() {
+    let mut rig = Rig::with_ring();
+    rig.ahead = 0;
+    let explore = Order::Explore { moves: 5, seed: 1 };
+    rig.order(explore.clone());
+    assert_eq!(rig.own_ring(2_000), [], "it listens to the link");
+    assert!(motion(&rig.ring(2_000)).is_some());
+    rig.order(Order::Stop);
+    rig.send(ToMind::Source(Source::Ring));
+    rig.order(explore);
+    assert!(motion(&rig.ring(2_000)).is_none(), "it listens to its ring");
+    assert!(motion(&rig.own_ring(2_000)).is_some());
+}
+
+#[test]
+fn a_chip_without_a_ring_has_none_to_listen_to() {
+    let mut rig = Rig::new(Clock::Device);
+    let said = rig.send(ToMind::Source(Source::Ring));
+    assert_eq!(refusal(&said), Some(Refusal::NoRing));
+}
+
+/// Transducer 3 hears nothing between near things until it does.
+#[test]
+fn the_host_is_told_whom_the_mind_believes() {
+    let mut rig = Rig::new(Clock::Host);
+    let value = 1;
+    let parameter = Parameter::FaultDetection;
+    rig.send(ToMind::Set { parameter, value });
+    let scan = |rig: &mut Rig, third: Option<u16>| {
+        let at_ms = rig.at_ms();
+        let echoes = (0..16).map(|sensor| Heard {
+            sensor,
+            range_mm: if sensor == 3 { third } else { Some(700) },
+            age_ms: 0,
+        });
+        let echoes = echoes.collect();
+        let notices = rig.send(ToMind::Scan { at_ms, echoes });
+        let logged = notices.into_iter().filter_map(|said| match said {
+            FromMind::Log(notice) => Some(notice),
+            _ => None,
+        });
+        logged.collect::<Vec<_>>()
+    };
+    assert_eq!(scan(&mut rig, None), []);
+    let at_ms = rig.at_ms();
+    rig.send(ToMind::Odometry {
+        at_ms,
+        motion: 0,
+        moved: Displacement::saturating(250, 0),
+        turned: Bearing::ZERO,
+        progress: Progress::Ended,
+    });
+    let fault = Fault::Unheard;
+    assert_eq!(
+        scan(&mut rig, None),
+        [Notice::Disbelieved { sensor: 3, fault }]
+    );
+    assert_eq!(scan(&mut rig, Some(700)), [Notice::Believed { sensor: 3 }]);
 }

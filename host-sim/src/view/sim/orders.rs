@@ -198,7 +198,7 @@ impl Simulator {
 
     fn save_mind(&mut self) -> Result<Done, Refused> {
         let config = self.config.clone();
-        let knowledge = Knowledge::of(&config, self.mind.known()?)?;
+        let knowledge = Knowledge::of(&config, self.mind.known()?);
         Ok(Done::File(File {
             name: "robot.mind",
             text: None,
@@ -212,12 +212,9 @@ impl Simulator {
         }
         let bytes = unhex(hex).ok_or("the file did not arrive whole")?;
         let knowledge = Knowledge::from_bytes(&bytes)?;
-        let config = knowledge.config().ok_or("it holds no configuration")?;
-        self.renew(self.start.clone(), &config)?;
-        let loaded = self.mind.replace(&knowledge);
-        let state = knowledge.state()?;
-        let code = state.situations().code().as_flattened();
-        self.learnt = loaded.is_some() && code.iter().any(|value| value.to_bits() != 0);
+        self.renew(self.start.clone(), knowledge.config())?;
+        self.mind.replace(&knowledge);
+        self.learnt = knowledge.state().has_learnt();
         Ok(())
     }
 
