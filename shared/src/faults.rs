@@ -52,17 +52,17 @@ pub const ECHO_WEIGHT: u8 = 20;
 /// Weight of a touch where a transducer hears nothing.
 pub const TOUCH_WEIGHT: u8 = 30;
 /// Weight of a look at which a range stands still.
-pub const STILL_WEIGHT: u8 = 10;
+pub const STILL_WEIGHT: u8 = 8;
 /// Weights of a change of range that the way does not explain, and of one it does.
-pub const JUMP_WEIGHTS: [u8; 2] = [4, 6];
+pub const JUMP_WEIGHTS: [u8; 2] = [5, 8];
 /// A range is short when it is at least this much below the nearer neighbour's, millimetres, and below four fifths of it.
 pub const SHORT_MM: u16 = 300;
 /// Weights of a range that is short, and of one that is not.
-pub const SHORT_WEIGHTS: [u8; 2] = [3, 3];
+pub const SHORT_WEIGHTS: [u8; 2] = [4, 4];
 /// Score at which a transducer is no longer believed.
 pub const LIMIT: u8 = 60;
 /// The same for the silence of one that was never heard.
-pub const UNHEARD_LIMIT: u8 = NEAR_WEIGHT;
+pub const UNHEARD_LIMIT: u8 = 1;
 /// Score from which on a transducer does not bear witness against its neighbours.
 pub const DOUBT: u8 = LIMIT / 2;
 

@@ -106,7 +106,7 @@ pub fn describe(report: &Report<16>) -> String {
         }
         FromMind::Log(Notice::Disbelieved { sensor, fault }) => (
             "log",
-            format!("sonar {sensor} is not believed any more: {fault:?}"),
+            format!("sonar {sensor} is not believed any more: {fault:?}").to_lowercase(),
         ),
         FromMind::Log(Notice::Believed { sensor }) => {
             ("log", format!("sonar {sensor} is believed again"))

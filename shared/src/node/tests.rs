@@ -1,9 +1,11 @@
 use super::*;
 use crate::controller::{Decision, Progress, Refusal as CommandRefusal};
+use crate::faults::Fault;
 use crate::goal::Component;
 use crate::link::SILENCE_MS;
+use crate::parameters::Parameter;
 use crate::units::{Displacement, Range};
-use crate::wire::message::{Clock, Flash, FlashError, GoalBy, Heard, Order, Part};
+use crate::wire::message::{Clock, Flash, FlashError, GoalBy, Heard, Notice, Order, Part, Source};
 use std::vec::Vec;
 
 type Small = Node<16, 16, 20>;
@@ -756,9 +758,10 @@ fn a_chip_without_a_ring_has_none_to_listen_to() {
 #[test]
 fn the_host_is_told_whom_the_mind_believes() {
     let mut rig = Rig::new(Clock::Host);
-    let value = 1;
-    let parameter = Parameter::FaultDetection;
-    rig.send(ToMind::Set { parameter, value });
+    rig.send(ToMind::Parameter {
+        parameter: Parameter::FaultDetection,
+        value: Some(1),
+    });
     let scan = |rig: &mut Rig, third: Option<u16>| {
         let at_ms = rig.at_ms();
         let echoes = (0..16).map(|sensor| Heard {
@@ -779,8 +782,9 @@ fn the_host_is_told_whom_the_mind_believes() {
     rig.send(ToMind::Odometry {
         at_ms,
         motion: 0,
-        moved: Displacement::saturating(250, 0),
-        turned: Bearing::ZERO,
+        dx_mm: 250,
+        dy_mm: 0,
+        turned: 0,
         progress: Progress::Ended,
     });
     let fault = Fault::Unheard;
