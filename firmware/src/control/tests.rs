@@ -317,7 +317,7 @@ fn the_ring_fires_when_its_session_listens_to_it() {
 #[test]
 fn what_the_ring_hears_reaches_the_mind_with_its_age() {
     let (mut bench, mut near) = ringed(bench());
-    let mut fire = |near: &mut Producer<'static, Firing>, at_ms: u32| {
+    let fire = |near: &mut Producer<'static, Firing>, at_ms: u32| {
         for sensor in 0..15 {
             let firing = Firing {
                 sensor,
