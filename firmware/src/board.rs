@@ -179,8 +179,8 @@ impl RingTimer {
         self.timer.sr().modify(|_, w| w.cc2if().clear_bit());
     }
 
-    /// Calls at this time, or when ECHO rises; `None` = not at all.
-    pub fn wake_at(&mut self, at_us: Option<u32>) {
+    /// Calls at this time, or when ECHO rises if that `listens`; `None` = not at all.
+    pub fn wake_at(&mut self, at_us: Option<u32>, listens: bool) {
         let Some(at_us) = at_us else {
             self.timer.dier().reset();
             return;
@@ -191,16 +191,16 @@ impl RingTimer {
         let wait_us = if wait_us > 1 << 31 { 0 } else { wait_us };
         let wait_us = wait_us.clamp(5, Self::LONGEST_US);
         let then = now_us.wrapping_add(wait_us) as u16;
-        self.timer.ccr2().write(|w| w.ccr().set(then.into()));
+        self.timer.ccr2().write(|w| w.ccr().set(then));
         self.timer
             .dier()
-            .write(|w| w.cc1ie().set_bit().cc2ie().set_bit());
+            .write(|w| w.cc1ie().bit(listens).cc2ie().set_bit());
     }
 }
 
 impl Capture for RingTimer {
     fn now_us(&mut self) -> u32 {
-        let count = |timer: &pac::TIM3| u32::from(timer.cnt().read().cnt().bits() as u16);
+        let count = |timer: &pac::TIM3| u32::from(timer.cnt().read().cnt().bits());
         let mut now = count(&self.timer);
         if self.timer.sr().read().uif().bit_is_set() {
             self.timer.sr().modify(|_, w| w.uif().clear_bit());
@@ -223,7 +223,7 @@ impl Capture for RingTimer {
         let rose = self.timer.sr().read().cc1if().bit_is_set();
         let now_us = self.now_us();
         let rose_us = rose.then(|| {
-            let caught = self.timer.ccr1().read().ccr().bits() as u16;
+            let caught = self.timer.ccr1().read().ccr().bits();
             now_us.wrapping_sub(u32::from((now_us as u16).wrapping_sub(caught)))
         });
         Line { high, rose_us }

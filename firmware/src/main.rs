@@ -175,7 +175,7 @@ mod app {
         let now = Millis::from_ms(shared.now_ms.load(Ordering::Relaxed));
         let wanted = shared.ring_wanted.load(Ordering::Relaxed);
         let Ok(next_us) = cx.local.ring.serve(timer, now, wanted);
-        timer.wake_at(next_us);
+        timer.wake_at(next_us, cx.local.ring.listens());
     }
 
     #[task(binds = FSMC, priority = 1, local = [control, looked_ms: u32 = 0], shared = [&now_ms, &linked, &ring_wanted, &vigil])]

@@ -189,6 +189,13 @@ impl<'queue, P: OutputPin> Ring<'queue, P> {
         }
     }
 
+    /// Whether it is to be served when ECHO rises as well: from a firing on until its end. A line that rings at other times
+    /// brings no interrupt.
+    #[must_use]
+    pub const fn listens(&self) -> bool {
+        self.runs && self.driver.channel.listens()
+    }
+
     /// Does what is due at `now`, the time of the moment the capture's clock shows. Returns when to come again, on that
     /// clock; `None` while the ring is not wanted.
     ///

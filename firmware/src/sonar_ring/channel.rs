@@ -125,6 +125,12 @@ impl Channel {
         }
     }
 
+    /// Whether a rise of ECHO means something.
+    #[must_use]
+    pub const fn listens(&self) -> bool {
+        matches!(self.state, State::Blank | State::Listen)
+    }
+
     /// What is to be done at `now_us`, when the line is so.
     pub fn poll(&mut self, now_us: u32, line: Line) -> Todo {
         match self.state {
