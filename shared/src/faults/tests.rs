@@ -311,3 +311,8 @@ fn turns_keep_the_places_and_forget_the_ranges() {
     // Round and round the same four places.
     assert!(walk.detector.scores(3).silent < 8);
 }
+
+#[test]
+fn the_detector_takes_308_bytes() {
+    assert_eq!(size_of::<Detector<16>>(), 308);
+}

@@ -137,16 +137,17 @@ fn one_that_is_no_longer_wanted_drops_its_lines_and_begins_anew() {
 /// spares one at least.
 #[test]
 fn a_firing_takes_six_runs_at_most() {
-    for (wrong, most) in [
-        (Wrong::Nothing, 96),
-        (Wrong::StuckLow, 96),
-        (Wrong::StuckHigh, 48),
-        (Wrong::NeverFalls, 48),
-        (Wrong::RisesAt(300), 96),
+    for wrong in [
+        Wrong::Nothing,
+        Wrong::StuckLow,
+        Wrong::StuckHigh,
+        Wrong::NeverFalls,
+        Wrong::RisesAt(300),
     ] {
         let mut rig = rig::<64>(wrong);
         rig.serve_for(1_024);
         let runs = rig.serve_for(1_024);
-        assert!(runs <= most + 1, "{wrong:?}: {runs}");
+        // The time served may end in the middle of a firing.
+        assert!((48..=97).contains(&runs), "{wrong:?}: {runs}");
     }
 }
