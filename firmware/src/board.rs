@@ -28,7 +28,8 @@ const BAUD: u32 = 115_200;
 /// ms; every task shows itself each 10 ms.
 const WATCHDOG_MS: u32 = 500;
 
-/// The watchdog bites after this time while sectors of flash are erased: 10.9 to 30.1 s, and two take 8 s at most.
+/// The watchdog bites after this time while flash is erased or written: 10.9 to 30.1 s, and two sectors take 8 s at most, an
+/// image less than a second.
 const PATIENT_MS: u32 = 16_000;
 
 /// The devices the tasks work with.
@@ -240,6 +241,8 @@ impl Watchdog {
     }
 
     /// Makes it bite after [`PATIENT_MS`] from now on, or after [`WATCHDOG_MS`] again.
+    // One copy of it in the program.
+    #[inline(never)]
     pub fn be_patient(&mut self, patient: bool) {
         let bite_ms = if patient { PATIENT_MS } else { WATCHDOG_MS };
         // A change takes the watchdog some cycles of its own clock, 0.3 ms, during which it takes no other: it is waited for,

@@ -63,8 +63,8 @@ pub struct Control<'parts, F> {
     outbox: Outbox<'parts>,
     faults: &'parts Faults,
     store: Store<F>,
-    /// Erasures that a request for the flash will bring, once its pause has been announced.
-    announced: Option<u32>,
+    /// Whether a request for the flash will bring a pause, once it has been announced.
+    announced: Option<bool>,
     is_watchdog_patient: bool,
     last_run: Millis,
     known_linked: bool,
@@ -146,13 +146,13 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
         more_bytes || more_work
     }
 
-    /// Whether the watchdog has to bear an erasure before this goes on.
+    /// Whether the watchdog has to bear a pause before this goes on: an erasure, or an image that is written as slowly as may be.
     #[must_use]
     pub fn wants_patience(&self) -> bool {
-        self.announced.is_some_and(|erasures| erasures > 0)
+        self.announced == Some(true)
     }
 
-    /// Says whether the watchdog bears an erasure.
+    /// Says whether the watchdog bears a pause.
     pub fn note_patience(&mut self, patient: bool) {
         self.is_watchdog_patient = patient;
     }
@@ -161,15 +161,15 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
     // Not a part of every run's stack.
     #[inline(never)]
     fn serve_flash(&mut self, task: Flash, now: Millis) -> bool {
-        let Some(erasures) = self.announced else {
-            self.announced = Some(self.store.erasures(task));
+        let Some(pauses) = self.announced else {
             let pause_ms = self.store.pause_ms(task);
+            self.announced = Some(pause_ms > 0);
             if pause_ms > 0 {
                 self.mind.announce_pause(pause_ms, now, &mut self.outbox);
             }
             return pause_ms == 0;
         };
-        if !self.outbox.is_empty() || (erasures > 0 && !self.is_watchdog_patient) {
+        if !self.outbox.is_empty() || (pauses && !self.is_watchdog_patient) {
             return false;
         }
         let result = match task {

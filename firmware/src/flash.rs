@@ -75,6 +75,8 @@ mod device {
             erased
         }
 
+        // One copy of it in the program.
+        #[inline(never)]
         fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Error> {
             Self::begin();
             let written = NorFlash::write(&mut self.0.unlocked(), BEGIN + offset, bytes);

@@ -18,7 +18,7 @@
 //! Cost: a slot's bytes of flash an image, 3 words for a mark; memory for one record. Starting reads both sectors once.
 
 use amp::store::{Contents, Fault, Found, WORD, check};
-use amp::wire::CRC;
+use amp::wire::checksum;
 use amp::wire::message::{Flash, FlashError};
 use embedded_storage::nor_flash::NorFlash;
 
@@ -109,7 +109,7 @@ impl<F: NorFlash> Store<F> {
     }
 
     /// How many sectors this will erase.
-    pub fn erasures(&mut self, task: Flash) -> u32 {
+    fn erasures(&mut self, task: Flash) -> u32 {
         match task {
             Flash::Recall => 0,
             Flash::Save => u32::from(self.free().is_none()),
@@ -183,7 +183,7 @@ impl<F: NorFlash> Store<F> {
         let erased = erased.and_then(|()| self.erase_sector(1 - spare));
         self.look();
         erased?;
-        self.tidy()
+        self.mark_spare()
     }
 
     /// The sector that does not have the newest image.
@@ -198,11 +198,15 @@ impl<F: NorFlash> Store<F> {
         }
         let spare = self.spare();
         self.erase_sector(spare)?;
-        let mark = mark(self.generation);
-        self.flash
-            .write(spare * Self::SECTOR_BYTES, &mark)
-            .map_err(failed)?;
+        self.mark_spare()?;
         self.free().ok_or(FlashError::Failed)
+    }
+
+    /// Notes that the spare sector has been erased to the end.
+    fn mark_spare(&mut self) -> Result<(), FlashError> {
+        let from = self.spare() * Self::SECTOR_BYTES;
+        let written = self.flash.write(from, &mark(self.generation));
+        written.map_err(failed)
     }
 
     fn erase_sector(&mut self, sector: u32) -> Result<(), FlashError> {
@@ -223,6 +227,7 @@ impl<F: NorFlash> Store<F> {
     }
 
     /// The first slot behind everything that has been written to a sector.
+    #[inline(never)]
     fn free_in(&mut self, sector: u32) -> Option<Place> {
         let places = (0..self.slots()).map(|slot| Place { sector, slot });
         let mut free = None;
@@ -280,7 +285,7 @@ fn mark(generation: u32) -> [u8; MARK_BYTES as usize] {
     let [g, h, i, j] = generation.to_le_bytes();
     let [m, n, o, p] = MARK;
     let text = [m, n, o, p, g, h, i, j];
-    let [c, d, e, f] = CRC.checksum(&text).to_le_bytes();
+    let [c, d, e, f] = checksum(&text).to_le_bytes();
     [m, n, o, p, g, h, i, j, c, d, e, f]
 }
 

@@ -23,8 +23,8 @@ use crate::config::Config;
 use crate::controller::{Part as StatePart, State};
 use crate::goal::{Goal, KeptGoal, KeptGoals, Name};
 use crate::node::MOST_CONFIG;
-use crate::wire::CRC;
 use crate::wire::message::MOST_PIECE;
+use crate::wire::{CRC, Checksum};
 
 mod read;
 mod write;

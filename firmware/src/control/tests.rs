@@ -183,10 +183,12 @@ fn a_full_queue_is_emptied_in_one_run() {
     assert!(bench.incoming.is_empty());
 }
 
-/// Runs until nothing is to be done at once; the interrupt takes whatever is queued.
+/// Runs until nothing is to be done at once; the interrupt takes whatever is queued, the watchdog is as patient as is wanted.
 fn settle(bench: &mut Bench, now_ms: u32) -> Vec<FromMind<16>> {
     let mut said = Vec::new();
     for _ in 0..10 {
+        let wanted = bench.control.wants_patience();
+        bench.control.note_patience(wanted);
         let more = bench.control.run(Millis::from_ms(now_ms));
         said.extend(bench.said());
         if !more && bench.control.mind.flash_task().is_none() {
@@ -234,7 +236,6 @@ fn what_was_saved_is_there_after_the_next_start() {
     assert_ne!(saved, fresh);
     // Erased, and recalled: there is nothing.
     next.open();
-    next.control.note_patience(true);
     next.ask(&ToMind::Flash(Flash::Erase));
     next.ask(&ToMind::Flash(Flash::Recall));
     let said = settle(&mut next, 9);
@@ -251,11 +252,17 @@ fn what_was_saved_is_there_after_the_next_start() {
 }
 
 #[test]
-fn an_erasure_waits_for_its_announcement_and_for_the_watchdog() {
+fn a_pause_waits_for_its_announcement_and_for_the_watchdog() {
     let mut bench = bench();
     bench.start();
     bench.open();
     bench.ask(&ToMind::Flash(Flash::Save));
+    assert!(bench.control.run(Millis::from_ms(0)) && !bench.control.wants_patience());
+    assert!(!bench.control.run(Millis::from_ms(0)) && bench.control.wants_patience());
+    let _ = bench.said();
+    // Writing alone may take longer than an impatient watchdog bears.
+    assert!(!bench.control.run(Millis::from_ms(0)));
+    assert_eq!(bench.control.store.generation(), 0);
     let _ = settle(&mut bench, 1);
     assert_eq!(bench.control.store.generation(), 1);
     // The sector takes one image: the next one goes into the other, which has to be erased.

@@ -4,8 +4,8 @@ use super::{MOST_CONFIG, Node, Outbox};
 use crate::config::Config;
 use crate::controller::{self, PartError};
 use crate::units::Millis;
-use crate::wire::CRC;
 use crate::wire::message::{FromMind, MOST_PIECE, Part, Refusal};
+use crate::wire::{Checksum, checksum};
 use heapless::Vec;
 
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
@@ -72,7 +72,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 
     pub(super) fn config_crc(&self) -> u32 {
-        CRC.checksum(self.config.to_bytes(&mut [0; MOST_CONFIG]))
+        checksum(self.config.to_bytes(&mut [0; MOST_CONFIG]))
     }
 
     pub(super) fn maps_crc(&self) -> u32 {
@@ -86,7 +86,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 
     #[inline(never)]
     fn crc_of(&self, parts: &[controller::Part]) -> u32 {
-        let mut digest = CRC.digest();
+        let mut digest = Checksum::new();
         for &part in parts {
             let mut offset = 0;
             let mut buffer = [0; 64];

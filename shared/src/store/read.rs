@@ -54,7 +54,7 @@ pub fn check(read: Read<'_>, most: usize) -> Result<Found, Fault> {
 /// The first record, the image's length.
 #[inline(never)]
 fn look(read: Read<'_>, most: usize) -> Result<(Head, usize), Fault> {
-    let mut digest = CRC.digest();
+    let mut digest = Checksum::new();
     let mut walk = Walk::begin(read, most)?;
     digest.update(&MAGIC);
     walk.next(read)?;

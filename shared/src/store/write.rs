@@ -15,51 +15,48 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         generation: u32,
         sink: &mut impl FnMut(&[u8]) -> Result<(), E>,
     ) -> Result<(), E> {
-        let mut digest = CRC.digest();
+        let mut digest = Checksum::new();
+        digest.update(&MAGIC);
+        sink(&MAGIC)?;
         // Not a copy of it for each record.
-        let put: &mut dyn FnMut(&[u8]) -> Result<(), E> = &mut |bytes| {
-            digest.update(bytes);
-            sink(bytes)
+        let put: &mut dyn FnMut(&Draft) -> Result<(), E> = &mut |record| {
+            digest.update(record.as_bytes());
+            sink(record.as_bytes())
         };
-        put(&MAGIC)?;
-        put(Draft::of(kind::HEAD, &[&self.head(generation)]).finish())?;
+        put(&self.head(generation))?;
         let mut buffer = [0; MOST_CONFIG];
         let config = self.config.to_bytes(&mut buffer);
         for (index, bytes) in config.chunks(MOST_PIECE).enumerate() {
-            put(piece(0, index.wrapping_mul(MOST_PIECE), bytes).finish())?;
+            put(&piece(0, index.wrapping_mul(MOST_PIECE), bytes))?;
         }
         for (number, part) in (1..).zip(PARTS) {
             let mut offset = 0_usize;
             while let Some((record, count)) = self.piece(number, part, offset) {
-                put(record.finish())?;
+                put(&record)?;
                 offset = offset.saturating_add(count);
             }
         }
         if let Some(seed) = self.state.next_seed() {
-            put(Draft::of(kind::RANDOM, &[&seed.to_le_bytes()]).finish())?;
+            put(&Draft::of(kind::RANDOM, &[&seed.to_le_bytes()]))?;
         }
-        put(goal(Name::NONE, self.goal).finish())?;
+        put(&goal(Name::NONE, self.goal))?;
         for kept in self.kept.as_slice() {
-            put(goal(kept.name, &kept.goal).finish())?;
+            put(&goal(kept.name, &kept.goal))?;
         }
         let crc = digest.finalize().to_le_bytes();
-        sink(Draft::of(kind::END, &[&crc]).finish())
+        sink(Draft::of(kind::END, &[&crc]).as_bytes())
     }
 
-    fn head(&self, generation: u32) -> [u8; 14] {
-        let mut head = [0; 14];
+    fn head(&self, generation: u32) -> Draft {
         let samples = self.state.memory().samples().len() as u16;
-        let fields = LAYOUT
-            .to_le_bytes()
-            .into_iter()
-            .chain(GRAMMAR.to_le_bytes())
-            .chain(generation.to_le_bytes())
-            .chain([SENSORS as u8, NEURONS as u8])
-            .chain(samples.to_le_bytes());
-        for (place, byte) in head.iter_mut().zip(fields) {
-            *place = byte;
-        }
-        head
+        let fields: [&[u8]; 5] = [
+            &LAYOUT.to_le_bytes(),
+            &GRAMMAR.to_le_bytes(),
+            &generation.to_le_bytes(),
+            &[SENSORS as u8, NEURONS as u8],
+            &samples.to_le_bytes(),
+        ];
+        Draft::of(kind::HEAD, &fields)
     }
 
     /// The piece of a part of the state from `offset` on, and its bytes, if it has any.
@@ -122,7 +119,7 @@ impl Draft {
     }
 
     /// The record with its zeros.
-    fn finish(&self) -> &[u8] {
+    fn as_bytes(&self) -> &[u8] {
         let whole = self.length.next_multiple_of(WORD);
         self.bytes.get(..whole).unwrap_or(&[])
     }
