@@ -9,7 +9,7 @@
 //! | `idle` | otherwise | 0 | sleeps |
 //!
 //! Tasks share queues and atomic numbers, never a lock: nothing but a line of the log holds off the receiver, for at most
-//! 351 instructions (counted in an emulated chip with the board's logger), 2 µs of the 87 µs a byte takes.
+//! 350 instructions (counted in an emulated chip with the board's logger), 2 µs of the 87 µs a byte takes.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
