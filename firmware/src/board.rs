@@ -10,10 +10,11 @@ use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use firmware::crash::Flags;
 use firmware::line::{Port, Status};
-use stm32f4xx_hal::gpio::{Output, PC12, PinState, Pull};
+use firmware::sonar_ring::{Capture, Line, Pins};
+use stm32f4xx_hal::gpio::{Alternate, Output, PC6, PC12, PartiallyErasedPin, PinState, Pull};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
-use stm32f4xx_hal::rcc::Config;
+use stm32f4xx_hal::rcc::{Config, Enable, Rcc};
 use stm32f4xx_hal::serial;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
@@ -39,6 +40,10 @@ pub struct Board {
     pub lamp: Lamp,
     /// The watchdog, running.
     pub watchdog: Watchdog,
+    /// The pins of the ring, all low.
+    pub ring_pins: Pins<RingPin>,
+    /// The clock of the ring.
+    pub ring_timer: RingTimer,
     /// What the chip remembers of the last reset.
     pub flags: Flags,
     /// What outlives a loss of power.
@@ -61,6 +66,18 @@ impl Board {
         let lamp = gpioc.pc12.into_push_pull_output_in_state(PinState::High);
         // An open wire would be noise; the idle line is high.
         let receive = gpioa.pa10.into_alternate().internal_resistor(Pull::Up);
+        let ring_pins = Pins {
+            address: [
+                gpioc.pc0.into_push_pull_output().erase_number(),
+                gpioc.pc1.into_push_pull_output().erase_number(),
+                gpioc.pc2.into_push_pull_output().erase_number(),
+                gpioc.pc3.into_push_pull_output().erase_number(),
+            ],
+            init: gpioc.pc7.into_push_pull_output().erase_number(),
+            binh: gpioc.pc8.into_push_pull_output().erase_number(),
+            blnk: gpioc.pc9.into_push_pull_output().erase_number(),
+        };
+        let ring_timer = RingTimer::start(device.TIM3, gpioc.pc6.into_alternate(), &mut rcc);
         let settings = serial::Config::default().baudrate(BAUD.bps());
         let serial = device
             .USART1
@@ -70,6 +87,8 @@ impl Board {
             port: SerialPort::listen(serial.release().0),
             lamp: Lamp(lamp),
             watchdog: Watchdog(watchdog),
+            ring_pins,
+            ring_timer,
             flags,
             kept: Kept::new(device.FLASH),
         }
@@ -117,6 +136,98 @@ impl Lamp {
     /// Lights it or puts it out.
     pub fn light(&mut self, lit: bool) {
         self.0.set_state(PinState::from(!lit));
+    }
+}
+
+/// A pin of the ring.
+pub type RingPin = PartiallyErasedPin<'C', Output>;
+
+/// Timer 3 counts microseconds and catches the rise of ECHO.
+pub struct RingTimer {
+    timer: pac::TIM3,
+    echo: PC6<Alternate<2>>,
+    /// Microseconds counted before the timer's present turn of 65 536.
+    turns_us: u32,
+}
+
+impl RingTimer {
+    /// The timer's clock, twice that of its bus.
+    const CLOCK_HZ: u32 = CORE_HZ / 2;
+    /// The longest time to the next look, microseconds: half a turn, so that none is missed.
+    const LONGEST_US: u32 = 32_768;
+
+    fn start(timer: pac::TIM3, echo: PC6<Alternate<2>>, rcc: &mut Rcc) -> Self {
+        pac::TIM3::enable(rcc);
+        timer
+            .psc()
+            .write(|w| w.psc().set((Self::CLOCK_HZ / 1_000_000 - 1) as u16));
+        timer.egr().write(|w| w.ug().set_bit());
+        // Eight samples of the clock that agree make an edge.
+        timer
+            .ccmr1_input()
+            .modify(|_, w| w.cc1s().ti1().ic1f().fck_int_n8());
+        timer.ccer().modify(|_, w| w.cc1e().set_bit());
+        timer.cr1().modify(|_, w| w.cen().set_bit());
+        Self {
+            timer,
+            echo,
+            turns_us: 0,
+        }
+    }
+
+    /// Forgets why it has called.
+    pub fn clear(&mut self) {
+        self.timer.sr().modify(|_, w| w.cc2if().clear_bit());
+    }
+
+    /// Calls at this time, or when ECHO rises if that `listens`; `None` = not at all.
+    pub fn wake_at(&mut self, at_us: Option<u32>, listens: bool) {
+        let Some(at_us) = at_us else {
+            self.timer.dier().reset();
+            return;
+        };
+        let now_us = self.now_us();
+        let wait_us = at_us.wrapping_sub(now_us);
+        // What has passed meanwhile comes at once; one microsecond ahead might pass unnoticed.
+        let wait_us = if wait_us > 1 << 31 { 0 } else { wait_us };
+        let wait_us = wait_us.clamp(5, Self::LONGEST_US);
+        let then = now_us.wrapping_add(wait_us) as u16;
+        self.timer.ccr2().write(|w| w.ccr().set(then));
+        self.timer
+            .dier()
+            .write(|w| w.cc1ie().bit(listens).cc2ie().set_bit());
+    }
+}
+
+impl Capture for RingTimer {
+    fn now_us(&mut self) -> u32 {
+        let count = |timer: &pac::TIM3| u32::from(timer.cnt().read().cnt().bits());
+        let mut now = count(&self.timer);
+        if self.timer.sr().read().uif().bit_is_set() {
+            self.timer.sr().modify(|_, w| w.uif().clear_bit());
+            self.turns_us = self.turns_us.wrapping_add(1 << 16);
+            // Whether the turn came before or after the count was read: it has come by now.
+            now = count(&self.timer);
+        }
+        self.turns_us.wrapping_add(now)
+    }
+
+    fn arm(&mut self) {
+        // Reading the captured time clears its flag.
+        let _ = self.timer.ccr1().read();
+        self.timer.sr().modify(|_, w| w.cc1of().clear_bit());
+    }
+
+    fn line(&mut self) -> Line {
+        // The level first: a rise in between is then one that was caught.
+        let high = self.echo.is_high();
+        let rose = self.timer.sr().read().cc1if().bit_is_set();
+        let now_us = self.now_us();
+        let rose_us = rose.then(|| {
+            let caught = self.timer.ccr1().read().ccr().bits();
+            now_us.wrapping_sub(u32::from((now_us as u16).wrapping_sub(caught)))
+        });
+        Line { high, rose_us }
     }
 }
 

@@ -5,12 +5,13 @@
 
 use crate::line::{Faults, Outbox};
 use crate::persist::Store;
+use crate::sonar_ring::Firing;
 use amp::config::Config;
 use amp::node::{Identity, NomadNode};
 use amp::som::Grid;
 use amp::units::Millis;
 use amp::wire::Receiver;
-use amp::wire::message::{Flash, FlashError};
+use amp::wire::message::{Flash, FlashError, Source};
 use embedded_storage::nor_flash::NorFlash;
 use heapless::spsc::Consumer;
 
@@ -58,6 +59,7 @@ pub struct Control<'parts, F> {
     mind: &'parts mut NomadNode,
     receiver: Receiver,
     received: Consumer<'parts, u8>,
+    ring: Option<Consumer<'parts, Firing>>,
     outbox: Outbox<'parts>,
     faults: &'parts Faults,
     store: Store<F>,
@@ -83,6 +85,7 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
             mind,
             receiver: Receiver::new(),
             received,
+            ring: None,
             outbox,
             faults,
             store,
@@ -92,6 +95,19 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
             known_linked: false,
             known_lost: 0,
         }
+    }
+
+    /// The same with a ring of its own.
+    #[must_use]
+    pub fn with_ring(mut self, ring: Consumer<'parts, Firing>) -> Self {
+        self.ring = Some(ring);
+        self
+    }
+
+    /// Whether the ring is to fire: not while flash is in use, when its clock may stand still.
+    #[must_use]
+    pub fn wants_ring(&self) -> bool {
+        self.ring.is_some() && self.mind.source() == Source::Ring && self.announced.is_none()
     }
 
     /// Starts the mind at the time `now` with what was saved last, if anything was. May erase a sector of flash before, for
@@ -125,6 +141,7 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
             return self.serve_flash(task, now);
         }
         let more_bytes = self.drain(now);
+        self.hear_ring(now);
         let more_work = self.mind.tick(now, &mut self.outbox);
         more_bytes || more_work
     }
@@ -211,6 +228,19 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
         self.received.ready()
     }
 
+    /// Hands on what the ring has heard. What its line has spoilt is not among it, and nothing is known of those
+    /// transducers.
+    fn hear_ring(&mut self, now: Millis) {
+        let Some(ring) = &mut self.ring else { return };
+        for _ in 0..ring.capacity() {
+            let Some(Firing { sensor, range, at }) = ring.dequeue() else {
+                return;
+            };
+            self.mind
+                .ring_echo(sensor, range, now.since(at), now, &mut self.outbox);
+        }
+    }
+
     fn count(&mut self, now: Millis) {
         let waited_ms = now.since(self.last_run);
         self.last_run = now;
@@ -218,6 +248,7 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
         let counters = self.mind.device_counters();
         counters.overruns = self.faults.overruns();
         counters.queue_losses = self.faults.lost();
+        counters.ring_faults = self.faults.spoilt();
         counters.ticks = counters.ticks.wrapping_add(1);
         counters.longest_tick_ms = counters.longest_tick_ms.max(waited_ms);
     }

@@ -13,6 +13,7 @@
 //! | [`line`](mod@line) | how the serial interrupt moves bytes |
 //! | [`persist`] | where in flash an image of the mind goes, and which one is the newest |
 //! | [`pinout`] | which pin does what, and which pins must be left alone |
+//! | [`sonar_ring`] | when which sonar fires, and what its echo means |
 //! | [`stack`] | how deep the stack has been |
 //! | [`vigil`] | whether the watchdog may be fed |
 //!
@@ -33,5 +34,6 @@ pub mod persist;
 pub mod pinout;
 #[cfg(feature = "qemu")]
 pub mod provoke;
+pub mod sonar_ring;
 pub mod stack;
 pub mod vigil;

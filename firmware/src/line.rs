@@ -34,6 +34,7 @@ pub trait Port {
 pub struct Faults {
     overruns: AtomicU32,
     lost: AtomicU32,
+    spoilt: AtomicU32,
 }
 
 impl Faults {
@@ -43,6 +44,7 @@ impl Faults {
         Self {
             overruns: AtomicU32::new(0),
             lost: AtomicU32::new(0),
+            spoilt: AtomicU32::new(0),
         }
     }
 
@@ -56,6 +58,17 @@ impl Faults {
     #[must_use]
     pub fn lost(&self) -> u32 {
         self.lost.load(Ordering::Relaxed)
+    }
+
+    /// Firings of the ring that its ECHO line spoilt or that nobody took.
+    #[must_use]
+    pub fn spoilt(&self) -> u32 {
+        self.spoilt.load(Ordering::Relaxed)
+    }
+
+    /// One more of them.
+    pub fn spoil(&self) {
+        count(&self.spoilt);
     }
 }
 

@@ -3,12 +3,13 @@
 //! | task | runs | priority | does |
 //! |---|---|---|---|
 //! | `serial` | when a byte has come or can go | 3 | moves it between the port and a queue |
+//! | `ring` | when a sonar's time has come or its echo | 2 | fires, listens, queues what was heard |
 //! | `clock` | each millisecond | 2 | counts, lights the lamp, feeds the watchdog, wakes `control` |
 //! | `control` | when a frame has come, each 10 ms, and while there is more to do | 1 | owns the mind |
 //! | `idle` | otherwise | 0 | sleeps |
 //!
 //! Tasks share queues and atomic numbers, never a lock: nothing but a line of the log holds off the receiver, for at most
-//! 351 instructions (counted in an emulated chip with the board's logger), 2 µs of the 87 µs a byte takes.
+//! 350 instructions (counted in an emulated chip with the board's logger), 2 µs of the 87 µs a byte takes.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
@@ -23,7 +24,7 @@ mod log;
 #[cfg(target_os = "none")]
 #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
 mod app {
-    use crate::board::{Board, Lamp, SerialPort, Watchdog};
+    use crate::board::{Board, Lamp, RingPin, RingTimer, SerialPort, Watchdog};
     use crate::fault;
     use crate::flash::Kept;
     use amp::node::{Identity, NomadNode};
@@ -35,6 +36,7 @@ mod app {
     use firmware::lamp;
     use firmware::line::{Faults, Line, Outbox};
     use firmware::persist::{SLOT_BYTES, Store};
+    use firmware::sonar_ring::{Capture, Driver, Firing, FiringOrder, Ring, Sound, Timing};
     use firmware::vigil::{Task, Vigil};
     use heapless::spsc::Queue;
     use stm32f4xx_hal::pac::Interrupt;
@@ -45,11 +47,16 @@ mod app {
     const LOOK_MS: u32 = 1_000;
     /// The interrupt whose vector control borrows: the 64-pin package has no external memory.
     const CONTROL: Interrupt = Interrupt::FSMC;
+    /// An emulated chip has no pins.
+    const HAS_RING: bool = cfg!(not(feature = "qemu"));
+    /// Of the air around the ring, tenths of a degree Celsius.
+    const AIR: i16 = 200;
 
     #[shared]
     struct Shared {
         now_ms: AtomicU32,
         linked: AtomicBool,
+        ring_wanted: AtomicBool,
         reset: ResetCause,
         vigil: Vigil,
         faults: &'static Faults,
@@ -61,6 +68,8 @@ mod app {
         port: SerialPort,
         lamp: Lamp,
         watchdog: Watchdog,
+        ring: Ring<'static, RingPin>,
+        timer: RingTimer,
         control: Control<'static, Kept>,
     }
 
@@ -69,6 +78,7 @@ mod app {
         received: Queue<u8, 512> = Queue::new(),
         to_send: Queue<u8, 2048> = Queue::new(),
         faults: Faults = Faults::new(),
+        firings: Queue<Firing, 16> = Queue::new(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
         let mut board = Board::init(cx.device, cx.core);
@@ -77,15 +87,17 @@ mod app {
         let (received_in, received_out) = cx.local.received.split();
         let (to_send_in, to_send_out) = cx.local.to_send.split();
         let outbox = Outbox::new(to_send_in);
+        let (firings_in, firings_out) = cx.local.firings.split();
         let store = Store::mount(board.kept, SLOT_BYTES);
-        let mut control = Control::new(cx.local.mind, received_out, outbox, faults, store);
+        let control = Control::new(cx.local.mind, received_out, outbox, faults, store);
+        let mut control = control.with_ring(firings_out);
         // A sector of flash may have to be erased.
         board.watchdog.be_patient(true);
         control.start(
             Identity {
                 build: build(),
                 reset,
-                ring: false,
+                ring: HAS_RING,
             },
             Millis::from_ms(0),
         );
@@ -95,15 +107,22 @@ mod app {
         let shared = Shared {
             now_ms: AtomicU32::new(0),
             linked: AtomicBool::new(false),
+            ring_wanted: AtomicBool::new(false),
             reset,
             vigil: Vigil::new(),
             faults,
         };
+        let (timing, mut timer) = (Timing::relays(), board.ring_timer);
+        let now_us = timer.now_us();
+        let Ok(driver) = Driver::new(board.ring_pins, timing, FiringOrder::NOMAD, now_us);
+        let ring = Ring::new(driver, timing, Sound::at(AIR), firings_in, faults);
         let local = Local {
             line: Line::new(received_in, to_send_out),
             port: board.port,
             lamp: board.lamp,
             watchdog: board.watchdog,
+            ring,
+            timer,
             control,
         };
         (shared, local)
@@ -149,7 +168,17 @@ mod app {
         cx.local.lamp.light(lit);
     }
 
-    #[task(binds = FSMC, priority = 1, local = [control, looked_ms: u32 = 0], shared = [&now_ms, &linked, &vigil])]
+    #[task(binds = TIM3, priority = 2, local = [ring, timer], shared = [&now_ms, &ring_wanted])]
+    fn ring(cx: ring::Context) {
+        let (timer, shared) = (cx.local.timer, cx.shared);
+        timer.clear();
+        let now = Millis::from_ms(shared.now_ms.load(Ordering::Relaxed));
+        let wanted = shared.ring_wanted.load(Ordering::Relaxed);
+        let Ok(next_us) = cx.local.ring.serve(timer, now, wanted);
+        timer.wake_at(next_us, cx.local.ring.listens());
+    }
+
+    #[task(binds = FSMC, priority = 1, local = [control, looked_ms: u32 = 0], shared = [&now_ms, &linked, &ring_wanted, &vigil])]
     fn control(cx: control::Context) {
         let (control, shared) = (cx.local.control, cx.shared);
         let now_ms = shared.now_ms.load(Ordering::Relaxed);
@@ -158,6 +187,10 @@ mod app {
         shared.vigil.want_patience(control.wants_patience());
         if control.take_sent() {
             rtic::pend(Interrupt::USART1);
+        }
+        let wanted = HAS_RING && control.wants_ring();
+        if shared.ring_wanted.swap(wanted, Ordering::Relaxed) != wanted {
+            rtic::pend(Interrupt::TIM3);
         }
         shared.linked.store(control.is_linked(), Ordering::Relaxed);
         if now_ms.wrapping_sub(*cx.local.looked_ms) >= LOOK_MS {

@@ -1,14 +1,14 @@
 //! Which pin of the Olimex STM32-H405 does what.
 //!
 //! The chip is an STM32F405RG in its 64-pin package: ports A, B and C whole, PD2, and the crystal's two pins (PH0, PH1).
-//! The ring's pins are planned, not driven yet.
+//! An emulated chip sets the ring's pins up and leaves them alone.
 
 /// What a pin is used for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Use {
     /// Driven or read by this firmware.
     Now,
-    /// Kept free for the ring of sonars.
+    /// Kept free for later.
     Planned,
 }
 
@@ -40,22 +40,23 @@ const fn planned(pin: &'static str, function: &'static str) -> Assignment {
 }
 
 /// Every pin the firmware uses or will use.
-pub const ASSIGNMENTS: [Assignment; 11] = [
+pub const ASSIGNMENTS: [Assignment; 12] = [
     now("PA9", "link: USART1 transmits"),
     now("PA10", "link: USART1 receives"),
     now("PC12", "lamp, lit when low"),
     planned("PA0", "button"),
     // One ranging module serves sixteen transducers, chosen by a four-bit address. All five lines in a row of port C,
     // so that an address is one write.
-    planned("PC0", "ring: address bit 0"),
-    planned("PC1", "ring: address bit 1"),
-    planned("PC2", "ring: address bit 2"),
-    planned("PC3", "ring: address bit 3"),
+    now("PC0", "ring: address bit 0"),
+    now("PC1", "ring: address bit 1"),
+    now("PC2", "ring: address bit 2"),
+    now("PC3", "ring: address bit 3"),
     // Timer 3, channel 1 captures the edge. The module's output is an open collector pulled up to 5 V: the pin is one of
     // the chip's 5 V tolerant ones.
-    planned("PC6", "ring: ECHO, captured by timer 3"),
-    planned("PC7", "ring: INIT"),
-    planned("PC8", "ring: BINH"),
+    now("PC6", "ring: ECHO, captured by timer 3"),
+    now("PC7", "ring: INIT"),
+    now("PC8", "ring: BINH"),
+    now("PC9", "ring: BLNK"),
 ];
 
 /// Pins that belong to the board, and to what.

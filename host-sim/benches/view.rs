@@ -25,6 +25,7 @@ fn seeking() -> Simulator {
             sonar: SonarModel::Ideal,
             turret: TurretMode::Held,
             set_down: None,
+            faults: Vec::new(),
             record: false,
         },
         whole: config,

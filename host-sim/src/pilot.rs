@@ -3,6 +3,7 @@
 use crate::episode::Failure;
 use amp::config::Config;
 use amp::controller::{self, Event, Outputs, State};
+use amp::faults::{Detector, Verdict};
 use amp::som::Grid;
 use amp::units::{Millis, Range};
 
@@ -72,16 +73,15 @@ impl<P: Thinker> Thinker for &mut P {
 pub struct Mind {
     config: Config<16>,
     state: Box<SimState>,
+    detector: Detector<16>,
+    verdicts: Vec<Verdict>,
 }
 
 impl Mind {
     /// A mind that knows nothing yet.
     #[must_use]
     pub fn new(config: Config<16>) -> Self {
-        Self {
-            config,
-            state: Box::new(State::new(Grid::rectangle(4, 4))),
-        }
+        Self::with_state(config, State::new(Grid::rectangle(4, 4)))
     }
 
     /// A mind that knows this already.
@@ -90,6 +90,8 @@ impl Mind {
         Self {
             config,
             state: Box::new(state),
+            detector: Detector::new(),
+            verdicts: Vec::new(),
         }
     }
 
@@ -104,6 +106,18 @@ impl Mind {
         &self.config
     }
 
+    /// Which transducers it has ceased to believe, or believes again, in order.
+    #[must_use]
+    pub fn verdicts(&self) -> &[Verdict] {
+        &self.verdicts
+    }
+
+    /// What keeps watch over its transducers.
+    #[must_use]
+    pub fn detector(&self) -> &Detector<16> {
+        &self.detector
+    }
+
     /// What it knows.
     #[must_use]
     pub fn state(&self) -> &SimState {
@@ -113,6 +127,8 @@ impl Mind {
 
 impl Pilot for Mind {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
+        let verdict = self.detector.heed(&mut self.config, &event);
+        self.verdicts.extend(verdict);
         controller::handle(&self.config, &mut self.state, at, event)
     }
 }

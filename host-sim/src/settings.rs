@@ -97,6 +97,12 @@ pub static SETTINGS: Table = &[
         |c: &mut Config<16>, t| put(&mut c.believed, mask(t))
     ),
     setting!(
+        "fault-detection",
+        "whether sonars that misbehave are no longer believed: on | off",
+        |c| on_off(c.fault_detection),
+        |c: &mut Config<16>, t| put(&mut c.fault_detection, switch(t))
+    ),
+    setting!(
         "step",
         "longest displacement per decision, metres",
         |c| meters(c.robot.step_mm),

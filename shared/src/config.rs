@@ -43,6 +43,8 @@ pub struct Config<const SENSORS: usize> {
     pub clearance_mm: u16,
     /// What limits motion by the echoes; `None` = nothing does.
     pub shield: Option<Shielding>,
+    /// Whether a transducer that behaves as none in good order does is no longer believed: see [`faults`](crate::faults).
+    pub fault_detection: bool,
 }
 
 impl<const SENSORS: usize> Config<SENSORS> {
@@ -244,6 +246,7 @@ impl<const SENSORS: usize> Config<SENSORS> {
             planning: self.planning,
             clearance_mm: self.clearance_mm,
             shield: self.shield,
+            fault_detection: self.fault_detection,
         }
     }
 }
@@ -306,6 +309,7 @@ impl Config<16> {
             },
             clearance_mm: 1_000,
             shield: Some(Shielding::nomad200()),
+            fault_detection: false,
         }
     }
 

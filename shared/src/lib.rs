@@ -34,6 +34,7 @@
 //! | [`memory`] | the lazy memory of samples |
 //! | [`goal`] | behaviours as goal situations |
 //! | [`planner`] | the paper's four steps, with every intermediate value |
+//! | [`faults`] | which transducers to believe |
 //! | [`shield`] | what the ring hears limits how far and how fast |
 //! | [`config`] | every open choice of the method as a named value; the presets |
 //! | [`controller`] | modes and events: the robot as a function |
@@ -62,6 +63,7 @@ pub mod action_map;
 mod arrays;
 pub mod config;
 pub mod controller;
+pub mod faults;
 pub mod fixed;
 pub mod goal;
 pub mod link;

@@ -11,10 +11,11 @@
 
 use crate::config::Config;
 use crate::controller::{self, Event, Mode, NomadState, Outputs, State, StopReason};
+use crate::faults::Detector;
 use crate::goal::{Goal, KeptGoals};
 use crate::link::{Link, Verdict};
 use crate::som::Grid;
-use crate::units::Millis;
+use crate::units::{Millis, Range};
 use crate::wire::frame::{self, Frame, FrameError, Header};
 use crate::wire::message::{
     Counters, DeviceCounters, Dimensions, FromMind, HostHello, MindHello, ModeReport, MotionOrder,
@@ -76,6 +77,7 @@ pub struct Node<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize
     underway: Option<Underway>,
     counters: Counters,
     kept: Kept,
+    detector: Detector<SENSORS>,
     /// A configuration on its way in.
     staged: Vec<u8, MOST_CONFIG>,
 }
@@ -117,6 +119,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             underway: None,
             counters: Counters::NONE,
             kept: Kept::new(),
+            detector: Detector::new(),
             staged: Vec::new(),
         }
     }
@@ -291,6 +294,22 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.renew_motion(time, now, out);
     }
 
+    /// Takes what a transducer of the chip's own ring heard, `age_ms` before `now`. Ignored while echoes come over the link.
+    pub fn ring_echo(
+        &mut self,
+        sensor: u8,
+        range: Option<Range>,
+        age_ms: u32,
+        now: Millis,
+        out: &mut impl Outbox,
+    ) {
+        if self.source == Source::Ring {
+            let time = self.link.time(now).as_ms();
+            let at = Millis::from_ms(time.wrapping_sub(age_ms));
+            self.happen(at, Event::Echo { sensor, range }, now, out);
+        }
+    }
+
     fn renew_motion(&mut self, time: Millis, now: Millis, out: &mut impl Outbox) {
         let moving = self.state.is_moving();
         if let Some(underway) = self.underway.filter(|_| moving)
@@ -306,6 +325,9 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 
     /// Hands an event to the mind and says what comes of it.
     fn happen(&mut self, at: Millis, event: Event<SENSORS>, now: Millis, out: &mut impl Outbox) {
+        if let Some(verdict) = self.detector.heed(&mut self.config, &event) {
+            self.say(FromMind::Log(verdict.into()), now, out);
+        }
         let outputs = controller::handle(&self.config, &mut self.state, at, event);
         self.tell(&outputs, at, now, out);
     }

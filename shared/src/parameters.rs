@@ -30,6 +30,8 @@ pub enum Parameter {
     Believed,
     /// Time the ring takes.
     RingPeriod,
+    /// Whether transducers that misbehave are no longer believed: 0 or 1.
+    FaultDetection,
 }
 
 /// Unit of a parameter.
@@ -102,7 +104,7 @@ impl core::error::Error for ParameterError {}
 
 impl Parameter {
     /// All of them, in the order of their numbers on the wire.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Near,
         Self::Far,
         Self::Clearance,
@@ -114,6 +116,7 @@ impl Parameter {
         Self::Epochs,
         Self::Believed,
         Self::RingPeriod,
+        Self::FaultDetection,
     ];
 
     /// Its name in lower case.
@@ -131,6 +134,7 @@ impl Parameter {
             Self::Epochs => "epochs",
             Self::Believed => "believed",
             Self::RingPeriod => "ring-period",
+            Self::FaultDetection => "fault-detection",
         }
     }
 
@@ -143,7 +147,7 @@ impl Parameter {
             Self::Step => (Unit::Millimetres, 10, 1_000),
             Self::Speed => (Unit::MillimetresPerSecond, 10, 508),
             Self::Margin => (Unit::Millimetres, 0, 1_000),
-            Self::Shield | Self::Online => (Unit::Switch, 0, 1),
+            Self::Shield | Self::Online | Self::FaultDetection => (Unit::Switch, 0, 1),
             Self::Epochs => (Unit::Count, 1, 1_000),
             Self::Believed => (Unit::Bits, i32::MIN, i32::MAX),
             Self::RingPeriod => (Unit::Milliseconds, 1, 10_000),
@@ -172,6 +176,7 @@ impl Parameter {
             Self::Epochs => i32::from(config.learning.epochs),
             Self::Believed => config.believed.to_bits() as i32,
             Self::RingPeriod => i32::from(config.robot.ring_period_ms),
+            Self::FaultDetection => i32::from(config.fault_detection),
         }
     }
 
@@ -213,6 +218,7 @@ impl Parameter {
             Self::Epochs => config.learning.epochs = small,
             Self::Believed => config.believed = Mask::from_bits(value as u32),
             Self::RingPeriod => config.robot.ring_period_ms = small,
+            Self::FaultDetection => config.fault_detection = value == 1,
         }
         Ok(())
     }

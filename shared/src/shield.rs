@@ -256,35 +256,52 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         if way.direction == Direction::default() {
             return limit;
         }
+        if !config.believed.and(among).covers(SENSORS) {
+            return self.free_by_some(config, way, limit, among);
+        }
+        let mut axes = config.robot.directions.iter().enumerate();
+        if axes.any(|(sensor, axis)| self.is_stale(way, sensor, *axis)) {
+            return 0;
+        }
+        // Arcs not heard are none.
+        if usize::from(way.places) >= KEPT {
+            return way.until_any(self.arcs.as_flattened(), limit);
+        }
+        (0..SENSORS).fold(limit, |distance, sensor| {
+            way.until_any(self.kept(sensor, way.places), distance)
+        })
+    }
+
+    /// The same where not all are asked; apart, so that it costs nothing where all are.
+    #[inline(never)]
+    fn free_by_some(
+        &self,
+        config: &Config<SENSORS>,
+        way: &Way<'_>,
+        limit: i32,
+        among: Mask,
+    ) -> i32 {
+        if among == Mask::ALL && way.is_blind(config) {
+            return 0;
+        }
         let asked = config.believed.and(among);
-        let is_stale = |sensor: usize, axis: &Direction| {
-            way.is_covered_by(*axis) && {
-                let heard = self.heard.get(sensor).copied().unwrap_or(0);
-                !way.is_fresh(self.kept(sensor, heard.min(way.places)))
-            }
-        };
-        let axes = &config.robot.directions;
-        if asked.covers(SENSORS) {
-            if axes
-                .iter()
-                .enumerate()
-                .any(|(sensor, axis)| is_stale(sensor, axis))
-            {
-                return 0;
-            }
-            // Arcs not heard are none.
-            if usize::from(way.places) >= KEPT {
-                return way.until_any(self.arcs.as_flattened(), limit);
-            }
-        } else {
-            let mut asked = asked.indices(SENSORS);
-            if asked.any(|sensor| axes.get(sensor).is_some_and(|axis| is_stale(sensor, axis))) {
-                return 0;
-            }
+        let axis = |sensor: usize| config.robot.directions.get(sensor);
+        let is_stale =
+            |sensor: usize| axis(sensor).is_some_and(|axis| self.is_stale(way, sensor, *axis));
+        if asked.indices(SENSORS).any(is_stale) {
+            return 0;
         }
         asked.indices(SENSORS).fold(limit, |distance, sensor| {
             way.until_any(self.kept(sensor, way.places), distance)
         })
+    }
+
+    /// Whether the transducer looks where the robot would go and was not heard lately.
+    fn is_stale(&self, way: &Way<'_>, sensor: usize, axis: Direction) -> bool {
+        way.is_covered_by(axis) && {
+            let heard = self.heard.get(sensor).copied().unwrap_or(0);
+            !way.is_fresh(self.kept(sensor, heard.min(way.places)))
+        }
     }
 
     /// The newest arcs of a transducer, so many at most.
@@ -422,6 +439,17 @@ impl<'a> Way<'a> {
             },
             now,
         }
+    }
+
+    /// Whether the way leads along the gap of a transducer that is not believed: a post there stays unheard all the way. A
+    /// gap reaches to the middle of its neighbours' lobes, or the robot would touch what stands between (measured).
+    fn is_blind<const SENSORS: usize>(&self, config: &Config<SENSORS>) -> bool {
+        const COS_24_Q14: i32 = 14_968;
+        let mut ring = config.robot.directions.iter().enumerate();
+        ring.any(|(sensor, axis)| {
+            let (x, y) = (i32::from(axis.x_q14), i32::from(axis.y_q14));
+            !config.believed.contains(sensor) && self.direction.along(x, y) > COS_24_Q14
+        })
     }
 
     /// Whether the transducer looks where the robot would go.

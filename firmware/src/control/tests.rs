@@ -1,8 +1,11 @@
 use super::*;
 use crate::persist::{self, sim::SimFlash};
 use amp::parameters::Parameter;
+use amp::units::Range;
 use amp::wire::frame::{Header, unpack};
-use amp::wire::message::{Clock, Counters, Dimensions, HostHello, ModeReport, Refusal, ResetCause};
+use amp::wire::message::{
+    Clock, Counters, Dimensions, HostHello, ModeReport, Order, Refusal, ResetCause,
+};
 use amp::wire::{Frame, FromMind, PROTOCOL, Report, SCHEMA, ToMind};
 use heapless::spsc::{Producer, Queue};
 use std::boxed::Box;
@@ -281,4 +284,93 @@ fn a_pause_waits_for_its_announcement_and_for_the_watchdog() {
     assert!(bench.control.run(Millis::from_ms(5)));
     assert_eq!(bench.said(), [FromMind::Done { seq: 3 }]);
     assert!(bench.control.store.generation() == 2 && !bench.control.wants_patience());
+}
+
+/// The ring's queue, whose near end the control task holds; the session takes its scans from there.
+fn ringed(bench: Bench) -> (Bench, Producer<'static, Firing>) {
+    let queue = forever(Queue::<Firing, 16>::new());
+    let (near, far) = queue.split();
+    let mut bench = Bench {
+        control: bench.control.with_ring(far),
+        ..bench
+    };
+    let identity = Identity {
+        build: *b"testtest",
+        reset: ResetCause::Panic,
+        ring: true,
+    };
+    bench.control.start(identity, Millis::from_ms(0));
+    bench.open();
+    let _ = bench.control.run(Millis::from_ms(1));
+    (bench, near)
+}
+
+fn listen(bench: &mut Bench, source: Source, now_ms: u32) {
+    bench.ask(&ToMind::Source(source));
+    let _ = bench.control.run(Millis::from_ms(now_ms));
+}
+
+#[test]
+fn the_ring_fires_when_its_session_listens_to_it() {
+    let (mut bench, _near) = ringed(bench());
+    assert!(!bench.control.wants_ring());
+    listen(&mut bench, Source::Ring, 2);
+    assert!(bench.control.wants_ring());
+    listen(&mut bench, Source::Link, 3);
+    assert!(!bench.control.wants_ring());
+}
+
+/// A robot that explores moves when its ring is whole; what the ring heard before it was listened to does not count.
+#[test]
+fn what_the_ring_hears_reaches_the_mind_with_its_age() {
+    let (mut bench, mut near) = ringed(bench());
+    let fire = |near: &mut Producer<'static, Firing>, at_ms: u32| {
+        for sensor in 0..15 {
+            let firing = Firing {
+                sensor,
+                range: Some(Range::from_mm(2_000)),
+                at: Millis::from_ms(at_ms),
+            };
+            assert!(near.enqueue(firing).is_ok());
+        }
+    };
+    fire(&mut near, 2);
+    listen(&mut bench, Source::Link, 3);
+    listen(&mut bench, Source::Ring, 4);
+    bench.ask(&ToMind::Command {
+        at_ms: 5,
+        ttl_ms: 1_000,
+        order: Order::Explore { moves: 3, seed: 1 },
+    });
+    let _ = bench.control.run(Millis::from_ms(5));
+    bench.said();
+    let last = Firing {
+        sensor: 15,
+        range: None,
+        at: Millis::from_ms(6),
+    };
+    assert!(near.enqueue(last).is_ok());
+    let _ = bench.control.run(Millis::from_ms(6));
+    let moves = |said: &[FromMind<16>]| said.iter().any(|said| matches!(said, FromMind::Motion(_)));
+    assert!(!moves(&bench.said()), "the others have not been heard");
+    fire(&mut near, 7);
+    let _ = bench.control.run(Millis::from_ms(40));
+    assert!(moves(&bench.said()));
+}
+
+/// An erasure stops the ring's clock.
+#[test]
+fn the_ring_rests_while_flash_is_in_use() {
+    let (mut bench, _near) = ringed(bench());
+    listen(&mut bench, Source::Ring, 2);
+    bench.ask(&ToMind::Flash(Flash::Save));
+    let _ = bench.control.run(Millis::from_ms(3));
+    let _ = bench.control.run(Millis::from_ms(4));
+    assert!(!bench.control.wants_ring());
+    for ms in 5..20 {
+        bench.said();
+        bench.control.note_patience(true);
+        let _ = bench.control.run(Millis::from_ms(ms));
+    }
+    assert!(bench.control.wants_ring());
 }

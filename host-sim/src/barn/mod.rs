@@ -178,6 +178,7 @@ fn taught(rules: &Rules, seed: u64) -> Result<Mind, Failure> {
         sonar: rules.sonar,
         turret: TurretMode::Held,
         set_down: None,
+        faults: Vec::new(),
         record: false,
     };
     let mut mind = Mind::new(setup.config.clone());

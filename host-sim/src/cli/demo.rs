@@ -65,6 +65,7 @@ pub fn demo(args: &DemoArgs, out: &mut impl Write) -> Result<(), Failure> {
         sonar: SonarModel::Ideal,
         turret: preset.turret(),
         set_down: None,
+        faults: Vec::new(),
         record: true,
     };
     let progress = bar(1, "");

@@ -11,6 +11,7 @@ mod bridge;
 mod capture;
 mod compare;
 mod demo;
+mod faults;
 mod learn;
 mod link;
 mod log;
@@ -79,6 +80,8 @@ enum Command {
     Capture(capture::CaptureArgs),
     /// Measure whether a behaviour improves by being repeated, against frozen maps
     Repetition(repetition::RepetitionArgs),
+    /// Measure what a sonar out of order does, and how soon the robot ceases to believe it
+    Faults(faults::FaultsArgs),
     /// Say what is in a log that `run --log FILE.mcap` wrote
     Log(log::LogArgs),
     /// Run the mind of a log again: does it decide the same, bit for bit? (exit code 1 if not)
@@ -165,6 +168,7 @@ fn execute(command: Option<Command>, out: &mut impl Write) -> Result<(), Failure
         Some(Command::Behaviors(args)) => behaviors::behaviors(&args, out),
         Some(Command::Capture(args)) => capture::capture(&args, out),
         Some(Command::Repetition(args)) => repetition::repetition(&args, out),
+        Some(Command::Faults(args)) => faults::faults(&args, out),
         Some(Command::Log(args)) => log::log(&args, out),
         Some(Command::Replay(args)) => log::replay(&args, out),
         Some(Command::Paper(args)) => paper::paper(&args, out),

@@ -7,6 +7,7 @@ use crate::pilot::MOST_MOVES;
 use crate::robot::TurretMode;
 use crate::scenes::Behavior;
 use crate::settings;
+use crate::sonar::TransducerFault;
 use amp::config::Config;
 use clap::Args;
 
@@ -32,6 +33,11 @@ pub struct SetupArgs {
     /// What the sonars return
     #[arg(long, value_name = "MODEL", default_value = "ideal", value_enum)]
     sonar: SonarChoice,
+    /// A sonar that is out of order: dead:N, stuck:N:METRES, scaled:N:SHARE, offset:N:METRES, jumping:N:PROBABILITY,
+    /// noisy:N:METRES, delayed:N:FIRINGS, intermittent:N:PROBABILITY, crosstalk:N:PROBABILITY or swapped:N:M; may be
+    /// given several times (see --set fault-detection=on)
+    #[arg(long = "fault", value_name = "KIND:N", value_parser = parsed::<TransducerFault>)]
+    faults: Vec<TransducerFault>,
     /// Whether the ring keeps its bearing in the world or turns with the heading
     /// [default: held; follow for the preset touzet]
     #[arg(long, value_name = "MODE", value_enum)]
@@ -99,6 +105,7 @@ impl SetupArgs {
                 Some(TurretChoice::Follow) => TurretMode::Follow,
             },
             set_down: None,
+            faults: self.faults.clone(),
             record: false,
         })
     }

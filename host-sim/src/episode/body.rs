@@ -11,7 +11,7 @@ use crate::pilot::Pilot;
 use crate::robot::{
     Base, BaseLimits, COLLISION_RADIUS_M, Executed, Motion as BaseMotion, TurretMode,
 };
-use crate::sonar::{FIRING_ORDER, FIRING_SLOT_S, RING_PERIOD_S, Ring, SonarModel};
+use crate::sonar::{FIRING_ORDER, FIRING_SLOT_S, RING_PERIOD_S, Ring, SonarModel, TransducerFault};
 use crate::world::{Point, Pose, World};
 use amp::controller::{Decision, Event, Motion, Outputs, Progress};
 use amp::units::{Bearing, Displacement, Millis, Range};
@@ -110,6 +110,13 @@ impl<'w> Body<'w> {
         }
     }
 
+    /// The same robot, something wrong with its transducers.
+    #[must_use]
+    pub fn with_faults(mut self, faults: &[TransducerFault]) -> Self {
+        self.ring = self.ring.with_faults(faults);
+        self
+    }
+
     /// Simulated time, seconds.
     #[must_use]
     pub fn time_s(&self) -> f64 {
@@ -148,7 +155,8 @@ impl<'w> Body<'w> {
         let pose = self.base.pose();
         self.time_s += RING_PERIOD_S;
         let world = crowded(&self.world, self.leader.as_ref());
-        self.ring.scan(world, &pose, &mut self.ranges_m);
+        self.ring
+            .scan_with_faults(world, &pose, &mut self.ranges_m, &mut self.noise);
         let mut happened = self.nothing_yet(pose);
         let echoes: [_; 16] = std::array::from_fn(|sensor| (sensor as u8, self.range(sensor)));
         let mut left = &echoes[..];

@@ -60,6 +60,7 @@ mod tests {
                 sonar: SonarModel::Ideal,
                 turret: TurretMode::Held,
                 set_down: None,
+                faults: Vec::new(),
                 record: true,
             };
             let episode = run(&world, &setup, |_, _, _| {}).expect("an episode");

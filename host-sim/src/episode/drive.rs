@@ -10,7 +10,7 @@ use crate::pilot::{Mind, Pilot, Thinker};
 use crate::recording::Recording;
 use crate::robot::TurretMode;
 use crate::scenes::Behavior;
-use crate::sonar::SonarModel;
+use crate::sonar::{SonarModel, TransducerFault};
 use crate::world::{Point, World};
 use amp::config::Config;
 use amp::controller::{Command, Decision, Event, Refusal};
@@ -35,6 +35,8 @@ pub struct Setup {
     pub seed: u64,
     /// What the sonars return.
     pub sonar: SonarModel,
+    /// What is wrong with single transducers.
+    pub faults: Vec<TransducerFault>,
     /// What the ring does while the base steers.
     pub turret: TurretMode,
     /// Where the robot is set down after exploring; `None` = where its behaviour says.
@@ -157,7 +159,7 @@ pub(super) fn educated<'w>(
     mut progress: impl FnMut(Phase, u32, u32),
 ) -> Result<(Driver<'w>, Tally), Failure> {
     let seeds = Seeds::of(setup.seed);
-    let body = Body::new(world, setup.sonar, setup.turret, seeds.noise);
+    let body = Body::new(world, setup.sonar, setup.turret, seeds.noise).with_faults(&setup.faults);
     let mut driver = Driver::new(world, body, setup.record);
     driver.observer = observer;
 

@@ -262,6 +262,7 @@ fn mind(
         sonar: trial.sonar,
         turret,
         set_down: None,
+        faults: Vec::new(),
         record: false,
     };
     let report = run(world, &setup, |_, _, _| {})?.report;

@@ -127,6 +127,7 @@ fn setup(scene: &Scene, trial: &Trial, world: &World, seed: u64) -> Setup {
         sonar: scene.sonar.unwrap_or(trial.sonar),
         turret: trial.turret,
         set_down: scene.set_down.map(|place| place(seed)),
+        faults: Vec::new(),
         record: false,
     }
 }

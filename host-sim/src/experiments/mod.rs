@@ -3,6 +3,7 @@
 pub mod ablation;
 pub mod behaviors;
 pub mod compare;
+pub mod faults;
 pub mod paper;
 pub mod repetition;
 pub mod rooms;

@@ -12,8 +12,8 @@ use amp::fixed::Mask;
 use amp::som::Grid;
 use amp::units::{Millis, Range};
 use amp::wire::message::{
-    Clock, FromMind, GoalBy, Heard, MindHello, ModeReport, MotionOrder, Order, Part, Refusal,
-    Report,
+    Clock, FromMind, GoalBy, Heard, MindHello, ModeReport, MotionOrder, Notice, Order, Part,
+    Refusal, Report,
 };
 use amp::wire::{ToMind, message};
 use std::borrow::BorrowMut;
@@ -127,6 +127,12 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
         session.write_part(Part::Config, &bytes)?;
         self.config = config.clone();
         Ok(())
+    }
+
+    /// What the mind was told, and whom it believes by now.
+    #[must_use]
+    pub fn config(&self) -> &Config<16> {
+        &self.config
     }
 
     /// What the mind had instead of this configuration, empty maps and an empty memory before it was told; in words.
@@ -256,6 +262,12 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
                 return Err(LinkError::Stopped(*reason));
             }
             FromMind::Mode(_) => outputs.mode_changed = true,
+            FromMind::Log(Notice::Disbelieved { sensor, .. }) => {
+                self.config.believed = self.config.believed.without((*sensor).into());
+            }
+            FromMind::Log(Notice::Believed { sensor }) => {
+                self.config.believed = self.config.believed.with((*sensor).into());
+            }
             _ => {}
         }
         Ok(())

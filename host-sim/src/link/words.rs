@@ -104,6 +104,13 @@ pub fn describe(report: &Report<16>) -> String {
         FromMind::Log(Notice::FramesDropped { count }) => {
             ("log", format!("{count} frames found no room so far"))
         }
+        FromMind::Log(Notice::Disbelieved { sensor, fault }) => (
+            "log",
+            format!("sonar {sensor} is not believed any more: {fault:?}").to_lowercase(),
+        ),
+        FromMind::Log(Notice::Believed { sensor }) => {
+            ("log", format!("sonar {sensor} is believed again"))
+        }
         FromMind::Done { seq } => ("done", format!("frame {seq}")),
         FromMind::Busy { ms } => ("busy", format!("for at most {ms} ms")),
         FromMind::Goal { name, .. } if *name == Name::NONE => ("goal", "the present one".into()),

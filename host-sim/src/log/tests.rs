@@ -25,6 +25,7 @@ fn setup(sonar: SonarModel) -> EpisodeSetup {
         sonar,
         turret: TurretMode::Held,
         set_down: None,
+        faults: Vec::new(),
         record: false,
     }
 }

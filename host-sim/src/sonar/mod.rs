@@ -16,9 +16,11 @@ use crate::noise::Noise;
 use crate::world::{ConeShape, LobeView, Point, Pose, View, World};
 
 mod config;
+mod fault;
 mod hearing;
 
 pub use config::{SonarConfig, SonarModel};
+pub use fault::{FaultKind, TransducerFault};
 
 /// Length of an inch, m.
 pub const M_PER_INCH: f64 = 0.0254;
@@ -108,6 +110,7 @@ pub struct Ring {
     lobe: LobeView,
     hearing: hearing::Hearing,
     dead: Option<usize>,
+    faults: fault::Faults,
     earlier: Option<EarlierPing>,
 }
 
@@ -140,11 +143,19 @@ impl Ring {
             lobe: LobeView::default(),
             hearing: hearing::Hearing::new(&config, half_angle),
             dead: config.one_dead.then(|| noise.index(geometry.count)),
+            faults: fault::Faults::default(),
             earlier: None,
             geometry,
             config,
             model,
         }
+    }
+
+    /// The same ring with these faults.
+    #[must_use]
+    pub fn with_faults(mut self, faults: &[TransducerFault]) -> Self {
+        self.faults = fault::Faults::new(faults);
+        self
     }
 
     /// Where the transducers sit.
@@ -171,6 +182,23 @@ impl Ring {
         self.dead
     }
 
+    /// What all transducers say at once, whatever the model: the exact ranges, m, but for faults.
+    pub fn scan_with_faults(
+        &mut self,
+        world: &World,
+        pose: &Pose,
+        out: &mut [Option<f64>; 16],
+        noise: &mut Noise,
+    ) {
+        self.scan(world, pose, out);
+        let heard = *out;
+        for (sensor, range) in out.iter_mut().enumerate() {
+            let asked = self.faults.asked(sensor);
+            let heard = heard.get(asked).copied().flatten();
+            *range = self.faults.reported(sensor, heard, noise);
+        }
+    }
+
     /// The exact ranges, m, of all transducers at once, whatever the model: `out[i]` for transducer i, as
     /// far as `out` reaches. `None` beyond the greatest range.
     pub fn scan(&mut self, world: &World, pose: &Pose, out: &mut [Option<f64>]) {
@@ -187,6 +215,19 @@ impl Ring {
     /// Fires one transducer at `time_s` from where the robot is then. A `sensor` the ring does not have
     /// hears nothing.
     pub fn ping(
+        &mut self,
+        world: &World,
+        pose: &Pose,
+        sensor: usize,
+        time_s: f64,
+        noise: &mut Noise,
+    ) -> Option<f64> {
+        let heard = self.heard(world, pose, self.faults.asked(sensor), time_s, noise);
+        self.faults.reported(sensor, heard, noise)
+    }
+
+    /// What a transducer in good order would report.
+    fn heard(
         &mut self,
         world: &World,
         pose: &Pose,

@@ -78,6 +78,7 @@ impl<const SENSORS: usize> Config<SENSORS> {
             },
             clearance_mm: 0,
             shield: None,
+            fault_detection: false,
         }
     }
 }

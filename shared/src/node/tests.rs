@@ -1,9 +1,11 @@
 use super::*;
 use crate::controller::{Decision, Progress, Refusal as CommandRefusal};
+use crate::faults::Fault;
 use crate::goal::Component;
 use crate::link::SILENCE_MS;
+use crate::parameters::Parameter;
 use crate::units::{Displacement, Range};
-use crate::wire::message::{Clock, Flash, FlashError, GoalBy, Heard, Order, Part};
+use crate::wire::message::{Clock, Flash, FlashError, GoalBy, Heard, Notice, Order, Part, Source};
 use std::vec::Vec;
 
 type Small = Node<16, 16, 20>;
@@ -698,4 +700,97 @@ fn the_flash_is_asked_for_at_standstill_and_answered_when_it_is_done() {
     // The answer was lost: it comes again, and nothing is saved once more.
     assert_eq!(rig.raw(&save), read(&said));
     assert_eq!(rig.node.flash_task(), None);
+}
+
+impl Rig {
+    /// One whose mind has a ring of its own.
+    fn with_ring() -> Self {
+        let mut rig = Self::new(Clock::Device);
+        rig.node.prepare(
+            &Config::recommended(),
+            Grid::rectangle(4, 4),
+            Identity {
+                ring: true,
+                ..Identity::default()
+            },
+        );
+        let dimensions = Small::dimensions();
+        let clock = Clock::Device;
+        let said = rig.send(ToMind::Hello(HostHello { dimensions, clock }));
+        assert!(matches!(said[..], [FromMind::Hello(_)]), "{said:?}");
+        rig
+    }
+
+    /// The chip's own ring hears `range_mm` everywhere.
+    fn own_ring(&mut self, range_mm: u16) -> Vec<FromMind<16>> {
+        let (mut said, now) = (Said::default(), Millis::from_ms(self.now));
+        for sensor in 0..16 {
+            let range = Some(Range::from_mm(range_mm));
+            self.node.ring_echo(sensor, range, 40, now, &mut said);
+        }
+        read(&said)
+    }
+}
+
+#[test]
+fn echoes_come_from_where_the_session_listens() {
+    let mut rig = Rig::with_ring();
+    rig.ahead = 0;
+    let explore = Order::Explore { moves: 5, seed: 1 };
+    rig.order(explore.clone());
+    assert_eq!(rig.own_ring(2_000), [], "it listens to the link");
+    assert!(motion(&rig.ring(2_000)).is_some());
+    rig.order(Order::Stop);
+    rig.send(ToMind::Source(Source::Ring));
+    rig.order(explore);
+    assert!(motion(&rig.ring(2_000)).is_none(), "it listens to its ring");
+    assert!(motion(&rig.own_ring(2_000)).is_some());
+}
+
+#[test]
+fn a_chip_without_a_ring_has_none_to_listen_to() {
+    let mut rig = Rig::new(Clock::Device);
+    let said = rig.send(ToMind::Source(Source::Ring));
+    assert_eq!(refusal(&said), Some(Refusal::NoRing));
+}
+
+/// Transducer 3 hears nothing between near things until it does.
+#[test]
+fn the_host_is_told_whom_the_mind_believes() {
+    let mut rig = Rig::new(Clock::Host);
+    rig.send(ToMind::Parameter {
+        parameter: Parameter::FaultDetection,
+        value: Some(1),
+    });
+    let scan = |rig: &mut Rig, third: Option<u16>| {
+        let at_ms = rig.at_ms();
+        let echoes = (0..16).map(|sensor| Heard {
+            sensor,
+            range_mm: if sensor == 3 { third } else { Some(700) },
+            age_ms: 0,
+        });
+        let echoes = echoes.collect();
+        let notices = rig.send(ToMind::Scan { at_ms, echoes });
+        let logged = notices.into_iter().filter_map(|said| match said {
+            FromMind::Log(notice) => Some(notice),
+            _ => None,
+        });
+        logged.collect::<Vec<_>>()
+    };
+    assert_eq!(scan(&mut rig, None), []);
+    let at_ms = rig.at_ms();
+    rig.send(ToMind::Odometry {
+        at_ms,
+        motion: 0,
+        dx_mm: 250,
+        dy_mm: 0,
+        turned: 0,
+        progress: Progress::Ended,
+    });
+    let fault = Fault::Unheard;
+    assert_eq!(
+        scan(&mut rig, None),
+        [Notice::Disbelieved { sensor: 3, fault }]
+    );
+    assert_eq!(scan(&mut rig, Some(700)), [Notice::Believed { sensor: 3 }]);
 }

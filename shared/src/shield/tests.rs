@@ -66,3 +66,36 @@ fn who_stands_meets_nothing() {
         0
     );
 }
+
+/// A ring in the open; transducer 4, which looks to the left, is not believed.
+#[test]
+fn the_ways_along_a_blind_gap_are_closed() {
+    let mut config = Config::recommended();
+    let mut shield = Shield::<16>::new();
+    for sensor in 0..16 {
+        let echo = Echo {
+            range: None,
+            at: Millis::from_ms(5),
+        };
+        shield.hear(&config, sensor, echo);
+    }
+    let now = Millis::from_ms(6);
+    let to = |degrees: i32| {
+        let turns = (degrees * 65_536 / 360).rem_euclid(65_536) as u16;
+        Displacement::along(Bearing::from_turns(turns), 250)
+    };
+    let distance =
+        |config: &Config<16>, degrees| shield.allow(config, to(degrees), now).distance_mm;
+    let open = [0, 60, 90, 120, 270].map(|degrees| distance(&config, degrees));
+    assert!(open.iter().all(|mm| *mm >= 249), "{open:?}");
+    config.believed = Mask::ALL.without(4);
+    for degrees in [67, 80, 90, 100, 113] {
+        assert_eq!(distance(&config, degrees), 0, "{degrees}");
+    }
+    for degrees in [0, 64, 116, 180, 270] {
+        assert!(distance(&config, degrees) >= 249, "{degrees}");
+    }
+    // A motion that was allowed before is asked about by those who hear something new.
+    let guard = shield.allow_by(&config, to(90), now, Mask::NONE.with(3));
+    assert!(guard.distance_mm >= 249);
+}

@@ -4,6 +4,7 @@
 use crate::controller::{
     Decision, Mode, Motion, PartError, Progress, Refusal as Refused, StopReason,
 };
+use crate::faults::{Fault, Verdict};
 use crate::goal::{Goal, Name};
 use crate::memory::SituationBytes;
 use crate::parameters::{Parameter, ParameterError, Spec};
@@ -428,6 +429,27 @@ pub enum Notice {
         /// How many so far.
         count: u32,
     },
+    /// A transducer is out of order and no longer believed.
+    Disbelieved {
+        /// Transducer.
+        sensor: u8,
+        /// What is wrong with it.
+        fault: Fault,
+    },
+    /// A transducer is in order again and believed.
+    Believed {
+        /// Transducer.
+        sensor: u8,
+    },
+}
+
+impl From<Verdict> for Notice {
+    fn from(Verdict { sensor, fault }: Verdict) -> Self {
+        fault.map_or(Self::Believed { sensor }, |fault| Self::Disbelieved {
+            sensor,
+            fault,
+        })
+    }
 }
 
 /// Why something was not done.
@@ -516,6 +538,7 @@ impl Counters {
             stack_peak_bytes: 0,
             ticks: 0,
             longest_tick_ms: 0,
+            ring_faults: 0,
         },
     };
 }
@@ -533,4 +556,6 @@ pub struct DeviceCounters {
     pub ticks: u32,
     /// Longest time between two control ticks.
     pub longest_tick_ms: u32,
+    /// Firings of the chip's own ring that its ECHO line spoilt, and readings for which there was no room.
+    pub ring_faults: u32,
 }

@@ -6,6 +6,7 @@ use super::message::{
 use super::*;
 use crate::config::Config;
 use crate::controller::{Decision, PartError, Progress, Refusal as CommandRefusal, StopReason};
+use crate::faults::Fault;
 use crate::fixed::Weight;
 use crate::goal::{Component, Frame as GoalFrame, Goal, Name};
 use crate::parameters::{Parameter, ParameterError};
@@ -260,6 +261,13 @@ fn from_mind() -> std::vec::Vec<(&'static str, FromMind<16>)> {
             }
         ),
         ("log", FromMind::Log(Notice::LinkLost)),
+        (
+            "log: a transducer",
+            FromMind::Log(Notice::Disbelieved {
+                sensor: 3,
+                fault: Fault::Dead,
+            }),
+        ),
         ("done", FromMind::Done { seq: 6 }),
         ("busy", FromMind::Busy { ms: 4_850 }),
         (

@@ -89,6 +89,7 @@ pub(super) fn counters(session: &mut Session, out: &mut impl Write) -> Result<()
         ("most stack used, bytes", c.device.stack_peak_bytes),
         ("control ticks", c.device.ticks),
         ("longest time between two, ms", c.device.longest_tick_ms),
+        ("spoilt firings of its ring", c.device.ring_faults),
     ];
     let rows = rows.map(|(what, count)| vec![what.to_owned(), count.to_string()]);
     Ok(out.write_all(plain(&["counter", "since the start"], &rows, &[1]).as_bytes())?)

@@ -201,6 +201,7 @@ impl Place<'_> {
             turret,
             // All methods are measured from the world's start.
             set_down: Some(self.world.start().position),
+            faults: Vec::new(),
             record: false,
         };
         let mut watched = Watched::new(Mind::new(config), self.conditions.timed);

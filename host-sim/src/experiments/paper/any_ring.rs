@@ -225,6 +225,7 @@ mod tests {
             sonar: SonarModel::Ideal,
             turret: TurretMode::Held,
             set_down: None,
+            faults: Vec::new(),
             record: false,
         };
         let mut mind = Mind::new(config);

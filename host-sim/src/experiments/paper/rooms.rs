@@ -53,6 +53,7 @@ pub fn setup(reading: &Reading, behavior: Behavior, seed: u64, steps: u32) -> Se
         sonar: SonarModel::Ideal,
         turret: reading.turret,
         set_down: None,
+        faults: Vec::new(),
         record: true,
     }
 }

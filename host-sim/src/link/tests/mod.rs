@@ -26,6 +26,7 @@ fn setup(sonar: SonarModel, moves: u16, steps: u32) -> Setup {
         sonar,
         turret: TurretMode::Held,
         set_down: None,
+        faults: Vec::new(),
         record: true,
     }
 }

@@ -111,6 +111,7 @@ fn robot_of_eight() -> Config<8> {
         planning: sixteen.planning,
         clearance_mm: sixteen.clearance_mm,
         shield: sixteen.shield,
+        fault_detection: sixteen.fault_detection,
     }
 }
 

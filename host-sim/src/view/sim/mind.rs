@@ -109,6 +109,14 @@ impl AnyMind {
         }
     }
 
+    /// What it was told, and whom it believes by now.
+    pub fn config(&self) -> &Config<16> {
+        match self {
+            Self::Host(mind) => mind.config(),
+            Self::Link(elsewhere) => elsewhere.mind.config(),
+        }
+    }
+
     /// Tells it something else.
     ///
     /// # Errors

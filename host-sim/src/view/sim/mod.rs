@@ -127,7 +127,7 @@ impl Simulator {
         let (setup, world) = (&start.setup, &start.world);
         let noise = Seeds::of(setup.seed).noise;
         let world = Cow::Owned(world.clone());
-        let body = Body::within(world, setup.sonar, setup.turret, noise);
+        let body = Body::within(world, setup.sonar, setup.turret, noise).with_faults(&setup.faults);
         let goal = Pursued::behavior(&setup.behavior);
         let ranges_m = body.look();
         Self {
@@ -203,6 +203,7 @@ impl Simulator {
     fn drive(&mut self) -> Stepped {
         let began_s = self.body.time_s();
         let happened = self.body.advance(&mut self.mind);
+        self.config.believed = self.mind.config().believed;
         self.check_mind();
         (self.ranges_m, self.heard_at) = (happened.ranges_m, happened.pose);
         self.step_s = self.body.time_s() - began_s;

@@ -21,6 +21,7 @@ fn start(sonar: SonarModel) -> Start {
             sonar,
             turret: TurretMode::Held,
             set_down: None,
+            faults: Vec::new(),
             record: true,
         },
         whole: config,

@@ -121,6 +121,7 @@ fn living() {
     );
     node.frame(now(), bytes(), &mut Anywhere);
     sink(node.tick(now(), &mut Anywhere));
+    node.ring_echo(any(3), any(None), any(1), now(), &mut Anywhere);
     sink(node.is_linked());
     let write = node.contents().write(any(1), &mut |bytes| {
         sink(bytes);

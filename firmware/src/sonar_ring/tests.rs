@@ -1,0 +1,509 @@
+//! The driver against a ranging module of our own making, with the data sheet's timing.
+
+use super::timing::{END_OF_ORDER, LATEST_US, STAGGER_US};
+use super::*;
+use core::cell::RefCell;
+use core::convert::Infallible;
+use embedded_hal::digital::ErrorType;
+use embedded_hal_mock::eh1::digital::{Mock, State as Level, Transaction};
+use proptest::prelude::*;
+use std::rc::Rc;
+use std::vec::Vec;
+
+mod serve;
+
+/// What is wrong with the module, its line or its multiplexer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Wrong {
+    Nothing,
+    /// ECHO is tied to the supply.
+    StuckHigh,
+    /// ECHO is tied to ground.
+    StuckLow,
+    /// ECHO stays high once it has risen.
+    NeverFalls,
+    /// Something makes ECHO rise so long after the firing, blanking or not.
+    RisesAt(u32),
+    /// The multiplexer connects this transducer, whatever the address.
+    Multiplexer(u8),
+}
+
+/// A module, its transducers, and everything seen on its lines.
+struct Bench {
+    now_us: u32,
+    wrong: Wrong,
+    /// Time of flight of each transducer's echo; `None` = nothing there.
+    flights_us: [Option<u32>; 16],
+    address: u8,
+    init: bool,
+    binh_us: Option<u32>,
+    selected_us: u32,
+    fired_us: u32,
+    fallen_us: u32,
+    /// ECHO, but for its ties.
+    latched: bool,
+    caught_us: Option<u32>,
+    firings: Vec<(u32, u8)>,
+    readings: Vec<Reading>,
+}
+
+type Shared = Rc<RefCell<Bench>>;
+
+impl Bench {
+    fn new(wrong: Wrong) -> Shared {
+        Rc::new(RefCell::new(Self {
+            now_us: u32::MAX - 200_000,
+            wrong,
+            flights_us: core::array::from_fn(|sensor| Some(3_000 + 2_000 * sensor as u32)),
+            address: 0,
+            init: false,
+            binh_us: None,
+            selected_us: u32::MAX - 200_000,
+            fired_us: 0,
+            fallen_us: u32::MAX - 200_000,
+            latched: false,
+            caught_us: None,
+            firings: Vec::new(),
+            readings: Vec::new(),
+        }))
+    }
+
+    fn set(&mut self, wire: Wire, high: bool) {
+        match wire {
+            Wire::Address(bit) => {
+                let address = self.address & !(1 << bit) | u8::from(high) << bit;
+                assert!(
+                    address == self.address || !self.init,
+                    "the address changes under a burst"
+                );
+                if address != self.address {
+                    self.selected_us = self.now_us;
+                }
+                self.address = address;
+            }
+            Wire::Init if high && !self.init => {
+                assert!(
+                    self.now_us.wrapping_sub(self.selected_us) >= 25_000,
+                    "relays swing"
+                );
+                assert!(
+                    self.now_us.wrapping_sub(self.fallen_us) >= 1_000,
+                    "no recycling"
+                );
+                (self.init, self.fired_us, self.binh_us) = (true, self.now_us, None);
+                let heard = match self.wrong {
+                    Wrong::Multiplexer(sensor) => sensor,
+                    _ => self.address,
+                };
+                self.firings.push((self.now_us, heard));
+            }
+            Wire::Init if !high => {
+                self.fallen_us = if self.init {
+                    self.now_us
+                } else {
+                    self.fallen_us
+                };
+                self.init = false;
+                self.latched &= self.wrong == Wrong::NeverFalls;
+            }
+            Wire::Binh if high => self.binh_us = Some(self.now_us),
+            Wire::Blnk => assert!(!high, "BLNK would re-arm ECHO"),
+            Wire::Init | Wire::Binh => {}
+        }
+    }
+
+    /// When ECHO will rise by itself, if it will.
+    fn rise_us(&self) -> Option<u32> {
+        if !self.init || self.latched || matches!(self.wrong, Wrong::StuckLow | Wrong::StuckHigh) {
+            return None;
+        }
+        if let Wrong::RisesAt(us) = self.wrong {
+            return Some(self.fired_us.wrapping_add(us));
+        }
+        let blanked_us = self
+            .binh_us
+            .map_or(2_380, |at| at.wrapping_sub(self.fired_us).min(2_380));
+        let (_, heard) = *self.firings.last()?;
+        let flight_us = self.flights_us[usize::from(heard)]?;
+        (flight_us >= blanked_us).then(|| self.fired_us.wrapping_add(flight_us))
+    }
+
+    /// Time goes on to `then`, or to the moment ECHO rises.
+    fn pass(&mut self, then: u32) {
+        let wait = then.wrapping_sub(self.now_us);
+        let rise = self.rise_us().map(|at| at.wrapping_sub(self.now_us));
+        match rise.filter(|&rise| rise <= wait) {
+            Some(rise) => {
+                self.now_us = self.now_us.wrapping_add(rise);
+                self.latched = true;
+                self.caught_us = Some(self.now_us);
+            }
+            None => self.now_us = then,
+        }
+    }
+}
+
+#[derive(Clone, Copy)]
+enum Wire {
+    Address(u8),
+    Init,
+    Binh,
+    Blnk,
+}
+
+struct FakePin(Shared, Wire);
+
+impl ErrorType for FakePin {
+    type Error = Infallible;
+}
+
+impl OutputPin for FakePin {
+    fn set_low(&mut self) -> Result<(), Infallible> {
+        self.0.borrow_mut().set(self.1, false);
+        Ok(())
+    }
+
+    fn set_high(&mut self) -> Result<(), Infallible> {
+        self.0.borrow_mut().set(self.1, true);
+        Ok(())
+    }
+}
+
+struct FakeCapture(Shared);
+
+impl Capture for FakeCapture {
+    fn now_us(&mut self) -> u32 {
+        self.0.borrow().now_us
+    }
+
+    fn arm(&mut self) {
+        self.0.borrow_mut().caught_us = None;
+    }
+
+    fn line(&mut self) -> Line {
+        let bench = self.0.borrow();
+        Line {
+            high: bench.latched || bench.wrong == Wrong::StuckHigh,
+            rose_us: bench.caught_us,
+        }
+    }
+}
+
+fn driver(bench: &Shared, timing: Timing, order: FiringOrder) -> Driver<FakePin> {
+    let pin = |wire| FakePin(Rc::clone(bench), wire);
+    let pins = Pins {
+        address: [0, 1, 2, 3].map(|bit| pin(Wire::Address(bit))),
+        init: pin(Wire::Init),
+        binh: pin(Wire::Binh),
+        blnk: pin(Wire::Blnk),
+    };
+    let now_us = bench.borrow().now_us;
+    let Ok(driver) = Driver::new(pins, timing, order, now_us);
+    driver
+}
+
+/// Runs a driver for so long, each run so many microseconds late.
+fn run_for(bench: &Shared, timing: Timing, ms: u32, late_us: impl Fn(usize) -> u32) {
+    let mut driver = driver(bench, timing, FiringOrder::NOMAD);
+    let mut capture = FakeCapture(Rc::clone(bench));
+    let began = bench.borrow().now_us;
+    let mut runs = 0;
+    while bench.borrow().now_us.wrapping_sub(began) < ms * 1_000 {
+        let mut readings = Vec::new();
+        let Ok(next) = driver.run(&mut capture, |reading| readings.push(reading));
+        let mut bench = bench.borrow_mut();
+        bench.readings.append(&mut readings);
+        bench.pass(next.expect("an order"));
+        let late = bench.now_us.wrapping_add(late_us(runs));
+        bench.pass(late);
+        runs += 1;
+    }
+}
+
+/// Outcomes of the first ring, by transducer.
+fn first_ring(wrong: Wrong, timing: Timing, prepare: impl Fn(&mut Bench)) -> [Outcome; 16] {
+    let bench = Bench::new(wrong);
+    prepare(&mut bench.borrow_mut());
+    run_for(&bench, timing, 1_150, |_| 0);
+    let bench = bench.borrow();
+    let of = |sensor: usize| {
+        let mut all = bench
+            .readings
+            .iter()
+            .filter(|r| usize::from(r.sensor) == sensor);
+        all.next().expect("a reading of each").outcome
+    };
+    core::array::from_fn(of)
+}
+
+#[test]
+fn a_ring_is_heard_in_order_at_its_rate() {
+    let bench = Bench::new(Wrong::Nothing);
+    run_for(&bench, Timing::relays(), 1_100, |_| 0);
+    let bench = bench.borrow();
+    let order = [0, 2, 15, 1, 14, 3, 13, 4, 12, 5, 11, 6, 10, 7, 9, 8];
+    for (slot, reading) in bench.readings.iter().take(16).enumerate() {
+        let (fired_us, heard) = bench.firings[slot];
+        assert_eq!((heard, reading.sensor), (order[slot], order[slot]));
+        assert_eq!(reading.fired_us, fired_us);
+        assert_eq!(
+            fired_us.wrapping_sub(bench.firings[0].0),
+            64_000 * slot as u32
+        );
+        let flight_us = 3_000 + 2_000 * u32::from(heard);
+        assert_eq!(reading.outcome, Outcome::Echo(flight_us));
+    }
+    assert!(bench.readings.len() >= 16);
+}
+
+#[test]
+fn what_is_nearer_than_the_blanking_is_not_heard() {
+    let near = |bench: &mut Bench| bench.flights_us = [Some(1_200); 16];
+    let heard = first_ring(Wrong::Nothing, Timing::relays(), near);
+    assert_eq!(heard, [Outcome::Echo(1_200); 16]);
+    let internal = Timing {
+        blanking: Blanking::Internal,
+        ..Timing::relays()
+    };
+    assert_eq!(
+        first_ring(Wrong::Nothing, internal, near),
+        [Outcome::Silent; 16]
+    );
+    let nearer = |bench: &mut Bench| bench.flights_us = [Some(800); 16];
+    assert_eq!(
+        first_ring(Wrong::Nothing, Timing::relays(), nearer),
+        [Outcome::Silent; 16]
+    );
+}
+
+#[test]
+fn missing_echoes_are_silence_and_the_delay_is_taken_off() {
+    let one = |bench: &mut Bench| bench.flights_us[3] = None;
+    let timing = Timing {
+        delay_us: 150,
+        ..Timing::relays()
+    };
+    let heard = first_ring(Wrong::Nothing, timing, one);
+    assert_eq!(heard[3], Outcome::Silent);
+    assert_eq!(heard[4], Outcome::Echo(3_000 + 2_000 * 4 - 150));
+    let beyond = |bench: &mut Bench| bench.flights_us = [Some(37_701); 16];
+    assert_eq!(
+        first_ring(Wrong::Nothing, timing, beyond),
+        [Outcome::Silent; 16]
+    );
+}
+
+#[test]
+fn early_edges_are_no_echoes() {
+    for us in [0, 300, 899] {
+        let heard = first_ring(Wrong::RisesAt(us), Timing::relays(), |_| ());
+        assert_eq!(heard, [Outcome::Early; 16], "{us}");
+    }
+    let heard = first_ring(Wrong::RisesAt(900), Timing::relays(), |_| ());
+    assert_eq!(heard, [Outcome::Echo(900); 16]);
+}
+
+#[test]
+fn a_line_stuck_high_lets_nobody_fire() {
+    let bench = Bench::new(Wrong::StuckHigh);
+    run_for(&bench, Timing::relays(), 1_150, |_| 0);
+    let bench = bench.borrow();
+    assert!(bench.firings.is_empty());
+    assert!(bench.readings.len() >= 16);
+    assert!(
+        bench
+            .readings
+            .iter()
+            .all(|r| r.outcome == Outcome::HeldHigh)
+    );
+}
+
+#[test]
+fn a_line_that_never_falls_is_told_once_and_lets_nobody_fire() {
+    let bench = Bench::new(Wrong::NeverFalls);
+    run_for(&bench, Timing::relays(), 400, |_| 0);
+    let bench = bench.borrow();
+    let outcomes: Vec<_> = bench.readings.iter().map(|r| r.outcome).collect();
+    assert_eq!(
+        outcomes[..4],
+        [
+            Outcome::Echo(3_000),
+            Outcome::NotReleased,
+            Outcome::HeldHigh,
+            Outcome::HeldHigh
+        ]
+    );
+    assert_eq!(bench.firings.len(), 1);
+    assert!(outcomes[4..].iter().all(|&o| o == Outcome::HeldHigh));
+}
+
+#[test]
+fn a_line_stuck_low_is_silence() {
+    assert_eq!(
+        first_ring(Wrong::StuckLow, Timing::relays(), |_| ()),
+        [Outcome::Silent; 16]
+    );
+}
+
+/// The pins cannot see it: everybody hears what one transducer does.
+#[test]
+fn a_multiplexer_stuck_at_an_address_makes_all_say_the_same() {
+    let heard = first_ring(Wrong::Multiplexer(5), Timing::relays(), |_| ());
+    assert_eq!(heard, [Outcome::Echo(13_000); 16]);
+}
+
+#[test]
+fn faults_of_the_line_are_nothing_to_the_mind() {
+    let sound = Sound::at(200);
+    let heard = |outcome: Outcome| outcome.heard(sound);
+    assert_eq!(
+        heard(Outcome::Echo(5_827)),
+        Heard::Range(Some(Range::from_mm(1_000)))
+    );
+    assert_eq!(heard(Outcome::Silent), Heard::Range(None));
+    for outcome in [Outcome::Early, Outcome::HeldHigh, Outcome::NotReleased] {
+        assert_eq!(heard(outcome), Heard::Fault);
+    }
+}
+
+#[test]
+fn an_empty_order_rests() {
+    let bench = Bench::new(Wrong::Nothing);
+    let order = FiringOrder::new([END_OF_ORDER; 16]).expect("an order");
+    let mut driver = driver(&bench, Timing::relays(), order);
+    bench.borrow_mut().now_us += 2_000;
+    let Ok(next) = driver.run(&mut FakeCapture(Rc::clone(&bench)), |_| panic!("a reading"));
+    assert_eq!(next, None);
+}
+
+/// Every change of every pin of a slot, in its order on each pin.
+#[test]
+fn the_pins_change_as_planned() {
+    let set = |levels: &[u8]| {
+        let level = |&high: &u8| Transaction::set(if high == 1 { Level::High } else { Level::Low });
+        Mock::new(&levels.iter().map(level).collect::<Vec<_>>())
+    };
+    // At rest; transducer 0; its slot; transducer 2 = 0b0010; its slot.
+    let pins = Pins {
+        address: [
+            set(&[0, 0, 0]),
+            set(&[0, 0, 1]),
+            set(&[0, 0, 0]),
+            set(&[0, 0, 0]),
+        ],
+        init: set(&[0, 1, 0, 1, 0]),
+        binh: set(&[0, 1, 0, 1, 0]),
+        blnk: set(&[0]),
+    };
+    let mut driver = Driver::new(pins, Timing::relays(), FiringOrder::NOMAD, 0).expect("pins");
+    /// A line on which nothing ever comes.
+    struct Quiet(u32);
+    impl Capture for Quiet {
+        fn now_us(&mut self) -> u32 {
+            self.0
+        }
+        fn arm(&mut self) {}
+        fn line(&mut self) -> Line {
+            Line::default()
+        }
+    }
+    let mut capture = Quiet(0);
+    let (mut times, mut heard) = (Vec::new(), Vec::new());
+    while heard.len() < 2 {
+        let next = driver.run(&mut capture, |reading| heard.push(reading));
+        capture.0 = next.expect("pins").expect("an order");
+        times.push(capture.0);
+    }
+    // Recycled, settled, BINH, window over; recycled, settled, slot, BINH, window over.
+    let first = [1_000, 26_000, 26_900, 63_700, 64_700];
+    let second = [89_700, 90_000, 90_900, 127_700, 128_700];
+    assert_eq!(times, [first, second].concat());
+    let told: Vec<_> = heard
+        .iter()
+        .map(|r| (r.sensor, r.outcome, r.fired_us))
+        .collect();
+    assert_eq!(
+        told,
+        [(0, Outcome::Silent, 26_000), (2, Outcome::Silent, 90_000)]
+    );
+    let Pins {
+        address,
+        mut init,
+        mut binh,
+        mut blnk,
+    } = driver.release();
+    for mut pin in address {
+        pin.done();
+    }
+    init.done();
+    binh.done();
+    blnk.done();
+}
+
+/// Four channels, each a quadrant and each late in its own way: no two bursts within half the stagger, all readings there.
+#[test]
+fn four_channels_keep_their_bursts_apart() {
+    let mut firings = Vec::new();
+    for channel in 0..4_u8 {
+        let bench = Bench::new(Wrong::Nothing);
+        let timing = Timing::relays().quadrant(channel);
+        let late = |run: usize| [0, 300, 40, 900, 1_700][(run + usize::from(channel)) % 5];
+        run_for(&bench, timing, 3_000, late);
+        firings.extend(bench.borrow().firings.iter().map(|&(at, _)| at));
+    }
+    firings.sort_unstable_by_key(|at| at.wrapping_sub(u32::MAX - 200_000));
+    assert!(firings.len() > 100, "{}", firings.len());
+    for pair in firings.windows(2) {
+        assert!(
+            pair[1].wrapping_sub(pair[0]) >= STAGGER_US - LATEST_US,
+            "{pair:?}"
+        );
+    }
+}
+
+proptest! {
+    /// Whatever happens on the line and however late it is looked at: the address stands while INIT is high, a burst
+    /// begins with ECHO low and 25 ms after the address, and every second change of INIT is a rise.
+    #[test]
+    fn the_address_never_changes_under_a_burst(
+        events in proptest::collection::vec((0_u32..70_000, any::<bool>(), 0_u32..80_000), 1..400),
+        start in any::<u32>(),
+        internal in any::<bool>(),
+    ) {
+        let blanking = if internal { Blanking::Internal } else { Blanking::SHORT };
+        let timing = Timing { blanking, ..Timing::relays() };
+        let mut channel = Channel::new(timing, FiringOrder::NOMAD, start);
+        let (mut now, mut init, mut selected) = (start, false, None);
+        for (dt, high, ago) in events {
+            now = now.wrapping_add(dt);
+            let rose_us = (high && ago % 2 == 0).then(|| now.wrapping_sub(ago));
+            let line = Line { high, rose_us };
+            for turn in 0.. {
+                prop_assert!(turn < 20, "it never waits");
+                match channel.poll(now, line) {
+                    Todo::Act(Action::Select(sensor)) => {
+                        prop_assert!(!init && sensor < 16);
+                        selected = Some(now);
+                    }
+                    Todo::Act(Action::Init(true)) => {
+                        prop_assert!(!init && !high);
+                        let at = selected.expect("an address before a burst");
+                        prop_assert!(now.wrapping_sub(at) >= 25_000);
+                        init = true;
+                    }
+                    Todo::Act(Action::Init(false)) => {
+                        prop_assert!(init);
+                        init = false;
+                    }
+                    Todo::Act(Action::Binh(raised)) => prop_assert!(!raised || init),
+                    Todo::Take(reading) => prop_assert!(!init && reading.sensor < 16),
+                    Todo::Wait(until) => {
+                        prop_assert!(until.wrapping_sub(now) <= 2 * timing.slot_us());
+                        break;
+                    }
+                    Todo::Rest => prop_assert!(false, "the order is not empty"),
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,283 @@
+//! The numbers of the ring: how long everything takes, who fires when, and how a flight time becomes a range.
+
+use amp::units::Range;
+
+/// Transducers of the ring.
+pub const SENSORS: usize = 16;
+
+/// What ends a firing order that is shorter than the ring.
+pub const END_OF_ORDER: u8 = 255;
+
+/// Greatest range, millimetres: 255 in. An echo from there takes 37.7 ms at 20 °C.
+pub const MOST_MM: u16 = 6_477;
+
+/// When the module may hear an echo.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Blanking {
+    /// After its own 2.38 ms (Polaroid 6500 data sheet): nothing nearer than 16 in, of which the Nomad's makers said 17.
+    Internal,
+    /// From this time after the firing on, microseconds, when BINH is raised. The burst takes 324 µs and the membrane rings
+    /// on; 900 µs is 6 in.
+    Until(u32),
+}
+
+impl Blanking {
+    /// The shorter of the two: 6 in.
+    pub const SHORT: Self = Self::Until(900);
+
+    /// Time from the firing on in which no echo can be true, microseconds.
+    #[must_use]
+    pub const fn us(self) -> u32 {
+        match self {
+            Self::Internal => 2_380,
+            Self::Until(us) => us,
+        }
+    }
+}
+
+/// Timing of a channel: a module and its multiplexer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Timing {
+    /// From a new address to the firing, microseconds: 25 ms for the relays of the Nomad's multiplexer.
+    pub settle_us: u32,
+    /// When the module may hear an echo.
+    pub blanking: Blanking,
+    /// How long an echo is waited for after the firing, microseconds.
+    pub window_us: u32,
+    /// How long INIT stays low before the next address, microseconds; ECHO has to fall meanwhile.
+    pub recycle_us: u32,
+    /// Time from one firing of the channel to the next at the soonest, in units of 4 ms, as in the Nomad's `conf_sn`.
+    /// Where the other times add up to more, they decide.
+    pub rate: u8,
+    /// When the first firing is due, after the start, microseconds: what keeps channels apart.
+    pub offset_us: u32,
+    /// Part of the measured flight that is none: the detector trips some cycles into the echo. To be measured at a wall in
+    /// a known distance; microseconds.
+    pub delay_us: u16,
+}
+
+impl Timing {
+    /// The Nomad's relays, at the rate at which they can follow (64 ms, a ring in 1.02 s), with the short blanking.
+    #[must_use]
+    pub const fn relays() -> Self {
+        Self {
+            settle_us: 25_000,
+            blanking: Blanking::SHORT,
+            window_us: 37_700,
+            recycle_us: 1_000,
+            rate: 16,
+            offset_us: 0,
+            delay_us: 0,
+        }
+    }
+
+    /// The same for channel `channel` of four, each a quadrant of the ring: opposite quadrants fire 2 ms apart, the other
+    /// two half a slot later. No two bursts of 324 µs ever meet, and neighbours never listen to each other's.
+    #[must_use]
+    pub const fn quadrant(self, channel: u8) -> Self {
+        let half = self.slot_us() / 2;
+        let offset_us = (channel as u32 % 2) * half + (channel as u32 / 2 % 2) * STAGGER_US;
+        Self { offset_us, ..self }
+    }
+
+    /// Time from one firing to the next, a whole number of 4 ms, in microseconds.
+    #[must_use]
+    pub const fn slot_us(&self) -> u32 {
+        let needed = self
+            .settle_us
+            .saturating_add(self.window_us)
+            .saturating_add(self.recycle_us)
+            .div_ceil(UNIT_US);
+        let asked = self.rate as u32;
+        let units = if asked > needed { asked } else { needed };
+        units.saturating_mul(UNIT_US)
+    }
+}
+
+/// Unit of the rate, microseconds.
+const UNIT_US: u32 = 4_000;
+
+/// Time between the firings of two channels as planned, microseconds: a burst draws 2 A for 324 µs.
+pub const STAGGER_US: u32 = 2_000;
+
+/// A firing that comes later than this is put off by a slot, microseconds: half the stagger, so that however late
+/// everybody is, no two channels fire within the other half.
+pub const LATEST_US: u32 = STAGGER_US / 2;
+
+/// Which transducers fire, and when in their turn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FiringOrder([u8; SENSORS]);
+
+impl FiringOrder {
+    /// Front first, then from side to side: what the Nomad's drivers ask for.
+    pub const NOMAD: Self = Self([0, 2, 15, 1, 14, 3, 13, 4, 12, 5, 11, 6, 10, 7, 9, 8]);
+
+    /// An order ended by [`END_OF_ORDER`], or by its 16th transducer; `None` where it names one that does not exist, or one
+    /// twice.
+    #[must_use]
+    pub fn new(order: [u8; SENSORS]) -> Option<Self> {
+        let mut seen = 0_u16;
+        for sensor in order.into_iter().take_while(|&s| s != END_OF_ORDER) {
+            let bit = 1_u16.checked_shl(sensor.into())?;
+            if seen & bit != 0 {
+                return None;
+            }
+            seen |= bit;
+        }
+        Some(Self(order))
+    }
+
+    /// The transducers of one quadrant of the ring, 0 in front, 1 to the left.
+    #[must_use]
+    pub fn quadrant(channel: u8) -> Self {
+        let first = (channel % 4) * 4;
+        let mut order = [END_OF_ORDER; SENSORS];
+        for (place, step) in order.iter_mut().zip([0, 2, 1, 3]) {
+            *place = first + step;
+        }
+        Self(order)
+    }
+
+    /// The transducer at a place of the order, and the place after it; `None` for an empty order.
+    #[must_use]
+    pub fn at(&self, place: u8) -> Option<(u8, u8)> {
+        let sensor = |place: u8| {
+            let sensor = self.0.get(usize::from(place)).copied();
+            sensor.filter(|&sensor| sensor != END_OF_ORDER)
+        };
+        match sensor(place) {
+            Some(here) => Some((here, place.saturating_add(1))),
+            None => sensor(0).map(|first| (first, 1)),
+        }
+    }
+}
+
+/// Microseconds of flight per metre of range (there and back), from −20 °C on in steps of 10 K: 2 / c with c = 331.3
+/// √(1 + T / 273.15) m/s.
+const US_PER_M: [u16; 8] = [6_271, 6_150, 6_037, 5_929, 5_827, 5_730, 5_638, 5_550];
+
+/// How sound travels at a temperature.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Sound {
+    us_per_m: u16,
+}
+
+impl Sound {
+    /// At a temperature in tenths of a degree Celsius, brought into −20 … 50 °C.
+    #[must_use]
+    pub fn at(decidegrees: i16) -> Self {
+        let above = i32::from(decidegrees).clamp(-200, 500) + 200;
+        let (place, rest) = ((above / 100) as usize, above % 100);
+        let entry = |place: usize| i32::from(US_PER_M.get(place).copied().unwrap_or(5_550));
+        let (here, next) = (entry(place), entry(place + 1));
+        let us_per_m = here + ((next - here) * rest - 50) / 100;
+        Self {
+            us_per_m: us_per_m as u16,
+        }
+    }
+
+    /// The range a flight of so many microseconds means; `None` from [`MOST_MM`] on.
+    #[must_use]
+    pub fn range(self, flight_us: u32) -> Option<Range> {
+        let us_per_m = u32::from(self.us_per_m.max(1));
+        // 65 ms times 1 000 fit.
+        let mm = (flight_us.min(65_535) * 1_000 + us_per_m / 2) / us_per_m;
+        let mm = u16::try_from(mm).ok().filter(|&mm| mm < MOST_MM)?;
+        Some(Range::from_mm(mm))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// c = 331.3 √(1 + T / 273.15), in integers only where it counts: the test may use floats.
+    fn exact_us_per_m(celsius: f64) -> f64 {
+        let ratio = 1.0 + celsius / 273.15;
+        // Newton's square root: the library's needs more than core.
+        let root = (0..60).fold(1.0, |root, _| 0.5 * (root + ratio / root));
+        2e6 / (331.3 * root)
+    }
+
+    #[test]
+    fn the_table_is_that_of_the_formula() {
+        for (step, &us) in US_PER_M.iter().enumerate() {
+            let exact = exact_us_per_m(step as f64 * 10.0 - 20.0);
+            assert!((f64::from(us) - exact).abs() <= 0.51, "{us} {exact}");
+        }
+        for decidegrees in -200..=500_i16 {
+            let us = f64::from(Sound::at(decidegrees).us_per_m);
+            let exact = exact_us_per_m(f64::from(decidegrees) / 10.0);
+            assert!((us - exact).abs() <= 2.0, "{decidegrees}: {us} {exact}");
+        }
+        assert_eq!(Sound::at(-900), Sound::at(-200));
+        assert_eq!(Sound::at(900), Sound::at(500));
+    }
+
+    /// 148.0 µs per inch at 20 °C; the full range is heard 37.7 ms after the firing.
+    #[test]
+    fn a_flight_becomes_a_range() {
+        let mm = |us| Sound::at(200).range(us).map(Range::as_mm);
+        assert_eq!(mm(0), Some(0));
+        assert_eq!(mm(5_827), Some(1_000));
+        assert_eq!(mm(148 * 6), Some(152));
+        assert_eq!(mm(37_700), Some(6_470));
+        assert_eq!((mm(37_800), mm(u32::MAX)), (None, None));
+    }
+
+    /// The module's own blanking makes 16 in the nearest range, the short one 6 in.
+    #[test]
+    fn both_blankings_are_the_known_ranges() {
+        let nearest = |blanking: Blanking| {
+            let range = Sound::at(200).range(blanking.us());
+            range.map(|range| (range.as_mm() + 12) / 25)
+        };
+        assert_eq!(nearest(Blanking::Internal), Some(16));
+        assert_eq!(nearest(Blanking::SHORT), Some(6));
+    }
+
+    #[test]
+    fn an_order_goes_round_and_names_nobody_twice() {
+        let mut place = 0;
+        for expected in [0, 2, 15, 1, 14, 3, 13, 4, 12, 5, 11, 6, 10, 7, 9, 8, 0, 2] {
+            let (sensor, next) = FiringOrder::NOMAD.at(place).expect("somebody");
+            assert_eq!(sensor, expected);
+            place = next;
+        }
+        let mut short = [END_OF_ORDER; 16];
+        assert_eq!(FiringOrder::new(short).expect("an order").at(0), None);
+        (short[0], short[1]) = (7, 3);
+        let order = FiringOrder::new(short).expect("an order");
+        assert_eq!((order.at(1), order.at(2)), (Some((3, 2)), Some((7, 1))));
+        short[1] = 7;
+        assert_eq!(FiringOrder::new(short), None);
+        short[1] = 16;
+        assert_eq!(FiringOrder::new(short), None);
+    }
+
+    #[test]
+    fn the_quadrants_are_the_ring() {
+        let mut seen = [false; 16];
+        for channel in 0..4 {
+            for place in 0..4 {
+                let (sensor, _) = FiringOrder::quadrant(channel).at(place).expect("somebody");
+                seen[usize::from(sensor)] = true;
+            }
+        }
+        assert_eq!(seen, [true; 16]);
+        let offsets = [0, 1, 2, 3].map(|channel| Timing::relays().quadrant(channel).offset_us);
+        assert_eq!(offsets, [0, 32_000, 2_000, 34_000]);
+    }
+
+    #[test]
+    fn a_rate_too_fast_for_the_relays_is_stretched() {
+        assert_eq!(Timing::relays().slot_us(), 64_000);
+        let hasty = Timing {
+            rate: 10,
+            ..Timing::relays()
+        };
+        assert_eq!(hasty.slot_us(), 64_000);
+        let slow = Timing { rate: 20, ..hasty };
+        assert_eq!(slow.slot_us(), 80_000);
+    }
+}

@@ -1,0 +1,318 @@
+use super::*;
+use std::vec::Vec;
+
+/// A robot that goes on and on; each transducer has its own thing before it, now nearer, now farther.
+struct Walk {
+    detector: Detector<16>,
+    config: Config<16>,
+    step: u32,
+    /// It goes to and fro between two places instead.
+    to_and_fro: bool,
+}
+
+/// What a transducer in good order hears after so many steps of 250 mm: a range between 1.5 and 2.2 m that changes by half
+/// the way.
+fn heard(sensor: u32, step: u32) -> Option<Range> {
+    let phase = (step * 125 + sensor * 450) % 1_400;
+    mm(1_500 + phase.min(1_400 - phase) as u16)
+}
+
+fn mm(mm: u16) -> Option<Range> {
+    Some(Range::from_mm(mm))
+}
+
+impl Walk {
+    fn new() -> Self {
+        let mut config = Config::recommended();
+        config.fault_detection = true;
+        Self {
+            detector: Detector::new(),
+            config,
+            step: 0,
+            to_and_fro: false,
+        }
+    }
+
+    fn moved(&mut self, dx_mm: i32, dy_mm: i32, progress: Progress) {
+        let moved = Event::Odometry {
+            motion: 1,
+            moved: Displacement::saturating(dx_mm, dy_mm),
+            turned: Bearing::ZERO,
+            progress,
+        };
+        assert_eq!(self.detector.heed(&mut self.config, &moved), None);
+    }
+
+    /// Steps with a ring after each; `says` gives what each transducer says, told what it should.
+    fn walk(
+        &mut self,
+        steps: u32,
+        says: impl Fn(u8, u32, Option<Range>) -> Option<Range>,
+    ) -> Vec<(u32, Verdict)> {
+        let mut verdicts = Vec::new();
+        for _ in 0..steps {
+            let back = self.to_and_fro && self.step % 2 == 1;
+            self.step += 1;
+            self.moved(
+                if back { -250 } else { 250 },
+                if back { -30 } else { 30 },
+                Progress::Ended,
+            );
+            for sensor in 0..16 {
+                let range = heard(sensor.into(), self.step);
+                let echo = Event::Echo {
+                    sensor,
+                    range: says(sensor, self.step, range),
+                };
+                let verdict = self.detector.heed(&mut self.config, &echo);
+                verdicts.extend(verdict.map(|verdict| (self.step, verdict)));
+            }
+        }
+        verdicts
+    }
+
+    /// The same where only transducer 3 says something else.
+    fn walk_with(
+        &mut self,
+        steps: u32,
+        says: impl Fn(u32, Option<Range>) -> Option<Range>,
+    ) -> Vec<(u32, Verdict)> {
+        self.walk(steps, |sensor, step, range| match sensor {
+            3 => says(step, range),
+            _ => range,
+        })
+    }
+
+    fn in_order(&mut self, steps: u32) -> Vec<(u32, Verdict)> {
+        self.walk(steps, |_, _, range| range)
+    }
+}
+
+fn verdict(fault: Fault) -> Verdict {
+    Verdict {
+        sensor: 3,
+        fault: Some(fault),
+    }
+}
+
+const BELIEVED: Verdict = Verdict {
+    sensor: 3,
+    fault: None,
+};
+
+/// The only verdict on a transducer that was in good order for 20 steps.
+fn found(says: impl Fn(u32, Option<Range>) -> Option<Range>) -> Option<Fault> {
+    let mut walk = Walk::new();
+    assert_eq!(walk.in_order(20), []);
+    let verdicts = walk.walk_with(300, says);
+    let [(_, verdict)] = verdicts[..] else {
+        panic!("{verdicts:?}");
+    };
+    assert_eq!(verdict.sensor, 3);
+    assert!(!walk.config.believed.contains(3) && walk.config.believed.contains(4));
+    verdict.fault
+}
+
+#[test]
+fn every_kind_of_fault_is_found_and_named() {
+    assert_eq!(found(|_, _| None), Some(Fault::Dead));
+    assert_eq!(found(|_, _| mm(1_750)), Some(Fault::Stuck));
+    let jump = |step: u32, _| mm((step.wrapping_mul(2_654_435_761) >> 20) as u16 + 200);
+    assert_eq!(found(jump), Some(Fault::Jumping));
+    // Right changes, 1.1 m too near.
+    let near = |_, range: Option<Range>| mm(range.map_or(0, Range::as_mm) - 1_100);
+    assert_eq!(found(near), Some(Fault::Short));
+}
+
+#[test]
+fn a_ring_in_order_is_believed() {
+    let mut walk = Walk::new();
+    assert_eq!(walk.in_order(4_000), []);
+    assert_eq!(walk.config.believed, Mask::ALL);
+}
+
+/// A thing in the lobe's way half of the time, and nothing the other half.
+#[test]
+fn one_that_hears_now_and_then_is_believed() {
+    let mut walk = Walk::new();
+    let rare = |step: u32, range: Option<Range>| range.filter(|_| step.is_multiple_of(8));
+    assert_eq!(
+        walk.walk_with(4_000, rare),
+        [(2, verdict(Fault::Unheard)), (8, BELIEVED)]
+    );
+}
+
+#[test]
+fn the_same_place_again_proves_nothing() {
+    for says in [None, mm(1_750)] {
+        let mut walk = Walk::new();
+        assert_eq!(walk.in_order(2), []);
+        walk.to_and_fro = true;
+        assert_eq!(walk.walk_with(4_000, |_, _| says), []);
+    }
+}
+
+#[test]
+fn who_was_never_heard_is_not_believed_before_the_first_echo() {
+    let mut walk = Walk::new();
+    let dead = walk.walk_with(300, |_, _| None);
+    let [(first, unheard), (later, named)] = dead[..] else {
+        panic!("{dead:?}");
+    };
+    assert_eq!(
+        (unheard, named),
+        (verdict(Fault::Unheard), verdict(Fault::Dead))
+    );
+    assert!(first <= 2 && later > 60, "{first} {later}");
+    assert_eq!(walk.in_order(1), [(301, BELIEVED)]);
+    assert_eq!(walk.config.believed, Mask::ALL);
+}
+
+/// In a wide place where only the nearer half of the ring hears anything, everybody is believed but those at its edge.
+#[test]
+fn silence_among_the_silent_is_no_fault() {
+    let mut walk = Walk::new();
+    let half = |sensor, _, range: Option<Range>| range.filter(|_| sensor < 8);
+    assert_eq!(walk.walk(300, half), []);
+}
+
+#[test]
+fn who_hears_nothing_where_the_robot_touches_something_is_dead() {
+    let mut walk = Walk::new();
+    assert_eq!(walk.in_order(20), []);
+    assert_eq!(walk.walk_with(1, |_, _| None), []);
+    // Transducer 3 looks 67.5° to the left.
+    for _ in 0..2 {
+        walk.moved(40, 90, Progress::Touched);
+    }
+    assert_eq!(walk.detector.scores(3).silent, LIMIT);
+    assert_eq!(walk.detector.scores(4).silent, 0, "it hears something");
+    let verdicts = walk.walk_with(1, |_, _| None);
+    assert_eq!(verdicts, [(22, verdict(Fault::Dead))]);
+    // Where nobody is silent a touch proves nothing.
+    let mut walk = Walk::new();
+    assert_eq!(walk.in_order(20), []);
+    for _ in 0..20 {
+        walk.moved(40, 90, Progress::Touched);
+    }
+    assert_eq!(walk.in_order(1), []);
+}
+
+#[test]
+fn without_detection_and_without_moves_nothing_is_found() {
+    let mut walk = Walk::new();
+    walk.config.fault_detection = false;
+    assert_eq!(walk.walk_with(400, |_, _| mm(700)), []);
+    let mut walk = Walk::new();
+    for step in 0..5_000 {
+        for sensor in 0..16 {
+            let echo = Event::Echo {
+                sensor,
+                range: heard(sensor.into(), step).filter(|_| sensor != 3 || step == 0),
+            };
+            assert_eq!(walk.detector.heed(&mut walk.config, &echo), None);
+        }
+    }
+    assert_eq!(walk.detector.scores(3), Scores::default());
+    let beyond = Event::Echo {
+        sensor: 99,
+        range: None,
+    };
+    assert_eq!(walk.detector.heed(&mut walk.config, &beyond), None);
+}
+
+#[test]
+fn one_that_behaves_again_is_believed_again() {
+    for says in [None, mm(1_750), mm(300)] {
+        let mut walk = Walk::new();
+        assert_eq!(walk.in_order(20), []);
+        assert_eq!(walk.walk_with(300, |_, _| says).len(), 1);
+        let back = walk.in_order(400);
+        assert!(
+            matches!(back[..], [(_, verdict)] if verdict == BELIEVED),
+            "{says:?}: {back:?}"
+        );
+        assert_eq!(walk.config.believed, Mask::ALL);
+    }
+}
+
+#[test]
+fn somebody_elses_word_counts_more() {
+    let mut walk = Walk::new();
+    walk.config.believed = Mask::ALL.without(3);
+    assert_eq!(
+        walk.walk_with(400, |_, _| mm(700)),
+        [],
+        "disbelieved already"
+    );
+    assert!(!walk.config.believed.contains(3), "and not believed again");
+    let mut walk = Walk::new();
+    assert!(!walk.walk_with(300, |_, _| mm(700)).is_empty());
+    walk.config.believed = Mask::ALL;
+    assert_eq!(walk.walk_with(2, |_, _| mm(700)), [], "it starts anew");
+    assert!(walk.config.believed.contains(3));
+}
+
+#[test]
+fn no_more_than_a_quarter_of_the_ring_is_disbelieved() {
+    let mut walk = Walk::new();
+    let stuck = |sensor: u8, _, range| match sensor % 2 {
+        0 => mm(1_750),
+        _ => range,
+    };
+    assert_eq!(walk.walk(400, stuck).len(), 4);
+    let off = (0..16).filter(|&sensor| !walk.config.believed.contains(sensor));
+    assert_eq!(off.count(), 4);
+}
+
+/// Of a ring that hears nothing at every other place, half is not believed.
+#[test]
+fn no_more_than_half_of_the_ring_waits_for_its_first_echo() {
+    let mut walk = Walk::new();
+    let silent = |sensor: u8, _, range: Option<Range>| range.filter(|_| sensor % 2 == 1);
+    let verdicts = walk.walk(20, silent);
+    assert_eq!(verdicts.len(), 8);
+    assert!(
+        verdicts
+            .iter()
+            .all(|(_, verdict)| verdict.fault == Some(Fault::Unheard))
+    );
+}
+
+/// The ring turns with the heading: places are still places, but no range is compared with one before the turn.
+#[test]
+fn turns_keep_the_places_and_forget_the_ranges() {
+    let mut walk = Walk::new();
+    assert_eq!(walk.in_order(20), []);
+    let mut turned = 0;
+    for quarter in 0..400_u16 {
+        let moved = Event::Odometry {
+            motion: 1,
+            moved: Displacement::saturating(250, 0),
+            turned: Bearing::from_turns(16_384),
+            progress: Progress::Ended,
+        };
+        let _ = walk.detector.heed(&mut walk.config, &moved);
+        turned += 1;
+        for sensor in 0..16 {
+            let range = if sensor == 3 {
+                None
+            } else {
+                heard(sensor.into(), quarter.into())
+            };
+            let echo = Event::Echo { sensor, range };
+            assert_eq!(
+                walk.detector.heed(&mut walk.config, &echo),
+                None,
+                "{turned}"
+            );
+        }
+    }
+    // Round and round the same four places.
+    assert!(walk.detector.scores(3).silent < 8);
+}
+
+#[test]
+fn the_detector_takes_308_bytes() {
+    assert_eq!(size_of::<Detector<16>>(), 308);
+}
