@@ -45,21 +45,30 @@
 //! shows the token of the printed address and takes the one seat ([`seat`]); whoever has shown the token may stop the
 //! robot at any time.
 
+mod choices;
+mod goal;
 pub mod guard;
+mod heard;
+mod nomad;
 pub mod order;
 pub mod pace;
 mod page;
+mod recorded;
 pub mod seat;
+mod seen;
 mod server;
 mod sim;
 pub mod snapshot;
 pub mod source;
 mod stage;
+mod trail;
 mod viewer;
 
 pub use guard::Token;
+pub use nomad::{NomadStart, WatchedNomad};
+pub use recorded::Recorded;
 pub use server::{Door, serve};
-pub use sim::{MindPlace, PresetChoice, Simulator, Start};
+pub use sim::{PresetChoice, Simulator, Start};
 pub use snapshot::Snapshot;
 pub use source::{Abilities, Refused, Source, Stepped};
 pub use stage::Stage;

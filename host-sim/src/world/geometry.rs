@@ -1,10 +1,11 @@
 //! Points and poses in the plane: metres, radians, counter-clockwise positive.
 
 use core::f64::consts::{PI, TAU};
+use serde::{Deserialize, Serialize};
 use core::ops::{Add, Mul, Neg, Sub};
 
 /// A place or a displacement, in metres.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Point {
     /// Metres along the world's x axis.
     pub x: f64,

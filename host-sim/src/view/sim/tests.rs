@@ -33,7 +33,7 @@ fn start(sonar: SonarModel) -> Start {
 }
 
 fn simulator(sonar: SonarModel) -> Simulator {
-    Simulator::new(start(sonar), MindPlace::Host).unwrap()
+    Simulator::new(start(sonar), MindPlace::Host, None).unwrap()
 }
 
 fn rest(simulator: &mut Simulator) {
@@ -106,7 +106,7 @@ fn a_stop_stands_and_can_be_gone_on_from() {
     simulator.carry_out(&Order::Resume).unwrap();
     rest(&mut simulator);
     // The move a stop interrupted leaves no sample and is made again.
-    let samples = simulator.mind.known().unwrap().memory().samples().len();
+    let samples = simulator.mind.pilot().known().unwrap().memory().samples().len();
     assert_eq!((samples, simulator.doing), (40, Doing::Idle));
 }
 
@@ -197,7 +197,7 @@ fn a_neuron_and_a_place_become_goals() {
 fn an_obstacle_is_met_where_it_was_put_and_never_on_the_robot() {
     let mut start = start(SonarModel::Ideal);
     start.world = World::random(4);
-    let mut simulator = Simulator::new(start, MindPlace::Host).unwrap();
+    let mut simulator = Simulator::new(start, MindPlace::Host, None).unwrap();
     let robot = simulator.body.pose().position;
     let shapes = simulator.body.world().shapes();
     let index = shapes
@@ -272,7 +272,7 @@ fn a_mind_at_the_end_of_a_link_decides_the_same() {
         } else {
             MindPlace::Host
         };
-        let mut simulator = Simulator::new(start, place).unwrap();
+        let mut simulator = Simulator::new(start, place, None).unwrap();
         educate(&mut simulator);
         simulator.carry_out(&Order::Seek).unwrap();
         places.push(decide(&mut simulator, 20));
