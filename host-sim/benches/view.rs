@@ -3,11 +3,11 @@
 use amp::config::Config;
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use host_sim::episode::Setup;
+use host_sim::link::MindPlace;
 use host_sim::robot::TurretMode;
 use host_sim::scenes::Behavior;
 use host_sim::sonar::SonarModel;
 use host_sim::view::order::Order;
-use host_sim::link::MindPlace;
 use host_sim::view::{Simulator, Source, Start, Stepped};
 use host_sim::world::World;
 

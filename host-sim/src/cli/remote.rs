@@ -56,9 +56,7 @@ impl MindArgs {
     pub(super) fn place(&self, moves: u16) -> Result<MindPlace, BadInput> {
         Ok(match Remote::connect(self, moves)? {
             None => MindPlace::Host,
-            Some(remote) => {
-                MindPlace::Link(Box::new(remote.session), remote.address.to_string())
-            }
+            Some(remote) => MindPlace::Link(Box::new(remote.session), remote.address.to_string()),
         })
     }
 }

@@ -1,8 +1,8 @@
 //! A mind, in this process or at the end of a link.
 
+use super::{Knowledge, LinkError, RemoteMind, Session, next_number};
 use crate::episode::Failure;
 use crate::error::BadInput;
-use super::{Knowledge, LinkError, RemoteMind, Session, next_number};
 use crate::pilot::{Mind, Pilot, SimState, Thinker as _};
 use amp::config::Config;
 use amp::controller::{Event, Outputs};

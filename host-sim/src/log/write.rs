@@ -195,9 +195,7 @@ impl<W: Write + Seek> Log<W> {
             return Ok(());
         }
         let finished = self.writer.finish();
-        finished
-            .map(drop)
-            .map_err(|error| said(&self.name, &error))
+        finished.map(drop).map_err(|error| said(&self.name, &error))
     }
 
     /// What was written on.

@@ -189,7 +189,9 @@ impl Pursued {
             What::Situation(_, _, neuron, place) => (*neuron, *place),
             What::Goal(_) => (None, None),
         };
-        let parts = self.as_behavior().map_or(1, |behavior| behavior.parts().len());
+        let parts = self
+            .as_behavior()
+            .map_or(1, |behavior| behavior.parts().len());
         GoalSeen {
             name: self.name(),
             part: (parts > 1).then_some(self.part),

@@ -51,7 +51,11 @@ impl Knowing {
             self.samples = samples.len();
         }
         let maps = self.maps.get_or_insert_with(|| {
-            let seen = if learnt { maps(known, config) } else { Maps::default() };
+            let seen = if learnt {
+                maps(known, config)
+            } else {
+                Maps::default()
+            };
             Arc::new(Part::new("maps", 0, revision, seen))
         });
         let memory = self.memory.get_or_insert_with(|| {
@@ -114,11 +118,7 @@ fn maps(known: &SimState, config: &Config<16>) -> Maps {
 }
 
 /// The neurons that answer to a sample in either map.
-fn answering(
-    known: &SimState,
-    config: &Config<16>,
-    sample: &Sample<16>,
-) -> [usize; 2] {
+fn answering(known: &SimState, config: &Config<16>, sample: &Sample<16>) -> [usize; 2] {
     let ((before, believed), (after, too)) =
         (from_bytes(&sample.before), from_bytes(&sample.after));
     let taught = match config.learning.taught {

@@ -40,7 +40,11 @@ impl Stage {
     pub fn advance(&mut self, now: Duration) -> Option<Duration> {
         let now_s = now.as_secs_f64();
         // A source that has a time of its own is waited for at each step.
-        let most = if self.source.abilities().pace { MOST_STEPS } else { 1 };
+        let most = if self.source.abilities().pace {
+            MOST_STEPS
+        } else {
+            1
+        };
         for _ in 0..most {
             if self.standing || self.pace.wait_s(now_s) != Some(0.0) {
                 break;
@@ -64,7 +68,10 @@ impl Stage {
     /// Why it was not done.
     pub fn carry_out(&mut self, order: &Order) -> Result<Done, Refused> {
         self.changed = true;
-        let paces = matches!(order, Order::Pause { .. } | Order::Speed { .. } | Order::Step);
+        let paces = matches!(
+            order,
+            Order::Pause { .. } | Order::Speed { .. } | Order::Step
+        );
         if paces && !self.source.abilities().pace {
             return Err("its time passes by itself".into());
         }
@@ -123,8 +130,8 @@ impl Stage {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::source::Abilities;
     use crate::view::snapshot::tests::empty;
+    use crate::view::source::Abilities;
     use std::sync::Arc;
     use std::sync::atomic::{AtomicU32, Ordering};
 

@@ -1,8 +1,8 @@
 //! Points and poses in the plane: metres, radians, counter-clockwise positive.
 
 use core::f64::consts::{PI, TAU};
-use serde::{Deserialize, Serialize};
 use core::ops::{Add, Mul, Neg, Sub};
+use serde::{Deserialize, Serialize};
 
 /// A place or a displacement, in metres.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]

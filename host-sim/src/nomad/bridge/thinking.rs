@@ -130,11 +130,7 @@ impl Mind {
     }
 }
 
-fn think(
-    mut pilot: LoggedMind,
-    todo: &Receiver<Task>,
-    done: &Sender<Result<Thought, Failure>>,
-) {
+fn think(mut pilot: LoggedMind, todo: &Receiver<Task>, done: &Sender<Result<Thought, Failure>>) {
     while let Ok(task) = todo.recv() {
         let thought = obey(&mut pilot, task);
         let thought = pilot.failure().map_or(thought, Err);

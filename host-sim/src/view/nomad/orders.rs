@@ -126,7 +126,10 @@ impl WatchedNomad {
         let here = (self.perceived(), self.reins.pose().position);
         let known = self.mind.known.as_deref().filter(|_| self.knows_maps());
         let goal = Pursued::asked(order, here, known)?;
-        if goal.as_behavior().is_some_and(|behavior| behavior.has_leader()) {
+        if goal
+            .as_behavior()
+            .is_some_and(|behavior| behavior.has_leader())
+        {
             return Err("whom it would follow is not known here".into());
         }
         self.goal = goal;

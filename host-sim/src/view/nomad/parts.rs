@@ -42,7 +42,9 @@ impl WatchedNomad {
 
     fn scene_now(&self) -> Scene {
         let (start, config) = (&self.start, &self.config);
-        let place = self.nest.map_or(self.decided_at.position, |(_, place)| place);
+        let place = self
+            .nest
+            .map_or(self.decided_at.position, |(_, place)| place);
         let about = |name: &&str| [(*name).to_owned(), Behavior::about(name).to_owned()];
         // Another robot to be followed is not known here.
         let names = Behavior::NAMES.iter().filter(|name| **name != "follow");
@@ -82,7 +84,9 @@ impl WatchedNomad {
         let plan = plan.and_then(|plan| Some(plan_seen(&plan, known?)));
         let place = self.nest.map_or(pose.position, |(_, place)| place);
         let moved = |way: fn(&Decision<16>) -> Displacement| {
-            decision.as_ref().map_or(Xy::default(), |it| meters(way(it)))
+            decision
+                .as_ref()
+                .map_or(Xy::default(), |it| meters(way(it)))
         };
         let (mode, done) = self.mode();
         let mind = (!self.mind.here).then(|| format!("{} and ", self.mind.name));

@@ -80,12 +80,14 @@ function showCounts(now) {
   // What is not known of this robot is left out.
   const rows = all.filter(([, text]) => text !== "–" || !view.scene || view.scene.abilities.carry).filter(([name, text]) => name !== "line" || text !== "–");
   const root = $("counts");
-  if (root.children.length !== rows.length) root.replaceChildren(...rows.map(([name]) => {
+  const names = rows.map(([name]) => name).join();
+  if (root.dataset.names !== names) root.replaceChildren(...rows.map(([name]) => {
     const pair = document.createElement("div");
     pair.append(document.createElement("dt"), document.createElement("dd"));
     pair.firstChild.textContent = name;
     return pair;
   }));
+  root.dataset.names = names;
   rows.forEach(([, text, bad], place) => {
     const value = root.children[place].lastChild;
     say(value, text);

@@ -139,7 +139,9 @@ impl Recorded {
         playing.step_s = took_s.min(LONGEST_WAIT_S);
         // As in a simulation, a step was made when it is shown.
         if took_s < LONGEST_WAIT_S {
-            let mut places = rest.iter().take_while(|(_, item)| !matches!(item, Item::Start(_)));
+            let mut places = rest
+                .iter()
+                .take_while(|(_, item)| !matches!(item, Item::Start(_)));
             let next = places.find_map(|(_, item)| match item {
                 Item::Pose(pose) => Some(*pose),
                 _ => None,
@@ -299,7 +301,9 @@ impl Playing {
         }
         let mind = self.retold.mind();
         if let Mode::Seek { goal } = mind.state().mode() {
-            let nest = self.nest.map_or([amp::fixed::Weight::ZERO; 16], |(nest, _)| nest);
+            let nest = self
+                .nest
+                .map_or([amp::fixed::Weight::ZERO; 16], |(nest, _)| nest);
             let goal = Pursued::recognised(goal, mind.config(), &nest, mind.state());
             self.goal = Some(goal);
         }

@@ -34,7 +34,10 @@ impl Recorded {
     }
 
     pub(super) fn learns(&self) -> bool {
-        matches!(self.playing.retold.mind().state().mode(), Mode::Learn { .. })
+        matches!(
+            self.playing.retold.mind().state().mode(),
+            Mode::Learn { .. }
+        )
     }
 
     fn scene(&mut self, revision: u64) -> Arc<Part<Scene>> {
@@ -83,7 +86,9 @@ impl Recorded {
         let decision = playing.decision;
         let plan = decision.and_then(|decision| decision.plan);
         let moved = |way: fn(&Decision<16>) -> Displacement| {
-            decision.as_ref().map_or(Xy::default(), |it| meters(way(it)))
+            decision
+                .as_ref()
+                .map_or(Xy::default(), |it| meters(way(it)))
         };
         let perceived = || {
             let range = |range: Option<f64>| range.map(|m| Range::from_mm((m * 1e3) as u16));
@@ -91,7 +96,9 @@ impl Recorded {
         };
         let situation = decision.map_or_else(perceived, |decision| decision.situation);
         let nest = playing.nest.map_or([Weight::ZERO; 16], |(nest, _)| nest);
-        let place = playing.nest.map_or(playing.pose.position, |(_, place)| place);
+        let place = playing
+            .nest
+            .map_or(playing.pose.position, |(_, place)| place);
         let goal = playing.goal.as_ref();
         let (mode, done) = self.mode();
         let piece = playing.starts.checked_sub(1);
@@ -140,7 +147,10 @@ impl Recorded {
     }
 
     fn changed(&self) -> Option<Ring> {
-        let (now, before) = (self.playing.decision.as_ref()?, self.playing.before.as_ref()?);
+        let (now, before) = (
+            self.playing.decision.as_ref()?,
+            self.playing.before.as_ref()?,
+        );
         Some(ring(&difference(&now.situation, before)))
     }
 

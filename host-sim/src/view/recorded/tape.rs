@@ -76,7 +76,9 @@ impl Tape {
         }
         let ending = messages.ending();
         let mut marking = Marking::new();
-        items.iter().for_each(|(time_ns, item)| marking.take(*time_ns, item));
+        items
+            .iter()
+            .for_each(|(time_ns, item)| marking.take(*time_ns, item));
         marking.end();
         if marking.decisions == 0 {
             return Err(BadInput::file(log.path(), "holds no decision"));

@@ -62,7 +62,10 @@ fn any_moment_is_the_same_from_either_side() {
     back.carry_out(&Order::Jump { to: 9_999 }).unwrap();
     assert_eq!(back.playing.decided, back.tape.decisions);
     back.carry_out(&Order::Jump { to: 0 }).unwrap();
-    assert_eq!((back.playing.decided, back.snapshot().now.mode), (0, "idle"));
+    assert_eq!(
+        (back.playing.decided, back.snapshot().now.mode),
+        (0, "idle")
+    );
     to_the_end(&mut back);
     assert_eq!(known(&back), last);
 }

@@ -5,9 +5,7 @@ use crate::robot::COLLISION_RADIUS_M;
 use crate::scenes::Behavior;
 use crate::sonar::RingGeometry;
 use crate::view::seen::{meters, millimeters, plan_seen, pose_seen, ring, shape_seen, xy};
-use crate::view::snapshot::{
-    Counts, Now, Part, Ring, Scene, Short, Showable, Snapshot, Xy,
-};
+use crate::view::snapshot::{Counts, Now, Part, Ring, Scene, Short, Showable, Snapshot, Xy};
 use crate::view::source::Source as _;
 use crate::world::World;
 use amp::config::Choice;
@@ -46,7 +44,10 @@ impl Simulator {
         let Ok(known) = self.mind.pilot().known() else {
             return Vec::new();
         };
-        let parts = self.shown.knowing.parts(revision, known, &self.config, learnt);
+        let parts = self
+            .shown
+            .knowing
+            .parts(revision, known, &self.config, learnt);
         parts.into()
     }
 
@@ -178,4 +179,3 @@ fn scene(simulator: &Simulator) -> Scene {
             .collect(),
     }
 }
-

@@ -106,7 +106,14 @@ fn a_stop_stands_and_can_be_gone_on_from() {
     simulator.carry_out(&Order::Resume).unwrap();
     rest(&mut simulator);
     // The move a stop interrupted leaves no sample and is made again.
-    let samples = simulator.mind.pilot().known().unwrap().memory().samples().len();
+    let samples = simulator
+        .mind
+        .pilot()
+        .known()
+        .unwrap()
+        .memory()
+        .samples()
+        .len();
     assert_eq!((samples, simulator.doing), (40, Doing::Idle));
 }
 
