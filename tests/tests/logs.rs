@@ -139,11 +139,11 @@ fn steered(viewed: &Viewed) {
     ]);
     seek(&[json!({"do": "stop"}), json!({"do": "resume"})]);
     seek(&[json!({"do": "move_robot", "x": 0.5, "y": 0.0})]);
-    seek(&[json!({"do": "behavior", "name": "avoid-right,nest"})]);
     let mut order = |order: serde_json::Value| {
         let done = steerer.order(order.clone());
         done.unwrap_or_else(|why| panic!("{order}: {why}"))
     };
+    order(json!({"do": "behavior", "name": "avoid-right,avoid,nest"}));
     let mind = order(json!({"do": "save_mind"}))["file"]["hex"].clone();
     order(json!({"do": "reset", "seed": 7, "preset": "touzet", "world": "random:4"}));
     steerer.educate(12);

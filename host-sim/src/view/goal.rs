@@ -20,6 +20,8 @@ pub(super) struct Pursued {
     /// Part of a chain, and steps and goal steps when it was begun.
     part: usize,
     begun: [u32; 2],
+    /// The last part of a chain has been reached.
+    over: bool,
 }
 
 #[derive(Debug, Clone)]
@@ -37,6 +39,7 @@ impl Pursued {
             what,
             part: 0,
             begun: [0; 2],
+            over: false,
         }
     }
 
@@ -63,19 +66,21 @@ impl Pursued {
 
     /// Begins with the first part, after so many steps of which a goal held in some.
     pub fn begin(&mut self, steps: u32, goal_steps: u32) {
-        (self.part, self.begun) = (0, [steps, goal_steps]);
+        (self.part, self.begun, self.over) = (0, [steps, goal_steps], false);
     }
 
     /// Goes on to the next part of a chain if the present one is reached; `Some(false)` when it was the last.
     pub fn go_on(&mut self, steps: u32, goal_steps: u32) -> Option<bool> {
         let parts = self.as_behavior()?.parts();
-        let part = parts.get(self.part).filter(|_| parts.len() > 1)?;
+        let chained = parts.len() > 1 && !self.over;
+        let part = parts.get(self.part).filter(|_| chained)?;
         let since = |now: u32, then: u32| now.saturating_sub(then);
         let [began, held] = self.begun;
         if !is_reached(part, since(steps, began), since(goal_steps, held)) {
             return None;
         }
         if self.part + 1 == parts.len() {
+            self.over = true;
             return Some(false);
         }
         (self.part, self.begun) = (self.part + 1, [steps, goal_steps]);

@@ -23,9 +23,11 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// A source that goes on at a speed, simulated seconds per second; `None` = as fast as it goes.
+    /// A source that goes on at a speed, simulated seconds per second; `None` = as fast as it goes, as does every source that
+    /// has a time of its own.
     #[must_use]
     pub fn new(source: Box<dyn Source>, speed: Option<f64>) -> Self {
+        let speed = speed.filter(|_| source.abilities().pace);
         Self {
             source,
             pace: Pace::new(speed),

@@ -7,7 +7,7 @@
 //!
 //! The turret is never told to turn, and so keeps its bearing in the world.
 //!
-//! What stops the base: a bumper; a mind that has not confirmed for [`MOTION_TTL_MS`] what was reported to it while the
+//! What stops the base: a bumper; a mind that has not confirmed for [`MOTION_TTL_MS`](amp::node::MOTION_TTL_MS) what was reported to it while the
 //! base moves (the motion is cut off and counts as ended); a mind that fails; an interruption. If this program itself is
 //! gone, the base's own time-out of one second does (`conf_tm`), and no motion is longer than a step of the mind.
 

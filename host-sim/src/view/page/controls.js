@@ -96,7 +96,7 @@ function showCounts(now) {
 }
 
 function showSetup(scene) {
-  say($("what"), `${scene.world} · ${scene.preset} · sonars ${scene.sonar}, ring ${scene.turret} · seed ${scene.seed}`);
+  say($("what"), `${scene.abilities.jump ? "recording · " : ""}${scene.world} · ${scene.preset} · sonars ${scene.sonar}, ring ${scene.turret} · seed ${scene.seed}`);
   options($("world"), [...scene.worlds, "random:"].map((name) => [name, name === "random:" ? "a random room" : name]), scene.world);
   options($("preset"), scene.presets.map((name) => [name, name]), scene.preset);
   if (document.activeElement !== $("seed")) $("seed").value = scene.seed;

@@ -51,11 +51,13 @@ function drawTrail() {
     if (mark[4] & 1) { pen.fillStyle = color("up"); pen.globalAlpha *= 0.6; pen.fillRect(x, top, Math.max(wide, 1.5), bottom - top); pen.globalAlpha = index < at ? 1 : 0.35; }
   });
   pen.globalAlpha = 1;
-  pen.beginPath();
-  marks.forEach((mark, index) => pen[index ? "lineTo" : "moveTo"](left + (index + 0.5) * step, y(mark[6])));
-  pen.strokeStyle = color("ink");
   pen.lineWidth = 1.2;
-  pen.stroke();
+  for (const [from, to, name] of [[Math.max(at - 1, 0), marks.length, "pale"], [0, Math.min(at, marks.length), "ink"]]) {
+    pen.beginPath();
+    marks.slice(from, to).forEach((mark, index) => pen[index ? "lineTo" : "moveTo"](left + (from + index + 0.5) * step, y(mark[6])));
+    pen.strokeStyle = color(name);
+    pen.stroke();
+  }
   if (at < marks.length || (view.now && view.now.at !== null)) {
     // Where the recording is.
     const x = left + at * step;

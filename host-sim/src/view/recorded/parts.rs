@@ -70,7 +70,7 @@ impl Recorded {
             sonar: setup.sonar.clone(),
             turret: setup.turret.clone(),
             moves: setup.explore_moves,
-            mind: "run again from the log".to_owned(),
+            mind: "from the log".to_owned(),
             recalls: config.planning.choice == Choice::Recall,
             abilities: self.abilities(),
             behaviors: Behavior::NAMES.iter().map(about).collect(),

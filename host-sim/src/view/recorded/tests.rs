@@ -130,5 +130,5 @@ fn a_recording_cannot_be_steered() {
     ] {
         assert!(recorded.carry_out(&order).is_err(), "{order:?}");
     }
-    assert_eq!(recorded.abilities().drive, false);
+    assert!(!recorded.abilities().drive);
 }

@@ -291,3 +291,29 @@ fn a_mind_at_the_end_of_a_link_decides_the_same() {
     }
     assert_eq!(places[..2], places[2..]);
 }
+
+#[test]
+fn a_chain_is_pursued_to_its_last_goal_and_can_be_gone_on_with() {
+    let mut simulator = simulator(SonarModel::Ideal);
+    educate(&mut simulator);
+    let chain = |name: &str| Order::Behavior {
+        name: name.to_owned(),
+    };
+    let unknown = simulator.carry_out(&chain("avoid,seek:/etc/passwd"));
+    assert!(unknown.is_err());
+    simulator.carry_out(&chain("avoid,avoid")).unwrap();
+    simulator.carry_out(&Order::Seek).unwrap();
+    let mut parts = std::collections::BTreeSet::new();
+    while simulator.step() != Stepped::Standing {
+        parts.insert(simulator.snapshot().now.goal.part);
+    }
+    assert_eq!(parts.into_iter().collect::<Vec<_>>(), [Some(0), Some(1)]);
+    let now = simulator.snapshot().now;
+    assert_eq!(now.mode, "stopped");
+    assert!(now.note.unwrap().contains("the last goal is reached"));
+    // Each part is over when its goal has held in twenty decisions.
+    assert!(simulator.seeking.goal_steps >= 40);
+    simulator.carry_out(&Order::Resume).unwrap();
+    decide(&mut simulator, 5);
+    assert_eq!(simulator.snapshot().now.note, None);
+}
