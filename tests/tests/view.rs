@@ -327,6 +327,68 @@ fn nomad_pictures(viewed: &Viewed) {
     assert_eq!(page.complaints(), [""; 0]);
 }
 
+/// A mind by its own clock, whose ring hears nothing: it learns, and stands for want of echoes.
+#[test]
+fn a_board_is_taught_and_steered_over_its_link() {
+    let program = host_sim!();
+    let viewed = Viewed::start(&program, "--explore 20 --speed max --world room");
+    let mut steerer = viewed.steerer();
+    steerer.educate(20);
+    let saved = steerer.order(json!({"do": "save_mind"})).expect("a mind");
+    let hex = saved["file"]["hex"].clone();
+    drop(viewed);
+
+    let served = Served::start(Config::recommended()).expect("a mind behind a socket");
+    let flags = format!("--board tcp:{} --explore 20", served.host());
+    let viewed = Viewed::start(&program, &flags);
+    let mut steerer = viewed.steerer();
+    let scene = steerer.latest("scene");
+    assert_eq!(scene["abilities"]["unplaced"], true);
+    steerer.wait("maps", |maps| maps["learnt"] == false);
+    for order in [
+        json!({"do": "seek"}),
+        json!({"do": "goal_neuron", "neuron": 3}),
+        json!({"do": "pause", "paused": true}),
+        json!({"do": "sonar", "number": 3, "on": false}),
+        json!({"do": "load_mind", "hex": "00"}),
+    ] {
+        assert!(steerer.order(order.clone()).is_err(), "{order}");
+    }
+    let load = json!({"do": "load_mind", "hex": hex});
+    steerer.order(load).expect("it takes the file");
+    steerer.wait("maps", |maps| maps["learnt"] == true);
+    steerer.wait("memory", |rows| {
+        rows.as_array().is_some_and(|rows| rows.len() == 20)
+    });
+    let again = steerer.order(json!({"do": "save_mind"})).expect("a mind");
+    assert_eq!(again["file"]["hex"], hex);
+    steerer.order(json!({"do": "learn"})).expect("it learns");
+    steerer.forget("now");
+    steerer.wait("now", |now| now["mode"] == "idle");
+    let neuron = json!({"do": "goal_neuron", "neuron": 3});
+    steerer.order(neuron).expect("a goal");
+    steerer.order(json!({"do": "seek"})).expect("it seeks");
+    steerer.wait("now", |now| {
+        let note = now["note"].as_str().unwrap_or_default();
+        now["mode"] == "stopped" && note.contains("not every sonar was heard")
+    });
+    board_page(&viewed);
+    drop(served);
+    steerer.wait("now", |now| {
+        now["mode"] == "failed" && now["why"].is_string()
+    });
+}
+
+fn board_page(viewed: &Viewed) {
+    let mut page = Browser::open(&viewed.watch);
+    page.resize(1400, 900);
+    page.wait("view.now && view.now.mode === 'stopped' && view.maps.learnt");
+    page.wait("!document.getElementById('arena-card').offsetParent");
+    fits(&mut page);
+    keep_aside("view-board.png", &mut page);
+    assert_eq!(page.complaints(), [""; 0]);
+}
+
 #[test]
 fn what_cannot_be_watched_is_refused_in_one_sentence() {
     let program = host_sim!();
@@ -338,6 +400,8 @@ fn what_cannot_be_watched_is_refused_in_one_sentence() {
         ("--nomad tcp:127.0.0.1:1 --log new.mcap", "tcp:127.0.0.1:1"),
         ("--nomad tcp:127.0.0.1:1 --preset touzet", "touzet"),
         ("--nomad tcp:127.0.0.1:1 --speed 2", "--speed"),
+        ("--board tcp:127.0.0.1:1", "tcp:127.0.0.1:1"),
+        ("--board qemu --nomad tcp:127.0.0.1:1", "--nomad"),
         ("--log text.mcap", "there already"),
     ] {
         let output = program.run(&tests::words(&format!("view --listen 127.0.0.1:0 {flags}")));

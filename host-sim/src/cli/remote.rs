@@ -49,6 +49,14 @@ pub struct MindArgs {
 }
 
 impl MindArgs {
+    /// How the emulator is to be started.
+    pub(super) fn emulation(&self) -> Emulation {
+        Emulation {
+            firmware: self.firmware.clone(),
+            verbose: self.verbose,
+        }
+    }
+
     /// Opens the way to a mind that takes so many random moves.
     ///
     /// # Errors
@@ -74,10 +82,7 @@ impl Remote {
     /// # Errors
     /// When it cannot be reached, is of another kind, or has too small a memory.
     pub(super) fn connect(args: &MindArgs, moves: u16) -> Result<Option<Self>, BadInput> {
-        let emulation = Emulation {
-            firmware: args.firmware.clone(),
-            verbose: args.verbose,
-        };
+        let emulation = args.emulation();
         let qemu = matches!(args.choice, MindChoice::At(Address::Qemu));
         only_for_qemu(qemu, &emulation)?;
         let MindChoice::At(address) = &args.choice else {

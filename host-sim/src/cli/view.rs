@@ -2,15 +2,17 @@
 
 use super::Failure;
 use super::bridge::{Robot, held, mind, watch};
-use super::remote::MindArgs;
+use super::remote::{MindArgs, named, open};
 use super::run::{Preset, sources};
 use super::setup::{SetupArgs, parsed};
 use crate::error::BadInput;
+use crate::link::Address;
 use crate::log;
 use crate::view::pace::SPEEDS;
 use crate::view::{
-    Door, NomadStart, PresetChoice, Recorded, Simulator, Source, Start, WatchedNomad, serve,
+    Board, Door, NomadStart, PresetChoice, Recorded, Simulator, Source, Start, WatchedNomad, serve,
 };
+use amp::wire::message::Clock;
 use clap::{Args, ValueEnum as _};
 use std::io::Write;
 use std::net::SocketAddr;
@@ -23,6 +25,9 @@ Opens no browser by itself: open the printed address. It ends with Ctrl-C.
   host-sim view --world random:7 --speed max
   host-sim view --preset touzet              the paper's four steps, to the letter
   host-sim view --mind qemu                  the mind in an emulated chip
+  host-sim view --replay wall.mcap           a log
+  host-sim view --nomad tcp:robot:65001      a Nomad 200
+  host-sim view --board serial:/dev/ttyUSB0  a board whose ring and base are its own
 
 Whoever opens the address with its token may steer, one at a time; others watch. The token is new for each run.";
 
@@ -41,6 +46,10 @@ pub struct ViewArgs {
     #[arg(long, value_name = "WHERE", value_parser = parsed::<Robot>,
         conflicts_with_all = ["world", "sonar", "turret", "speed"])]
     nomad: Option<Robot>,
+    /// A board whose ring and base are its own, instead of a simulation: serial:PORT[@BAUD], tcp:HOST:PORT or qemu
+    #[arg(long, value_name = "WHERE", value_parser = parsed::<Address>, conflicts_with_all = ["replay", "nomad", "world",
+        "shield", "online", "sonar", "turret", "preset", "sets", "choice", "log", "speed"])]
+    board: Option<Address>,
     #[command(flatten)]
     setup: SetupArgs,
     #[command(flatten)]
@@ -92,10 +101,19 @@ fn source(args: &ViewArgs) -> Result<Box<dyn Source>, BadInput> {
     if let Some(path) = &args.replay {
         return Ok(Box::new(Recorded::new(&log::read(path)?)?));
     }
-    match &args.nomad {
-        Some(robot) => nomad(args, robot),
-        None => simulator(args),
+    match (&args.nomad, &args.board) {
+        (Some(robot), _) => nomad(args, robot),
+        (None, Some(address)) => board(args, address),
+        (None, None) => simulator(args),
     }
+}
+
+fn board(args: &ViewArgs, address: &Address) -> Result<Box<dyn Source>, BadInput> {
+    let task = args.setup.task();
+    let session = open(address, &args.mind.emulation(), Clock::Device)?;
+    let name = address.to_string();
+    let board = Board::new(session, name, task.explore, task.seed, &task.behavior);
+    Ok(Box::new(board.map_err(|error| named(address, &error))?))
 }
 
 fn nomad(args: &ViewArgs, robot: &Robot) -> Result<Box<dyn Source>, BadInput> {

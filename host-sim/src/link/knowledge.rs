@@ -51,7 +51,7 @@ impl Knowledge {
     }
 
     /// Reads everything, whatever the mind does meanwhile.
-    pub(super) fn read(session: &mut Session) -> Result<Self, LinkError> {
+    pub(crate) fn read(session: &mut Session) -> Result<Self, LinkError> {
         let mut parts = [const { Vec::new() }; 5];
         for (bytes, part) in parts.iter_mut().zip(PARTS) {
             *bytes = session.read_part(part)?;

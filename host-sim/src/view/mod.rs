@@ -17,7 +17,7 @@
 //! # What can be watched
 //!
 //! Whatever is a [`Source`]: a [`Simulator`], a [Nomad](WatchedNomad), either with the mind in this process or at the end of a
-//! link, and a [log](Recorded). A source says what can be asked of it ([`Abilities`]), the page leaves out the rest.
+//! link, a [log](Recorded), and a [board](Board) whose ring and base are its own. A source says what can be asked of it ([`Abilities`]), the page leaves out the rest.
 //!
 //! # The socket
 //!
@@ -46,6 +46,7 @@
 //! shows the token of the printed address and takes the one seat ([`seat`]); whoever has shown the token may stop the
 //! robot at any time.
 
+mod board;
 mod choices;
 mod goal;
 pub mod guard;
@@ -65,6 +66,7 @@ mod stage;
 mod trail;
 mod viewer;
 
+pub use board::Board;
 pub use guard::Token;
 pub use nomad::{NomadStart, WatchedNomad};
 pub use recorded::Recorded;

@@ -23,6 +23,8 @@ pub struct Abilities {
     pub load: bool,
     /// Any decision can be gone to: a recording.
     pub jump: bool,
+    /// Neither where the robot is nor what each sonar has heard is known.
+    pub unplaced: bool,
 }
 
 /// Why an order was not carried out, in a sentence for the person who gave it.

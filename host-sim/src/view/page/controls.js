@@ -106,6 +106,8 @@ function showSetup(scene) {
     [["first", "back"], can.jump]]) for (const id of ids) $(id).hidden = !ability;
   for (const id of ["shield", "online"]) $(id).disabled = !can.configure;
   document.body.classList.toggle("recording", can.jump);
+  for (const id of ["arena-card", "ranges-half"]) $(id).hidden = can.unplaced;
+  if (can.unplaced) $("here").hidden = true;
 }
 
 function showSeat(seat) {

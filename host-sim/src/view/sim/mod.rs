@@ -339,7 +339,7 @@ impl Source for Simulator {
             configure: true,
             save: true,
             load: self.mind.inner().is_here(),
-            jump: false,
+            ..Abilities::default()
         }
     }
 

@@ -317,3 +317,44 @@ fn a_chain_is_pursued_to_its_last_goal_and_can_be_gone_on_with() {
     decide(&mut simulator, 5);
     assert_eq!(simulator.snapshot().now.note, None);
 }
+
+#[test]
+fn a_log_with_several_starts_plays_from_one_to_the_next() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.mcap");
+    let start = start(SonarModel::Ideal);
+    let mut simulator = Simulator::new(start, MindPlace::Host, Some(&path)).unwrap();
+    educate(&mut simulator);
+    simulator.carry_out(&Order::Seek).unwrap();
+    decide(&mut simulator, 30);
+    let to = Order::MoveRobot { x: 0.3, y: 0.0 };
+    simulator.carry_out(&to).unwrap();
+    decide(&mut simulator, 30);
+    let knew = simulator.carry_out(&Order::SaveMind).unwrap();
+    let reset = Reset {
+        seed: Some(9),
+        world: Some("random:4".to_owned()),
+        ..Reset::default()
+    };
+    simulator.carry_out(&Order::Reset(reset)).unwrap();
+    educate(&mut simulator);
+    let knows = simulator.carry_out(&Order::SaveMind).unwrap();
+    let place = simulator.snapshot().now.pose;
+    simulator.end().unwrap();
+
+    let log = crate::log::read(&path).unwrap();
+    let mut recorded = crate::view::Recorded::new(&log).unwrap();
+    while recorded.step() != Stepped::Standing {}
+    let now = recorded.snapshot().now;
+    assert_eq!((now.why, now.mode, now.trail[0]), (None, "idle", 2));
+    // Decisions: 40 moves twice, and what was sought in between.
+    assert_eq!(now.at, Some(140));
+    assert_eq!(recorded.carry_out(&Order::SaveMind), Ok(knows));
+    let off = (0..3).map(|axis| (now.pose[axis].0 - place[axis].0).abs());
+    assert!(off.fold(0.0, f64::max) < 1e-6, "{:?}", now.pose);
+    // Back over the start, to where the first mind had taken its last decision.
+    recorded.carry_out(&Order::Jump { to: 100 }).unwrap();
+    let now = recorded.snapshot().now;
+    assert_eq!((now.mode, now.at, now.trail[0]), ("seek", Some(100), 0));
+    assert_eq!(recorded.carry_out(&Order::SaveMind), Ok(knew));
+}
