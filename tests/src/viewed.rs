@@ -3,7 +3,7 @@
 use crate::{Program, words};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
-use std::io::{BufRead as _, BufReader};
+use std::io::{BufRead as _, BufReader, ErrorKind};
 use std::net::TcpStream;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -163,7 +163,12 @@ impl Viewer {
     /// The next message.
     fn hear(&mut self) -> Value {
         loop {
-            if let Message::Text(text) = self.socket.read().expect("a message") {
+            let message = match self.socket.read() {
+                // Whoever was stopped and went on reads again.
+                Err(Error::Io(error)) if error.kind() == ErrorKind::Interrupted => continue,
+                message => message.expect("a message"),
+            };
+            if let Message::Text(text) = message {
                 let message: Value = serde_json::from_str(&text).expect("JSON");
                 if let Some(part) = message["part"].as_str() {
                     self.seen.insert(part.to_owned(), message["value"].clone());
