@@ -5,6 +5,7 @@
 //! An emulated chip differs in three points: its oscillators are never ready, so it stays on the internal one; its port
 //! raises no interrupt when it takes a byte, so this is done by software; watchdog and reset flags do nothing.
 
+use crate::flash::Kept;
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use firmware::crash::Flags;
@@ -26,6 +27,10 @@ const BAUD: u32 = 115_200;
 /// ms; every task shows itself each 10 ms.
 const WATCHDOG_MS: u32 = 500;
 
+/// The watchdog bites after this time while flash is erased or written: 10.9 to 30.1 s, and two sectors take 8 s at most, an
+/// image less than a second.
+const PATIENT_MS: u32 = 16_000;
+
 /// The devices the tasks work with.
 pub struct Board {
     /// The serial port of the link.
@@ -36,6 +41,8 @@ pub struct Board {
     pub watchdog: Watchdog,
     /// What the chip remembers of the last reset.
     pub flags: Flags,
+    /// What outlives a loss of power.
+    pub kept: Kept,
 }
 
 impl Board {
@@ -64,6 +71,7 @@ impl Board {
             lamp: Lamp(lamp),
             watchdog: Watchdog(watchdog),
             flags,
+            kept: Kept::new(device.FLASH),
         }
     }
 }
@@ -116,8 +124,21 @@ impl Lamp {
 pub struct Watchdog(IndependentWatchdog);
 
 impl Watchdog {
-    /// Gives it another [`WATCHDOG_MS`].
+    /// Gives it as much time again.
     pub fn feed(&mut self) {
+        self.0.feed();
+    }
+
+    /// Makes it bite after [`PATIENT_MS`] from now on, or after [`WATCHDOG_MS`] again.
+    // One copy of it in the program.
+    #[inline(never)]
+    pub fn be_patient(&mut self, patient: bool) {
+        let bite_ms = if patient { PATIENT_MS } else { WATCHDOG_MS };
+        // A change takes the watchdog some cycles of its own clock, 0.3 ms, during which it takes no other: it is waited for,
+        // and then it is fed, so that it counts from the new time.
+        let _ = self.0.interval();
+        self.0.start(bite_ms.millis());
+        let _ = self.0.interval();
         self.0.feed();
     }
 }

@@ -4,11 +4,14 @@
 //! is more to do. Learning is done in slices between events, so that an event waits for one slice at most.
 
 use crate::line::{Faults, Outbox};
+use crate::persist::Store;
 use amp::config::Config;
 use amp::node::{Identity, NomadNode};
 use amp::som::Grid;
 use amp::units::Millis;
 use amp::wire::Receiver;
+use amp::wire::message::{Flash, FlashError};
+use embedded_storage::nor_flash::NorFlash;
 use heapless::spsc::Consumer;
 
 /// Starts the mind of the Nomad 200 with the recommended configuration: 16 transducers, 16 neurons to a map, a hundred
@@ -19,8 +22,12 @@ pub fn start(
     now: Millis,
     out: &mut impl amp::node::Outbox,
 ) {
-    let config = Config::recommended();
-    mind.start(&config, Grid::rectangle(4, 4), identity, now, out);
+    prepare(mind, identity);
+    mind.hello(now, out);
+}
+
+fn prepare(mind: &mut NomadNode, identity: Identity) {
+    mind.prepare(&Config::recommended(), Grid::rectangle(4, 4), identity);
 }
 
 /// Something the log should know.
@@ -46,26 +53,31 @@ impl News {
     }
 }
 
-/// Everything the control task works with.
-pub struct Control<'parts> {
+/// Everything the control task works with; what outlives a loss of power lies in the flash `F`.
+pub struct Control<'parts, F> {
     mind: &'parts mut NomadNode,
     receiver: Receiver,
     received: Consumer<'parts, u8>,
     outbox: Outbox<'parts>,
     faults: &'parts Faults,
+    store: Store<F>,
+    /// Whether a request for the flash will bring a pause, once it has been announced.
+    announced: Option<bool>,
+    is_watchdog_patient: bool,
     last_run: Millis,
     known_linked: bool,
     known_lost: u32,
 }
 
-impl<'parts> Control<'parts> {
+impl<'parts, F: NorFlash> Control<'parts, F> {
     /// A mind that is yet to be started, between two queues.
     #[must_use]
-    pub const fn new(
+    pub fn new(
         mind: &'parts mut NomadNode,
         received: Consumer<'parts, u8>,
         outbox: Outbox<'parts>,
         faults: &'parts Faults,
+        store: Store<F>,
     ) -> Self {
         Self {
             mind,
@@ -73,16 +85,30 @@ impl<'parts> Control<'parts> {
             received,
             outbox,
             faults,
+            store,
+            announced: None,
+            is_watchdog_patient: false,
             last_run: Millis::from_ms(0),
             known_linked: false,
             known_lost: 0,
         }
     }
 
-    /// Starts the mind at the time `now`.
+    /// Starts the mind at the time `now` with what was saved last, if anything was. May erase a sector of flash before, for
+    /// seconds.
     pub fn start(&mut self, identity: Identity, now: Millis) {
         self.last_run = now;
-        start(self.mind, identity, now, &mut self.outbox);
+        prepare(self.mind, identity);
+        // A flash that fails does so again, and says so, when something is to be saved; what cannot be recalled is told by
+        // the hello's checksums.
+        let _ = self.store.tidy();
+        let _ = self.recall();
+        self.mind.hello(now, &mut self.outbox);
+    }
+
+    fn recall(&mut self) -> Result<(), FlashError> {
+        let mind = &mut *self.mind;
+        self.store.recall(|read, most| mind.recall(read, most))
     }
 
     /// Whether a host is there.
@@ -95,9 +121,48 @@ impl<'parts> Control<'parts> {
     #[must_use]
     pub fn run(&mut self, now: Millis) -> bool {
         self.count(now);
+        if let Some(task) = self.mind.flash_task() {
+            return self.serve_flash(task, now);
+        }
         let more_bytes = self.drain(now);
         let more_work = self.mind.tick(now, &mut self.outbox);
         more_bytes || more_work
+    }
+
+    /// Whether the watchdog has to bear a pause before this goes on: an erasure, or an image that is written as slowly as may be.
+    #[must_use]
+    pub fn wants_patience(&self) -> bool {
+        self.announced == Some(true)
+    }
+
+    /// Says whether the watchdog bears a pause.
+    pub fn note_patience(&mut self, patient: bool) {
+        self.is_watchdog_patient = patient;
+    }
+
+    /// Announces the pause, lets the announcement go out, and does it. Frames wait meanwhile.
+    // Not a part of every run's stack.
+    #[inline(never)]
+    fn serve_flash(&mut self, task: Flash, now: Millis) -> bool {
+        let Some(pauses) = self.announced else {
+            let pause_ms = self.store.pause_ms(task);
+            self.announced = Some(pause_ms > 0);
+            if pause_ms > 0 {
+                self.mind.announce_pause(pause_ms, now, &mut self.outbox);
+            }
+            return pause_ms == 0;
+        };
+        if !self.outbox.is_empty() || (pauses && !self.is_watchdog_patient) {
+            return false;
+        }
+        let result = match task {
+            Flash::Save => self.store.save(&self.mind.contents()),
+            Flash::Recall => self.recall(),
+            Flash::Erase => self.store.erase(),
+        };
+        self.announced = None;
+        self.mind.flash_done(result, now, &mut self.outbox);
+        true
     }
 
     /// Whether frames were queued since this was asked last.
@@ -138,6 +203,9 @@ impl<'parts> Control<'parts> {
                 #[cfg(feature = "qemu")]
                 crate::provoke::heed(frame);
                 self.mind.frame(now, frame, &mut self.outbox);
+                if self.mind.flash_task().is_some() {
+                    return true;
+                }
             }
         }
         self.received.ready()
@@ -156,172 +224,4 @@ impl<'parts> Control<'parts> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use amp::wire::frame::{Header, unpack};
-    use amp::wire::message::{Clock, Counters, Dimensions, HostHello, ResetCause};
-    use amp::wire::{Frame, FromMind, PROTOCOL, Report, SCHEMA, ToMind};
-    use heapless::spsc::{Producer, Queue};
-    use std::boxed::Box;
-    use std::vec::Vec;
-
-    /// A control task between two queues whose far ends the test holds.
-    struct Bench {
-        control: Control<'static>,
-        incoming: Producer<'static, u8>,
-        outgoing: Consumer<'static, u8>,
-        seq: u16,
-    }
-
-    fn forever<T>(value: T) -> &'static mut T {
-        Box::leak(Box::new(value))
-    }
-
-    fn bench() -> Bench {
-        let received = forever(Queue::<u8, 512>::new());
-        let to_send = forever(Queue::<u8, 2048>::new());
-        let mind = forever(NomadNode::new());
-        let faults = forever(Faults::new());
-        let (incoming, received) = received.split();
-        let (to_send, outgoing) = to_send.split();
-        Bench {
-            control: Control::new(mind, received, Outbox::new(to_send), faults),
-            incoming,
-            outgoing,
-            seq: 0,
-        }
-    }
-
-    impl Bench {
-        fn start(&mut self) {
-            let identity = Identity {
-                build: *b"testtest",
-                reset: ResetCause::Panic,
-                ring: false,
-            };
-            self.control.start(identity, Millis::from_ms(0));
-        }
-
-        fn receive(&mut self, bytes: &[u8]) {
-            for &byte in bytes {
-                self.incoming.enqueue(byte).expect("room in the queue");
-            }
-        }
-
-        fn ask(&mut self, message: &ToMind<16>) {
-            self.seq += 1;
-            let header = Header {
-                session: 3,
-                seq: self.seq,
-            };
-            let frame = Frame::pack(header, message).expect("a short message");
-            self.receive(frame.as_bytes());
-        }
-
-        fn open(&mut self) {
-            let dimensions = Dimensions {
-                protocol: PROTOCOL,
-                schema: SCHEMA,
-                sensors: 16,
-                neurons: 16,
-            };
-            self.ask(&ToMind::Hello(HostHello {
-                dimensions,
-                clock: Clock::Device,
-            }));
-        }
-
-        /// What was said since this was asked last.
-        fn said(&mut self) -> Vec<FromMind<16>> {
-            let mut receiver = Receiver::new();
-            let mut said = Vec::new();
-            while let Some(byte) = self.outgoing.dequeue() {
-                if let Some(frame) = receiver.push(byte) {
-                    let (_, report) = unpack::<Report<16>>(frame).expect("a sound frame");
-                    said.push(report.said);
-                }
-            }
-            said
-        }
-
-        fn counters(&mut self, now_ms: u32) -> Counters {
-            self.ask(&ToMind::Counters);
-            assert!(!self.control.run(Millis::from_ms(now_ms)));
-            let said = self.said();
-            let counters = said.iter().find_map(|said| match said {
-                FromMind::Counters(counters) => Some(*counters),
-                _ => None,
-            });
-            counters.expect("the counters")
-        }
-    }
-
-    #[test]
-    fn a_start_says_who_and_why() {
-        let mut bench = bench();
-        bench.start();
-        assert!(bench.control.take_sent() && !bench.control.take_sent());
-        let [FromMind::Hello(hello)] = bench.said()[..] else {
-            panic!("a hello");
-        };
-        assert_eq!(
-            (&hello.build, hello.reset),
-            (b"testtest", ResetCause::Panic)
-        );
-    }
-
-    #[test]
-    fn frames_are_answered_and_what_the_device_counts_is_told() {
-        let mut bench = bench();
-        bench.start();
-        bench.open();
-        assert!(!bench.control.run(Millis::from_ms(7)));
-        assert!(bench.control.is_linked());
-        assert_eq!(bench.control.news(), Some(News::Linked));
-        assert_eq!(bench.control.news(), None);
-        bench.said();
-        bench.control.note_stack(1_234);
-        let counters = bench.counters(30);
-        assert_eq!(counters.accepted, 2);
-        assert_eq!(counters.device.stack_peak_bytes, 1_234);
-        assert_eq!(counters.device.ticks, 2);
-        assert_eq!(counters.device.longest_tick_ms, 23);
-    }
-
-    #[test]
-    fn a_host_that_falls_silent_is_news() {
-        let mut bench = bench();
-        bench.start();
-        bench.open();
-        assert!(!bench.control.run(Millis::from_ms(0)));
-        assert_eq!(bench.control.news(), Some(News::Linked));
-        assert!(!bench.control.run(Millis::from_ms(1_000)));
-        assert_eq!(bench.control.news(), Some(News::Unlinked));
-    }
-
-    #[test]
-    fn garbage_is_counted_and_the_next_frame_is_heard() {
-        let mut bench = bench();
-        bench.start();
-        bench.open();
-        bench.receive(&[7; 300]);
-        bench.receive(&[0, 3, 1, 2, 0]);
-        assert!(!bench.control.run(Millis::from_ms(1)));
-        let counters = bench.counters(2);
-        // The hello and the question; what was too long; what was no frame.
-        let counted = (counters.accepted, counters.oversized, counters.misshapen);
-        assert_eq!(counted, (2, 1, 1));
-    }
-
-    #[test]
-    fn a_full_queue_is_emptied_in_one_run() {
-        let mut bench = bench();
-        bench.start();
-        let room = bench.incoming.capacity();
-        for _ in 0..room {
-            bench.incoming.enqueue(0).expect("room in the queue");
-        }
-        assert!(!bench.control.run(Millis::from_ms(1)));
-        assert!(bench.incoming.is_empty());
-    }
-}
+mod tests;

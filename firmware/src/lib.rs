@@ -11,6 +11,7 @@
 //! | [`crash`] | what is kept over a reset, whether to believe it, and what to call the reset |
 //! | [`lamp`] | when the lamp is lit |
 //! | [`line`](mod@line) | how the serial interrupt moves bytes |
+//! | [`persist`] | where in flash an image of the mind goes, and which one is the newest |
 //! | [`pinout`] | which pin does what, and which pins must be left alone |
 //! | [`stack`] | how deep the stack has been |
 //! | [`vigil`] | whether the watchdog may be fed |
@@ -28,6 +29,7 @@ pub mod control;
 pub mod crash;
 pub mod lamp;
 pub mod line;
+pub mod persist;
 pub mod pinout;
 #[cfg(feature = "qemu")]
 pub mod provoke;

@@ -125,6 +125,12 @@ impl<'queues> Outbox<'queues> {
         }
     }
 
+    /// Whether everything sent has gone to the port.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.to_send.len() == 0
+    }
+
     /// Whether anything was sent since this was asked last: the interrupt has to be told.
     #[must_use]
     pub fn take_sent(&mut self) -> bool {

@@ -16,6 +16,8 @@ mod board;
 #[cfg(target_os = "none")]
 mod fault;
 #[cfg(target_os = "none")]
+mod flash;
+#[cfg(target_os = "none")]
 mod log;
 
 #[cfg(target_os = "none")]
@@ -23,6 +25,7 @@ mod log;
 mod app {
     use crate::board::{Board, Lamp, SerialPort, Watchdog};
     use crate::fault;
+    use crate::flash::Kept;
     use amp::node::{Identity, NomadNode};
     use amp::units::Millis;
     use amp::wire::message::ResetCause;
@@ -31,6 +34,7 @@ mod app {
     use firmware::crash::{Flags, name, reset_cause};
     use firmware::lamp;
     use firmware::line::{Faults, Line, Outbox};
+    use firmware::persist::{SLOT_BYTES, Store};
     use firmware::vigil::{Task, Vigil};
     use heapless::spsc::Queue;
     use stm32f4xx_hal::pac::Interrupt;
@@ -57,7 +61,7 @@ mod app {
         port: SerialPort,
         lamp: Lamp,
         watchdog: Watchdog,
-        control: Control<'static>,
+        control: Control<'static, Kept>,
     }
 
     #[init(local = [
@@ -67,13 +71,16 @@ mod app {
         faults: Faults = Faults::new(),
     ])]
     fn init(cx: init::Context) -> (Shared, Local) {
-        let board = Board::init(cx.device, cx.core);
+        let mut board = Board::init(cx.device, cx.core);
         let reset = why_we_started(board.flags);
         let faults: &'static Faults = cx.local.faults;
         let (received_in, received_out) = cx.local.received.split();
         let (to_send_in, to_send_out) = cx.local.to_send.split();
         let outbox = Outbox::new(to_send_in);
-        let mut control = Control::new(cx.local.mind, received_out, outbox, faults);
+        let store = Store::mount(board.kept, SLOT_BYTES);
+        let mut control = Control::new(cx.local.mind, received_out, outbox, faults, store);
+        // A sector of flash may have to be erased.
+        board.watchdog.be_patient(true);
         control.start(
             Identity {
                 build: build(),
@@ -82,6 +89,7 @@ mod app {
             },
             Millis::from_ms(0),
         );
+        board.watchdog.be_patient(false);
         // The hello waits in its queue.
         rtic::pend(Interrupt::USART1);
         let shared = Shared {
@@ -124,9 +132,13 @@ mod app {
             .fetch_add(1, Ordering::Relaxed)
             .wrapping_add(1);
         shared.vigil.seen(Task::Clock);
+        let watchdog = &mut *cx.local.watchdog;
+        shared
+            .vigil
+            .change_patience(|patient| watchdog.be_patient(patient));
         if now_ms.is_multiple_of(ROUND_MS) {
             if shared.vigil.relieve() {
-                cx.local.watchdog.feed();
+                watchdog.feed();
             }
             // Both have to show themselves until the next round.
             rtic::pend(CONTROL);
@@ -141,7 +153,9 @@ mod app {
     fn control(cx: control::Context) {
         let (control, shared) = (cx.local.control, cx.shared);
         let now_ms = shared.now_ms.load(Ordering::Relaxed);
+        control.note_patience(shared.vigil.is_patient());
         let more = control.run(Millis::from_ms(now_ms));
+        shared.vigil.want_patience(control.wants_patience());
         if control.take_sent() {
             rtic::pend(Interrupt::USART1);
         }
@@ -157,7 +171,7 @@ mod app {
     }
 
     /// What need not be looked at often: how deep the stack has been, and what the log should know.
-    fn look_after(control: &mut Control<'static>) {
+    fn look_after(control: &mut Control<'static, Kept>) {
         control.note_stack(fault::stack_peak_bytes());
         if let Some(news) = control.news() {
             news.log();

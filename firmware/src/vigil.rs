@@ -3,7 +3,7 @@
 //! A watchdog fed from a timer interrupt alone would be content with a control task that hangs. Here each task leaves its
 //! mark, and one task that stays away is enough to let the watchdog bite.
 
-use core::sync::atomic::{AtomicU32, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 /// A task that has to show itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,6 +43,10 @@ const fn complete(marks: u32) -> bool {
 #[derive(Debug, Default)]
 pub struct Vigil {
     marks: AtomicU32,
+    /// Somebody is about to hold up everybody for longer than the watchdog bears.
+    patience_wanted: AtomicBool,
+    /// The watchdog bears it.
+    is_patient: AtomicBool,
 }
 
 impl Vigil {
@@ -51,12 +55,34 @@ impl Vigil {
     pub const fn new() -> Self {
         Self {
             marks: AtomicU32::new(0),
+            patience_wanted: AtomicBool::new(false),
+            is_patient: AtomicBool::new(false),
         }
     }
 
     /// A task has run.
     pub fn seen(&self, task: Task) {
         self.marks.fetch_or(task.mark(), Ordering::Relaxed);
+    }
+
+    /// Says whether somebody wants to hold up everybody.
+    pub fn want_patience(&self, wanted: bool) {
+        self.patience_wanted.store(wanted, Ordering::Relaxed);
+    }
+
+    /// Whether the watchdog bears it by now.
+    #[must_use]
+    pub fn is_patient(&self) -> bool {
+        self.is_patient.load(Ordering::Relaxed)
+    }
+
+    /// For the watchdog's owner: how patient it is to be from now on, if that has changed; and then has been made so.
+    pub fn change_patience(&self, make: impl FnOnce(bool)) {
+        let wanted = self.patience_wanted.load(Ordering::Relaxed);
+        if wanted != self.is_patient() {
+            make(wanted);
+            self.is_patient.store(wanted, Ordering::Relaxed);
+        }
     }
 
     /// Whether the watchdog may be fed now; if so, everyone has to show himself anew.
@@ -92,6 +118,21 @@ mod tests {
             vigil.seen(missing);
             assert!(vigil.relieve());
         }
+    }
+
+    #[test]
+    fn patience_is_there_when_the_watchdog_has_it() {
+        let vigil = Vigil::new();
+        vigil.change_patience(|_| panic!("nobody wants it"));
+        vigil.want_patience(true);
+        assert!(!vigil.is_patient());
+        let mut made = None;
+        vigil.change_patience(|patient| made = Some(patient));
+        assert!(made == Some(true) && vigil.is_patient());
+        vigil.change_patience(|_| panic!("it has it"));
+        vigil.want_patience(false);
+        vigil.change_patience(|patient| made = Some(patient));
+        assert!(made == Some(false) && !vigil.is_patient());
     }
 
     #[test]

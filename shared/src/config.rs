@@ -7,6 +7,7 @@
 
 use crate::action_map::{ActionCode, Recall};
 use crate::fixed::{Mask, Weight};
+use crate::node::MOST_CONFIG;
 use crate::robot::RobotSpec;
 use crate::scan::Encoding;
 use crate::shield::Shielding;
@@ -42,6 +43,24 @@ pub struct Config<const SENSORS: usize> {
     pub clearance_mm: u16,
     /// What limits motion by the echoes; `None` = nothing does.
     pub shield: Option<Shielding>,
+}
+
+impl<const SENSORS: usize> Config<SENSORS> {
+    /// In postcard's form, as it goes over the link and is saved. Empty if it does not fit, which a ring of more than 32
+    /// transducers would not.
+    // One copy of it in a program.
+    #[inline(never)]
+    #[must_use]
+    pub fn to_bytes<'a>(&self, buffer: &'a mut [u8; MOST_CONFIG]) -> &'a [u8] {
+        postcard::to_slice(self, buffer).map_or(&[], |bytes| bytes)
+    }
+
+    /// Undoes [`to_bytes`](Self::to_bytes); `None` for bytes that are no configuration.
+    #[inline(never)]
+    #[must_use]
+    pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
+        postcard::from_bytes(bytes).ok()
+    }
 }
 
 /// The random moves.

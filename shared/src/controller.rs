@@ -165,6 +165,23 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         &self.scan
     }
 
+    /// Whether there are maps to seek with.
+    #[must_use]
+    pub const fn has_learnt(&self) -> bool {
+        self.learnt
+    }
+
+    /// A seed for whoever is to go on from here with randomness of his own; the same until the next random number.
+    pub(crate) fn next_seed(&self) -> Option<u64> {
+        let mut generator = self.generator.clone()?;
+        Some(generator.next_u64())
+    }
+
+    /// Starts the generator anew.
+    pub(crate) fn seed(&mut self, seed: u64) {
+        self.generator = Some(Xoshiro128PlusPlus::seed_from_u64(seed));
+    }
+
     /// A uniform number below `bound`; 0 for a bound of 0.
     fn below(&mut self, bound: u32) -> u32 {
         ((u64::from(self.random()) * u64::from(bound)) >> 32) as u32

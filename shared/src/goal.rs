@@ -12,9 +12,11 @@ use serde::{Deserialize, Serialize};
 
 mod asked;
 mod behaviours;
+mod kept;
 
 pub(crate) use asked::{Asked, Heaviest, Over, missed};
 pub use behaviours::Side;
+pub use kept::{KeepError, KeptGoal, KeptGoals, MOST_KEPT, Name};
 
 /// What a step straight ahead weighs in obstacle avoidance: enough to cross free space, too little to graze a wall.
 const AVOIDING_Q16: u16 = 33;

@@ -41,6 +41,7 @@
 //! | [`link`] | session, order and age of frames, and whether the host is there |
 //! | [`parameters`] | what of the configuration may be changed one by one |
 //! | [`node`] | the mind behind a link: frames in, frames out |
+//! | [`store`] | the saved image of all a mind was told and has learnt |
 //!
 //! # Limits
 //!
@@ -72,5 +73,6 @@ pub mod robot;
 pub mod scan;
 pub mod shield;
 pub mod som;
+pub mod store;
 pub mod units;
 pub mod wire;

@@ -156,6 +156,13 @@ impl Link {
         }
     }
 
+    /// Begins to wait for the host anew, after a pause during which nothing could be heard here.
+    pub const fn resume(&mut self, now: Millis) {
+        if self.alive && !self.by_host {
+            self.heard = Some(now);
+        }
+    }
+
     /// Time by the session's clock.
     #[must_use]
     pub const fn time(&self, now: Millis) -> Millis {
@@ -260,5 +267,11 @@ mod tests {
         link.heard_timeless(ms(2_000));
         assert!(link.is_alive() && !link.falls_silent(ms(2_300)) && link.falls_silent(ms(2_301)));
         assert!(!Link::new().falls_silent(ms(u32::MAX)));
+        // A pause that was announced is no silence; it brings nobody back.
+        link.resume(ms(6_000));
+        assert!(!link.is_alive());
+        link.heard_timeless(ms(7_000));
+        link.resume(ms(11_000));
+        assert!(!link.falls_silent(ms(11_300)) && link.falls_silent(ms(11_301)));
     }
 }

@@ -11,7 +11,7 @@
 
 use crate::config::Config;
 use crate::controller::{self, Event, Mode, NomadState, Outputs, State, StopReason};
-use crate::goal::Goal;
+use crate::goal::{Goal, KeptGoals};
 use crate::link::{Link, Verdict};
 use crate::som::Grid;
 use crate::units::Millis;
@@ -22,8 +22,10 @@ use crate::wire::message::{
 };
 use crate::wire::{PROTOCOL, SCHEMA};
 use heapless::Vec;
+use keeping::FlashTask;
 use kept::Kept;
 
+mod keeping;
 mod kept;
 mod pieces;
 mod requests;
@@ -65,6 +67,8 @@ pub struct Node<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize
     config: Config<SENSORS>,
     state: State<SENSORS, NEURONS, SAMPLES>,
     goal: Goal<SENSORS>,
+    goals: KeptGoals<SENSORS>,
+    flash: FlashTask,
     identity: Identity,
     source: Source,
     link: Link,
@@ -100,6 +104,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             config: Config::zeroed(),
             state: State::new(Grid::rectangle(1, 1)),
             goal: Goal::zeroed(),
+            goals: KeptGoals::new(),
+            flash: FlashTask::NONE,
             identity: Identity {
                 build: [0; 8],
                 reset: ResetCause::Unknown,
@@ -125,11 +131,16 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         now: Millis,
         out: &mut impl Outbox,
     ) {
+        self.prepare(config, grid, identity);
+        self.hello(now, out);
+    }
+
+    /// The first half of [`start`](Self::start), for whoever has something to recall before the hello.
+    pub fn prepare(&mut self, config: &Config<SENSORS>, grid: Grid, identity: Identity) {
         self.config.clone_from(config);
         self.state.set_grid(grid);
         self.identity = identity;
         self.goal = Goal::avoiding(&self.config);
-        self.hello(now, out);
     }
 
     /// What it was told.
@@ -242,7 +253,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
     }
 
-    fn hello(&mut self, now: Millis, out: &mut impl Outbox) {
+    /// Says hello: the second half of [`start`](Self::start).
+    pub fn hello(&mut self, now: Millis, out: &mut impl Outbox) {
         let hello = MindHello {
             dimensions: Self::dimensions(),
             samples: SAMPLES as u16,
@@ -334,6 +346,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.say(FromMind::Refusal { seq, why }, now, out);
     }
 
+    // One copy of it in a program.
+    #[inline(never)]
     fn say(&mut self, said: FromMind<SENSORS>, now: Millis, out: &mut impl Outbox) {
         self.seq = self.seq.wrapping_add(1);
         let header = Header {

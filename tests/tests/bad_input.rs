@@ -256,6 +256,17 @@ const CASES: &[Case] = &[
     ("som --data good.csv --epochs 0", &["--epochs"]),
     ("som --data good.csv --rate 0.1:0.5", &["--rate", "0.1:0.5"]),
     ("som --data good.csv --init start.csv", &["start.csv"]),
+    // Minds in files: read before anything is said to the mind they are for.
+    ("link --to tcp:127.0.0.1:1 push gone.mind", &["gone.mind: "]),
+    (
+        "link --to tcp:127.0.0.1:1 push binary.toml",
+        &["binary.toml: it holds no mind"],
+    ),
+    ("run --steps 1 --save file/own.mind", &["file/own.mind: "]),
+    (
+        "run --world random:1..=2 --save own.mind",
+        &["--save own.mind", "one world"],
+    ),
     // The bench view.
     ("view --world paepr", &["did you mean \"paper\"?"]),
     ("view --world random:1..=3", &["random:1..=3", "one world"]),
@@ -328,6 +339,38 @@ fn bad_input_is_one_clear_sentence() {
         WORLDS.len() + TABLES.len(),
         "left behind: {left:?}"
     );
+}
+
+#[test]
+fn a_mind_that_is_not_whole_or_of_another_version_is_refused() {
+    let program = host_sim!();
+    let _ = program.ok("run --steps 1 --explore 5 --json --save sound.mind");
+    let sound = std::fs::read(program.folder().join("sound.mind")).expect("a file");
+    // The first record holds the layout's version in its third byte; the last one the checksum of all before it.
+    let mut later = sound.clone();
+    later[6] += 1;
+    let end = later.len() - 8;
+    let crc = amp::wire::CRC.checksum(&later[..end]).to_le_bytes();
+    later[end + 2..end + 6].copy_from_slice(&crc);
+    let mut damaged = sound.clone();
+    damaged[end / 2] ^= 4;
+    let mut continued = sound.clone();
+    continued.extend_from_slice(&sound);
+    for (bytes, why) in [
+        (&sound[..end], "it is cut off or damaged"),
+        (&sound[..5], "it is cut off or damaged"),
+        (&damaged, "it is cut off or damaged"),
+        (&later, "it was written by another version of this program"),
+        (&continued, "something stands behind its end"),
+        (b"AMPMIND\0 of before", "it holds no mind"),
+        (b"", "it holds no mind"),
+    ] {
+        program.put("wrong.mind", bytes);
+        let output = program.run(&words("link --to tcp:127.0.0.1:1 push wrong.mind"));
+        assert_eq!((output.code, output.stdout.as_str()), (Some(2), ""));
+        let told = sentence(&output.stderr);
+        assert!(told.starts_with(&format!("wrong.mind: {why}")), "{told}");
+    }
 }
 
 #[test]

@@ -59,7 +59,7 @@ fn a_goal_file_is_what_the_chip_pursues(program: &Program, board: &Board, mind: 
     let file = GoalFile::load(&program.folder().join("wall.toml")).expect("a goal");
     let goal = file.goal();
     assert_eq!(theirs, Some(decided_here(mind, goal)));
-    let other = Goal::avoiding(&mind.config().expect("a configuration"));
+    let other = Goal::avoiding(mind.config());
     assert_ne!(theirs, Some(decided_here(mind, other)));
 }
 
@@ -81,18 +81,23 @@ fn decision(said: &[Report<16>]) -> Option<Decision<16>> {
 
 /// The decision of the same mind on this machine.
 fn decided_here(mind: &Knowledge, goal: Goal<16>) -> Decision<16> {
-    let config = mind.config().expect("a configuration");
-    let mut state = mind.state().expect("maps");
+    let mut state = mind.state().clone();
     let now = Millis::from_ms(0);
     let _ = handle(
-        &config,
+        mind.config(),
         &mut state,
         now,
         Event::Command(Command::Seek(goal)),
     );
     let decisions = (0..16).map(heard).filter_map(|heard| {
         let (sensor, range) = (heard.sensor, heard.range_mm.map(Range::from_mm));
-        handle(&config, &mut state, now, Event::Echo { sensor, range }).decision
+        handle(
+            mind.config(),
+            &mut state,
+            now,
+            Event::Echo { sensor, range },
+        )
+        .decision
     });
     decisions.last().expect("a decision")
 }

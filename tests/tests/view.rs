@@ -336,6 +336,7 @@ fn a_board_is_taught_and_steered_over_its_link() {
     steerer.educate(20);
     let saved = steerer.order(json!({"do": "save_mind"})).expect("a mind");
     let hex = saved["file"]["hex"].clone();
+    let maps = steerer.latest("maps");
     drop(viewed);
 
     let served = Served::start(Config::recommended()).expect("a mind behind a socket");
@@ -360,8 +361,10 @@ fn a_board_is_taught_and_steered_over_its_link() {
     steerer.wait("memory", |rows| {
         rows.as_array().is_some_and(|rows| rows.len() == 20)
     });
-    let again = steerer.order(json!({"do": "save_mind"})).expect("a mind");
-    assert_eq!(again["file"]["hex"], hex);
+    let taken = steerer.latest("maps");
+    for map in ["situations", "changes"] {
+        assert_eq!(taken[map]["code"], maps[map]["code"], "{map}");
+    }
     steerer.order(json!({"do": "learn"})).expect("it learns");
     steerer.forget("now");
     steerer.wait("now", |now| now["mode"] == "idle");

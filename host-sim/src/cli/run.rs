@@ -2,11 +2,12 @@
 
 use super::Failure;
 use super::output::{bar, prepare};
-use super::remote::{MindArgs, Remote};
+use super::remote::{MindArgs, MindChoice, Remote};
 use super::setup::SetupArgs;
 use super::summary;
 use crate::episode::{self, Episode, Report, Setup};
 use crate::error::BadInput;
+use crate::link::Knowledge;
 use crate::log;
 use crate::pilot::{Mind, Thinker};
 use crate::plot;
@@ -45,6 +46,9 @@ pub struct RunArgs {
     /// Write pictures and a page for each world into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Write what the mind knows in the end into this file, for `host-sim link … push` (one world, --mind host)
+    #[arg(long, value_name = "FILE")]
+    save: Option<PathBuf>,
     /// Write everything the mind is told and answers into a new FILE in the MCAP format (one world only), for
     /// `replay`, `log` and other tools
     #[arg(long, value_name = "FILE")]
@@ -145,6 +149,15 @@ pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
         ..args.setup.setup()?
     };
     let sources = sources(&args.worlds)?;
+    if let Some(file) = &args.save
+        && (sources.len() > 1 || args.mind.choice != MindChoice::Host)
+    {
+        return Err(BadInput::new(format!(
+            "--save {}: only the mind in this process, of one world (a chip's: host-sim link … pull)",
+            file.display()
+        ))
+        .into());
+    }
     if let (Some(path), true) = (&args.log, sources.len() != 1) {
         let what = format!(
             "a log holds one episode, not one of each of {} worlds",
@@ -197,12 +210,15 @@ fn in_parallel(
     for (number, chunk) in sources.chunks(CHUNK).enumerate() {
         let one = |(index, source): (usize, &WorldSource)| {
             let folder = folder(args, number * CHUNK + index, source, sources.len());
+            let mut mind = Mind::new(setup.config.clone());
             let report = episode(source, folder.as_deref(), |world| {
-                let mut mind = Mind::new(setup.config.clone());
                 drive(world, setup, &mut mind, args.log.as_deref())
-            });
+            })?;
+            if let Some(file) = &args.save {
+                Knowledge::of(mind.config(), mind.state()).save(file)?;
+            }
             progress.inc(1);
-            report
+            Ok::<_, BadInput>(report)
         };
         let lines: Vec<_> = pool.install(|| chunk.par_iter().enumerate().map(one).collect());
         for line in lines {

@@ -142,14 +142,11 @@ impl AnyMind {
     }
 
     /// Replaces what it knows; only in this process.
-    pub fn replace(&mut self, knowledge: &Knowledge) -> Option<Config<16>> {
-        let config = knowledge.config()?;
-        let state = knowledge.state().ok()?;
-        match self {
-            Self::Host(mind) => **mind = Mind::with_state(config.clone(), state),
-            Self::Link(_) => return None,
+    pub fn replace(&mut self, knowledge: &Knowledge) {
+        if let Self::Host(mind) = self {
+            let (config, state) = (knowledge.config(), knowledge.state());
+            **mind = Mind::with_state(config.clone(), state.clone());
         }
-        Some(config)
     }
 }
 

@@ -1,14 +1,4 @@
-//! All a mind was told and has learnt, as one file.
-//!
-//! | bytes | |
-//! |---|---|
-//! | 8 | `AMPMIND` and a zero |
-//! | 2 | version of this layout |
-//! | 4 | checksum of the messages' grammar, which the parts depend on |
-//! | 5 × (4 + length) | length and bytes of configuration, situations, changes, actions, memory, as on the wire |
-//! | 4 | CRC-32 of everything before |
-//!
-//! Numbers are little-endian.
+//! All a mind was told and has learnt, as one file: the image that a chip keeps in its flash, see [`amp::store`].
 
 use super::{Fingerprint, LinkError, Session, next_number};
 use crate::error::BadInput;
@@ -16,47 +6,96 @@ use crate::pilot::SimState;
 use crate::plot::demo::save;
 use amp::config::Config;
 use amp::controller::Part as StatePart;
+use amp::goal::{Goal, KeptGoal, KeptGoals, Name};
 use amp::node::MOST_CONFIG;
 use amp::som::Grid;
-use amp::wire::message::{Clock, ModeReport, Part, Refusal};
-use amp::wire::{CRC, SCHEMA};
+use amp::store::{Contents, ContentsMut};
+use amp::wire::message::{Clock, FromMind, GoalBy, ModeReport, Order, Part, Refusal};
+use amp::wire::{CRC, ToMind};
 use std::path::Path;
 
-const MAGIC: &[u8; 8] = b"AMPMIND\0";
-const VERSION: u16 = 1;
-
-/// The parts in the file's order.
-const PARTS: [Part; 5] = [
-    Part::Config,
-    Part::Situations,
-    Part::Changes,
-    Part::Actions,
-    Part::Memory,
+/// The parts of the state, in the order in which they are read.
+const PARTS: [(Part, StatePart); 4] = [
+    (Part::Situations, StatePart::Situations),
+    (Part::Changes, StatePart::Changes),
+    (Part::Actions, StatePart::Actions),
+    (Part::Memory, StatePart::Memory),
 ];
 
-/// What a mind was told and has learnt: the bytes of each part.
+/// Generation of an image in a file, where there is one only.
+const GENERATION: u32 = 1;
+
+/// What a mind was told and has learnt.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Knowledge {
-    parts: [Vec<u8>; 5],
+    config: Config<16>,
+    state: Box<SimState>,
+    goal: Goal<16>,
+    kept: KeptGoals<16>,
 }
 
 impl Knowledge {
+    /// What a mind in this process was told and has learnt; its goal is to avoid obstacles.
+    #[must_use]
+    pub fn of(config: &Config<16>, state: &SimState) -> Self {
+        Self::new(config.clone(), state.clone())
+    }
+
+    fn new(config: Config<16>, state: SimState) -> Self {
+        Self {
+            goal: Goal::avoiding(&config),
+            kept: KeptGoals::new(),
+            state: Box::new(state),
+            config,
+        }
+    }
+
     /// Reads everything from a mind with an open session that stands still.
     ///
     /// # Errors
     /// [`LinkError`]; a refusal while the robot explores, learns or seeks.
     pub fn pull(session: &mut Session) -> Result<Self, LinkError> {
         refuse_moving(session)?;
-        Self::read(session)
+        let mut knowledge = Self::read(session)?;
+        for report in session.ask(&ToMind::Goals)? {
+            let FromMind::Goal { name, goal } = report.said else {
+                continue;
+            };
+            if name == Name::NONE {
+                knowledge.goal = goal;
+            } else {
+                let kept = knowledge.kept.keep(KeptGoal { name, goal });
+                kept.map_err(|_| LinkError::Unlike { what: "goals" })?;
+            }
+        }
+        Ok(knowledge)
     }
 
-    /// Reads everything, whatever the mind does meanwhile.
+    /// Reads all but the goals, whatever the mind does meanwhile.
     pub(crate) fn read(session: &mut Session) -> Result<Self, LinkError> {
-        let mut parts = [const { Vec::new() }; 5];
-        for (bytes, part) in parts.iter_mut().zip(PARTS) {
-            *bytes = session.read_part(part)?;
+        let config = session.read_part(Part::Config)?;
+        let config = Config::from_bytes(&config).ok_or(LinkError::Refused(Refusal::Config))?;
+        let mut parts = Vec::new();
+        for (part, ours) in PARTS {
+            parts.push((ours, session.read_part(part)?));
         }
-        Ok(Self { parts })
+        let mut state = SimState::new(Grid::rectangle(4, 4));
+        let is_map = |part: StatePart| part != StatePart::Memory;
+        // Maps that were never learnt are all zeros, and are not to count as learnt.
+        let learnt = parts
+            .iter()
+            .any(|(part, bytes)| is_map(*part) && bytes.iter().any(|byte| *byte != 0));
+        for (part, bytes) in parts {
+            if is_map(part) && !learnt {
+                continue;
+            }
+            let written = state.write_part(part, 0, &bytes);
+            written.map_err(|why| LinkError::Refused(Refusal::Piece(why)))?;
+            if state.part_len(part) != bytes.len() {
+                return Err(LinkError::Unlike { what: "maps" });
+            }
+        }
+        Ok(Self::new(config, state))
     }
 
     /// Writes everything to a mind that stands still, and makes sure of it by opening the next session.
@@ -65,10 +104,21 @@ impl Knowledge {
     /// [`LinkError`]; a refusal while the robot explores, learns or seeks.
     pub fn push(&self, session: &mut Session) -> Result<(), LinkError> {
         refuse_moving(session)?;
+        session.order(session.elapsed_ms(), Order::Forget)?;
         // The configuration comes last: a mind that is cut off before has its old one with maps that are read the same.
-        for (bytes, part) in self.parts.iter().zip(PARTS).rev() {
-            session.write_part(part, bytes)?;
+        for (part, ours) in PARTS.into_iter().rev() {
+            if part == Part::Memory || self.state.has_learnt() {
+                session.write_part(part, &self.part(ours))?;
+            }
         }
+        session.write_part(Part::Config, &Self::of_config(&self.config)?)?;
+        for KeptGoal { name, goal } in self.kept.as_slice() {
+            let goal = Order::Goal(GoalBy::Components(*goal));
+            session.order(session.elapsed_ms(), goal)?;
+            session.ask(&ToMind::Keep { name: *name })?;
+        }
+        let goal = Order::Goal(GoalBy::Components(self.goal));
+        session.order(session.elapsed_ms(), goal)?;
         let hello = session.open(next_number(session.number()), Clock::Device)?;
         match Fingerprint::from(&hello)
             .differences(&self.fingerprint())
@@ -79,97 +129,76 @@ impl Knowledge {
         }
     }
 
-    /// What a mind in this process was told and has learnt.
-    ///
-    /// # Errors
-    /// When the configuration is none a mind can send.
-    pub fn of(config: &Config<16>, state: &SimState) -> Result<Self, LinkError> {
-        let part = |part: StatePart| {
-            let mut bytes = vec![0; state.part_len(part)];
-            state.read_part(part, 0, &mut bytes);
-            bytes
-        };
-        Ok(Self {
-            parts: [
-                Self::of_config(config)?,
-                part(StatePart::Situations),
-                part(StatePart::Changes),
-                part(StatePart::Actions),
-                part(StatePart::Memory),
-            ],
-        })
-    }
-
     /// A configuration as on the wire.
     pub(super) fn of_config(config: &Config<16>) -> Result<Vec<u8>, LinkError> {
-        let mut buffer = [0; MOST_CONFIG];
-        match postcard::to_slice(config, &mut buffer) {
-            Ok(bytes) => Ok(bytes.to_vec()),
-            Err(_) => Err(LinkError::Refused(Refusal::Config)),
+        match config.to_bytes(&mut [0; MOST_CONFIG]) {
+            [] => Err(LinkError::Refused(Refusal::Config)),
+            bytes => Ok(bytes.to_vec()),
         }
+    }
+
+    fn part(&self, part: StatePart) -> Vec<u8> {
+        let mut bytes = vec![0; self.state.part_len(part)];
+        self.state.read_part(part, 0, &mut bytes);
+        bytes
     }
 
     /// Its checksums as a mind says them.
     #[must_use]
     pub fn fingerprint(&self) -> Fingerprint {
-        let [config, situations, changes, actions, memory] = &self.parts;
         let mut maps = CRC.digest();
-        for map in [situations, changes, actions] {
-            maps.update(map);
+        for map in [
+            StatePart::Situations,
+            StatePart::Changes,
+            StatePart::Actions,
+        ] {
+            maps.update(&self.part(map));
         }
         Fingerprint {
-            config_crc: CRC.checksum(config),
+            config_crc: CRC.checksum(self.config.to_bytes(&mut [0; MOST_CONFIG])),
             maps_crc: maps.finalize(),
-            memory_crc: CRC.checksum(memory),
+            memory_crc: CRC.checksum(&self.part(StatePart::Memory)),
         }
     }
 
     /// The configuration.
     #[must_use]
-    pub fn config(&self) -> Option<Config<16>> {
-        postcard::from_bytes(&self.parts[0]).ok()
+    pub fn config(&self) -> &Config<16> {
+        &self.config
     }
 
-    /// Maps and memory as a state.
-    ///
-    /// # Errors
-    /// A refusal when a part has no length it may have.
-    pub fn state(&self) -> Result<SimState, LinkError> {
-        let mut state = SimState::new(Grid::rectangle(4, 4));
-        let parts = [
-            StatePart::Situations,
-            StatePart::Changes,
-            StatePart::Actions,
-            StatePart::Memory,
-        ];
-        for (part, bytes) in parts.into_iter().zip(&self.parts[1..]) {
-            let written = state.write_part(part, 0, bytes);
-            written.map_err(|why| LinkError::Refused(Refusal::Piece(why)))?;
-            if state.part_len(part) != bytes.len() {
-                return Err(LinkError::Unlike { what: "maps" });
-            }
-        }
-        Ok(state)
+    /// Maps and memory.
+    #[must_use]
+    pub fn state(&self) -> &SimState {
+        &self.state
+    }
+
+    /// Maps and memory alone.
+    #[must_use]
+    pub(super) fn into_state(self) -> Box<SimState> {
+        self.state
     }
 
     /// Samples in the memory.
     #[must_use]
     pub fn samples(&self) -> usize {
-        self.parts[4].len() / SimState::SAMPLE_BYTES
+        self.state.memory().samples().len()
     }
 
     /// The file's bytes.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
-        let mut file = MAGIC.to_vec();
-        file.extend(VERSION.to_le_bytes());
-        file.extend(SCHEMA.to_le_bytes());
-        for part in &self.parts {
-            file.extend((part.len() as u32).to_le_bytes());
-            file.extend(part);
-        }
-        let crc = CRC.checksum(&file);
-        file.extend(crc.to_le_bytes());
+        let contents = Contents {
+            config: &self.config,
+            state: &self.state,
+            goal: &self.goal,
+            kept: &self.kept,
+        };
+        let mut file = Vec::new();
+        let Ok(()) = contents.write(GENERATION, &mut |bytes| {
+            file.extend_from_slice(bytes);
+            Ok::<_, std::convert::Infallible>(())
+        });
         file
     }
 
@@ -177,32 +206,26 @@ impl Knowledge {
     ///
     /// # Errors
     /// Half a sentence that says why they are no such file.
-    pub fn from_bytes(file: &[u8]) -> Result<Self, &'static str> {
-        const CUT: &str = "it is cut off or damaged";
-        let rest = file.strip_prefix(MAGIC);
-        let rest = rest.ok_or("it holds no mind (see `host-sim link --help`, pull)")?;
-        let (version, rest) = rest.split_first_chunk().ok_or(CUT)?;
-        let (schema, _) = rest.split_first_chunk().ok_or(CUT)?;
-        if u16::from_le_bytes(*version) != VERSION || u32::from_le_bytes(*schema) != SCHEMA {
-            return Err("it was written by another version of this program");
+    pub fn from_bytes(file: &[u8]) -> Result<Self, String> {
+        if !file.starts_with(b"AMPS") {
+            return Err("it holds no mind (see `host-sim link --help`, pull)".into());
         }
-        let (text, crc) = file.split_last_chunk().ok_or(CUT)?;
-        if CRC.checksum(text) != u32::from_le_bytes(*crc) {
-            return Err(CUT);
-        }
-        let mut rest = text.get(MAGIC.len() + 6..).ok_or(CUT)?;
-        let mut parts = [const { Vec::new() }; 5];
-        for part in &mut parts {
-            let (length, bytes) = rest.split_first_chunk().ok_or(CUT)?;
-            let length = u32::from_le_bytes(*length) as usize;
-            let (bytes, after) = bytes.split_at_checked(length).ok_or(CUT)?;
-            *part = bytes.to_vec();
-            rest = after;
-        }
-        let knowledge = Self { parts };
-        match (rest, knowledge.config(), knowledge.state()) {
-            ([], Some(_), Ok(_)) => Ok(knowledge),
-            _ => Err("its parts are not those of a mind with 16 sonars and 16 neurons to a map"),
+        let fresh = SimState::new(Grid::rectangle(4, 4));
+        let mut knowledge = Self::new(Config::recommended(), fresh);
+        let mut contents = ContentsMut {
+            config: &mut knowledge.config,
+            state: &mut knowledge.state,
+            goal: &mut knowledge.goal,
+            kept: &mut knowledge.kept,
+        };
+        let mut read = |at: usize, out: &mut [u8]| {
+            let bytes = file.get(at..at + out.len());
+            bytes.map(|bytes| out.copy_from_slice(bytes)).is_some()
+        };
+        match contents.read(&mut read, file.len()) {
+            Ok(found) if found.bytes == file.len() => Ok(knowledge),
+            Ok(_) => Err("something stands behind its end".into()),
+            Err(fault) => Err(fault.to_string()),
         }
     }
 

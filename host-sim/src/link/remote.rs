@@ -327,9 +327,8 @@ impl<S: BorrowMut<Session>> Pilot for RemoteMind<S> {
 impl<S: BorrowMut<Session>> Thinker for RemoteMind<S> {
     fn knowledge(&mut self) -> Result<&SimState, Failure> {
         // Nothing happens in the mind while nothing is said to it, whatever its mode.
-        let pulled =
-            Knowledge::read(self.session.borrow_mut()).and_then(|knowledge| knowledge.state());
-        *self.knowledge = pulled.map_err(Failure::Link)?;
+        let pulled = Knowledge::read(self.session.borrow_mut()).map(Knowledge::into_state);
+        self.knowledge = pulled.map_err(Failure::Link)?;
         Ok(&self.knowledge)
     }
 }

@@ -6,6 +6,7 @@ use amp::node::{Identity, Node, Outbox};
 use amp::som::Grid;
 use amp::units::Millis;
 use amp::wire::Receiver;
+use amp::wire::message::FlashError;
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
@@ -72,6 +73,9 @@ impl<const SENSORS: usize> Local<SENSORS> {
         for &byte in bytes {
             if let Some(frame) = self.receiver.push(byte) {
                 self.node.frame(self.now, frame, &mut self.outgoing);
+                // A process keeps nothing over its end.
+                let absent = Err(FlashError::Absent);
+                self.node.flash_done(absent, self.now, &mut self.outgoing);
             }
         }
     }

@@ -10,6 +10,9 @@ use std::time::{Duration, Instant};
 /// How long an order given by hand stays valid, milliseconds.
 pub(super) const ORDER_TTL_MS: u16 = 1_000;
 
+/// The longest pause of a mind that is waited for, however long it says.
+const MOST_PAUSE: Duration = Duration::from_secs(30);
+
 /// How long an answer is waited for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Patience {
@@ -193,7 +196,7 @@ impl Session {
     fn await_done(
         &mut self,
         seq: u16,
-        until: Instant,
+        mut until: Instant,
         reports: &mut Vec<(u16, Report<16>)>,
     ) -> Result<bool, LinkError> {
         while let Some((number, report)) = self.next_numbered(until)? {
@@ -201,6 +204,11 @@ impl Session {
                 FromMind::Done { seq: done } if done == seq => return Ok(true),
                 // Of a frame before.
                 FromMind::Done { .. } => {}
+                // It cannot hear: nothing is repeated before it can.
+                FromMind::Busy { ms } => {
+                    let pause = Duration::from_millis(ms.into());
+                    until = Instant::now() + pause.min(MOST_PAUSE) + self.patience.attempt;
+                }
                 _ => reports.push((number, report)),
             }
         }

@@ -1,6 +1,7 @@
 //! Messages in words, for people.
 
 use amp::controller::{self, Decision, StopReason};
+use amp::goal::Name;
 use amp::units::Displacement;
 use amp::wire::message::{
     FromMind, MindHello, ModeReport, MotionOrder, Notice, Refusal, Report, ResetCause,
@@ -47,6 +48,9 @@ pub fn refusal(why: Refusal) -> String {
         }
         Refusal::NoRing => "it has no sonars of its own".into(),
         Refusal::NothingPerceived => "not every sonar has been heard yet".into(),
+        Refusal::Flash(why) => why.to_string(),
+        Refusal::NoSuchGoal => "it keeps no goal of this name (`host-sim link … goals`)".into(),
+        Refusal::GoalName => "it keeps 8 goals already: drop one first".into(),
     }
 }
 
@@ -101,6 +105,9 @@ pub fn describe(report: &Report<16>) -> String {
             ("log", format!("{count} frames found no room so far"))
         }
         FromMind::Done { seq } => ("done", format!("frame {seq}")),
+        FromMind::Busy { ms } => ("busy", format!("for at most {ms} ms")),
+        FromMind::Goal { name, .. } if *name == Name::NONE => ("goal", "the present one".into()),
+        FromMind::Goal { name, .. } => ("goal", name.as_str().to_owned()),
     };
     let time_s = f64::from(report.device_ms) / 1e3;
     format!("{time_s:10.3} s  {kind:<9}  {}", text.trim_end())

@@ -33,10 +33,11 @@ impl LoggedMind {
         Ok(())
     }
 
-    /// Replaces what it knows, if it is in this process; returns the configuration that came with it.
-    pub fn know(&mut self, at: Millis, knowledge: &Knowledge) -> Option<Config<16>> {
-        let config = self.pilot().replace(knowledge)?;
-        self.note(at, Happening::Know(hex(&knowledge.to_bytes())));
-        Some(config)
+    /// Replaces what it knows; only in this process.
+    pub fn know(&mut self, at: Millis, knowledge: &Knowledge) {
+        if self.inner().is_here() {
+            self.pilot().replace(knowledge);
+            self.note(at, Happening::Know(hex(&knowledge.to_bytes())));
+        }
     }
 }

@@ -104,9 +104,8 @@ impl Retold {
 fn known(hex: &str) -> Result<Mind, String> {
     let bytes = unhex(hex).ok_or("knowledge: not in hexadecimal")?;
     let knowledge = Knowledge::from_bytes(&bytes).map_err(|why| format!("knowledge: {why}"))?;
-    let state = knowledge.state().map_err(|error| error.to_string())?;
-    let config = knowledge.config().ok_or("knowledge: no configuration")?;
-    Ok(Mind::with_state(config, state))
+    let (config, state) = (knowledge.config(), knowledge.state());
+    Ok(Mind::with_state(config.clone(), state.clone()))
 }
 
 fn differs(logged: Option<&Answer>, found: Option<&Answer>) -> String {

@@ -6,7 +6,7 @@
 use super::choices::mind_file;
 use super::goal::Pursued;
 use super::order::{Done, Order};
-use super::seen::{Knowing, has_maps, meters, millimeters, plan_seen, ring};
+use super::seen::{Knowing, meters, millimeters, plan_seen, ring};
 use super::snapshot::{Counts, Now, Part, Scene, Short, Showable, Snapshot, Xy};
 use super::source::{Abilities, Refused, Source, Stepped};
 use super::trail::{Trail, mark};
@@ -61,7 +61,7 @@ impl Board {
     /// The mind at the end of an open session by its own clock, called so; it explores with so many moves, and pursues this.
     ///
     /// # Errors
-    /// [`LinkError`]; a configuration of another kind.
+    /// [`LinkError`].
     pub fn new(
         mut session: Session,
         name: String,
@@ -71,14 +71,11 @@ impl Board {
     ) -> Result<Self, LinkError> {
         let mode = session.mode()?;
         let knowledge = Knowledge::read(&mut session)?;
-        let config = knowledge.config().ok_or(LinkError::Unlike {
-            what: "configuration",
-        })?;
         Ok(Self {
             session,
             name,
-            config,
-            known: Box::new(knowledge.state()?),
+            config: knowledge.config().clone(),
+            known: Box::new(knowledge.state().clone()),
             explore_moves,
             seed,
             mode,
@@ -176,10 +173,8 @@ impl Board {
     /// Fetches what it knows.
     fn fetch(&mut self) -> Result<(), LinkError> {
         let knowledge = Knowledge::read(&mut self.session)?;
-        *self.known = knowledge.state()?;
-        if let Some(config) = knowledge.config() {
-            self.config = config;
-        }
+        *self.known = knowledge.state().clone();
+        self.config = knowledge.config().clone();
         self.knowing.forget();
         Ok(())
     }
@@ -225,13 +220,13 @@ impl Board {
             }
             Order::Resume => self.order(message::Order::Resume)?,
             Order::Behavior { .. } | Order::GoalNeuron { .. } | Order::GoalFile { .. } => {
-                let known = Some(&*self.known).filter(|known| has_maps(known));
+                let known = Some(&*self.known).filter(|known| known.has_learnt());
                 self.goal = Pursued::asked(order, (self.nest(), Point::default()), known)?;
                 if self.mode == ModeReport::Seek {
                     self.obey(&Order::Seek)?;
                 }
             }
-            Order::SaveMind => return mind_file(&self.config, &self.known),
+            Order::SaveMind => return Ok(mind_file(&self.config, &self.known)),
             Order::LoadMind { hex } => {
                 let bytes = unhex(hex).ok_or("the file did not arrive whole")?;
                 Knowledge::from_bytes(&bytes)?.push(&mut self.session)?;
@@ -348,7 +343,7 @@ impl Source for Board {
 
     fn snapshot(&mut self) -> Snapshot {
         self.revision += 1;
-        let learnt = has_maps(&self.known);
+        let learnt = self.known.has_learnt();
         let mut parts: Vec<Arc<dyn Showable>> = vec![self.scene()];
         let (revision, known) = (self.revision, &self.known);
         parts.extend(self.knowing.parts(revision, known, &self.config, learnt));

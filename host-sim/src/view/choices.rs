@@ -45,14 +45,11 @@ pub(super) fn switched(
 }
 
 /// What a mind was told and has learnt, as a file.
-///
-/// # Errors
-/// A configuration that no mind can send.
-pub(super) fn mind_file(config: &Config<16>, known: &SimState) -> Result<Done, Refused> {
-    let knowledge = Knowledge::of(config, known)?;
-    Ok(Done::File(File {
+pub(super) fn mind_file(config: &Config<16>, known: &SimState) -> Done {
+    let knowledge = Knowledge::of(config, known);
+    Done::File(File {
         name: "robot.mind",
         text: None,
         hex: Some(hex(&knowledge.to_bytes())),
-    }))
+    })
 }

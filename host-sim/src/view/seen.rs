@@ -66,12 +66,6 @@ impl Knowing {
     }
 }
 
-/// Whether a mind has made its maps.
-pub(super) fn has_maps(known: &SimState) -> bool {
-    let code = known.situations().code().as_flattened();
-    code.iter().any(|value| value.to_bits() != 0)
-}
-
 /// A thing in the world.
 pub(super) fn shape_seen(shape: &Shape) -> ShapeSeen {
     match shape {

@@ -67,6 +67,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
     }
 
+    // One copy of it in a program.
+    #[inline(never)]
     /// Copies a part from `offset` on into `out`, as far as both reach; returns the number of bytes.
     pub fn read_part(&self, part: Part, offset: usize, out: &mut [u8]) -> usize {
         let rest = self.part_len(part).saturating_sub(offset);
@@ -137,6 +139,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         Ok(())
     }
 
+    // One copy of it in a program.
+    #[inline(never)]
     /// Forgets samples, maps and goal: as after the start.
     pub fn forget(&mut self) {
         self.mode = Mode::Idle;

@@ -1,10 +1,11 @@
 //! Configuration, maps and memory in pieces, and their checksums.
 
 use super::{MOST_CONFIG, Node, Outbox};
+use crate::config::Config;
 use crate::controller::{self, PartError};
 use crate::units::Millis;
-use crate::wire::CRC;
 use crate::wire::message::{FromMind, MOST_PIECE, Part, Refusal};
+use crate::wire::{Checksum, checksum};
 use heapless::Vec;
 
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
@@ -30,7 +31,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             }
             None => {
                 let mut buffer = [0; MOST_CONFIG];
-                let whole = self.config_bytes(&mut buffer);
+                let whole = self.config.to_bytes(&mut buffer);
                 let rest = whole.get(start..).unwrap_or(&[]);
                 let _ = bytes.extend_from_slice(rest.get(..MOST_PIECE).unwrap_or(rest));
                 whole.len()
@@ -65,17 +66,13 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             return Err(Refusal::Piece(PartError::Place));
         }
         if last {
-            self.config = postcard::from_bytes(&self.staged).map_err(|_| Refusal::Config)?;
+            self.config = Config::from_bytes(&self.staged).ok_or(Refusal::Config)?;
         }
         Ok(())
     }
 
-    fn config_bytes<'a>(&self, buffer: &'a mut [u8; MOST_CONFIG]) -> &'a [u8] {
-        postcard::to_slice(&self.config, buffer).map_or(&[], |bytes| bytes)
-    }
-
     pub(super) fn config_crc(&self) -> u32 {
-        CRC.checksum(self.config_bytes(&mut [0; MOST_CONFIG]))
+        checksum(self.config.to_bytes(&mut [0; MOST_CONFIG]))
     }
 
     pub(super) fn maps_crc(&self) -> u32 {
@@ -87,8 +84,9 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.crc_of(&[controller::Part::Memory])
     }
 
+    #[inline(never)]
     fn crc_of(&self, parts: &[controller::Part]) -> u32 {
-        let mut digest = CRC.digest();
+        let mut digest = Checksum::new();
         for &part in parts {
             let mut offset = 0;
             let mut buffer = [0; 64];

@@ -92,6 +92,27 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 self.link.heard_timeless(now);
                 self.set_source(source)
             }
+            ToMind::Flash(what) => {
+                self.link.heard_timeless(now);
+                match self.ask_flash(seq, what) {
+                    // Answered when it has been done.
+                    Ok(()) => return,
+                    refused => refused,
+                }
+            }
+            ToMind::Keep { name } => {
+                self.link.heard_timeless(now);
+                self.keep_goal(name)
+            }
+            ToMind::Drop { name } => {
+                self.link.heard_timeless(now);
+                self.drop_goal(name)
+            }
+            ToMind::Goals => {
+                self.link.heard_timeless(now);
+                self.say_goals(now, out);
+                Ok(())
+            }
         };
         if let Err(why) = result {
             self.refuse(seq, why, now, out);
@@ -166,6 +187,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         match by {
             GoalBy::Avoid => Ok(Goal::avoiding(&self.config)),
             GoalBy::Components(goal) => Ok(goal),
+            GoalBy::Kept(name) => self.goals.find(name).copied().ok_or(Refusal::NoSuchGoal),
             GoalBy::Perceived => {
                 let scan = self.state.scan();
                 if !scan.has_heard_all(self.config.believed) {
@@ -190,6 +212,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.standing()?;
         self.state.forget();
         self.goal = Goal::avoiding(&self.config);
+        self.goals.clear();
         self.underway = None;
         Ok(())
     }

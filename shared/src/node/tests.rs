@@ -3,7 +3,7 @@ use crate::controller::{Decision, Progress, Refusal as CommandRefusal};
 use crate::goal::Component;
 use crate::link::SILENCE_MS;
 use crate::units::{Displacement, Range};
-use crate::wire::message::{Clock, GoalBy, Heard, Order, Part};
+use crate::wire::message::{Clock, Flash, FlashError, GoalBy, Heard, Order, Part};
 use std::vec::Vec;
 
 type Small = Node<16, 16, 20>;
@@ -583,4 +583,119 @@ fn a_full_way_out_is_counted() {
         (rig.node.counters().dropped, rig.node.counters().sent),
         (2, sent)
     );
+}
+
+fn image(node: &Small) -> Vec<u8> {
+    let mut image = Vec::new();
+    let _ = node.contents().write(3, &mut |bytes| {
+        image.extend_from_slice(bytes);
+        Ok::<_, ()>(())
+    });
+    image
+}
+
+fn recall(node: &mut Small, image: &[u8]) -> Result<(), crate::store::Fault> {
+    let mut read = |at: usize, out: &mut [u8]| {
+        out.copy_from_slice(&image[at..at + out.len()]);
+        true
+    };
+    node.recall(&mut read, image.len())
+}
+
+#[test]
+fn a_node_that_recalls_goes_on_as_any_other_that_does() {
+    let mut rig = Rig::ready(Clock::Host);
+    rig.order(Order::Seek);
+    let _ = rig.rounds(30);
+    rig.order(Order::Stop);
+    let saved = image(&rig.node);
+    let sums = |node: &Small| [node.config_crc(), node.maps_crc(), node.memory_crc()];
+    let known = sums(&rig.node);
+    // The one that saved it, and one that has just been switched on; at the same time by the host's clock.
+    let mut other = Rig::new(Clock::Host);
+    assert_ne!(sums(&other.node), known);
+    other.now = rig.now;
+    let decisions: Vec<_> = [&mut rig, &mut other]
+        .map(|rig| {
+            recall(&mut rig.node, &saved).unwrap();
+            assert_eq!(sums(&rig.node), known);
+            assert_eq!(refusal(&rig.order(Order::Seek)), None);
+            rig.rounds(60)
+        })
+        .into();
+    assert_eq!(decisions[0].len(), 60);
+    assert_eq!(decisions[0], decisions[1]);
+    // Not that of a moving one.
+    assert!(image(&rig.node) != saved);
+}
+
+#[test]
+fn goals_are_kept_by_name_and_saved() {
+    let mut rig = Rig::new(Clock::Host);
+    let name = |text| crate::goal::Name::new(text).unwrap();
+    let situation = GoalBy::Situation([100; 16]);
+    rig.order(Order::Goal(situation));
+    let nest = rig.node.goal;
+    assert_eq!(
+        refusal(&rig.send(ToMind::Keep { name: name("nest") })),
+        None
+    );
+    rig.order(Order::Goal(GoalBy::Avoid));
+    let avoid = rig.node.goal;
+    let none = crate::goal::Name::NONE;
+    assert_eq!(
+        refusal(&rig.send(ToMind::Keep { name: none })),
+        Some(Refusal::GoalName)
+    );
+    let saved = image(&rig.node);
+    let mut other = Rig::new(Clock::Host);
+    recall(&mut other.node, &saved).unwrap();
+    let said = other.send(ToMind::Goals);
+    let goal = |name, goal| FromMind::Goal { name, goal };
+    assert_eq!(said[..2], [goal(none, avoid), goal(name("nest"), nest)]);
+    other.order(Order::Goal(GoalBy::Kept(name("nest"))));
+    assert_eq!(other.node.goal, nest);
+    let gone = ToMind::Drop { name: name("nest") };
+    assert_eq!(refusal(&other.send(gone.clone())), None);
+    assert_eq!(refusal(&other.send(gone)), Some(Refusal::NoSuchGoal));
+    let unknown = Order::Goal(GoalBy::Kept(name("nest")));
+    assert_eq!(refusal(&other.order(unknown)), Some(Refusal::NoSuchGoal));
+    rig.order(Order::Forget);
+    assert_eq!(
+        rig.send(ToMind::Goals).len(),
+        2,
+        "the present goal, and done"
+    );
+}
+
+#[test]
+fn the_flash_is_asked_for_at_standstill_and_answered_when_it_is_done() {
+    let mut rig = Rig::ready(Clock::Device);
+    rig.order(Order::Seek);
+    let moving = refusal(&rig.send(ToMind::Flash(Flash::Save)));
+    assert_eq!(moving, Some(Refusal::Moving));
+    assert_eq!(rig.node.flash_task(), None);
+    rig.order(Order::Stop);
+    let save = rig.packed(&ToMind::Flash(Flash::Save));
+    assert!(rig.raw(&save).is_empty());
+    assert_eq!(rig.node.flash_task(), Some(Flash::Save));
+    let mut said = Said::default();
+    let now = Millis::from_ms(rig.now);
+    rig.node.announce_pause(5_000, now, &mut said);
+    // No sign of life for five seconds, as was said.
+    rig.now += 5_000;
+    let now = Millis::from_ms(rig.now);
+    rig.node.flash_done(Err(FlashError::Failed), now, &mut said);
+    let failed = Some(Refusal::Flash(FlashError::Failed));
+    assert_eq!(refusal(&read(&said)), failed);
+    assert!(matches!(
+        read(&said)[..],
+        [FromMind::Busy { ms: 5_000 }, _, FromMind::Done { .. }]
+    ));
+    assert_eq!(rig.node.flash_task(), None);
+    rig.now += SILENCE_MS;
+    assert!(rig.tick().1.is_empty() && rig.node.is_linked());
+    // The answer was lost: it comes again, and nothing is saved once more.
+    assert_eq!(rig.raw(&save), read(&said));
+    assert_eq!(rig.node.flash_task(), None);
 }

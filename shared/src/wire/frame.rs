@@ -1,6 +1,6 @@
 //! From messages to frames and back.
 
-use super::{CRC, cobs};
+use super::{checksum, cobs};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 /// Longest frame with its zero, bytes.
@@ -68,7 +68,7 @@ impl Frame {
             .map_err(|_| FrameError::TooLong)?
             .len();
         let (text, rest) = body.split_at_mut_checked(used).ok_or(FrameError::TooLong)?;
-        let crc = CRC.checksum(text).to_le_bytes();
+        let crc = checksum(text).to_le_bytes();
         for (place, byte) in rest.iter_mut().zip(crc) {
             *place = byte;
         }
@@ -104,7 +104,7 @@ pub fn unpack<M: DeserializeOwned>(frame: &[u8]) -> Result<(Header, M), FrameErr
     let (text, crc) = whole
         .split_last_chunk::<CRC_BYTES>()
         .ok_or(FrameError::Shape)?;
-    if CRC.checksum(text) != u32::from_le_bytes(*crc) {
+    if checksum(text) != u32::from_le_bytes(*crc) {
         return Err(FrameError::Crc);
     }
     let (header, message) =

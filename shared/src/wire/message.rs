@@ -4,7 +4,7 @@
 use crate::controller::{
     Decision, Mode, Motion, PartError, Progress, Refusal as Refused, StopReason,
 };
-use crate::goal::Goal;
+use crate::goal::{Goal, Name};
 use crate::memory::SituationBytes;
 use crate::parameters::{Parameter, ParameterError, Spec};
 use heapless::Vec;
@@ -87,7 +87,58 @@ pub enum ToMind<const SENSORS: usize> {
     Source(Source),
     /// Asks for the mode.
     Mode,
+    /// Something to do with what outlives a loss of power. Refused while the robot may move; *Done* comes when it is over.
+    Flash(Flash),
+    /// Keeps the present goal under a name, in place of the one that had it.
+    Keep {
+        /// The name.
+        name: Name,
+    },
+    /// Forgets the goal kept under a name.
+    Drop {
+        /// The name.
+        name: Name,
+    },
+    /// Asks for the present goal and those kept; answered with a [`FromMind::Goal`] for each.
+    Goals,
 }
+
+/// What to do with what outlives a loss of power.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Flash {
+    /// Save configuration, maps, memory and goals.
+    Save,
+    /// Replace them by those saved last, as a start does.
+    Recall,
+    /// Erase all that was saved.
+    Erase,
+}
+
+/// Why that was not done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum FlashError {
+    /// This device keeps nothing.
+    Absent,
+    /// Nothing was saved.
+    Empty,
+    /// What was saved last was saved by another version of the program.
+    Unreadable,
+    /// The device could not erase, write or read; whatever was saved before still is.
+    Failed,
+}
+
+impl core::fmt::Display for FlashError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::Absent => "it has nothing to save to",
+            Self::Empty => "nothing was saved",
+            Self::Unreadable => "another version of its program saved last",
+            Self::Failed => "its flash could not be erased, written or read",
+        })
+    }
+}
+
+impl core::error::Error for FlashError {}
 
 /// Something to do.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -109,7 +160,7 @@ pub enum Order<const SENSORS: usize> {
     Stop,
     /// Go on with what a stop interrupted.
     Resume,
-    /// Forget samples, maps and goal.
+    /// Forget samples, maps and goals. What was saved stays saved.
     Forget,
 }
 
@@ -124,6 +175,8 @@ pub enum GoalBy<const SENSORS: usize> {
     Situation(#[serde(with = "crate::arrays")] SituationBytes<SENSORS>),
     /// Interval and weight for each transducer.
     Components(Goal<SENSORS>),
+    /// The goal kept under this name.
+    Kept(Name),
 }
 
 /// An echo and when it was heard.
@@ -289,6 +342,18 @@ pub enum FromMind<const SENSORS: usize> {
         /// Its number.
         seq: u16,
     },
+    /// Nothing will be heard or said from here for so long at most.
+    Busy {
+        /// How long.
+        ms: u32,
+    },
+    /// A goal that is kept.
+    Goal {
+        /// Its name; none for the present goal.
+        name: Name,
+        /// The goal.
+        goal: Goal<SENSORS>,
+    },
 }
 
 /// A motion with its time to live: the base stops when it ends, and executes nothing older.
@@ -391,6 +456,12 @@ pub enum Refusal {
     NoRing,
     /// Nothing has been heard of some transducers yet.
     NothingPerceived,
+    /// What outlives a loss of power is as it was.
+    Flash(FlashError),
+    /// No goal is kept under this name.
+    NoSuchGoal,
+    /// The goal was not kept: a name that is none, or too many goals.
+    GoalName,
 }
 
 /// What has been counted since the start.

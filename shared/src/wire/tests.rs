@@ -1,13 +1,13 @@
 use super::frame::{MOST_FRAME, unpack};
 use super::message::{
-    Clock, Counters, DeviceCounters, Dimensions, GoalBy, Heard, HostHello, MindHello, ModeReport,
-    MotionOrder, Notice, Order, Part, Refusal, ResetCause, Source,
+    Clock, Counters, DeviceCounters, Dimensions, Flash, FlashError, GoalBy, Heard, HostHello,
+    MindHello, ModeReport, MotionOrder, Notice, Order, Part, Refusal, ResetCause, Source,
 };
 use super::*;
 use crate::config::Config;
 use crate::controller::{Decision, PartError, Progress, Refusal as CommandRefusal, StopReason};
 use crate::fixed::Weight;
-use crate::goal::{Component, Frame as GoalFrame, Goal};
+use crate::goal::{Component, Frame as GoalFrame, Goal, Name};
 use crate::parameters::{Parameter, ParameterError};
 use crate::planner::{Plan, Why};
 use crate::units::Displacement;
@@ -38,6 +38,7 @@ fn situation(first: i16) -> [Weight; 16] {
 }
 
 fn to_mind() -> std::vec::Vec<(&'static str, ToMind<16>)> {
+    let nest = Name::new("nest").unwrap();
     let command = |order| ToMind::Command {
         at_ms: 1_500,
         ttl_ms: 1_000,
@@ -143,6 +144,13 @@ fn to_mind() -> std::vec::Vec<(&'static str, ToMind<16>)> {
         ),
         ("source", ToMind::Source(Source::Ring)),
         ("mode", ToMind::Mode),
+        ("goal: kept", command(Order::Goal(GoalBy::Kept(nest)))),
+        ("flash: save", ToMind::Flash(Flash::Save)),
+        ("flash: recall", ToMind::Flash(Flash::Recall)),
+        ("flash: erase", ToMind::Flash(Flash::Erase)),
+        ("keep", ToMind::Keep { name: nest }),
+        ("drop", ToMind::Drop { name: nest }),
+        ("goals", ToMind::Goals),
     ]
 }
 
@@ -253,6 +261,17 @@ fn from_mind() -> std::vec::Vec<(&'static str, FromMind<16>)> {
         ),
         ("log", FromMind::Log(Notice::LinkLost)),
         ("done", FromMind::Done { seq: 6 }),
+        ("busy", FromMind::Busy { ms: 4_850 }),
+        (
+            "goal",
+            FromMind::Goal {
+                name: Name::new("nest").unwrap(),
+                goal: Goal::of([Component::at_most(Weight::from_bits(4_096)); 16]),
+            }
+        ),
+        ("refusal: flash", refused(Refusal::Flash(FlashError::Empty))),
+        ("refusal: no such goal", refused(Refusal::NoSuchGoal)),
+        ("refusal: goal name", refused(Refusal::GoalName)),
     ]
 }
 
@@ -377,6 +396,8 @@ fn the_longest_messages_fit_a_frame() {
         ttl_ms: u16::MAX,
         order: Order::Goal(GoalBy::Components(goal)),
     });
+    let name = Name::new("twelve-chars").unwrap();
+    there_and_back(&report(FromMind::<16>::Goal { name, goal }));
     let mut config = [0; crate::node::MOST_CONFIG];
     assert!(postcard::to_slice(&Config::recommended(), &mut config).is_ok());
 }
@@ -425,7 +446,7 @@ proptest! {
     }
 
     #[test]
-    fn a_damaged_frame_is_never_a_message(which in 0_usize..21, bits in prop::collection::vec(0_usize..2_048, 1..9)) {
+    fn a_damaged_frame_is_never_a_message(which in 0_usize..28, bits in prop::collection::vec(0_usize..2_048, 1..9)) {
         let (_, message) = to_mind().swap_remove(which);
         let frame = Frame::pack(HEADER, &message).unwrap();
         let (_, coded) = frame.as_bytes().split_last().unwrap();

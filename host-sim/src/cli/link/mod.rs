@@ -11,10 +11,10 @@ use crate::link::{Address, Emulation, Knowledge, LinkError, Session};
 use crate::scenes::Behavior;
 use amp::config::Config;
 use amp::fixed::Weight;
-use amp::goal::Goal;
+use amp::goal::{Goal, KeepError, Name};
 use amp::wire::ToMind;
-use amp::wire::message::{Clock, FromMind, GoalBy, ModeReport, Order, Refusal, Source};
-use clap::{Args, Subcommand};
+use amp::wire::message::{Clock, Flash, FromMind, GoalBy, ModeReport, Order, Refusal, Source};
+use clap::{Args, Subcommand, ValueEnum};
 use follow::{Trouble, follow, monitor};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -28,6 +28,7 @@ Examples, each after `host-sim link --to serial:/dev/ttyUSB0`:
   learn              make the maps from them
   pull robot.mind    keep what it has learnt
   push robot.mind    give it back, to this chip or another
+  flash save         let it outlive being switched off
   goal wall-right    set the goal ...
   seek               ... and pursue it (the robot drives!)
   params far 1200    change a parameter
@@ -73,7 +74,7 @@ enum Verb {
     Monitor(Span),
     /// Set the goal: perceived (what is heard now), a behaviour by name, or a goal FILE
     Goal {
-        /// perceived, avoid, avoid-right, wall-left, wall-right, follow, or a TOML file
+        /// perceived, avoid, avoid-right, wall-left, wall-right, follow, kept:NAME, or a TOML file
         goal: String,
     },
     /// Make random moves and remember them
@@ -102,18 +103,57 @@ enum Verb {
         #[arg(allow_negative_numbers = true)]
         value: Option<i32>,
     },
+    /// Save what the mind knows in its flash, recall what it saved last, or erase all it saved
+    Flash {
+        /// What to do
+        #[arg(value_enum)]
+        action: FlashAction,
+    },
+    /// Keep the present goal under a name (then: goal kept:NAME); flash save makes it last
+    Keep {
+        /// 1 to 12 characters
+        name: String,
+    },
+    /// Forget the goal kept under a name
+    Drop {
+        /// Its name
+        name: String,
+    },
+    /// Show the names of the goals kept
+    Goals,
     /// Show what the mind has counted since it started
     Counters,
-    /// Save configuration, maps and memory to a file
+    /// Save configuration, maps, memory and goals to a file
     Pull {
         /// The file
         file: PathBuf,
     },
-    /// Replace configuration, maps and memory by those of a file
+    /// Replace configuration, maps, memory and goals by those of a file
     Push {
-        /// A file that pull wrote
+        /// A file that pull wrote, or `host-sim run --save`
         file: PathBuf,
     },
+}
+
+/// What to do with the flash.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum FlashAction {
+    /// Configuration, maps, memory and goals, to be there after the next start
+    Save,
+    /// Replace them by what was saved last, as the next start does
+    Recall,
+    /// The mind keeps what it knows until it is switched off
+    Erase,
+}
+
+impl From<FlashAction> for Flash {
+    fn from(action: FlashAction) -> Self {
+        match action {
+            FlashAction::Save => Self::Save,
+            FlashAction::Recall => Self::Recall,
+            FlashAction::Erase => Self::Erase,
+        }
+    }
 }
 
 /// How long to go on.
@@ -165,8 +205,9 @@ pub(super) fn link(args: &LinkArgs, out: &mut impl Write) -> Result<(), Failure>
 enum Task {
     Nothing,
     Goal(GoalBy<16>),
-    Push(Knowledge),
+    Push(Box<Knowledge>),
     Parameters(tables::Wanted),
+    Ask(ToMind<16>),
 }
 
 impl Task {
@@ -175,15 +216,28 @@ impl Task {
             Verb::Goal { goal } => Self::Goal(match goal.as_str() {
                 "avoid" => GoalBy::Avoid,
                 "perceived" => GoalBy::Perceived,
+                kept if kept.starts_with("kept:") => {
+                    GoalBy::Kept(name(kept.trim_start_matches("kept:"))?)
+                }
                 name => GoalBy::Components(goal_by_name(name)?),
             }),
-            Verb::Push { file } => Self::Push(Knowledge::load(file)?),
+            Verb::Push { file } => Self::Push(Box::new(Knowledge::load(file)?)),
+            Verb::Flash { action } => Self::Ask(ToMind::Flash((*action).into())),
+            Verb::Keep { name: text } => Self::Ask(ToMind::Keep { name: name(text)? }),
+            Verb::Drop { name: text } => Self::Ask(ToMind::Drop { name: name(text)? }),
+            Verb::Goals => Self::Ask(ToMind::Goals),
             Verb::Params { name, value } => {
                 Self::Parameters(tables::wanted(name.as_deref(), *value)?)
             }
             _ => Self::Nothing,
         })
     }
+}
+
+/// A name to keep a goal under.
+fn name(text: &str) -> Result<Name, BadInput> {
+    let name = Name::new(text);
+    name.ok_or_else(|| BadInput::new(format!("\"{text}\": {}", KeepError::Name)))
 }
 
 /// A behaviour's goal, for the ranges of the preset `default`, or a file's.
@@ -209,6 +263,7 @@ fn perform(
     match (verb, task) {
         (_, Task::Goal(goal)) => order(session, Order::Goal(goal), out),
         (_, Task::Parameters(wanted)) => tables::parameters(session, wanted, out),
+        (_, Task::Ask(message)) => ask(session, &message, out),
         (Verb::Push { file }, Task::Push(knowledge)) => {
             knowledge.push(session)?;
             let samples = knowledge.samples();
@@ -239,6 +294,18 @@ fn perform(
         (Verb::Counters, _) => tables::counters(session, out),
         _ => tables::hello(session, out),
     }
+}
+
+/// Asks once: what is done twice wears the flash.
+fn ask(session: &mut Session, message: &ToMind<16>, out: &mut impl Write) -> Result<(), Trouble> {
+    let answer = session.request(message)?;
+    if let Some(why) = answer.refusal {
+        return Err(LinkError::Refused(why).into());
+    }
+    for report in &answer.reports {
+        follow::print(report, out)?;
+    }
+    Ok(writeln!(out, "done")?)
 }
 
 fn order(session: &mut Session, order: Order<16>, out: &mut impl Write) -> Result<(), Trouble> {

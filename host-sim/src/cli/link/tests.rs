@@ -1,7 +1,7 @@
 //! The verbs with a mind behind a socket.
 
 use crate::cli::{Cli, Failure, execute};
-use crate::link::Served;
+use crate::link::{Knowledge, Served};
 use amp::config::Config;
 use clap::Parser;
 
@@ -33,6 +33,9 @@ fn every_verb_says_what_came_of_it() {
     assert!(verb("goal avoid").unwrap().contains("done"));
     assert!(verb("stop").unwrap().contains("stopped: it was told to"));
     assert_eq!(verb("monitor --for 0.1").unwrap(), "");
+    assert!(verb("keep free").unwrap().contains("done"));
+    assert!(verb("goal kept:free").unwrap().contains("done"));
+    assert!(verb("goals").unwrap().contains("goal       free\ndone"));
     let explored = verb("explore 5 --for 0.2").unwrap();
     assert!(explored.contains("explores, 5 moves left"), "{explored}");
     for (line, part) in [
@@ -45,6 +48,13 @@ fn every_verb_says_what_came_of_it() {
         ("params fra", "did you mean \"far\"?"),
         ("params far 9999", "between 1 and 6500 mm"),
         ("push none.mind", "none.mind: "),
+        ("flash save", "it has nothing to save to"),
+        ("goal kept:nest", "it keeps no goal of this name"),
+        ("drop nest", "it keeps no goal of this name"),
+        (
+            "keep thirteen-chars",
+            "\"thirteen-chars\": a name has 1 to 12",
+        ),
     ] {
         let sentence = verb(line).unwrap_err();
         assert!(sentence.contains(part), "{line}: {sentence}");
@@ -63,10 +73,22 @@ fn what_an_episode_taught_is_pulled_and_pushed() {
     let here = host_sim(&one, "run --world random:1 --steps 5 --json").unwrap();
     let there = host_sim(&one, "run --world random:1 --steps 5 --json --mind MIND");
     assert_eq!(there.unwrap(), here);
+    host_sim(&one, "link --to MIND keep kept").unwrap();
     let pulled = host_sim(&one, &format!("link --to MIND pull {file}"));
     assert!(pulled.unwrap().contains("and 100 samples"));
+    // The mind in this process came to know the same.
+    let own = folder.path().join("own.mind");
+    let line = format!(
+        "run --world random:1 --steps 5 --json --save {}",
+        own.display()
+    );
+    assert_eq!(host_sim(&one, &line).unwrap(), here);
+    let known = |path: &std::path::Path| Knowledge::load(path).unwrap().fingerprint();
+    assert_eq!(known(&own), known(&folder.path().join("robot.mind")));
     let pushed = host_sim(&two, &format!("link --to MIND push {file}"));
     assert!(pushed.unwrap().contains("100 samples are in the mind"));
+    let goals = host_sim(&two, "link --to MIND goals").unwrap();
+    assert!(goals.contains("goal       kept"), "{goals}");
     let learnt = host_sim(&two, "link --to MIND learn").unwrap();
     let last = learnt.lines().last().unwrap();
     assert!(last.ends_with("mode       idle"), "{learnt}");
@@ -81,6 +103,11 @@ fn what_cannot_be_driven_there_is_refused_before_anything_is_written() {
     let sentence = host_sim(&served, &line).unwrap_err();
     assert!(sentence.contains("holds 100 moves"), "{sentence}");
     assert!(!out.exists());
+    for worlds in ["--world random:1..=2", "--mind MIND"] {
+        let line = format!("run {worlds} --save {}", out.display());
+        let sentence = host_sim(&served, &line).unwrap_err();
+        assert!(sentence.contains("--save") && !out.exists(), "{sentence}");
+    }
     let sentence = host_sim(&served, "run --mind host --firmware x.elf").unwrap_err();
     assert!(sentence.contains("only qemu takes an image"), "{sentence}");
 }

@@ -117,7 +117,7 @@ fn knowledge_goes_from_one_mind_to_another_through_a_file() {
     let knowledge = Knowledge::pull(&mut teacher).unwrap();
     assert_eq!(knowledge.fingerprint(), Fingerprint::from(&hello));
     assert_eq!(knowledge.samples(), 100);
-    assert_eq!(knowledge.config(), Some(setup.config));
+    assert_eq!(*knowledge.config(), setup.config);
 
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("robot.mind");
@@ -208,7 +208,7 @@ fn reading_and_writing_bear_losses_both_ways() {
         let set = session.parameter(Parameter::Far, Some(1_500));
         assert_eq!(set.map(|(value, _)| value), Ok(1_500));
         let knowledge = Knowledge::pull(&mut session).unwrap();
-        assert_eq!(knowledge.config().unwrap().encoding.far_mm, 1_500);
+        assert_eq!(knowledge.config().encoding.far_mm, 1_500);
         assert_eq!(knowledge.push(&mut session), Ok(()), "{out} {back}");
         assert!(session.counters().unwrap().accepted > 20);
     }

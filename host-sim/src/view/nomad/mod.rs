@@ -8,7 +8,7 @@ mod parts;
 use super::goal::Pursued;
 use super::heard::Heard;
 use super::order::{Done, Order};
-use super::seen::{Knowing, has_maps};
+use super::seen::Knowing;
 use super::snapshot::{Part, Scene, Snapshot};
 use super::source::{Abilities, Refused, Source, Stepped};
 use super::trail::{Trail, mark};
@@ -309,7 +309,8 @@ impl WatchedNomad {
     }
 
     fn knows_maps(&self) -> bool {
-        self.mind.known.as_deref().is_some_and(has_maps)
+        let known = self.mind.known.as_deref();
+        known.is_some_and(SimState::has_learnt)
     }
 }
 

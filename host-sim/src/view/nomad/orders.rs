@@ -26,7 +26,8 @@ impl WatchedNomad {
             Order::SaveGoal => return self.goal.save(&self.config),
             Order::SaveMind => {
                 let known = self.mind.known.as_deref();
-                return mind_file(&self.config, known.ok_or("the mind has not answered yet")?);
+                let known = known.ok_or("the mind has not answered yet")?;
+                return Ok(mind_file(&self.config, known));
             }
             Order::Shield { .. } | Order::Online { .. } | Order::Sonar { .. } => {
                 self.configure(order)?;

@@ -377,7 +377,7 @@ impl Source for Recorded {
         let mind = self.playing.retold.mind();
         match order {
             Order::Jump { to } => self.jump(*to),
-            Order::SaveMind => return mind_file(mind.config(), mind.state()),
+            Order::SaveMind => return Ok(mind_file(mind.config(), mind.state())),
             // Whoever may stop a robot may press the key here too.
             Order::Stop => {}
             _ => return Err("this is a recording: it cannot be steered".into()),

@@ -5,7 +5,7 @@ use crate::log::Ending;
 use crate::robot::COLLISION_RADIUS_M;
 use crate::scenes::Behavior;
 use crate::sonar::{RingGeometry, SonarModel};
-use crate::view::seen::{has_maps, meters, millimeters, plan_seen, pose_seen, ring, xy};
+use crate::view::seen::{meters, millimeters, plan_seen, pose_seen, ring, xy};
 use crate::view::snapshot::{Counts, Now, Part, Ring, Scene, Short, Showable, Snapshot, Xy};
 use crate::view::source::Source as _;
 use amp::config::Choice;
@@ -21,7 +21,7 @@ impl Recorded {
         let revision = self.shown.revision;
         let mut parts: Vec<Arc<dyn Showable>> = vec![self.scene(revision)];
         let (mind, learns) = (self.playing.retold.mind(), self.learns());
-        let learnt = learns || has_maps(mind.state());
+        let learnt = learns || mind.state().has_learnt();
         let knowing = &mut self.shown.knowing;
         parts.extend(knowing.parts(revision, mind.state(), mind.config(), learnt));
         let heard = self.playing.heard.parts();

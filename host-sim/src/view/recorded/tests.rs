@@ -17,7 +17,7 @@ fn to_the_end(recorded: &mut Recorded) {
 
 fn known(recorded: &Recorded) -> Vec<u8> {
     let mind = recorded.playing.retold.mind();
-    let knowledge = Knowledge::of(mind.config(), mind.state()).unwrap();
+    let knowledge = Knowledge::of(mind.config(), mind.state());
     knowledge.to_bytes()
 }
 
@@ -27,7 +27,7 @@ fn at_its_end_the_mind_knows_what_it_knew_in_the_episode() {
         let setup = setup(sonar);
         let mut mind = Mind::new(setup.config.clone());
         episode::run_with(&World::random(3), &setup, &mut mind, |_, _, _| {}).unwrap();
-        let knowledge = Knowledge::of(mind.config(), mind.state()).unwrap();
+        let knowledge = Knowledge::of(mind.config(), mind.state());
         let mut recorded = recorded(sonar);
         to_the_end(&mut recorded);
         assert_eq!(recorded.playing.difference, None);

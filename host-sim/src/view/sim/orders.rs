@@ -10,7 +10,6 @@ use crate::robot::COLLISION_RADIUS_M;
 use crate::view::choices::{mind_file, switched};
 use crate::view::goal::Pursued;
 use crate::view::order::{Done, Order, Reset};
-use crate::view::seen::has_maps;
 use crate::view::source::Refused;
 use crate::world::{Point, Shape, World, WorldSource, parse_worlds};
 use amp::config::Config;
@@ -175,7 +174,7 @@ impl Simulator {
     }
 
     fn save_mind(&mut self) -> Result<Done, Refused> {
-        mind_file(&self.config, self.mind.pilot().known()?)
+        Ok(mind_file(&self.config, self.mind.pilot().known()?))
     }
 
     fn load_mind(&mut self, hex: &str) -> Result<(), Refused> {
@@ -184,10 +183,9 @@ impl Simulator {
         }
         let bytes = unhex(hex).ok_or("the file did not arrive whole")?;
         let knowledge = Knowledge::from_bytes(&bytes)?;
-        let config = knowledge.config().ok_or("it holds no configuration")?;
-        self.renew(self.start.clone(), &config)?;
-        let loaded = self.mind.know(self.body.now(), &knowledge);
-        self.learnt = loaded.is_some() && has_maps(&knowledge.state()?);
+        self.renew(self.start.clone(), knowledge.config())?;
+        self.mind.know(self.body.now(), &knowledge);
+        self.learnt = knowledge.state().has_learnt();
         Ok(())
     }
 

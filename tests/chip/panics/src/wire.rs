@@ -6,7 +6,8 @@ use crate::robot::config;
 use crate::{any, bytes, say, sink};
 use amp::link::Link;
 use amp::node::{Identity, NomadNode, Outbox};
-use amp::wire::message::{Clock, Heard, Order, ToMind};
+use amp::store::check;
+use amp::wire::message::{Clock, FlashError, Heard, Order, ToMind};
 use amp::wire::{CRC, Frame, Header, Receiver, Report, cobs, frame};
 use heapless::Vec;
 
@@ -100,6 +101,15 @@ impl Outbox for Anywhere {
     }
 }
 
+/// Flash that holds anything and may fail.
+fn read(at: usize, out: &mut [u8]) -> bool {
+    sink(at);
+    for byte in out {
+        *byte = any(1);
+    }
+    any(true)
+}
+
 fn living() {
     let mut node = any(NomadNode::new());
     node.start(
@@ -112,5 +122,15 @@ fn living() {
     node.frame(now(), bytes(), &mut Anywhere);
     sink(node.tick(now(), &mut Anywhere));
     sink(node.is_linked());
+    let write = node.contents().write(any(1), &mut |bytes| {
+        sink(bytes);
+        any(Ok::<(), u8>(()))
+    });
+    sink(write.is_ok());
+    sink(check(&mut read, any(8_256)).is_ok());
+    sink(node.recall(&mut read, any(8_256)).is_ok());
+    sink(node.flash_task());
+    node.announce_pause(any(1), now(), &mut Anywhere);
+    node.flash_done(any(Err(FlashError::Failed)), now(), &mut Anywhere);
     sink(node);
 }

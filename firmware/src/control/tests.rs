@@ -1,0 +1,284 @@
+use super::*;
+use crate::persist::{self, sim::SimFlash};
+use amp::parameters::Parameter;
+use amp::wire::frame::{Header, unpack};
+use amp::wire::message::{Clock, Counters, Dimensions, HostHello, ModeReport, Refusal, ResetCause};
+use amp::wire::{Frame, FromMind, PROTOCOL, Report, SCHEMA, ToMind};
+use heapless::spsc::{Producer, Queue};
+use std::boxed::Box;
+use std::vec::Vec;
+
+/// A control task between two queues whose far ends the test holds.
+struct Bench {
+    control: Control<'static, Sectors>,
+    incoming: Producer<'static, u8>,
+    outgoing: Consumer<'static, u8>,
+    seq: u16,
+}
+
+fn forever<T>(value: T) -> &'static mut T {
+    Box::leak(Box::new(value))
+}
+
+type Sectors = SimFlash<{ 12 + persist::SLOT_BYTES as usize }>;
+
+fn bench() -> Bench {
+    bench_with(Sectors::new(1))
+}
+
+fn bench_with(flash: Sectors) -> Bench {
+    let received = forever(Queue::<u8, 512>::new());
+    let to_send = forever(Queue::<u8, 2048>::new());
+    let mind = forever(NomadNode::new());
+    let faults = forever(Faults::new());
+    let (incoming, received) = received.split();
+    let (to_send, outgoing) = to_send.split();
+    Bench {
+        control: Control::new(
+            mind,
+            received,
+            Outbox::new(to_send),
+            faults,
+            Store::mount(flash, persist::SLOT_BYTES),
+        ),
+        incoming,
+        outgoing,
+        seq: 0,
+    }
+}
+
+impl Bench {
+    fn start(&mut self) {
+        let identity = Identity {
+            build: *b"testtest",
+            reset: ResetCause::Panic,
+            ring: false,
+        };
+        self.control.start(identity, Millis::from_ms(0));
+    }
+
+    fn receive(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            self.incoming.enqueue(byte).expect("room in the queue");
+        }
+    }
+
+    fn ask(&mut self, message: &ToMind<16>) {
+        self.seq += 1;
+        let header = Header {
+            session: 3,
+            seq: self.seq,
+        };
+        let frame = Frame::pack(header, message).expect("a short message");
+        self.receive(frame.as_bytes());
+    }
+
+    fn open(&mut self) {
+        let dimensions = Dimensions {
+            protocol: PROTOCOL,
+            schema: SCHEMA,
+            sensors: 16,
+            neurons: 16,
+        };
+        self.ask(&ToMind::Hello(HostHello {
+            dimensions,
+            clock: Clock::Device,
+        }));
+    }
+
+    /// What was said since this was asked last.
+    fn said(&mut self) -> Vec<FromMind<16>> {
+        let mut receiver = Receiver::new();
+        let mut said = Vec::new();
+        while let Some(byte) = self.outgoing.dequeue() {
+            if let Some(frame) = receiver.push(byte) {
+                let (_, report) = unpack::<Report<16>>(frame).expect("a sound frame");
+                said.push(report.said);
+            }
+        }
+        said
+    }
+
+    fn counters(&mut self, now_ms: u32) -> Counters {
+        self.ask(&ToMind::Counters);
+        assert!(!self.control.run(Millis::from_ms(now_ms)));
+        let said = self.said();
+        let counters = said.iter().find_map(|said| match said {
+            FromMind::Counters(counters) => Some(*counters),
+            _ => None,
+        });
+        counters.expect("the counters")
+    }
+}
+
+#[test]
+fn a_start_says_who_and_why() {
+    let mut bench = bench();
+    bench.start();
+    assert!(bench.control.take_sent() && !bench.control.take_sent());
+    let [FromMind::Hello(hello)] = bench.said()[..] else {
+        panic!("a hello");
+    };
+    assert_eq!(
+        (&hello.build, hello.reset),
+        (b"testtest", ResetCause::Panic)
+    );
+}
+
+#[test]
+fn frames_are_answered_and_what_the_device_counts_is_told() {
+    let mut bench = bench();
+    bench.start();
+    bench.open();
+    assert!(!bench.control.run(Millis::from_ms(7)));
+    assert!(bench.control.is_linked());
+    assert_eq!(bench.control.news(), Some(News::Linked));
+    assert_eq!(bench.control.news(), None);
+    bench.said();
+    bench.control.note_stack(1_234);
+    let counters = bench.counters(30);
+    assert_eq!(counters.accepted, 2);
+    assert_eq!(counters.device.stack_peak_bytes, 1_234);
+    assert_eq!(counters.device.ticks, 2);
+    assert_eq!(counters.device.longest_tick_ms, 23);
+}
+
+#[test]
+fn a_host_that_falls_silent_is_news() {
+    let mut bench = bench();
+    bench.start();
+    bench.open();
+    assert!(!bench.control.run(Millis::from_ms(0)));
+    assert_eq!(bench.control.news(), Some(News::Linked));
+    assert!(!bench.control.run(Millis::from_ms(1_000)));
+    assert_eq!(bench.control.news(), Some(News::Unlinked));
+}
+
+#[test]
+fn garbage_is_counted_and_the_next_frame_is_heard() {
+    let mut bench = bench();
+    bench.start();
+    bench.open();
+    bench.receive(&[7; 300]);
+    bench.receive(&[0, 3, 1, 2, 0]);
+    assert!(!bench.control.run(Millis::from_ms(1)));
+    let counters = bench.counters(2);
+    // The hello and the question; what was too long; what was no frame.
+    let counted = (counters.accepted, counters.oversized, counters.misshapen);
+    assert_eq!(counted, (2, 1, 1));
+}
+
+#[test]
+fn a_full_queue_is_emptied_in_one_run() {
+    let mut bench = bench();
+    bench.start();
+    let room = bench.incoming.capacity();
+    for _ in 0..room {
+        bench.incoming.enqueue(0).expect("room in the queue");
+    }
+    assert!(!bench.control.run(Millis::from_ms(1)));
+    assert!(bench.incoming.is_empty());
+}
+
+/// Runs until nothing is to be done at once; the interrupt takes whatever is queued, the watchdog is as patient as is wanted.
+fn settle(bench: &mut Bench, now_ms: u32) -> Vec<FromMind<16>> {
+    let mut said = Vec::new();
+    for _ in 0..10 {
+        let wanted = bench.control.wants_patience();
+        bench.control.note_patience(wanted);
+        let more = bench.control.run(Millis::from_ms(now_ms));
+        said.extend(bench.said());
+        if !more && bench.control.mind.flash_task().is_none() {
+            break;
+        }
+    }
+    said
+}
+
+fn config_crc(bench: &mut Bench) -> u32 {
+    bench.start();
+    let [FromMind::Hello(hello)] = bench.said()[..] else {
+        panic!("a hello");
+    };
+    hello.config_crc
+}
+
+#[test]
+fn what_was_saved_is_there_after_the_next_start() {
+    let mut bench = bench();
+    let fresh = config_crc(&mut bench);
+    bench.open();
+    bench.ask(&ToMind::Parameter {
+        parameter: Parameter::Far,
+        value: Some(1_300),
+    });
+    bench.ask(&ToMind::Flash(Flash::Save));
+    // Behind it in the queue: has to wait.
+    bench.ask(&ToMind::Mode);
+    let said = settle(&mut bench, 5);
+    let tail = said.split_at(said.len() - 4).1;
+    assert_eq!(
+        tail,
+        [
+            FromMind::Busy {
+                ms: persist::WRITE_MS
+            },
+            FromMind::Done { seq: 3 },
+            FromMind::Mode(ModeReport::Idle),
+            FromMind::Done { seq: 4 },
+        ]
+    );
+    let mut next = bench_with(bench.control.store.into_flash());
+    let saved = config_crc(&mut next);
+    assert_ne!(saved, fresh);
+    // Erased, and recalled: there is nothing.
+    next.open();
+    next.ask(&ToMind::Flash(Flash::Erase));
+    next.ask(&ToMind::Flash(Flash::Recall));
+    let said = settle(&mut next, 9);
+    assert!(said.contains(&FromMind::Busy {
+        ms: 2 * persist::ERASE_MS
+    }));
+    let why = Refusal::Flash(FlashError::Empty);
+    assert!(
+        said.contains(&FromMind::Refusal { seq: 3, why }),
+        "{said:?}"
+    );
+    let mut last = bench_with(next.control.store.into_flash());
+    assert_eq!(config_crc(&mut last), fresh);
+}
+
+#[test]
+fn a_pause_waits_for_its_announcement_and_for_the_watchdog() {
+    let mut bench = bench();
+    bench.start();
+    bench.open();
+    bench.ask(&ToMind::Flash(Flash::Save));
+    assert!(bench.control.run(Millis::from_ms(0)) && !bench.control.wants_patience());
+    assert!(!bench.control.run(Millis::from_ms(0)) && bench.control.wants_patience());
+    let _ = bench.said();
+    // Writing alone may take longer than an impatient watchdog bears.
+    assert!(!bench.control.run(Millis::from_ms(0)));
+    assert_eq!(bench.control.store.generation(), 0);
+    let _ = settle(&mut bench, 1);
+    assert_eq!(bench.control.store.generation(), 1);
+    // The sector takes one image: the next one goes into the other, which has to be erased.
+    bench.ask(&ToMind::Flash(Flash::Save));
+    assert!(bench.control.run(Millis::from_ms(2)) && !bench.control.wants_patience());
+    for patient in [false, true] {
+        // Nothing happens while the announcement waits in the queue.
+        bench.control.note_patience(patient);
+        assert!(!bench.control.run(Millis::from_ms(3)));
+        assert!(bench.control.wants_patience());
+    }
+    let pause_ms = persist::WRITE_MS + persist::ERASE_MS;
+    let said = bench.said();
+    assert_eq!(said.last(), Some(&FromMind::Busy { ms: pause_ms }));
+    bench.control.note_patience(false);
+    assert!(!bench.control.run(Millis::from_ms(4)));
+    assert_eq!(bench.control.store.generation(), 1);
+    bench.control.note_patience(true);
+    assert!(bench.control.run(Millis::from_ms(5)));
+    assert_eq!(bench.said(), [FromMind::Done { seq: 3 }]);
+    assert!(bench.control.store.generation() == 2 && !bench.control.wants_patience());
+}

@@ -1,0 +1,182 @@
+//! Flash that is stricter than the chip's and loses power on demand.
+//!
+//! It stops the test when a word is written that does not read as erased, was written before, or was erased by halves, and
+//! when an address is not aligned. Where power is lost, a word being written keeps any mixture of its old and its new bits,
+//! a sector being erased any mixture of old bits and ones.
+
+use embedded_storage::nor_flash::{
+    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
+};
+use rand_core::{Rng as _, SeedableRng as _};
+use rand_xoshiro::Xoshiro128PlusPlus;
+use std::vec::Vec;
+
+const WORD: usize = 4;
+const ERASED: u32 = u32::MAX;
+
+/// What has happened to a word since it was erased.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Past {
+    Erased,
+    Written,
+    TornWrite,
+    TornErase,
+}
+
+/// There is no power.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NoPower;
+
+impl NorFlashError for NoPower {
+    fn kind(&self) -> NorFlashErrorKind {
+        NorFlashErrorKind::Other
+    }
+}
+
+/// Two sectors of `SECTOR` bytes.
+#[derive(Debug, Clone)]
+pub struct SimFlash<const SECTOR: usize> {
+    words: Vec<(u32, Past)>,
+    chance: Xoshiro128PlusPlus,
+    /// Words written and sectors erased until power is lost.
+    left: Option<u32>,
+    has_power: bool,
+    /// Words written and sectors erased.
+    pub writes: u32,
+    /// Of them erasures, by sector.
+    pub erasures: [u32; 2],
+}
+
+impl<const SECTOR: usize> SimFlash<SECTOR> {
+    /// Holds anything, as after another program.
+    pub fn new(seed: u64) -> Self {
+        let mut chance = Xoshiro128PlusPlus::seed_from_u64(seed);
+        let word = |_| (chance.next_u32(), Past::Written);
+        Self {
+            words: (0..2 * SECTOR / WORD).map(word).collect(),
+            chance,
+            left: None,
+            has_power: true,
+            writes: 0,
+            erasures: [0; 2],
+        }
+    }
+
+    /// Power will be lost during the next word or erasure after so many.
+    pub fn cut_after(&mut self, operations: u32) {
+        self.left = Some(operations);
+    }
+
+    /// Power is there and stays.
+    pub fn power_on(&mut self) {
+        (self.has_power, self.left) = (true, None);
+    }
+
+    /// Whether it is.
+    pub fn has_power(&self) -> bool {
+        self.has_power
+    }
+
+    /// A number below `bound`.
+    pub fn below(&mut self, bound: u32) -> u32 {
+        ((u64::from(self.chance.next_u32()) * u64::from(bound)) >> 32) as u32
+    }
+
+    /// Whether the next operation is cut short.
+    fn is_cut(&mut self) -> bool {
+        self.writes += 1;
+        match &mut self.left {
+            Some(0) => self.has_power = false,
+            Some(left) => *left -= 1,
+            None => {}
+        }
+        !self.has_power
+    }
+
+    fn write_word(&mut self, index: usize, new: u32) -> Result<(), NoPower> {
+        let (old, past) = self.words[index];
+        assert!(
+            old == ERASED && matches!(past, Past::Erased | Past::TornWrite),
+            "word {index:#x}: {new:#010x} over {old:#010x}, {past:?}"
+        );
+        if self.is_cut() {
+            let torn = match self.below(4) {
+                0 => new,
+                1 => old,
+                _ => new | self.chance.next_u32(),
+            };
+            self.words[index] = (torn, Past::TornWrite);
+            return Err(NoPower);
+        }
+        self.words[index] = (new, Past::Written);
+        Ok(())
+    }
+}
+
+impl<const SECTOR: usize> ErrorType for SimFlash<SECTOR> {
+    type Error = NoPower;
+}
+
+impl<const SECTOR: usize> ReadNorFlash for SimFlash<SECTOR> {
+    const READ_SIZE: usize = WORD;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), NoPower> {
+        let offset = offset as usize;
+        assert!(offset.is_multiple_of(WORD) && bytes.len().is_multiple_of(WORD));
+        if !self.has_power {
+            return Err(NoPower);
+        }
+        let words = &self.words[offset / WORD..][..bytes.len() / WORD];
+        for (out, (word, _)) in bytes.chunks_exact_mut(WORD).zip(words) {
+            out.copy_from_slice(&word.to_le_bytes());
+        }
+        Ok(())
+    }
+
+    fn capacity(&self) -> usize {
+        2 * SECTOR
+    }
+}
+
+impl<const SECTOR: usize> NorFlash for SimFlash<SECTOR> {
+    const WRITE_SIZE: usize = WORD;
+    const ERASE_SIZE: usize = SECTOR;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), NoPower> {
+        let (from, to) = (from as usize, to as usize);
+        assert!(from.is_multiple_of(SECTOR) && to == from + SECTOR);
+        if !self.has_power {
+            return Err(NoPower);
+        }
+        let cut = self.is_cut();
+        let kind = self.below(4);
+        self.erasures[from / SECTOR] += 1;
+        for index in from / WORD..to / WORD {
+            let old = self.words[index].0;
+            self.words[index] = match (cut, kind) {
+                (false, _) => (ERASED, Past::Erased),
+                // Reads as erased and is not.
+                (true, 0) => (ERASED, Past::TornErase),
+                (true, 1) => (old, Past::TornErase),
+                (true, 2) if self.below(8) > 0 => (ERASED, Past::TornErase),
+                (true, _) => (old | self.chance.next_u32(), Past::TornErase),
+            };
+        }
+        if cut { Err(NoPower) } else { Ok(()) }
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), NoPower> {
+        let offset = offset as usize;
+        assert!(offset.is_multiple_of(WORD) && bytes.len().is_multiple_of(WORD));
+        if !self.has_power {
+            return Err(NoPower);
+        }
+        for (index, word) in (offset / WORD..).zip(bytes.chunks_exact(WORD)) {
+            self.write_word(
+                index,
+                u32::from_le_bytes(*word.first_chunk().expect("a word")),
+            )?;
+        }
+        Ok(())
+    }
+}

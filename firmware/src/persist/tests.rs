@@ -1,0 +1,260 @@
+use super::sim::SimFlash;
+use super::*;
+use amp::config::Config;
+use amp::controller::{Part, State};
+use amp::goal::{Component, Goal, KeptGoals};
+use amp::node::Node;
+use amp::som::Grid;
+use amp::store::ContentsMut;
+use std::boxed::Box;
+use std::vec;
+use std::vec::Vec;
+
+/// A mind that is full of one number.
+struct Mind<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize> {
+    config: Config<SENSORS>,
+    state: Box<State<SENSORS, NEURONS, SAMPLES>>,
+    goal: Goal<SENSORS>,
+    kept: KeptGoals<SENSORS>,
+}
+
+type Nomad = Mind<16, 16, 100>;
+/// Its images take 176 bytes: hundreds of thousands of them are written in seconds.
+type Small = Mind<4, 2, 2>;
+
+impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
+    Mind<SENSORS, NEURONS, SAMPLES>
+{
+    fn of(number: u32) -> Self {
+        let mut mind = Self {
+            config: Node::<SENSORS, NEURONS, SAMPLES>::new().config().clone(),
+            state: Box::new(State::new(Grid::rectangle(1, 2))),
+            goal: Goal::of([Component::ANY; SENSORS]),
+            kept: KeptGoals::new(),
+        };
+        mind.goal.going_q16 = number as u16;
+        let mut bytes = number.to_le_bytes().into_iter().cycle();
+        for part in [Part::Situations, Part::Changes, Part::Actions, Part::Memory] {
+            let length = match part {
+                Part::Memory => SAMPLES * State::<SENSORS, NEURONS, SAMPLES>::SAMPLE_BYTES,
+                _ => mind.state.part_len(part),
+            };
+            let bytes: Vec<u8> = bytes.by_ref().take(length).collect();
+            mind.state.write_part(part, 0, &bytes).expect("a part");
+        }
+        mind
+    }
+
+    fn contents(&self) -> Contents<'_, SENSORS, NEURONS, SAMPLES> {
+        Contents {
+            config: &self.config,
+            state: &self.state,
+            goal: &self.goal,
+            kept: &self.kept,
+        }
+    }
+
+    /// The image with which the store would keep it as this generation.
+    fn image(&self, generation: u32) -> Vec<u8> {
+        let mut image = Vec::new();
+        let _ = self.contents().write(generation, &mut |bytes| {
+            image.extend_from_slice(bytes);
+            Ok::<_, ()>(())
+        });
+        image
+    }
+
+    /// What the store has kept last.
+    fn recalled<F: NorFlash>(store: &mut Store<F>) -> Result<Self, FlashError> {
+        let mut mind = Self::of(0);
+        store.recall(|read, most| {
+            let mut contents = ContentsMut {
+                config: &mut mind.config,
+                state: &mut mind.state,
+                goal: &mut mind.goal,
+                kept: &mut mind.kept,
+            };
+            contents.read(read, most).map(drop)
+        })?;
+        Ok(mind)
+    }
+}
+
+/// The number of the mind that was kept last, if it is that mind from the first byte to the last.
+fn number<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, F: NorFlash>(
+    store: &mut Store<F>,
+    candidates: &[u32],
+) -> Option<u32> {
+    let kept = match Mind::<SENSORS, NEURONS, SAMPLES>::recalled(store) {
+        Ok(mind) => mind.image(1),
+        Err(FlashError::Empty) => return None,
+        Err(error) => panic!("the store cannot be read: {error}"),
+    };
+    let same = |number: &&u32| Mind::<SENSORS, NEURONS, SAMPLES>::of(**number).image(1) == kept;
+    let found = candidates.iter().find(same);
+    Some(*found.expect("a mixture, or something older"))
+}
+
+const NOMAD_SECTOR: usize = 2 * SLOT_BYTES as usize + MARK_BYTES as usize;
+
+fn nomad(flash: SimFlash<NOMAD_SECTOR>) -> Store<SimFlash<NOMAD_SECTOR>> {
+    Store::mount(flash, SLOT_BYTES)
+}
+
+#[test]
+fn power_may_be_lost_at_every_word_and_erasure_of_a_save() {
+    let mut store = nomad(SimFlash::new(1));
+    let mut cuts = 0;
+    // The first save of all; beside an older one; into the other sector, which has to be erased.
+    for save in 1..=3 {
+        let (old, new) = (save - 1, save);
+        let candidates = if save == 1 { vec![new] } else { vec![old, new] };
+        let mind = Nomad::of(new);
+        let before = store.flash.clone();
+        let mut operations = 0;
+        loop {
+            let mut flash = before.clone();
+            flash.cut_after(operations);
+            let mut cut = nomad(flash);
+            if cut.save(&mind.contents()).is_ok() {
+                break;
+            }
+            assert!(!cut.flash.has_power());
+            let mut flash = cut.flash;
+            flash.power_on();
+            let mut after = nomad(flash);
+            let found = number::<16, 16, 100, _>(&mut after, &candidates);
+            assert!(
+                found.is_some() || save == 1,
+                "save {save}, cut {operations}"
+            );
+            // Saving again succeeds, wherever the first attempt ended.
+            if operations % 16 == 0 {
+                after.tidy().expect("power is back");
+                after.save(&mind.contents()).expect("power is back");
+                assert_eq!(number::<16, 16, 100, _>(&mut after, &[new]), Some(new));
+            }
+            operations += 1;
+        }
+        cuts += operations;
+        store.save(&mind.contents()).expect("there is power");
+        assert_eq!(store.generation(), save);
+    }
+    std::println!("{cuts} cuts");
+    assert!(cuts > 3 * 1_000, "{cuts}");
+}
+
+const SMALL_SLOT: u32 = 320;
+
+/// Starts over and over, each time with power cut at a random operation of tidying up and of a save; `cuts` in all. Returns
+/// how many of them left the old image, the new one.
+fn cut_again_and_again<const SECTOR: usize>(cuts: u32, seed: u64) -> [u32; 2] {
+    let mut flash = SimFlash::<SECTOR>::new(seed);
+    let mut kept = None;
+    let mut counts = [0; 2];
+    let mut attempt = 0_u32;
+    let words = Small::of(1).image(1).len() as u32 / 4;
+    while counts[0] + counts[1] < cuts {
+        attempt += 1;
+        // Tidying is an erasure and 3 words. Most runs are cut: early, anywhere, or about the last word.
+        let operations = match flash.below(3) {
+            0 => flash.below(6),
+            1 => flash.below(words + 4),
+            _ => words - 1 + 4 * flash.below(2),
+        };
+        flash.cut_after(operations);
+        let mut store = Store::mount(flash, SMALL_SLOT);
+        let mind = Small::of(attempt);
+        let saved = store.tidy().and_then(|()| store.save(&mind.contents()));
+        let lost = !store.flash.has_power();
+        assert_eq!(saved.is_ok(), !lost, "only the cut makes it fail");
+        flash = store.flash;
+        flash.power_on();
+        let mut store = Store::mount(flash, SMALL_SLOT);
+        let candidates: Vec<u32> = kept.into_iter().chain([attempt]).collect();
+        let found = number::<4, 2, 2, _>(&mut store, &candidates);
+        assert!(lost || found == Some(attempt));
+        assert!(found.is_some() || kept.is_none(), "what was kept is gone");
+        if lost {
+            counts[usize::from(found == Some(attempt))] += 1;
+        }
+        kept = found;
+        flash = store.flash;
+    }
+    counts
+}
+
+/// Two hundred thousand cuts. They follow each other without a whole save between them more often than not: in the run that
+/// recovers from the first one the second strikes.
+#[test]
+fn power_may_be_lost_again_and_again() {
+    let mut all = [0; 2];
+    for seed in 0..10 {
+        for counts in [
+            cut_again_and_again::<332>(10_000, seed),
+            cut_again_and_again::<{ 12 + 3 * 320 }>(10_000, 100 + seed),
+        ] {
+            assert!(counts[0] > 1_000 && counts[1] > 20, "{counts:?}");
+            all = [all[0] + counts[0], all[1] + counts[1]];
+        }
+    }
+    std::println!("{} left the old image, {} the new one", all[0], all[1]);
+}
+
+#[test]
+fn an_erasure_that_is_cut_short_leaves_nothing_half() {
+    let mut store = nomad(SimFlash::new(4));
+    for number in 1..=3 {
+        store.save(&Nomad::of(number).contents()).expect("room");
+    }
+    let before = store.flash.clone();
+    for operations in 0..5 {
+        let mut flash = before.clone();
+        flash.cut_after(operations);
+        let mut store = nomad(flash);
+        let erased = store.erase();
+        assert_eq!(erased.is_ok(), store.flash.has_power());
+        let mut flash = store.flash;
+        flash.power_on();
+        let mut store = nomad(flash);
+        // The newest goes last; what is left may be any of them, and whole.
+        let _ = number::<16, 16, 100, _>(&mut store, &[1, 2, 3]);
+        store.save(&Nomad::of(9).contents()).expect("room");
+        assert_eq!(number::<16, 16, 100, _>(&mut store, &[9]), Some(9));
+    }
+    let erasures = before.erasures.iter().sum::<u32>();
+    let mut store = nomad(before);
+    assert_eq!(store.pause_ms(Flash::Erase), 2 * ERASE_MS);
+    assert_eq!(store.erase(), Ok(()));
+    assert_eq!(store.flash.erasures.iter().sum::<u32>(), erasures + 2);
+    assert_eq!(number::<16, 16, 100, _>(&mut store, &[]), None);
+    assert_eq!(store.pause_ms(Flash::Save), WRITE_MS, "there is room");
+    assert_eq!(nomad(store.flash).generation(), 0);
+}
+
+#[test]
+fn a_save_erases_only_when_a_sector_has_filled_since_the_start() {
+    const SECTOR: usize = MARK_BYTES as usize + 15 * SMALL_SLOT as usize;
+    let mut flash = SimFlash::<SECTOR>::new(6);
+    for number in 1..=150 {
+        let mut store = Store::mount(flash, SMALL_SLOT);
+        store.tidy().expect("there is power");
+        assert_eq!(
+            store.pause_ms(Flash::Save),
+            WRITE_MS,
+            "room after each start"
+        );
+        store.save(&Small::of(number).contents()).expect("room");
+        flash = store.flash;
+    }
+    // The first start, and one for each sector of fifteen that had filled.
+    assert_eq!(flash.erasures, [5, 5]);
+    let mut store = Store::mount(flash, SMALL_SLOT);
+    assert_eq!(store.pause_ms(Flash::Save), WRITE_MS + ERASE_MS);
+    store.save(&Small::of(151).contents()).expect("room");
+    assert_eq!(store.flash.erasures, [6, 5]);
+    // The one before still lies in the other sector: it is the newest once this one is gone.
+    assert_eq!(store.erase_sector(0), Ok(()));
+    let mut store = Store::mount(store.flash, SMALL_SLOT);
+    assert_eq!(number::<4, 2, 2, _>(&mut store, &[150]), Some(150));
+}

@@ -1,0 +1,190 @@
+//! Goals kept under names.
+
+use super::Goal;
+use heapless::Vec;
+use serde::{Deserialize, Serialize};
+
+/// Most goals kept.
+pub const MOST_KEPT: usize = 8;
+
+/// Most bytes of a name.
+const MOST_NAME: usize = 12;
+
+/// A name of 1 to 12 printable ASCII characters without blanks; padded with zeros.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Name([u8; MOST_NAME]);
+
+impl Name {
+    /// No name: stands for the goal that is pursued, wherever a name stands beside a goal.
+    pub const NONE: Self = Self([0; MOST_NAME]);
+
+    /// The name, if it may be one.
+    #[must_use]
+    pub fn new(text: &str) -> Option<Self> {
+        let mut name = Self::NONE;
+        if text.len() > MOST_NAME {
+            return None;
+        }
+        for (place, byte) in name.0.iter_mut().zip(text.bytes()) {
+            *place = byte;
+        }
+        name.is_valid().then_some(name)
+    }
+
+    /// Whether goals may be kept under it; whatever bytes the link brought.
+    #[must_use]
+    pub fn is_valid(&self) -> bool {
+        let text = self.as_bytes();
+        let rest = self.0.get(text.len()..).unwrap_or(&[]);
+        !text.is_empty()
+            && text.iter().all(u8::is_ascii_graphic)
+            && rest.iter().all(|byte| *byte == 0)
+    }
+
+    /// The name; empty for [`Name::NONE`] and for bytes that are no text.
+    #[must_use]
+    pub fn as_str(&self) -> &str {
+        core::str::from_utf8(self.as_bytes()).unwrap_or("")
+    }
+
+    pub(crate) const fn to_bytes(self) -> [u8; MOST_NAME] {
+        self.0
+    }
+
+    pub(crate) const fn from_bytes(bytes: [u8; MOST_NAME]) -> Self {
+        Self(bytes)
+    }
+
+    fn as_bytes(&self) -> &[u8] {
+        let end = self.0.iter().position(|byte| *byte == 0);
+        self.0.get(..end.unwrap_or(MOST_NAME)).unwrap_or(&[])
+    }
+}
+
+/// A goal and its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct KeptGoal<const SENSORS: usize> {
+    /// Its name.
+    pub name: Name,
+    /// The goal.
+    pub goal: Goal<SENSORS>,
+}
+
+/// Why a goal was not kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum KeepError {
+    /// The name is none.
+    Name,
+    /// As many goals are kept as can be.
+    Full,
+}
+
+impl core::fmt::Display for KeepError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::Name => "a name has 1 to 12 printable characters without blanks",
+            Self::Full => "as many goals are kept as can be",
+        })
+    }
+}
+
+impl core::error::Error for KeepError {}
+
+/// At most [`MOST_KEPT`] goals by name, in the order they came.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct KeptGoals<const SENSORS: usize> {
+    goals: Vec<KeptGoal<SENSORS>, MOST_KEPT>,
+}
+
+impl<const SENSORS: usize> KeptGoals<SENSORS> {
+    /// No goals. All zeros, as a [`Node`](crate::node::Node) has to be before it starts.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { goals: Vec::new() }
+    }
+
+    /// Keeps a goal in place of the one that had its name, if one had.
+    ///
+    /// # Errors
+    /// [`KeepError`].
+    pub fn keep(&mut self, kept: KeptGoal<SENSORS>) -> Result<(), KeepError> {
+        if !kept.name.is_valid() {
+            return Err(KeepError::Name);
+        }
+        let mut goals = self.goals.iter_mut();
+        if let Some(place) = goals.find(|goal| goal.name == kept.name) {
+            *place = kept;
+            return Ok(());
+        }
+        self.goals.push(kept).map_err(|_| KeepError::Full)
+    }
+
+    /// Forgets the goal of this name; false if there is none.
+    pub fn drop(&mut self, name: Name) -> bool {
+        let before = self.goals.len();
+        self.goals.retain(|goal| goal.name != name);
+        self.goals.len() < before
+    }
+
+    /// The goal of this name.
+    #[must_use]
+    pub fn find(&self, name: Name) -> Option<&Goal<SENSORS>> {
+        let found = self.goals.iter().find(|goal| goal.name == name);
+        found.map(|found| &found.goal)
+    }
+
+    /// All of them.
+    #[must_use]
+    pub fn as_slice(&self) -> &[KeptGoal<SENSORS>] {
+        &self.goals
+    }
+
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.goals.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::goal::Component;
+
+    fn kept(name: &str, weight: u8) -> KeptGoal<4> {
+        let component = Component {
+            weight,
+            ..Component::ANY
+        };
+        KeptGoal {
+            name: Name::new(name).unwrap(),
+            goal: Goal::of([component; 4]),
+        }
+    }
+
+    #[test]
+    fn names_are_short_words() {
+        assert_eq!(Name::new("nest").unwrap().as_str(), "nest");
+        assert_eq!(Name::new("twelve-chars").unwrap().as_str(), "twelve-chars");
+        for wrong in ["", "thirteen-char", "two words", "nést", "a\0b"] {
+            assert_eq!(Name::new(wrong), None, "{wrong:?}");
+        }
+        assert!(!Name([0; 12]).is_valid());
+        assert!(!Name([b'a', 0, b'b', 0, 0, 0, 0, 0, 0, 0, 0, 0]).is_valid());
+    }
+
+    #[test]
+    fn a_name_has_one_goal_and_there_are_eight() {
+        let mut goals = KeptGoals::new();
+        for name in ["a", "b", "c", "d", "e", "f", "g", "h"] {
+            goals.keep(kept(name, 1)).unwrap();
+        }
+        assert_eq!(goals.keep(kept("i", 1)), Err(KeepError::Full));
+        goals.keep(kept("c", 2)).unwrap();
+        let c = kept("c", 2);
+        assert_eq!(goals.find(c.name), Some(&c.goal));
+        assert!(goals.drop(c.name) && !goals.drop(c.name));
+        goals.keep(kept("i", 3)).unwrap();
+        let names: std::vec::Vec<_> = goals.as_slice().iter().map(|kept| kept.name.0[0]).collect();
+        assert_eq!(names, *b"abdefghi");
+    }
+}

@@ -1,0 +1,118 @@
+//! The saved image: all a mind was told and has learnt, as bytes that outlive a loss of power. The chip keeps it in its
+//! flash, a desktop machine in a file; both hold the same bytes.
+//!
+//! ```text
+//! image  = "AMPS" record…
+//! record = length:u8 body zeros          zeros up to a multiple of 4 bytes; numbers little-endian
+//! body   = 00 layout:u16 grammar:u32 generation:u32 sensors:u8 neurons:u8 samples:u16      the first
+//!        | 01 part:u8 offset:u16 bytes    a piece of a part, as on the wire; maps that were never learnt are left out
+//!        | 02 seed:u64                    of the mind's randomness from here on
+//!        | 03 name:[u8; 12] goal          a goal that is kept, in postcard's form; without a name the present one
+//!        | 04 crc:u32                     the last: CRC-32 of everything before it
+//! ```
+//!
+//! An image is written piece by piece and is one only with its last record: whatever is cut short, torn or damaged before is
+//! none. Framing, first and last record stay as they are for good, so that any version of a program finds its way through
+//! any other's images; *layout* and *grammar* (the CRC-32 of the grammar's part that is kept) say whether it can read them.
+//! Not kept: what is under way (motions, rings, a search for a place), counters, the link.
+//!
+//! Cost: writing takes a record's bytes of memory, reading and checking as much; an image of the Nomad's mind has at most
+//! [`MOST_NOMAD`] bytes.
+
+use crate::config::Config;
+use crate::controller::{Part as StatePart, State};
+use crate::goal::{Goal, KeptGoal, KeptGoals, Name};
+use crate::node::MOST_CONFIG;
+use crate::wire::message::MOST_PIECE;
+use crate::wire::{CRC, Checksum};
+
+mod read;
+mod write;
+
+pub use read::{Fault, Found, check};
+
+/// Records begin and end at multiples of so many bytes.
+pub const WORD: usize = 4;
+
+/// Most bytes of an image of a mind with 16 transducers, 16 neurons to a map and 100 samples; a test fills one.
+pub const MOST_NOMAD: usize = 8_256;
+
+/// How an image begins.
+const MAGIC: [u8; WORD] = *b"AMPS";
+
+/// Version of the records.
+const LAYOUT: u16 = 1;
+
+/// Most bytes of a record, length and zeros included.
+const MOST_RECORD: usize = 256;
+
+/// First byte of each kind of record's body.
+mod kind {
+    pub(super) const HEAD: u8 = 0;
+    pub(super) const PIECE: u8 = 1;
+    pub(super) const RANDOM: u8 = 2;
+    pub(super) const GOAL: u8 = 3;
+    pub(super) const END: u8 = 4;
+}
+
+/// CRC-32 of the grammar of what is kept: everything from the configuration on.
+pub const GRAMMAR: u32 = CRC.checksum(kept(include_bytes!("wire/schema.txt")));
+
+/// The grammar from the line of `Config` on.
+const fn kept(mut text: &[u8]) -> &[u8] {
+    while let [_, rest @ ..] = text {
+        if matches!(text, [b'\n', b'C', b'o', b'n', b'f', b'i', b'g', b' ', ..]) {
+            return text;
+        }
+        text = rest;
+    }
+    text
+}
+
+/// The first record.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Head {
+    layout: u16,
+    grammar: u32,
+    generation: u32,
+    sensors: u8,
+    neurons: u8,
+    samples: u16,
+}
+
+/// The parts in their order, by number; the configuration is number 0.
+const PARTS: [StatePart; 4] = [
+    StatePart::Situations,
+    StatePart::Changes,
+    StatePart::Actions,
+    StatePart::Memory,
+];
+
+/// What is saved of a mind.
+#[derive(Debug)]
+pub struct Contents<'m, const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize> {
+    /// What it was told.
+    pub config: &'m Config<SENSORS>,
+    /// What it has learnt.
+    pub state: &'m State<SENSORS, NEURONS, SAMPLES>,
+    /// What it is to pursue.
+    pub goal: &'m Goal<SENSORS>,
+    /// What it may be told to pursue.
+    pub kept: &'m KeptGoals<SENSORS>,
+}
+
+/// A mind to read an image into.
+#[derive(Debug)]
+pub struct ContentsMut<'m, const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize> {
+    /// What it was told.
+    pub config: &'m mut Config<SENSORS>,
+    /// What it has learnt.
+    pub state: &'m mut State<SENSORS, NEURONS, SAMPLES>,
+    /// What it is to pursue.
+    pub goal: &'m mut Goal<SENSORS>,
+    /// What it may be told to pursue.
+    pub kept: &'m mut KeptGoals<SENSORS>,
+}
+
+#[cfg(test)]
+mod tests;

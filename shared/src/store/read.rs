@@ -1,0 +1,281 @@
+//! From an image to a mind.
+
+use super::*;
+
+/// What a whole image says of itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Found {
+    /// Its generation; the higher, the newer.
+    pub generation: u32,
+    /// Its length in bytes.
+    pub bytes: usize,
+}
+
+/// Why bytes were not read into a mind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fault {
+    /// They could not be read.
+    Source,
+    /// They are no whole image: never finished, cut off or damaged.
+    Torn,
+    /// Another version of the program wrote them.
+    Version,
+    /// They are of a robot with another ring, other maps, or more samples.
+    Dimensions,
+}
+
+impl core::fmt::Display for Fault {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::Source => "it cannot be read",
+            Self::Torn => "it is cut off or damaged",
+            Self::Version => "it was written by another version of this program",
+            Self::Dimensions => "it is of a mind with other sonars, neurons or more samples",
+        })
+    }
+}
+
+impl core::error::Error for Fault {}
+
+/// Reads bytes from a place on; false if they cannot be had.
+type Read<'r> = &'r mut dyn FnMut(usize, &mut [u8]) -> bool;
+
+/// Looks whether there is a whole image in the first `most` bytes; any version's.
+///
+/// # Errors
+/// [`Fault::Torn`] if there is none, [`Fault::Source`].
+pub fn check(read: Read<'_>, most: usize) -> Result<Found, Fault> {
+    look(read, most).map(|(head, bytes)| Found {
+        generation: head.generation,
+        bytes,
+    })
+}
+
+/// The first record, the image's length.
+#[inline(never)]
+fn look(read: Read<'_>, most: usize) -> Result<(Head, usize), Fault> {
+    let mut digest = Checksum::new();
+    let mut walk = Walk::begin(read, most)?;
+    digest.update(&MAGIC);
+    walk.next(read)?;
+    digest.update(walk.bytes());
+    let Some(Record::Head(head)) = Record::parse(walk.body()) else {
+        return Err(Fault::Torn);
+    };
+    loop {
+        walk.next(read)?;
+        if let Some(Record::End(crc)) = Record::parse(walk.body()) {
+            let whole = crc == digest.finalize();
+            return whole.then_some((head, walk.at)).ok_or(Fault::Torn);
+        }
+        digest.update(walk.bytes());
+    }
+}
+
+/// What a record says.
+enum Record<'a> {
+    Head(Head),
+    Piece {
+        part: u8,
+        offset: u16,
+        bytes: &'a [u8],
+    },
+    Random(u64),
+    Goal {
+        name: Name,
+        goal: &'a [u8],
+    },
+    End(u32),
+}
+
+impl<'a> Record<'a> {
+    /// `None` for a kind that later versions may have, and for too few bytes.
+    fn parse(body: &'a [u8]) -> Option<Self> {
+        let (kind, rest) = body.split_first()?;
+        let mut rest = Fields(rest);
+        Some(match *kind {
+            // Stands for good.
+            kind::HEAD => Self::Head(Head {
+                layout: u16::from_le_bytes(rest.take()?),
+                grammar: u32::from_le_bytes(rest.take()?),
+                generation: u32::from_le_bytes(rest.take()?),
+                sensors: u8::from_le_bytes(rest.take()?),
+                neurons: u8::from_le_bytes(rest.take()?),
+                samples: u16::from_le_bytes(rest.take()?),
+            }),
+            kind::PIECE => Self::Piece {
+                part: u8::from_le_bytes(rest.take()?),
+                offset: u16::from_le_bytes(rest.take()?),
+                bytes: rest.0,
+            },
+            kind::RANDOM => Self::Random(u64::from_le_bytes(rest.take()?)),
+            kind::GOAL => Self::Goal {
+                name: Name::from_bytes(rest.take()?),
+                goal: rest.0,
+            },
+            kind::END => Self::End(u32::from_le_bytes(rest.take()?)),
+            _ => return None,
+        })
+    }
+}
+
+/// What is left of a record.
+struct Fields<'a>(&'a [u8]);
+
+impl Fields<'_> {
+    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let (first, rest) = self.0.split_first_chunk()?;
+        self.0 = rest;
+        Some(*first)
+    }
+}
+
+/// Goes from record to record.
+struct Walk {
+    at: usize,
+    most: usize,
+    buffer: [u8; MOST_RECORD],
+    /// Lengths of the record just read: its body's and its own.
+    body: usize,
+    length: usize,
+}
+
+impl Walk {
+    fn begin(read: Read<'_>, most: usize) -> Result<Self, Fault> {
+        let mut magic = [0; WORD];
+        if most < WORD || !read(0, &mut magic) {
+            return Err(Fault::Source);
+        }
+        if magic != MAGIC {
+            return Err(Fault::Torn);
+        }
+        Ok(Self {
+            at: WORD,
+            most,
+            buffer: [0; MOST_RECORD],
+            body: 0,
+            length: 0,
+        })
+    }
+
+    /// Reads the next record.
+    fn next(&mut self, read: Read<'_>) -> Result<(), Fault> {
+        let left = self.most.saturating_sub(self.at);
+        let first = self.buffer.get_mut(..WORD).ok_or(Fault::Torn)?;
+        if left < WORD {
+            return Err(Fault::Torn);
+        }
+        if !read(self.at, first) {
+            return Err(Fault::Source);
+        }
+        let body = usize::from(first.first().copied().unwrap_or(0));
+        let whole = body.wrapping_add(1).next_multiple_of(WORD);
+        if body == 0 || whole > left {
+            return Err(Fault::Torn);
+        }
+        let rest = self.buffer.get_mut(WORD..whole).ok_or(Fault::Torn)?;
+        if !rest.is_empty() && !read(self.at.wrapping_add(WORD), rest) {
+            return Err(Fault::Source);
+        }
+        self.at = self.at.wrapping_add(whole);
+        (self.body, self.length) = (body, whole);
+        let zeros = self.bytes().iter().skip(body).skip(1);
+        zeros
+            .copied()
+            .all(|byte| byte == 0)
+            .then_some(())
+            .ok_or(Fault::Torn)
+    }
+
+    /// The body of the record just read.
+    fn body(&self) -> &[u8] {
+        self.buffer.get(1..=self.body).unwrap_or(&[])
+    }
+
+    /// The whole record, length and zeros included.
+    fn bytes(&self) -> &[u8] {
+        self.buffer.get(..self.length).unwrap_or(&[])
+    }
+}
+
+impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
+    ContentsMut<'_, SENSORS, NEURONS, SAMPLES>
+{
+    /// Replaces everything by what the image says. The mind has to stand still.
+    ///
+    /// # Errors
+    /// [`Fault`]; nothing has changed then, except by an image that is sound and yet none of a program's: that leaves a mind
+    /// as new, with [`Fault::Version`].
+    pub fn read(&mut self, read: Read<'_>, most: usize) -> Result<Found, Fault> {
+        let (head, bytes) = look(read, most)?;
+        if (head.layout, head.grammar) != (LAYOUT, GRAMMAR) {
+            return Err(Fault::Version);
+        }
+        let ours = (SENSORS as u8, NEURONS as u8);
+        if (head.sensors, head.neurons) != ours || usize::from(head.samples) > SAMPLES {
+            return Err(Fault::Dimensions);
+        }
+        *self.config = told(read, most)?;
+        self.state.forget();
+        self.kept.clear();
+        *self.goal = Goal::avoiding(self.config);
+        let taken = self.take_all(read, most);
+        if taken.is_none() {
+            self.state.forget();
+        }
+        let generation = head.generation;
+        taken.ok_or(Fault::Version)?;
+        Ok(Found { generation, bytes })
+    }
+
+    fn take_all(&mut self, read: Read<'_>, most: usize) -> Option<()> {
+        let mut walk = Walk::begin(read, most).ok()?;
+        loop {
+            walk.next(read).ok()?;
+            match Record::parse(walk.body())? {
+                Record::Head(_) | Record::Piece { part: 0, .. } => {}
+                Record::Piece {
+                    part,
+                    offset,
+                    bytes,
+                } => {
+                    let part = PARTS.get(usize::from(part).wrapping_sub(1))?;
+                    self.state.write_part(*part, offset.into(), bytes).ok()?;
+                }
+                Record::Random(seed) => self.state.seed(seed),
+                Record::Goal { name, goal } => {
+                    let goal = postcard::from_bytes(goal).ok()?;
+                    if name == Name::NONE {
+                        *self.goal = goal;
+                    } else {
+                        self.kept.keep(KeptGoal { name, goal }).ok()?;
+                    }
+                }
+                Record::End(_) => return Some(()),
+            }
+        }
+    }
+}
+
+/// The configuration in an image, which sends it first.
+fn told<const SENSORS: usize>(read: Read<'_>, most: usize) -> Result<Config<SENSORS>, Fault> {
+    let mut buffer = [0; MOST_CONFIG];
+    let mut length = 0_usize;
+    let mut walk = Walk::begin(read, most)?;
+    loop {
+        walk.next(read)?;
+        match Record::parse(walk.body()) {
+            Some(Record::Head(_)) => {}
+            Some(Record::Piece { part: 0, bytes, .. }) => {
+                let end = length.saturating_add(bytes.len());
+                let place = buffer.get_mut(length..end).ok_or(Fault::Version)?;
+                for (place, byte) in place.iter_mut().zip(bytes) {
+                    *place = *byte;
+                }
+                length = end;
+            }
+            _ => break,
+        }
+    }
+    Config::from_bytes(buffer.get(..length).unwrap_or(&[])).ok_or(Fault::Version)
+}

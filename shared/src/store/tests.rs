@@ -1,0 +1,230 @@
+use super::*;
+use crate::fixed::Weight;
+use crate::goal::{Component, Frame, MOST_KEPT};
+use crate::som::Grid;
+use proptest::prelude::*;
+use std::boxed::Box;
+use std::string::String;
+use std::vec::Vec;
+
+/// A mind with these many samples at most.
+#[derive(Debug, Clone, PartialEq)]
+struct Mind<const SAMPLES: usize> {
+    config: Config<16>,
+    state: Box<State<16, 16, SAMPLES>>,
+    goal: Goal<16>,
+    kept: KeptGoals<16>,
+}
+
+impl<const SAMPLES: usize> Mind<SAMPLES> {
+    fn fresh() -> Self {
+        let config = Config::recommended();
+        Self {
+            state: Box::new(State::new(Grid::rectangle(4, 4))),
+            goal: Goal::avoiding(&config),
+            kept: KeptGoals::new(),
+            config,
+        }
+    }
+
+    /// As full as can be, with the longest numbers.
+    fn full() -> Self {
+        let mut mind = Self::fresh();
+        mind.config.clearance_mm = u16::MAX;
+        for part in PARTS {
+            let length = match part {
+                StatePart::Memory => SAMPLES * State::<16, 16, SAMPLES>::SAMPLE_BYTES,
+                _ => mind.state.part_len(part),
+            };
+            let bytes: Vec<u8> = (0..length).map(|i| (i * 7 + i / 251) as u8).collect();
+            mind.state.write_part(part, 0, &bytes).unwrap();
+        }
+        mind.state.seed(u64::MAX);
+        let component = Component {
+            low: Weight::MIN,
+            high: Weight::MIN,
+            weight: 255,
+        };
+        mind.goal = Goal {
+            frame: Frame::Travel,
+            going_q16: u16::MAX,
+            steady_q16: u16::MAX,
+            cap: Weight::MIN,
+            tolerance: Weight::MIN,
+            ..Goal::of([component; 16])
+        };
+        for number in 0..MOST_KEPT {
+            let name: String = std::format!("goal-number-{number}");
+            let name = Name::new(&name[name.len() - 12..]).unwrap();
+            let goal = mind.goal;
+            mind.kept.keep(KeptGoal { name, goal }).unwrap();
+        }
+        mind
+    }
+
+    fn image(&self, generation: u32) -> Vec<u8> {
+        let contents = Contents {
+            config: &self.config,
+            state: &self.state,
+            goal: &self.goal,
+            kept: &self.kept,
+        };
+        let mut image = Vec::new();
+        let written = contents.write(generation, &mut |bytes| {
+            assert!(bytes.len() <= MOST_RECORD && bytes.len().is_multiple_of(WORD));
+            image.extend_from_slice(bytes);
+            Ok::<_, ()>(())
+        });
+        assert_eq!(written, Ok(()));
+        image
+    }
+
+    fn read(&mut self, image: &[u8]) -> Result<Found, Fault> {
+        let mut contents = ContentsMut {
+            config: &mut self.config,
+            state: &mut self.state,
+            goal: &mut self.goal,
+            kept: &mut self.kept,
+        };
+        contents.read(&mut reader(image), image.len())
+    }
+}
+
+fn reader(image: &[u8]) -> impl FnMut(usize, &mut [u8]) -> bool {
+    move |at, out| {
+        let bytes = image.get(at..at + out.len());
+        bytes.is_some_and(|bytes| {
+            out.copy_from_slice(bytes);
+            true
+        })
+    }
+}
+
+fn checked(image: &[u8]) -> Result<Found, Fault> {
+    check(&mut reader(image), image.len())
+}
+
+/// Puts the right checksum at the end of a changed image.
+fn sealed(mut image: Vec<u8>) -> Vec<u8> {
+    let end = image.len() - 8;
+    let crc = CRC.checksum(&image[..end]).to_le_bytes();
+    image[end + 2..end + 6].copy_from_slice(&crc);
+    image
+}
+
+#[test]
+fn what_is_written_is_read() {
+    let full = Mind::<100>::full();
+    let mut learning = Mind::<100>::fresh();
+    learning
+        .state
+        .write_part(StatePart::Memory, 0, &[9; 120])
+        .unwrap();
+    for mind in [Mind::fresh(), learning, full] {
+        let image = mind.image(41);
+        let found = Found {
+            generation: 41,
+            bytes: image.len(),
+        };
+        assert_eq!(checked(&image), Ok(found));
+        // Over whatever was there.
+        for mut other in [Mind::fresh(), Mind::full()] {
+            assert_eq!(other.read(&image), Ok(found));
+            let seeded = other.state.next_seed().is_some();
+            assert_eq!(seeded, mind.state.next_seed().is_some());
+            assert_eq!(other.image(41).len(), image.len());
+            assert_eq!((&other.config, &other.goal), (&mind.config, &mind.goal));
+            assert!(other.kept == mind.kept && other.state.memory() == mind.state.memory());
+            assert!(other.state.situations() == mind.state.situations());
+            assert!(other.state.actions() == mind.state.actions());
+            assert_eq!(other.state.has_learnt(), mind.state.has_learnt());
+        }
+    }
+}
+
+/// Randomness goes on from the image, the same way each time.
+#[test]
+fn two_minds_that_read_the_same_image_are_the_same() {
+    let image = Mind::<100>::full().image(1);
+    let [mut one, mut other] = [Mind::<100>::fresh(), Mind::full()];
+    one.read(&image).unwrap();
+    other.read(&image).unwrap();
+    assert!(one == other);
+}
+
+#[test]
+fn the_largest_image_has_the_room_it_was_given() {
+    let mind = Mind::<100>::full();
+    let bytes = mind.image(u32::MAX).len();
+    // A configuration of the longest numbers has another record at most.
+    let mut buffer = [0; MOST_CONFIG];
+    let told = mind.config.to_bytes(&mut buffer).len();
+    let most = bytes + (MOST_CONFIG - told) + 12;
+    std::println!("{bytes} bytes, with the longest configuration {most} at most");
+    assert!((MOST_NOMAD - 64..=MOST_NOMAD).contains(&most), "{most}");
+}
+
+#[test]
+fn whatever_is_cut_or_changed_is_no_image_and_changes_nothing() {
+    let image = Mind::<20>::full().image(7);
+    let before = Mind::<20>::fresh();
+    let mut mind = before.clone();
+    for index in 0..image.len() {
+        let mut torn = image.clone();
+        torn[index] ^= 0x10;
+        assert!(mind.read(&torn).is_err(), "byte {index}");
+        assert!(checked(&image[..index]).is_err());
+        assert!(mind == before, "byte {index}");
+    }
+    // Old bytes behind it do not matter.
+    let longer = [&image[..], &[0x55; 300]].concat();
+    assert_eq!(checked(&longer).map(|found| found.bytes), Ok(image.len()));
+    assert_eq!(checked(&[0xff; 600]), Err(Fault::Torn));
+}
+
+#[test]
+fn other_versions_and_robots_are_known_as_such() {
+    let image = Mind::<20>::full().image(7);
+    let mut mind = Mind::<20>::fresh();
+    // "AMPS", a length, the kind, the layout.
+    let mut later = image.clone();
+    assert_eq!(later[4..8], [15, kind::HEAD, LAYOUT as u8, 0]);
+    later[6] = 2;
+    let later = sealed(later);
+    assert_eq!(checked(&later).map(|found| found.generation), Ok(7));
+    assert_eq!(mind.read(&later), Err(Fault::Version));
+    let hundred = Mind::<100>::full().image(7);
+    assert_eq!(mind.read(&hundred), Err(Fault::Dimensions));
+    let mut few = Mind::<100>::fresh();
+    assert!(few.read(&image).is_ok(), "a larger memory takes fewer");
+    // Sealed, but its goals have names that are none.
+    let name = image.windows(12).position(|bytes| bytes == b"oal-number-0");
+    let mut strange = image.clone();
+    strange[name.unwrap()] = 7;
+    assert_eq!(mind.read(&sealed(strange)), Err(Fault::Version));
+    assert!(!mind.state.has_learnt() && mind.state.memory().samples().is_empty());
+}
+
+#[test]
+fn what_is_kept_has_a_grammar_of_its_own() {
+    let text = include_str!("../wire/schema.txt");
+    let kept = &text[text.find("\nConfig ").unwrap()..];
+    assert!(kept.contains("\nGoal ") && !kept.contains("ToMind"));
+    assert_eq!(GRAMMAR, CRC.checksum(kept.as_bytes()));
+}
+
+proptest! {
+    #[test]
+    fn any_bytes_are_an_image_or_not(
+        start in 0_usize..700,
+        bytes in prop::collection::vec(any::<u8>(), 0..64),
+    ) {
+        let mut image = Mind::<20>::full().image(3);
+        for (place, byte) in image[start..].iter_mut().zip(&bytes) {
+            *place = *byte;
+        }
+        let mut mind = Mind::<20>::fresh();
+        let _ = mind.read(&image);
+        let _ = mind.read(&sealed(image));
+    }
+}

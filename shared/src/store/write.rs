@@ -1,0 +1,126 @@
+//! From a mind to an image.
+
+use super::*;
+
+impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
+    Contents<'_, SENSORS, NEURONS, SAMPLES>
+{
+    /// Writes the image of this generation, front to back, each time a whole record of at most 256 bytes and a multiple of
+    /// [`WORD`]. No more than one of them is in memory.
+    ///
+    /// # Errors
+    /// The sink's.
+    pub fn write<E>(
+        &self,
+        generation: u32,
+        sink: &mut impl FnMut(&[u8]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut digest = Checksum::new();
+        digest.update(&MAGIC);
+        sink(&MAGIC)?;
+        // Not a copy of it for each record.
+        let put: &mut dyn FnMut(&Draft) -> Result<(), E> = &mut |record| {
+            digest.update(record.as_bytes());
+            sink(record.as_bytes())
+        };
+        put(&self.head(generation))?;
+        let mut buffer = [0; MOST_CONFIG];
+        let config = self.config.to_bytes(&mut buffer);
+        for (index, bytes) in config.chunks(MOST_PIECE).enumerate() {
+            put(&piece(0, index.wrapping_mul(MOST_PIECE), bytes))?;
+        }
+        for (number, part) in (1..).zip(PARTS) {
+            let mut offset = 0_usize;
+            while let Some((record, count)) = self.piece(number, part, offset) {
+                put(&record)?;
+                offset = offset.saturating_add(count);
+            }
+        }
+        if let Some(seed) = self.state.next_seed() {
+            put(&Draft::of(kind::RANDOM, &[&seed.to_le_bytes()]))?;
+        }
+        put(&goal(Name::NONE, self.goal))?;
+        for kept in self.kept.as_slice() {
+            put(&goal(kept.name, &kept.goal))?;
+        }
+        let crc = digest.finalize().to_le_bytes();
+        sink(Draft::of(kind::END, &[&crc]).as_bytes())
+    }
+
+    fn head(&self, generation: u32) -> Draft {
+        let samples = self.state.memory().samples().len() as u16;
+        let fields: [&[u8]; 5] = [
+            &LAYOUT.to_le_bytes(),
+            &GRAMMAR.to_le_bytes(),
+            &generation.to_le_bytes(),
+            &[SENSORS as u8, NEURONS as u8],
+            &samples.to_le_bytes(),
+        ];
+        Draft::of(kind::HEAD, &fields)
+    }
+
+    /// The piece of a part of the state from `offset` on, and its bytes, if it has any.
+    fn piece(&self, number: u8, part: StatePart, offset: usize) -> Option<(Draft, usize)> {
+        let sample = State::<SENSORS, NEURONS, SAMPLES>::SAMPLE_BYTES;
+        let most = match part {
+            // Pieces of the memory end where samples do.
+            StatePart::Memory => MOST_PIECE.checked_div(sample)?.wrapping_mul(sample),
+            _ if !self.state.has_learnt() => return None,
+            _ => MOST_PIECE,
+        };
+        let mut buffer = [0; MOST_PIECE];
+        let count = self.state.read_part(part, offset, buffer.get_mut(..most)?);
+        let bytes = buffer.get(..count).filter(|bytes| !bytes.is_empty())?;
+        Some((piece(number, offset, bytes), count))
+    }
+}
+
+#[inline(never)]
+fn piece(part: u8, offset: usize, bytes: &[u8]) -> Draft {
+    let offset = (offset as u16).to_le_bytes();
+    Draft::of(kind::PIECE, &[&[part], &offset, bytes])
+}
+
+#[inline(never)]
+fn goal<const SENSORS: usize>(name: Name, goal: &Goal<SENSORS>) -> Draft {
+    let mut buffer = [0; MOST_RECORD];
+    let bytes = postcard::to_slice(goal, &mut buffer).map_or(&[][..], |bytes| bytes);
+    Draft::of(kind::GOAL, &[&name.to_bytes(), bytes])
+}
+
+/// A record that is being written.
+struct Draft {
+    bytes: [u8; MOST_RECORD],
+    length: usize,
+}
+
+impl Draft {
+    /// A record of this kind with these fields. None is too long for its room: a piece takes 164 bytes, a goal of 32
+    /// transducers with the dearest numbers 248.
+    #[inline(never)]
+    fn of(kind: u8, fields: &[&[u8]]) -> Self {
+        let mut draft = Self {
+            bytes: [0; MOST_RECORD],
+            length: 1,
+        };
+        for field in [&[kind][..]].iter().chain(fields) {
+            let end = draft.length.saturating_add(field.len());
+            if let Some(place) = draft.bytes.get_mut(draft.length..end) {
+                for (place, byte) in place.iter_mut().zip(*field) {
+                    *place = *byte;
+                }
+                draft.length = end;
+            }
+        }
+        if let Some(length) = draft.bytes.first_mut() {
+            *length = draft.length.wrapping_sub(1) as u8;
+        }
+        draft
+    }
+
+    /// The record with its zeros.
+    fn as_bytes(&self) -> &[u8] {
+        let whole = self.length.next_multiple_of(WORD);
+        self.bytes.get(..whole).unwrap_or(&[])
+    }
+}

@@ -1,0 +1,172 @@
+//! A mind that outlives a reset: saved by the chip into its flash (in the emulator two sectors of memory that a reset leaves
+//! alone), recalled at the start.
+
+use amp::controller::{Decision, Progress};
+use amp::goal::Name;
+use amp::wire::message::{
+    Clock, Flash, FlashError, FromMind, GoalBy, Heard, MindHello, ModeReport, MotionOrder, Order,
+    Refusal, Report, ResetCause, ToMind,
+};
+use std::time::{Duration, Instant};
+use tests::chip::{Chip, PATIENCE, SESSION};
+
+fn said<T>(reports: &[Report<16>], pick: impl Fn(&FromMind<16>) -> Option<T>) -> Option<T> {
+    reports.iter().find_map(|report| pick(&report.said))
+}
+
+fn refusal(reports: &[Report<16>]) -> Option<Refusal> {
+    said(reports, |said| match said {
+        FromMind::Refusal { why, .. } => Some(*why),
+        _ => None,
+    })
+}
+
+/// A ring in a room that is another one each time, and the motion that comes of it carried out; by the host's clock, so that
+/// the same rounds bring the same bytes.
+fn round(chip: &mut Chip, number: u32) -> Option<Decision<16>> {
+    let at_ms = 1_000 + 200 * number;
+    let echoes = (0..16_u8).map(|sensor| Heard {
+        sensor,
+        range_mm: Some(
+            500 + 100 * (number % 7) as u16 + 40 * u16::from((sensor + number as u8) % 16),
+        ),
+        age_ms: 0,
+    });
+    let reports = chip.ask(&ToMind::Scan {
+        at_ms,
+        echoes: echoes.collect(),
+    });
+    let order: MotionOrder = said(&reports, |said| match said {
+        FromMind::Motion(order) => Some(*order),
+        _ => None,
+    })?;
+    let _ = chip.ask(&ToMind::Odometry {
+        at_ms: at_ms + 100,
+        motion: order.id,
+        dx_mm: order.dx_mm,
+        dy_mm: order.dy_mm,
+        turned: 0,
+        progress: Progress::Ended,
+    });
+    said(&reports, |said| match said {
+        FromMind::Decision(decision) => Some(*decision),
+        _ => None,
+    })
+}
+
+/// Seeks for some rounds in a new session, from wherever the mind stands.
+fn seek(chip: &mut Chip, session: u16, goal: GoalBy<16>) -> Vec<Decision<16>> {
+    chip.open(session, Clock::Host);
+    for order in [Order::Goal(goal), Order::Seek] {
+        let reports = chip.ask(&ToMind::Command {
+            at_ms: 1_000,
+            ttl_ms: 60_000,
+            order,
+        });
+        assert_eq!(refusal(&reports), None);
+    }
+    (1..=40).map_while(|number| round(chip, number)).collect()
+}
+
+fn sums(hello: &MindHello) -> [u32; 3] {
+    [hello.config_crc, hello.maps_crc, hello.memory_crc]
+}
+
+/// Crashes the chip; returns the hello of its next start.
+fn reset(chip: &mut Chip) -> MindHello {
+    chip.raw(b"\0!panic\0");
+    let hello = chip.wait(|header, report| match report.said {
+        FromMind::Hello(hello) if header.session == 0 => Some(hello),
+        _ => None,
+    });
+    assert_eq!(hello.reset, ResetCause::Panic);
+    hello
+}
+
+fn flash(chip: &mut Chip, what: Flash) -> Vec<Report<16>> {
+    let reports = chip.ask(&ToMind::Flash(what));
+    println!(
+        "{what:?}: {:?}",
+        reports
+            .iter()
+            .map(|report| &report.said)
+            .collect::<Vec<_>>()
+    );
+    reports
+}
+
+#[test]
+fn what_was_learnt_is_known_after_a_reset_and_sought_with_at_once() {
+    let mut chip = Chip::linked(Clock::Device);
+    let fresh = chip.open(SESSION + 1, Clock::Device);
+    assert_eq!(
+        refusal(&flash(&mut chip, Flash::Recall)),
+        Some(Refusal::Flash(FlashError::Empty))
+    );
+    learn(&mut chip);
+    // Whatever the goal was, it has a name from now on.
+    let nest = Name::new("nest").expect("a name");
+    let at_ms = chip.at_ms();
+    let order = Order::Goal(GoalBy::Situation(std::array::from_fn(|i| 10 * i as u8)));
+    let _ = chip.ask(&ToMind::Command {
+        at_ms,
+        ttl_ms: 1_000,
+        order,
+    });
+    let _ = chip.ask(&ToMind::Keep { name: nest });
+    let known = chip.open(SESSION + 2, Clock::Device);
+    assert_ne!(sums(&known), sums(&fresh));
+    let reports = flash(&mut chip, Flash::Save);
+    assert!(matches!(reports[0].said, FromMind::Busy { .. }) && refusal(&reports).is_none());
+    assert_eq!(refusal(&flash(&mut chip, Flash::Recall)), None);
+    let before = seek(&mut chip, SESSION + 3, GoalBy::Kept(nest));
+    assert_eq!(before.len(), 40);
+    // Learning has gone on: without the flash it would be another mind.
+    let changed = chip.open(SESSION + 4, Clock::Device);
+    assert_ne!(sums(&changed), sums(&known));
+    assert_eq!(sums(&reset(&mut chip)), sums(&known));
+    assert_eq!(seek(&mut chip, SESSION + 5, GoalBy::Kept(nest)), before);
+    // A second image goes into the other sector, and is the newer one.
+    chip.order(Order::Stop);
+    let second = chip.open(SESSION + 6, Clock::Device);
+    assert_ne!(sums(&second), sums(&known));
+    assert_eq!(refusal(&flash(&mut chip, Flash::Save)), None);
+    assert_eq!(sums(&reset(&mut chip)), sums(&second));
+    // Now every start erases the older one's sector; so does this save, twice.
+    for number in 7..9 {
+        chip.open(SESSION + number, Clock::Device);
+        let reports = flash(&mut chip, Flash::Save);
+        assert_eq!(refusal(&reports), None);
+    }
+    // Recalled at the start and saved since; it is looked at once a second of a clock that a busy machine holds up.
+    let patience = Instant::now() + PATIENCE;
+    let mut peak = 0;
+    while peak == 0 && Instant::now() < patience {
+        std::thread::sleep(Duration::from_millis(200));
+        peak = chip.counters().device.stack_peak_bytes;
+    }
+    println!("peak of the stack {peak} bytes");
+    assert!((200..=4_096).contains(&peak), "{peak}");
+    assert_eq!(sums(&reset(&mut chip)), sums(&second));
+    chip.open(SESSION + 9, Clock::Device);
+    assert_eq!(refusal(&flash(&mut chip, Flash::Erase)), None);
+    assert_eq!(sums(&reset(&mut chip)), sums(&fresh));
+}
+
+fn learn(chip: &mut Chip) {
+    chip.open(SESSION + 20, Clock::Host);
+    let order = Order::Explore { moves: 20, seed: 3 };
+    let command = |at_ms, order| ToMind::Command {
+        at_ms,
+        ttl_ms: 60_000,
+        order,
+    };
+    let _ = chip.ask(&command(1_000, order));
+    assert_eq!(
+        (1..=100).map_while(|number| round(chip, number)).count(),
+        20
+    );
+    let _ = chip.ask(&command(30_000, Order::Learn));
+    chip.wait(|_, report| (report.said == FromMind::Mode(ModeReport::Idle)).then_some(()));
+    chip.open(SESSION + 21, Clock::Device);
+}
