@@ -33,6 +33,9 @@ const ALIVE: Duration = Duration::from_millis(100);
 /// Signs of life, which are not answered, between two questions whether the mind is still there.
 const CHECK: u32 = 10;
 
+/// So many questions in a row may remain without an answer before the board counts as lost.
+const MOST_SILENT: u32 = 3;
+
 /// A board that is watched and steered.
 pub struct Board {
     session: Session,
@@ -51,6 +54,8 @@ pub struct Board {
     note: Option<String>,
     failure: Option<String>,
     checked: u32,
+    /// Questions in a row that were not answered in time.
+    silent: u32,
     time_s: f64,
     revision: u64,
     scene: Option<Arc<Part<Scene>>>,
@@ -88,6 +93,7 @@ impl Board {
             note: None,
             failure: None,
             checked: 0,
+            silent: 0,
             time_s: 0.0,
             revision: 0,
             scene: None,
@@ -207,6 +213,9 @@ impl Board {
     }
 
     fn obey(&mut self, order: &Order) -> Result<Done, Refused> {
+        if self.mode == ModeReport::Learn && *order != Order::Stop {
+            return Err("it still learns".into());
+        }
         match order {
             Order::Stop => self.order(message::Order::Stop)?,
             Order::Explore => self.order(message::Order::Explore {
@@ -323,7 +332,15 @@ impl Source for Board {
             return Stepped::Standing;
         }
         let whole = match self.listen() {
-            Ok(whole) => whole,
+            Ok(whole) => {
+                self.silent = 0;
+                whole
+            }
+            // It may only be slow.
+            Err(LinkError::Silent { .. }) if self.silent < MOST_SILENT => {
+                self.silent += 1;
+                false
+            }
             Err(error) => {
                 self.failure = Some(format!("{}: {error}", self.name));
                 return Stepped::Standing;
