@@ -3,11 +3,12 @@
 use amp::config::Config;
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use host_sim::episode::Setup;
+use host_sim::link::MindPlace;
 use host_sim::robot::TurretMode;
 use host_sim::scenes::Behavior;
 use host_sim::sonar::SonarModel;
 use host_sim::view::order::Order;
-use host_sim::view::{MindPlace, Simulator, Source, Start, Stepped};
+use host_sim::view::{Simulator, Source, Start, Stepped};
 use host_sim::world::World;
 
 fn seeking() -> Simulator {
@@ -31,7 +32,7 @@ fn seeking() -> Simulator {
         whole: config,
         presets: Vec::new(),
     };
-    let mut robot = Simulator::new(start, MindPlace::Host).expect("a mind in this process");
+    let mut robot = Simulator::new(start, MindPlace::Host, None).expect("a mind in this process");
     for order in [Order::Explore, Order::Learn] {
         robot.carry_out(&order).expect("it is done");
         while robot.step() != Stepped::Standing {}

@@ -7,6 +7,7 @@ pub mod episode;
 pub mod error;
 pub mod experiments;
 pub mod goal_file;
+mod hex;
 pub mod learn;
 pub mod link;
 pub mod log;

@@ -78,6 +78,17 @@ pub enum TurretMode {
     Follow,
 }
 
+impl TurretMode {
+    /// Its name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Held => "held",
+            Self::Follow => "follow",
+        }
+    }
+}
+
 impl FromStr for TurretMode {
     type Err = BadInput;
 

@@ -3,9 +3,9 @@
 use crate::{Program, words};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
-use std::io::{BufRead as _, BufReader};
+use std::io::{BufRead as _, BufReader, ErrorKind};
 use std::net::TcpStream;
-use std::process::{Child, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use tungstenite::client::IntoClientRequest as _;
 use tungstenite::handshake::HandshakeError;
@@ -47,6 +47,30 @@ impl Viewed {
             watch,
             steer,
         }
+    }
+
+    /// Ends it as Ctrl-C does; its exit code.
+    ///
+    /// # Panics
+    /// When it does not end.
+    #[must_use]
+    pub fn end(mut self) -> Option<i32> {
+        let kill = format!("kill -INT {}", self.child.id());
+        let status = Command::new("sh").args(["-c", &kill]).status();
+        assert!(status.is_ok_and(|status| status.success()));
+        let began = Instant::now();
+        loop {
+            if let Some(status) = self.child.try_wait().expect("its state") {
+                return status.code();
+            }
+            assert!(began.elapsed() < PATIENCE, "it goes on");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    /// Ends it at once, without a chance to tidy up.
+    pub fn kill(self) {
+        drop(self);
     }
 
     /// HOST:PORT.
@@ -139,7 +163,12 @@ impl Viewer {
     /// The next message.
     fn hear(&mut self) -> Value {
         loop {
-            if let Message::Text(text) = self.socket.read().expect("a message") {
+            let message = match self.socket.read() {
+                // Whoever was stopped and went on reads again.
+                Err(Error::Io(error)) if error.kind() == ErrorKind::Interrupted => continue,
+                message => message.expect("a message"),
+            };
+            if let Message::Text(text) = message {
                 let message: Value = serde_json::from_str(&text).expect("JSON");
                 if let Some(part) = message["part"].as_str() {
                     self.seen.insert(part.to_owned(), message["value"].clone());
@@ -176,6 +205,40 @@ impl Viewer {
                 };
             }
         }
+    }
+
+    /// The latest of a part, once it has been heard.
+    ///
+    /// # Panics
+    /// When it does not come in time.
+    pub fn latest(&mut self, part: &str) -> Value {
+        self.wait(part, |_| true);
+        self.seen[part].clone()
+    }
+
+    /// Explores, learns and waits until the maps are there.
+    ///
+    /// # Panics
+    /// When an order is refused.
+    pub fn educate(&mut self, moves: u64) {
+        self.forget("memory");
+        self.order(json!({"do": "explore"})).expect("it explores");
+        self.wait("memory", |rows| {
+            rows.as_array()
+                .is_some_and(|rows| rows.len() as u64 == moves)
+        });
+        self.forget("now");
+        self.wait("now", |now| now["mode"] == "idle");
+        self.forget("maps");
+        self.order(json!({"do": "learn"})).expect("it learns");
+        self.wait("maps", |maps| maps["learnt"] == true);
+        self.forget("now");
+        self.wait("now", |now| now["mode"] == "idle");
+    }
+
+    /// Waits for so many decisions towards goals.
+    pub fn decided(&mut self, steps: u64) {
+        self.wait("now", |now| now["counts"]["steps"].as_u64() >= Some(steps));
     }
 
     /// Forgets what was last heard of a part.

@@ -57,9 +57,15 @@ fn a_mind_in_this_process_drives_a_robot_at_a_socket() {
         &program,
         &mut robot,
         &at,
-        "--explore 40 --steps 100",
+        "--explore 40 --steps 100 --log drive.mcap",
         [40, 100],
     );
+    // The mind that drove drives the same once more.
+    let said = program.ok("replay drive.mcap");
+    assert!(said.contains("every one identical"), "{said}");
+    assert!(said.ends_with("complete\n"), "{said}");
+    let said = program.ok("log drive.mcap");
+    assert!(said.contains(&format!("Nomad at {at}")), "{said}");
 }
 
 #[test]

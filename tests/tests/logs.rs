@@ -1,9 +1,13 @@
 //! Logs as a user meets them: written by `run --log`, replayed, summarised, cut off by a kill.
 
+use amp::config::Config;
+use host_sim::link::Served;
+use serde_json::json;
 use std::fs;
 use std::thread;
 use std::time::{Duration, Instant};
-use tests::host_sim;
+use tests::viewed::Viewed;
+use tests::{Program, host_sim};
 
 #[test]
 fn every_behaviour_and_sonar_replays_bit_for_bit() {
@@ -105,4 +109,121 @@ fn what_is_no_log_is_refused_in_one_sentence() {
     assert!(!program.folder().join("new.mcap").exists());
     let kept = fs::read(program.folder().join("text.mcap")).expect("it stays");
     assert_eq!(kept, b"not a log");
+}
+
+/// Everything a person can do, in a log.
+fn steered(viewed: &Viewed) {
+    let mut steerer = viewed.steerer();
+    let mut order = |order: serde_json::Value| {
+        let done = steerer.order(order.clone());
+        done.unwrap_or_else(|why| panic!("{order}: {why}"))
+    };
+    order(json!({"do": "sonar", "number": 3, "on": false}));
+    steerer.educate(12);
+    let mut seek = |more: &[serde_json::Value]| {
+        steerer.forget("now");
+        for order in more {
+            let done = steerer.order(order.clone());
+            done.unwrap_or_else(|why| panic!("{order}: {why}"));
+        }
+        let now = steerer.latest("now");
+        let steps = now["counts"]["steps"].as_u64().expect("steps");
+        steerer.decided(steps + 4);
+    };
+    seek(&[json!({"do": "seek"})]);
+    seek(&[json!({"do": "goal_neuron", "neuron": 5})]);
+    seek(&[
+        json!({"do": "shield", "on": false}),
+        json!({"do": "online", "on": false}),
+        json!({"do": "sonar", "number": 3, "on": true}),
+    ]);
+    seek(&[json!({"do": "stop"}), json!({"do": "resume"})]);
+    seek(&[json!({"do": "move_robot", "x": 0.5, "y": 0.0})]);
+    let mut order = |order: serde_json::Value| {
+        let done = steerer.order(order.clone());
+        done.unwrap_or_else(|why| panic!("{order}: {why}"))
+    };
+    order(json!({"do": "behavior", "name": "avoid-right,avoid,nest"}));
+    let mind = order(json!({"do": "save_mind"}))["file"]["hex"].clone();
+    order(json!({"do": "reset", "seed": 7, "preset": "touzet", "world": "random:4"}));
+    steerer.educate(12);
+    steerer
+        .order(json!({"do": "load_mind", "hex": mind}))
+        .expect("a mind");
+    steerer.order(json!({"do": "seek"})).expect("it seeks");
+    steerer.forget("now");
+    steerer.decided(5);
+}
+
+fn replays(program: &Program, name: &str, ending: &str) {
+    let said = program.ok(&format!("replay {name}"));
+    assert!(said.contains("every one identical"), "{said}");
+    assert!(said.contains(ending), "{said}");
+}
+
+#[test]
+fn a_view_that_is_steered_leaves_a_log_that_replays_bit_for_bit() {
+    let program = host_sim!();
+    for (name, flags) in [("a.mcap", ""), ("b.mcap", "--sonar nomad --turret follow")] {
+        let flags = format!("--world room --explore 12 --speed max --log {name} {flags}");
+        let viewed = Viewed::start(&program, &flags);
+        steered(&viewed);
+        assert_eq!(viewed.end(), Some(0));
+        replays(&program, name, "complete");
+        let said = program.ok(&format!("log {name}"));
+        for word in [
+            "stop",
+            "resume",
+            "other choices",
+            "knowledge from a file",
+            "complete",
+        ] {
+            assert!(said.contains(word), "{word}: {said}");
+        }
+        let starts = said.matches("explore at").count();
+        assert_eq!(starts, 2, "{said}");
+    }
+}
+
+#[test]
+fn a_view_that_is_killed_leaves_a_log_up_to_its_last_chunk() {
+    let program = host_sim!();
+    let viewed = Viewed::start(&program, "--world room --speed max --log cut.mcap");
+    let mut steerer = viewed.steerer();
+    steerer
+        .order(json!({"do": "explore"}))
+        .expect("it explores");
+    let path = program.folder().join("cut.mcap");
+    let began = Instant::now();
+    while fs::metadata(&path).map_or(0, |file| file.len()) < 20_000 {
+        assert!(began.elapsed() < Duration::from_secs(60), "it writes");
+        thread::sleep(Duration::from_millis(5));
+    }
+    viewed.kill();
+    replays(&program, "cut.mcap", "interrupted");
+}
+
+#[test]
+fn the_log_of_a_mind_at_a_link_replays_here() {
+    let served = Served::start(Config::recommended()).expect("a mind behind a socket");
+    let program = host_sim!();
+    let flags = format!(
+        "--world room --explore 6 --speed max --log far.mcap --mind tcp:{}",
+        served.host()
+    );
+    let viewed = Viewed::start(&program, &flags);
+    let mut steerer = viewed.steerer();
+    steerer.educate(6);
+    for (order, steps) in [("seek", 4), ("resume", 8)] {
+        steerer.order(json!({"do": order})).expect(order);
+        steerer.decided(steps);
+        steerer.order(json!({"do": "stop"})).expect("it stops");
+        let off = json!({"do": "shield", "on": false});
+        steerer.order(off).expect("it stands and is told");
+    }
+    // What came of the last things it was told is not known.
+    drop(served);
+    let _ = steerer.order(json!({"do": "seek"}));
+    assert_eq!(viewed.end(), Some(0));
+    replays(&program, "far.mcap", "complete");
 }

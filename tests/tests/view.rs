@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 use std::fs;
 use std::time::{Duration, Instant};
 use tests::browser::Browser;
+use tests::nomad::Robot;
 use tests::viewed::Viewed;
 use tests::{host_sim, root};
 
@@ -16,6 +17,15 @@ fn keep(name: &str, browser: &mut Browser) {
     if std::env::var_os("UPDATE_PICTURES").is_some() {
         let path = root().join("docs/pictures").join(name);
         fs::write(path, picture).expect("a picture in docs/pictures");
+    }
+}
+
+/// Keeps a screenshot for whoever looks at them all, in the folder VIEW_PICTURES names.
+fn keep_aside(name: &str, browser: &mut Browser) {
+    let picture = browser.picture();
+    assert!(picture.len() > 20_000, "{name}: an empty picture");
+    if let Some(folder) = std::env::var_os("VIEW_PICTURES") {
+        fs::write(std::path::Path::new(&folder).join(name), picture).expect("a picture");
     }
 }
 
@@ -175,6 +185,240 @@ fn pictures(page: &mut Browser) {
     for i in 1..5 {
         page.eval(&format!("window.scrollTo(0, {})", i * 640));
     }
+}
+
+/// A log on the same page: played, paused, jumped on, to its end.
+#[test]
+fn a_recording_is_played_back_and_forth() {
+    let program = host_sim!();
+    let run =
+        program.ok("run --world paper --explore 60 --steps 240 --seed 18 --log a.mcap --json");
+    assert!(run.contains("\"steps\":240"), "{run}");
+    let viewed = Viewed::start(&program, "--replay a.mcap --speed 10");
+    let mut page = Browser::open(&viewed.steer);
+    page.set_dark(false);
+    page.resize(1400, 900);
+    page.wait("document.getElementById('seat').textContent.startsWith('you steer')");
+    page.wait("view.now.at > 3");
+    for absent in ["stop", "explore", "seek", "here", "reset", "behavior"] {
+        let seen = format!("!!document.getElementById('{absent}').offsetParent");
+        assert_eq!(page.eval(&seen), false, "{absent}");
+    }
+    page.click("#pause");
+    page.wait("view.now.pace.paused");
+    let at = page.eval("view.now.at");
+    page.click("#step");
+    page.wait(&format!("view.now.at === {at} + 1"));
+    page.click("#back");
+    page.wait(&format!("view.now.at === {at}"));
+    // A click on the time line goes there, and so does the slider.
+    let jump = |share: &str| {
+        format!(
+            "(() => {{ const r = trail.root.getBoundingClientRect(); \
+             const x = trail.scale.left + trail.scale.step * trail.marks.length * {share}; \
+             return [r.x + x, r.y + r.height / 2]; }})()"
+        )
+    };
+    page.middle("#trail");
+    let spot = page.eval(&jump("0.75"));
+    let spot = [0, 1].map(|axis| number(&spot[axis]));
+    page.drag(spot, spot);
+    page.wait("view.now.at > 215 && view.now.at < 235 && view.now.mode === 'seek'");
+    page.wait("view.maps.learnt && view.now.plan && view.now.counts.steps > 150");
+    page.eval("document.getElementById('at').focus()");
+    page.press("Home", "Home");
+    page.wait("view.now.at === 0 && !view.maps.learnt");
+    page.press("End", "End");
+    page.wait("view.now.at === trail.marks.length");
+    page.eval("ask('jump', {to: 190})");
+    page.wait("view.now.at === 190");
+    page.eval("document.activeElement.blur(), document.getElementById('notice').hidden = true");
+    page.wait("document.querySelectorAll('.path.seek').length > 0");
+    recording_pictures(&mut page);
+    // The space bar lets it go on; it ends, and says so.
+    page.eval("ask('speed', {factor: null})");
+    page.press(" ", "Space");
+    page.wait("view.now.pace.standing && view.now.at === trail.marks.length");
+    page.wait("document.getElementById('note').textContent.startsWith('The recording ends here')");
+    fits(&mut page);
+    page.click("#pause");
+    page.wait("view.now.pace.standing === false || view.now.at === trail.marks.length");
+    assert_eq!(page.complaints(), [""; 0]);
+}
+
+fn recording_pictures(page: &mut Browser) {
+    fits(page);
+    keep("view-replay.png", page);
+    page.set_dark(true);
+    std::thread::sleep(Duration::from_millis(150));
+    keep_aside("view-replay-dark.png", page);
+    page.resize(390, 844);
+    page.eval("document.querySelector('.trail').scrollIntoView({block: 'end'})");
+    std::thread::sleep(Duration::from_millis(150));
+    fits(page);
+    keep_aside("view-replay-phone-dark.png", page);
+    page.set_dark(false);
+    page.eval("window.scrollTo(0, 0)");
+    std::thread::sleep(Duration::from_millis(150));
+    keep_aside("view-replay-phone.png", page);
+    page.resize(1400, 900);
+}
+
+/// A robot at the end of its own line: what it has heard is what is known of its surroundings.
+#[test]
+fn a_nomad_explores_learns_and_seeks_and_stops() {
+    let program = host_sim!();
+    let robot = Robot::at_a_port(&program, "--speed 20 --world room");
+    let flags = format!("--nomad tcp:{} --explore 10 --log nomad.mcap", robot.place);
+    let viewed = Viewed::start(&program, &flags);
+    let mut steerer = viewed.steerer();
+    let scene = steerer.latest("scene");
+    assert_eq!(scene["shapes"], json!([]));
+    assert_eq!(scene["abilities"]["pace"], false);
+    for order in [
+        json!({"do": "pause", "paused": true}),
+        json!({"do": "step"}),
+        json!({"do": "reset"}),
+        json!({"do": "move_robot", "x": 0.0, "y": 0.0}),
+        json!({"do": "seek"}),
+        json!({"do": "behavior", "name": "follow"}),
+    ] {
+        assert!(steerer.order(order.clone()).is_err(), "{order}");
+    }
+    steerer.educate(10);
+    steerer.wait("heard", |spots| {
+        spots.as_array().is_some_and(|spots| spots.len() > 5)
+    });
+    steerer.order(json!({"do": "seek"})).expect("it seeks");
+    steerer.decided(6);
+    steerer.wait("now", |now| {
+        let moved = now["counts"]["distance_m"].as_f64() > Some(0.2);
+        moved && now["plan"].is_object() && now["link"].is_string()
+    });
+    nomad_pictures(&viewed);
+    steerer.order(json!({"do": "stop"})).expect("it stops");
+    steerer.wait("now", |now| {
+        now["mode"] == "stopped" && now["resumes"] == true
+    });
+    steerer
+        .order(json!({"do": "sonar", "number": 2, "on": false}))
+        .expect("it stands and is told");
+    steerer.order(json!({"do": "resume"})).expect("it goes on");
+    steerer.decided(9);
+    assert_eq!(viewed.end(), Some(0));
+    let said = program.ok("replay nomad.mcap");
+    assert!(said.contains("every one identical"), "{said}");
+    // The base stands: whoever comes next finds it so.
+    std::thread::sleep(Duration::from_millis(700));
+    let mut host = robot.connect();
+    let state = host.ask(&host_sim::nomad::Command::GetState);
+    assert!(tests::nomad::stands(state.expect("an answer")));
+}
+
+fn nomad_pictures(viewed: &Viewed) {
+    if std::env::var_os("UPDATE_PICTURES").is_none() {
+        return;
+    }
+    let mut page = Browser::open(&viewed.watch);
+    page.resize(1400, 900);
+    page.wait("view.now && view.now.counts.steps > 40");
+    fits(&mut page);
+    keep("view-nomad.png", &mut page);
+    assert_eq!(page.complaints(), [""; 0]);
+}
+
+/// A mind by its own clock, whose ring hears nothing: it learns, and stands for want of echoes.
+#[test]
+fn a_board_is_taught_and_steered_over_its_link() {
+    let program = host_sim!();
+    let viewed = Viewed::start(&program, "--explore 20 --speed max --world room");
+    let mut steerer = viewed.steerer();
+    steerer.educate(20);
+    let saved = steerer.order(json!({"do": "save_mind"})).expect("a mind");
+    let hex = saved["file"]["hex"].clone();
+    let maps = steerer.latest("maps");
+    drop(viewed);
+
+    let served = Served::start(Config::recommended()).expect("a mind behind a socket");
+    let flags = format!("--board tcp:{} --explore 20", served.host());
+    let viewed = Viewed::start(&program, &flags);
+    let mut steerer = viewed.steerer();
+    let scene = steerer.latest("scene");
+    assert_eq!(scene["abilities"]["unplaced"], true);
+    steerer.wait("maps", |maps| maps["learnt"] == false);
+    for order in [
+        json!({"do": "seek"}),
+        json!({"do": "goal_neuron", "neuron": 3}),
+        json!({"do": "pause", "paused": true}),
+        json!({"do": "sonar", "number": 3, "on": false}),
+        json!({"do": "load_mind", "hex": "00"}),
+    ] {
+        assert!(steerer.order(order.clone()).is_err(), "{order}");
+    }
+    let load = json!({"do": "load_mind", "hex": hex});
+    steerer.order(load).expect("it takes the file");
+    steerer.wait("maps", |maps| maps["learnt"] == true);
+    steerer.wait("memory", |rows| {
+        rows.as_array().is_some_and(|rows| rows.len() == 20)
+    });
+    let taken = steerer.latest("maps");
+    for map in ["situations", "changes"] {
+        assert_eq!(taken[map]["code"], maps[map]["code"], "{map}");
+    }
+    steerer.order(json!({"do": "learn"})).expect("it learns");
+    steerer.forget("now");
+    steerer.wait("now", |now| now["mode"] == "idle");
+    let neuron = json!({"do": "goal_neuron", "neuron": 3});
+    // What was seen of it may be of before it learnt.
+    while steerer.order(neuron.clone()).is_err() {
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    steerer.order(json!({"do": "seek"})).expect("it seeks");
+    steerer.wait("now", |now| {
+        let note = now["note"].as_str().unwrap_or_default();
+        now["mode"] == "stopped" && note.contains("not every sonar was heard")
+    });
+    board_page(&viewed);
+    drop(served);
+    steerer.wait("now", |now| {
+        now["mode"] == "failed" && now["why"].is_string()
+    });
+}
+
+fn board_page(viewed: &Viewed) {
+    let mut page = Browser::open(&viewed.watch);
+    page.resize(1400, 900);
+    page.wait("view.now && view.now.mode === 'stopped' && view.maps.learnt");
+    page.wait("!document.getElementById('arena-card').offsetParent");
+    fits(&mut page);
+    keep_aside("view-board.png", &mut page);
+    assert_eq!(page.complaints(), [""; 0]);
+}
+
+#[test]
+fn what_cannot_be_watched_is_refused_in_one_sentence() {
+    let program = host_sim!();
+    program.put("text.mcap", "not a log");
+    for (flags, word) in [
+        ("--replay none.mcap", "none.mcap"),
+        ("--replay text.mcap", "MCAP"),
+        ("--replay text.mcap --world room", "--world"),
+        ("--nomad tcp:127.0.0.1:1 --log new.mcap", "tcp:127.0.0.1:1"),
+        ("--nomad tcp:127.0.0.1:1 --preset touzet", "touzet"),
+        ("--nomad tcp:127.0.0.1:1 --speed 2", "--speed"),
+        ("--board tcp:127.0.0.1:1", "tcp:127.0.0.1:1"),
+        ("--board qemu --nomad tcp:127.0.0.1:1", "--nomad"),
+        ("--log text.mcap", "there already"),
+    ] {
+        let output = program.run(&tests::words(&format!("view --listen 127.0.0.1:0 {flags}")));
+        assert_eq!(
+            (output.code, output.stdout.as_str()),
+            (Some(2), ""),
+            "{flags}"
+        );
+        assert!(output.stderr.contains(word), "{flags}: {}", output.stderr);
+    }
+    assert!(!program.folder().join("new.mcap").exists());
 }
 
 #[test]

@@ -2,19 +2,21 @@
 
 use super::Failure;
 use super::output::bar;
-use super::remote::{MindChoice, Remote, named};
-use super::run::{Preset, Switch};
-use super::setup::{configured, parsed};
+use super::remote::{MindArgs, MindChoice, named};
+use super::run::Preset;
+use super::setup::{TaskArgs, parsed};
 use super::table::plain;
 use crate::error::BadInput;
-use crate::link::{Address, Emulation, Serial, Tcp};
+use crate::link::{Address, AnyMind, Serial, Tcp};
+use crate::log::{self, Log, LoggedMind, SharedLog};
 use crate::nomad::Host;
 use crate::nomad::bridge::{Driven, Plan, Trouble, drive};
-use crate::pilot::{MOST_MOVES, Mind};
-use crate::scenes::Behavior;
+use crate::robot::TurretMode;
+use amp::config::Config;
 use clap::Args;
+use std::fmt;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -41,48 +43,31 @@ pub(super) struct BridgeArgs {
     /// The robot: tcp:HOST:PORT or serial:PORT[@BAUD] (38400 unless said otherwise)
     #[arg(long, value_name = "WHERE", value_parser = parsed::<Robot>)]
     nomad: Robot,
-    /// Where the mind runs: host (in this process), qemu (the firmware in an emulated chip), serial:PORT[@BAUD]
-    /// or tcp:HOST:PORT (a chip)
-    #[arg(long, value_name = "WHERE", default_value = "host", value_parser = parsed::<MindChoice>)]
-    mind: MindChoice,
-    /// Image for --mind qemu [default: built from the project's sources]
-    #[arg(long, value_name = "ELF")]
-    firmware: Option<PathBuf>,
-    /// Show what the emulator says
-    #[arg(long)]
-    verbose: bool,
-    /// What to do after exploring (see `host-sim behaviors`)
-    #[arg(long, value_name = "NAME", default_value = "avoid", value_parser = parsed::<Behavior>)]
-    behavior: Behavior,
-    /// Random moves before it
-    #[arg(long, value_name = "MOVES", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=i64::from(MOST_MOVES)))]
-    explore: u16,
+    #[command(flatten)]
+    mind: MindArgs,
+    #[command(flatten)]
+    task: TaskArgs,
     /// Decisions towards the goal
     #[arg(long, value_name = "STEPS", default_value_t = 1_000, value_parser = clap::value_parser!(u32).range(1..))]
     steps: u32,
-    /// Seed of the random moves
-    #[arg(long, value_name = "SEED", default_value_t = 1)]
-    seed: u64,
-    /// Let the sonars limit motion: what the robot does (on) or what the maps alone do (off)
-    #[arg(long, value_name = "ON|OFF", default_value = "on", value_enum)]
-    shield: Switch,
-    /// Let both maps go on learning from every move
-    #[arg(long, value_name = "ON|OFF", default_value = "on", value_enum)]
-    online: Switch,
-    /// The open choices of the method (the turret is held, as `default` and `probe` have it)
-    #[arg(long, value_name = "NAME", default_value = "default", value_enum)]
-    preset: Preset,
-    /// Change one open choice, e.g. --set far=1.2 (see `host-sim settings`); may be given several times
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    sets: Vec<String>,
     /// Print one JSON object instead of a table
     #[arg(long)]
     json: bool,
+    /// Write everything the mind is told and answers into a new FILE in the MCAP format, for `replay`, `view`, `log`
+    /// and other tools
+    #[arg(long, value_name = "FILE")]
+    log: Option<PathBuf>,
 }
 
 /// Where a robot is.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Robot(Address);
+
+impl fmt::Display for Robot {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
 
 impl FromStr for Robot {
     type Err = BadInput;
@@ -105,7 +90,11 @@ impl FromStr for Robot {
 }
 
 impl Robot {
-    fn open(&self) -> Result<Host, BadInput> {
+    /// Opens the way to it.
+    ///
+    /// # Errors
+    /// When it cannot be reached or does not greet.
+    pub(super) fn open(&self) -> Result<Host, BadInput> {
         let at = |error| named(&self.0, &error);
         match &self.0 {
             Address::Serial { path, baud } => Ok(Host::new(Serial::open(path, *baud).map_err(at)?)),
@@ -117,7 +106,8 @@ impl Robot {
         }
     }
 
-    fn sonars_at_once(&self) -> u32 {
+    /// Sonars to be asked for at once.
+    pub(super) fn sonars_at_once(&self) -> u32 {
         match self.0 {
             Address::Serial { .. } => SERIAL_SONARS,
             _ => 16,
@@ -130,58 +120,83 @@ impl Robot {
 /// # Errors
 /// A robot or a mind that cannot be reached or falls silent, an interruption, a closed pipe.
 pub(super) fn bridge(args: &BridgeArgs, out: &mut impl Write) -> Result<(), Failure> {
-    let config = configured(args.preset, &args.sets, args.shield, args.online)?;
-    if args.preset == Preset::Touzet {
-        return Err(BadInput::new(
-            "--preset touzet: its ring turns with the heading; the bridge holds the turret",
-        )
-        .into());
-    }
+    let task = &args.task;
     let plan = Plan {
-        config: args.behavior.adapted(config),
-        explore_moves: args.explore,
+        config: held(task)?,
+        explore_moves: task.explore,
         steps: args.steps,
-        behavior: args.behavior.clone(),
-        seed: args.seed,
+        behavior: task.behavior.clone(),
+        seed: task.seed,
         sonars_at_once: args.nomad.sonars_at_once(),
     };
     let interrupted = watch()?;
     let host = args.nomad.open()?;
-    let emulation = Emulation {
-        firmware: args.firmware.clone(),
-        verbose: args.verbose,
-    };
-    let remote = Remote::connect(&args.mind, &emulation, plan.explore_moves)?;
+    let mind = mind(&args.nomad, task, &args.mind, args.log.as_deref())?;
+    let log = mind.log().cloned();
     let progress = bar(
         u64::from(plan.explore_moves) + u64::from(plan.steps),
         "steps",
     );
     let show = |done: u32| progress.set_position(u64::from(done));
-    let (driven, result) = match remote {
-        None => {
-            let mut mind = Mind::new(plan.config.clone());
-            drive(host, &mut mind, &plan, &interrupted, show)
-        }
-        Some(mut remote) => {
-            let mind = remote.mind(&plan.config);
-            let mut mind = mind.map_err(|error| named_mind(&args.mind, &error))?;
-            drive(host, &mut mind, &plan, &interrupted, show)
-        }
-    };
+    let (driven, result) = drive(host, mind, &plan, &interrupted, show);
     progress.finish_and_clear();
     print(args, &driven, out)?;
-    result.map_err(|trouble| explain(args, &trouble).into())
+    let written = log.map_or(Ok(()), |log| log.finish());
+    result.map_err(|trouble| explain(args, &trouble))?;
+    Ok(written.map_err(BadInput::new)?)
 }
 
-fn named_mind(choice: &MindChoice, error: &crate::link::LinkError) -> BadInput {
-    match choice {
-        MindChoice::At(address) => named(address, error),
-        MindChoice::Host => BadInput::new(error.to_string()),
+/// The open choices for a robot whose turret is held.
+///
+/// # Errors
+/// A preset whose ring turns with the heading; a setting that is unknown.
+pub(super) fn held(task: &TaskArgs) -> Result<Config<16>, BadInput> {
+    if task.preset == Preset::Touzet {
+        return Err(BadInput::new(
+            "--preset touzet: its ring turns with the heading; the bridge holds the turret",
+        ));
     }
+    task.config()
+}
+
+/// The mind of a robot, at its beginning.
+///
+/// # Errors
+/// When it cannot be reached.
+pub(super) fn mind(
+    robot: &Robot,
+    task: &TaskArgs,
+    args: &MindArgs,
+    log: Option<&Path>,
+) -> Result<LoggedMind, BadInput> {
+    let config = held(task)?;
+    let mind = AnyMind::new(&config, args.place(task.explore)?)?;
+    if let (replaced @ [_, ..], name) = (&*mind.replaced(), mind.name()) {
+        eprintln!(
+            "{name}: the mind came with another {}: replaced for this run",
+            replaced.join(", another ")
+        );
+    }
+    let log = log.map(Log::create).transpose()?;
+    let mut mind = LoggedMind::new(mind, log.map(SharedLog::new));
+    let setup = log::Setup {
+        format: log::FORMAT,
+        program: env!("CARGO_PKG_VERSION").to_owned(),
+        world: format!("Nomad at {}", robot.0),
+        behavior: task.behavior.name(),
+        preset: task.preset.name().to_owned(),
+        seed: task.seed,
+        sonar: "the robot's own".to_owned(),
+        turret: TurretMode::Held.name().to_owned(),
+        explore_moves: task.explore,
+        config,
+    };
+    mind.begin(&setup, None);
+    Ok(mind)
 }
 
 fn explain(args: &BridgeArgs, trouble: &Trouble) -> BadInput {
-    match (trouble, &args.mind) {
+    match (trouble, &args.mind.choice) {
         (Trouble::Robot(error), _) => BadInput::new(format!("{}: {error}", args.nomad.0)),
         (Trouble::Mind(failure), MindChoice::At(address)) => {
             BadInput::new(format!("{address}: {failure}; the robot was told to stand"))
@@ -191,7 +206,7 @@ fn explain(args: &BridgeArgs, trouble: &Trouble) -> BadInput {
 }
 
 /// A flag that Ctrl-C, a hang-up or a request to end raises.
-fn watch() -> Result<Arc<AtomicBool>, BadInput> {
+pub(super) fn watch() -> Result<Arc<AtomicBool>, BadInput> {
     let flag = Arc::new(AtomicBool::new(false));
     let raised = Arc::clone(&flag);
     ctrlc::set_handler(move || raised.store(true, Ordering::Relaxed))
@@ -227,7 +242,7 @@ fn print(args: &BridgeArgs, driven: &Driven, out: &mut impl Write) -> Result<(),
         .into_iter()
         .map(|(label, value)| vec![label.to_owned(), value])
         .collect();
-    Ok(out.write_all(plain(&["", args.behavior.name().as_str()], &rows, &[]).as_bytes())?)
+    Ok(out.write_all(plain(&["", args.task.behavior.name().as_str()], &rows, &[]).as_bytes())?)
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 /// The `log` command's flags.
 #[derive(Debug, Clone, Args)]
 pub struct LogArgs {
-    /// The log, as written by `run --log FILE.mcap`
+    /// The log, as written by `--log FILE.mcap` of `run`, `view` or `bridge`
     #[arg(value_name = "FILE")]
     file: PathBuf,
 }
@@ -19,7 +19,7 @@ pub struct LogArgs {
 /// The `replay` command's flags.
 #[derive(Debug, Clone, Args)]
 pub struct ReplayArgs {
-    /// The log, as written by `run --log FILE.mcap`
+    /// The log, as written by `--log FILE.mcap` of `run`, `view` or `bridge`
     #[arg(value_name = "FILE")]
     file: PathBuf,
 }
@@ -82,13 +82,13 @@ fn rows(log: &LogFile, summary: &Summary) -> Vec<Vec<String>> {
 /// As [`log`]; an answer that differs.
 pub fn replay(args: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
     let log = log::read(&args.file)?;
-    let progress = bar(0, "replay").with_message("");
+    let progress = bar(0, "replay");
     let end_ms = log
         .messages()
         .last()
         .map_or(0, |message| message.time_ns / 1_000_000);
     progress.set_length(end_ms);
-    let done = log::replay(&log, |ms| progress.set_position(ms.into()))?;
+    let done = log::replay(&log, |ms| progress.set_position(ms))?;
     progress.finish_and_clear();
     let file = args.file.display();
     if let Some(difference) = &done.difference {
@@ -100,7 +100,7 @@ pub fn replay(args: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
         done.decisions,
         done.answers - done.decisions,
         done.events,
-        f64::from(done.last_ms) / 1e3,
+        done.last_ms as f64 / 1e3,
         done.ending
     )?;
     Ok(())

@@ -1,13 +1,15 @@
 //! `--mind`: whose mind drives, and an episode driven by one elsewhere.
 
 use super::run::drive;
+use super::setup::parsed;
 use crate::episode::{self, Episode, Setup};
 use crate::error::BadInput;
-use crate::link::{self, Address, Emulation, LinkError, RemoteMind, Session};
+use crate::link::{self, Address, Emulation, LinkError, MindPlace, RemoteMind, Session};
 use crate::world::World;
 use amp::config::Config;
 use amp::wire::message::Clock;
-use std::path::Path;
+use clap::Args;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 /// Where the mind runs.
@@ -31,6 +33,42 @@ impl FromStr for MindChoice {
     }
 }
 
+/// Where a mind runs.
+#[derive(Debug, Clone, Args)]
+pub struct MindArgs {
+    /// Where the mind runs: host (in this process), qemu (the firmware in an emulated chip), serial:PORT[@BAUD]
+    /// or tcp:HOST:PORT (a chip); what it decides is the same
+    #[arg(long = "mind", value_name = "WHERE", default_value = "host", value_parser = parsed::<MindChoice>)]
+    pub(super) choice: MindChoice,
+    /// Image for --mind qemu [default: built from the project's sources]
+    #[arg(long, value_name = "ELF")]
+    firmware: Option<PathBuf>,
+    /// Show what the emulator says
+    #[arg(long)]
+    verbose: bool,
+}
+
+impl MindArgs {
+    /// How the emulator is to be started.
+    pub(super) fn emulation(&self) -> Emulation {
+        Emulation {
+            firmware: self.firmware.clone(),
+            verbose: self.verbose,
+        }
+    }
+
+    /// Opens the way to a mind that takes so many random moves.
+    ///
+    /// # Errors
+    /// When it cannot be reached, is of another kind, or has too small a memory.
+    pub(super) fn place(&self, moves: u16) -> Result<MindPlace, BadInput> {
+        Ok(match Remote::connect(self, moves)? {
+            None => MindPlace::Host,
+            Some(remote) => MindPlace::Link(Box::new(remote.session), remote.address.to_string()),
+        })
+    }
+}
+
 /// A mind elsewhere, for one episode after the other.
 pub(super) struct Remote {
     address: Address,
@@ -43,16 +81,14 @@ impl Remote {
     ///
     /// # Errors
     /// When it cannot be reached, is of another kind, or has too small a memory.
-    pub(super) fn connect(
-        choice: &MindChoice,
-        emulation: &Emulation,
-        moves: u16,
-    ) -> Result<Option<Self>, BadInput> {
-        only_for_qemu(matches!(choice, MindChoice::At(Address::Qemu)), emulation)?;
-        let MindChoice::At(address) = choice else {
+    pub(super) fn connect(args: &MindArgs, moves: u16) -> Result<Option<Self>, BadInput> {
+        let emulation = args.emulation();
+        let qemu = matches!(args.choice, MindChoice::At(Address::Qemu));
+        only_for_qemu(qemu, &emulation)?;
+        let MindChoice::At(address) = &args.choice else {
             return Ok(None);
         };
-        let session = open(address, emulation, Clock::Host)?;
+        let session = open(address, &emulation, Clock::Host)?;
         let holds = session.hello().map_or(0, |hello| hello.samples);
         if moves > holds {
             return Err(BadInput::new(format!(
@@ -127,7 +163,7 @@ pub(super) fn named(address: &Address, error: &LinkError) -> BadInput {
     }
 }
 
-pub(super) fn only_for_qemu(qemu: bool, emulation: &Emulation) -> Result<(), BadInput> {
+fn only_for_qemu(qemu: bool, emulation: &Emulation) -> Result<(), BadInput> {
     match &emulation.firmware {
         Some(image) if !qemu => Err(BadInput::new(format!(
             "--firmware {}: only qemu takes an image; flash a chip with its own tools",

@@ -2,12 +2,12 @@
 
 use super::Failure;
 use super::output::{bar, prepare};
-use super::remote::{MindChoice, Remote};
-use super::setup::{SetupArgs, parsed};
+use super::remote::{MindArgs, MindChoice, Remote};
+use super::setup::SetupArgs;
 use super::summary;
 use crate::episode::{self, Episode, Report, Setup};
 use crate::error::BadInput;
-use crate::link::{Emulation, Knowledge};
+use crate::link::Knowledge;
 use crate::log;
 use crate::pilot::{Mind, Thinker};
 use crate::plot;
@@ -38,16 +38,8 @@ pub struct RunArgs {
     /// Decisions towards the goal
     #[arg(long, value_name = "STEPS", default_value_t = 1_000, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_STEPS)))]
     steps: u32,
-    /// Where the mind runs: host (in this process), qemu (the firmware in an emulated chip), serial:PORT[@BAUD]
-    /// or tcp:HOST:PORT (a chip); the results are the same
-    #[arg(long, value_name = "WHERE", default_value = "host", value_parser = parsed::<MindChoice>)]
-    mind: MindChoice,
-    /// Image for --mind qemu [default: built from the project's sources]
-    #[arg(long, value_name = "ELF")]
-    firmware: Option<PathBuf>,
-    /// Show what the emulator says
-    #[arg(long)]
-    verbose: bool,
+    #[command(flatten)]
+    mind: MindArgs,
     /// Print one JSON object per world instead of a table
     #[arg(long)]
     json: bool,
@@ -158,7 +150,7 @@ pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
     };
     let sources = sources(&args.worlds)?;
     if let Some(file) = &args.save
-        && (sources.len() > 1 || args.mind != MindChoice::Host)
+        && (sources.len() > 1 || args.mind.choice != MindChoice::Host)
     {
         return Err(BadInput::new(format!(
             "--save {}: only the mind in this process, of one world (a chip's: host-sim link … pull)",
@@ -173,11 +165,7 @@ pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
         );
         return Err(BadInput::file(path, what).into());
     }
-    let emulation = Emulation {
-        firmware: args.firmware.clone(),
-        verbose: args.verbose,
-    };
-    let remote = Remote::connect(&args.mind, &emulation, setup.explore_moves)?;
+    let remote = Remote::connect(&args.mind, setup.explore_moves)?;
     if let Some(dir) = &args.out {
         prepare(dir)?;
     }

@@ -1,13 +1,17 @@
 //! `host-sim view`: a page that shows the robot think.
 
 use super::Failure;
-use super::remote::{MindChoice, only_for_qemu, open};
+use super::bridge::{Robot, held, mind, watch};
+use super::remote::{MindArgs, named, open};
 use super::run::{Preset, sources};
 use super::setup::{SetupArgs, parsed};
 use crate::error::BadInput;
-use crate::link::Emulation;
+use crate::link::Address;
+use crate::log;
 use crate::view::pace::SPEEDS;
-use crate::view::{Door, MindPlace, PresetChoice, Simulator, Start, serve};
+use crate::view::{
+    Board, Door, NomadStart, PresetChoice, Recorded, Simulator, Source, Start, WatchedNomad, serve,
+};
 use amp::wire::message::Clock;
 use clap::{Args, ValueEnum as _};
 use std::io::Write;
@@ -21,6 +25,9 @@ Opens no browser by itself: open the printed address. It ends with Ctrl-C.
   host-sim view --world random:7 --speed max
   host-sim view --preset touzet              the paper's four steps, to the letter
   host-sim view --mind qemu                  the mind in an emulated chip
+  host-sim view --replay wall.mcap           a log
+  host-sim view --nomad tcp:robot:65001      a Nomad 200
+  host-sim view --board serial:/dev/ttyUSB0  a board whose ring and base are its own
 
 Whoever opens the address with its token may steer, one at a time; others watch. The token is new for each run.";
 
@@ -31,18 +38,22 @@ pub struct ViewArgs {
     /// World: a .toml or ROS .yaml FILE, random:SEED, or a built-in name (see `host-sim worlds`)
     #[arg(long, value_name = "WORLD", default_value = "paper")]
     world: String,
+    /// A log instead of a simulation: what `run`, `view` or `bridge` wrote with --log
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["nomad", "world", "behavior", "explore", "seed", "shield",
+        "online", "sonar", "turret", "preset", "sets", "choice", "firmware", "log"])]
+    replay: Option<PathBuf>,
+    /// A Nomad 200 instead of a simulation, over its own line: tcp:HOST:PORT or serial:PORT[@BAUD] (see `bridge`)
+    #[arg(long, value_name = "WHERE", value_parser = parsed::<Robot>,
+        conflicts_with_all = ["world", "sonar", "turret", "speed"])]
+    nomad: Option<Robot>,
+    /// A board whose ring and base are its own, instead of a simulation: serial:PORT[@BAUD], tcp:HOST:PORT or qemu
+    #[arg(long, value_name = "WHERE", value_parser = parsed::<Address>, conflicts_with_all = ["replay", "nomad", "world",
+        "shield", "online", "sonar", "turret", "preset", "sets", "choice", "log", "speed"])]
+    board: Option<Address>,
     #[command(flatten)]
     setup: SetupArgs,
-    /// Where the mind runs: host (in this process), qemu (the firmware in an emulated chip), serial:PORT[@BAUD]
-    /// or tcp:HOST:PORT (a chip)
-    #[arg(long, value_name = "WHERE", default_value = "host", value_parser = parsed::<MindChoice>)]
-    mind: MindChoice,
-    /// Image for --mind qemu [default: built from the project's sources]
-    #[arg(long, value_name = "ELF")]
-    firmware: Option<PathBuf>,
-    /// Show what the emulator says
-    #[arg(long)]
-    verbose: bool,
+    #[command(flatten)]
+    mind: MindArgs,
     /// Simulated seconds per second, 0.05 to 1000, or max
     #[arg(long, value_name = "FACTOR", default_value = "4", value_parser = speed)]
     speed: Speed,
@@ -52,6 +63,10 @@ pub struct ViewArgs {
     /// Let others reach it: needed for any address but this machine's own
     #[arg(long)]
     allow_remote: bool,
+    /// Write everything the mind is told and answers into a new FILE in the MCAP format, for `replay`, `view`, `log`
+    /// and other tools
+    #[arg(long, value_name = "FILE")]
+    log: Option<PathBuf>,
 }
 
 /// Simulated seconds per second; `None` = as fast as it goes.
@@ -73,14 +88,60 @@ fn speed(text: &str) -> Result<Speed, String> {
 /// # Errors
 /// Bad input, an address that cannot be listened at, a mind that cannot be reached, a closed pipe.
 pub fn view(args: &ViewArgs, out: &mut impl Write) -> Result<(), Failure> {
-    let start = start(args)?;
     let door = Door::open(args.listen, args.allow_remote)?;
-    let place = place(args, start.setup.explore_moves)?;
-    let simulator = Simulator::new(start, place)?;
+    let source = source(args)?;
+    let ended = watch()?;
     let [watch, steer] = door.addresses();
     writeln!(out, "watch and steer: {steer}\nonly watch:      {watch}")?;
     out.flush()?;
-    Ok(serve(door, Box::new(simulator), args.speed.0)?)
+    Ok(serve(door, source, args.speed.0, ended)?)
+}
+
+fn source(args: &ViewArgs) -> Result<Box<dyn Source>, BadInput> {
+    if let Some(path) = &args.replay {
+        return Ok(Box::new(Recorded::new(&log::read(path)?)?));
+    }
+    match (&args.nomad, &args.board) {
+        (Some(robot), _) => nomad(args, robot),
+        (None, Some(address)) => board(args, address),
+        (None, None) => simulator(args),
+    }
+}
+
+fn board(args: &ViewArgs, address: &Address) -> Result<Box<dyn Source>, BadInput> {
+    let task = args.setup.task();
+    let session = open(address, &args.mind.emulation(), Clock::Device)?;
+    let name = address.to_string();
+    let board = Board::new(session, name, task.explore, task.seed, &task.behavior);
+    Ok(Box::new(board.map_err(|error| named(address, &error))?))
+}
+
+fn nomad(args: &ViewArgs, robot: &Robot) -> Result<Box<dyn Source>, BadInput> {
+    let task = args.setup.task();
+    let config = held(task)?;
+    let host = robot.open()?;
+    let mind = mind(robot, task, &args.mind, args.log.as_deref())?;
+    let start = NomadStart {
+        name: robot.to_string(),
+        config,
+        whole: task.whole()?,
+        preset: task.preset.name().to_owned(),
+        behavior: task.behavior.clone(),
+        explore_moves: task.explore,
+        seed: task.seed,
+        sonars_at_once: robot.sonars_at_once(),
+    };
+    let watched = WatchedNomad::new(start, host, mind);
+    Ok(Box::new(watched.map_err(|trouble| {
+        BadInput::new(format!("{robot}: {trouble}"))
+    })?))
+}
+
+fn simulator(args: &ViewArgs) -> Result<Box<dyn Source>, BadInput> {
+    let start = start(args)?;
+    let place = args.mind.place(start.setup.explore_moves)?;
+    let log = args.log.as_deref();
+    Ok(Box::new(Simulator::new(start, place, log)?))
 }
 
 fn start(args: &ViewArgs) -> Result<Start, BadInput> {
@@ -101,26 +162,7 @@ fn start(args: &ViewArgs) -> Result<Start, BadInput> {
         world: source.load()?,
         named: source.to_string(),
         setup: args.setup.setup()?,
-        whole: args.setup.config()?,
+        whole: args.setup.whole()?,
         presets: Preset::value_variants().iter().map(preset).collect(),
     })
-}
-
-fn place(args: &ViewArgs, moves: u16) -> Result<MindPlace, BadInput> {
-    let emulation = Emulation {
-        firmware: args.firmware.clone(),
-        verbose: args.verbose,
-    };
-    let MindChoice::At(address) = &args.mind else {
-        only_for_qemu(false, &emulation)?;
-        return Ok(MindPlace::Host);
-    };
-    let session = open(address, &emulation, Clock::Host)?;
-    let holds = session.hello().map_or(0, |hello| hello.samples);
-    if moves > holds {
-        return Err(BadInput::new(format!(
-            "--explore {moves}: the memory of the mind at {address} holds {holds} moves"
-        )));
-    }
-    Ok(MindPlace::Link(Box::new(session), address.to_string()))
 }

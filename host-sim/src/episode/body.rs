@@ -381,7 +381,7 @@ fn crowded<'a>(world: &'a World, leader: Option<&'a (Leader, World)>) -> &'a Wor
 }
 
 /// Simulated time as the mind hears it.
-pub(super) fn milliseconds(time_s: f64) -> Millis {
+pub(crate) fn milliseconds(time_s: f64) -> Millis {
     Millis::from_ms((time_s * 1e3 + 0.5) as u64 as u32)
 }
 

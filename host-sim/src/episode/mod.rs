@@ -15,6 +15,7 @@ mod pursue;
 mod record;
 mod tally;
 
+pub(crate) use body::milliseconds;
 pub use body::{Body, Happened, Moved};
 pub use capture::perceive;
 pub use drive::{

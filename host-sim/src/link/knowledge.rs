@@ -72,7 +72,7 @@ impl Knowledge {
     }
 
     /// Reads all but the goals, whatever the mind does meanwhile.
-    pub(super) fn read(session: &mut Session) -> Result<Self, LinkError> {
+    pub(crate) fn read(session: &mut Session) -> Result<Self, LinkError> {
         let config = session.read_part(Part::Config)?;
         let config = Config::from_bytes(&config).ok_or(LinkError::Refused(Refusal::Config))?;
         let mut parts = Vec::new();

@@ -8,6 +8,7 @@
 //! | [`Transport`] | carries bytes: a serial port, a socket, an emulated chip, a mind in this process |
 //! | [`Session`] | hello, requests with confirmation and repetition, parts, parameters, counters |
 //! | [`RemoteMind`] | a [`Pilot`](crate::pilot::Pilot): any episode, driven by the mind at the other end |
+//! | [`AnyMind`] | a mind here or there |
 //! | [`Knowledge`] | configuration, maps and memory as one file |
 //!
 //! A *request* is a frame the mind confirms. Whatever the mind says is numbered, so that a report that was lost is noticed.
@@ -15,6 +16,7 @@
 //! says again what it said, without doing it again.
 
 mod address;
+mod any_mind;
 mod error;
 mod image;
 mod knowledge;
@@ -29,6 +31,7 @@ mod transport;
 mod words;
 
 pub use address::{Address, BAUD};
+pub use any_mind::{AnyMind, Elsewhere, MindPlace};
 pub use error::LinkError;
 pub use image::build as build_image;
 pub use knowledge::Knowledge;

@@ -80,6 +80,8 @@ pub struct RemoteMind<S> {
     told: Millis,
     /// The latest motion asked for: number and revision.
     motion: Option<(u16, u8)>,
+    /// It has been told to stop and not yet said that it has.
+    stopping: bool,
     knowledge: Box<SimState>,
     error: Option<LinkError>,
 }
@@ -99,6 +101,7 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
             fresh,
             told: Millis::from_ms(0),
             motion: None,
+            stopping: false,
             knowledge: Box::new(SimState::new(Grid::rectangle(4, 4))),
             error: None,
         })
@@ -187,7 +190,7 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
     }
 
     fn command(&mut self, at: Millis, command: Command<16>) -> Result<Outputs<16>, LinkError> {
-        let stop = command == Command::Stop;
+        self.stopping = command == Command::Stop;
         let order = match command {
             Command::Explore { moves, seed } => Order::Explore { moves, seed },
             Command::Learn => Order::Learn,
@@ -198,13 +201,9 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
             Command::Stop => Order::Stop,
             Command::Resume => Order::Resume,
         };
-        match self.order(at, order) {
-            Err(LinkError::Stopped(StopReason::Commanded)) if stop => Ok(Outputs {
-                mode_changed: true,
-                ..Outputs::NONE
-            }),
-            other => other,
-        }
+        let done = self.order(at, order);
+        self.stopping = false;
+        done
     }
 
     fn order(&mut self, at: Millis, order: Order<16>) -> Result<Outputs<16>, LinkError> {
@@ -258,6 +257,9 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
         match &report.said {
             FromMind::Decision(decision) => outputs.decision = Some(*decision),
             FromMind::Motion(order) => outputs.motion = self.news(*order).or(outputs.motion),
+            FromMind::Mode(ModeReport::Stopped(StopReason::Commanded)) if self.stopping => {
+                outputs.mode_changed = true;
+            }
             FromMind::Mode(ModeReport::Stopped(reason)) => {
                 return Err(LinkError::Stopped(*reason));
             }

@@ -2,7 +2,7 @@
 //!
 //! | channel | schema | what |
 //! |---|---|---|
-//! | `/setup` | `amp.Setup` | once: the mind's configuration and the episode's conditions |
+//! | `/setup` | `amp.Setup` | at each start: the mind's configuration and the episode's conditions |
 //! | `/event` | `amp.Event` | everything the mind was told, with its time |
 //! | `/plan` | `amp.Plan` | everything it answered: decisions with their intermediate values, motions |
 //! | `/sonar` | `foxglove.LaserScan` | the ring at each decision, in the frame `ring` |
@@ -10,35 +10,43 @@
 //! | `/tf` | `foxglove.FrameTransform` | the same, from `world` to `ring` |
 //! | `/scene` | `foxglove.SceneUpdate` | surfaces, body, a second robot, contacts |
 //!
-//! All messages are JSON; times count from the beginning of the episode. The mind is a function of its configuration and
+//! All messages are JSON; times count from the beginning of the log. The mind is a function of its configuration and
 //! the events: `/setup` and `/event` are enough to run it again, and `/plan` says what must come of it
-//! ([`replay()`]). Fixed-point values are written as the decimal numbers they are, so nothing is lost on the way.
+//! ([`replay()`]). A log of somebody who steers has a `/setup` for each new start; other choices and knowledge from a file are
+//! events like all others. Fixed-point values are written as the decimal numbers they are, so nothing is lost on the way.
 //!
 //! A file is a series of chunks of up to [`CHUNK_BYTES`], each written at once: a log that was cut off is whole up to its last
 //! chunk ([`read`]).
 
+mod logged;
 mod read;
 mod record;
 mod replay;
+mod retell;
 mod run;
 mod scene;
+mod shared;
 mod summary;
 mod tap;
 mod write;
 
+pub use logged::LoggedMind;
 pub use read::{Ending, LogFile, Message, Reading, read};
 pub use record::{
     Answer, DecisionRecord, EchoRecord, EventRecord, FORMAT, Happening, MotionRecord, PlanRecord,
     Setup,
 };
 pub use replay::{Replayed, replay};
+pub use retell::Retold;
 pub use run::run;
+pub use scene::{SceneChange, pose_of, scene_changes};
+pub use shared::SharedLog;
 pub use summary::Summary;
 pub use tap::{Tap, Watcher};
 pub use write::{CHUNK_BYTES, Log};
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 /// Names of the channels.
 pub mod channel {

@@ -8,7 +8,7 @@ use amp::planner::Plan;
 use amp::units::{Bearing, Displacement, Range};
 use serde::{Deserialize, Serialize};
 
-/// The episode's conditions.
+/// The conditions under which a mind starts that knows nothing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Setup {
     /// Version of what is written here: [`FORMAT`].
@@ -25,12 +25,35 @@ pub struct Setup {
     pub seed: u64,
     /// What the sonars returned.
     pub sonar: String,
+    /// What the ring does while the base steers.
+    pub turret: String,
+    /// Random moves of an exploration.
+    pub explore_moves: u16,
     /// The mind's configuration.
     pub config: Config<16>,
 }
 
+impl Setup {
+    /// The conditions of an episode in a world of this name.
+    #[must_use]
+    pub fn of(world: &str, setup: &crate::episode::Setup) -> Self {
+        Self {
+            format: FORMAT,
+            program: env!("CARGO_PKG_VERSION").to_owned(),
+            world: world.to_owned(),
+            behavior: setup.behavior.name(),
+            preset: setup.preset.clone(),
+            seed: setup.seed,
+            sonar: setup.sonar.name().to_owned(),
+            turret: setup.turret.name().to_owned(),
+            explore_moves: setup.explore_moves,
+            config: setup.config.clone(),
+        }
+    }
+}
+
 /// Version of the records.
-pub const FORMAT: u32 = 1;
+pub const FORMAT: u32 = 2;
 
 /// Something the mind was told.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -83,6 +106,10 @@ pub enum Happening {
     },
     /// Something outside the mind is wrong.
     Alarm(StopReason),
+    /// Other open choices; what the mind knows stays.
+    Configure(Box<Config<16>>),
+    /// Somebody else's knowledge instead of its own: the bytes of a mind's file, in hexadecimal.
+    Know(String),
 }
 
 /// What a transducer heard.
@@ -141,11 +168,13 @@ impl Happening {
         }
     }
 
-    /// The event; `None` for echoes and ticks, which stand for several.
+    /// The event; `None` for echoes and ticks, which stand for several, and for what is no event of the controller.
     #[must_use]
     pub fn event(&self) -> Option<Event<16>> {
         Some(match *self {
-            Self::Echoes(_) | Self::Ticks { .. } => return None,
+            Self::Echoes(_) | Self::Ticks { .. } | Self::Configure(_) | Self::Know(_) => {
+                return None;
+            }
             Self::Odometry {
                 motion,
                 moved_mm: [dx_mm, dy_mm],

@@ -91,6 +91,8 @@ impl Summary {
             Happening::Stop => "stop",
             Happening::Resume => "resume",
             Happening::Alarm(_) => "alarm",
+            Happening::Configure(_) => "other choices",
+            Happening::Know(_) => "knowledge from a file",
             Happening::Echoes(_) | Happening::Ticks { .. } => return,
         };
         self.commands.push((seconds, command));

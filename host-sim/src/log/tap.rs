@@ -1,27 +1,25 @@
 //! Between the robot and its mind: everything that passes is written down, nothing is changed.
 
-use super::record::{Answer, EchoRecord, EventRecord, Happening};
-use super::write::Log;
+use super::record::{Answer, EchoRecord, EventRecord, Happening, Setup};
+use super::shared::SharedLog;
 use crate::episode::{Failure, Happened, Observer};
 use crate::pilot::{Pilot, SimState, Thinker};
-use crate::world::Point;
+use crate::world::{Point, World};
 use amp::controller::{Event, Outputs};
 use amp::units::{Millis, Range};
-use std::cell::RefCell;
 use std::io::{Seek, Write};
-use std::rc::Rc;
 
-/// A pilot whose dealings go into a log.
+/// A pilot whose dealings go into a log, if there is one.
 pub struct Tap<P, W: Write + Seek> {
     pilot: P,
-    log: Rc<RefCell<Log<W>>>,
+    log: Option<SharedLog<W>>,
     /// Ticks that changed nothing, not yet written, and when they were.
     ticks: Option<(Millis, u32)>,
 }
 
 impl<P, W: Write + Seek> Tap<P, W> {
     /// Taps a pilot.
-    pub fn new(pilot: P, log: Rc<RefCell<Log<W>>>) -> Self {
+    pub fn new(pilot: P, log: Option<SharedLog<W>>) -> Self {
         Self {
             pilot,
             log,
@@ -29,14 +27,46 @@ impl<P, W: Write + Seek> Tap<P, W> {
         }
     }
 
+    /// The pilot itself: what is done with it now is not written down.
+    pub fn pilot(&mut self) -> &mut P {
+        &mut self.pilot
+    }
+
+    /// The pilot itself, to be looked at.
+    #[must_use]
+    pub fn inner(&self) -> &P {
+        &self.pilot
+    }
+
+    /// The log.
+    #[must_use]
+    pub fn log(&self) -> Option<&SharedLog<W>> {
+        self.log.as_ref()
+    }
+
+    /// The pilot was told something other than an event.
+    pub fn note(&mut self, at: Millis, what: Happening) {
+        self.tell(at, what, &Outputs::NONE);
+    }
+
+    /// A mind that knows nothing starts, in this world if it is known.
+    pub fn begin(&mut self, setup: &Setup, world: Option<&World>) {
+        self.tell_ticks();
+        if let Some(log) = &self.log {
+            log.write(|log| log.setup(setup, world));
+        }
+    }
+
     fn tell(&mut self, at: Millis, event: Happening, outputs: &Outputs<16>) {
         self.tell_ticks();
+        let Some(log) = &self.log else { return };
         let at_ms = at.as_ms();
-        let mut log = self.log.borrow_mut();
-        log.event(&EventRecord { at_ms, event });
-        if let Some(answer) = Answer::of(at_ms, outputs) {
-            log.answer(&answer);
-        }
+        log.write(|log| {
+            log.event(&EventRecord { at_ms, event });
+            if let Some(answer) = Answer::of(at_ms, outputs) {
+                log.answer(&answer);
+            }
+        });
     }
 
     /// A learning mind is ticked thousands of times: they are counted.
@@ -59,7 +89,9 @@ impl<P, W: Write + Seek> Tap<P, W> {
         if let Some((at, count)) = self.ticks.take() {
             let event = Happening::Ticks { count, done: false };
             let at_ms = at.as_ms();
-            self.log.borrow_mut().event(&EventRecord { at_ms, event });
+            if let Some(log) = &self.log {
+                log.write(|log| log.event(&EventRecord { at_ms, event }));
+            }
         }
     }
 }
@@ -68,6 +100,7 @@ impl<P: Pilot, W: Write + Seek> Pilot for Tap<P, W> {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
         let outputs = self.pilot.handle(at, event);
         match event {
+            _ if self.is_lost() => {}
             Event::Tick => self.tick(at, &outputs),
             _ => self.tell(at, Happening::of(&event), &outputs),
         }
@@ -76,16 +109,25 @@ impl<P: Pilot, W: Write + Seek> Pilot for Tap<P, W> {
 
     fn echoes(&mut self, at: Millis, echoes: &[(u8, Option<Range>)]) -> (usize, Outputs<16>) {
         let (taken, outputs) = self.pilot.echoes(at, echoes);
-        let heard = echoes.iter().take(taken);
-        let heard = heard.map(|(sensor, range)| EchoRecord::of(*sensor, *range));
-        self.tell(at, Happening::Echoes(heard.collect()), &outputs);
+        if !self.is_lost() {
+            let heard = echoes.iter().take(taken);
+            let heard = heard.map(|(sensor, range)| EchoRecord::of(*sensor, *range));
+            self.tell(at, Happening::Echoes(heard.collect()), &outputs);
+        }
         (taken, outputs)
     }
 
     fn failure(&self) -> Option<Failure> {
-        let log = self.log.borrow();
-        let failed = log.failure().map(|why| Failure::Log(why.to_owned()));
+        let failed = |log: &SharedLog<W>| log.write(|log| log.failure().map(str::to_owned));
+        let failed = self.log.as_ref().and_then(failed).map(Failure::Log);
         self.pilot.failure().or(failed)
+    }
+}
+
+impl<P: Pilot, W: Write + Seek> Tap<P, W> {
+    /// Nothing is to be written down: there is no log, or what came of it is not known because the way to the mind failed.
+    fn is_lost(&self) -> bool {
+        self.log.is_none() || self.pilot.failure().is_some()
     }
 }
 
@@ -97,25 +139,26 @@ impl<P: Thinker, W: Write + Seek> Thinker for Tap<P, W> {
 
 /// Writes down what really happens.
 pub struct Watcher<W: Write + Seek> {
-    log: Rc<RefCell<Log<W>>>,
+    log: SharedLog<W>,
 }
 
 impl<W: Write + Seek> Watcher<W> {
     /// Into this log.
-    pub fn new(log: Rc<RefCell<Log<W>>>) -> Self {
+    pub fn new(log: SharedLog<W>) -> Self {
         Self { log }
     }
 }
 
 impl<W: Write + Seek> Observer for Watcher<W> {
     fn happened(&mut self, at: Millis, happened: &Happened, leader: Option<Point>) {
-        let mut log = self.log.borrow_mut();
-        log.pose(at, happened.pose, leader);
-        if happened.decision.is_some() {
-            log.sonar(at, &happened.ranges_m);
-        }
-        if let Some(moved) = happened.moved.filter(|moved| moved.touched) {
-            log.contact(at, moved.to);
-        }
+        self.log.write(|log| {
+            log.pose(at, happened.pose, leader);
+            if happened.decision.is_some() {
+                log.sonar(at, &happened.ranges_m);
+            }
+            if let Some(moved) = happened.moved.filter(|moved| moved.touched) {
+                log.contact(at, moved.to);
+            }
+        });
     }
 }

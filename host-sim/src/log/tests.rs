@@ -9,12 +9,10 @@ use crate::scenes::Behavior;
 use crate::sonar::SonarModel;
 use crate::world::World;
 use amp::config::Config;
-use std::cell::RefCell;
 use std::io::{Cursor, Seek, SeekFrom, Write};
 use std::path::Path;
-use std::rc::Rc;
 
-fn setup(sonar: SonarModel) -> EpisodeSetup {
+pub(crate) fn setup(sonar: SonarModel) -> EpisodeSetup {
     EpisodeSetup {
         config: Config::recommended(),
         preset: "default".into(),
@@ -31,7 +29,7 @@ fn setup(sonar: SonarModel) -> EpisodeSetup {
 }
 
 /// The log of an episode.
-fn logged(sonar: SonarModel) -> Vec<u8> {
+pub(crate) fn logged(sonar: SonarModel) -> Vec<u8> {
     let world = World::random(3);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
@@ -45,7 +43,7 @@ fn logged(sonar: SonarModel) -> Vec<u8> {
     std::fs::read(path).unwrap()
 }
 
-fn file(bytes: Vec<u8>) -> LogFile {
+pub(crate) fn file(bytes: Vec<u8>) -> LogFile {
     LogFile::of(Path::new("a.mcap"), bytes).unwrap()
 }
 
@@ -110,11 +108,11 @@ fn a_changed_byte_is_noticed() {
     assert!(!matches!(ending, Ok(Ending::Complete)), "{ending:?}");
 }
 
-#[test]
-fn a_changed_answer_is_found_and_named() {
+/// The log of an episode in which answer 40 is not what the mind says.
+pub(crate) fn changed() -> LogFile {
     let original = file(logged(SonarModel::Ideal));
     let mut log = Log::begin(Cursor::new(Vec::new()), "b.mcap").unwrap();
-    log.setup(original.setup(), &World::random(3));
+    log.setup(original.setup(), Some(&World::random(3)));
     let mut answers = 0;
     for message in original.messages() {
         match message.topic.as_str() {
@@ -130,8 +128,13 @@ fn a_changed_answer_is_found_and_named() {
             _ => {}
         }
     }
-    let changed = file(log.finish().unwrap().into_inner());
-    let done = replay(&changed, |_| {}).unwrap();
+    log.finish().unwrap();
+    file(log.into_inner().into_inner())
+}
+
+#[test]
+fn a_changed_answer_is_found_and_named() {
+    let done = replay(&changed(), |_| {}).unwrap();
     assert_eq!(done.answers, 40);
     let difference = done.difference.unwrap();
     assert!(
@@ -187,8 +190,8 @@ fn a_full_disk_ends_the_episode_in_words() {
         room: 50_000,
         at: 0,
     };
-    let log = Rc::new(RefCell::new(Log::begin(disk, "a.mcap").unwrap()));
-    let mut tap = Tap::new(Mind::new(setup.config.clone()), Rc::clone(&log));
+    let log = SharedLog::new(Log::begin(disk, "a.mcap").unwrap());
+    let mut tap = Tap::new(Mind::new(setup.config.clone()), Some(log.clone()));
     let mut watcher = Watcher::new(log);
     let done = episode::run_observed(&world, &setup, &mut tap, Some(&mut watcher), |_, _, _| {});
     let failure = done.unwrap_err().to_string();

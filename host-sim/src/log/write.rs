@@ -61,6 +61,11 @@ pub struct Log<W: Write + Seek> {
     contacts: usize,
     name: String,
     failure: Option<String>,
+    finished: bool,
+    /// When the present start began, and the latest time written, nanoseconds.
+    began: u64,
+    latest: u64,
+    starts: u32,
 }
 
 impl Log<File> {
@@ -108,34 +113,48 @@ impl<W: Write + Seek> Log<W> {
             contacts: 0,
             name: name.to_owned(),
             failure: None,
+            finished: false,
+            began: 0,
+            latest: 0,
+            starts: 0,
         })
     }
 
-    /// Says what kind of episode begins, in which world.
-    pub fn setup(&mut self, setup: &Setup, world: &World) {
-        self.put(channel::SETUP, 0, setup);
-        self.put(channel::SCENE, 0, &scene::world(world));
+    /// A mind that knows nothing starts, under these conditions, in this world if it is known. The mind's clock begins
+    /// anew with each start, the log's goes on.
+    pub fn setup(&mut self, setup: &Setup, world: Option<&World>) {
+        self.began = self.latest;
+        self.put(channel::SETUP, self.began, setup);
+        let scene = scene::begin(self.began, world, self.starts > 0);
+        self.put(channel::SCENE, self.began, &scene);
+        self.starts += 1;
+    }
+
+    /// The world is another one from now on.
+    pub fn world(&mut self, at: Millis, world: &World) {
+        let time = self.time(at.as_ms());
+        self.put(channel::SCENE, time, &scene::changed(time, world));
     }
 
     /// Something the mind was told.
     pub fn event(&mut self, event: &EventRecord) {
-        self.put(channel::EVENT, nanoseconds(event.at_ms), event);
+        self.put(channel::EVENT, self.time(event.at_ms), event);
     }
 
     /// Something it answered.
     pub fn answer(&mut self, answer: &Answer) {
-        self.put(channel::PLAN, nanoseconds(answer.at_ms), answer);
+        self.put(channel::PLAN, self.time(answer.at_ms), answer);
     }
 
     /// The latest ranges by transducer, metres from its face.
     pub fn sonar(&mut self, at: Millis, ranges_m: &[Option<f64>; 16]) {
-        let time = nanoseconds(at.as_ms());
+        let time = self.time(at.as_ms());
         self.put(channel::SONAR, time, &scene::laser_scan(time, ranges_m));
     }
 
     /// Where the robot and the one it follows are.
     pub fn pose(&mut self, at: Millis, pose: Pose, leader: Option<Point>) {
-        let time = nanoseconds(at.as_ms());
+        let time = self.time(at.as_ms());
         self.put(channel::POSE, time, &scene::pose_in_frame(time, pose));
         self.put(
             channel::TRANSFORM,
@@ -149,7 +168,7 @@ impl<W: Write + Seek> Log<W> {
 
     /// The robot touched something here.
     pub fn contact(&mut self, at: Millis, place: Point) {
-        let time = nanoseconds(at.as_ms());
+        let time = self.time(at.as_ms());
         self.contacts += 1;
         self.put(
             channel::SCENE,
@@ -164,23 +183,37 @@ impl<W: Write + Seek> Log<W> {
         self.failure.as_deref()
     }
 
-    /// Ends the log: the last chunk, the index.
+    /// Ends the log: the last chunk, the index. Whatever is written later is dropped.
     ///
     /// # Errors
     /// What went wrong, now or before.
-    pub fn finish(mut self) -> Result<W, String> {
-        if let Some(failure) = self.failure.take() {
-            return Err(failure);
+    pub fn finish(&mut self) -> Result<(), String> {
+        if let Some(failure) = &self.failure {
+            return Err(failure.clone());
+        }
+        if std::mem::replace(&mut self.finished, true) {
+            return Ok(());
         }
         let finished = self.writer.finish();
-        finished.map_err(|error| said(&self.name, &error))?;
-        Ok(self.writer.into_inner())
+        finished.map(drop).map_err(|error| said(&self.name, &error))
+    }
+
+    /// What was written on.
+    #[must_use]
+    pub fn into_inner(self) -> W {
+        self.writer.into_inner()
+    }
+
+    /// A time of the mind's clock by the log's, nanoseconds.
+    fn time(&self, ms: u32) -> u64 {
+        self.began + u64::from(ms) * 1_000_000
     }
 
     fn put(&mut self, topic: &str, time: u64, message: &impl Serialize) {
-        if self.failure.is_some() {
+        if self.failure.is_some() || self.finished {
             return;
         }
+        self.latest = self.latest.max(time);
         if let Err(error) = self.try_put(topic, time, message) {
             self.failure = Some(said(&self.name, &error));
         }
@@ -206,11 +239,6 @@ impl<W: Write + Seek> Log<W> {
         };
         self.writer.write_to_known_channel(&header, &data)
     }
-}
-
-/// A time of the mind's clock, nanoseconds.
-fn nanoseconds(ms: u32) -> u64 {
-    u64::from(ms) * 1_000_000
 }
 
 /// The crate's own words leave out what the system said.

@@ -17,7 +17,7 @@ impl Token {
     /// The token of these bytes.
     #[must_use]
     pub fn of(bytes: [u8; TOKEN_BYTES]) -> Self {
-        Self(super::order::hex(&bytes))
+        Self(crate::hex::hex(&bytes))
     }
 
     /// As it stands in the address.

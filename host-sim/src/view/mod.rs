@@ -16,8 +16,8 @@
 //!
 //! # What can be watched
 //!
-//! Whatever is a [`Source`]: [`Simulator`] with the mind in this process or at the end of a link. A source says what can be
-//! asked of it ([`Abilities`]), the page leaves out the rest. A recorded run or another robot is one more source.
+//! Whatever is a [`Source`]: a [`Simulator`], a [Nomad](WatchedNomad), either with the mind in this process or at the end of a
+//! link, a [log](Recorded), and a [board](Board) whose ring and base are its own. A source says what can be asked of it ([`Abilities`]), the page leaves out the rest.
 //!
 //! # The socket
 //!
@@ -33,6 +33,7 @@
 //! | `maps` | [`Maps`](snapshot::Maps): both maps, hits, U-matrices, which neurons each sample trained | with each learning |
 //! | `memory` | [`Row`](snapshot::Row)s of the lazy memory | with each sample |
 //! | `trail` | [`Mark`](snapshot::Mark)s of the decisions so far, in pieces of 64 (`index`) | with each decision |
+//! | `heard` | places where something was heard, in pieces of 64, where nobody said what stands around | with each echo |
 //! | `now` | [`Now`](snapshot::Now): pose, ranges, situation, plan, goal, counters, pace, link | always |
 //! | `seat` | `{"you", "taken", "viewers"}`: who steers | when somebody comes, goes or sits down |
 //!
@@ -45,21 +46,32 @@
 //! shows the token of the printed address and takes the one seat ([`seat`]); whoever has shown the token may stop the
 //! robot at any time.
 
+mod board;
+mod choices;
+mod goal;
 pub mod guard;
+mod heard;
+mod nomad;
 pub mod order;
 pub mod pace;
 mod page;
+mod recorded;
 pub mod seat;
+mod seen;
 mod server;
 mod sim;
 pub mod snapshot;
 pub mod source;
 mod stage;
+mod trail;
 mod viewer;
 
+pub use board::Board;
 pub use guard::Token;
+pub use nomad::{NomadStart, WatchedNomad};
+pub use recorded::Recorded;
 pub use server::{Door, serve};
-pub use sim::{MindPlace, PresetChoice, Simulator, Start};
+pub use sim::{PresetChoice, Simulator, Start};
 pub use snapshot::Snapshot;
 pub use source::{Abilities, Refused, Source, Stepped};
 pub use stage::Stage;

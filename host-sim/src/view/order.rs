@@ -48,6 +48,11 @@ pub enum Order {
         /// Simulated seconds per second; none = as fast as it goes.
         factor: Option<f64>,
     },
+    /// Go to a moment of a recording.
+    Jump {
+        /// How many of its decisions then lie behind.
+        to: usize,
+    },
     /// Start anew; what is not given stays.
     Reset(Reset),
     /// Choose a behaviour as the goal; a robot that seeks pursues it at once.
@@ -172,26 +177,6 @@ impl Reply {
     }
 }
 
-/// Bytes in hexadecimal.
-#[must_use]
-pub fn hex(bytes: &[u8]) -> String {
-    use std::fmt::Write as _;
-    bytes.iter().fold(String::new(), |mut text, byte| {
-        // Writing to a string cannot fail.
-        let _ = write!(text, "{byte:02x}");
-        text
-    })
-}
-
-/// The bytes of a hexadecimal text; `None` when it is none.
-#[must_use]
-pub fn unhex(text: &str) -> Option<Vec<u8>> {
-    let digit = |byte: u8| char::from(byte).to_digit(16);
-    let (pairs, rest) = text.as_bytes().as_chunks::<2>();
-    let byte = |&[high, low]: &[u8; 2]| Some((digit(high)? * 16 + digit(low)?) as u8);
-    rest.is_empty().then(|| pairs.iter().map(byte).collect())?
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -221,14 +206,5 @@ mod tests {
         ] {
             assert!(read(strange).is_err(), "{strange}");
         }
-    }
-
-    #[test]
-    fn bytes_come_back_from_hexadecimal() {
-        let bytes: Vec<u8> = (0..=255).collect();
-        assert_eq!(unhex(&hex(&bytes)), Some(bytes));
-        assert_eq!(unhex("a"), None);
-        assert_eq!(unhex("zz"), None);
-        assert_eq!(unhex("é"), None);
     }
 }

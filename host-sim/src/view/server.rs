@@ -16,6 +16,7 @@ use axum::http::{HeaderMap, HeaderName, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use std::net::SocketAddr;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -98,21 +99,31 @@ impl Door {
     }
 }
 
-/// Shows a source to whoever comes, at a speed in its own seconds per second (`None` = as fast as it goes), until the
-/// process ends.
+/// Shows a source to whoever comes, at a speed in its own seconds per second (`None` = as fast as it goes), until `ended`
+/// is raised.
 ///
 /// # Errors
-/// When the system gives neither threads nor sockets.
-pub fn serve(door: Door, source: Box<dyn Source>, speed: Option<f64>) -> Result<(), BadInput> {
+/// When the system gives neither threads nor sockets, or the source cannot be brought to an end.
+pub fn serve(
+    door: Door,
+    source: Box<dyn Source>,
+    speed: Option<f64>,
+    ended: Arc<AtomicBool>,
+) -> Result<(), BadInput> {
     let refuse =
         |error: std::io::Error| BadInput::new(format!("the view cannot be served: {error}"));
     let (orders, asked) = sync_channel(MOST_ORDERS);
     let (show, latest) = watch::channel(Parts::default());
     let stage = Stage::new(source, speed);
+    let (done, over) = oneshot::channel();
     let robot = std::thread::Builder::new().name("robot".to_owned());
-    robot
-        .spawn(move || run(stage, &asked, &show))
-        .map_err(refuse)?;
+    let robot = robot.spawn(move || {
+        let end = run(stage, &asked, &show, &ended);
+        // Whoever waits for it may be gone.
+        let _ = done.send(());
+        end
+    });
+    let robot = robot.map_err(refuse)?;
     let shared = Arc::new(Shared {
         latest,
         orders,
@@ -128,15 +139,28 @@ pub fn serve(door: Door, source: Box<dyn Source>, speed: Option<f64>) -> Result<
     let runtime = runtime.enable_all().build().map_err(refuse)?;
     runtime.block_on(async {
         let listener = tokio::net::TcpListener::from_std(door.listener).map_err(refuse)?;
-        axum::serve(listener, router).await.map_err(refuse)
-    })
+        tokio::select! {
+            served = axum::serve(listener, router) => served.map_err(refuse),
+            _ = over => Ok(()),
+        }
+    })?;
+    // It cannot panic but by a mistake of its own, which has been said then.
+    robot.join().unwrap_or(Ok(())).map_err(BadInput::new)
 }
 
 /// The robot's loop: the only place that looks at the clock.
-fn run(mut stage: Stage, asked: &Receiver<Asked>, show: &watch::Sender<Parts>) {
+fn run(
+    mut stage: Stage,
+    asked: &Receiver<Asked>,
+    show: &watch::Sender<Parts>,
+    ended: &AtomicBool,
+) -> Result<(), String> {
     let began = Instant::now();
     let mut watched = 0;
     loop {
+        if ended.load(Ordering::Relaxed) {
+            return stage.end();
+        }
         let next = stage.advance(began.elapsed());
         let viewers = show.receiver_count() - 1;
         if viewers > watched {
@@ -159,7 +183,7 @@ fn run(mut stage: Stage, asked: &Receiver<Asked>, show: &watch::Sender<Parts>) {
         let mut order = match asked.recv_timeout(wait) {
             Ok(order) => Some(order),
             Err(RecvTimeoutError::Timeout) => None,
-            Err(RecvTimeoutError::Disconnected) => return,
+            Err(RecvTimeoutError::Disconnected) => return stage.end(),
         };
         while let Some(Asked {
             order: what,

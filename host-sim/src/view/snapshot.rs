@@ -233,8 +233,10 @@ pub struct Now {
     pub heard_at: [Short; 3],
     /// What it does: `idle`, `explore`, `learn`, `seek`, `stopped`, `failed`.
     pub mode: &'static str,
-    /// Why it stopped or failed.
+    /// Why it failed.
     pub why: Option<String>,
+    /// What there is to say besides.
+    pub note: Option<String>,
     /// What can be gone on with.
     pub resumes: bool,
     /// How much of exploring or learning is done, 0 to 1.
@@ -265,12 +267,16 @@ pub struct Now {
     pub online: bool,
     /// A robot that is followed.
     pub leader: Option<Xy>,
-    /// The way to a mind elsewhere: it holds, or what is wrong with it.
+    /// The ways to a mind or a robot elsewhere.
     pub link: Option<String>,
     /// How time passes.
     pub pace: PaceNow,
-    /// First piece of the trail that is kept; changes with a new start.
+    /// First piece of the trail of this start that is kept, and last piece.
     pub trail: [u64; 2],
+    /// How many of the trail's decisions lie behind; none = all.
+    pub at: Option<usize>,
+    /// First and last piece of the places where something was heard.
+    pub heard: [u64; 2],
 }
 
 /// How time passes.
@@ -312,6 +318,8 @@ pub struct PlanSeen {
 pub struct GoalSeen {
     /// What it is called.
     pub name: String,
+    /// Which part of a chain, from 0; none for what is no chain.
+    pub part: Option<usize>,
     /// Least and greatest value asked of each transducer; none where any will do.
     pub asked: Vec<Option<[Short; 2]>>,
     /// Its components are counted from where the robot goes.
@@ -339,8 +347,8 @@ pub struct Counts {
     pub distance_m: Short,
     /// Least gap to anything, metres.
     pub clearance_m: Option<Short>,
-    /// Area swept, square metres.
-    pub coverage_m2: Short,
+    /// Area swept, square metres, if its measure is known.
+    pub coverage_m2: Option<Short>,
 }
 
 #[cfg(test)]

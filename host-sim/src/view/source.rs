@@ -1,4 +1,4 @@
-//! What can be watched: a simulated robot, and one day a real one or a recording.
+//! What can be watched: a simulated robot, a real one, a recording.
 
 use super::Snapshot;
 use super::order::{Done, Order};
@@ -21,6 +21,10 @@ pub struct Abilities {
     pub save: bool,
     /// Knowledge can be replaced by that of a file.
     pub load: bool,
+    /// Any decision can be gone to: a recording.
+    pub jump: bool,
+    /// Neither where the robot is nor what each sonar has heard is known.
+    pub unplaced: bool,
 }
 
 /// Why an order was not carried out, in a sentence for the person who gave it.
@@ -49,6 +53,9 @@ pub enum Stepped {
 
 /// What can be watched. Knows neither clock nor viewers.
 pub trait Source: Send {
+    /// What can be asked of it.
+    fn abilities(&self) -> Abilities;
+
     /// Goes on by its smallest step.
     fn step(&mut self) -> Stepped;
 
@@ -60,4 +67,12 @@ pub trait Source: Send {
 
     /// What there is to see.
     fn snapshot(&mut self) -> Snapshot;
+
+    /// The program is about to end: a robot is told to stand, a log is closed.
+    ///
+    /// # Errors
+    /// What could not be done, in a sentence.
+    fn end(&mut self) -> Result<(), String> {
+        Ok(())
+    }
 }

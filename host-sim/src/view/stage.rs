@@ -23,9 +23,11 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// A source that goes on at a speed, simulated seconds per second; `None` = as fast as it goes.
+    /// A source that goes on at a speed, simulated seconds per second; `None` = as fast as it goes, as does every source that
+    /// has a time of its own.
     #[must_use]
     pub fn new(source: Box<dyn Source>, speed: Option<f64>) -> Self {
+        let speed = speed.filter(|_| source.abilities().pace);
         Self {
             source,
             pace: Pace::new(speed),
@@ -39,7 +41,13 @@ impl Stage {
     /// the next order.
     pub fn advance(&mut self, now: Duration) -> Option<Duration> {
         let now_s = now.as_secs_f64();
-        for _ in 0..MOST_STEPS {
+        // A source that has a time of its own is waited for at each step.
+        let most = if self.source.abilities().pace {
+            MOST_STEPS
+        } else {
+            1
+        };
+        for _ in 0..most {
             if self.standing || self.pace.wait_s(now_s) != Some(0.0) {
                 break;
             }
@@ -62,6 +70,13 @@ impl Stage {
     /// Why it was not done.
     pub fn carry_out(&mut self, order: &Order) -> Result<Done, Refused> {
         self.changed = true;
+        let paces = matches!(
+            order,
+            Order::Pause { .. } | Order::Speed { .. } | Order::Step
+        );
+        if paces && !self.source.abilities().pace {
+            return Err("its time passes by itself".into());
+        }
         match order {
             Order::Pause { paused } => self.pace.pause(*paused),
             Order::Speed { factor } => self.pace.set_speed(*factor),
@@ -100,6 +115,14 @@ impl Stage {
         self.changed.then(|| due.saturating_sub(now))
     }
 
+    /// The program is about to end.
+    ///
+    /// # Errors
+    /// What could not be brought to an end, in a sentence.
+    pub fn end(&mut self) -> Result<(), String> {
+        self.source.end()
+    }
+
     /// Somebody came who has seen nothing yet.
     pub fn refresh(&mut self) {
         self.changed = true;
@@ -110,6 +133,7 @@ impl Stage {
 mod tests {
     use super::*;
     use crate::view::snapshot::tests::empty;
+    use crate::view::source::Abilities;
     use std::sync::Arc;
     use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -117,6 +141,13 @@ mod tests {
     struct Counting(Arc<AtomicU32>);
 
     impl Source for Counting {
+        fn abilities(&self) -> Abilities {
+            Abilities {
+                pace: true,
+                ..Abilities::default()
+            }
+        }
+
         fn step(&mut self) -> Stepped {
             if self.0.load(Ordering::Relaxed) >= 10 {
                 return Stepped::Standing;

@@ -2,9 +2,10 @@
 
 use core::f64::consts::{PI, TAU};
 use core::ops::{Add, Mul, Neg, Sub};
+use serde::{Deserialize, Serialize};
 
 /// A place or a displacement, in metres.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Point {
     /// Metres along the world's x axis.
     pub x: f64,

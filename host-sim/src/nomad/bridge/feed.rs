@@ -3,7 +3,7 @@
 use crate::nomad::units::{M_PER_TENTH_INCH, TENTH_DEGREES_PER_TURN};
 use crate::nomad::{PosData, State};
 use crate::sonar::{M_PER_INCH, MAX_READING_IN};
-use crate::world::Point;
+use crate::world::{Point, Pose};
 use amp::controller::{Event, Progress};
 use amp::units::{Bearing, Displacement, Millis, Range};
 use core::f64::consts::TAU;
@@ -172,11 +172,29 @@ pub(super) fn position(pose: &[i32; 4]) -> Point {
     Point::new(f64::from(pose[0]), f64::from(pose[1])) * M_PER_TENTH_INCH
 }
 
-/// Whole inches, 255 = nothing heard.
+/// Where the robot is by a packet, and where its ring looks.
+pub(super) fn pose(state: &State) -> Pose {
+    posed(&state.pose)
+}
+
+/// Where the robot was when something was sensed.
+pub(super) fn pose_of(place: &PosData) -> Pose {
+    posed(&place.pose)
+}
+
+fn posed(pose: &[i32; 4]) -> Pose {
+    Pose::new(position(pose), radians(bearing(pose[3])))
+}
+
+/// Whole inches, 255 = nothing heard; m.
+pub(super) fn range_m(inches: u8) -> Option<f64> {
+    (inches < MAX_READING_IN).then(|| f64::from(inches) * M_PER_INCH)
+}
+
+/// The same as the mind hears it.
 fn range(inches: u8) -> Option<Range> {
     // At most 6452 mm.
-    let mm = (f64::from(inches) * M_PER_INCH * 1e3) as u16;
-    (inches < MAX_READING_IN).then(|| Range::from_mm(mm))
+    range_m(inches).map(|range_m| Range::from_mm((range_m * 1e3) as u16))
 }
 
 fn bearing(tenth_degrees: i32) -> Bearing {

@@ -2,12 +2,14 @@
 
 use super::feed::Happening;
 use crate::episode::Failure;
-use crate::pilot::Pilot;
+use crate::log::LoggedMind;
+use crate::pilot::{Pilot, SimState};
 use crate::world::Point;
+use amp::config::Config;
 use amp::controller::{Command, Event, Motion, Outputs};
 use amp::units::Millis;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
-use std::thread::Scope;
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 /// Echoes within this time are told together, ms: half a ring. A mind that is told of more at once believes that its ring
@@ -22,43 +24,57 @@ pub(super) enum Task {
     Command(Millis, Command<16>),
     /// To make the maps; takes its time.
     Learn(Millis),
+    /// To choose otherwise from now on.
+    Configure(Millis, Box<Config<16>>),
+    /// To tell what it knows.
+    Tell,
+}
+
+/// What a thought is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum About {
+    /// What happened.
+    Happenings,
+    /// A command.
+    Command,
+    /// The maps are made.
+    Learning,
+    /// Other open choices, or a question.
+    Else,
 }
 
 /// What came of a task.
-pub(super) struct Thought {
-    pub(super) outputs: Outputs<16>,
+pub(crate) struct Thought {
+    pub(crate) about: About,
+    pub(crate) outputs: Outputs<16>,
     /// The last motion asked for, and where it leads to in the robot's frame, m.
     pub(super) motion: Option<(Point, Motion)>,
+    /// What the mind knows, if it was asked.
+    pub(crate) known: Option<Box<SimState>>,
 }
 
 /// The other end of the mind's thread, which ends with it.
 pub(super) struct Mind {
-    tasks: Sender<Task>,
+    tasks: Option<Sender<Task>>,
     thoughts: Receiver<Result<Thought, Failure>>,
+    thread: Option<JoinHandle<()>>,
     /// Tasks in the air, and since when the eldest is.
     pending: u32,
     since: Instant,
-    /// A thought on anything but the first command has come.
-    begun: bool,
-    answered: u32,
 }
 
 impl Mind {
     /// Starts the thread.
-    pub(super) fn start<'scope>(
-        scope: &'scope Scope<'scope, '_>,
-        pilot: &'scope mut (impl Pilot + Send),
-    ) -> Self {
+    pub(super) fn start(pilot: LoggedMind) -> Self {
         let (tasks, todo) = channel();
         let (done, thoughts) = channel();
-        scope.spawn(move || think(pilot, &todo, &done));
+        let thread = std::thread::spawn(move || think(pilot, &todo, &done));
         Self {
-            tasks,
+            tasks: Some(tasks),
             thoughts,
+            thread: Some(thread),
             pending: 0,
             since: Instant::now(),
-            begun: false,
-            answered: 0,
         }
     }
 
@@ -68,8 +84,10 @@ impl Mind {
             self.since = Instant::now();
         }
         self.pending += 1;
-        // A thread that is gone says so in `thought`.
-        let _ = self.tasks.send(task);
+        if let Some(tasks) = &self.tasks {
+            // A thread that is gone says so in `thought`.
+            let _ = tasks.send(task);
+        }
     }
 
     /// What came of a task, if something has.
@@ -78,9 +96,6 @@ impl Mind {
             Ok(thought) => {
                 self.pending = self.pending.saturating_sub(1);
                 self.since = Instant::now();
-                // The first is about the command to begin.
-                self.begun = self.answered > 0;
-                self.answered += 1;
                 Some(thought)
             }
             Err(TryRecvError::Empty) => None,
@@ -93,11 +108,6 @@ impl Mind {
         self.pending == 0
     }
 
-    /// Whether the command to begin lies behind it.
-    pub(super) fn has_begun(&self) -> bool {
-        self.begun
-    }
-
     /// How long it has been at what it does.
     pub(super) fn busy_for(&self) -> Duration {
         if self.is_idle() {
@@ -107,42 +117,54 @@ impl Mind {
         }
     }
 
-    /// Tells it to stand still, and waits until it has heard that.
-    pub(super) fn finish(&mut self, at: Millis) {
-        self.give(Task::Command(at, Command::Stop));
-        while self.pending > 0 && self.thoughts.recv().is_ok() {
-            self.pending -= 1;
+    /// Ends its thread; before, it is told to stand still at a time, and waited for until it has heard that.
+    pub(super) fn finish(&mut self, at: Option<Millis>) {
+        if let Some(at) = at {
+            self.give(Task::Command(at, Command::Stop));
+        }
+        self.tasks = None;
+        if let Some(thread) = self.thread.take() {
+            // It has panicked at worst, and said so.
+            let _ = thread.join();
         }
     }
 }
 
-fn think(pilot: &mut impl Pilot, todo: &Receiver<Task>, done: &Sender<Result<Thought, Failure>>) {
+fn think(mut pilot: LoggedMind, todo: &Receiver<Task>, done: &Sender<Result<Thought, Failure>>) {
     while let Ok(task) = todo.recv() {
-        let thought = match task {
-            Task::Happenings(happenings) => hear(pilot, &happenings),
-            Task::Command(at, command) => alone(pilot.handle(at, Event::Command(command))),
-            Task::Learn(at) => learn(pilot, at),
-        };
-        let refused = thought.outputs.refusal.map(Failure::Refused);
-        let failure = pilot.failure().or(refused);
-        if done.send(failure.map_or(Ok(thought), Err)).is_err() {
+        let thought = obey(&mut pilot, task);
+        let thought = pilot.failure().map_or(thought, Err);
+        if done.send(thought).is_err() {
             break;
         }
     }
 }
 
-fn alone(outputs: Outputs<16>) -> Thought {
-    // A command asks for no motion but to stand.
-    let motion = outputs.motion.map(|motion| (Point::default(), motion));
-    Thought { outputs, motion }
+fn obey(pilot: &mut LoggedMind, task: Task) -> Result<Thought, Failure> {
+    Ok(match task {
+        Task::Happenings(happenings) => hear(pilot, &happenings),
+        Task::Command(at, command) => {
+            Thought::of(About::Command, pilot.handle(at, Event::Command(command)))
+        }
+        Task::Learn(at) => learn(pilot, at),
+        Task::Configure(at, config) => {
+            pilot.configure(at, &config).map_err(Failure::Link)?;
+            Thought::of(About::Else, Outputs::NONE)
+        }
+        Task::Tell => {
+            pilot.pilot().forget_known(true);
+            let known = Box::new(pilot.pilot().known()?.clone());
+            Thought {
+                known: Some(known),
+                ..Thought::of(About::Else, Outputs::NONE)
+            }
+        }
+    })
 }
 
 /// Tells the mind what happened; echoes from one place and about one time go together, at the time of the last.
 fn hear(pilot: &mut impl Pilot, happenings: &[Happening]) -> Thought {
-    let mut all = Thought {
-        outputs: Outputs::NONE,
-        motion: None,
-    };
+    let mut all = Thought::of(About::Happenings, Outputs::NONE);
     for group in happenings.chunk_by(|_, next| is_echo(next)) {
         // What is no echo begins a group.
         let (first, echoes) = match group.split_first() {
@@ -169,6 +191,16 @@ fn is_echo(happening: &Happening) -> bool {
 }
 
 impl Thought {
+    /// What came of something that happened nowhere: it asks for no motion but to stand.
+    fn of(about: About, outputs: Outputs<16>) -> Self {
+        Self {
+            about,
+            outputs,
+            motion: outputs.motion.map(|motion| (Point::default(), motion)),
+            known: None,
+        }
+    }
+
     /// Echoes heard from one place.
     fn hear(&mut self, pilot: &mut impl Pilot, happenings: &[Happening]) {
         let Some(last) = happenings.last() else {
@@ -207,7 +239,7 @@ fn learn(pilot: &mut impl Pilot, at: Millis) -> Thought {
     while pilot.failure().is_none() && outputs.refusal.is_none() && !outputs.mode_changed {
         outputs = pilot.handle(at, Event::Tick);
     }
-    alone(outputs)
+    Thought::of(About::Learning, outputs)
 }
 
 #[cfg(test)]

@@ -1,9 +1,10 @@
 // The arena from above, in centimetres; the world's y axis is up.
-const arena = { root: $("arena"), pieces: new Map(), shapes: [], drag: null, unit: 1 };
+const arena = { root: $("arena"), pieces: new Map(), spots: new Map(), shapes: [], drag: null, unit: 1 };
 
 function buildArena() {
   const root = arena.root;
-  for (const name of ["things", "cones", "trails", "marks", "signs", "robots"]) arena[name] = svg("g", {}, root);
+  for (const name of ["things", "spots-layer", "cones", "trails", "marks", "signs", "robots"]) arena[name] = svg("g", {}, root);
+  arena["spots-layer"].setAttribute("pointer-events", "none");
   arena.cones.setAttribute("pointer-events", "none");
   arena.beams = Array.from({ length: 16 }, () => svg("path", { class: "cone" }, arena.cones));
   arena.heard = svg("circle", { class: "heard" }, arena.cones);
@@ -51,6 +52,8 @@ function showScene(scene) {
   set(arena.place, { r: 30, "stroke-width": 2.6 * u });
   set(arena.front, { d: `M${radius * 0.95} 0L${radius * 0.45} ${radius * 0.33}L${radius * 0.45} ${-radius * 0.33}Z` });
   for (const [index, piece] of view.trail) showPiece(piece, index);
+  for (const [index, spots] of view.heard) showSpots(spots, index);
+  $("heard-sign").hidden = scene.shapes.length > 0;
   if (view.now) showRobot(view.now);
 }
 
@@ -126,8 +129,33 @@ function showRobot(now) {
   if (now.leader) { const [lx, ly] = cm(now.leader); set(arena.leader, { cx: lx, cy: ly }); }
   arena.place.style.display = now.goal.place ? "" : "none";
   if (now.goal.place) { const [gx, gy] = cm(now.goal.place); set(arena.place, { cx: gx, cy: gy }); }
-  for (const [index, shown] of arena.pieces) if (index < now.trail[0]) { shown.group.remove(); arena.pieces.delete(index); }
-  for (const index of view.trail.keys()) if (index < now.trail[0]) view.trail.delete(index);
+  if (scene.abilities.jump) showBehind(now);
+  else {
+    for (const [index, shown] of arena.pieces) if (index < now.trail[0]) { shown.group.remove(); arena.pieces.delete(index); }
+    for (const index of view.trail.keys()) if (index < now.trail[0]) view.trail.delete(index);
+  }
+  for (const [index, shown] of arena.spots) if (index < now.heard[0]) { shown.remove(); arena.spots.delete(index); }
+  for (const index of view.heard.keys()) if (index < now.heard[0]) view.heard.delete(index);
+}
+
+// Of a recording, only what lies behind is drawn, and only of the present start.
+function showBehind(now) {
+  let before = 0;
+  for (const [index, marks] of [...view.trail.entries()].sort((a, b) => a[0] - b[0])) {
+    const count = index < now.trail[0] ? 0 : Math.max(0, Math.min(marks.length, now.at - before));
+    before += marks.length;
+    const shown = arena.pieces.get(index);
+    if (shown && shown.count === count) continue;
+    showPiece(marks, index, count);
+  }
+}
+
+// Where something was heard, as dots.
+function showSpots(spots, index) {
+  if (!arena.spots.has(index)) arena.spots.set(index, svg("path", { class: "spot" }, arena["spots-layer"]));
+  const r = Math.max(2, 1.6 * arena.unit);
+  const dot = (spot) => { const [x, y] = cm(spot); return `M${(x - r).toFixed(1)} ${y.toFixed(1)}a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0`; };
+  set(arena.spots.get(index), { d: spots.map(dot).join("") });
 }
 
 // How long the robot may take on the page from where it was to where it is, ms.
@@ -143,13 +171,17 @@ function place(element, x, y, heading, ms) {
 }
 
 // A piece of the trail, joined to the end of the one before.
-function showPiece(marks, index) {
+function showPiece(all, index, behind) {
+  const jump = view.scene && view.scene.abilities.jump;
+  const known = arena.pieces.get(index);
+  const count = behind === undefined ? (jump ? (known ? known.count : 0) : all.length) : behind;
+  const marks = all.slice(0, count);
   if (!arena.pieces.has(index)) {
     const group = svg("g", { "pointer-events": "none" }, arena.trails);
     const lines = { 0: svg("path", { class: "path explore" }, group), 1: svg("path", { class: "path seek" }, group) };
     arena.pieces.set(index, { group, lines, touches: svg("path", { class: "touch" }, group) });
     // What is long past is pale.
-    for (const [other, piece] of arena.pieces) piece.group.classList.toggle("old", other < index - 1);
+    for (const [other, piece] of arena.pieces) piece.group.classList.toggle("old", !jump && other < index - 1);
   }
   const before = view.trail.get(index - 1);
   let last = before && before.length ? before[before.length - 1] : null;
@@ -166,6 +198,7 @@ function showPiece(marks, index) {
     last = mark;
   }
   const shown = arena.pieces.get(index);
+  shown.count = count;
   for (const kind of [0, 1]) set(shown.lines[kind], { d: text[kind], "stroke-width": (kind ? 2 : 1.5) * u });
   set(shown.touches, { d: touches, "stroke-width": 2.2 * u });
 }
@@ -228,4 +261,5 @@ function dragEnd() {
 buildArena();
 showers.scene.push(showScene);
 showers.now.push(showRobot);
-showers.trail.push(showPiece);
+showers.trail.push((piece, index) => showPiece(piece, index));
+showers.heard.push(showSpots);

@@ -13,6 +13,10 @@ function showGoalChoice() {
   const [scene, now] = [view.scene, view.now];
   if (!scene || !now) return;
   const names = scene.behaviors.map(([name]) => [name, name]);
+  // A chain is one behaviour after the other.
+  const chained = now.goal.name.split(",").every((part) => scene.behaviors.some(([name]) => name === part));
+  $("then-choice").hidden = !chained || !scene.abilities.drive;
+  options($("then"), [["", "–"], ...names.filter(([name]) => name !== now.goal.name.split(",").pop())], "");
   const known = names.some(([name]) => name === now.goal.name);
   options($("behavior"), known ? names : [[NAMED, now.goal.name], ...names], known ? now.goal.name : NAMED);
   const about = scene.behaviors.find(([name]) => name === now.goal.name);
@@ -20,11 +24,17 @@ function showGoalChoice() {
 }
 
 const MODES = { idle: "stands", explore: "explores", learn: "learns", seek: "seeks", stopped: "stopped", failed: "cannot go on" };
+// Of a chain, what is pursued now.
+function goalName({ name, part }) {
+  const parts = name.split(",");
+  return part === null || part === undefined ? name : `${parts[part]} (${part + 1} of ${parts.length})`;
+}
+
 let told = "";
 let awaited = null;
 
 function showMode(now) {
-  const goal = now.mode === "seek" ? `: ${now.goal.name}` : "";
+  const goal = now.mode === "seek" ? `: ${goalName(now.goal)}` : "";
   const paused = now.pace.paused ? ", time stands still" : "";
   say($("mode"), MODES[now.mode] + goal + paused);
   set($("mode"), { "data-mode": now.mode });
@@ -33,7 +43,10 @@ function showMode(now) {
   if (busy) $("done").value = now.done;
   say($("time"), `${fixed(now.time_s, 1)} s`);
   $("alarm").hidden = !now.why;
-  if (now.why) say($("alarm"), `${now.why}. Start anew to go on.`);
+  const again = view.scene && view.scene.abilities.reset ? " Start anew to go on." : "";
+  if (now.why) say($("alarm"), `${now.why}.${again}`);
+  $("note").hidden = !now.note;
+  if (now.note) say($("note"), `${now.note}.`);
   const text = MODES[now.mode] + goal;
   if (text !== told) { told = text; say($("status"), `The robot ${text}`); }
   const learnt = view.maps && view.maps.learnt;
@@ -43,8 +56,11 @@ function showMode(now) {
   $("explore").disabled = now.mode === "explore" || now.mode === "learn";
   const next = !view.memory.length ? "explore" : !learnt ? "learn" : "seek";
   for (const id of ["explore", "learn", "seek"]) $(id).classList.toggle("primary", id === next && !$(id).disabled);
-  say($("pause"), now.pace.paused ? "Run on" : "Pause");
-  $("pause").classList.toggle("primary", now.pace.paused);
+  const over = recording() && now.pace.standing;
+  say($("pause"), over ? "Play again" : now.pace.paused ? (recording() ? "Play" : "Run on") : "Pause");
+  $("pause").classList.toggle("primary", now.pace.paused || over);
+  $("step").disabled = over;
+  $("back").disabled = $("first").disabled = now.at === 0;
   const speeds = SPEEDS.includes(now.pace.speed) ? SPEEDS : [now.pace.speed, ...SPEEDS];
   options($("speed"), speeds.map((speed) => [String(speed), speedName(speed)]), String(now.pace.speed));
   for (const id of ["shield", "online"]) if (awaited !== id) $(id).checked = now[id];
@@ -56,18 +72,22 @@ function showCounts(now) {
   const share = (part) => counts.steps ? `${fixed(100 * part / counts.steps, 0)} %` : "–";
   const [moves, hurt] = counts.explored;
   const mind = view.scene ? view.scene.mind : "";
-  const rows = [["random moves", hurt ? `${moves} (${hurt} touched)` : `${moves}`, hurt > 0], ["decisions", `${counts.steps}`],
+  const all = [["random moves", hurt ? `${moves} (${hurt} touched)` : `${moves}`, hurt > 0], ["decisions", `${counts.steps}`],
     ["contacts", `${counts.contacts}`, counts.contacts > 0], ["shield", `${counts.shielded}`],
     ["goal held", share(counts.at_goal)], ["way", `${fixed(counts.distance_m, 1)} m`],
-    ["least gap", counts.clearance_m === null ? "–" : meters(counts.clearance_m)], ["area swept", `${fixed(counts.coverage_m2, 1)} m²`],
-    ["mind", now.link ? `${mind}, ${now.why ? "lost" : "linked"}` : mind, !!now.link && !!now.why]];
+    ["least gap", counts.clearance_m === null ? "–" : meters(counts.clearance_m)], ["area swept", counts.coverage_m2 === null ? "–" : `${fixed(counts.coverage_m2, 1)} m²`],
+    ["mind", mind, false], ["line", now.link ? (now.why ? "lost" : "holds") : "–", !!now.link && !!now.why]];
+  // What is not known of this robot is left out.
+  const rows = all.filter(([, text]) => text !== "–" || !view.scene || view.scene.abilities.carry).filter(([name, text]) => name !== "line" || text !== "–");
   const root = $("counts");
-  if (root.children.length !== rows.length) root.replaceChildren(...rows.map(([name]) => {
+  const names = rows.map(([name]) => name).join();
+  if (root.dataset.names !== names) root.replaceChildren(...rows.map(([name]) => {
     const pair = document.createElement("div");
     pair.append(document.createElement("dt"), document.createElement("dd"));
     pair.firstChild.textContent = name;
     return pair;
   }));
+  root.dataset.names = names;
   rows.forEach(([, text, bad], place) => {
     const value = root.children[place].lastChild;
     say(value, text);
@@ -76,13 +96,18 @@ function showCounts(now) {
 }
 
 function showSetup(scene) {
-  say($("what"), `${scene.world} · ${scene.preset} · sonars ${scene.sonar}, ring ${scene.turret} · seed ${scene.seed}`);
+  say($("what"), `${scene.abilities.jump ? "recording · " : ""}${scene.world} · ${scene.preset} · sonars ${scene.sonar}, ring ${scene.turret} · seed ${scene.seed}`);
   options($("world"), [...scene.worlds, "random:"].map((name) => [name, name === "random:" ? "a random room" : name]), scene.world);
   options($("preset"), scene.presets.map((name) => [name, name]), scene.preset);
   if (document.activeElement !== $("seed")) $("seed").value = scene.seed;
   const can = scene.abilities;
-  for (const [ids, ability] of [[["explore", "learn", "seek", "resume", "here"], can.drive], [["pause", "step"], can.pace], [["save-mind"], can.save],
-    [["load-mind"], can.load], [["reset"], can.reset]]) for (const id of ids) $(id).hidden = !ability;
+  for (const [ids, ability] of [[["explore", "learn", "seek", "resume", "here", "stop", "goal-choice", "then-choice", "goal-files"], can.drive],
+    [["pause", "step", "speed-choice"], can.pace], [["save-mind"], can.save], [["load-mind"], can.load], [["anew"], can.reset],
+    [["first", "back"], can.jump]]) for (const id of ids) $(id).hidden = !ability;
+  for (const id of ["shield", "online"]) $(id).disabled = !can.configure;
+  document.body.classList.toggle("recording", can.jump);
+  for (const id of ["arena-card", "ranges-half"]) $(id).hidden = can.unplaced;
+  if (can.unplaced) $("here").hidden = true;
 }
 
 function showSeat(seat) {
@@ -131,9 +156,24 @@ function startAnew() {
   ask("reset", { seed: Number(seed), world, preset: $("preset").value });
 }
 
+async function playOrPause() {
+  const now = view.now;
+  if (!now) return;
+  if (recording() && now.pace.standing) {
+    if (await ask("jump", { to: 0 })) ask("pause", { paused: false });
+  } else ask("pause", { paused: !now.pace.paused });
+}
+
 function wire() {
   for (const id of ["stop", "explore", "learn", "seek", "resume", "step"]) $(id).addEventListener("click", () => ask(id));
-  $("pause").addEventListener("click", () => ask("pause", { paused: !(view.now && view.now.pace.paused) }));
+  $("pause").addEventListener("click", playOrPause);
+  $("first").addEventListener("click", () => jump(0));
+  $("back").addEventListener("click", async () => { if (await ask("pause", { paused: true })) jump(Math.max(0, view.now.at - 1)); });
+  $("then").addEventListener("change", (event) => {
+    if (event.target.value) ask("behavior", { name: `${view.now.goal.name},${event.target.value}` });
+    event.target.value = "";
+    event.target.blur();
+  });
   $("here").addEventListener("click", async () => { if (await ask("goal_here") && view.now.mode !== "seek") notify("This place is the goal now: carry the robot away and press Seek."); });
   $("speed").addEventListener("change", (event) => ask("speed", { factor: event.target.value === "null" ? null : Number(event.target.value) }).then(() => event.target.blur()));
   $("behavior").addEventListener("change", (event) => { if (event.target.value !== NAMED) ask("behavior", { name: event.target.value }); event.target.blur(); });
@@ -153,7 +193,8 @@ function wire() {
     if (event.code !== "Space" || event.ctrlKey || event.altKey || event.metaKey) return;
     event.preventDefault();
     event.stopPropagation();
-    if (event.type === "keydown" && !event.repeat) ask("stop");
+    if (event.type !== "keydown" || event.repeat) return;
+    if (recording()) playOrPause(); else ask("stop");
   };
   window.addEventListener("keydown", space, true);
   window.addEventListener("keyup", space, true);

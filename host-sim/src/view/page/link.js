@@ -1,6 +1,6 @@
 // The socket: parts come in, orders go out.
-const view = { scene: null, maps: null, memory: [], now: null, trail: new Map(), seat: { you: false, taken: false, viewers: 0 } };
-const showers = { scene: [], maps: [], memory: [], now: [], trail: [], seat: [], gone: [] };
+const view = { scene: null, maps: null, memory: [], now: null, trail: new Map(), heard: new Map(), seat: { you: false, taken: false, viewers: 0 } };
+const showers = { scene: [], maps: [], memory: [], now: [], trail: [], heard: [], seat: [], gone: [] };
 const waiting = new Map();
 let socket = null;
 let orders = 0;
@@ -36,7 +36,7 @@ function receive(message) {
     if (message.error) asked.reject(new Error(message.error)); else asked.resolve(message);
     return;
   }
-  if (message.part === "trail") view.trail.set(message.index, message.value);
+  if (message.part === "trail" || message.part === "heard") view[message.part].set(message.index, message.value);
   else view[message.part] = message.value;
   for (const show of showers[message.part] || []) show(message.value, message.index);
 }
@@ -47,6 +47,7 @@ function connect(pause) {
   socket.onopen = () => {
     next = 250;
     view.trail.clear();
+    view.heard.clear();
     if (token) order("steer", { token }).catch((why) => notify(why.message));
   };
   socket.onmessage = (event) => receive(JSON.parse(event.data));

@@ -47,6 +47,7 @@ function mapKey(event, name, neuron) {
 }
 
 async function chooseGoal(neuron) {
+  if (!view.scene || !view.scene.abilities.drive) return;
   if (!view.seat.you) return notify("You watch: whoever steers chooses the goal.");
   if (await ask("goal_neuron", { neuron }) && view.now && view.now.mode !== "seek") notify(`Neuron N${neuron + 1} is the goal now: press Seek.`);
 }
@@ -61,7 +62,7 @@ function look(name, neuron) {
 function describe(name) {
   const neuron = maps.shown[name];
   const seen = view.maps;
-  const note = !seen || !seen.learnt ? "" : name === "situations" ? "Shade: U-matrix; number: moves it answers to. Choose a neuron as the goal." :
+  const note = !seen || !seen.learnt ? "" : name === "situations" ? `Shade: U-matrix; number: moves it answers to.${view.scene && view.scene.abilities.drive ? " Choose a neuron as the goal." : ""}` :
     "Bars: change of situation; arrow: the move that brings it.";
   say($(`${name}-detail`), neuron === null || !seen || !seen.learnt ? note : words(name, neuron, seen));
 }

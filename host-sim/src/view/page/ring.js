@@ -41,7 +41,7 @@ function signs(root) {
 }
 
 function switchSonar(sensor) {
-  if (view.now && view.seat.you) ask("sonar", { number: sensor, on: !view.now.on[sensor] });
+  if (view.now && view.seat.you && view.scene.abilities.configure) ask("sonar", { number: sensor, on: !view.now.on[sensor] });
 }
 
 function showRing(now) {
@@ -66,7 +66,7 @@ function showRing(now) {
   });
   set(ring.values, { d: now.situation.map((value, sensor) => value > 0.004 ? bar(0, 0, sensor, 28, 28 + 76 * value) : "").join("") });
   set(ring.asked, { d: now.goal.travels ? "" : now.goal.asked.map((ends, sensor) => ends ? asked(sensor, ends) : "").join("") });
-  const note = now.goal.travels ? "The goal is counted from where the robot goes: it has no fixed place on the ring." : "Choose a sonar to switch it off or on.";
+  const note = now.goal.travels ? "The goal is counted from where the robot goes: it has no fixed place on the ring." : scene.abilities.configure ? "Choose a sonar to switch it off or on." : "Point at a sonar for its range.";
   const looked = ring.looked;
   say($("ranges-detail"), looked === undefined ? note : `Sonar ${looked}, ${side(looked)}: ${heard(now.ranges_m[looked], now.on[looked])}`);
 }

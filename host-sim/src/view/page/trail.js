@@ -2,7 +2,7 @@
 const trail = { root: $("trail"), looked: null, queued: false };
 
 function allMarks() {
-  const first = view.now ? view.now.trail[0] : 0;
+  const first = view.now && view.now.at === null ? view.now.trail[0] : 0;
   const pieces = [...view.trail.entries()].filter(([index]) => index >= first).sort((a, b) => a[0] - b[0]);
   return pieces.flatMap(([, marks]) => marks);
 }
@@ -39,20 +39,36 @@ function drawTrail() {
   pen.textAlign = "right";
   pen.fillText(`${fixed(reach, 1)} m`, left - 3, top + 9);
   pen.fillText("0", left - 3, bottom + 2);
+  const at = view.now && view.now.at !== null ? view.now.at : marks.length;
   marks.forEach((mark, index) => {
+    if (index === at) pen.globalAlpha = 0.35;
     const x = left + index * step;
     const wide = Math.max(step, 0.6);
     pen.fillStyle = color(mark[3] ? "value" : "explore");
     pen.fillRect(x, bottom + 3, wide, 7);
     if (mark[4] & 4) { pen.fillStyle = color("held"); pen.fillRect(x, bottom + 11, wide, 5); }
     if (mark[4] & 2) { pen.fillStyle = color("goal"); pen.fillRect(x, bottom + 17, wide, 5); }
-    if (mark[4] & 1) { pen.fillStyle = color("up"); pen.globalAlpha = 0.6; pen.fillRect(x, top, Math.max(wide, 1.5), bottom - top); pen.globalAlpha = 1; }
+    if (mark[4] & 1) { pen.fillStyle = color("up"); pen.globalAlpha *= 0.6; pen.fillRect(x, top, Math.max(wide, 1.5), bottom - top); pen.globalAlpha = index < at ? 1 : 0.35; }
   });
-  pen.beginPath();
-  marks.forEach((mark, index) => pen[index ? "lineTo" : "moveTo"](left + (index + 0.5) * step, y(mark[6])));
-  pen.strokeStyle = color("ink");
+  pen.globalAlpha = 1;
   pen.lineWidth = 1.2;
-  pen.stroke();
+  for (const [from, to, name] of [[Math.max(at - 1, 0), marks.length, "pale"], [0, Math.min(at, marks.length), "ink"]]) {
+    pen.beginPath();
+    marks.slice(from, to).forEach((mark, index) => pen[index ? "lineTo" : "moveTo"](left + (from + index + 0.5) * step, y(mark[6])));
+    pen.strokeStyle = color(name);
+    pen.stroke();
+  }
+  if (at < marks.length || (view.now && view.now.at !== null)) {
+    // Where the recording is.
+    const x = left + at * step;
+    pen.fillStyle = color("down");
+    pen.fillRect(x - 1, 0, 2, bottom + 22);
+    pen.beginPath();
+    pen.moveTo(x - 5, 0);
+    pen.lineTo(x + 5, 0);
+    pen.lineTo(x, 7);
+    pen.fill();
+  }
   if (trail.looked !== null && trail.looked < marks.length) {
     pen.fillStyle = color("down");
     pen.fillRect(left + (trail.looked + 0.5) * step - 1, 0, 2, height);
@@ -68,9 +84,32 @@ function sayTrail() {
   set(trail.root, { "aria-valuemax": last, "aria-valuenow": trail.looked === null ? last : trail.looked });
   const text = mark ? `Decision ${trail.looked + 1} at ${fixed(mark[0], 1)} s: ${mark[3] ? "seeks" : "explores"}${mark[5] >= 0 ? ` in N${mark[5] + 1}` : ""}, ` +
     `nearest ${mark[6] < 0 ? "none" : meters(mark[6])}${mark[4] & 1 ? ", touched" : ""}${mark[4] & 2 ? ", shield" : ""}${mark[4] & 4 ? ", goal holds" : ""}` :
+    marks.length && recording() ? `${view.now.at} of ${marks.length} decisions lie behind: click one to go there.` :
     marks.length ? `${marks.length} decisions${marks.length >= 6400 ? " (the latest)" : ""}: point at one to see where the robot was.` : "";
   set(trail.root, { "aria-valuetext": text });
   say($("trail-detail"), text);
+}
+
+const recording = () => !!view.scene && view.scene.abilities.jump;
+
+// Goes to a decision of a recording; of several wishes while one is carried out the latest counts.
+function jump(to) {
+  trail.wish = to;
+  if (trail.jumping) return;
+  trail.jumping = true;
+  const next = () => {
+    const wish = trail.wish;
+    trail.wish = null;
+    if (wish === null) { trail.jumping = false; return; }
+    ask("jump", { to: wish }).then(next);
+  };
+  next();
+}
+
+function pointed(event) {
+  if (!trail.scale || !trail.marks.length) return null;
+  const index = Math.floor((event.offsetX - trail.scale.left) / trail.scale.step);
+  return index >= 0 && index < trail.marks.length ? index : null;
 }
 
 function queueTrail() {
@@ -78,16 +117,21 @@ function queueTrail() {
 }
 
 trail.root.addEventListener("pointermove", (event) => {
-  if (!trail.scale || !trail.marks.length) return;
-  const index = Math.floor((event.offsetX - trail.scale.left) / trail.scale.step);
-  trail.looked = index >= 0 && index < trail.marks.length ? index : null;
+  trail.looked = pointed(event);
+  if (recording() && event.buttons & 1 && trail.looked !== null) jump(trail.looked + 1);
   queueTrail();
 });
+trail.root.addEventListener("pointerdown", (event) => {
+  const index = pointed(event);
+  if (recording() && index !== null) jump(index + 1);
+});
+$("at").addEventListener("input", (event) => jump(Number(event.target.value)));
 trail.root.addEventListener("pointerleave", () => { trail.looked = null; queueTrail(); });
 trail.root.addEventListener("blur", () => { trail.looked = null; queueTrail(); });
 trail.root.addEventListener("keydown", (event) => {
   const count = (trail.marks || []).length;
   const at = trail.looked === null ? count - 1 : trail.looked;
+  if (event.key === "Enter" && recording() && trail.looked !== null) return jump(trail.looked + 1);
   const next = { ArrowLeft: at - 1, ArrowRight: at + 1, PageUp: at - 20, PageDown: at + 20, Home: 0, End: count - 1 }[event.key];
   if (next === undefined || !count) return;
   event.preventDefault();
@@ -97,3 +141,13 @@ trail.root.addEventListener("keydown", (event) => {
 window.addEventListener("resize", queueTrail);
 showers.trail.push(queueTrail);
 showers.now.push(queueTrail);
+showers.now.push((now) => {
+  if (now.at === null) return;
+  const count = allMarks().length;
+  set($("at"), { max: count, "aria-valuetext": `${now.at} of ${count} decisions` });
+  if (!trail.jumping) $("at").value = now.at;
+});
+showers.scene.push((scene) => {
+  $("at").hidden = !scene.abilities.jump;
+  trail.root.classList.toggle("can", scene.abilities.jump);
+});

@@ -3,29 +3,29 @@
 //! Events come to the mind as in an [episode](crate::episode): with the same seed, exploring, learning and seeking one
 //! after the other bring the same decisions. Time passes only while the robot does something.
 
-mod goal;
-mod mind;
 mod orders;
 mod parts;
-mod trail;
 
+use super::goal::Pursued;
 use super::order::{Done, Order};
+use super::seen::Knowing;
 use super::snapshot::{Part, Scene, Snapshot};
-use super::source::{Refused, Source, Stepped};
-use crate::episode::{Body, Happened, Seeds, Setup, Stride, Tally};
+use super::source::{Abilities, Refused, Source, Stepped};
+use super::trail::{Trail, mark};
+use crate::episode::{Body, Happened, Observer as _, Seeds, Setup, Stride, Tally, milliseconds};
 use crate::error::BadInput;
+use crate::link::{AnyMind, MindPlace};
+use crate::log::{Log, LoggedMind, Setup as SetupRecord, SharedLog, Watcher};
 use crate::pilot::Pilot as _;
 use crate::robot::TurretMode;
 use crate::world::{Point, Pose, World};
 use amp::config::Config;
 use amp::controller::{Command, Decision, Event};
 use amp::scan::Situation;
-use goal::Pursued;
-use mind::AnyMind;
-pub use mind::MindPlace;
 use std::borrow::Cow;
+use std::fs::File;
+use std::path::Path;
 use std::sync::Arc;
-use trail::Trail;
 
 /// Ticks of learning that are one step of the view, and how long it is made to seem, seconds.
 const LEARNING: (u32, f64) = (50, 0.04);
@@ -46,6 +46,13 @@ pub struct Start {
     pub whole: Config<16>,
     /// What a new start may be made with instead.
     pub presets: Vec<PresetChoice>,
+}
+
+impl Start {
+    /// What a log says about it.
+    fn record(&self) -> SetupRecord {
+        SetupRecord::of(&self.named, &self.setup)
+    }
 }
 
 /// A preset of the menu.
@@ -75,12 +82,16 @@ pub struct Simulator {
     /// As it is now.
     config: Config<16>,
     body: Body<'static>,
-    mind: AnyMind,
+    mind: LoggedMind,
+    /// Writes down where the robot really is.
+    watcher: Option<Watcher<File>>,
     doing: Doing,
     /// What a stop interrupted.
     interrupted: Doing,
     /// Why nothing can go on.
     failure: Option<String>,
+    /// What there is to say besides.
+    note: Option<String>,
     goal: Pursued,
     /// What was perceived before the first move, and where.
     nest: Option<(Situation<16>, Point)>,
@@ -108,34 +119,38 @@ pub struct Simulator {
 struct Shown {
     revision: u64,
     scene: Option<Arc<Part<Scene>>>,
-    maps: Option<Arc<Part<super::snapshot::Maps>>>,
-    memory: Option<Arc<Part<Vec<super::snapshot::Row>>>>,
-    samples: usize,
+    knowing: Knowing,
 }
 
 impl Simulator {
-    /// A robot at its world's start, with a mind that knows nothing.
+    /// A robot at its world's start, with a mind that knows nothing; everything goes into a new file `log`, if one is named.
     ///
     /// # Errors
-    /// When the mind cannot be reached.
-    pub fn new(start: Start, place: MindPlace) -> Result<Self, BadInput> {
+    /// When the mind cannot be reached, or the file cannot be written.
+    pub fn new(start: Start, place: MindPlace, log: Option<&Path>) -> Result<Self, BadInput> {
         let mind = AnyMind::new(&start.setup.config, place)?;
+        let log = log.map(Log::create).transpose()?;
+        let mut mind = LoggedMind::new(mind, log.map(SharedLog::new));
+        mind.begin(&start.record(), Some(&start.world));
         Ok(Self::with_mind(start, mind))
     }
 
-    fn with_mind(start: Start, mind: AnyMind) -> Self {
+    fn with_mind(start: Start, mind: LoggedMind) -> Self {
         let (setup, world) = (&start.setup, &start.world);
         let noise = Seeds::of(setup.seed).noise;
         let world = Cow::Owned(world.clone());
         let body = Body::within(world, setup.sonar, setup.turret, noise).with_faults(&setup.faults);
         let goal = Pursued::behavior(&setup.behavior);
         let ranges_m = body.look();
+        let watcher = mind.log().cloned().map(Watcher::new);
         Self {
             config: setup.config.clone(),
             mind,
+            watcher,
             doing: Doing::Idle,
             interrupted: Doing::Idle,
             failure: None,
+            note: None,
             goal,
             nest: None,
             decision: None,
@@ -151,7 +166,7 @@ impl Simulator {
             explored: Tally::new(&start.world),
             seeking: Tally::new(&start.world),
             open: None,
-            trail: Trail::default(),
+            trail: Trail::latest(),
             shown: Shown::default(),
             body,
             start,
@@ -195,15 +210,19 @@ impl Simulator {
         if whole {
             (self.doing, self.learnt) = (Doing::Idle, true);
         }
-        self.shown.maps = None;
-        self.mind.forget_known(whole);
+        self.shown.knowing.forget_maps();
+        self.mind.pilot().forget_known(whole);
         Stepped::Took { took_s, whole }
     }
 
     fn drive(&mut self) -> Stepped {
         let began_s = self.body.time_s();
         let happened = self.body.advance(&mut self.mind);
-        self.config.believed = self.mind.config().believed;
+        self.config.believed = self.mind.inner().config().believed;
+        if let Some(watcher) = &mut self.watcher {
+            let at = milliseconds(happened.time_s);
+            watcher.happened(at, &happened, self.body.leader());
+        }
         self.check_mind();
         (self.ranges_m, self.heard_at) = (happened.ranges_m, happened.pose);
         self.step_s = self.body.time_s() - began_s;
@@ -214,12 +233,15 @@ impl Simulator {
         }
         if happened.mode_changed && self.doing == Doing::Explore {
             self.doing = Doing::Idle;
-            self.mind.forget_known(true);
+            self.mind.pilot().forget_known(true);
         }
         if let Some(decision) = &happened.decision {
             self.open(decision, &happened);
         }
         self.follow(&happened);
+        if whole {
+            self.go_on();
+        }
         let silent = self.body.time_s() - self.last_decision_s > PATIENCE * self.body.ring_s();
         if silent && matches!(self.doing, Doing::Explore | Doing::Seek) {
             self.fail(crate::episode::Failure::Silent.to_string());
@@ -242,9 +264,28 @@ impl Simulator {
             shielded: decision.allowed != decision.wanted,
             touched: false,
         });
-        self.mind.forget_known(false);
+        self.mind.pilot().forget_known(false);
         if self.doing == Doing::Seek && self.config.online.is_some() {
-            self.shown.maps = None;
+            self.shown.knowing.forget_maps();
+        }
+    }
+
+    /// Goes on to the next part of a chain when the present one is reached; after the last it stands.
+    fn go_on(&mut self) {
+        if self.doing != Doing::Seek || self.failure.is_some() {
+            return;
+        }
+        let (steps, held) = (self.seeking.steps, self.seeking.goal_steps);
+        let done = match self.goal.go_on(steps, held) {
+            None => return,
+            Some(true) => self.pursue(),
+            Some(false) => {
+                let note = format!("{}: the last goal is reached", self.goal.name());
+                self.stop().map(|()| self.note = Some(note))
+            }
+        };
+        if let Err(refused) = done {
+            self.fail(refused.0);
         }
     }
 
@@ -277,8 +318,9 @@ impl Simulator {
         let nearest = self.ranges_m.iter().flatten().copied().reduce(f64::min);
         let place = self.body.pose().position;
         let seeks = self.doing == Doing::Seek;
-        self.trail
-            .mark(self.body.time_s(), place, seeks, stride, neuron, nearest);
+        let time_s = self.body.time_s();
+        let mark = mark(time_s, place, seeks, stride, neuron, nearest);
+        self.trail.push(mark);
     }
 
     /// Whether the robot does something or still rolls.
@@ -289,6 +331,19 @@ impl Simulator {
 }
 
 impl Source for Simulator {
+    fn abilities(&self) -> Abilities {
+        Abilities {
+            drive: true,
+            pace: true,
+            carry: true,
+            reset: true,
+            configure: true,
+            save: true,
+            load: self.mind.inner().is_here(),
+            ..Abilities::default()
+        }
+    }
+
     fn step(&mut self) -> Stepped {
         match self.doing {
             Doing::Learn if self.failure.is_none() => self.learn(),
@@ -303,6 +358,10 @@ impl Source for Simulator {
 
     fn snapshot(&mut self) -> Snapshot {
         self.parts()
+    }
+
+    fn end(&mut self) -> Result<(), String> {
+        self.mind.log().map_or(Ok(()), SharedLog::finish)
     }
 }
 

@@ -1,22 +1,20 @@
 //! What the simulator does when somebody asks.
 
-use super::goal::Pursued;
-use super::mind::AnyMind;
 use super::{Doing, Simulator, Start};
 use crate::episode::{CARRIED_S, Seeds};
 use crate::error::BadInput;
-use crate::goal_file::{self, GoalFile};
-use crate::link::Knowledge;
+use crate::hex::unhex;
+use crate::link::{AnyMind, Knowledge};
+use crate::log::LoggedMind;
 use crate::robot::COLLISION_RADIUS_M;
-use crate::scenes::Behavior;
-use crate::view::order::{Done, File, Order, Reset, unhex};
+use crate::view::choices::{mind_file, switched};
+use crate::view::goal::Pursued;
+use crate::view::order::{Done, Order, Reset};
 use crate::view::source::Refused;
 use crate::world::{Point, Shape, World, WorldSource, parse_worlds};
 use amp::config::Config;
 use amp::controller::Command;
-use amp::fixed::Weight;
 use amp::scan::Situation;
-use amp::shield::Shielding;
 use amp::units::Range;
 
 impl Simulator {
@@ -31,36 +29,25 @@ impl Simulator {
             Order::Seek => self.seek()?,
             Order::Resume => self.resume()?,
             Order::Reset(reset) => self.reset(reset)?,
-            Order::Behavior { name } => self.choose(Pursued::behavior(&behavior(name)?))?,
-            Order::GoalNeuron { neuron } => self.choose_neuron(*neuron)?,
-            Order::GoalHere => self.choose(Pursued::captured(
-                self.perceived(),
-                self.body.pose().position,
-            ))?,
-            Order::GoalFile { text } => {
-                self.choose(Pursued::file(GoalFile::read(text, "goal.toml")?))?;
-            }
-            Order::SaveGoal => return self.save_goal(),
+            Order::SaveGoal => return self.goal.save(&self.config),
             Order::SaveMind => return self.save_mind(),
             Order::LoadMind { hex } => self.load_mind(hex)?,
-            Order::Shield { on } => self.configure(|config, whole| {
-                let shield = whole.shield.unwrap_or(Shielding::nomad200());
-                config.shield = on.then_some(shield);
-            })?,
-            Order::Online { on } => self.configure(|config, whole| {
-                let online = whole.online.or(Config::recommended().online);
-                config.online = online.filter(|_| *on);
-            })?,
-            Order::Sonar { number, on } => self.switch(*number, *on)?,
+            Order::Shield { .. } | Order::Online { .. } | Order::Sonar { .. } => {
+                self.configure(order)?;
+            }
             Order::MoveShape { shape, x, y } => self.move_shape(*shape, Point::new(*x, *y))?,
             Order::MoveRobot { x, y } => self.move_robot(Point::new(*x, *y))?,
+            Order::Behavior { .. }
+            | Order::GoalNeuron { .. }
+            | Order::GoalHere
+            | Order::GoalFile { .. } => self.choose_goal(order)?,
             // Those of seat and pace do not come here.
             _ => return Err("that is nothing for the robot".into()),
         }
         Ok(Done::Well)
     }
 
-    fn stop(&mut self) -> Result<(), Refused> {
+    pub(super) fn stop(&mut self) -> Result<(), Refused> {
         if matches!(self.doing, Doing::Explore | Doing::Seek) {
             self.interrupted = self.doing;
         } else if self.doing != Doing::Stopped {
@@ -73,7 +60,15 @@ impl Simulator {
         if self.body.is_moving() {
             self.body.halt();
         }
+        self.log_place();
         Ok(())
+    }
+
+    /// A log says where the robot is, also between two rings.
+    fn log_place(&self) {
+        if let Some(log) = self.mind.log() {
+            log.write(|log| log.pose(self.body.now(), self.body.pose(), self.body.leader()));
+        }
     }
 
     fn begin(&mut self, doing: Doing) {
@@ -81,6 +76,7 @@ impl Simulator {
         self.interrupted = Doing::Idle;
         self.last_decision_s = self.body.time_s();
         self.before = None;
+        self.note = None;
     }
 
     fn explore(&mut self) -> Result<(), Refused> {
@@ -112,12 +108,18 @@ impl Simulator {
             return Err("it still learns".into());
         }
         self.prepare_goal()?;
-        let goal = self.goal.goal(&self.config, &self.nest());
-        self.command(Command::Seek(goal))?;
+        self.goal.begin(self.seeking.steps, self.seeking.goal_steps);
+        self.pursue()?;
         if self.doing != Doing::Seek {
             self.begin(Doing::Seek);
         }
         Ok(())
+    }
+
+    /// Tells the mind the goal, of a chain that of its present part.
+    pub(super) fn pursue(&mut self) -> Result<(), Refused> {
+        let goal = self.goal.goal(&self.config, &self.nest());
+        self.command(Command::Seek(goal))
     }
 
     /// A leader where one is to be followed; the choices as the behaviour needs them.
@@ -130,7 +132,7 @@ impl Simulator {
         }
         let adapted = behavior.adapted(self.config.clone());
         if adapted != self.config {
-            self.mind.configure(&adapted)?;
+            self.mind.configure(self.body.now(), &adapted)?;
             self.config = adapted;
         }
         Ok(())
@@ -154,17 +156,14 @@ impl Simulator {
         outcome
     }
 
-    fn choose_neuron(&mut self, neuron: usize) -> Result<(), Refused> {
-        if !self.learnt {
-            return Err("there are no maps yet: explore and learn first".into());
-        }
-        let known = self.mind.known()?;
-        if neuron >= known.situations().code().len() {
-            return Err(format!("there is no neuron {neuron}").into());
-        }
-        let code = known.situations().code_vector(neuron);
-        let within = code.map(|value| value.clamp(Weight::ZERO, Weight::ONE));
-        self.choose(Pursued::neuron(neuron, within))
+    fn choose_goal(&mut self, order: &Order) -> Result<(), Refused> {
+        let here = (self.perceived(), self.body.pose().position);
+        let known = match self.learnt {
+            true => Some(self.mind.pilot().known()?),
+            false => None,
+        };
+        let goal = Pursued::asked(order, here, known)?;
+        self.choose(goal)
     }
 
     /// What the ring hears from here, as a situation.
@@ -174,76 +173,27 @@ impl Simulator {
         self.body.look().map(value)
     }
 
-    fn save_goal(&self) -> Result<Done, Refused> {
-        let Some((situation, place)) = self.goal.as_situation() else {
-            return Err("this goal has a name, not a situation: it needs no file".into());
-        };
-        let Some(place) = place else {
-            return Err(
-                "a neuron's situation was perceived nowhere: go there and capture it".into(),
-            );
-        };
-        let encoding = self.config.encoding;
-        let remark = format!(
-            "Captured in the bench view on a scale of {} to {} m.",
-            f64::from(encoding.near_mm) / 1e3,
-            f64::from(encoding.far_mm) / 1e3
-        );
-        Ok(Done::File(File {
-            name: "goal.toml",
-            text: Some(goal_file::text(situation, place, &remark)),
-            hex: None,
-        }))
-    }
-
     fn save_mind(&mut self) -> Result<Done, Refused> {
-        let config = self.config.clone();
-        let knowledge = Knowledge::of(&config, self.mind.known()?);
-        Ok(Done::File(File {
-            name: "robot.mind",
-            text: None,
-            hex: Some(crate::view::order::hex(&knowledge.to_bytes())),
-        }))
+        Ok(mind_file(&self.config, self.mind.pilot().known()?))
     }
 
     fn load_mind(&mut self, hex: &str) -> Result<(), Refused> {
-        if !self.mind.is_here() {
+        if !self.mind.inner().is_here() {
             return Err("a mind elsewhere takes its file from `host-sim link … push`".into());
         }
         let bytes = unhex(hex).ok_or("the file did not arrive whole")?;
         let knowledge = Knowledge::from_bytes(&bytes)?;
         self.renew(self.start.clone(), knowledge.config())?;
-        self.mind.replace(&knowledge);
+        self.mind.know(self.body.now(), &knowledge);
         self.learnt = knowledge.state().has_learnt();
         Ok(())
     }
 
-    /// Changes a choice; `change` gets the present choices and those with everything switched on.
-    fn configure(
-        &mut self,
-        change: impl FnOnce(&mut Config<16>, &Config<16>),
-    ) -> Result<(), Refused> {
-        let mut config = self.config.clone();
-        change(&mut config, &self.start.whole);
-        self.mind.configure(&config)?;
+    fn configure(&mut self, order: &Order) -> Result<(), Refused> {
+        let config = switched(order, &self.config, &self.start.whole)?;
+        self.mind.configure(self.body.now(), &config)?;
         self.config = config;
         Ok(())
-    }
-
-    fn switch(&mut self, number: usize, on: bool) -> Result<(), Refused> {
-        if number >= 16 {
-            return Err(format!("there is no sonar {number}: they are 0 to 15").into());
-        }
-        let believed = self.config.believed;
-        let after = if on {
-            believed.with(number)
-        } else {
-            believed.without(number)
-        };
-        if (0..16).all(|sensor| !after.contains(sensor)) {
-            return Err("one sonar must stay on: without any the robot never decides".into());
-        }
-        self.configure(|config, _| config.believed = after)
     }
 
     fn move_shape(&mut self, index: usize, to: Point) -> Result<(), Refused> {
@@ -268,6 +218,9 @@ impl Simulator {
         if !free(robot) || !self.body.leader().is_none_or(free) {
             return Err("the robot stands there".into());
         }
+        if let Some(log) = self.mind.log() {
+            log.write(|log| log.world(self.body.now(), &world));
+        }
         self.body.set_world(world);
         self.shown.scene = None;
         Ok(())
@@ -287,6 +240,7 @@ impl Simulator {
         }
         self.body.wait(CARRIED_S);
         self.body.set_down_at(to);
+        self.log_place();
         self.before = None;
         if goes_on {
             self.resume()?;
@@ -320,11 +274,14 @@ impl Simulator {
 
     /// Everything from the beginning, but for what the goal is called.
     fn renew(&mut self, start: Start, config: &Config<16>) -> Result<(), Refused> {
-        if let Err(error) = self.mind.afresh(config) {
+        let mut record = start.record();
+        record.config = config.clone();
+        if let Err(error) = self.mind.afresh(&record, Some(&start.world)) {
             self.fail(error.to_string());
             return Err(error.into());
         }
-        let mind = std::mem::replace(&mut self.mind, AnyMind::here(config));
+        let placeholder = LoggedMind::new(AnyMind::here(config), None);
+        let mind = std::mem::replace(&mut self.mind, placeholder);
         let mut next = Self::with_mind(start, mind);
         next.config = config.clone();
         next.trail = self.trail.afresh();
@@ -337,16 +294,7 @@ impl Simulator {
     }
 }
 
-/// A behaviour of the menu: no files, which are for whoever sits at this machine.
-fn behavior(name: &str) -> Result<Behavior, Refused> {
-    let known = Behavior::NAMES;
-    if !known.contains(&name) {
-        return Err(BadInput::unknown("behavior", name, &known).into());
-    }
-    Ok(name.parse()?)
-}
-
-/// A world of the menu, or a random room: no files, for the same reason.
+/// A world of the menu, or a random room: no files, which are for whoever sits at this machine.
 fn menu_world(name: &str) -> Result<World, Refused> {
     if !name.starts_with("random:") && !World::builtin_names().contains(&name) {
         let known = World::builtin_names();

@@ -34,7 +34,7 @@ fn start(sonar: SonarModel) -> Start {
 }
 
 fn simulator(sonar: SonarModel) -> Simulator {
-    Simulator::new(start(sonar), MindPlace::Host).unwrap()
+    Simulator::new(start(sonar), MindPlace::Host, None).unwrap()
 }
 
 fn rest(simulator: &mut Simulator) {
@@ -107,7 +107,14 @@ fn a_stop_stands_and_can_be_gone_on_from() {
     simulator.carry_out(&Order::Resume).unwrap();
     rest(&mut simulator);
     // The move a stop interrupted leaves no sample and is made again.
-    let samples = simulator.mind.known().unwrap().memory().samples().len();
+    let samples = simulator
+        .mind
+        .pilot()
+        .known()
+        .unwrap()
+        .memory()
+        .samples()
+        .len();
     assert_eq!((samples, simulator.doing), (40, Doing::Idle));
 }
 
@@ -198,7 +205,7 @@ fn a_neuron_and_a_place_become_goals() {
 fn an_obstacle_is_met_where_it_was_put_and_never_on_the_robot() {
     let mut start = start(SonarModel::Ideal);
     start.world = World::random(4);
-    let mut simulator = Simulator::new(start, MindPlace::Host).unwrap();
+    let mut simulator = Simulator::new(start, MindPlace::Host, None).unwrap();
     let robot = simulator.body.pose().position;
     let shapes = simulator.body.world().shapes();
     let index = shapes
@@ -278,7 +285,7 @@ fn a_mind_at_the_end_of_a_link_decides_the_same() {
         } else {
             MindPlace::Host
         };
-        let mut simulator = Simulator::new(start, place).unwrap();
+        let mut simulator = Simulator::new(start, place, None).unwrap();
         educate(&mut simulator);
         simulator.carry_out(&Order::Seek).unwrap();
         places.push(decide(&mut simulator, 20));
@@ -289,4 +296,71 @@ fn a_mind_at_the_end_of_a_link_decides_the_same() {
         places.push(decide(&mut simulator, 5));
     }
     assert_eq!(places[..2], places[2..]);
+}
+
+#[test]
+fn a_chain_is_pursued_to_its_last_goal_and_can_be_gone_on_with() {
+    let mut simulator = simulator(SonarModel::Ideal);
+    educate(&mut simulator);
+    let chain = |name: &str| Order::Behavior {
+        name: name.to_owned(),
+    };
+    let unknown = simulator.carry_out(&chain("avoid,seek:/etc/passwd"));
+    assert!(unknown.is_err());
+    simulator.carry_out(&chain("avoid,avoid")).unwrap();
+    simulator.carry_out(&Order::Seek).unwrap();
+    let mut parts = std::collections::BTreeSet::new();
+    while simulator.step() != Stepped::Standing {
+        parts.insert(simulator.snapshot().now.goal.part);
+    }
+    assert_eq!(parts.into_iter().collect::<Vec<_>>(), [Some(0), Some(1)]);
+    let now = simulator.snapshot().now;
+    assert_eq!(now.mode, "stopped");
+    assert!(now.note.unwrap().contains("the last goal is reached"));
+    // Each part is over when its goal has held in twenty decisions.
+    assert!(simulator.seeking.goal_steps >= 40);
+    simulator.carry_out(&Order::Resume).unwrap();
+    decide(&mut simulator, 5);
+    assert_eq!(simulator.snapshot().now.note, None);
+}
+
+#[test]
+fn a_log_with_several_starts_plays_from_one_to_the_next() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.mcap");
+    let start = start(SonarModel::Ideal);
+    let mut simulator = Simulator::new(start, MindPlace::Host, Some(&path)).unwrap();
+    educate(&mut simulator);
+    simulator.carry_out(&Order::Seek).unwrap();
+    decide(&mut simulator, 30);
+    let to = Order::MoveRobot { x: 0.3, y: 0.0 };
+    simulator.carry_out(&to).unwrap();
+    decide(&mut simulator, 30);
+    let knew = simulator.carry_out(&Order::SaveMind).unwrap();
+    let reset = Reset {
+        seed: Some(9),
+        world: Some("random:4".to_owned()),
+        ..Reset::default()
+    };
+    simulator.carry_out(&Order::Reset(reset)).unwrap();
+    educate(&mut simulator);
+    let knows = simulator.carry_out(&Order::SaveMind).unwrap();
+    let place = simulator.snapshot().now.pose;
+    simulator.end().unwrap();
+
+    let log = crate::log::read(&path).unwrap();
+    let mut recorded = crate::view::Recorded::new(&log).unwrap();
+    while recorded.step() != Stepped::Standing {}
+    let now = recorded.snapshot().now;
+    assert_eq!((now.why, now.mode, now.trail[0]), (None, "idle", 2));
+    // Decisions: 40 moves twice, and what was sought in between.
+    assert_eq!(now.at, Some(140));
+    assert_eq!(recorded.carry_out(&Order::SaveMind), Ok(knows));
+    let off = (0..3).map(|axis| (now.pose[axis].0 - place[axis].0).abs());
+    assert!(off.fold(0.0, f64::max) < 1e-6, "{:?}", now.pose);
+    // Back over the start, to where the first mind had taken its last decision.
+    recorded.carry_out(&Order::Jump { to: 100 }).unwrap();
+    let now = recorded.snapshot().now;
+    assert_eq!((now.mode, now.at, now.trail[0]), ("seek", Some(100), 0));
+    assert_eq!(recorded.carry_out(&Order::SaveMind), Ok(knew));
 }

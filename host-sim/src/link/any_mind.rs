@@ -1,14 +1,14 @@
-//! The mind of a simulated robot: in this process, or at the end of a link.
+//! A mind, in this process or at the end of a link.
 
+use super::{Knowledge, LinkError, RemoteMind, Session, next_number};
 use crate::episode::Failure;
 use crate::error::BadInput;
-use crate::link::{Knowledge, LinkError, RemoteMind, Session, next_number};
-use crate::pilot::{Mind, Pilot, SimState, Thinker};
+use crate::pilot::{Mind, Pilot, SimState, Thinker as _};
 use amp::config::Config;
 use amp::controller::{Event, Outputs};
 use amp::units::{Millis, Range};
 
-/// Where the mind of a simulation is.
+/// Where a mind is.
 pub enum MindPlace {
     /// In this process.
     Host,
@@ -20,13 +20,15 @@ pub enum MindPlace {
 const FETCH: u32 = 20;
 
 /// A mind, wherever it is.
-pub(super) enum AnyMind {
+pub enum AnyMind {
+    /// In this process.
     Host(Box<Mind>),
+    /// At the end of a link.
     Link(Box<Elsewhere>),
 }
 
 /// A mind elsewhere, and what it was last known to know.
-pub(super) struct Elsewhere {
+pub struct Elsewhere {
     mind: RemoteMind<Box<Session>>,
     name: String,
     known: Option<Box<SimState>>,
@@ -56,11 +58,15 @@ impl AnyMind {
     }
 
     /// One in this process that knows nothing.
+    #[must_use]
     pub fn here(config: &Config<16>) -> Self {
         Self::Host(Box::new(Mind::new(config.clone())))
     }
 
     /// The same mind as when it knew nothing, with another configuration.
+    ///
+    /// # Errors
+    /// When it is elsewhere and cannot be reached.
     pub fn afresh(&mut self, config: &Config<16>) -> Result<(), LinkError> {
         match self {
             Self::Host(_) => *self = Self::here(config),
@@ -73,15 +79,26 @@ impl AnyMind {
     }
 
     /// Whether it is in this process.
+    #[must_use]
     pub fn is_here(&self) -> bool {
         matches!(self, Self::Host(_))
     }
 
     /// What it is called.
+    #[must_use]
     pub fn name(&self) -> String {
         match self {
             Self::Host(_) => "this process".to_owned(),
             Self::Link(elsewhere) => elsewhere.name.clone(),
+        }
+    }
+
+    /// What a mind elsewhere had instead of what it was told at the beginning; in words.
+    #[must_use]
+    pub fn replaced(&self) -> Vec<&'static str> {
+        match self {
+            Self::Host(_) => Vec::new(),
+            Self::Link(elsewhere) => elsewhere.mind.replaced(),
         }
     }
 
@@ -96,6 +113,9 @@ impl AnyMind {
     }
 
     /// What it knows, or last was known to know.
+    ///
+    /// # Errors
+    /// When it is elsewhere and cannot be reached.
     pub fn known(&mut self) -> Result<&SimState, Failure> {
         match self {
             Self::Host(mind) => Ok(mind.state()),
