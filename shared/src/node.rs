@@ -13,6 +13,7 @@ use crate::config::Config;
 use crate::controller::{self, Event, Mode, NomadState, Outputs, State, StopReason};
 use crate::goal::Goal;
 use crate::link::{Link, Verdict};
+use crate::som::kernels::Kernels;
 use crate::som::Grid;
 use crate::units::Millis;
 use crate::wire::frame::{self, Frame, FrameError, Header};
@@ -113,6 +114,11 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             kept: Kept::new(),
             staged: Vec::new(),
         }
+    }
+
+    /// Has the processor's own kernels do what they can: see [`State::use_kernels`].
+    pub const fn use_kernels(&mut self, kernels: &'static Kernels) {
+        self.state.use_kernels(kernels);
     }
 
     /// Begins with this configuration and maps on this grid, which should have `NEURONS` places: says hello to whoever

@@ -1,5 +1,6 @@
 //! Where the neurons stand: a rectangle with four direct neighbours each, or a chain with two.
 
+use crate::fixed::Mask;
 use serde::{Deserialize, Serialize};
 
 /// Index of a neuron that does not exist.
@@ -148,6 +149,16 @@ impl Grid {
             in_column(before(y, rows)),
             in_column(after(y, rows)),
         ]
+    }
+
+    /// The direct neighbours of neuron `k` among the first 32 neurons.
+    #[inline(always)]
+    pub(crate) fn mask_around(self, k: usize) -> Mask {
+        let around = self.around(k).into_iter();
+        around.fold(Mask::NONE, |mask, neighbour| match neighbour {
+            NOBODY => mask,
+            neighbour => mask.with(neighbour),
+        })
     }
 
     /// Whether two neurons are direct neighbours.

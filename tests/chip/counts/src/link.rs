@@ -13,6 +13,7 @@ use amp::wire::message::{
 };
 use amp::wire::{Frame, Header, PROTOCOL, Report, SCHEMA, frame};
 use core::hint::black_box;
+use firmware::cortex_m4::KERNELS;
 use heapless::Vec;
 
 /// Decisions by frames.
@@ -84,6 +85,7 @@ impl Base {
             seq: 0,
             time: 0,
         };
+        base.node.use_kernels(&KERNELS);
         base.node.start(
             &episode.config,
             Grid::rectangle(4, 4),

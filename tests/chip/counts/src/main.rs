@@ -5,6 +5,8 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
+use stm32f4xx_hal as _;
+
 mod episode;
 #[cfg(target_os = "none")]
 mod link;
