@@ -20,7 +20,7 @@ use core::arch::naked_asm;
 pub static KERNELS: Kernels = Kernels { rivals, pull };
 
 /// Two passes. The first one goes through the code vectors from the last to the first and leaves w·x of each on the
-/// stack, so that they lie in order in the end, four and the number of fours before them at a time. The second one makes
+/// stack, so that they lie in order in the end, four and the number of the first at a time. The second one makes
 /// ranks of them and finds the least two: most are not below the second, which costs a comparison and a branch. Only where
 /// the second is a rival a third one looks for all of them.
 ///
@@ -37,9 +37,9 @@ extern "C" fn rivals(
     naked_asm!(
         "push  {{r4-r11, lr}}",
         "push  {{r1, r3}}",
-        // Behind the last code vector; fours before it.
+        // Behind the last code vector; its number.
         "add   r0, r0, #1024",
-        "movs  r1, #4",
+        "movs  r1, #16",
         "push  {{r1}}",
         // The probe, two components to a register; at an odd place of its own only one by one.
         "lsls  r1, r2, #30",
@@ -70,10 +70,10 @@ extern "C" fn rivals(
         "push  {{lr}}",
         ".endr",
         "ldr   r1, [sp, #16]",
-        "subs  r1, #1",
+        "subs  r1, #4",
         "push  {{r1}}",
         "bne   2b",
-        // r0: bases, r1: products, r2: least, r3: bit of its place in the four and number of fours, r12: second.
+        // r0: bases, r1: products, r2: least, r3: its neuron, r12: second.
         "mov   r1, sp",
         "ldr   r0, [sp, #84]",
         "mvn   r2, #0x80000000",
@@ -85,23 +85,23 @@ extern "C" fn rivals(
         "rsb   r6, r6, r10, asr #1",
         "rsb   r7, r7, r11, asr #1",
         "rsb   r8, r8, lr, asr #1",
-        ".macro among_least rank, bit",
+        ".macro among_least rank, place",
         "cmp   \\rank, r12",
         "bge   4f",
         "cmp   \\rank, r2",
         "ittte lt",
         "movlt r12, r2",
         "movlt r2, \\rank",
-        "addlt r3, r4, #\\bit << 8",
+        "addlt r3, r4, #\\place",
         "movge r12, \\rank",
         "4:",
         ".endm",
-        "among_least r5, 1",
-        "among_least r6, 2",
-        "among_least r7, 4",
-        "among_least r8, 8",
+        "among_least r5, 0",
+        "among_least r6, 1",
+        "among_least r7, 2",
+        "among_least r8, 3",
         ".purgem among_least",
-        "cmp   r4, #3",
+        "cmp   r4, #12",
         "bne   3b",
         // Rivals may have ranks up to r2.
         "ldr   r1, [sp, #88]",
@@ -109,10 +109,8 @@ extern "C" fn rivals(
         "cmp   r12, r2",
         "ble   5f",
         // There are none: the bit of the least.
-        "uxtb  r0, r3",
-        "lsls  r0, r0, #2",
-        "lsrs  r3, r3, #8",
-        "lsl   r0, r3, r0",
+        "movs  r0, #1",
+        "lsl   r0, r0, r3",
         "add   sp, #92",
         "pop   {{r4-r11, pc}}",
         "5:",
@@ -134,7 +132,7 @@ extern "C" fn rivals(
         "rival r7, r11, 4",
         "rival r8, lr, 8",
         ".purgem rival",
-        "cmp   r4, #3",
+        "cmp   r4, #12",
         "bne   6b",
         "mov   r0, r3",
         "add   sp, #92",

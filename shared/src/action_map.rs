@@ -195,8 +195,8 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
     #[inline(never)]
     #[must_use]
     pub fn winner(&self, effect: &Effect<SENSORS>, action_weight_q8: u16) -> usize {
-        let margin = const { kernels::rank_margin(SENSORS, 1 << 8) }
-            .wrapping_add(kernels::rank_margin(2, action_weight_q8));
+        let own = kernels::rank_margin(2, action_weight_q8);
+        let margin = Som::<NEURONS, SENSORS>::MARGIN.wrapping_add(own);
         let by_hand = self.rivals_by_hand(effect, action_weight_q8, margin);
         let rivals = by_hand.unwrap_or_else(|| self.rivals(effect, action_weight_q8, margin));
         kernels::single(rivals)
@@ -219,7 +219,8 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         }
         let mut bases = *self.changes.norms();
         self.actions.add_to_bases(&effect.action, weight_q8, &mut bases);
-        self.changes.rivals(&bases, &effect.change, margin)
+        self.changes
+            .rivals_by_hand(&bases, &effect.change, margin)
     }
 
     #[inline(never)]

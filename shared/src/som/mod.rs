@@ -173,13 +173,21 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     #[inline(never)]
     #[must_use]
     pub fn winner(&self, probe: &[Weight; DIMS], mask: Mask) -> usize {
-        let margin = const { kernels::rank_margin(DIMS, 1 << 8) };
         let by_hand = match mask.covers(DIMS) {
-            true => self.rivals(&self.norms, probe, margin),
+            true => self.rivals_by_hand(&self.norms, probe, Self::MARGIN),
             false => None,
         };
-        let rivals = by_hand.unwrap_or_else(|| kernels::rivals(&self.ranks(probe, mask), margin));
+        let rivals = by_hand.unwrap_or_else(|| self.rivals(probe, mask));
         kernels::single(rivals).unwrap_or_else(|| self.nearest_of(rivals, probe, mask))
+    }
+
+    /// By how much the ranks of two neurons may be out of order.
+    pub(crate) const MARGIN: i32 = kernels::rank_margin(DIMS, 1 << 8);
+
+    /// The neurons that may be nearest.
+    #[inline(never)]
+    fn rivals(&self, probe: &[Weight; DIMS], mask: Mask) -> Mask {
+        kernels::rivals(&self.ranks(probe, mask), Self::MARGIN)
     }
 
     #[inline(never)]
@@ -193,10 +201,9 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         NEURONS == 16 && DIMS == 16 && self.kernels.is_some()
     }
 
-    /// By the processor's kernels, if there are any for this size, the neurons that may be nearest; `margin` as of
-    /// [`kernels::rank_margin`].
+    /// The same by the processor's kernels, if there are any for this size; `margin` as of [`kernels::rank_margin`].
     #[inline(always)]
-    pub(crate) fn rivals(
+    pub(crate) fn rivals_by_hand(
         &self,
         bases: &[i32; NEURONS],
         probe: &[Weight; DIMS],
@@ -246,7 +253,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         }
     }
 
-    /// Adds weighted scores to another map's squared lengths, as bases for its [`rivals`](Self::rivals); the weight in 1/256 is
+    /// Adds weighted scores to another map's squared lengths, as bases for its [`rivals_by_hand`](Self::rivals_by_hand); the weight in 1/256 is
     /// below 512.
     #[inline(always)]
     pub(crate) fn add_to_bases(
