@@ -1,6 +1,8 @@
 //! From messages to frames and back.
 
 use super::{CRC, cobs};
+use postcard::ser_flavors::Flavor;
+use postcard::serialize_with_flavor;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 /// Longest frame with its zero, bytes.
@@ -49,6 +51,29 @@ impl core::fmt::Display for FrameError {
 
 impl core::error::Error for FrameError {}
 
+/// Where a message is written, byte by byte: most values have one or two, and postcard's own room copies each as a block.
+struct Room<'a> {
+    bytes: &'a mut [u8],
+    used: usize,
+}
+
+impl Flavor for Room<'_> {
+    /// Bytes written.
+    type Output = usize;
+
+    #[inline(always)]
+    fn try_push(&mut self, byte: u8) -> postcard::Result<()> {
+        let place = self.bytes.get_mut(self.used);
+        *place.ok_or(postcard::Error::SerializeBufferFull)? = byte;
+        self.used = self.used.wrapping_add(1);
+        Ok(())
+    }
+
+    fn finalize(self) -> postcard::Result<usize> {
+        Ok(self.used)
+    }
+}
+
 /// A frame ready to be sent, zero at its end.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Frame {
@@ -62,26 +87,32 @@ impl Frame {
     /// # Errors
     /// [`FrameError::TooLong`].
     pub fn pack<M: Serialize>(header: Header, message: &M) -> Result<Self, FrameError> {
-        let mut body = [0; cobs::MOST];
-        let room = body.get_mut(..MOST_BODY).ok_or(FrameError::TooLong)?;
-        let used = postcard::to_slice(&(header, message), room)
-            .map_err(|_| FrameError::TooLong)?
-            .len();
-        let (text, rest) = body.split_at_mut_checked(used).ok_or(FrameError::TooLong)?;
-        let crc = CRC.checksum(text).to_le_bytes();
+        let mut frame = Self {
+            bytes: [0; MOST_FRAME],
+            length: 0,
+        };
+        let behind_first = 1..MOST_BODY.wrapping_add(1);
+        let body = frame.bytes.get_mut(behind_first);
+        let room = Room {
+            bytes: body.ok_or(FrameError::TooLong)?,
+            used: 0,
+        };
+        let used = serialize_with_flavor(&(header, message), room)
+            .map_err(|_| FrameError::TooLong)?;
+        let end = used.wrapping_add(1);
+        let (text, rest) = (frame.bytes)
+            .split_at_mut_checked(end)
+            .ok_or(FrameError::TooLong)?;
+        let crc = CRC.checksum(text.get(1..).unwrap_or(&[])).to_le_bytes();
         for (place, byte) in rest.iter_mut().zip(crc) {
             *place = byte;
         }
-        let whole = body
-            .get(..used.saturating_add(CRC_BYTES))
-            .ok_or(FrameError::TooLong)?;
-        let mut bytes = [0; MOST_FRAME];
-        let coded = cobs::encode(whole, &mut bytes).ok_or(FrameError::TooLong)?;
-        Ok(Self {
-            bytes,
-            // The byte behind the coded ones is the zero at the end.
-            length: coded.saturating_add(1).min(MOST_FRAME),
-        })
+        let coded = end.wrapping_add(CRC_BYTES);
+        let bytes = frame.bytes.get_mut(..coded);
+        bytes.and_then(cobs::encode).ok_or(FrameError::TooLong)?;
+        // The byte behind the coded ones is the zero at the end.
+        frame.length = coded.wrapping_add(1).min(MOST_FRAME);
+        Ok(frame)
     }
 
     /// The bytes to send.
