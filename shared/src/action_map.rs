@@ -199,8 +199,7 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         let margin = Som::<NEURONS, SENSORS>::MARGIN.wrapping_add(own);
         let by_hand = self.rivals_by_hand(effect, action_weight_q8, margin);
         let rivals = by_hand.unwrap_or_else(|| self.rivals(effect, action_weight_q8, margin));
-        kernels::single(rivals)
-            .unwrap_or_else(|| self.nearest_of(rivals, effect, action_weight_q8))
+        kernels::single(rivals).unwrap_or_else(|| self.nearest_of(rivals, effect, action_weight_q8))
     }
 
     /// By the processor's kernels, if there are any for this size, the neurons that may be nearest.
@@ -218,9 +217,9 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
             return None;
         }
         let mut bases = *self.changes.norms();
-        self.actions.add_to_bases(&effect.action, weight_q8, &mut bases);
-        self.changes
-            .rivals_by_hand(&bases, &effect.change, margin)
+        self.actions
+            .add_to_bases(&effect.action, weight_q8, &mut bases);
+        self.changes.rivals_by_hand(&bases, &effect.change, margin)
     }
 
     #[inline(never)]

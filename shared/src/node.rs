@@ -13,8 +13,8 @@ use crate::config::Config;
 use crate::controller::{self, Event, Mode, NomadState, Outputs, State, StopReason};
 use crate::goal::Goal;
 use crate::link::{Link, Verdict};
-use crate::som::kernels::Kernels;
 use crate::som::Grid;
+use crate::som::kernels::Kernels;
 use crate::units::Millis;
 use crate::wire::frame::{self, Frame, FrameError, Header};
 use crate::wire::message::{
@@ -350,10 +350,11 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             device_ms: self.link.time(now).as_ms(),
             said,
         };
-        let sent = Frame::pack(header, &report).is_ok_and(|frame| {
+        let mut frame = Frame::EMPTY;
+        let sent = frame.fill(header, &report).is_ok() && {
             self.kept.keep(frame.as_bytes());
             out.send(frame.as_bytes())
-        });
+        };
         self.counters.count_sent(sent);
     }
 

@@ -39,10 +39,10 @@ pub struct Som<const NEURONS: usize, const DIMS: usize> {
     norms: [i32; NEURONS],
 }
 
-/// What the map knows: the lengths follow from it, the kernels do not matter.
+/// What the map knows, whoever computes with it.
 impl<const NEURONS: usize, const DIMS: usize> PartialEq for Som<NEURONS, DIMS> {
     fn eq(&self, other: &Self) -> bool {
-        self.grid == other.grid && self.code == other.code
+        self.grid == other.grid && self.code == other.code && self.norms == other.norms
     }
 }
 

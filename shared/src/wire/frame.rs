@@ -1,8 +1,6 @@
 //! From messages to frames and back.
 
 use super::{CRC, cobs};
-use postcard::ser_flavors::Flavor;
-use postcard::serialize_with_flavor;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 /// Longest frame with its zero, bytes.
@@ -51,29 +49,6 @@ impl core::fmt::Display for FrameError {
 
 impl core::error::Error for FrameError {}
 
-/// Where a message is written, byte by byte: most values have one or two, and postcard's own room copies each as a block.
-struct Room<'a> {
-    bytes: &'a mut [u8],
-    used: usize,
-}
-
-impl Flavor for Room<'_> {
-    /// Bytes written.
-    type Output = usize;
-
-    #[inline(always)]
-    fn try_push(&mut self, byte: u8) -> postcard::Result<()> {
-        let place = self.bytes.get_mut(self.used);
-        *place.ok_or(postcard::Error::SerializeBufferFull)? = byte;
-        self.used = self.used.wrapping_add(1);
-        Ok(())
-    }
-
-    fn finalize(self) -> postcard::Result<usize> {
-        Ok(self.used)
-    }
-}
-
 /// A frame ready to be sent, zero at its end.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Frame {
@@ -82,37 +57,49 @@ pub struct Frame {
 }
 
 impl Frame {
+    /// Nothing.
+    pub const EMPTY: Self = Self {
+        bytes: [0; MOST_FRAME],
+        length: 0,
+    };
+
     /// Packs a message.
     ///
     /// # Errors
     /// [`FrameError::TooLong`].
     pub fn pack<M: Serialize>(header: Header, message: &M) -> Result<Self, FrameError> {
-        let mut frame = Self {
-            bytes: [0; MOST_FRAME],
-            length: 0,
-        };
-        let behind_first = 1..MOST_BODY.wrapping_add(1);
-        let body = frame.bytes.get_mut(behind_first);
-        let room = Room {
-            bytes: body.ok_or(FrameError::TooLong)?,
-            used: 0,
-        };
-        let used = serialize_with_flavor(&(header, message), room)
-            .map_err(|_| FrameError::TooLong)?;
+        let mut frame = Self::EMPTY;
+        frame.fill(header, message).map(|()| frame)
+    }
+
+    /// Packs a message into this frame, where it stays: a frame is much to copy.
+    ///
+    /// # Errors
+    /// [`FrameError::TooLong`]; the frame is empty then.
+    pub fn fill<M: Serialize>(&mut self, header: Header, message: &M) -> Result<(), FrameError> {
+        self.length = 0;
+        let body = self.bytes.get_mut(1..MOST_BODY.wrapping_add(1));
+        let body = body.ok_or(FrameError::TooLong)?;
+        let used = postcard::to_slice(&(header, message), body)
+            .map_err(|_| FrameError::TooLong)?
+            .len();
         let end = used.wrapping_add(1);
-        let (text, rest) = (frame.bytes)
+        let (text, rest) = (self.bytes)
             .split_at_mut_checked(end)
             .ok_or(FrameError::TooLong)?;
         let crc = CRC.checksum(text.get(1..).unwrap_or(&[])).to_le_bytes();
         for (place, byte) in rest.iter_mut().zip(crc) {
             *place = byte;
         }
+        // The zero at the end stands behind the coded bytes.
         let coded = end.wrapping_add(CRC_BYTES);
-        let bytes = frame.bytes.get_mut(..coded);
-        bytes.and_then(cobs::encode).ok_or(FrameError::TooLong)?;
-        // The byte behind the coded ones is the zero at the end.
-        frame.length = coded.wrapping_add(1).min(MOST_FRAME);
-        Ok(frame)
+        let bytes = self.bytes.get_mut(..=coded).ok_or(FrameError::TooLong)?;
+        if let Some((zero, coded)) = bytes.split_last_mut() {
+            *zero = 0;
+            cobs::encode(coded).ok_or(FrameError::TooLong)?;
+        }
+        self.length = coded.wrapping_add(1);
+        Ok(())
     }
 
     /// The bytes to send.

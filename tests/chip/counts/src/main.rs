@@ -5,13 +5,13 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
-use stm32f4xx_hal as _;
-
 mod episode;
 #[cfg(target_os = "none")]
 mod link;
 #[cfg(target_os = "none")]
 mod maps;
+#[cfg(target_os = "none")]
+mod oracle;
 #[cfg(target_os = "none")]
 mod room;
 #[cfg(target_os = "none")]
