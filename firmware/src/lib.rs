@@ -8,6 +8,7 @@
 //! | module | what it decides |
 //! |---|---|
 //! | [`control`] | what is done with received bytes and with passing time |
+//! | `cortex_m4` | kernels of the maps written for the processor |
 //! | [`crash`] | what is kept over a reset, whether to believe it, and what to call the reset |
 //! | [`lamp`] | when the lamp is lit |
 //! | [`line`](mod@line) | how the serial interrupt moves bytes |
@@ -20,13 +21,15 @@
 //! The binary beside this library owns the chip: `main.rs` says which task runs when, `board.rs` is the only file that
 //! touches pins and clocks.
 #![no_std]
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 #![deny(missing_docs)]
 
 #[cfg(test)]
 extern crate std;
 
 pub mod control;
+#[cfg(all(target_arch = "arm", target_os = "none"))]
+pub mod cortex_m4;
 pub mod crash;
 pub mod lamp;
 pub mod line;

@@ -32,6 +32,7 @@ mod app {
     use amp::wire::message::ResetCause;
     use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
     use firmware::control::Control;
+    use firmware::cortex_m4;
     use firmware::crash::{Flags, name, reset_cause};
     use firmware::lamp;
     use firmware::line::{Faults, Line, Outbox};
@@ -87,6 +88,7 @@ mod app {
         let (received_in, received_out) = cx.local.received.split();
         let (to_send_in, to_send_out) = cx.local.to_send.split();
         let outbox = Outbox::new(to_send_in);
+        cx.local.mind.use_kernels(&cortex_m4::KERNELS);
         let (firings_in, firings_out) = cx.local.firings.split();
         let store = Store::mount(board.kept, SLOT_BYTES);
         let control = Control::new(cx.local.mind, received_out, outbox, faults, store);

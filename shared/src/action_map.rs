@@ -6,6 +6,7 @@
 use crate::fixed::{
     Fine, Mask, ONE_BITS, Weight, coarse, isqrt, quotient, squared_norm, unit_weight,
 };
+use crate::som::kernels::Kernels;
 use crate::som::neighbourhood::Pull;
 use crate::som::{Grid, Learn, Som, kernels};
 use crate::units::{Bearing, Displacement};
@@ -70,6 +71,9 @@ pub enum Recall {
     /// The neuron whose change goes farthest that way (dot product).
     Projection,
 }
+
+/// From this weight on, in 1/256, a squared length with the weighted score of an action might not fit 32 bits.
+const MOST_BASE_WEIGHT_Q8: u16 = 512;
 
 /// One thing to learn: this action brought this change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -182,22 +186,59 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         &self.actions
     }
 
+    /// Has the processor's own kernels do what they can: see [`Som::use_kernels`].
+    pub const fn use_kernels(&mut self, kernels: &'static Kernels) {
+        self.changes.use_kernels(kernels);
+    }
+
     /// The best-matching unit of an effect; `action_weight_q8` is λ in 1/256.
-    #[inline]
+    #[inline(never)]
     #[must_use]
     pub fn winner(&self, effect: &Effect<SENSORS>, action_weight_q8: u16) -> usize {
+        let own = kernels::rank_margin(2, action_weight_q8);
+        let margin = Som::<NEURONS, SENSORS>::MARGIN.wrapping_add(own);
+        let by_hand = self.rivals_by_hand(effect, action_weight_q8, margin);
+        let rivals = by_hand.unwrap_or_else(|| self.rivals(effect, action_weight_q8, margin));
+        kernels::single(rivals).unwrap_or_else(|| self.nearest_of(rivals, effect, action_weight_q8))
+    }
+
+    /// By the processor's kernels, if there are any for this size, the neurons that may be nearest.
+    #[inline(always)]
+    fn rivals_by_hand(
+        &self,
+        effect: &Effect<SENSORS>,
+        weight_q8: u16,
+        margin: i32,
+    ) -> Option<Mask> {
+        if !effect.mask.covers(SENSORS)
+            || weight_q8 >= MOST_BASE_WEIGHT_Q8
+            || !self.changes.has_kernels()
+        {
+            return None;
+        }
+        let mut bases = *self.changes.norms();
+        self.actions
+            .add_to_bases(&effect.action, weight_q8, &mut bases);
+        self.changes.rivals_by_hand(&bases, &effect.change, margin)
+    }
+
+    #[inline(never)]
+    fn rivals(&self, effect: &Effect<SENSORS>, weight_q8: u16, margin: i32) -> Mask {
         let mut ranks = self.changes.ranks(&effect.change, effect.mask);
         if effect.mask.covers(SENSORS) {
             self.actions
-                .rank_weighted(&effect.action, action_weight_q8, &mut ranks);
+                .rank_weighted(&effect.action, weight_q8, &mut ranks);
         }
-        let margin = const { kernels::rank_margin(SENSORS, 1 << 8) }
-            .wrapping_add(kernels::rank_margin(2, action_weight_q8));
-        kernels::nearest_ranked(&ranks, margin, |k| {
+        kernels::rivals(&ranks, margin)
+    }
+
+    #[inline(never)]
+    fn nearest_of(&self, rivals: Mask, effect: &Effect<SENSORS>, weight_q8: u16) -> usize {
+        kernels::nearest_of(rivals, |k| {
             let change = self.changes.distance(k, &effect.change, effect.mask);
             let action = self.actions.distance(k, &effect.action, Mask::ALL);
             // Rounded before it is weighted: at most 2^45 times 2^16.
-            change.saturating_add((action >> 8).saturating_mul(u64::from(action_weight_q8)))
+            change.saturating_add((action >> 8).saturating_mul(u64::from(weight_q8)))
         })
     }
 
@@ -256,6 +297,17 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
     #[inline(never)]
     pub(crate) fn pull(&mut self, winner: usize, effect: &Effect<SENSORS>, pull: &Pull<NEURONS>) {
         // Both codebooks stand on one grid.
+        if let Some(groups) = self.changes.groups(winner, effect.mask, pull)
+            && self.changes.pull_groups(&effect.change, &groups)
+        {
+            self.actions.pull_each(&effect.action, &groups);
+        } else {
+            self.pull_portably(winner, effect, pull);
+        }
+    }
+
+    #[inline(never)]
+    fn pull_portably(&mut self, winner: usize, effect: &Effect<SENSORS>, pull: &Pull<NEURONS>) {
         let learn = Learn {
             grid: self.changes.grid(),
             dims: SENSORS,

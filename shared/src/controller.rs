@@ -19,6 +19,7 @@ use crate::memory::Memory;
 use crate::planner::GoalNeuron;
 use crate::scan::{Aligned, Echo, Scan};
 use crate::shield::Shield;
+use crate::som::kernels::Kernels;
 use crate::som::{Grid, Som};
 use crate::units::{Bearing, Displacement, Millis};
 use rand_core::{Rng, SeedableRng};
@@ -120,6 +121,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             goal_neuron: GoalNeuron::UNKNOWN,
             search: Search::NEW,
         }
+    }
+
+    /// Has the processor's own kernels do what they can; it comes to the same.
+    pub const fn use_kernels(&mut self, kernels: &'static Kernels) {
+        self.situations.use_kernels(kernels);
+        self.actions.use_kernels(kernels);
     }
 
     /// Puts the maps on another grid; it should have `NEURONS` places.

@@ -83,6 +83,18 @@ impl Gain {
         self.0 as u32
     }
 
+    /// A gain below 1/2 in units of 2⁻³².
+    #[must_use]
+    pub(crate) const fn to_q32(self) -> i32 {
+        self.0 << 2
+    }
+
+    /// The gain of [`to_q32`](Self::to_q32).
+    #[must_use]
+    pub(crate) const fn from_q32(bits: i32) -> Self {
+        Self(bits >> 2)
+    }
+
     /// Whether it is below 1/2.
     #[must_use]
     pub(crate) const fn is_below_half(self) -> bool {

@@ -15,6 +15,7 @@ use crate::faults::Detector;
 use crate::goal::{Goal, KeptGoals};
 use crate::link::{Link, Verdict};
 use crate::som::Grid;
+use crate::som::kernels::Kernels;
 use crate::units::{Millis, Range};
 use crate::wire::frame::{self, Frame, FrameError, Header};
 use crate::wire::message::{
@@ -122,6 +123,11 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             detector: Detector::new(),
             staged: Vec::new(),
         }
+    }
+
+    /// Has the processor's own kernels do what they can: see [`State::use_kernels`].
+    pub const fn use_kernels(&mut self, kernels: &'static Kernels) {
+        self.state.use_kernels(kernels);
     }
 
     /// Begins with this configuration and maps on this grid, which should have `NEURONS` places: says hello to whoever
@@ -380,10 +386,11 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             device_ms: self.link.time(now).as_ms(),
             said,
         };
-        let sent = Frame::pack(header, &report).is_ok_and(|frame| {
+        let mut frame = Frame::EMPTY;
+        let sent = frame.fill(header, &report).is_ok() && {
             self.kept.keep(frame.as_bytes());
             out.send(frame.as_bytes())
-        });
+        };
         self.counters.count_sent(sent);
     }
 

@@ -1,5 +1,6 @@
 //! Where the neurons stand: a rectangle with four direct neighbours each, or a chain with two.
 
+use crate::fixed::Mask;
 use serde::{Deserialize, Serialize};
 
 /// Index of a neuron that does not exist.
@@ -150,6 +151,33 @@ impl Grid {
         ]
     }
 
+    /// The direct neighbours of neuron `k` on a grid of at most 32 neurons, of which some are left out on a larger one.
+    #[inline(always)]
+    pub(crate) fn mask_around(self, k: usize) -> Mask {
+        if self.edges == Edges::Wrapped {
+            return self.mask_around_wrapped(k);
+        }
+        let bit = |k: usize| Mask::NONE.with(k).to_bits();
+        // What is beyond the grid is no neuron's bit.
+        let all = bit(self.len()).wrapping_sub(1);
+        let (here, columns) = (bit(k) & all, self.columns() as u32);
+        let column = k % self.columns();
+        let mut mask = here.checked_shr(columns).unwrap_or(0);
+        mask |= here.checked_shl(columns).unwrap_or(0) & all;
+        if column > 0 {
+            mask |= here >> 1;
+        }
+        if column < self.more_columns as usize {
+            mask |= here << 1;
+        }
+        Mask::from_bits(mask & all)
+    }
+
+    #[inline(never)]
+    fn mask_around_wrapped(self, k: usize) -> Mask {
+        self.neighbours(k).fold(Mask::NONE, Mask::with)
+    }
+
     /// Whether two neurons are direct neighbours.
     #[must_use]
     pub fn are_neighbours(self, a: usize, b: usize) -> bool {
@@ -192,6 +220,23 @@ mod tests {
                         );
                         assert_eq!(grid.hops(a, b), grid.hops(b, a));
                     }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_mask_says_who_is_around() {
+        for edges in [Edges::Open, Edges::Wrapped] {
+            for (columns, rows) in [(4, 4), (16, 1), (32, 1), (1, 32), (5, 3), (2, 2), (1, 1)] {
+                let grid = Grid::rectangle(columns, rows).with_edges(edges);
+                for k in 0..34 {
+                    let around = grid.neighbours(k).collect::<Vec<_>>();
+                    let mask = grid.mask_around(k).to_bits();
+                    let bits = (0..32).filter(|k| mask & (1 << k) != 0);
+                    let mut around = around.clone();
+                    around.sort_unstable();
+                    assert_eq!(bits.collect::<Vec<_>>(), around, "{grid:?} {k}");
                 }
             }
         }

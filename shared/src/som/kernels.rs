@@ -77,6 +77,41 @@ pub fn alignments(
     }
 }
 
+/// Kernels written for a processor, for maps of 16 neurons with 16 components, in which a robot of the paper's size spends
+/// its time. What a map answers and learns is the same with them and without; [`Som::use_kernels`](super::Som::use_kernels).
+#[derive(Debug)]
+pub struct Kernels {
+    /// Bit `k` for each neuron whose rank, (base − 2 w·x) / 2 in units of 2⁻²⁶, is above the least by `margin` at most.
+    /// Bases are below 2³¹ in magnitude, half of one and each product w x are rounded down.
+    pub rivals: extern "C" fn(
+        code: &[[Fine; 16]; 16],
+        bases: &[i32; 16],
+        probe: &[Weight; 16],
+        margin: i32,
+    ) -> u32,
+    /// Moves the code vectors of two groups of neurons towards the probe as [`approach`], and keeps their squared lengths
+    /// (see [`squared_norm`]) in step.
+    pub pull: extern "C" fn(
+        code: &mut [[Fine; 16]; 16],
+        norms: &mut [i32; 16],
+        probe: &[Weight; 16],
+        groups: &[Group; 2],
+    ),
+}
+
+/// Neurons that move by the same gain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(C)]
+pub struct Group {
+    /// The gain, below 1/2, in units of 2⁻³²; after a group of gain 0 there is none.
+    pub gain_q32: i32,
+    /// Bit `k` for neuron `k`.
+    pub neurons: u32,
+}
+
+/// Bits between the units of ranks, 2⁻¹⁷, and those of squared lengths.
+pub(crate) const RANK_BITS: u32 = 9;
+
 /// Components that a pass over the neurons takes: few enough to keep the probe's in the chip's registers.
 const COLUMNS: usize = 4;
 
@@ -241,44 +276,53 @@ pub(crate) const fn rank_margin(dims: usize, weight_q8: u16) -> i32 {
     ((RANK_MARGIN * dims * weight_q8 as i64) >> 17) as i32 + dims as i32 + 2
 }
 
-/// As [`nearest`] by ranks, which may be out of order by `margin`.
+/// The only one of the neurons, or `None`.
 #[inline(always)]
-pub(crate) fn nearest_ranked<const NEURONS: usize>(
-    ranks: &[i32; NEURONS],
-    margin: i32,
-    distance: impl Fn(usize) -> u64,
-) -> usize {
-    let (first, most) = least_rank(ranks, margin);
-    let Some(most) = most else {
-        return first;
-    };
-    let mut best = (first, u64::MAX);
-    for (rival, &rank) in ranks.iter().enumerate() {
-        if rank <= most {
-            let distance = distance(rival);
-            if distance < best.1 {
-                best = (rival, distance);
-            }
+pub(crate) const fn single(rivals: Mask) -> Option<usize> {
+    let bits = rivals.to_bits();
+    if bits & bits.wrapping_sub(1) == 0 {
+        Some(bits.trailing_zeros() as usize)
+    } else {
+        None
+    }
+}
+
+/// The nearest of the neurons, the lowest index on ties.
+#[inline(always)]
+pub(crate) fn nearest_of(rivals: Mask, distance: impl Fn(usize) -> u64) -> usize {
+    let mut best = (0, u64::MAX);
+    for rival in rivals.indices(32) {
+        let distance = distance(rival);
+        if distance < best.1 {
+            best = (rival, distance);
         }
     }
     best.0
 }
 
-/// Index of the least rank, the lowest on ties, and the greatest rank of a rival if there is another neuron within
-/// `margin`.
-#[inline(never)]
-fn least_rank<const NEURONS: usize>(ranks: &[i32; NEURONS], margin: i32) -> (usize, Option<i32>) {
-    let mut first = (0, i32::MAX);
+/// The neurons, at most 32, whose ranks are above the least by `margin` at most.
+#[inline(always)]
+pub(crate) fn rivals<const NEURONS: usize>(ranks: &[i32; NEURONS], margin: i32) -> Mask {
+    const { assert!(NEURONS <= 32, "a mask has 32 bits") };
+    let (mut first, mut least, mut second) = (0, i32::MAX, i32::MAX);
     for (index, &rank) in ranks.iter().enumerate() {
-        if rank < first.1 {
-            first = (index, rank);
+        // Most are not.
+        if rank < second {
+            if rank < least {
+                (first, least, second) = (index, rank, least);
+            } else {
+                second = rank;
+            }
         }
     }
-    let (first, lowest) = first;
-    let most = lowest.saturating_add(margin);
-    let mut all = ranks.iter().enumerate();
-    let rivalled = all.any(|(index, &rank)| rank <= most && index != first);
-    (first, rivalled.then_some(most))
+    let most = least.saturating_add(margin);
+    let mut rivals = Mask::NONE.with(first);
+    if second <= most {
+        for (index, _) in ranks.iter().enumerate().filter(|(_, rank)| **rank <= most) {
+            rivals = rivals.with(index);
+        }
+    }
+    rivals
 }
 
 /// Squared distance in full precision of the probe to code vector `k` over the components that `mask` believes, in units

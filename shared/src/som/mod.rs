@@ -25,16 +25,28 @@ pub use neighbourhood::Neighbourhood;
 pub use schedule::{Decay, Schedule};
 
 use crate::fixed::{FINE_ONE_BITS, Fine, Gain, Mask, Scalar, Weight, coarse, squared_norm};
+use kernels::{Group, Kernels};
 use neighbourhood::Pull;
 
 /// A map of `NEURONS` neurons with code vectors of `DIMS` components in [−1, 1].
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone)]
 pub struct Som<const NEURONS: usize, const DIMS: usize> {
     grid: Grid,
+    /// Used where the map has their size; `None` = the portable ones alone.
+    kernels: Option<&'static Kernels>,
     code: [[Fine; DIMS]; NEURONS],
     /// Squared lengths of the upper halves of the code vectors, kept in step with `code`.
     norms: [i32; NEURONS],
 }
+
+/// What the map knows, whoever computes with it.
+impl<const NEURONS: usize, const DIMS: usize> PartialEq for Som<NEURONS, DIMS> {
+    fn eq(&self, other: &Self) -> bool {
+        self.grid == other.grid && self.code == other.code && self.norms == other.norms
+    }
+}
+
+impl<const NEURONS: usize, const DIMS: usize> Eq for Som<NEURONS, DIMS> {}
 
 impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     /// A map with these code vectors; components are clamped to [−1, 1]. `grid` should have `NEURONS` places: neurons
@@ -45,7 +57,12 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         let code = code.map(|row| row.map(unit));
         const { assert!(DIMS <= 31, "squared lengths are kept in 32 bits") };
         let norms = core::array::from_fn(|k| code.get(k).map_or(0, |row| squared_norm(row) as i32));
-        Self { grid, code, norms }
+        Self {
+            grid,
+            kernels: None,
+            code,
+            norms,
+        }
     }
 
     /// A map whose code vectors are all zero.
@@ -54,9 +71,15 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         const { assert!(DIMS <= 31, "squared lengths are kept in 32 bits") };
         Self {
             grid,
+            kernels: None,
             code: [[Fine::ZERO; DIMS]; NEURONS],
             norms: [0; NEURONS],
         }
+    }
+
+    /// Has the processor's own kernels do what they can; a map of another size than theirs goes on without.
+    pub const fn use_kernels(&mut self, kernels: &'static Kernels) {
+        self.kernels = Some(kernels);
     }
 
     /// The grid.
@@ -147,12 +170,53 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     }
 
     /// The best-matching unit over the components that `mask` believes, in full precision; the lowest index on ties.
-    #[inline]
+    #[inline(never)]
     #[must_use]
     pub fn winner(&self, probe: &[Weight; DIMS], mask: Mask) -> usize {
-        let ranks = self.ranks(probe, mask);
-        let margin = const { kernels::rank_margin(DIMS, 1 << 8) };
-        kernels::nearest_ranked(&ranks, margin, |k| self.distance(k, probe, mask))
+        let by_hand = match mask.covers(DIMS) {
+            true => self.rivals_by_hand(&self.norms, probe, Self::MARGIN),
+            false => None,
+        };
+        let rivals = by_hand.unwrap_or_else(|| self.rivals(probe, mask));
+        kernels::single(rivals).unwrap_or_else(|| self.nearest_of(rivals, probe, mask))
+    }
+
+    /// By how much the ranks of two neurons may be out of order.
+    pub(crate) const MARGIN: i32 = kernels::rank_margin(DIMS, 1 << 8);
+
+    /// The neurons that may be nearest.
+    #[inline(never)]
+    fn rivals(&self, probe: &[Weight; DIMS], mask: Mask) -> Mask {
+        kernels::rivals(&self.ranks(probe, mask), Self::MARGIN)
+    }
+
+    #[inline(never)]
+    fn nearest_of(&self, rivals: Mask, probe: &[Weight; DIMS], mask: Mask) -> usize {
+        kernels::nearest_of(rivals, |k| self.distance(k, probe, mask))
+    }
+
+    /// Whether there are kernels for the processor and a map of this size.
+    #[inline(always)]
+    pub(crate) const fn has_kernels(&self) -> bool {
+        NEURONS == 16 && DIMS == 16 && self.kernels.is_some()
+    }
+
+    /// The same by the processor's kernels, if there are any for this size; `margin` as of [`kernels::rank_margin`].
+    #[inline(always)]
+    pub(crate) fn rivals_by_hand(
+        &self,
+        bases: &[i32; NEURONS],
+        probe: &[Weight; DIMS],
+        margin: i32,
+    ) -> Option<Mask> {
+        let kernels = self.kernels.filter(|_| self.has_kernels())?;
+        let (code, _) = self.code.as_flattened().as_chunks();
+        let (code, bases) = (code.try_into().ok()?, bases.as_slice().try_into().ok()?);
+        let probe = probe.as_slice().try_into().ok()?;
+        // Ranks are half as large.
+        let margin = margin << (kernels::RANK_BITS - 1);
+        let rivals = (kernels.rivals)(code, bases, probe, margin);
+        Some(Mask::from_bits(rivals))
     }
 
     /// The scores in units of 2⁻¹⁷, see [`kernels::rank_margin`]. Over a part of the components there are no lengths to
@@ -187,6 +251,28 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         for (rank, row) in ranks.iter_mut().zip(&self.code) {
             *rank = kernels::rank_sum(*rank, row, &probe);
         }
+    }
+
+    /// Adds weighted scores to another map's squared lengths, as bases for its [`rivals_by_hand`](Self::rivals_by_hand); the weight in 1/256 is
+    /// below 512.
+    #[inline(always)]
+    pub(crate) fn add_to_bases(
+        &self,
+        probe: &[Weight; DIMS],
+        weight_q8: u16,
+        bases: &mut [i32; NEURONS],
+    ) {
+        let probe = probe.map(|x| kernels::rank_factor(x, weight_q8));
+        for ((base, row), norm) in bases.iter_mut().zip(&self.code).zip(&self.norms) {
+            let rank = kernels::rank_norm(*norm, weight_q8);
+            let rank = kernels::rank_sum(rank, row, &probe);
+            *base = base.wrapping_add(rank << kernels::RANK_BITS);
+        }
+    }
+
+    /// Squared lengths of the upper halves of the code vectors, in units of 2⁻²⁶.
+    pub(crate) const fn norms(&self) -> &[i32; NEURONS] {
+        &self.norms
     }
 
     /// Squared distance of the probe to neuron `k` over the components that `mask` believes, in units of 2⁻⁵⁰.
@@ -237,6 +323,20 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         mask: Mask,
         pull: &Pull<NEURONS>,
     ) {
+        let groups = self.groups(winner, mask, pull);
+        if groups.is_none_or(|groups| !self.pull_groups(probe, &groups)) {
+            self.learn_portably(winner, probe, mask, pull);
+        }
+    }
+
+    #[inline(never)]
+    fn learn_portably(
+        &mut self,
+        winner: usize,
+        probe: &[Weight; DIMS],
+        mask: Mask,
+        pull: &Pull<NEURONS>,
+    ) {
         let learn = Learn {
             grid: self.grid,
             dims: DIMS,
@@ -246,6 +346,42 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         learn.each(pull.view(), |k, gain| {
             self.pull(k, probe, mask, gain);
         });
+    }
+
+    /// Who moves by how much, if there are kernels for the processor that can do this step.
+    #[inline(always)]
+    pub(crate) fn groups(
+        &self,
+        winner: usize,
+        mask: Mask,
+        pull: &Pull<NEURONS>,
+    ) -> Option<[Group; 2]> {
+        let can = self.has_kernels() && mask.covers(DIMS);
+        can.then(|| pull.groups(self.grid, winner)).flatten()
+    }
+
+    /// Moves groups of neurons by the processor's kernels; `false` if there are none for this size.
+    #[inline(always)]
+    pub(crate) fn pull_groups(&mut self, probe: &[Weight; DIMS], groups: &[Group; 2]) -> bool {
+        if let Some(kernels) = self.kernels
+            && let Ok(code) = self.code.as_flattened_mut().as_chunks_mut().0.try_into()
+            && let Ok(norms) = self.norms.as_mut_slice().try_into()
+            && let Ok(probe) = probe.as_slice().try_into()
+        {
+            (kernels.pull)(code, norms, probe, groups);
+            return true;
+        }
+        false
+    }
+
+    /// Moves groups of neurons one by one: for few components.
+    #[inline(always)]
+    pub(crate) fn pull_each(&mut self, probe: &[Weight; DIMS], groups: &[Group; 2]) {
+        for group in groups {
+            for k in Mask::from_bits(group.neurons).indices(NEURONS) {
+                self.pull(k, probe, Mask::ALL, Gain::from_q32(group.gain_q32));
+            }
+        }
     }
 
     /// Moves neuron `k` towards the probe.

@@ -1,6 +1,8 @@
 //! How strongly the winner's neighbours learn with it.
 
-use crate::fixed::{Gain, exp_neg};
+use super::grid::Grid;
+use super::kernels::Group;
+use crate::fixed::{Gain, Mask, exp_neg};
 use serde::{Deserialize, Serialize};
 
 /// The shape of the neighbourhood.
@@ -90,6 +92,32 @@ impl<const REACH: usize> Pull<REACH> {
     /// Whether the winner learns alone.
     pub(crate) fn is_alone(&self) -> bool {
         self.shape == Shape::Direct { share: Gain::ZERO }
+    }
+
+    /// Who moves by how much around `winner`, for [`Kernels::pull`](super::kernels::Kernels::pull); `None` for a gain or a shape
+    /// that it does not know.
+    #[inline(always)]
+    pub(crate) fn groups(&self, grid: Grid, winner: usize) -> Option<[Group; 2]> {
+        let Shape::Direct { share } = self.shape else {
+            return None;
+        };
+        if !self.rate.is_below_half() || !share.is_below_half() {
+            return None;
+        }
+        let neighbours = match share {
+            Gain::ZERO => Mask::NONE,
+            _ => grid.mask_around(winner),
+        };
+        Some([
+            Group {
+                gain_q32: self.rate.to_q32(),
+                neurons: Mask::NONE.with(winner).to_bits(),
+            },
+            Group {
+                gain_q32: share.to_q32(),
+                neurons: neighbours.to_bits(),
+            },
+        ])
     }
 
     /// This pull without its size.

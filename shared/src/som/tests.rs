@@ -314,3 +314,74 @@ fn the_fixed_point_map_is_its_twin_in_floats() {
         );
     }
 }
+
+/// [`Kernels`](kernels::Kernels) in plain words.
+mod by_hand {
+    use super::*;
+    use kernels::{Group, Kernels};
+
+    pub static KERNELS: Kernels = Kernels { rivals, pull };
+
+    extern "C" fn rivals(
+        code: &[[Fine; 16]; 16],
+        bases: &[i32; 16],
+        probe: &[Weight; 16],
+        margin: i32,
+    ) -> u32 {
+        let product = |(w, x): (&Fine, &Weight)| {
+            ((i64::from(w.to_bits()) * i64::from(x.to_bits())) >> 16) as i32
+        };
+        let ranks = std::array::from_fn::<i32, 16, _>(|k| {
+            (bases[k] >> 1) - code[k].iter().zip(probe).map(product).sum::<i32>()
+        });
+        let least = ranks.into_iter().min().unwrap();
+        (0..16).fold(0, |mask, k| {
+            mask | u32::from(ranks[k] <= least.saturating_add(margin)) << k
+        })
+    }
+
+    extern "C" fn pull(
+        code: &mut [[Fine; 16]; 16],
+        norms: &mut [i32; 16],
+        probe: &[Weight; 16],
+        groups: &[Group; 2],
+    ) {
+        for group in groups.iter().take_while(|group| group.gain_q32 != 0) {
+            let gain = Gain::from_q32(group.gain_q32);
+            for k in (0..16).filter(|k| group.neurons & (1 << k) != 0) {
+                for (w, x) in code[k].iter_mut().zip(probe) {
+                    *w = crate::fixed::approach(*w, x.fine(), gain);
+                }
+                norms[k] = squared_norm(&code[k]) as i32;
+            }
+        }
+    }
+}
+
+proptest! {
+    /// Neurons a few units apart, or anywhere: the same answers and the same lessons with kernels and without.
+    #[test]
+    fn kernels_for_the_processor_change_nothing(
+        middle in components(-8_192..=8_192, 16), shifts in prop::collection::vec(-8_192_i32..=8_192, 16 * 16),
+        far in any::<bool>(), probes in components(-8_192..=8_192, 4 * 16), wrapped in any::<bool>(),
+        rate in 0_u32..=65_536, share in prop_oneof![Just(0_u32), 0_u32..=65_536], mask in prop_oneof![Just(Mask::ALL), any::<u32>().prop_map(Mask::from_bits)],
+    ) {
+        let edges = if wrapped { Edges::Wrapped } else { Edges::Open };
+        let mut portable = Som::<16, 16>::zeroed(Grid::rectangle(4, 4).with_edges(edges));
+        for (index, shift) in shifts.iter().enumerate() {
+            let shift = if far { shift << 17 } else { shift * 200 };
+            let value = (i32::from(middle[index % 16].to_bits()) << 15).saturating_add(shift);
+            portable.set_component(index, Fine::from_bits(value));
+        }
+        let mut map = portable.clone();
+        map.use_kernels(&by_hand::KERNELS);
+        let pull = Pull::new(Neighbourhood::Direct, rate, share);
+        for probe in probes.as_chunks::<16>().0 {
+            let winner = portable.winner(probe, mask);
+            prop_assert_eq!(map.winner(probe, mask), winner);
+            portable.learn(winner, probe, mask, &pull);
+            map.learn(winner, probe, mask, &pull);
+            prop_assert_eq!(&map, &portable);
+        }
+    }
+}

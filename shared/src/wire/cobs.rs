@@ -6,28 +6,25 @@
 /// Most bytes that can be coded.
 pub const MOST: usize = 254;
 
-/// Codes `data` into `coded`; returns the number of bytes, one more than the data's. Nothing for more than [`MOST`] bytes or
-/// too little room.
+/// Codes the bytes behind the first one where they are; the first one is overwritten. Nothing for more than [`MOST`] bytes,
+/// and none at all.
 #[must_use]
-pub fn encode(data: &[u8], coded: &mut [u8]) -> Option<usize> {
-    if data.len() > MOST {
+pub fn encode(bytes: &mut [u8]) -> Option<()> {
+    if bytes.len() > MOST.wrapping_add(1) {
         return None;
     }
-    let length = data.len().wrapping_add(1);
-    let coded = coded.get_mut(..length)?;
-    let (mut code, mut distance) = (0_usize, 1_u8);
-    for (index, &byte) in data.iter().enumerate() {
-        let place = index.wrapping_add(1);
-        if byte == 0 {
-            *coded.get_mut(code)? = distance;
-            (code, distance) = (place, 1);
-        } else {
-            *coded.get_mut(place)? = byte;
-            distance = distance.wrapping_add(1);
+    // From the last byte on: each zero becomes the distance to the next one, or to the end.
+    let mut distance = 1_u8;
+    let (first, rest) = bytes.split_first_mut()?;
+    for byte in rest.iter_mut().rev() {
+        if *byte == 0 {
+            *byte = distance;
+            distance = 0;
         }
+        distance = distance.wrapping_add(1);
     }
-    *coded.get_mut(code)? = distance;
-    Some(length)
+    *first = distance;
+    Some(())
 }
 
 /// Undoes [`encode`]; returns the number of bytes. Nothing for a coded form that nothing has, or too little room.
@@ -58,6 +55,13 @@ pub fn decode(coded: &[u8], data: &mut [u8]) -> Option<usize> {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use std::vec::Vec;
+
+    fn coded_form(data: &[u8]) -> Vec<u8> {
+        let mut bytes: Vec<u8> = core::iter::once(&0).chain(data).copied().collect();
+        encode(&mut bytes).unwrap();
+        bytes
+    }
 
     /// Examples of the paper's Table I and of the article on the method.
     #[test]
@@ -70,13 +74,13 @@ mod tests {
             (&[0x11, 0, 0, 0], &[2, 0x11, 1, 1, 1]),
         ] {
             let mut buffer = [0; 16];
-            assert_eq!(encode(data, &mut buffer), Some(coded.len()));
-            assert_eq!(&buffer[..coded.len()], coded);
+            assert_eq!(coded_form(data), coded);
             assert_eq!(decode(coded, &mut buffer), Some(data.len()));
             assert_eq!(&buffer[..data.len()], data);
         }
-        let mut buffer = [0; 256];
-        assert_eq!(encode(&[1; 255], &mut buffer), None);
+        let mut buffer = [1; 256];
+        assert_eq!(encode(&mut buffer), None);
+        assert_eq!(encode(&mut []), None);
         assert_eq!(decode(&[3, 1], &mut buffer), None);
         assert_eq!(decode(&[0, 1], &mut buffer), None);
         assert_eq!(decode(&[], &mut buffer), None);
@@ -85,19 +89,17 @@ mod tests {
     proptest! {
         #[test]
         fn what_is_coded_comes_back(data in prop::collection::vec(prop_oneof![Just(0_u8), any::<u8>()], 0..=MOST)) {
-            let (mut coded, mut back) = ([0; 255], [0; MOST]);
-            let length = encode(&data, &mut coded).unwrap();
-            prop_assert!(!coded[..length].contains(&0));
-            prop_assert_eq!(decode(&coded[..length], &mut back), Some(data.len()));
+            let (coded, mut back) = (coded_form(&data), [0; MOST]);
+            prop_assert!(!coded.contains(&0));
+            prop_assert_eq!(decode(&coded, &mut back), Some(data.len()));
             prop_assert_eq!(&back[..data.len()], &data[..]);
         }
 
         #[test]
         fn any_bytes_decode_or_not(coded in prop::collection::vec(any::<u8>(), 0..300)) {
-            let (mut data, mut again) = ([0; MOST], [0; 255]);
+            let mut data = [0; MOST];
             if let Some(length) = decode(&coded, &mut data) {
-                prop_assert_eq!(encode(&data[..length], &mut again), Some(coded.len()));
-                prop_assert_eq!(&again[..coded.len()], &coded[..]);
+                prop_assert_eq!(coded_form(&data[..length]), coded);
             }
         }
     }

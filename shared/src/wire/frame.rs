@@ -57,31 +57,49 @@ pub struct Frame {
 }
 
 impl Frame {
+    /// Nothing.
+    pub const EMPTY: Self = Self {
+        bytes: [0; MOST_FRAME],
+        length: 0,
+    };
+
     /// Packs a message.
     ///
     /// # Errors
     /// [`FrameError::TooLong`].
     pub fn pack<M: Serialize>(header: Header, message: &M) -> Result<Self, FrameError> {
-        let mut body = [0; cobs::MOST];
-        let room = body.get_mut(..MOST_BODY).ok_or(FrameError::TooLong)?;
-        let used = postcard::to_slice(&(header, message), room)
+        let mut frame = Self::EMPTY;
+        frame.fill(header, message).map(|()| frame)
+    }
+
+    /// Packs a message into this frame, where it stays: a frame is much to copy.
+    ///
+    /// # Errors
+    /// [`FrameError::TooLong`]; the frame is empty then.
+    pub fn fill<M: Serialize>(&mut self, header: Header, message: &M) -> Result<(), FrameError> {
+        self.length = 0;
+        let body = self.bytes.get_mut(1..MOST_BODY.wrapping_add(1));
+        let body = body.ok_or(FrameError::TooLong)?;
+        let used = postcard::to_slice(&(header, message), body)
             .map_err(|_| FrameError::TooLong)?
             .len();
-        let (text, rest) = body.split_at_mut_checked(used).ok_or(FrameError::TooLong)?;
-        let crc = checksum(text).to_le_bytes();
+        let end = used.wrapping_add(1);
+        let (text, rest) = (self.bytes)
+            .split_at_mut_checked(end)
+            .ok_or(FrameError::TooLong)?;
+        let crc = checksum(text.get(1..).unwrap_or(&[])).to_le_bytes();
         for (place, byte) in rest.iter_mut().zip(crc) {
             *place = byte;
         }
-        let whole = body
-            .get(..used.saturating_add(CRC_BYTES))
-            .ok_or(FrameError::TooLong)?;
-        let mut bytes = [0; MOST_FRAME];
-        let coded = cobs::encode(whole, &mut bytes).ok_or(FrameError::TooLong)?;
-        Ok(Self {
-            bytes,
-            // The byte behind the coded ones is the zero at the end.
-            length: coded.saturating_add(1).min(MOST_FRAME),
-        })
+        // The zero at the end stands behind the coded bytes.
+        let coded = end.wrapping_add(CRC_BYTES);
+        let bytes = self.bytes.get_mut(..=coded).ok_or(FrameError::TooLong)?;
+        if let Some((zero, coded)) = bytes.split_last_mut() {
+            *zero = 0;
+            cobs::encode(coded).ok_or(FrameError::TooLong)?;
+        }
+        self.length = coded.wrapping_add(1);
+        Ok(())
     }
 
     /// The bytes to send.

@@ -8,6 +8,7 @@ use amp::goal::{Goal, Side};
 use amp::som::Grid;
 use amp::units::{Bearing, Displacement, Millis, Range};
 use core::hint::black_box;
+use firmware::cortex_m4::KERNELS;
 use heapless::Vec;
 
 /// Decisions towards the goal.
@@ -54,10 +55,12 @@ pub struct Episode<'a> {
 impl<'a> Episode<'a> {
     /// The whole episode.
     pub fn new(watch: &'a Stopwatch, config: Config<16>) -> Self {
+        let mut state = NomadState::new(Grid::rectangle(4, 4));
+        state.use_kernels(&KERNELS);
         let mut episode = Self {
             watch,
             config,
-            state: NomadState::new(Grid::rectangle(4, 4)),
+            state,
             counts: Counts::default(),
             decisions: Vec::new(),
             room: Room::new(),

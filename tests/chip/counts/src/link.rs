@@ -13,6 +13,7 @@ use amp::wire::message::{
 };
 use amp::wire::{Frame, Header, PROTOCOL, Report, SCHEMA, frame};
 use core::hint::black_box;
+use firmware::cortex_m4::KERNELS;
 use heapless::Vec;
 
 /// Decisions by frames.
@@ -30,7 +31,8 @@ pub fn packing(watch: &Stopwatch, episode: &Episode<'_>) -> Tally {
             session: 7,
             seq: 4_711,
         };
-        let (instructions, _) = watch.count(|| Frame::pack(header, black_box(&report)));
+        let mut frame = Frame::EMPTY;
+        let (instructions, _) = watch.count(|| frame.fill(header, black_box(&report)));
         tally.add(instructions);
     }
     tally
@@ -84,6 +86,7 @@ impl Base {
             seq: 0,
             time: 0,
         };
+        base.node.use_kernels(&KERNELS);
         base.node.start(
             &episode.config,
             Grid::rectangle(4, 4),

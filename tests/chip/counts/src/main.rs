@@ -11,6 +11,8 @@ mod link;
 #[cfg(target_os = "none")]
 mod maps;
 #[cfg(target_os = "none")]
+mod oracle;
+#[cfg(target_os = "none")]
 mod room;
 #[cfg(target_os = "none")]
 mod stopwatch;
