@@ -203,7 +203,9 @@ impl Ring {
         }
         let tip = pose.position + axis * self.geometry.face_radius_m;
         let reach = self.config.max_range_m;
-        self.lobe.build(world, tip, axis, self.cone, reach);
+        let offset = self.geometry.face_radius_m;
+        self.lobe
+            .build(world, pose.position, offset, axis, self.cone, reach);
         let echo = self
             .hearing
             .first_echo(world, &self.lobe, tip, axis, &self.config);
