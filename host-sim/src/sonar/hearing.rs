@@ -9,7 +9,7 @@
 use core::f64::consts::PI;
 
 use super::SonarConfig;
-use crate::world::{Hit, LobeView, Point, RayBlock, Rays, Surface, World};
+use crate::world::{Hit, LobeView, Point, Rays, Surface, World};
 
 /// How much nearer than a corner a ray may end and still be said to reach it, m.
 const CORNER_SLACK_M: f64 = 1e-6;
@@ -110,8 +110,7 @@ impl Hearing {
             return;
         }
         lobe.meet(&mut self.to_corners, |_| farthest);
-        let ways = self.to_corners.blocks().iter().flat_map(|block| block.way);
-        for (&range, way) in self.corners.iter().zip(ways) {
+        for (&range, &way) in self.corners.iter().zip(self.to_corners.ways()) {
             if way >= range - CORNER_SLACK_M {
                 first.offer(range);
             }
@@ -127,19 +126,17 @@ impl Hearing {
         bounces: usize,
         first: &mut Nearest,
     ) {
-        for index in 0..self.fan_rays {
-            let Some((block, lane)) = self.rays.get(index) else {
-                return;
-            };
-            if self.answers_at(block, lane) {
+        let met = self.rays.ways().iter().zip(self.rays.cos_incidences());
+        for (ray, (&length, &cos)) in met.enumerate().take(self.fan_rays) {
+            if cos >= self.cos_max_incidence {
                 continue;
             }
-            let Some(mut normal) = lobe.normal(block.number[lane]) else {
+            let number = self.rays.numbers().get(ray);
+            let Some(mut normal) = number.and_then(|&number| lobe.normal(number)) else {
                 continue;
             };
-            let (mut at, mut direction) = (tip, block.direction(lane));
-            let mut last_way = block.way[lane];
-            let mut way = last_way;
+            let (mut at, mut direction) = (tip, self.rays.direction(ray));
+            let (mut last_way, mut way) = (length, length);
             for _ in 0..bounces {
                 at = at + direction * last_way;
                 direction = direction - normal * (2.0 * direction.dot(normal));
@@ -160,24 +157,18 @@ impl Hearing {
         matches!(hit.surface, Surface::Circle(_)) || hit.cos_incidence >= self.cos_max_incidence
     }
 
-    fn answers_at(&self, block: &RayBlock, lane: usize) -> bool {
-        block.cos_incidence[lane] >= self.cos_max_incidence
-    }
-
     /// Keeps the nearest answer of each surface.
     fn note_answers(&mut self) {
         self.answers.clear();
         let least_cos = self.cos_max_incidence;
-        for block in self.rays.blocks() {
-            for (lane, &way) in block.way.iter().enumerate() {
-                if block.cos_incidence[lane] < least_cos {
-                    continue;
-                }
-                let number = block.number[lane];
-                match self.answers.iter_mut().find(|(known, _)| *known == number) {
-                    Some((_, nearest)) => *nearest = nearest.min(way),
-                    None => self.answers.push((number, way)),
-                }
+        let met = self.rays.ways().iter().zip(self.rays.cos_incidences());
+        for ((&way, &cos), &number) in met.zip(self.rays.numbers()) {
+            if cos < least_cos {
+                continue;
+            }
+            match self.answers.iter_mut().find(|(known, _)| *known == number) {
+                Some((_, nearest)) => *nearest = nearest.min(way),
+                None => self.answers.push((number, way)),
             }
         }
     }
@@ -185,11 +176,13 @@ impl Hearing {
 
 /// Range of the nearest answer any ray got, m; infinite if none did.
 fn nearest_answer(rays: &Rays, least_cos: f64) -> f64 {
-    let mut nearest = [f64::INFINITY; RayBlock::LANES];
-    for block in rays.blocks() {
+    // Rays come in whole blocks: as many lists of nearest ones as a block has places.
+    let mut nearest = [f64::INFINITY; 8];
+    let (ways, _) = rays.ways().as_chunks::<8>();
+    let (cosines, _) = rays.cos_incidences().as_chunks::<8>();
+    for (ways, cosines) in ways.iter().zip(cosines) {
         for (i, nearest) in nearest.iter_mut().enumerate() {
-            let answers = block.cos_incidence[i] >= least_cos;
-            let way = if answers { block.way[i] } else { f64::INFINITY };
+            let way = if cosines[i] >= least_cos { ways[i] } else { f64::INFINITY };
             *nearest = if way < *nearest { way } else { *nearest };
         }
     }

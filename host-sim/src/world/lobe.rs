@@ -1,12 +1,15 @@
 //! What one lobe can meet, and the rays of a fan within it.
 //!
 //! A [`LobeView`] holds the faces, circles and corners that one lobe can meet, so that a fan of rays pays only for those.
-//! Rays come in blocks of [`LANES`], and a thing is held against a whole block at a time. Things are taken from near to
+//! A thing is held against all rays at once. Things are taken from near to
 //! far, and once the fan has got an answer, what lies beyond it is left alone.
 
+use wide::{CmpEq as _, CmpGe as _, CmpGt as _, CmpLe as _, CmpLt as _, f64x4};
+
 use super::World;
-use super::faces::{FaceBlock, LANES, clamp, max, min};
+use super::faces::{FaceBlock, LANES, min};
 use super::geometry::Point;
+use super::surfaces::PointBlock;
 use super::surroundings::Surroundings;
 use super::view::{ConeShape, circle_in_cone};
 
@@ -16,153 +19,155 @@ const SLACK_M: f64 = 1e-3;
 /// Things up to this many times as far as the nearest one, squared, are looked at in one go.
 const STRIDE: f64 = 1.44;
 
-/// [`LANES`] rays from one tip and what each met first.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RayBlock {
-    /// Unit vectors; nothing is met by a ray of length 0.
-    x: [f64; LANES],
-    y: [f64; LANES],
-    /// Length of each ray, m; infinite while it has met nothing.
-    pub way: [f64; LANES],
-    /// Cosine of the angle between each ray and the normal of the face it met; 1 for a circle.
-    pub cos_incidence: [f64; LANES],
-    /// Number of the thing met: a face's or, higher than those, a circle's place in the world's list; −∞ for none.
-    pub number: [f64; LANES],
-}
-
-impl RayBlock {
-    /// Rays in a block.
-    pub const LANES: usize = LANES;
-
-    const EMPTY: Self = Self {
-        x: [0.0; LANES],
-        y: [0.0; LANES],
-        way: [f64::INFINITY; LANES],
-        cos_incidence: [0.0; LANES],
-        number: [f64::NEG_INFINITY; LANES],
-    };
-
-    /// Direction of a ray.
-    #[must_use]
-    pub fn direction(&self, lane: usize) -> Point {
-        Point::new(self.x[lane], self.y[lane])
-    }
-
-    #[inline]
-    fn meet_face(&mut self, u: Point, p: f64, q: f64, length: f64, number: f64) {
-        for i in 0..LANES {
-            let cos = self.x[i] * u.y - self.y[i] * u.x;
-            // Where the ray meets the face's line, times the cosine.
-            let along = q * (self.x[i] * u.x + self.y[i] * u.y);
-            let (from, to) = (p * cos, (p + length) * cos);
-            let met = (cos > 0.0) & (along >= from) & (along <= to);
-            let way = if met { q / cos } else { f64::INFINITY };
-            self.take(i, way, cos, number);
-        }
-    }
-
-    #[inline]
-    fn meet_circle(&mut self, center: Point, radius: f64, number: f64) {
-        for i in 0..LANES {
-            let across = self.x[i] * center.y - self.y[i] * center.x;
-            let depth = radius * radius - across * across;
-            let way = self.x[i] * center.x + self.y[i] * center.y - max(depth, 0.0).sqrt();
-            let met = (depth >= 0.0) & (way > 0.0);
-            self.take(i, if met { way } else { f64::INFINITY }, 1.0, number);
-        }
-    }
-
-    /// Of two things met at the same distance, the one first in the world's list counts.
-    #[inline(always)]
-    fn take(&mut self, i: usize, way: f64, cos_incidence: f64, number: f64) {
-        let first = (way < self.way[i]) | ((way == self.way[i]) & (number < self.number[i]));
-        self.cos_incidence[i] = if first {
-            cos_incidence
-        } else {
-            self.cos_incidence[i]
-        };
-        self.number[i] = if first { number } else { self.number[i] };
-        self.way[i] = if first { way } else { self.way[i] };
-    }
-}
-
-/// Rays from one tip. Reusable.
+/// Rays from one tip and what each met first, one list per quantity. Reusable.
+///
+/// The lists are filled up to whole blocks of [`LANES`] with rays of length 0, which meet nothing.
 #[derive(Debug, Clone, Default)]
 pub struct Rays {
-    blocks: Vec<RayBlock>,
+    x: Vec<f64>,
+    y: Vec<f64>,
+    way: Vec<f64>,
+    cos_incidence: Vec<f64>,
+    number: Vec<f64>,
     count: usize,
 }
 
 impl Rays {
     /// Forgets all rays.
     pub fn clear(&mut self) {
-        self.blocks.clear();
-        self.count = 0;
+        self.x.clear();
+        self.y.clear();
+        self.begin(0);
     }
 
     /// Adds a ray along a unit vector.
     pub fn push(&mut self, direction: Point) {
-        let lane = self.count % LANES;
-        if lane == 0 {
-            self.blocks.push(RayBlock::EMPTY);
+        if self.count.is_multiple_of(LANES) {
+            let most = self.count + LANES;
+            self.x.resize(most, 0.0);
+            self.y.resize(most, 0.0);
+            self.way.resize(most, f64::INFINITY);
+            self.cos_incidence.resize(most, 0.0);
+            self.number.resize(most, f64::NEG_INFINITY);
         }
-        if let Some(block) = self.blocks.last_mut() {
-            (block.x[lane], block.y[lane]) = (direction.x, direction.y);
+        if let (Some(x), Some(y)) = (self.x.get_mut(self.count), self.y.get_mut(self.count)) {
+            (*x, *y) = (direction.x, direction.y);
         }
         self.count += 1;
     }
 
     /// These rays turned left by the angle whose unit vector is `direction`, none of which has met anything.
     pub fn turned_into(&self, direction: Point, out: &mut Self) {
-        out.blocks.clear();
-        out.count = self.count;
-        out.blocks.extend(self.blocks.iter().map(|block| {
-            let mut turned = RayBlock::EMPTY;
-            for i in 0..LANES {
-                turned.x[i] = block.x[i] * direction.x - block.y[i] * direction.y;
-                turned.y[i] = block.x[i] * direction.y + block.y[i] * direction.x;
-            }
-            turned
-        }));
+        let rays = || self.x.iter().zip(&self.y);
+        out.x.clear();
+        out.y.clear();
+        out.x.extend(rays().map(|(x, y)| x * direction.x - y * direction.y));
+        out.y.extend(rays().map(|(x, y)| x * direction.y + y * direction.x));
+        out.begin(self.count);
     }
 
-    /// The block that holds a ray, and its place there.
-    #[must_use]
-    pub fn get(&self, ray: usize) -> Option<(&RayBlock, usize)> {
-        let block = self.blocks.get(ray / LANES).filter(|_| ray < self.count)?;
-        Some((block, ray % LANES))
+    /// So many rays, of as many places as there are, begin anew.
+    fn begin(&mut self, count: usize) {
+        let places = self.x.len();
+        self.count = count;
+        self.way.clear();
+        self.way.resize(places, f64::INFINITY);
+        self.cos_incidence.clear();
+        self.cos_incidence.resize(places, 0.0);
+        self.number.clear();
+        self.number.resize(places, f64::NEG_INFINITY);
     }
 
-    /// The rays in blocks; what fills up the last one meets nothing.
+    /// Length of each ray, m: infinite while it has met nothing, and where the list is only filled up.
     #[must_use]
-    pub fn blocks(&self) -> &[RayBlock] {
-        &self.blocks
+    pub fn ways(&self) -> &[f64] {
+        &self.way
+    }
+
+    /// Cosine of the angle between each ray and the normal of the face it met; 1 for a circle, 0 for nothing.
+    #[must_use]
+    pub fn cos_incidences(&self) -> &[f64] {
+        &self.cos_incidence
+    }
+
+    /// Number of the thing each ray met: a face's or, higher than those, a circle's place in the world's list; −∞ for
+    /// nothing.
+    #[must_use]
+    pub fn numbers(&self) -> &[f64] {
+        &self.number
+    }
+
+    /// Direction of a ray; nowhere beyond the last.
+    #[must_use]
+    pub fn direction(&self, ray: usize) -> Point {
+        let at = |list: &[f64]| list.get(ray).copied().unwrap_or_default();
+        Point::new(at(&self.x), at(&self.y))
+    }
+
+    /// Holds a face against every ray.
+    fn meet_face(&mut self, face: &SeenFace) {
+        let [ux, uy, p, q] = [face.u.x, face.u.y, face.p, face.q].map(f64x4::splat);
+        let end = f64x4::splat(face.p + face.length);
+        self.meet(face.number, |x, y| {
+            let cos = x * uy - y * ux;
+            // Where the ray meets the face's line, times the cosine.
+            let along = q * (x * ux + y * uy);
+            let met = cos.simd_gt(f64x4::ZERO)
+                & along.simd_ge(p * cos)
+                & along.simd_le(end * cos);
+            // Most rays miss, without a division.
+            met.any().then(|| (met, q / cos, cos))
+        });
+    }
+
+    /// Holds a circle against every ray.
+    fn meet_circle(&mut self, circle: &SeenCircle) {
+        let [cx, cy] = [circle.center.x, circle.center.y].map(f64x4::splat);
+        let squared = f64x4::splat(circle.radius * circle.radius);
+        self.meet(circle.number, |x, y| {
+            let across = x * cy - y * cx;
+            let depth = squared - across * across;
+            let reached = depth.simd_ge(f64x4::ZERO);
+            let way = x * cx + y * cy - reached.select(depth, f64x4::ZERO).sqrt();
+            let met = reached & way.simd_gt(f64x4::ZERO);
+            met.any().then_some((met, way, f64x4::ONE))
+        });
+    }
+
+    /// Holds thing `number` against every ray, four at a time: `met` says which of them meet it, how far off, and how. Of
+    /// two things met at the same distance, the one first in the world's list counts.
+    #[inline(always)]
+    fn meet(&mut self, number: f64, met: impl Fn(f64x4, f64x4) -> Option<(f64x4, f64x4, f64x4)>) {
+        let number = f64x4::splat(number);
+        let [x, y] = [&self.x, &self.y].map(|list| list.as_chunks::<4>().0);
+        let ways = self.way.as_chunks_mut::<4>().0;
+        let cosines = self.cos_incidence.as_chunks_mut::<4>().0;
+        let numbers = self.number.as_chunks_mut::<4>().0;
+        let known = ways.iter_mut().zip(cosines).zip(numbers);
+        for ((x, y), ((way, cos), known)) in x.iter().zip(y).zip(known) {
+            let Some((met, new, new_cos)) = met(f64x4::new(*x), f64x4::new(*y)) else {
+                continue;
+            };
+            let (old, old_number) = (f64x4::new(*way), f64x4::new(*known));
+            let earlier = new.simd_eq(old) & number.simd_lt(old_number);
+            let first = met & (new.simd_lt(old) | earlier);
+            *way = first.select(new, old).to_array();
+            *cos = first.select(new_cos, f64x4::new(*cos)).to_array();
+            *known = first.select(number, old_number).to_array();
+        }
     }
 }
 
-/// [`LANES`] faces as seen from the tip of a lobe; see [`super::View`].
+/// A face as seen from the tip of a lobe; see [`super::View`].
 #[derive(Debug, Clone, Copy)]
-struct SeenBlock {
-    ux: [f64; LANES],
-    uy: [f64; LANES],
-    p: [f64; LANES],
-    q: [f64; LANES],
-    length: [f64; LANES],
-    number: [f64; LANES],
-    /// Squared distance of the nearest point within the lobe, m²; infinite where there is no face.
-    near: [f64; LANES],
-}
-
-impl SeenBlock {
-    const EMPTY: Self = Self {
-        ux: [1.0; LANES],
-        uy: [0.0; LANES],
-        p: [0.0; LANES],
-        q: [0.0; LANES],
-        length: [0.0; LANES],
-        number: [f64::INFINITY; LANES],
-        near: [f64::INFINITY; LANES],
-    };
+struct SeenFace {
+    u: Point,
+    p: f64,
+    q: f64,
+    length: f64,
+    number: f64,
+    /// Squared distance of the nearest point within the lobe, m².
+    near: f64,
 }
 
 /// A circle as seen from the tip of a lobe.
@@ -197,8 +202,7 @@ impl Lobe {
 #[derive(Debug, Clone, Default)]
 pub struct LobeView {
     around: Surroundings,
-    faces: Vec<SeenBlock>,
-    count: usize,
+    faces: Vec<SeenFace>,
     circles: Vec<SeenCircle>,
     corners: Vec<(Point, f64)>,
 }
@@ -223,14 +227,11 @@ impl LobeView {
             cone,
             reach: reach_m,
         };
-        self.count = 0;
+        self.faces.clear();
         for (block, circle) in around.faces.blocks.iter().zip(&around.around_faces) {
             if lobe.may_reach(*circle) {
                 self.keep_faces(block, &lobe);
             }
-        }
-        if let Some(last) = self.faces.get_mut(self.count / LANES) {
-            last.near[self.count % LANES..].fill(f64::INFINITY);
         }
         self.circles.clear();
         for circle in around.circles.iter().chain(&world.posts) {
@@ -248,67 +249,76 @@ impl LobeView {
         self.corners.clear();
         for (block, circle) in around.corners.iter().zip(&around.around_corners) {
             if lobe.may_reach(*circle) {
-                for i in 0..LANES {
-                    let corner = Point::new(block.x[i], block.y[i]) - lobe.tip;
-                    let (along, across) = (axis.dot(corner), axis.cross(corner).abs());
-                    let range = corner.length();
-                    if across * cone.cos <= along * cone.sin && range <= reach_m {
-                        self.corners.push((corner, range));
-                    }
-                }
+                self.keep_corners(block, &lobe);
             }
         }
         self.around = around;
     }
 
+    /// Appends the corners of a block that lie in the lobe.
+    #[inline]
+    fn keep_corners(&mut self, block: &PointBlock, lobe: &Lobe) {
+        let [ax, ay, tip_x, tip_y] =
+            [lobe.axis.x, lobe.axis.y, lobe.tip.x, lobe.tip.y].map(f64x4::splat);
+        let (xs, ys) = (block.x.as_chunks::<4>().0, block.y.as_chunks::<4>().0);
+        for (xs, ys) in xs.iter().zip(ys) {
+            let (x, y) = (f64x4::new(*xs) - tip_x, f64x4::new(*ys) - tip_y);
+            let (along, across) = (ax * x + ay * y, (ax * y - ay * x).abs());
+            let inside = (across * lobe.cone.cos).simd_le(along * lobe.cone.sin);
+            let (x, y) = (x.to_array(), y.to_array());
+            for lane in lanes(inside.to_bitmask()) {
+                let corner = Point::new(x[lane], y[lane]);
+                let range = corner.length();
+                if range <= lobe.reach {
+                    self.corners.push((corner, range));
+                }
+            }
+        }
+    }
+
     /// Appends the faces of a block of which any part lies in the lobe.
     #[inline]
     fn keep_faces(&mut self, block: &FaceBlock, lobe: &Lobe) {
-        let (axis, cone) = (lobe.axis, lobe.cone);
-        let (mut p, mut q, mut near) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-        let mut keep = [false; LANES];
-        for i in 0..LANES {
-            let (ux, uy) = (block.ux[i], block.uy[i]);
-            let (dx, dy) = (block.ax[i] - lobe.tip.x, block.ay[i] - lobe.tip.y);
-            p[i] = dx * ux + dy * uy;
-            q[i] = dx * uy - dy * ux;
-            let (axis_u, axis_n) = (axis.x * ux + axis.y * uy, axis.x * uy - axis.y * ux);
-            let (left_n, left_u) = (
-                axis_n * cone.cos - axis_u * cone.sin,
-                axis_u * cone.cos + axis_n * cone.sin,
-            );
-            let (right_n, right_u) = (
-                axis_n * cone.cos + axis_u * cone.sin,
-                axis_u * cone.cos - axis_n * cone.sin,
-            );
-            let (left, right) = (q[i] * left_u / left_n, q[i] * right_u / right_n);
-            let left = if left_n > 0.0 { left } else { f64::INFINITY };
-            let right = if right_n > 0.0 { right } else { -f64::INFINITY };
-            let (from, to) = (max(p[i], right), min(p[i] + block.length[i], left));
-            let nearest = clamp(0.0, from, to);
-            near[i] = nearest * nearest + q[i] * q[i];
-            keep[i] = (q[i] > 0.0)
-                & (max(left_n, right_n) > 0.0)
-                & (from <= to)
-                & (near[i] <= lobe.reach * lobe.reach);
-        }
-        let most = (self.count + LANES).div_ceil(LANES);
-        if self.faces.len() < most {
-            self.faces.resize(most, SeenBlock::EMPTY);
-        }
-        for i in 0..LANES {
-            // Written in any case and counted if kept: no branch to mispredict.
-            if let Some(seen) = self.faces.get_mut(self.count / LANES) {
-                let lane = self.count % LANES;
-                seen.ux[lane] = block.ux[i];
-                seen.uy[lane] = block.uy[i];
-                seen.p[lane] = p[i];
-                seen.q[lane] = q[i];
-                seen.length[lane] = block.length[i];
-                seen.number[lane] = block.number[i];
-                seen.near[lane] = near[i];
+        let [ax, ay, tip_x, tip_y] =
+            [lobe.axis.x, lobe.axis.y, lobe.tip.x, lobe.tip.y].map(f64x4::splat);
+        let (sin, cos) = (f64x4::splat(lobe.cone.sin), f64x4::splat(lobe.cone.cos));
+        let (zero, infinity) = (f64x4::ZERO, f64x4::splat(f64::INFINITY));
+        for half in 0..LANES / 4 {
+            let four = |list: &[f64; LANES]| f64x4::new(list.as_chunks::<4>().0[half]);
+            let (ux, uy, length) = (four(&block.ux), four(&block.uy), four(&block.length));
+            let (dx, dy) = (four(&block.ax) - tip_x, four(&block.ay) - tip_y);
+            let (p, q) = (dx * ux + dy * uy, dx * uy - dy * ux);
+            let (axis_u, axis_n) = (ax * ux + ay * uy, ax * uy - ay * ux);
+            let (left_n, left_u) = (axis_n * cos - axis_u * sin, axis_u * cos + axis_n * sin);
+            let (right_n, right_u) = (axis_n * cos + axis_u * sin, axis_u * cos - axis_n * sin);
+            let (met_left, met_right) = (left_n.simd_gt(zero), right_n.simd_gt(zero));
+            let seen = q.simd_gt(zero) & (met_left | met_right);
+            if !seen.any() {
+                continue;
             }
-            self.count += usize::from(keep[i]);
+            // An edge of the cone that runs away from the face bounds nothing.
+            let left = met_left.select(q * left_u / left_n, infinity);
+            let right = met_right.select(q * right_u / right_n, -infinity);
+            let from = p.simd_gt(right).select(p, right);
+            let end = p + length;
+            let to = end.simd_lt(left).select(end, left);
+            let nearest = to.simd_lt(zero).select(to, zero);
+            let nearest = from.simd_gt(nearest).select(from, nearest);
+            let near = nearest * nearest + q * q;
+            let reached = near.simd_le(f64x4::splat(lobe.reach * lobe.reach));
+            let kept = seen & from.simd_le(to) & reached;
+            let (p, q, near) = (p.to_array(), q.to_array(), near.to_array());
+            for lane in lanes(kept.to_bitmask()) {
+                let face = block.face(4 * half + lane);
+                self.faces.push(SeenFace {
+                    u: face.u,
+                    p: p[lane],
+                    q: q[lane],
+                    length: face.length,
+                    number: face.number,
+                    near: near[lane],
+                });
+            }
         }
     }
 
@@ -324,43 +334,22 @@ impl LobeView {
             }
             let until = next * STRIDE;
             let due = |near: f64| near > done && near <= until;
-            for block in self.seen() {
-                for i in (0..LANES).filter(|&i| due(block.near[i])) {
-                    let (u, length) = (Point::new(block.ux[i], block.uy[i]), block.length[i]);
-                    for rays in &mut rays.blocks {
-                        rays.meet_face(u, block.p[i], block.q[i], length, block.number[i]);
-                    }
-                }
+            for face in self.faces.iter().filter(|face| due(face.near)) {
+                rays.meet_face(face);
             }
             for circle in self.circles.iter().filter(|circle| due(circle.near)) {
-                for rays in &mut rays.blocks {
-                    rays.meet_circle(circle.center, circle.radius, circle.number);
-                }
+                rays.meet_circle(circle);
             }
             done = until;
         }
     }
 
-    /// The blocks that hold faces.
-    fn seen(&self) -> &[SeenBlock] {
-        self.faces.get(..self.count.div_ceil(LANES)).unwrap_or(&[])
-    }
-
     /// Squared distance of the nearest thing beyond a squared distance, m²; infinite if there is none.
     fn nearest_beyond(&self, done: f64) -> f64 {
-        let mut nearest = [f64::INFINITY; LANES];
-        for block in self.seen() {
-            for (nearest, &near) in nearest.iter_mut().zip(&block.near) {
-                let near = if near > done { near } else { f64::INFINITY };
-                *nearest = min(*nearest, near);
-            }
-        }
-        let circles = self
-            .circles
-            .iter()
-            .map(|circle| circle.near)
-            .filter(|&near| near > done);
-        circles.chain(nearest).fold(f64::INFINITY, min)
+        let beyond =
+            |nearest: f64, near: f64| if near > done { min(nearest, near) } else { nearest };
+        let faces = self.faces.iter().map(|face| face.near).fold(f64::INFINITY, beyond);
+        self.circles.iter().map(|circle| circle.near).fold(faces, beyond)
     }
 
     /// The corners in the lobe, relative to its tip, and how far they are, m, hidden or not.
@@ -372,14 +361,9 @@ impl LobeView {
     /// Unit vectors from the tip towards the places most likely to answer: the foot of the perpendicular
     /// on each face that has one, and the middle of each circle. They may lie outside the lobe.
     pub fn promising(&self) -> impl Iterator<Item = Point> + '_ {
-        let feet = self.seen().iter().flat_map(|block| {
-            let feet = (0..LANES).filter(|&i| {
-                block.near[i] < f64::INFINITY
-                    && block.p[i] <= 0.0
-                    && block.p[i] + block.length[i] >= 0.0
-            });
-            feet.map(|i| Point::new(block.uy[i], -block.ux[i]))
-        });
+        let feet = self.faces.iter();
+        let feet = feet.filter(|face| face.p <= 0.0 && face.p + face.length >= 0.0);
+        let feet = feet.map(|face| Point::new(face.u.y, -face.u.x));
         let middles = self.circles.iter().map(|circle| {
             let length = circle.center.length();
             circle.center * (1.0 / length)
@@ -390,12 +374,16 @@ impl LobeView {
     /// Unit vector from a face of the lobe, by its number, at right angles to it; `None` for what is no such face.
     #[must_use]
     pub fn normal(&self, number: f64) -> Option<Point> {
-        let lanes = self
-            .seen()
-            .iter()
-            .flat_map(|block| (0..LANES).map(move |i| (block, i)));
-        let mut lanes = lanes.take(self.count);
-        let face = lanes.find(|(block, i)| block.number[*i] == number);
-        face.map(|(block, i)| Point::new(-block.uy[i], block.ux[i]))
+        let face = self.faces.iter().find(|face| face.number == number);
+        face.map(|face| Point::new(-face.u.y, face.u.x))
     }
+}
+
+/// The places of the ones in a mask, from the lowest.
+fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = (mask != 0).then(|| mask.trailing_zeros() as usize);
+        mask &= mask.wrapping_sub(1);
+        lane
+    })
 }

@@ -39,7 +39,7 @@ mod view;
 
 pub use clearing::Clearing;
 pub use geometry::{Point, Pose, wrap_angle};
-pub use lobe::{LobeView, RayBlock, Rays};
+pub use lobe::{LobeView, Rays};
 pub use ray::{Hit, Surface};
 pub use shapes::Shape;
 pub use spec::{WorldSource, parse_worlds};

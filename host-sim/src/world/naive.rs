@@ -477,11 +477,10 @@ mod tests {
                     .for_each(|direction| rays.push(*direction));
                 lobe.meet(&mut rays, |_| f64::INFINITY);
                 for (index, &direction) in directions.iter().enumerate() {
-                    let (block, lane) = rays.get(index).unwrap();
                     let found = (
-                        block.way[lane],
-                        block.number[lane],
-                        block.cos_incidence[lane],
+                        rays.ways()[index],
+                        rays.numbers()[index],
+                        rays.cos_incidences()[index],
                     );
                     let hit = expected.cast(direction);
                     let hit = hit.map_or((f64::INFINITY, -f64::INFINITY, 0.0), |hit| {

@@ -343,7 +343,7 @@ fn rays_meet_the_nearest_front() {
             let mut rays = Rays::default();
             rays.push(direction);
             lobe.meet(&mut rays, |_| 20.0);
-            assert!((rays.blocks()[0].way[0] - expected).abs() < 1e-9);
+            assert!((rays.ways()[0] - expected).abs() < 1e-9);
         }
     }
 }
