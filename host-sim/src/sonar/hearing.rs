@@ -78,9 +78,12 @@ impl Hearing {
                 .iter()
                 .for_each(|&(_, range)| first.offer(range));
         } else {
-            let nearest = |rays: &Rays| nearest_answer(rays, least_cos).min(config.max_range_m);
-            lobe.meet(&mut self.rays, nearest);
-            first.offer(nearest_answer(&self.rays, least_cos));
+            let mut nearest = f64::INFINITY;
+            lobe.meet(&mut self.rays, |rays| {
+                nearest = rays.nearest(least_cos);
+                nearest.min(config.max_range_m)
+            });
+            first.offer(nearest);
         }
         if config.bounces > 0 {
             self.follow(world, lobe, tip, config.bounces, &mut first);
@@ -172,21 +175,6 @@ impl Hearing {
             }
         }
     }
-}
-
-/// Range of the nearest answer any ray got, m; infinite if none did.
-fn nearest_answer(rays: &Rays, least_cos: f64) -> f64 {
-    // Rays come in whole blocks: as many lists of nearest ones as a block has places.
-    let mut nearest = [f64::INFINITY; 8];
-    let (ways, _) = rays.ways().as_chunks::<8>();
-    let (cosines, _) = rays.cos_incidences().as_chunks::<8>();
-    for (ways, cosines) in ways.iter().zip(cosines) {
-        for (i, nearest) in nearest.iter_mut().enumerate() {
-            let way = if cosines[i] >= least_cos { ways[i] } else { f64::INFINITY };
-            *nearest = if way < *nearest { way } else { *nearest };
-        }
-    }
-    nearest.into_iter().fold(f64::INFINITY, f64::min)
 }
 
 /// The least range offered that lies within limits.

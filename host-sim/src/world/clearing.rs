@@ -76,7 +76,10 @@ impl Clearing {
             .of
             .as_ref()
             .is_some_and(|of| Arc::ptr_eq(of, &world.surfaces));
-        let inside = |place: Point| self.middle.distance(place) <= self.room;
+        let inside = |place: Point| {
+            let offset = place - self.middle;
+            offset.dot(offset) <= self.room * self.room
+        };
         if same && radius <= self.radius && inside(from) && inside(to) {
             return;
         }

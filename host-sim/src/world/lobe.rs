@@ -97,6 +97,20 @@ impl Rays {
         &self.number
     }
 
+    /// Length of the shortest ray that met something with at least `least_cos`, m; infinite if none did.
+    #[must_use]
+    pub fn nearest(&self, least_cos: f64) -> f64 {
+        let least = f64x4::splat(least_cos);
+        let [ways, cosines] = [&self.way, &self.cos_incidence].map(|list| list.as_chunks::<4>().0);
+        let mut nearest = f64x4::splat(f64::INFINITY);
+        for (ways, cosines) in ways.iter().zip(cosines) {
+            let way = f64x4::new(*ways);
+            let counts = f64x4::new(*cosines).simd_ge(least) & way.simd_lt(nearest);
+            nearest = counts.select(way, nearest);
+        }
+        nearest.to_array().into_iter().fold(f64::INFINITY, min)
+    }
+
     /// Direction of a ray; nowhere beyond the last.
     #[must_use]
     pub fn direction(&self, ray: usize) -> Point {
@@ -283,6 +297,7 @@ impl LobeView {
             [lobe.axis.x, lobe.axis.y, lobe.tip.x, lobe.tip.y].map(f64x4::splat);
         let (sin, cos) = (f64x4::splat(lobe.cone.sin), f64x4::splat(lobe.cone.cos));
         let (zero, infinity) = (f64x4::ZERO, f64x4::splat(f64::INFINITY));
+        let slack = f64x4::splat(SLACK_M);
         for half in 0..LANES / 4 {
             let four = |list: &[f64; LANES]| f64x4::new(list.as_chunks::<4>().0[half]);
             let (ux, uy, length) = (four(&block.ux), four(&block.uy), four(&block.length));
@@ -292,7 +307,12 @@ impl LobeView {
             let (left_n, left_u) = (axis_n * cos - axis_u * sin, axis_u * cos + axis_n * sin);
             let (right_n, right_u) = (axis_n * cos + axis_u * sin, axis_u * cos - axis_n * sin);
             let (met_left, met_right) = (left_n.simd_gt(zero), right_n.simd_gt(zero));
-            let seen = q.simd_gt(zero) & (met_left | met_right);
+            let end = p + length;
+            // Whether the face begins right of the left edge and ends left of the right one, give or take rounding: most
+            // do not, without a division.
+            let right_of = (p * left_n - q * left_u).simd_le(slack) | !met_left;
+            let left_of = (q * right_u - end * right_n).simd_le(slack) | !met_right;
+            let seen = q.simd_gt(zero) & (met_left | met_right) & right_of & left_of;
             if !seen.any() {
                 continue;
             }
@@ -300,7 +320,6 @@ impl LobeView {
             let left = met_left.select(q * left_u / left_n, infinity);
             let right = met_right.select(q * right_u / right_n, -infinity);
             let from = p.simd_gt(right).select(p, right);
-            let end = p + length;
             let to = end.simd_lt(left).select(end, left);
             let nearest = to.simd_lt(zero).select(to, zero);
             let nearest = from.simd_gt(nearest).select(from, nearest);
@@ -324,7 +343,7 @@ impl LobeView {
 
     /// Lets the rays meet what lies in the lobe, which they must not leave, from near to far; what lies farther, m, than
     /// `far` says of what was met so far is left alone.
-    pub fn meet(&self, rays: &mut Rays, far: impl Fn(&Rays) -> f64) {
+    pub fn meet(&self, rays: &mut Rays, mut far: impl FnMut(&Rays) -> f64) {
         let mut done = -1.0;
         loop {
             let next = self.nearest_beyond(done);
