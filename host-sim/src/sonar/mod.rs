@@ -265,4 +265,6 @@ pub fn reading_in(range: Option<f64>) -> u8 {
 }
 
 #[cfg(test)]
+mod oracle;
+#[cfg(test)]
 mod tests;

@@ -26,6 +26,7 @@ mod occupancy;
 mod pgm;
 mod random;
 mod ray;
+mod rays;
 mod ros_map;
 mod sdf;
 mod shapes;
@@ -39,8 +40,9 @@ mod view;
 
 pub use clearing::Clearing;
 pub use geometry::{Point, Pose, wrap_angle};
-pub use lobe::{LobeView, Rays};
+pub use lobe::LobeView;
 pub use ray::{Hit, Surface};
+pub use rays::Rays;
 pub use shapes::Shape;
 pub use spec::{WorldSource, parse_worlds};
 pub use sweep::{Sweep, TOUCH_SLACK_M};
