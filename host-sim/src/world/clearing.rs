@@ -84,28 +84,34 @@ impl Clearing {
             return;
         }
         let surfaces = &world.surfaces;
-        let room = max(from.distance(to), ROOM_M);
-        let nearest = surfaces.distance(from);
+        // A long path is looked at from its middle, for itself; the next ones will be elsewhere.
+        let half = from.distance(to) / 2.0;
+        let (middle, room) = if half > ROOM_M / 2.0 {
+            ((from + to) * 0.5, half)
+        } else {
+            (from, ROOM_M)
+        };
+        let nearest = surfaces.distance(middle);
         // Whatever is nearest to a place in the room is no farther from it than this is, and so no farther from the
         // middle than twice the room more.
         let reach = max(nearest + 2.0 * room, radius + room) + SLACK_M;
         self.faces.clear();
         self.circles.clear();
-        surfaces.faces_near(from, reach, |block| {
-            let squared = block.distances_squared(from);
+        surfaces.faces_near(middle, reach, |block| {
+            let squared = block.distances_squared(middle);
             for (lane, squared) in squared.into_iter().enumerate() {
                 if squared <= reach * reach {
                     self.faces.push(block.face(lane));
                 }
             }
         });
-        surfaces.circles_near(from, reach, |circle| {
+        surfaces.circles_near(middle, reach, |circle| {
             // What it lies in counts too, however deep.
-            if from.distance(circle.center) - circle.radius <= reach {
+            if middle.distance(circle.center) - circle.radius <= reach {
                 self.circles.push(*circle);
             }
         });
-        (self.middle, self.room, self.radius) = (from, room, radius);
+        (self.middle, self.room, self.radius) = (middle, room, radius);
         if !same {
             self.of = Some(Arc::clone(surfaces));
         }

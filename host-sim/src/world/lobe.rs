@@ -4,7 +4,7 @@
 //! A thing is held against all rays at once. Things are taken from near to
 //! far, and once the fan has got an answer, what lies beyond it is left alone.
 
-use wide::{CmpGt as _, CmpLe as _, CmpLt as _, f64x4};
+use wide::f64x4;
 
 use super::World;
 use super::faces::{FaceBlock, LANES, min};

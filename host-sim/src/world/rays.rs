@@ -1,6 +1,6 @@
 //! Rays of sound from one place, and what each meets first, four at a time.
 
-use wide::{CmpEq as _, CmpGe as _, CmpGt as _, CmpLe as _, CmpLt as _, f64x4};
+use wide::f64x4;
 
 use super::faces::{LANES, min};
 use super::geometry::Point;
