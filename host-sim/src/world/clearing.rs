@@ -61,7 +61,9 @@ impl Clearing {
         let mut best = [f64::INFINITY; LANES];
         for block in &self.faces.blocks {
             let squared = block.distances_squared(point);
-            best = std::array::from_fn(|i| min(best[i], squared[i]));
+            for (best, squared) in best.iter_mut().zip(squared) {
+                *best = min(*best, squared);
+            }
         }
         let faces = best.into_iter().fold(f64::INFINITY, min).sqrt();
         let circles = self.circles.iter().chain(&world.posts);
@@ -121,7 +123,9 @@ impl Clearing {
         let mut best = [f64::INFINITY; LANES];
         for block in &self.faces.blocks {
             let squared = path.gaps_squared(block);
-            best = std::array::from_fn(|i| min(best[i], squared[i]));
+            for (best, squared) in best.iter_mut().zip(squared) {
+                *best = min(*best, squared);
+            }
         }
         let faces = best.into_iter().fold(f64::INFINITY, min).sqrt();
         let circles = self.circles.iter().chain(posts);

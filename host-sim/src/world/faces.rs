@@ -40,13 +40,15 @@ impl FaceBlock {
     /// Squared distance of each face from `point`, m².
     #[inline]
     pub fn distances_squared(&self, point: Point) -> [f64; LANES] {
-        std::array::from_fn(|i| {
+        let mut squared = [0.0; LANES];
+        for (i, squared) in squared.iter_mut().enumerate() {
             let (dx, dy) = (point.x - self.ax[i], point.y - self.ay[i]);
             let along = dx * self.ux[i] + dy * self.uy[i];
             let across = dx * self.uy[i] - dy * self.ux[i];
             let beyond = along - clamp(along, 0.0, self.length[i]);
-            beyond * beyond + across * across
-        })
+            *squared = beyond * beyond + across * across;
+        }
+        squared
     }
 
     /// One of the faces.

@@ -73,7 +73,8 @@ impl FirstFace<'_> {
     /// Length of the ray to each face of a block, m; infinite where it misses.
     fn ways(&self, block: &FaceBlock) -> [f64; LANES] {
         let (origin, direction) = (self.origin, self.direction);
-        std::array::from_fn(|i| {
+        let mut ways = [f64::INFINITY; LANES];
+        for (i, way) in ways.iter_mut().enumerate() {
             let offset = Point::new(block.ax[i], block.ay[i]) - origin;
             let u = Point::new(block.ux[i], block.uy[i]);
             let (p, q) = (offset.dot(u), offset.cross(u));
@@ -81,8 +82,9 @@ impl FirstFace<'_> {
             let along = q * direction.dot(u);
             let beyond = max(p * cos - along, along - (p + block.length[i]) * cos);
             let met = (q > SELF_M) & (cos > 0.0) & (beyond <= 0.0);
-            if met { q / cos } else { f64::INFINITY }
-        })
+            *way = if met { q / cos } else { f64::INFINITY };
+        }
+        ways
     }
 
     fn hit(&self) -> Option<Hit> {

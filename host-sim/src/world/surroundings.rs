@@ -90,13 +90,15 @@ impl Surroundings {
 
 /// Which faces come within `reach` m of `middle` and show their front to a place within `wide` m of it.
 fn may_answer(block: &FaceBlock, middle: Point, wide: f64, reach: f64) -> [bool; LANES] {
-    std::array::from_fn(|i| {
+    let mut keep = [false; LANES];
+    for (i, keep) in keep.iter_mut().enumerate() {
         let (dx, dy) = (block.ax[i] - middle.x, block.ay[i] - middle.y);
         let p = dx * block.ux[i] + dy * block.uy[i];
         let q = dx * block.uy[i] - dy * block.ux[i];
         let nearest = clamp(0.0, p, p + block.length[i]);
-        (q > -wide) & (nearest * nearest + q * q <= reach * reach)
-    })
+        *keep = (q > -wide) & (nearest * nearest + q * q <= reach * reach);
+    }
+    keep
 }
 
 fn push_corner(blocks: &mut Vec<PointBlock>, count: usize, corner: Point) {

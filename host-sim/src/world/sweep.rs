@@ -95,11 +95,13 @@ impl Path {
     /// Squared distance between this path and each face of a block, m².
     #[inline]
     pub fn gaps_squared(&self, block: &FaceBlock) -> [f64; LANES] {
-        std::array::from_fn(|i| {
+        let mut squared = [0.0; LANES];
+        for (i, squared) in squared.iter_mut().enumerate() {
             let a = Point::new(block.ax[i], block.ay[i]);
             let u = Point::new(block.ux[i], block.uy[i]);
-            gap_squared(self, a, u, block.length[i])
-        })
+            *squared = gap_squared(self, a, u, block.length[i]);
+        }
+        squared
     }
 }
 

@@ -28,18 +28,21 @@ impl Boxes {
     /// Squared distance of each box from a place, m².
     #[inline]
     pub fn distances_squared(&self, place: Point) -> [f64; LANES] {
-        std::array::from_fn(|i| {
+        let mut squared = [0.0; LANES];
+        for (i, squared) in squared.iter_mut().enumerate() {
             let dx = max(max(self.low_x[i] - place.x, place.x - self.high_x[i]), 0.0);
             let dy = max(max(self.low_y[i] - place.y, place.y - self.high_y[i]), 0.0);
-            dx * dx + dy * dy
-        })
+            *squared = dx * dx + dy * dy;
+        }
+        squared
     }
 
     /// Whether a ray from `origin` along the unit vector `direction` comes to each box within `reach` m, give or take
     /// [`SLACK_M`].
     #[inline]
     pub fn met_by_ray(&self, origin: Point, direction: Point, reach: f64) -> [bool; LANES] {
-        std::array::from_fn(|i| {
+        let mut met = [false; LANES];
+        for (i, met) in met.iter_mut().enumerate() {
             let (x, y) = (
                 (self.low_x[i] + self.high_x[i]) * 0.5 - origin.x,
                 (self.low_y[i] + self.high_y[i]) * 0.5 - origin.y,
@@ -57,8 +60,9 @@ impl Boxes {
                 half_x * dx + half_y * dy + SLACK_M,
                 half_x * dy + half_y * dx + SLACK_M,
             );
-            (across.abs() <= wide) & (along + deep >= 0.0) & (along - deep <= reach)
-        })
+            *met = (across.abs() <= wide) & (along + deep >= 0.0) & (along - deep <= reach);
+        }
+        met
     }
 
     fn set(&mut self, lane: usize, around: Bounds) {
