@@ -3,6 +3,7 @@
 use super::*;
 use crate::noise::Noise;
 use crate::world::{Clearing, LobeView, Rays, Surface, View};
+use core::f64::consts::TAU;
 
 const REACH_M: f64 = 6.477;
 
@@ -62,7 +63,7 @@ fn cones_have_the_oracles_bits() {
                 let middle = place + Point::new(0.2, 0.1) * f64::from(step);
                 view.build(&world, middle, 0.2305, REACH_M);
                 for sensor in 0..16 {
-                    let axis = Point::unit(f64::from(sensor) * 0.392_699 + (i % 2) as f64 * 0.3);
+                    let axis = Point::unit(TAU * f64::from(sensor) / 16.0 + (i % 2) as f64 * 0.3);
                     let range = view.nearest_in_cone(axis, 0.2305, cone);
                     let expected = naive.nearest_in_cone(middle, 0.2305, REACH_M, axis, cone);
                     assert_eq!(range, expected, "{seed} {middle:?} {sensor}");
