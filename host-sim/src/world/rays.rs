@@ -28,7 +28,7 @@ pub(super) struct SeenCircle {
 
 /// Rays from one tip and what each met first, one list per quantity. Reusable.
 ///
-/// The lists are filled up to whole blocks of [`LANES`] with rays of length 0, which meet nothing.
+/// The lists are filled up to whole blocks of eight with rays of length 0, which meet nothing.
 #[derive(Debug, Clone, Default)]
 pub struct Rays {
     x: Vec<f64>,
