@@ -1,19 +1,66 @@
-//! Whole robot steps per second: sense, mind and motion in a room of 52 surfaces.
+//! Whole robot steps per second: sense, mind and motion, in rooms of few and of very many surfaces, and episodes in parallel.
 
 use amp::config::Config;
 use amp::controller::{Command, Event};
 use amp::units::Millis;
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
-use host_sim::episode::{Body, drive_pilot};
+use host_sim::episode::{self, Body, Setup, drive_pilot};
+use host_sim::noise::Noise;
 use host_sim::pilot::{Mind, Pilot};
 use host_sim::robot::TurretMode;
+use host_sim::scenes::Behavior;
 use host_sim::sonar::SonarModel;
-use host_sim::world::World;
+use host_sim::world::{Point, Pose, Shape, World};
+use rayon::prelude::*;
 
 const STEPS: u32 = 1_000;
+/// Floor per box, m²: as in the random rooms.
+const AREA_PER_BOX_M2: f64 = 64.0 / 12.0;
 
 fn body(world: &World, sonar: SonarModel) -> Body<'_> {
     Body::new(world, sonar, TurretMode::Held, 1)
+}
+
+/// A square room `side` m wide with boxes as in the random rooms, `scale` times their size: `segments` straight pieces.
+fn hall(segments: usize, side: f64, scale: f64) -> World {
+    let mut noise = Noise::new(1);
+    let half = side / 2.0;
+    let corners = [
+        (-1.0, -1.0),
+        (1.0, -1.0),
+        (1.0, 1.0),
+        (-1.0, 1.0),
+        (-1.0, -1.0),
+    ];
+    let mut shapes = vec![Shape::Wall {
+        points: corners
+            .map(|(x, y)| Point::new(x * half, y * half))
+            .to_vec(),
+    }];
+    while shapes.len() <= (segments - 4) / 4 {
+        let mut size = || 2.0 * scale * noise.uniform_in(0.15, 0.5);
+        let size = Point::new(size(), size());
+        let mut place = |size: f64| noise.uniform_in(size / 2.0 - half, half - size / 2.0);
+        let center = Point::new(place(size.x), place(size.y));
+        if center.length() > 1.0 + scale {
+            let angle = 0.0;
+            shapes.push(Shape::Box {
+                center,
+                size,
+                angle,
+            });
+        }
+    }
+    World::new(format!("hall of {segments}"), Pose::default(), shapes).expect("a sound world")
+}
+
+/// The hall of so many pieces that is as crowded as a random room.
+fn wide(segments: usize) -> World {
+    hall(
+        segments,
+        (segments as f64 / 4.0 * AREA_PER_BOX_M2).sqrt(),
+        1.0,
+    )
 }
 
 /// Explores with 100 moves and learns: what an episode costs before its first step.
@@ -37,22 +84,67 @@ fn set_up(world: &World, config: &Config<16>) -> Mind {
     mind
 }
 
-fn benches(c: &mut Criterion) {
-    let world = World::random(1);
+fn steps(c: &mut Criterion) {
     let config = Config::recommended();
+    let room = World::random(1);
     c.bench_function("set-up: 100 moves, two maps", |b| {
-        b.iter(|| set_up(&world, &config))
+        b.iter(|| set_up(&room, &config))
     });
 
     let mut group = c.benchmark_group("steps");
-    group.throughput(Throughput::Elements(u64::from(STEPS)));
+    group
+        .throughput(Throughput::Elements(u64::from(STEPS)))
+        .sample_size(20);
+    let worlds = [
+        ("52", room),
+        ("80", wide(80)),
+        ("800", wide(800)),
+        ("8000", wide(8_000)),
+        ("8000 in 8 m", hall(8_000, 8.0, 0.07)),
+    ];
     for sonar in [SonarModel::Ideal, SonarModel::Nomad] {
-        group.bench_function(sonar.name(), |b| {
-            let drive = |mut mind| drive_pilot(&world, &mut mind, body(&world, sonar), STEPS);
-            b.iter_batched(|| set_up(&world, &config), drive, BatchSize::LargeInput);
+        for (segments, world) in &worlds {
+            group.bench_function(format!("{}, {segments} segments", sonar.name()), |b| {
+                let drive = |mut mind| drive_pilot(world, &mut mind, body(world, sonar), STEPS);
+                b.iter_batched(|| set_up(world, &config), drive, BatchSize::LargeInput);
+            });
+        }
+    }
+}
+
+/// Episodes on one core and on two.
+fn batches(c: &mut Criterion) {
+    let setup = Setup {
+        config: Config::recommended(),
+        preset: "default".to_owned(),
+        behavior: Behavior::Avoid,
+        explore_moves: 100,
+        steps: STEPS,
+        seed: 1,
+        sonar: SonarModel::Ideal,
+        turret: TurretMode::Held,
+        set_down: None,
+        record: false,
+    };
+    let worlds: Vec<_> = (1..=64).map(World::random).collect();
+    let mut group = c.benchmark_group("64 episodes");
+    group.sample_size(10);
+    for threads in [1, 2] {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .expect("threads");
+        let episode = |world| {
+            episode::run(world, &setup, |_, _, _| {})
+                .expect("it runs")
+                .report
+                .contacts
+        };
+        group.bench_function(format!("{threads} threads"), |b| {
+            b.iter(|| pool.install(|| worlds.par_iter().map(episode).sum::<u32>()));
         });
     }
 }
 
-criterion_group!(all, benches);
+criterion_group!(all, steps, batches);
 criterion_main!(all);

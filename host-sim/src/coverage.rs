@@ -55,8 +55,13 @@ impl Coverage {
         let way = to - from;
         let squared = way.dot(way);
         let scale = if squared > 0.0 { 1.0 / squared } else { 0.0 };
+        let columns = cell(low_x, self.columns)..=cell(high_x, self.columns);
         for row in cell(low_y, self.rows)..=cell(high_y, self.rows) {
-            for column in cell(low_x, self.columns)..=cell(high_x, self.columns) {
+            let start = row * self.columns;
+            if self.is_marked(start + columns.start()..=start + columns.end()) {
+                continue;
+            }
+            for column in columns.clone() {
                 let middle = Point::new(
                     self.origin.x + (column as f64 + 0.5) * CELL_M,
                     self.origin.y + (row as f64 + 0.5) * CELL_M,
@@ -65,9 +70,21 @@ impl Coverage {
                 let along = (offset.dot(way) * scale).clamp(0.0, 1.0);
                 let gap = offset - way * along;
                 if gap.dot(gap) <= reach * reach {
-                    self.mark(row * self.columns + column);
+                    self.mark(start + column);
                 }
             }
+        }
+    }
+
+    /// Whether all these cells are covered already; runs beyond two words count as not.
+    fn is_marked(&self, cells: std::ops::RangeInclusive<usize>) -> bool {
+        let (first, last) = (*cells.start(), *cells.end());
+        let word = |index: usize| u128::from(self.words.get(index).copied().unwrap_or(0));
+        let pair = word(first / 64) | word(first / 64 + 1) << 64;
+        let count = last - first + 1;
+        count < 64 && {
+            let run = (1_u128 << count) - 1;
+            pair >> (first % 64) & run == run
         }
     }
 

@@ -17,11 +17,13 @@ use crate::world::{Point, Pose, World, wrap_angle};
 
 mod axes;
 mod chassis;
+mod direction;
 mod motion;
 mod servo;
 
 pub use axes::{Axes, Axis, AxisLimits};
 use chassis::{Chassis, share_of};
+use direction::Direction;
 pub use motion::{Executed, Motion};
 use servo::{approach, slow};
 
@@ -107,8 +109,8 @@ enum Drive {
     Still,
     /// Coming to rest, then on to the goal (odometry frame) if there is one.
     Brake(Option<Point>),
-    /// Turning the wheels at rest towards the goal.
-    Steer(Point),
+    /// Turning the wheels at rest towards the goal, which lies at this bearing, rad.
+    Steer(Point, f64),
     /// Rolling along the wheels to the goal.
     Roll(Point),
 }
@@ -119,8 +121,8 @@ pub struct Base {
     limits: BaseLimits,
     turret: TurretMode,
     chassis: Chassis,
-    steering: f64,
-    ring: f64,
+    steering: Direction,
+    ring: Direction,
     drive: Drive,
     speed_limit: f64,
     /// Along the wheels; negative in reverse.
@@ -136,8 +138,8 @@ impl Base {
             limits,
             turret,
             chassis: Chassis::new(pose),
-            steering: pose.heading,
-            ring: pose.heading,
+            steering: Direction::new(pose.heading),
+            ring: Direction::new(pose.heading),
             drive: Drive::Still,
             speed_limit: limits.speed_m_s,
             speed: 0.0,
@@ -148,13 +150,13 @@ impl Base {
     /// True position and bearing of the ring.
     #[must_use]
     pub fn pose(&self) -> Pose {
-        Pose::new(self.chassis.position, self.ring)
+        Pose::new(self.chassis.position, self.ring.angle())
     }
 
     /// Direction in which the wheels roll forward, in the world, rad.
     #[must_use]
     pub fn steering(&self) -> f64 {
-        self.steering
+        self.steering.angle()
     }
 
     /// Where the odometry believes to be, m: the truth without slip, from the same start.
@@ -167,7 +169,7 @@ impl Base {
     #[must_use]
     pub fn heading_in_ring(&self) -> f64 {
         let reverse = if self.speed < 0.0 { PI } else { 0.0 };
-        wrap_angle(self.steering + reverse - self.ring)
+        wrap_angle(self.steering.angle() + reverse - self.ring.angle())
     }
 
     /// Speed along the wheels, m/s; negative in reverse.
@@ -187,8 +189,8 @@ impl Base {
     pub fn move_exactly(&mut self, world: &World, dx_m: f64, dy_m: f64) -> Executed {
         let asked = Point::new(dx_m, dy_m);
         let length = asked.length();
-        let (from, ring_before) = (self.chassis.position, Point::unit(self.ring));
-        let sweep = world.sweep(from, from + asked.turned(ring_before), COLLISION_RADIUS_M);
+        let (from, ring_before) = (self.chassis.position, self.ring.unit());
+        let sweep = self.chassis.sweep(asked.turned(ring_before), world);
         let share = share_of(&sweep, length);
         let done = asked * share;
         self.chassis.position = from + done.turned(ring_before);
@@ -216,7 +218,7 @@ impl Base {
     /// returns how far the ring turned.
     fn point_wheels(&mut self, displacement: Point) -> f64 {
         let bearing = displacement.angle();
-        self.steering = wrap_angle(self.ring + bearing);
+        self.steering.set(wrap_angle(self.ring.angle() + bearing));
         match self.turret {
             TurretMode::Held => 0.0,
             TurretMode::Follow => {
@@ -238,7 +240,7 @@ impl Base {
             return;
         }
         self.speed_limit = motion.speed_m_s.min(self.limits.speed_m_s);
-        let goal = self.chassis.odometry + asked.turned(Point::unit(self.ring));
+        let goal = self.chassis.odometry + asked.turned(self.ring.unit());
         self.drive = if self.rolls_towards(goal) {
             Drive::Roll(goal)
         } else {
@@ -246,15 +248,15 @@ impl Base {
         };
     }
 
-    fn rolls_towards(&self, goal: Point) -> bool {
-        let way = (goal - self.chassis.odometry).turned_back(Point::unit(self.steering));
+    fn rolls_towards(&mut self, goal: Point) -> bool {
+        let way = (goal - self.chassis.odometry).turned_back(self.steering.unit());
         let off = way.y.abs() <= way.x.abs() * SAME_DIRECTION_RAD;
         off && self.speed * way.x > 0.0
     }
 
     /// Lets `dt_s` seconds pass.
     pub fn advance(&mut self, dt_s: f64, world: &World) -> Executed {
-        let before = self.clone();
+        let (before, ring, bearing) = (self.chassis.places(), self.ring.unit(), self.ring.angle());
         let mut done = Executed {
             min_clearance_m: f64::INFINITY,
             ..Executed::default()
@@ -267,8 +269,8 @@ impl Base {
                 break;
             }
         }
-        let rings = [before.ring, self.ring];
-        self.chassis.since(&before.chassis, rings, world, &mut done);
+        self.chassis.since(&before, ring, world, &mut done);
+        done.turned_rad = wrap_angle(self.ring.angle() - bearing);
         done.moving = self.is_moving();
         done
     }
@@ -277,9 +279,9 @@ impl Base {
         match self.drive {
             Drive::Still => {}
             Drive::Brake(goal) => self.brake(goal, dt, world, done),
-            Drive::Steer(goal) => self.steer(goal, dt),
+            Drive::Steer(goal, bearing) => self.steer(goal, bearing, dt),
             Drive::Roll(goal) => {
-                let way = (goal - self.chassis.odometry).dot(Point::unit(self.steering));
+                let way = (goal - self.chassis.odometry).dot(self.steering.unit());
                 let (a, limit) = (self.limits.acceleration_m_s2, self.speed_limit);
                 let (moved, speed) = approach(way, self.speed, limit, a, dt);
                 self.speed = speed;
@@ -304,13 +306,15 @@ impl Base {
             return;
         }
         let goal = goal.filter(|goal| goal.distance(self.chassis.odometry) > NEGLIGIBLE);
-        self.drive = goal.map_or(Drive::Still, Drive::Steer);
+        self.drive = goal.map_or(Drive::Still, |goal| {
+            Drive::Steer(goal, (goal - self.chassis.odometry).angle())
+        });
     }
 
     /// Turns the wheels at rest: straight towards the goal, or straight away from it where that is the
     /// shorter turn and the turret does not follow.
-    fn steer(&mut self, goal: Point, dt: f64) {
-        let mut left = wrap_angle((goal - self.chassis.odometry).angle() - self.steering);
+    fn steer(&mut self, goal: Point, bearing: f64, dt: f64) {
+        let mut left = wrap_angle(bearing - self.steering.angle());
         if self.turret == TurretMode::Held && left.abs() > FRAC_PI_2 {
             left -= if left > 0.0 { PI } else { -PI };
         }
@@ -327,15 +331,20 @@ impl Base {
     }
 
     fn turn(&mut self, angle: f64) {
-        self.steering = wrap_angle(self.steering + angle);
+        self.steering.set(wrap_angle(self.steering.angle() + angle));
         if self.turret == TurretMode::Follow {
-            self.ring = wrap_angle(self.ring + angle);
+            self.ring.set(wrap_angle(self.ring.angle() + angle));
         }
     }
 
     /// Rolls `way` m along the wheels, as the odometry counts, up to the first touch.
     fn roll(&mut self, way: f64, world: &World, done: &mut Executed) {
-        self.chassis.roll(way, self.steering, world, done);
+        let wheels = if way == 0.0 {
+            Point::default()
+        } else {
+            self.steering.unit()
+        };
+        self.chassis.roll(way, wheels, world, done);
         if done.touched {
             (self.speed, self.turn_rate) = (0.0, 0.0);
             self.drive = Drive::Still;

@@ -274,7 +274,7 @@ impl<'w> Body<'w> {
             let before = leader.position();
             leader.advance(dt_s, &self.world, robot);
             if leader.position() != before {
-                *world = self.world.with_post(leader.position(), COLLISION_RADIUS_M);
+                world.move_post(leader.position());
             }
         }
     }

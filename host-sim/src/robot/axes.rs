@@ -225,7 +225,7 @@ impl Axes {
     /// Lets `dt_s` seconds pass. Returns what the base did, and the way rolled as the odometry counts it, as a
     /// displacement in the frame in which steering 0 is along x.
     pub fn advance(&mut self, dt_s: f64, world: &World) -> (Executed, Point) {
-        let (before, ring) = (self.chassis.clone(), self.pose().heading);
+        let (before, ring) = (self.chassis.places(), self.pose().heading);
         let mut done = Executed {
             min_clearance_m: f64::INFINITY,
             ..Executed::default()
@@ -236,8 +236,9 @@ impl Axes {
         for _ in 0..steps {
             counted = counted + self.step(step_s, world, &mut done);
         }
-        let rings = [ring, self.pose().heading];
-        self.chassis.since(&before, rings, world, &mut done);
+        self.chassis
+            .since(&before, Point::unit(ring), world, &mut done);
+        done.turned_rad = wrap_angle(self.pose().heading - ring);
         done.moving = Axis::ALL.into_iter().any(|axis| self.is_active(axis));
         (done, counted)
     }
@@ -258,7 +259,7 @@ impl Axes {
         };
         let count = self
             .chassis
-            .roll(way, self.front + along, world, &mut rolled);
+            .roll(way, Point::unit(self.front + along), world, &mut rolled);
         translation.at += count;
         self.bumpers = rolled.bumpers;
         if rolled.touched {

@@ -4,7 +4,7 @@ use core::f64::consts::TAU;
 
 use super::{BUMPERS, COLLISION_RADIUS_M, Executed};
 use crate::noise::Noise;
-use crate::world::{Point, Pose, Sweep, World, wrap_angle};
+use crate::world::{Clearing, Point, Pose, Sweep, World};
 
 /// A disc that rolls along its wheels.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +16,14 @@ pub(super) struct Chassis {
     front: f64,
     /// Complex factor from odometry to truth.
     slip: Point,
+    clearing: Clearing,
+}
+
+/// Where a body was: truth and odometry, m.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Places {
+    position: Point,
+    odometry: Point,
 }
 
 impl Chassis {
@@ -26,7 +34,22 @@ impl Chassis {
             odometry: pose.position,
             front: pose.heading,
             slip: Point::new(1.0, 0.0),
+            clearing: Clearing::default(),
         }
+    }
+
+    /// Where it is.
+    pub(super) fn places(&self) -> Places {
+        Places {
+            position: self.position,
+            odometry: self.odometry,
+        }
+    }
+
+    /// Moves straight by `way`, the truth, up to the first touch.
+    pub(super) fn sweep(&mut self, way: Point, world: &World) -> Sweep {
+        let (from, to) = (self.position, self.position + way);
+        self.clearing.sweep(world, from, to, COLLISION_RADIUS_M)
     }
 
     /// Draws what the wheels will slip from now on: of the way (as a share) and of the direction (rad).
@@ -35,21 +58,21 @@ impl Chassis {
         self.slip = Point::unit(deviation * noise.normal()) * share;
     }
 
-    /// Rolls `way` m along `steering` (rad), as the odometry counts, up to the first touch. Returns how far it got, in m
-    /// of odometry.
+    /// Rolls `way` m along the unit vector `wheels`, as the odometry counts, up to the first touch. Returns how far it got,
+    /// in m of odometry.
     pub(super) fn roll(
         &mut self,
         way: f64,
-        steering: f64,
+        wheels: Point,
         world: &World,
         done: &mut Executed,
     ) -> f64 {
         if way == 0.0 {
             return 0.0;
         }
-        let believed = Point::unit(steering) * way;
+        let believed = wheels * way;
         let truth = believed.turned(self.slip);
-        let sweep = world.sweep(self.position, self.position + truth, COLLISION_RADIUS_M);
+        let sweep = self.sweep(truth, world);
         let share = share_of(&sweep, truth.length());
         self.position = self.position + truth * share;
         self.odometry = self.odometry + believed * share;
@@ -62,19 +85,24 @@ impl Chassis {
         way * share
     }
 
-    /// Adds to `done` what has happened since `before`, in the ring's frame as it was then; the ring has turned from
-    /// bearing `rings[0]` to `rings[1]`.
-    pub(super) fn since(&self, before: &Self, rings: [f64; 2], world: &World, done: &mut Executed) {
+    /// Adds to `done` what has happened since `before`, in the ring's frame as it was then: its axis along the unit vector
+    /// `ring`.
+    pub(super) fn since(
+        &mut self,
+        before: &Places,
+        ring: Point,
+        world: &World,
+        done: &mut Executed,
+    ) {
         if done.min_clearance_m == f64::INFINITY {
             // Nothing rolled: the gap where it stands.
-            done.min_clearance_m = (world.clearance(self.position) - COLLISION_RADIUS_M).max(0.0);
+            let clearance = self.clearing.clearance(world, self.position);
+            done.min_clearance_m = (clearance - COLLISION_RADIUS_M).max(0.0);
         }
-        let ring = Point::unit(rings[0]);
         let truth = (self.position - before.position).turned_back(ring);
         let believed = (self.odometry - before.odometry).turned_back(ring);
         (done.dx_m, done.dy_m) = (truth.x, truth.y);
         (done.odometry_dx_m, done.odometry_dy_m) = (believed.x, believed.y);
-        done.turned_rad = wrap_angle(rings[1] - rings[0]);
     }
 
     /// The switch pressed at the end of a sweep, as a bit.

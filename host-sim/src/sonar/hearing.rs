@@ -9,7 +9,7 @@
 use core::f64::consts::PI;
 
 use super::SonarConfig;
-use crate::world::{Hit, LobeView, Point, Surface, World};
+use crate::world::{Hit, LobeView, Point, Rays, Surface, World};
 
 /// How much nearer than a corner a ray may end and still be said to reach it, m.
 const CORNER_SLACK_M: f64 = 1e-6;
@@ -17,23 +17,34 @@ const CORNER_SLACK_M: f64 = 1e-6;
 /// Scratch memory and precomputed directions.
 #[derive(Debug, Clone)]
 pub(super) struct Hearing {
-    /// The fan, relative to the axis.
-    fan: Vec<Point>,
+    /// The fan, relative to the axis, and how many rays it has.
+    fan: Rays,
+    fan_rays: usize,
     cos_half_angle: f64,
     cos_max_incidence: f64,
-    /// The nearest answer of each surface met.
-    answers: Vec<(Surface, f64)>,
+    /// The fan and the promising directions.
+    rays: Rays,
+    to_corners: Rays,
+    /// How far the corners are at the end of `to_corners`, m.
+    corners: Vec<f64>,
+    /// Number and nearest answer, m, of each surface met.
+    answers: Vec<(f64, f64)>,
 }
 
 impl Hearing {
     pub(super) fn new(config: &SonarConfig, half_angle: f64) -> Self {
-        let rays = config.fan_rays.max(2);
-        let step = 2.0 * half_angle / (rays - 1) as f64;
-        let fan = (0..rays).map(|i| Point::unit(step * i as f64 - half_angle));
+        let fan_rays = config.fan_rays.max(2);
+        let step = 2.0 * half_angle / (fan_rays - 1) as f64;
+        let mut fan = Rays::default();
+        (0..fan_rays).for_each(|i| fan.push(Point::unit(step * i as f64 - half_angle)));
         Self {
-            fan: fan.collect(),
+            fan,
+            fan_rays,
             cos_half_angle: libm::cos(half_angle),
             cos_max_incidence: libm::cos(config.max_incidence_rad.clamp(0.0, PI / 2.0)),
+            rays: Rays::default(),
+            to_corners: Rays::default(),
+            corners: Vec::new(),
             answers: Vec::new(),
         }
     }
@@ -47,68 +58,101 @@ impl Hearing {
         axis: Point,
         config: &SonarConfig,
     ) -> Option<f64> {
-        self.answers.clear();
+        self.fan.turned_into(axis, &mut self.rays);
+        for direction in lobe.promising() {
+            if direction.dot(axis) >= self.cos_half_angle {
+                self.rays.push(direction);
+            }
+        }
         let mut first = Nearest {
             least: config.blanking_m,
             most: config.max_range_m,
             range: None,
         };
-        for i in 0..self.fan.len() {
-            let direction = self.fan[i].turned(axis);
-            self.follow(world, lobe, tip, direction, config.bounces, &mut first);
+        let least_cos = self.cos_max_incidence;
+        if config.blanking_m > 0.0 {
+            // What answers too early answers no more: the nearest answer of each surface has to be known.
+            lobe.meet(&mut self.rays, |_| config.max_range_m);
+            self.note_answers();
+            self.answers
+                .iter()
+                .for_each(|&(_, range)| first.offer(range));
+        } else {
+            let mut nearest = f64::INFINITY;
+            lobe.meet(&mut self.rays, |rays| {
+                nearest = rays.nearest(least_cos);
+                nearest.min(config.max_range_m)
+            });
+            first.offer(nearest);
         }
-        for direction in lobe.promising() {
-            if direction.dot(axis) >= self.cos_half_angle {
-                self.follow(world, lobe, tip, direction, 0, &mut first);
-            }
+        if config.bounces > 0 {
+            self.follow(world, lobe, tip, config.bounces, &mut first);
         }
-        for corner in lobe.corners() {
-            let range = corner.length();
-            let direction = if range > 0.0 {
-                corner * (1.0 / range)
-            } else {
-                axis
-            };
-            let hidden = |hit: Hit| hit.distance_m < range - CORNER_SLACK_M;
-            if !lobe.cast(direction).is_some_and(hidden) {
-                first.offer(range);
-            }
-        }
-        for &(_, range) in &self.answers {
-            first.offer(range);
-        }
+        self.hear_corners(lobe, axis, &mut first);
         first.range
     }
 
-    /// Sends one ray out; a face it meets too obliquely mirrors it on, up to `bounces` times.
+    /// Offers the corners that nothing hides.
+    fn hear_corners(&mut self, lobe: &LobeView, axis: Point, first: &mut Nearest) {
+        self.to_corners.clear();
+        self.corners.clear();
+        let mut farthest = 0.0;
+        for &(corner, range) in lobe.corners() {
+            if first.wants(range) {
+                let towards = if range > 0.0 {
+                    corner * (1.0 / range)
+                } else {
+                    axis
+                };
+                self.to_corners.push(towards);
+                self.corners.push(range);
+                farthest = range.max(farthest);
+            }
+        }
+        if self.corners.is_empty() {
+            return;
+        }
+        lobe.meet(&mut self.to_corners, |_| farthest);
+        for (&range, &way) in self.corners.iter().zip(self.to_corners.ways()) {
+            if way >= range - CORNER_SLACK_M {
+                first.offer(range);
+            }
+        }
+    }
+
+    /// Lets the rays of the fan go on as mirrored by the faces they meet too obliquely, up to `bounces` times.
     fn follow(
-        &mut self,
+        &self,
         world: &World,
         lobe: &LobeView,
         tip: Point,
-        direction: Point,
         bounces: usize,
         first: &mut Nearest,
     ) {
-        let Some(hit) = lobe.cast(direction) else {
-            return;
-        };
-        if self.answers_from(&hit) {
-            return self.note(hit.surface, hit.distance_m);
-        }
-        let (mut at, mut direction, mut hit) = (tip, direction, hit);
-        let mut way = hit.distance_m;
-        for _ in 0..bounces {
-            at = at + direction * hit.distance_m;
-            direction = direction - hit.normal * (2.0 * direction.dot(hit.normal));
-            let Some(next) = world.cast(at, direction) else {
-                return;
-            };
-            way += next.distance_m;
-            if self.answers_from(&next) {
-                return first.offer(way);
+        let met = self.rays.ways().iter().zip(self.rays.cos_incidences());
+        for (ray, (&length, &cos)) in met.enumerate().take(self.fan_rays) {
+            if cos >= self.cos_max_incidence {
+                continue;
             }
-            hit = next;
+            let number = self.rays.numbers().get(ray);
+            let Some(mut normal) = number.and_then(|&number| lobe.normal(number)) else {
+                continue;
+            };
+            let (mut at, mut direction) = (tip, self.rays.direction(ray));
+            let (mut last_way, mut way) = (length, length);
+            for _ in 0..bounces {
+                at = at + direction * last_way;
+                direction = direction - normal * (2.0 * direction.dot(normal));
+                let Some(next) = world.cast(at, direction) else {
+                    break;
+                };
+                way += next.distance_m;
+                if self.answers_from(&next) {
+                    first.offer(way);
+                    break;
+                }
+                (last_way, normal) = (next.distance_m, next.normal);
+            }
         }
     }
 
@@ -117,10 +161,18 @@ impl Hearing {
     }
 
     /// Keeps the nearest answer of each surface.
-    fn note(&mut self, surface: Surface, range: f64) {
-        match self.answers.iter_mut().find(|(known, _)| *known == surface) {
-            Some((_, nearest)) => *nearest = nearest.min(range),
-            None => self.answers.push((surface, range)),
+    fn note_answers(&mut self) {
+        self.answers.clear();
+        let least_cos = self.cos_max_incidence;
+        let met = self.rays.ways().iter().zip(self.rays.cos_incidences());
+        for ((&way, &cos), &number) in met.zip(self.rays.numbers()) {
+            if cos < least_cos {
+                continue;
+            }
+            match self.answers.iter_mut().find(|(known, _)| *known == number) {
+                Some((_, nearest)) => *nearest = nearest.min(way),
+                None => self.answers.push((number, way)),
+            }
         }
     }
 }
@@ -134,9 +186,13 @@ struct Nearest {
 
 impl Nearest {
     fn offer(&mut self, range: f64) {
-        let better = self.range.is_none_or(|known| range < known);
-        if better && range >= self.least && range <= self.most {
+        if self.wants(range) {
             self.range = Some(range);
         }
+    }
+
+    fn wants(&self, range: f64) -> bool {
+        let better = self.range.is_none_or(|known| range < known);
+        better && range >= self.least && range <= self.most
     }
 }

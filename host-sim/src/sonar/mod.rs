@@ -244,7 +244,9 @@ impl Ring {
         }
         let tip = pose.position + axis * self.geometry.face_radius_m;
         let reach = self.config.max_range_m;
-        self.lobe.build(world, tip, axis, self.cone, reach);
+        let offset = self.geometry.face_radius_m;
+        self.lobe
+            .build(world, pose.position, offset, axis, self.cone, reach);
         let echo = self
             .hearing
             .first_echo(world, &self.lobe, tip, axis, &self.config);
@@ -303,5 +305,7 @@ pub fn reading_in(range: Option<f64>) -> u8 {
     inches.clamp(0.0, f64::from(MAX_READING_IN)) as u8
 }
 
+#[cfg(test)]
+mod oracle;
 #[cfg(test)]
 mod tests;

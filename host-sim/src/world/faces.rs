@@ -7,6 +7,7 @@
 
 use super::geometry::Point;
 use super::shapes::Shape;
+use super::tree::{self, Bounds};
 
 /// Faces per block.
 pub(super) const LANES: usize = 8;
@@ -22,6 +23,8 @@ pub(super) struct FaceBlock {
     pub ux: [f64; LANES],
     pub uy: [f64; LANES],
     pub length: [f64; LANES],
+    /// Its place in the world's list: a whole number, which vectors hold best as one of their own kind.
+    pub number: [f64; LANES],
 }
 
 impl FaceBlock {
@@ -31,7 +34,32 @@ impl FaceBlock {
         ux: [1.0; LANES],
         uy: [0.0; LANES],
         length: [0.0; LANES],
+        number: [FAR_M; LANES],
     };
+
+    /// Squared distance of each face from `point`, m².
+    #[inline]
+    pub fn distances_squared(&self, point: Point) -> [f64; LANES] {
+        let mut squared = [0.0; LANES];
+        for (i, squared) in squared.iter_mut().enumerate() {
+            let (dx, dy) = (point.x - self.ax[i], point.y - self.ay[i]);
+            let along = dx * self.ux[i] + dy * self.uy[i];
+            let across = dx * self.uy[i] - dy * self.ux[i];
+            let beyond = along - clamp(along, 0.0, self.length[i]);
+            *squared = beyond * beyond + across * across;
+        }
+        squared
+    }
+
+    /// One of the faces.
+    pub fn face(&self, lane: usize) -> Face {
+        Face {
+            a: Point::new(self.ax[lane], self.ay[lane]),
+            u: Point::new(self.ux[lane], self.uy[lane]),
+            length: self.length[lane],
+            number: self.number[lane],
+        }
+    }
 }
 
 /// One face taken out of its block.
@@ -43,9 +71,27 @@ pub(super) struct Face {
     pub u: Point,
     /// Length, m.
     pub length: f64,
+    /// Its place in the world's list.
+    pub number: f64,
 }
 
-/// All faces of a world.
+impl Face {
+    fn between(from: Point, to: Point, number: usize) -> Self {
+        let length = from.distance(to);
+        Self {
+            a: from,
+            u: (to - from) * (1.0 / length),
+            length,
+            number: number as f64,
+        }
+    }
+
+    fn bounds(&self) -> Bounds {
+        Bounds::of(self.a, self.a + self.u * self.length)
+    }
+}
+
+/// Faces in blocks.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Faces {
     pub blocks: Vec<FaceBlock>,
@@ -53,22 +99,41 @@ pub(super) struct Faces {
 }
 
 impl Faces {
-    /// The faces of `shapes`, in their order.
-    pub fn of(shapes: &[Shape]) -> Self {
-        let mut faces = Self::default();
+    /// The faces of `shapes`, numbered in their order, sorted so that neighbours stand together, and the box around each
+    /// block.
+    pub fn of(shapes: &[Shape]) -> (Self, Vec<Bounds>) {
+        let mut all = Vec::new();
         for shape in shapes {
             let two_sided = matches!(shape, Shape::Wall { .. });
             shape.for_each_segment(|from, to| {
-                faces.push(from, to);
+                all.push(Face::between(from, to, all.len()));
                 if two_sided {
-                    faces.push(to, from);
+                    all.push(Face::between(to, from, all.len()));
                 }
             });
         }
-        faces
+        tree::sort(&mut all, Face::bounds);
+        let mut faces = Self::default();
+        all.iter().for_each(|face| faces.push(*face));
+        let blocks = all
+            .chunks(LANES)
+            .map(|block| Bounds::all(block.iter().map(Face::bounds)));
+        (faces, blocks.collect())
     }
 
-    fn push(&mut self, from: Point, to: Point) {
+    /// Forgets all faces; the memory stays.
+    pub fn clear(&mut self) {
+        self.blocks.clear();
+        self.count = 0;
+    }
+
+    /// How many there are, without those that only fill up.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Appends a face.
+    pub fn push(&mut self, face: Face) {
         let lane = self.count % LANES;
         if lane == 0 {
             self.blocks.push(FaceBlock::EMPTY);
@@ -76,42 +141,22 @@ impl Faces {
         let Some(block) = self.blocks.last_mut() else {
             return;
         };
-        let length = from.distance(to);
-        let u = (to - from) * (1.0 / length);
-        block.ax[lane] = from.x;
-        block.ay[lane] = from.y;
-        block.ux[lane] = u.x;
-        block.uy[lane] = u.y;
-        block.length[lane] = length;
+        block.ax[lane] = face.a.x;
+        block.ay[lane] = face.a.y;
+        block.ux[lane] = face.u.x;
+        block.uy[lane] = face.u.y;
+        block.length[lane] = face.length;
+        block.number[lane] = face.number;
         self.count += 1;
     }
 
     /// The faces one by one, without those that only fill up.
     pub fn iter(&self) -> impl Iterator<Item = Face> + '_ {
-        let lanes = self.blocks.iter().flat_map(|block| {
-            (0..LANES).map(move |i| Face {
-                a: Point::new(block.ax[i], block.ay[i]),
-                u: Point::new(block.ux[i], block.uy[i]),
-                length: block.length[i],
-            })
-        });
+        let lanes = self
+            .blocks
+            .iter()
+            .flat_map(|block| (0..LANES).map(|lane| block.face(lane)));
         lanes.take(self.count)
-    }
-
-    /// Distance from `point` to the nearest face, m; infinite without faces.
-    pub fn distance(&self, point: Point) -> f64 {
-        let mut best = [f64::INFINITY; LANES];
-        for block in &self.blocks {
-            for (i, best) in best.iter_mut().enumerate() {
-                let (dx, dy) = (point.x - block.ax[i], point.y - block.ay[i]);
-                let along = dx * block.ux[i] + dy * block.uy[i];
-                let across = dx * block.uy[i] - dy * block.ux[i];
-                let beyond = along - clamp(along, 0.0, block.length[i]);
-                let squared = beyond * beyond + across * across;
-                *best = min(*best, squared);
-            }
-        }
-        best.into_iter().fold(f64::INFINITY, min).sqrt()
     }
 }
 
@@ -142,10 +187,19 @@ mod tests {
         let wall = Shape::Wall {
             points: (0..6).map(|i| Point::new(f64::from(i), 0.0)).collect(),
         };
-        let faces = Faces::of(&[wall]);
-        assert_eq!((faces.iter().count(), faces.blocks.len()), (10, 2));
-        assert_eq!(faces.distance(Point::new(2.5, -0.75)), 0.75);
-        assert_eq!(faces.distance(Point::new(-3.0, 4.0)), 5.0);
-        assert_eq!(Faces::default().distance(Point::default()), f64::INFINITY);
+        let (faces, bounds) = Faces::of(&[wall]);
+        assert_eq!(
+            (faces.iter().count(), faces.blocks.len(), bounds.len()),
+            (10, 2, 2)
+        );
+        let distance = |point: Point| {
+            let all = faces
+                .blocks
+                .iter()
+                .flat_map(|block| block.distances_squared(point));
+            all.fold(f64::INFINITY, min).sqrt()
+        };
+        assert_eq!(distance(Point::new(2.5, -0.75)), 0.75);
+        assert_eq!(distance(Point::new(-3.0, 4.0)), 5.0);
     }
 }

@@ -121,6 +121,10 @@ impl Pose {
 /// `angle` (rad) brought into [−π, π).
 #[must_use]
 pub fn wrap_angle(angle: f64) -> f64 {
+    if (0.0..TAU).contains(&(angle + PI)) {
+        // As nearly always; the formula below would say the same.
+        return angle;
+    }
     let turned = angle - TAU * libm::floor((angle + PI) / TAU);
     // One rounding can push the result onto the open end.
     if turned >= PI { turned - TAU } else { turned }

@@ -2,41 +2,54 @@
 //!
 //! * [`World::sweep`]: a disc moves straight; how far does it get, and how near does it come to anything?
 //! * [`View::nearest_in_cone`]: how far is the nearest surface inside a cone?
-//! * [`Ray queries`](LobeView): what does a single ray of sound meet, and under what angle?
+//! * [`LobeView`] and [`World::cast`]: what do single rays of sound meet, and under what angle?
+//!
+//! Each looks only at what is near, by a tree of boxes, and what it found is used again while the robot stays near; no
+//! answer depends on either.
 //!
 //! Worlds come from files ([`World::load`]), from a seed ([`World::random`]) or are built in
 //! ([`World::builtin`]). All are flat: straight pieces and circles, metres and radians.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use crate::error::BadInput;
 use crate::robot::COLLISION_RADIUS_M;
 
 pub mod barn;
 mod builtin;
+mod clearing;
 mod faces;
 mod geometry;
+mod lobe;
 mod occupancy;
 mod pgm;
 mod random;
 mod ray;
+mod rays;
 mod ros_map;
 mod sdf;
 mod shapes;
 mod spec;
+mod surfaces;
+mod surroundings;
 mod sweep;
 mod toml_file;
+mod tree;
 mod view;
 
+pub use clearing::Clearing;
 pub use geometry::{Point, Pose, wrap_angle};
-pub use ray::{Hit, LobeView, Surface};
+pub use lobe::LobeView;
+pub use ray::{Hit, Surface};
+pub use rays::Rays;
 pub use shapes::Shape;
 pub use spec::{WorldSource, parse_worlds};
 pub use sweep::{Sweep, TOUCH_SLACK_M};
 pub(crate) use toml_file::read_text;
 pub use view::{ConeShape, View};
 
-use faces::Faces;
+use surfaces::{Circle, FIRST_CIRCLE, Surfaces};
 
 /// Largest coordinate a world may use, m.
 pub const MAX_COORDINATE_M: f64 = 1e5;
@@ -44,23 +57,16 @@ pub const MAX_COORDINATE_M: f64 = 1e5;
 /// Most shapes a world may have.
 pub const MAX_SHAPES: usize = 1_000_000;
 
-/// A solid disc.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Circle {
-    center: Point,
-    radius: f64,
-}
-
-/// Everything that stands still around the robot, and where the robot starts.
+/// Everything that stands around the robot, and where the robot starts. Clones share what stands still.
 #[derive(Debug, Clone, PartialEq)]
 pub struct World {
     name: String,
     start: Pose,
     goal: Option<Point>,
     shapes: Vec<Shape>,
-    faces: Faces,
-    circles: Vec<Circle>,
-    corners: Vec<Point>,
+    surfaces: Arc<Surfaces>,
+    /// Posts that come and go, after the circles that stand still.
+    posts: Vec<Circle>,
     bounds: (Point, Point),
 }
 
@@ -104,18 +110,9 @@ impl World {
     }
 
     fn prepared(name: String, start: Pose, shapes: Vec<Shape>) -> Self {
-        let mut corners = Vec::new();
-        for shape in &shapes {
-            shape.for_each_corner(|corner| corners.push(corner));
-        }
-        let circles = shapes.iter().filter_map(|shape| match *shape {
-            Shape::Circle { center, radius } => Some(Circle { center, radius }),
-            _ => None,
-        });
         Self {
-            faces: Faces::of(&shapes),
-            circles: circles.collect(),
-            corners,
+            surfaces: Arc::new(Surfaces::of(&shapes)),
+            posts: Vec::new(),
             bounds: bounds_of(&shapes),
             name,
             start,
@@ -128,9 +125,24 @@ impl World {
     #[must_use]
     pub fn with_post(&self, center: Point, radius: f64) -> Self {
         let mut world = self.clone();
+        let circles = self.surfaces.circles.len() + self.posts.len();
         world.shapes.push(Shape::Circle { center, radius });
-        world.circles.push(Circle { center, radius });
+        world.posts.push(Circle {
+            center,
+            radius,
+            number: FIRST_CIRCLE + circles as f64,
+        });
         world
+    }
+
+    /// Puts the post added last elsewhere, if there is one.
+    pub fn move_post(&mut self, to: Point) {
+        if let (Some(post), Some(Shape::Circle { center, .. })) =
+            (self.posts.last_mut(), self.shapes.last_mut())
+        {
+            post.center = to;
+            *center = to;
+        }
     }
 
     /// This world with a place to go to.
@@ -245,10 +257,10 @@ impl World {
     /// Distance from `point` to the nearest surface, m, never negative. See [`World::is_inside`].
     #[must_use]
     pub fn clearance(&self, point: Point) -> f64 {
-        let faces = self.faces.distance(point);
-        self.circles.iter().fold(faces, |nearest, circle| {
-            nearest.min((point.distance(circle.center) - circle.radius).abs())
-        })
+        let still = self.surfaces.distance(point);
+        self.posts
+            .iter()
+            .fold(still, |nearest, post| nearest.min(post.distance(point)))
     }
 
     /// Whether `point` lies in the body of a box, a circle or an occupied part of a map.
@@ -290,5 +302,7 @@ fn bounds_of(shapes: &[Shape]) -> (Point, Point) {
     (low, high)
 }
 
+#[cfg(test)]
+pub(crate) mod naive;
 #[cfg(test)]
 mod tests;

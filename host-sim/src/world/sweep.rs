@@ -2,12 +2,14 @@
 //!
 //! The distance from a moving point to a straight piece or a disc is a convex function of the way
 //! travelled, so there is one first touch and it has a closed form: a ray against a capsule, or against
-//! a circle. One vectorised pass finds the distance between the path and every face; only a path that
-//! comes near enough to something pays for the closed form.
+//! a circle. One vectorised pass finds the distance between the path and every face near it ([`Clearing`]);
+//! only a path that comes near enough to something pays for the closed form.
 
 use super::World;
-use super::faces::{Face, LANES, clamp, max, min};
+use super::clearing::Clearing;
+use super::faces::{Face, FaceBlock, LANES, clamp, max, min};
 use super::geometry::Point;
+use super::surfaces::Circle;
 
 /// How far a disc may sink into a surface before it counts as touching, m. It stops at distance
 /// zero, so a disc at rest against a wall may leave it or slide along it, and rounding does no harm.
@@ -33,14 +35,14 @@ impl Sweep {
 }
 
 /// A straight path: from `start`, `length` metres along the unit vector `direction`.
-struct Path {
+pub(super) struct Path {
     start: Point,
     direction: Point,
-    length: f64,
+    pub length: f64,
 }
 
 impl Path {
-    fn between(from: Point, to: Point) -> Self {
+    pub fn between(from: Point, to: Point) -> Self {
         let length = from.distance(to);
         let direction = if length > 0.0 {
             (to - from) * (1.0 / length)
@@ -73,6 +75,34 @@ impl Path {
         let way = offset.dot(self.direction) - max(depth, 0.0).sqrt();
         (depth >= 0.0 && way >= 0.0).then_some(way)
     }
+
+    /// Whether a disc of `radius` m on this path touches something whose least distance from the path is `nearest` m.
+    pub fn is_touched_at(&self, nearest: f64, radius: f64) -> bool {
+        nearest < radius - TOUCH_SLACK_M
+    }
+
+    /// Least distance between this path and a circle, m, never negative.
+    pub fn gap(&self, circle: &Circle) -> f64 {
+        max(self.distance(circle.center) - circle.radius, 0.0)
+    }
+
+    /// Least distance between this path and a face, m.
+    #[cfg(test)]
+    pub fn gap_to_face(&self, face: &Face) -> f64 {
+        gap_squared(self, face.a, face.u, face.length).sqrt()
+    }
+
+    /// Squared distance between this path and each face of a block, m².
+    #[inline]
+    pub fn gaps_squared(&self, block: &FaceBlock) -> [f64; LANES] {
+        let mut squared = [0.0; LANES];
+        for (i, squared) in squared.iter_mut().enumerate() {
+            let a = Point::new(block.ax[i], block.ay[i]);
+            let u = Point::new(block.ux[i], block.uy[i]);
+            *squared = gap_squared(self, a, u, block.length[i]);
+        }
+        squared
+    }
 }
 
 impl World {
@@ -80,56 +110,7 @@ impl World {
     /// Sinking further into a surface it already touches counts at once; leaving it does not.
     #[must_use]
     pub fn sweep(&self, from: Point, to: Point, radius: f64) -> Sweep {
-        let path = Path::between(from, to);
-        let nearest = self.distance_to_path(&path);
-        let free = Sweep {
-            travelled_m: path.length,
-            contact: None,
-            min_clearance_m: (nearest - radius).max(0.0),
-        };
-        if nearest >= radius - TOUCH_SLACK_M {
-            return free;
-        }
-        let faces = self
-            .faces
-            .iter()
-            .filter_map(|f| touch_face(&path, &f, radius));
-        let circles = self.circles.iter().filter_map(|circle| {
-            let way = touch_point(&path, circle.center, radius + circle.radius)?;
-            let inward = circle.center - path.at(way);
-            let share = (1.0 - circle.radius / max(inward.length(), circle.radius)).max(0.0);
-            Some((way, path.at(way) + inward * share))
-        });
-        let first = faces
-            .chain(circles)
-            .reduce(|a, b| if b.0 < a.0 { b } else { a });
-        match first {
-            None => free,
-            Some((way, contact)) => Sweep {
-                travelled_m: min(way, path.length),
-                contact: Some(contact),
-                min_clearance_m: 0.0,
-            },
-        }
-    }
-
-    /// Least distance between a path and any surface, m.
-    fn distance_to_path(&self, path: &Path) -> f64 {
-        let mut best = [f64::INFINITY; LANES];
-        for block in &self.faces.blocks {
-            for (i, best) in best.iter_mut().enumerate() {
-                let a = Point::new(block.ax[i], block.ay[i]);
-                let u = Point::new(block.ux[i], block.uy[i]);
-                *best = min(*best, gap_squared(path, a, u, block.length[i]));
-            }
-        }
-        let faces = best.into_iter().fold(f64::INFINITY, min).sqrt();
-        self.circles.iter().fold(faces, |nearest, circle| {
-            min(
-                nearest,
-                max(path.distance(circle.center) - circle.radius, 0.0),
-            )
-        })
+        Clearing::default().sweep(self, from, to, radius)
     }
 }
 
@@ -166,7 +147,7 @@ fn gap_squared(path: &Path, a: Point, u: Point, length: f64) -> f64 {
 }
 
 /// First touch of a disc with a face: the way travelled and the point touched.
-fn touch_face(path: &Path, face: &Face, radius: f64) -> Option<(f64, Point)> {
+pub(super) fn touch_face(path: &Path, face: &Face, radius: f64) -> Option<(f64, Point)> {
     let end = face.a + face.u * face.length;
     let nearest_to = |p: Point| face.a + face.u * clamp((p - face.a).dot(face.u), 0.0, face.length);
     let start_gap = nearest_to(path.start) - path.start;
@@ -199,6 +180,14 @@ fn flat_way(path: &Path, face: &Face, radius: f64) -> Option<f64> {
     let way = (across.abs() - radius) / closing;
     let along = (path.at(way) - face.a).dot(face.u);
     (0.0..=face.length).contains(&along).then_some(way)
+}
+
+/// First touch of a disc with a circle: the way travelled and the point touched.
+pub(super) fn touch_circle(path: &Path, circle: &Circle, radius: f64) -> Option<(f64, Point)> {
+    let way = touch_point(path, circle.center, radius + circle.radius)?;
+    let inward = circle.center - path.at(way);
+    let share = (1.0 - circle.radius / max(inward.length(), circle.radius)).max(0.0);
+    Some((way, path.at(way) + inward * share))
 }
 
 /// Way at which a disc of `radius` (the robot's and the post's together) first touches a point.

@@ -6,12 +6,14 @@
 //! between the face's ends, the point nearest to the foot is the nearest one. The line of sight to the
 //! nearest point of *all* faces lies in the cone, so nothing can hide it.
 //!
-//! The view is built once per pose in f64; it drops faces that look away or lie too far. The query
+//! The view is built once per pose in f64, from the surroundings that hold for a whole neighbourhood; it drops faces that
+//! look away or lie too far. The query
 //! runs once per transducer over what is left, in f32 relative to the robot: within 1 µm + 1 ppm.
 
 use super::World;
 use super::faces::{FaceBlock, LANES, clamp, max, min};
 use super::geometry::Point;
+use super::surroundings::Surroundings;
 
 /// A squared distance no query can reach, m².
 const NOTHING: f32 = 1e18;
@@ -45,6 +47,7 @@ impl ViewBlock {
 /// once it has grown to the size of the world.
 #[derive(Debug, Clone, Default)]
 pub struct View {
+    around: Surroundings,
     blocks: Vec<ViewBlock>,
     used: usize,
     /// Relative to the middle: x, y, radius, m.
@@ -71,7 +74,9 @@ impl View {
     /// Looks at `world` from `middle`: keeps what the eyes, at most `offset_m` from the middle, can see
     /// from the front and within `reach_m`.
     pub fn build(&mut self, world: &World, middle: Point, offset_m: f64, reach_m: f64) {
-        let blocks = &world.faces.blocks;
+        self.around.look(world, middle, offset_m, reach_m);
+        let around = std::mem::take(&mut self.around);
+        let blocks = &around.faces.blocks;
         self.blocks.resize(blocks.len() + 1, ViewBlock::EMPTY);
         let reach = reach_m + offset_m;
         let mut kept = 0;
@@ -86,12 +91,13 @@ impl View {
             }
         }
         self.circles.clear();
-        for circle in &world.circles {
+        for circle in around.circles.iter().chain(&world.posts) {
             let offset = circle.center - middle;
             if offset.length() - circle.radius <= reach {
                 self.circles.push((offset.x, offset.y, circle.radius));
             }
         }
+        self.around = around;
     }
 
     /// Appends the faces of a block that may answer; returns how many the view holds.

@@ -1,0 +1,135 @@
+//! The first echo worked out ray by ray against everything in the world: what [`Hearing`] finds has the same bits.
+
+use super::hearing::Hearing;
+use super::{SonarConfig, SonarModel};
+use crate::noise::Noise;
+use crate::world::naive::{Met, Naive, NaiveLobe, worlds};
+use crate::world::{ConeShape, LobeView, Point};
+use core::f64::consts::TAU;
+
+const FACE_M: f64 = super::FACE_RADIUS_M;
+
+struct Echoes<'a> {
+    world: &'a Naive,
+    lobe: NaiveLobe,
+    config: SonarConfig,
+    /// Number and nearest answer of each surface.
+    answers: Vec<(f64, f64)>,
+    offers: Vec<f64>,
+}
+
+impl Echoes<'_> {
+    fn answers_from(&self, met: &Met) -> bool {
+        met.number >= 1e9 || met.cos_incidence >= libm::cos(self.config.max_incidence_rad)
+    }
+
+    fn follow(&mut self, tip: Point, direction: Point, bounces: usize) {
+        let Some(met) = self.lobe.cast(direction) else {
+            return;
+        };
+        if self.answers_from(&met) {
+            match self
+                .answers
+                .iter_mut()
+                .find(|(known, _)| *known == met.number)
+            {
+                Some((_, nearest)) => *nearest = nearest.min(met.way),
+                None => self.answers.push((met.number, met.way)),
+            }
+            return;
+        }
+        let (mut at, mut direction, mut met) = (tip, direction, met);
+        let mut way = met.way;
+        for _ in 0..bounces {
+            at = at + direction * met.way;
+            direction = direction - met.normal * (2.0 * direction.dot(met.normal));
+            let Some(next) = self.world.cast(at, direction) else {
+                return;
+            };
+            way += next.way;
+            if self.answers_from(&next) {
+                return self.offers.push(way);
+            }
+            met = next;
+        }
+    }
+
+    fn first(mut self, tip: Point, axis: Point) -> Option<f64> {
+        let half = self.config.half_angle_rad;
+        let step = 2.0 * half / (self.config.fan_rays - 1) as f64;
+        for ray in 0..self.config.fan_rays {
+            let direction = Point::unit(step * ray as f64 - half).turned(axis);
+            self.follow(tip, direction, self.config.bounces);
+        }
+        for direction in self.lobe.promising() {
+            if direction.dot(axis) >= libm::cos(half) {
+                self.follow(tip, direction, 0);
+            }
+        }
+        for &corner in &self.lobe.corners {
+            let range = corner.length();
+            let towards = if range > 0.0 {
+                corner * (1.0 / range)
+            } else {
+                axis
+            };
+            let hidden = |met: Met| met.way < range - 1e-6;
+            if !self.lobe.cast(towards).is_some_and(hidden) {
+                self.offers.push(range);
+            }
+        }
+        self.offers
+            .extend(self.answers.iter().map(|(_, range)| *range));
+        let limits = self.config.blanking_m..=self.config.max_range_m;
+        let heard = self
+            .offers
+            .into_iter()
+            .filter(|range| limits.contains(range));
+        heard.reduce(f64::min)
+    }
+}
+
+#[test]
+fn echoes_have_the_oracles_bits() {
+    let mut counts = [0, 0];
+    for seed in 0..32 {
+        let (world, places) = worlds(seed);
+        let world = if seed % 5 == 0 {
+            world.with_post(places[0], 0.269)
+        } else {
+            world
+        };
+        let (naive, mut noise) = (Naive::of(&world), Noise::new(seed));
+        for model in [SonarModel::Nomad, SonarModel::Harsh] {
+            let config = model.config();
+            let cone = ConeShape::new(config.half_angle_rad);
+            let mut hearing = Hearing::new(&config, config.half_angle_rad);
+            let mut lobe = LobeView::default();
+            for &place in &places {
+                for sensor in 0..8 {
+                    let off = if seed % 3 == 0 { noise.uniform() } else { 0.0 };
+                    let axis = Point::unit(TAU * f64::from(sensor) / 8.0 + off);
+                    let tip = place + axis * FACE_M;
+                    lobe.build(&world, place, FACE_M, axis, cone, config.max_range_m);
+                    let heard = hearing.first_echo(&world, &lobe, tip, axis, &config);
+                    let echoes = Echoes {
+                        world: &naive,
+                        lobe: naive.lobe(tip, axis, cone, config.max_range_m),
+                        config,
+                        answers: Vec::new(),
+                        offers: Vec::new(),
+                    };
+                    let expected = echoes.first(tip, axis);
+                    assert_eq!(
+                        heard,
+                        expected,
+                        "{seed} {place:?} {sensor} {}",
+                        model.name()
+                    );
+                    counts[usize::from(heard.is_some())] += 1;
+                }
+            }
+        }
+    }
+    assert!(counts[0] > 100 && counts[1] > 4_000, "{counts:?}");
+}

@@ -1,0 +1,247 @@
+//! What one lobe can meet.
+//!
+//! A [`LobeView`] holds the faces, circles and corners that one lobe can meet, so that a fan of rays pays only for those.
+//! A thing is held against all rays at once. Things are taken from near to
+//! far, and once the fan has got an answer, what lies beyond it is left alone.
+
+use wide::f64x4;
+
+use super::World;
+use super::faces::{FaceBlock, LANES, min};
+use super::geometry::Point;
+use super::rays::{Rays, SeenCircle, SeenFace};
+use super::surfaces::PointBlock;
+use super::surroundings::Surroundings;
+use super::view::{ConeShape, circle_in_cone};
+
+/// How much farther than an answer things are still looked at, m: far above any rounding.
+const SLACK_M: f64 = 1e-3;
+
+/// Things up to this many times as far as the nearest one, squared, are looked at in one go.
+const STRIDE: f64 = 1.44;
+
+/// A lobe: where it begins and where it points.
+#[derive(Debug, Clone, Copy)]
+struct Lobe {
+    tip: Point,
+    axis: Point,
+    cone: ConeShape,
+    reach: f64,
+}
+
+impl Lobe {
+    /// Whether anything within a circle may lie in the lobe's cone.
+    fn may_reach(&self, (middle, radius): (Point, f64)) -> bool {
+        let (offset, radius) = (middle - self.tip, radius + SLACK_M);
+        let (along, across) = (self.axis.dot(offset), self.axis.cross(offset));
+        let depth = along * self.cone.sin + radius;
+        across * self.cone.cos <= depth && -across * self.cone.cos <= depth && along >= -radius
+    }
+}
+
+/// What one lobe can meet. Reusable: building it again seldom allocates.
+#[derive(Debug, Clone, Default)]
+pub struct LobeView {
+    around: Surroundings,
+    faces: Vec<SeenFace>,
+    circles: Vec<SeenCircle>,
+    corners: Vec<(Point, f64)>,
+}
+
+impl LobeView {
+    /// Collects what lies in `world` inside the cone around the unit vector `axis`, within `reach_m` of its tip, `offset_m`
+    /// from `middle` along the axis, and shows its front.
+    pub fn build(
+        &mut self,
+        world: &World,
+        middle: Point,
+        offset_m: f64,
+        axis: Point,
+        cone: ConeShape,
+        reach_m: f64,
+    ) {
+        self.around.look(world, middle, offset_m, reach_m);
+        let around = std::mem::take(&mut self.around);
+        let lobe = Lobe {
+            tip: middle + axis * offset_m,
+            axis,
+            cone,
+            reach: reach_m,
+        };
+        self.faces.clear();
+        for (block, circle) in around.faces.blocks.iter().zip(&around.around_faces) {
+            if lobe.may_reach(*circle) {
+                self.keep_faces(block, &lobe);
+            }
+        }
+        self.circles.clear();
+        for circle in around.circles.iter().chain(&world.posts) {
+            let center = circle.center - lobe.tip;
+            let near = circle_in_cone(center, circle.radius, axis, cone);
+            if near <= reach_m {
+                self.circles.push(SeenCircle {
+                    center,
+                    radius: circle.radius,
+                    number: circle.number,
+                    near: near * near,
+                });
+            }
+        }
+        self.corners.clear();
+        for (block, circle) in around.corners.iter().zip(&around.around_corners) {
+            if lobe.may_reach(*circle) {
+                self.keep_corners(block, &lobe);
+            }
+        }
+        self.around = around;
+    }
+
+    /// Appends the corners of a block that lie in the lobe.
+    #[inline]
+    fn keep_corners(&mut self, block: &PointBlock, lobe: &Lobe) {
+        let [ax, ay, tip_x, tip_y] =
+            [lobe.axis.x, lobe.axis.y, lobe.tip.x, lobe.tip.y].map(f64x4::splat);
+        let (xs, ys) = (block.x.as_chunks::<4>().0, block.y.as_chunks::<4>().0);
+        for (xs, ys) in xs.iter().zip(ys) {
+            let (x, y) = (f64x4::new(*xs) - tip_x, f64x4::new(*ys) - tip_y);
+            let (along, across) = (ax * x + ay * y, (ax * y - ay * x).abs());
+            let inside = (across * lobe.cone.cos).simd_le(along * lobe.cone.sin);
+            let (x, y) = (x.to_array(), y.to_array());
+            for lane in lanes(inside.to_bitmask()) {
+                let corner = Point::new(x[lane], y[lane]);
+                let range = corner.length();
+                if range <= lobe.reach {
+                    self.corners.push((corner, range));
+                }
+            }
+        }
+    }
+
+    /// Appends the faces of a block of which any part lies in the lobe.
+    #[inline]
+    fn keep_faces(&mut self, block: &FaceBlock, lobe: &Lobe) {
+        let [ax, ay, tip_x, tip_y] =
+            [lobe.axis.x, lobe.axis.y, lobe.tip.x, lobe.tip.y].map(f64x4::splat);
+        let (sin, cos) = (f64x4::splat(lobe.cone.sin), f64x4::splat(lobe.cone.cos));
+        let (zero, infinity) = (f64x4::ZERO, f64x4::splat(f64::INFINITY));
+        let slack = f64x4::splat(SLACK_M);
+        for half in 0..LANES / 4 {
+            let four = |list: &[f64; LANES]| f64x4::new(list.as_chunks::<4>().0[half]);
+            let (ux, uy, length) = (four(&block.ux), four(&block.uy), four(&block.length));
+            let (dx, dy) = (four(&block.ax) - tip_x, four(&block.ay) - tip_y);
+            let (p, q) = (dx * ux + dy * uy, dx * uy - dy * ux);
+            let (axis_u, axis_n) = (ax * ux + ay * uy, ax * uy - ay * ux);
+            let (left_n, left_u) = (axis_n * cos - axis_u * sin, axis_u * cos + axis_n * sin);
+            let (right_n, right_u) = (axis_n * cos + axis_u * sin, axis_u * cos - axis_n * sin);
+            let (met_left, met_right) = (left_n.simd_gt(zero), right_n.simd_gt(zero));
+            let end = p + length;
+            // Whether the face begins right of the left edge and ends left of the right one, give or take rounding: most
+            // do not, without a division.
+            let right_of = (p * left_n - q * left_u).simd_le(slack) | !met_left;
+            let left_of = (q * right_u - end * right_n).simd_le(slack) | !met_right;
+            let seen = q.simd_gt(zero) & (met_left | met_right) & right_of & left_of;
+            if !seen.any() {
+                continue;
+            }
+            // An edge of the cone that runs away from the face bounds nothing.
+            let left = met_left.select(q * left_u / left_n, infinity);
+            let right = met_right.select(q * right_u / right_n, -infinity);
+            let from = p.simd_gt(right).select(p, right);
+            let to = end.simd_lt(left).select(end, left);
+            let nearest = to.simd_lt(zero).select(to, zero);
+            let nearest = from.simd_gt(nearest).select(from, nearest);
+            let near = nearest * nearest + q * q;
+            let reached = near.simd_le(f64x4::splat(lobe.reach * lobe.reach));
+            let kept = seen & from.simd_le(to) & reached;
+            let (p, q, near) = (p.to_array(), q.to_array(), near.to_array());
+            for lane in lanes(kept.to_bitmask()) {
+                let face = block.face(4 * half + lane);
+                self.faces.push(SeenFace {
+                    u: face.u,
+                    p: p[lane],
+                    q: q[lane],
+                    length: face.length,
+                    number: face.number,
+                    near: near[lane],
+                });
+            }
+        }
+    }
+
+    /// Lets the rays meet what lies in the lobe, which they must not leave, from near to far; what lies farther, m, than
+    /// `far` says of what was met so far is left alone.
+    pub fn meet(&self, rays: &mut Rays, mut far: impl FnMut(&Rays) -> f64) {
+        let mut done = -1.0;
+        loop {
+            let next = self.nearest_beyond(done);
+            let far = far(rays) + SLACK_M;
+            if next == f64::INFINITY || next > far * far {
+                return;
+            }
+            let until = next * STRIDE;
+            let due = |near: f64| near > done && near <= until;
+            for face in self.faces.iter().filter(|face| due(face.near)) {
+                rays.meet_face(face);
+            }
+            for circle in self.circles.iter().filter(|circle| due(circle.near)) {
+                rays.meet_circle(circle);
+            }
+            done = until;
+        }
+    }
+
+    /// Squared distance of the nearest thing beyond a squared distance, m²; infinite if there is none.
+    fn nearest_beyond(&self, done: f64) -> f64 {
+        let beyond = |nearest: f64, near: f64| {
+            if near > done {
+                min(nearest, near)
+            } else {
+                nearest
+            }
+        };
+        let faces = self
+            .faces
+            .iter()
+            .map(|face| face.near)
+            .fold(f64::INFINITY, beyond);
+        self.circles
+            .iter()
+            .map(|circle| circle.near)
+            .fold(faces, beyond)
+    }
+
+    /// The corners in the lobe, relative to its tip, and how far they are, m, hidden or not.
+    #[must_use]
+    pub fn corners(&self) -> &[(Point, f64)] {
+        &self.corners
+    }
+
+    /// Unit vectors from the tip towards the places most likely to answer: the foot of the perpendicular
+    /// on each face that has one, and the middle of each circle. They may lie outside the lobe.
+    pub fn promising(&self) -> impl Iterator<Item = Point> + '_ {
+        let feet = self.faces.iter();
+        let feet = feet.filter(|face| face.p <= 0.0 && face.p + face.length >= 0.0);
+        let feet = feet.map(|face| Point::new(face.u.y, -face.u.x));
+        let middles = self.circles.iter().map(|circle| {
+            let length = circle.center.length();
+            circle.center * (1.0 / length)
+        });
+        feet.chain(middles)
+    }
+
+    /// Unit vector from a face of the lobe, by its number, at right angles to it; `None` for what is no such face.
+    #[must_use]
+    pub fn normal(&self, number: f64) -> Option<Point> {
+        let face = self.faces.iter().find(|face| face.number == number);
+        face.map(|face| Point::new(-face.u.y, face.u.x))
+    }
+}
+
+/// The places of the ones in a mask, from the lowest.
+fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = (mask != 0).then(|| mask.trailing_zeros() as usize);
+        mask &= mask.wrapping_sub(1);
+        lane
+    })
+}

@@ -1,0 +1,377 @@
+//! The questions asked of a world, answered one thing after the other, in the world's order: the oracle of the fast ways,
+//! whose answers have the same bits.
+
+use super::faces::{Face, Faces, clamp, max, min};
+use super::surfaces::Circle;
+use super::sweep::{Path, touch_circle, touch_face};
+use super::view::circle_in_cone;
+use super::{ConeShape, Point, Shape, Sweep, World};
+
+/// What a ray met: way, m, the number of the thing, cosine of the incidence (1 for circles).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Met {
+    pub way: f64,
+    pub number: f64,
+    pub cos_incidence: f64,
+    pub normal: Point,
+}
+
+/// All things of a world, in its order.
+pub(crate) struct Naive {
+    faces: Vec<Face>,
+    circles: Vec<Circle>,
+    corners: Vec<Point>,
+}
+
+/// A face of a lobe: itself, `p` and `q`.
+type Seen = (Face, f64, f64);
+
+/// What one lobe can meet.
+pub(crate) struct NaiveLobe {
+    faces: Vec<Seen>,
+    circles: Vec<Circle>,
+    /// Relative to the tip.
+    pub corners: Vec<Point>,
+}
+
+fn towards(face: &Face) -> Point {
+    Point::new(face.u.y, -face.u.x)
+}
+
+impl Naive {
+    pub(crate) fn of(world: &World) -> Self {
+        let mut faces: Vec<_> = Faces::of(world.shapes()).0.iter().collect();
+        faces.sort_by(|a, b| a.number.total_cmp(&b.number));
+        let mut circles = [&world.surfaces.circles[..], &world.posts].concat();
+        circles.sort_by(|a, b| a.number.total_cmp(&b.number));
+        let mut corners = Vec::new();
+        let solid = world.shapes().iter();
+        solid.for_each(|shape| shape.for_each_corner(|corner| corners.push(corner)));
+        Self {
+            faces,
+            circles,
+            corners,
+        }
+    }
+
+    pub(crate) fn clearance(&self, point: Point) -> f64 {
+        let face = |face: &Face| {
+            let d = point - face.a;
+            let (along, across) = (d.dot(face.u), d.cross(face.u));
+            let beyond = along - clamp(along, 0.0, face.length);
+            (beyond * beyond + across * across).sqrt()
+        };
+        let faces = self.faces.iter().map(face).fold(f64::INFINITY, min);
+        self.circles
+            .iter()
+            .map(|circle| circle.distance(point))
+            .fold(faces, min)
+    }
+
+    pub(crate) fn sweep(&self, from: Point, to: Point, radius: f64) -> Sweep {
+        let path = Path::between(from, to);
+        let gaps = self.faces.iter().map(|face| path.gap_to_face(face));
+        let gaps = gaps.chain(self.circles.iter().map(|circle| path.gap(circle)));
+        let nearest = gaps.fold(f64::INFINITY, min);
+        let free = Sweep {
+            travelled_m: path.length,
+            contact: None,
+            min_clearance_m: (nearest - radius).max(0.0),
+        };
+        if !path.is_touched_at(nearest, radius) {
+            return free;
+        }
+        let faces = self
+            .faces
+            .iter()
+            .filter_map(|face| touch_face(&path, face, radius));
+        let circles = self
+            .circles
+            .iter()
+            .filter_map(|circle| touch_circle(&path, circle, radius));
+        match faces
+            .chain(circles)
+            .reduce(|a, b| if b.0 < a.0 { b } else { a })
+        {
+            None => free,
+            Some((way, contact)) => Sweep {
+                travelled_m: min(way, path.length),
+                contact: Some(contact),
+                min_clearance_m: 0.0,
+            },
+        }
+    }
+
+    /// As [`super::View`], in f32 beyond the choice of what may answer.
+    pub(crate) fn nearest_in_cone(
+        &self,
+        middle: Point,
+        offset_m: f64,
+        reach_m: f64,
+        axis: Point,
+        cone: ConeShape,
+    ) -> f64 {
+        let reach = reach_m + offset_m;
+        let mut best = 1e18_f32;
+        for face in &self.faces {
+            let d = face.a - middle;
+            let (p, q) = (d.dot(face.u), d.cross(face.u));
+            let nearest = clamp(0.0, p, p + face.length);
+            if q > -offset_m && nearest * nearest + q * q <= reach * reach {
+                best = best.min(in_cone_f32(face, p, q, axis, offset_m, cone));
+            }
+        }
+        let near = |circle: &&Circle| (circle.center - middle).length() - circle.radius <= reach;
+        self.circles
+            .iter()
+            .filter(near)
+            .fold(f64::from(best).sqrt(), |nearest, circle| {
+                let center = (circle.center - middle) - axis * offset_m;
+                min(nearest, circle_in_cone(center, circle.radius, axis, cone))
+            })
+    }
+
+    pub(crate) fn lobe(&self, tip: Point, axis: Point, cone: ConeShape, reach: f64) -> NaiveLobe {
+        let seen = |face: &Face| {
+            let offset = face.a - tip;
+            (*face, offset.dot(face.u), offset.cross(face.u))
+        };
+        let faces = self
+            .faces
+            .iter()
+            .map(seen)
+            .filter(|seen| in_cone(seen, axis, cone, reach));
+        let circles = self.circles.iter().map(|circle| Circle {
+            center: circle.center - tip,
+            ..*circle
+        });
+        let circles = circles.filter(|c| circle_in_cone(c.center, c.radius, axis, cone) <= reach);
+        let corners = self
+            .corners
+            .iter()
+            .map(|&corner| corner - tip)
+            .filter(|&corner| {
+                let (along, across) = (axis.dot(corner), axis.cross(corner).abs());
+                across * cone.cos <= along * cone.sin && corner.length() <= reach
+            });
+        NaiveLobe {
+            faces: faces.collect(),
+            circles: circles.collect(),
+            corners: corners.collect(),
+        }
+    }
+
+    /// As [`World::cast`], with its order of things met at the same distance.
+    pub(crate) fn cast(&self, origin: Point, direction: Point) -> Option<Met> {
+        let mut faces = self.faces.clone();
+        faces.sort_by_key(|face| (face.number as usize % 8, face.number as usize));
+        let met = |face: &Face| {
+            let offset = face.a - origin;
+            let (p, q) = (offset.dot(face.u), offset.cross(face.u));
+            let cos = direction.cross(face.u);
+            let along = q * direction.dot(face.u);
+            let beyond = max(p * cos - along, along - (p + face.length) * cos);
+            (q > 1e-9 && cos > 0.0 && beyond <= 0.0).then(|| Met {
+                way: q / cos,
+                number: face.number,
+                cos_incidence: direction.dot(towards(face)),
+                normal: -towards(face),
+            })
+        };
+        let circles = self.circles.iter().filter_map(|circle| {
+            let circle = Circle {
+                center: circle.center - origin,
+                ..*circle
+            };
+            meet_circle(&circle, direction).filter(|met| met.way > 1e-9)
+        });
+        nearest(faces.iter().filter_map(met).chain(circles))
+    }
+}
+
+impl NaiveLobe {
+    pub(crate) fn cast(&self, direction: Point) -> Option<Met> {
+        let met = |(face, p, q): &Seen| {
+            let cos = direction.dot(towards(face));
+            let along = q * direction.dot(face.u);
+            let (from, to) = (p * cos, (p + face.length) * cos);
+            (cos > 0.0 && along >= from && along <= to).then(|| Met {
+                way: q / cos,
+                number: face.number,
+                cos_incidence: cos,
+                normal: -towards(face),
+            })
+        };
+        let circles = self
+            .circles
+            .iter()
+            .filter_map(|circle| meet_circle(circle, direction));
+        nearest(self.faces.iter().filter_map(met).chain(circles))
+    }
+
+    pub(crate) fn promising(&self) -> Vec<Point> {
+        let feet = self
+            .faces
+            .iter()
+            .filter(|(face, p, _)| *p <= 0.0 && p + face.length >= 0.0);
+        let middles = self
+            .circles
+            .iter()
+            .map(|c| c.center * (1.0 / c.center.length()));
+        feet.map(|(face, ..)| towards(face))
+            .chain(middles)
+            .collect()
+    }
+}
+
+fn nearest(met: impl Iterator<Item = Met>) -> Option<Met> {
+    met.reduce(|a, b| if b.way < a.way { b } else { a })
+}
+
+fn meet_circle(circle: &Circle, direction: Point) -> Option<Met> {
+    let across = direction.cross(circle.center);
+    let depth = circle.radius * circle.radius - across * across;
+    let way = direction.dot(circle.center) - max(depth, 0.0).sqrt();
+    (depth >= 0.0 && way > 0.0).then(|| Met {
+        way,
+        number: circle.number,
+        cos_incidence: 1.0,
+        normal: (direction * way - circle.center) * (1.0 / circle.radius),
+    })
+}
+
+fn in_cone((face, p, q): &Seen, axis: Point, cone: ConeShape, reach: f64) -> bool {
+    let (axis_u, axis_n) = (axis.dot(face.u), axis.dot(towards(face)));
+    let meets = |u: f64, n: f64, beyond: f64| if n > 0.0 { q * u / n } else { beyond };
+    let left_n = axis_n * cone.cos - axis_u * cone.sin;
+    let right_n = axis_n * cone.cos + axis_u * cone.sin;
+    let left = meets(axis_u * cone.cos + axis_n * cone.sin, left_n, f64::INFINITY);
+    let right = meets(
+        axis_u * cone.cos - axis_n * cone.sin,
+        right_n,
+        -f64::INFINITY,
+    );
+    let (from, to) = (max(*p, right), min(p + face.length, left));
+    let nearest = max(from, min(to, 0.0));
+    let near = nearest * nearest + q * q <= reach * reach;
+    *q > 0.0 && max(left_n, right_n) > 0.0 && from <= to && near
+}
+
+/// Squared distance of a face within a cone, m²; 1e18 for none.
+fn in_cone_f32(face: &Face, p: f64, q: f64, axis: Point, offset_m: f64, cone: ConeShape) -> f32 {
+    let (ux, uy, length) = (face.u.x as f32, face.u.y as f32, face.length as f32);
+    let (cx, cy, offset) = (axis.x as f32, axis.y as f32, offset_m as f32);
+    let (sin, cos) = (cone.sin as f32, cone.cos as f32);
+    let (axis_u, axis_n) = (cx * ux + cy * uy, cx * uy - cy * ux);
+    let (q, p) = (q as f32 - offset * axis_n, p as f32 - offset * axis_u);
+    let (left_n, left_u) = (axis_n * cos - axis_u * sin, axis_u * cos + axis_n * sin);
+    let (right_n, right_u) = (axis_n * cos + axis_u * sin, axis_u * cos - axis_n * sin);
+    let left = if left_n > 0.0 {
+        q * left_u / left_n
+    } else {
+        1e9
+    };
+    let right = if right_n > 0.0 {
+        q * right_u / right_n
+    } else {
+        -1e9
+    };
+    let (from, to) = (p.max(right), (p + length).min(left));
+    let nearest = from.max(to.min(0.0));
+    if q > 0.0 && from <= to && left_n.max(right_n) > 0.0 {
+        nearest * nearest + q * q
+    } else {
+        1e18
+    }
+}
+
+/// Worlds of every kind and size, by number: cluttered rooms, maps of cells (many pieces of one line, many shared ends),
+/// rows of many rooms, fields of posts. With places in and about them, some on lines and corners.
+pub(crate) fn worlds(seed: u64) -> (World, Vec<Point>) {
+    use crate::noise::Noise;
+    let mut noise = Noise::new(seed);
+    let mut shapes = Vec::new();
+    let side = match seed % 4 {
+        0 => cells(&mut noise, &mut shapes),
+        1 => rooms(&mut noise, &mut shapes, 1),
+        2 => rooms(&mut noise, &mut shapes, 6),
+        _ => posts(&mut noise, &mut shapes),
+    };
+    let world = World::prepared("test".into(), super::Pose::default(), shapes);
+    let place =
+        |noise: &mut Noise| Point::new(noise.uniform_in(-4.5, side), noise.uniform_in(-4.5, 4.5));
+    let places = (0..12).map(|i| {
+        let Point { x, y } = place(&mut noise);
+        match i % 3 {
+            0 => Point::new(libm::rint(x * 4.0) / 4.0, y),
+            1 => Point::new(libm::rint(x * 4.0) / 4.0, libm::rint(y * 4.0) / 4.0),
+            _ => Point::new(x, y),
+        }
+    });
+    let places = places.collect();
+    (world, places)
+}
+
+fn cells(noise: &mut crate::noise::Noise, shapes: &mut Vec<Shape>) -> f64 {
+    use super::occupancy::{Cell, Occupancy};
+    let cells = (0..32 * 32).map(|_| {
+        if noise.chance(0.12) {
+            Cell::Occupied
+        } else {
+            Cell::Free
+        }
+    });
+    let map = Occupancy {
+        width: 32,
+        height: 32,
+        cells: cells.collect(),
+    };
+    let at =
+        |(column, row): (usize, usize)| Point::new(column as f64 - 16.0, row as f64 - 16.0) * 0.25;
+    shapes.extend(map.outlines().into_iter().map(|(from, to)| Shape::Outline {
+        from: at(from),
+        to: at(to),
+    }));
+    4.0
+}
+
+fn rooms(noise: &mut crate::noise::Noise, shapes: &mut Vec<Shape>, count: u64) -> f64 {
+    for room in 0..count {
+        let by = Point::new(8.0 * room as f64, 0.0);
+        for shape in World::random(noise.next_u64() % 1_000).shapes() {
+            shapes.push(match shape {
+                Shape::Box { center, size, .. } => Shape::Box {
+                    center: *center + by,
+                    size: *size,
+                    angle: if noise.chance(0.3) {
+                        noise.uniform()
+                    } else {
+                        0.0
+                    },
+                },
+                Shape::Wall { points } => Shape::Wall {
+                    points: points.iter().map(|&point| point + by).collect(),
+                },
+                other => other.clone(),
+            });
+        }
+        shapes.push(Shape::Circle {
+            center: by + Point::new(noise.uniform_in(-3.0, 3.0), noise.uniform_in(-3.0, 3.0)),
+            radius: noise.uniform_in(0.01, 1.0),
+        });
+    }
+    8.0 * count as f64 - 4.0
+}
+
+fn posts(noise: &mut crate::noise::Noise, shapes: &mut Vec<Shape>) -> f64 {
+    for _ in 0..150 {
+        let (x, y) = (noise.uniform_in(-5.0, 15.0), noise.uniform_in(-5.0, 5.0));
+        shapes.push(Shape::Circle {
+            center: Point::new(libm::rint(x / 0.15) * 0.15, libm::rint(y / 0.15) * 0.15),
+            radius: 0.075,
+        });
+    }
+    15.0
+}
+
+mod tests;

@@ -1,0 +1,135 @@
+//! The fast ways against the oracle, to the bit.
+
+use super::*;
+use crate::noise::Noise;
+use crate::world::{Clearing, LobeView, Rays, Surface, View};
+use core::f64::consts::TAU;
+
+const REACH_M: f64 = 6.477;
+
+#[test]
+fn moves_have_the_oracles_bits() {
+    let (mut clearing, mut touched) = (Clearing::default(), 0);
+    for seed in 0..24 {
+        let (world, places) = worlds(seed);
+        let world = if seed % 5 == 0 {
+            world.with_post(places[0], 0.269)
+        } else {
+            world
+        };
+        let (naive, mut noise) = (Naive::of(&world), Noise::new(seed));
+        for place in places {
+            let mut at = place;
+            for step in 0..12 {
+                let angle = f64::from(step % 4) * if seed % 2 == 0 { 1.0 } else { 0.1 };
+                let length = if step % 5 == 4 {
+                    0.9
+                } else {
+                    noise.uniform_in(0.0, 0.12)
+                };
+                let to = at + Point::unit(angle) * length;
+                let expected = naive.sweep(at, to, 0.269);
+                assert_eq!(
+                    clearing.sweep(&world, at, to, 0.269),
+                    expected,
+                    "{seed} {at:?}"
+                );
+                assert_eq!(world.sweep(at, to, 0.269), expected);
+                let clearance = naive.clearance(to);
+                assert_eq!(clearing.clearance(&world, to), clearance, "{seed} {to:?}");
+                assert_eq!(world.clearance(to), clearance);
+                touched += u32::from(expected.touched());
+                at = if expected.touched() { place } else { to };
+            }
+        }
+    }
+    assert!(touched > 300, "{touched}");
+}
+
+#[test]
+fn cones_have_the_oracles_bits() {
+    let (mut view, mut near) = (View::default(), 0);
+    let cone = ConeShape::new(0.21);
+    for seed in 0..24 {
+        let (world, places) = worlds(seed);
+        let world = if seed % 5 == 0 {
+            world.with_post(places[0], 0.269)
+        } else {
+            world
+        };
+        let naive = Naive::of(&world);
+        for (i, place) in places.into_iter().enumerate() {
+            for step in 0..4 {
+                let middle = place + Point::new(0.2, 0.1) * f64::from(step);
+                view.build(&world, middle, 0.2305, REACH_M);
+                for sensor in 0..16 {
+                    let axis = Point::unit(TAU * f64::from(sensor) / 16.0 + (i % 2) as f64 * 0.3);
+                    let range = view.nearest_in_cone(axis, 0.2305, cone);
+                    let expected = naive.nearest_in_cone(middle, 0.2305, REACH_M, axis, cone);
+                    assert_eq!(range, expected, "{seed} {middle:?} {sensor}");
+                    near += u32::from(range < REACH_M);
+                }
+            }
+        }
+    }
+    assert!(near > 10_000, "{near}");
+}
+
+#[test]
+fn rays_have_the_oracles_bits() {
+    let (mut lobe, mut rays, mut met) = (LobeView::default(), Rays::default(), 0);
+    let cone = ConeShape::new(0.26);
+    for seed in 0..24 {
+        let (world, places) = worlds(seed);
+        let world = if seed % 5 == 0 {
+            world.with_post(places[0], 0.269)
+        } else {
+            world
+        };
+        let naive = Naive::of(&world);
+        for (i, place) in places.into_iter().enumerate() {
+            let bearing = std::f64::consts::FRAC_PI_8 * i as f64;
+            let axis = Point::unit(bearing);
+            lobe.build(&world, place, 0.2305, axis, cone, REACH_M);
+            let expected = naive.lobe(place + axis * 0.2305, axis, cone, REACH_M);
+            let mut directions = expected.promising();
+            directions.retain(|direction| direction.dot(axis) >= cone.cos);
+            let turns = (-10..=10).map(|ray| Point::unit(bearing + 0.025 * f64::from(ray)));
+            directions.extend(turns);
+            rays.clear();
+            directions
+                .iter()
+                .for_each(|direction| rays.push(*direction));
+            lobe.meet(&mut rays, |_| f64::INFINITY);
+            for (index, &direction) in directions.iter().enumerate() {
+                let found = (
+                    rays.ways()[index],
+                    rays.numbers()[index],
+                    rays.cos_incidences()[index],
+                );
+                let hit = expected.cast(direction);
+                let hit = hit.map_or((f64::INFINITY, -f64::INFINITY, 0.0), |hit| {
+                    met += 1;
+                    (hit.way, hit.number, hit.cos_incidence)
+                });
+                assert_eq!(found, hit, "{seed} {place:?} {direction:?}");
+                let whole = world.cast(place, direction);
+                let number = whole.map(|hit| match hit.surface {
+                    Surface::Face(index) => index as f64,
+                    Surface::Circle(index) => 1e9 + index as f64,
+                });
+                let expected = naive.cast(place, direction);
+                assert_eq!(number, expected.map(|met| met.number), "{seed} {place:?}");
+                assert_eq!(whole.map(|hit| hit.distance_m), expected.map(|met| met.way));
+                assert_eq!(whole.map(|hit| hit.normal), expected.map(|met| met.normal));
+            }
+            let mut corners: Vec<_> = lobe.corners().iter().map(|(corner, _)| *corner).collect();
+            let mut all = expected.corners;
+            for corners in [&mut corners, &mut all] {
+                corners.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+            }
+            assert_eq!(corners, all);
+        }
+    }
+    assert!(met > 3_000, "{met}");
+}
