@@ -20,5 +20,6 @@ pub mod scenes;
 pub mod settings;
 pub mod som;
 pub mod sonar;
+mod toml_reader;
 pub mod view;
 pub mod world;
