@@ -63,6 +63,19 @@ pub struct RunArgs {
     threads: Option<u16>,
 }
 
+impl RunArgs {
+    /// The setup of its episodes, not recorded.
+    ///
+    /// # Errors
+    /// A setting that is unknown or takes another value.
+    pub(super) fn setup(&self) -> Result<Setup, BadInput> {
+        Ok(Setup {
+            steps: self.steps,
+            ..self.setup.setup()?
+        })
+    }
+}
+
 /// On or off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Switch {
@@ -149,9 +162,8 @@ impl Preset {
 /// Bad input before anything is run; a world that cannot be loaded when its turn comes; a closed pipe.
 pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
     let setup = Setup {
-        steps: args.steps,
         record: args.out.is_some(),
-        ..args.setup.setup()?
+        ..args.setup()?
     };
     let sources = sources(&args.worlds)?;
     if let (Some(path), true) = (&args.log, sources.len() != 1) {

@@ -85,10 +85,10 @@ impl SetupArgs {
     /// Like [`SetupArgs::config`].
     pub(super) fn setup(&self) -> Result<Setup, BadInput> {
         let config = configured(self.preset, &self.sets, self.shield, self.online)?;
-        Ok(Setup {
-            config: self.behavior.adapted(config),
+        let setup = Setup {
+            config,
             preset: self.preset.name().to_owned(),
-            behavior: self.behavior.clone(),
+            behavior: Behavior::Avoid,
             explore_moves: self.explore,
             steps: 1,
             seed: self.seed,
@@ -100,6 +100,7 @@ impl SetupArgs {
             },
             set_down: None,
             record: false,
-        })
+        };
+        Ok(setup.pursuing(self.behavior.clone()))
     }
 }
