@@ -121,7 +121,18 @@ fn killed_at_any_moment_it_goes_on_where_it_was() {
             .stderr(Stdio::null())
             .spawn()
             .expect("the program starts");
-        std::thread::sleep(Duration::from_millis(random.next_u64() % 120));
+        // Every other one is at work for sure: it has just added a row.
+        let mut most_us = 60_000;
+        if kills % 2 == 0 {
+            let length =
+                || fs::metadata(program.folder().join("part.csv")).map_or(0, |file| file.len());
+            let before = length();
+            while length() <= before && child.try_wait().expect("a child").is_none() {
+                std::thread::sleep(Duration::from_micros(100));
+            }
+            most_us = 6_000;
+        }
+        std::thread::sleep(Duration::from_micros(random.next_u64() % most_us));
         // SIGKILL; in vain if it is at its end already.
         child.kill().expect("a signal");
         let done = child.wait().expect("an end").success();

@@ -1,7 +1,7 @@
 //! `host-sim run`: episodes in any worlds.
 
 use super::Failure;
-use super::output::{bar, prepare};
+use super::output::{bar, pool, prepare};
 use super::remote::{MindChoice, Remote};
 use super::setup::{SetupArgs, parsed};
 use super::summary;
@@ -214,10 +214,7 @@ fn in_parallel(
     sources: &[WorldSource],
     print: Print<'_>,
 ) -> Result<(), Failure> {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(args.threads.map_or(0, usize::from))
-        .build();
-    let pool = pool.map_err(|error| BadInput::new(format!("--threads: {error}")))?;
+    let pool = pool(args.threads)?;
     let progress = bar(sources.len() as u64, "worlds");
     for (number, chunk) in sources.chunks(CHUNK).enumerate() {
         let one = |(index, source): (usize, &WorldSource)| {

@@ -1,7 +1,7 @@
 //! `host-sim sweep` and `host-sim merge`: many episodes, in parts if need be.
 
 use super::Failure;
-use super::output::bar;
+use super::output::{bar, pool};
 use super::run::RunArgs;
 use super::setup::{SetupArgs, parsed};
 use crate::episode::Setup;
@@ -131,10 +131,7 @@ pub fn sweep(args: &SweepArgs, out: &mut impl Write) -> Result<(), Failure> {
         .out
         .clone()
         .unwrap_or_else(|| default_path(&plan, shard));
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(args.threads.map_or(0, usize::from))
-        .build();
-    let pool = pool.map_err(|error| BadInput::new(format!("--threads: {error}")))?;
+    let pool = pool(args.threads)?;
     let began = Instant::now();
     let mut report = Reporter::new(source.map(|source| format!("shard {shard} ({source})")));
     let done = sweep::run(&plan, shard, &path, &pool, |progress| report.tell(progress))?;
@@ -168,7 +165,7 @@ fn about(plan: &Plan, shard: Shard) -> String {
     format!(
         "{}\n{} points × {} behaviors × {} worlds × {} seeds; shard {shard} has {} episodes",
         plan.header().identity(),
-        description.points.len().unwrap_or(0),
+        description.points.count().unwrap_or(0),
         description.behaviors.len(),
         description.worlds.len(),
         description.seeds.len(),

@@ -11,7 +11,7 @@ const LABELS: f64 = 148.0;
 /// Height of a row, px.
 const ROW: f64 = 24.0;
 /// Gap between columns, px.
-const GAP: f64 = 22.0;
+const GAP: f64 = 26.0;
 /// Height above a section's rows: its title and the columns' names, px.
 const ABOVE: f64 = 50.0;
 /// Height below them: the axes' numbers, px.
@@ -161,8 +161,12 @@ impl Axis {
         for tick in ticks {
             let x = self.at(tick);
             svg.line([x, top], [x, top + height], &stroke(PALE, 1.0));
+            let text = decimal(tick, decimals);
+            // Inside the axis' width: the next axis is near.
+            let half = text.chars().count() as f64 * 3.1;
+            let x = x.max(self.left + half).min(self.left + self.width - half);
             let font = Font::new(11.0).color(GREY).at(Anchor::Middle);
-            svg.text([x, top + height + 14.0], font, &decimal(tick, decimals));
+            svg.text([x, top + height + 14.0], font, &text);
         }
     }
 

@@ -119,7 +119,11 @@ fn draw(svg: &mut Svg, [left, top]: [f64; 2], width: f64, map: &HeatMap) {
         .flatten()
         .map(|cell| cell.unwrap_or(f64::NAN))
         .collect();
-    let (places, _) = normalized(&all);
+    let (mut places, [low, high]) = normalized(&all);
+    if low == high {
+        // All the same is neither little nor much.
+        places.fill(0.5);
+    }
     let mut places = places.into_iter();
     for (row, cells) in map.cells.iter().enumerate() {
         for (column, value) in cells.iter().enumerate() {

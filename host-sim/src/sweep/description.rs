@@ -29,7 +29,8 @@
 //! Keys are the flags of `run` that say what an episode is made of, and the keys of `--set`. Points are numbered as they stand above: grid,
 //! list, random; without any there is one. A key that is not known is an error, with its line.
 
-use super::draws::{Drawn, Draws};
+mod random;
+
 use super::plan::Vocabulary;
 use super::points::Points;
 use crate::error::{BadInput, suggestion};
@@ -43,8 +44,10 @@ use toml::de::DeValue;
 
 /// Larger files are refused, bytes.
 const MAX_FILE_BYTES: u64 = 16 << 20;
-/// Most seeds of a sweep, and most points.
-const MAX_COUNT: u64 = 1_000_000;
+/// Most seeds of a sweep.
+const MAX_SEEDS: u64 = 1_000_000;
+/// Most points: each of them is looked at before anything is run.
+const MAX_POINTS: u64 = 100_000;
 
 /// What a sweep's file says.
 #[derive(Debug, Clone)]
@@ -189,8 +192,8 @@ impl<'a> File<'a> {
         };
         let seed = |text: &str| text.trim().parse::<u64>().map_err(|_| wrong());
         let (first, last) = (seed(first)?, seed(last)?);
-        if first > last || last - first >= MAX_COUNT {
-            let what = format!("seeds must be a range of 1 to {MAX_COUNT} seeds");
+        if first > last || last - first >= MAX_SEEDS {
+            let what = format!("seeds must be a range of 1 to {MAX_SEEDS} seeds");
             return Err(self.reader.error(value.span(), what));
         }
         Ok((first..=last).collect())
@@ -238,77 +241,12 @@ impl<'a> File<'a> {
         if let Some(value) = top.get("random") {
             self.random(value, &mut points)?;
         }
-        if points.len().is_none_or(|count| count > MAX_COUNT) {
-            let what = format!("the grid has more than {MAX_COUNT} points");
+        if points.count().is_none_or(|count| count > MAX_POINTS) {
+            let what = format!("the grid has more than {MAX_POINTS} points");
             let span = top.get("grid").map(Value::span).unwrap_or_default();
             return Err(self.reader.error(span, what));
         }
         Ok(points)
-    }
-
-    fn random(&self, value: &Value<'_>, points: &mut Points) -> Result<(), BadInput> {
-        let DeValue::Table(table) = value.get_ref() else {
-            return Err(self
-                .reader
-                .error(value.span(), "random must be a table: [random]"));
-        };
-        let count = self
-            .reader
-            .required(table, "points", "[random]", &value.span())?;
-        let at = count.span();
-        let count = self.whole(count, "points")?;
-        if !(1..=MAX_COUNT).contains(&count) {
-            let what = format!("points must lie between 1 and {MAX_COUNT}");
-            return Err(self.reader.error(at, what));
-        }
-        let seed = table
-            .get("seed")
-            .map_or(Ok(1), |seed| self.whole(seed, "seed"))?;
-        let mut draws = Draws::new(seed);
-        for (key, at, value) in self.choices(value, "[random]")? {
-            let drawn = self.drawn(&key, &at, value)?;
-            draws.add(self.varied(points, &key, &at)?, drawn);
-        }
-        for _ in 0..count {
-            points.add(draws.draw());
-        }
-        Ok(())
-    }
-
-    /// What a value of [random] is drawn from.
-    fn drawn(&self, key: &str, at: &Range<usize>, value: &Value<'_>) -> Result<Drawn, BadInput> {
-        let wrong = |what: &str| self.reader.error(value.span(), format!("{key} {what}"));
-        let DeValue::Table(range) = value.get_ref() else {
-            let values = self.array(value, key)?.iter();
-            let texts = values.map(|value| self.text(key, at.clone(), value));
-            return Ok(Drawn::OneOf(texts.collect::<Result<_, _>>()?));
-        };
-        self.reader.only_keys(key, range, &["min", "max", "log"])?;
-        let end = |name: &str| {
-            let end = self.reader.required(range, name, key, &value.span())?;
-            self.text(key, at.clone(), end)?;
-            let whole = matches!(end.get_ref(), DeValue::Integer(_));
-            Ok::<_, BadInput>((self.reader.number(end, name)?, whole))
-        };
-        let ((min, min_whole), (max, max_whole)) = (end("min")?, end("max")?);
-        let log = match range.get("log").map(|log| log.get_ref()) {
-            None => false,
-            Some(DeValue::Boolean(log)) => *log,
-            Some(_) => return Err(wrong("takes log = true or false")),
-        };
-        if max <= min {
-            return Err(wrong("must have a max above its min"));
-        }
-        if log && min <= 0.0 {
-            return Err(wrong("must have a min above 0 for log = true"));
-        }
-        let whole = min_whole && max_whole;
-        Ok(Drawn::Between {
-            min,
-            max,
-            log,
-            whole,
-        })
     }
 
     /// The choices of a table in the file's order; `a.b = 1` is the key "a.b".

@@ -49,7 +49,7 @@ pub fn keys(table: &Table) -> (Vec<Key>, Vec<String>) {
 }
 
 /// What stands where a point leaves a choice to the preset.
-const OPEN: &str = "as preset";
+const OPEN: &str = "unset";
 
 fn of_texts(name: &str, texts: &[String], of_row: &[u32]) -> Key {
     let shown = |text: &String| {

@@ -56,14 +56,14 @@ impl Plan {
         let lengths = [behaviors.len(), worlds.len(), seeds.len()].map(|length| length as u64);
         let episodes = lengths
             .into_iter()
-            .try_fold(points.len().unwrap_or(u64::MAX), u64::checked_mul)
+            .try_fold(points.count().unwrap_or(u64::MAX), u64::checked_mul)
             .ok_or_else(|| {
                 BadInput::new(format!("sweep {name}: it has more than 2^64 episodes"))
             })?;
 
         let mut hash = Hasher::new();
         hash.part(format_args!("{}", env!("CARGO_PKG_VERSION")));
-        for point in 0..points.len().unwrap_or(0) {
+        for point in 0..points.count().unwrap_or(0) {
             let choices = points.choices(point);
             let setup = (vocabulary.setup)(&choices).map_err(|error| {
                 let choices: Vec<_> = choices

@@ -57,7 +57,7 @@ impl Points {
 
     /// How many there are; `None` if more than 2⁶⁴ − 1.
     #[must_use]
-    pub fn len(&self) -> Option<u64> {
+    pub fn count(&self) -> Option<u64> {
         self.grid_len()?.checked_add(self.rows.len() as u64)
     }
 
@@ -114,7 +114,7 @@ mod tests {
             ("far".into(), "9".into()),
         ]);
         assert_eq!(points.keys(), texts(["far", "near", "preset"]));
-        assert_eq!(points.len(), Some(7));
+        assert_eq!(points.count(), Some(7));
         assert_eq!(points.cells(0), texts(["1", "a", ""]));
         assert_eq!(points.cells(1), texts(["1", "b", ""]));
         assert_eq!(points.cells(5), texts(["2", "c", ""]));
@@ -128,12 +128,12 @@ mod tests {
 
     #[test]
     fn without_any_there_is_one_and_too_many_are_told() {
-        assert_eq!(Points::default().len(), Some(1));
+        assert_eq!(Points::default().count(), Some(1));
         assert!(Points::default().choices(0).is_empty());
         let mut points = Points::default();
         for key in 0..20 {
             points.add_axis(&key.to_string(), vec!["x".to_owned(); 100]);
         }
-        assert_eq!(points.len(), None);
+        assert_eq!(points.count(), None);
     }
 }

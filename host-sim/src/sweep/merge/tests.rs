@@ -65,7 +65,7 @@ fn gaps_doubles_and_strangers_are_refused_by_name() {
         ),
         (
             part("mixed", &[3, 1, 5], ""),
-            ["mixed: episode 1 stands behind", "episode 3"],
+            ["episode 1 of 6 is missing", "mixed"],
         ),
         (
             part("more", &[1, 3, 5, 6], ""),

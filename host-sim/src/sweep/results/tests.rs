@@ -109,7 +109,7 @@ fn a_row_holds_the_reports_fields_as_json_writes_them() {
         coverage_m2: 1e-4,
         goal_steps: 7,
         shield_stops: 8,
-        time_s: 1_234.5678,
+        time_s: 1_234.5,
         success: 0.1,
         success_unit: "share",
     };
