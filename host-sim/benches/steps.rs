@@ -124,6 +124,7 @@ fn batches(c: &mut Criterion) {
         sonar: SonarModel::Ideal,
         turret: TurretMode::Held,
         set_down: None,
+        faults: Vec::new(),
         record: false,
     };
     let worlds: Vec<_> = (1..=64).map(World::random).collect();

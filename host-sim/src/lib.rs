@@ -21,5 +21,7 @@ pub mod scenes;
 pub mod settings;
 pub mod som;
 pub mod sonar;
+pub mod sweep;
+mod toml_reader;
 pub mod view;
 pub mod world;

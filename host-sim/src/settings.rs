@@ -54,6 +54,14 @@ fn apply_one(config: &mut Config<16>, assignment: &str) -> Result<(), BadInput> 
             "--set takes KEY=VALUE, got \"{assignment}\""
         )));
     };
+    set(config, key, value)
+}
+
+/// Gives one choice another value; whether it goes with the others is not looked at.
+///
+/// # Errors
+/// A sentence that names the key, if it is unknown, or the value, if it is not among those the key takes.
+pub fn set(config: &mut Config<16>, key: &str, value: &str) -> Result<(), BadInput> {
     let Some(setting) = SETTINGS.iter().find(|setting| setting.key == key) else {
         let keys: Vec<_> = SETTINGS.iter().map(|setting| setting.key).collect();
         return Err(BadInput::unknown("setting", key, &keys));

@@ -55,6 +55,10 @@ const TABLES: &[(&str, &[u8])] = &[
     ("log.csv", b"1,2,left\n3,4,right\n1,x,left\n"),
     ("short_log.csv", b"1,2,left\n3,4,right\n"),
     ("cells.csv", b"world,ix,iy\n3,0,0\n3,1,0\n"),
+    ("key_sweep.toml", b"[grid]\n\nfarr = [1]\n"),
+    ("value_sweep.toml", b"[grid]\nsonar = [\"ideal\", \"ideel\"]\n"),
+    ("pair_sweep.toml", b"[grid]\nfar = [3, 1]\nnear = [0.1, 2]\n"),
+    ("world_sweep.toml", b"worlds = [\"key.toml\"]\n"),
     ("bad_cells.csv", b"world,ix,iy\n3,0,0\n3,1.5,0\n"),
     ("lengths.csv", b"world,reference_path_length_m\n4,12\n"),
     ("world_3.world", b"<sdf version='1.6'>\n<world name='w'>\n<model name='m'>\n<pose>0 0</pose></model></world></sdf>"),
@@ -213,6 +217,45 @@ const CASES: &[Case] = &[
     (
         "learn --log short_log.csv --near 5 --far 2",
         &["--near 5", "--far 2"],
+    ),
+    // Sweeps.
+    ("sweep", &["required arguments"]),
+    (
+        "sweep missing.toml",
+        &["missing.toml: there is no such file"],
+    ),
+    (
+        "sweep key_sweep.toml",
+        &["key_sweep.toml, line 3", "farr", "did you mean \"far\"?"],
+    ),
+    (
+        "sweep value_sweep.toml",
+        &["value_sweep.toml, line 2", "'ideel'", "possible values"],
+    ),
+    (
+        "sweep pair_sweep.toml",
+        &["sweep pair_sweep, point 3 (far=1 near=2)", "must lie above"],
+    ),
+    ("sweep world_sweep.toml", &["key.toml, line 3"]),
+    ("sweep short.toml", &["short.toml, line 2", "situation"]),
+    ("sweep nothing.toml --shard 2/2", &["--shard", "I/N"]),
+    (
+        "sweep nothing.toml --shard 0/2 --parquet a.parquet",
+        &["--parquet", "merge the shards"],
+    ),
+    (
+        "sweep nothing.toml --out good.csv",
+        &["good.csv: is not a results file"],
+    ),
+    ("sweep nothing.toml --out file/below.csv", &["file"]),
+    ("merge", &["required arguments"]),
+    ("merge missing.csv", &["missing.csv: there is no such file"]),
+    ("merge good.csv", &["good.csv: is not a results file"]),
+    ("plot good.csv", &["good.csv: is not a results file"]),
+    ("plot binary.csv", &["binary.csv: is not a results file"]),
+    (
+        "plot missing.parquet",
+        &["missing.parquet: there is no such file"],
     ),
     // Worlds of the BARN benchmark.
     (

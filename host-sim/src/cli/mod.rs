@@ -23,6 +23,8 @@ mod repetition;
 mod run;
 mod setup;
 mod summary;
+mod sweep;
+mod sweep_plot;
 mod table;
 mod view;
 mod worlds;
@@ -56,6 +58,12 @@ enum Command {
     Demo(demo::DemoArgs),
     /// Run episodes in any worlds: a table, or one JSON object per world
     Run(RunArgs),
+    /// Run many episodes: any choices × worlds × behaviors × seeds, in shards, resumed where they were cut off
+    Sweep(sweep::SweepArgs),
+    /// Put the results of a sweep's shards together, if nothing is missing or there twice
+    Merge(sweep::MergeArgs),
+    /// Draw what a sweep found: each choice's worth with intervals, pairs of choices as heat maps
+    Plot(sweep_plot::PlotArgs),
     /// Talk to a mind on a chip: watch it, give it orders, read and write what it knows
     Link(link::LinkArgs),
     /// Let a mind drive a Nomad 200, real or simulated, over the robot's own line
@@ -156,6 +164,9 @@ fn execute(command: Option<Command>, out: &mut impl Write) -> Result<(), Failure
         None => demo::demo(&demo::DemoArgs::default(), out),
         Some(Command::Demo(args)) => demo::demo(&args, out),
         Some(Command::Run(args)) => run::run(&args, out),
+        Some(Command::Sweep(args)) => sweep::sweep(&args, out),
+        Some(Command::Merge(args)) => sweep::merge(&args, out),
+        Some(Command::Plot(args)) => sweep_plot::plot(&args, out),
         Some(Command::Link(args)) => link::link(&args, out),
         Some(Command::Bridge(args)) => bridge::bridge(&args, out),
         Some(Command::Nomad(args)) => nomad::nomad(&args, out),

@@ -1,8 +1,9 @@
-//! Output folders and progress bars.
+//! Output folders, worker threads and progress bars.
 
 use crate::error::BadInput;
 use crate::plot::demo::WriteError;
 use indicatif::{ProgressBar, ProgressStyle};
+use rayon::ThreadPool;
 use std::path::Path;
 
 /// Makes the folder and proves that files can be written there, before hours of work depend on it.
@@ -21,6 +22,17 @@ impl From<WriteError> for BadInput {
     fn from(error: WriteError) -> Self {
         Self::new(error.to_string())
     }
+}
+
+/// So many worker threads, or one per core.
+///
+/// # Errors
+/// When they cannot be started.
+pub fn pool(threads: Option<u16>) -> Result<ThreadPool, BadInput> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.map_or(0, usize::from))
+        .build();
+    pool.map_err(|error| BadInput::new(format!("--threads: {error}")))
 }
 
 /// A bar on standard error that counts to `length`; silent where nobody watches.

@@ -1,7 +1,7 @@
 //! `host-sim run`: episodes in any worlds.
 
 use super::Failure;
-use super::output::{bar, prepare};
+use super::output::{bar, pool, prepare};
 use super::remote::{MindArgs, MindChoice, Remote};
 use super::setup::SetupArgs;
 use super::summary;
@@ -56,6 +56,19 @@ pub struct RunArgs {
     /// Worker threads [default: one per core]; the results do not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+}
+
+impl RunArgs {
+    /// The setup of its episodes, not recorded.
+    ///
+    /// # Errors
+    /// A setting that is unknown or takes another value.
+    pub(super) fn setup(&self) -> Result<Setup, BadInput> {
+        Ok(Setup {
+            steps: self.steps,
+            ..self.setup.setup()?
+        })
+    }
 }
 
 /// On or off.
@@ -144,9 +157,8 @@ impl Preset {
 /// Bad input before anything is run; a world that cannot be loaded when its turn comes; a closed pipe.
 pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
     let setup = Setup {
-        steps: args.steps,
         record: args.out.is_some(),
-        ..args.setup.setup()?
+        ..args.setup()?
     };
     let sources = sources(&args.worlds)?;
     if let Some(file) = &args.save
@@ -202,10 +214,7 @@ fn in_parallel(
     sources: &[WorldSource],
     print: Print<'_>,
 ) -> Result<(), Failure> {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(args.threads.map_or(0, usize::from))
-        .build();
-    let pool = pool.map_err(|error| BadInput::new(format!("--threads: {error}")))?;
+    let pool = pool(args.threads)?;
     let progress = bar(sources.len() as u64, "worlds");
     for (number, chunk) in sources.chunks(CHUNK).enumerate() {
         let one = |(index, source): (usize, &WorldSource)| {

@@ -45,6 +45,18 @@ pub struct Setup {
     pub record: bool,
 }
 
+impl Setup {
+    /// The same with another behaviour, whose [needs](Behavior::adapted) its choices meet then.
+    #[must_use]
+    pub fn pursuing(self, behavior: Behavior) -> Self {
+        Self {
+            config: behavior.adapted(self.config),
+            behavior,
+            ..self
+        }
+    }
+}
+
 /// The phases of an episode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Phase {

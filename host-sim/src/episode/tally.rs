@@ -113,6 +113,29 @@ pub struct Report {
     pub success_unit: &'static str,
 }
 
+impl Report {
+    /// The names of its fields, in their order.
+    pub const FIELDS: [&str; 17] = [
+        "world",
+        "behavior",
+        "preset",
+        "sonar",
+        "seed",
+        "explore_moves",
+        "explore_contacts",
+        "steps",
+        "contacts",
+        "distance_m",
+        "min_clearance_m",
+        "coverage_m2",
+        "goal_steps",
+        "shield_stops",
+        "time_s",
+        "success",
+        "success_unit",
+    ];
+}
+
 /// A figure as printed: four decimals are below a tenth of a millimetre.
 #[must_use]
 pub(crate) fn rounded(value: f64) -> f64 {

@@ -74,6 +74,41 @@ pub fn bootstrap_of<const COLUMNS: usize>(
     }
 }
 
+/// The share of `count` independent trials that succeeded, with its 95 % interval by Wilson's score (E. B. Wilson, *Journal of the
+/// American Statistical Association* 22, 1927): it has a width even where all or none did. Nothing is known of no trials.
+#[must_use]
+pub fn wilson(successes: usize, count: usize) -> Mean {
+    /// The standard normal's 97.5 % quantile.
+    const Z: f64 = 1.959_963_984_540_054;
+    if count == 0 {
+        return Mean {
+            mean: 0.0,
+            interval: [0.0, 1.0],
+        };
+    }
+    let n = count as f64;
+    let share = successes as f64 / n;
+    let middle = share + Z * Z / (2.0 * n);
+    let half = Z * (share * (1.0 - share) / n + Z * Z / (4.0 * n * n)).sqrt();
+    let whole = 1.0 + Z * Z / n;
+    let end = |value: f64| (value / whole).clamp(0.0, 1.0);
+    Mean {
+        mean: share,
+        interval: [end(middle - half), end(middle + half)],
+    }
+}
+
+/// The value below which a `share` of the `sorted` values lies, linear between them; 0 of none.
+#[must_use]
+pub fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let place = share.clamp(0.0, 1.0) * sorted.len().saturating_sub(1) as f64;
+    let at = |index: usize| sorted.get(index).or(sorted.last()).copied();
+    let below = place as usize;
+    let (low, high) = (at(below), at(below + 1));
+    let (low, high) = (low.unwrap_or(0.0), high.unwrap_or(0.0));
+    low + (high - low) * (place - below as f64)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -97,5 +132,33 @@ mod tests {
         let found = bootstrap_of(&rows, |[contacts, way], _| contacts / way);
         assert!((found.mean - 0.5).abs() < 1e-12);
         assert!(found.interval[0] < 0.5 && found.interval[1] > 0.5);
+    }
+
+    /// The examples of R. G. Newcombe, *Statistics in Medicine* 17, 1998, table I, method 3.
+    #[test]
+    fn wilsons_intervals_are_the_published_ones() {
+        for (successes, count, low, high) in [
+            (81, 263, 0.2553, 0.3662),
+            (15, 148, 0.0624, 0.1605),
+            (0, 20, 0.0, 0.1611),
+            (1, 29, 0.0061, 0.1718),
+        ] {
+            let found = wilson(successes, count);
+            assert_eq!(found.mean, successes as f64 / count as f64);
+            assert!((found.interval[0] - low).abs() < 5.1e-5, "{found}");
+            assert!((found.interval[1] - high).abs() < 5.1e-5, "{found}");
+        }
+        assert_eq!(wilson(0, 0).interval, [0.0, 1.0]);
+        assert_eq!(wilson(20, 20).interval[1], 1.0);
+    }
+
+    #[test]
+    fn quantiles_lie_between_the_values() {
+        let sorted = [1.0, 2.0, 4.0, 8.0, 16.0];
+        let found = [0.0, 0.25, 0.5, 0.6, 1.0].map(|share| quantile(&sorted, share));
+        for (found, right) in found.iter().zip([1.0, 2.0, 4.0, 5.6, 16.0]) {
+            assert!((found - right).abs() < 1e-12);
+        }
+        assert_eq!((quantile(&[], 0.5), quantile(&[3.0], 0.9)), (0.0, 3.0));
     }
 }

@@ -22,13 +22,13 @@
 use core::ops::Range;
 use std::path::Path;
 
-use toml::Spanned;
-use toml::de::{DeTable, DeValue};
+use toml::de::DeValue;
 
 use super::geometry::{Point, Pose};
 use super::shapes::Shape;
 use super::{MAX_COORDINATE_M, World};
-use crate::error::{BadInput, suggestion};
+use crate::error::BadInput;
+use crate::toml_reader::{Reader, Table, Value};
 
 /// Larger files are refused, bytes: a million shapes need less.
 const MAX_FILE_BYTES: u64 = 256 << 20;
@@ -62,13 +62,7 @@ pub(super) fn read_bytes(path: &Path, limit: u64) -> Result<Vec<u8>, BadInput> {
 /// Reads a world from `text`; `source` names it in errors.
 pub(super) fn parse(text: &str, source: &str, default_name: &str) -> Result<World, BadInput> {
     let reader = Reader { text, source };
-    if text.trim().is_empty() {
-        return Err(BadInput::new(format!("{source}: the file is empty")));
-    }
-    let document = DeTable::parse(text).map_err(|error| {
-        let first_line = error.message().lines().next().unwrap_or("is not TOML");
-        reader.error(error.span().unwrap_or_default(), first_line)
-    })?;
+    let document = reader.document()?;
     let top = document.get_ref();
     reader.only_keys(
         "a world file",
@@ -86,36 +80,7 @@ pub(super) fn parse(text: &str, source: &str, default_name: &str) -> Result<Worl
     World::new(name, start, shapes).map_err(|error| BadInput::new(format!("{source}: {error}")))
 }
 
-type Table<'a> = DeTable<'a>;
-type Value<'a> = Spanned<DeValue<'a>>;
-
-/// Turns TOML values into ours, and what does not fit into errors that name file, line and key.
-struct Reader<'a> {
-    text: &'a str,
-    source: &'a str,
-}
-
-impl<'a> Reader<'a> {
-    fn error(&self, span: Range<usize>, what: impl core::fmt::Display) -> BadInput {
-        let before = self.text.as_bytes().get(..span.start).unwrap_or_default();
-        let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
-        BadInput::line(self.source, line, what)
-    }
-
-    fn only_keys(&self, what: &str, table: &Table<'_>, known: &[&str]) -> Result<(), BadInput> {
-        let mut keys = table.iter().map(|(key, _)| key);
-        let Some(key) = keys.find(|key| !known.contains(&key.get_ref().as_ref())) else {
-            return Ok(());
-        };
-        let hint = suggestion(key.get_ref(), known);
-        let known = known.join(", ");
-        let what = format!(
-            "{what} has no key \"{}\"{hint} (keys: {known})",
-            key.get_ref()
-        );
-        Err(self.error(key.span(), what))
-    }
-
+impl Reader<'_> {
     fn start(&self, top: &Table<'_>) -> Result<Pose, BadInput> {
         let Some(value) = top.get("start") else {
             return Ok(Pose::default());
@@ -204,27 +169,6 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn required<'t, 'i>(
-        &self,
-        table: &'t Table<'i>,
-        key: &str,
-        what: &str,
-        span: &Range<usize>,
-    ) -> Result<&'t Value<'i>, BadInput> {
-        let missing = || self.error(span.clone(), format!("{what} needs the key \"{key}\""));
-        table.get(key).ok_or_else(missing)
-    }
-
-    fn text<'t>(&self, value: &'t Value<'_>, key: &str) -> Result<&'t str, BadInput> {
-        match value.get_ref() {
-            DeValue::String(text) if !text.is_empty() => Ok(text),
-            _ => Err(self.error(
-                value.span(),
-                format!("{key} must be a text that is not empty"),
-            )),
-        }
-    }
-
     /// An optional angle in degrees, as rad; 0 when left out.
     fn angle(&self, table: &Table<'_>, key: &str) -> Result<f64, BadInput> {
         let degrees = table
@@ -245,21 +189,6 @@ impl<'a> Reader<'a> {
             self.number(&entries[0], key)?,
             self.number(&entries[1], key)?,
         ))
-    }
-
-    fn number(&self, value: &Value<'_>, key: &str) -> Result<f64, BadInput> {
-        let number = match value.get_ref() {
-            DeValue::Float(float) => float.as_str().parse().ok(),
-            DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix())
-                .ok()
-                .map(|integer| integer as f64),
-            _ => None,
-        };
-        match number {
-            Some(number) if f64::is_finite(number) => Ok(number),
-            Some(_) => Err(self.error(value.span(), format!("{key} must be a finite number"))),
-            None => Err(self.error(value.span(), format!("{key} must be a number"))),
-        }
     }
 }
 

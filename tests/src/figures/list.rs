@@ -60,7 +60,8 @@ impl List {
 impl Command {
     /// Whether one of the words is in its group or its command.
     pub fn is_meant(&self, words: &[String]) -> bool {
-        let has = |word: &String| self.group.contains(word.as_str()) || self.run.contains(word.as_str());
+        let has =
+            |word: &String| self.group.contains(word.as_str()) || self.run.contains(word.as_str());
         words.is_empty() || words.iter().any(has)
     }
 }
@@ -70,12 +71,15 @@ impl Row {
     pub fn value(&self, output: &str) -> Result<String, String> {
         let find = Regex::new(&self.find).map_err(|error| format!("{}: {error}", self.what))?;
         let found = find.captures(output);
-        let found = found.ok_or_else(|| format!("{}: nothing printed matches {}", self.what, self.find))?;
+        let found =
+            found.ok_or_else(|| format!("{}: nothing printed matches {}", self.what, self.find))?;
         let group = |index| found.get(index).map_or("", |group| group.as_str());
         let mut value = self.show.clone();
         for index in (1..found.len()).rev() {
             let figure = match (self.ratio, index) {
-                (true, 1) => ratio(group(1), group(2)).ok_or_else(|| format!("{}: no ratio", self.what))?,
+                (true, 1) => {
+                    ratio(group(1), group(2)).ok_or_else(|| format!("{}: no ratio", self.what))?
+                }
                 _ => grouped(group(index)),
             };
             value = value.replace(&format!("${index}"), &figure);
@@ -144,10 +148,19 @@ mod tests {
     fn the_list_is_readable_and_names_each_row_once() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("figures.toml");
         let list = List::read(&path).expect("it is there");
-        let rows: Vec<_> = list.commands.iter().flat_map(|command| &command.row).collect();
+        let rows: Vec<_> = list
+            .commands
+            .iter()
+            .flat_map(|command| &command.row)
+            .collect();
         for row in &rows {
             assert!(Regex::new(&row.find).is_ok(), "{}", row.what);
-            assert_eq!(rows.iter().filter(|r| r.what == row.what).count(), 1, "{}", row.what);
+            assert_eq!(
+                rows.iter().filter(|r| r.what == row.what).count(),
+                1,
+                "{}",
+                row.what
+            );
         }
     }
 }

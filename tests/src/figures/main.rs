@@ -44,7 +44,10 @@ fn write(root: &Path, words: &[String]) -> Result<(), String> {
     let mut measured = Page::parse(&old).measured;
     let chosen: Vec<_> = list.commands.iter().filter(|c| c.is_meant(words)).collect();
     if chosen.is_empty() {
-        return Err(format!("no command of tests/figures.toml contains {}", words.join(" or ")));
+        return Err(format!(
+            "no command of tests/figures.toml contains {}",
+            words.join(" or ")
+        ));
     }
     let place = Place::here(root)?;
     for (index, command) in chosen.iter().enumerate() {
@@ -55,7 +58,13 @@ fn write(root: &Path, words: &[String]) -> Result<(), String> {
             eprintln!("        {}: {value}", row.what);
             measured.insert(row.what.clone(), place.measured(value, &command.run));
         }
-        replace(&page, &Page { measured: kept(&list, &measured) }.text(&list))?;
+        replace(
+            &page,
+            &Page {
+                measured: kept(&list, &measured),
+            }
+            .text(&list),
+        )?;
     }
     Ok(())
 }
@@ -65,10 +74,13 @@ fn kept(list: &List, measured: &BTreeMap<String, Measured>) -> BTreeMap<String, 
     let asked = |(what, found): &(&String, &Measured)| {
         let of = |row: &Row, run: &str| row.what == **what && run == found.command;
         let commands = &list.commands;
-        commands.iter().any(|c| c.row.iter().any(|row| of(row, &c.run)))
+        commands
+            .iter()
+            .any(|c| c.row.iter().any(|row| of(row, &c.run)))
     };
     let rows = measured.iter().filter(asked);
-    rows.map(|(what, found)| (what.clone(), found.clone())).collect()
+    rows.map(|(what, found)| (what.clone(), found.clone()))
+        .collect()
 }
 
 /// Writes beside the page, then puts it in its place.

@@ -14,14 +14,26 @@ pub fn output(root: &Path, run: &str) -> Result<String, String> {
     }
     spinner.enable_steady_tick(Duration::from_millis(200));
     let mut shell = Command::new("sh");
-    shell.args(["-c", run]).current_dir(root).stdin(Stdio::null());
+    shell
+        .args(["-c", run])
+        .current_dir(root)
+        .stdin(Stdio::null());
     let output = shell.output().map_err(|error| format!("sh: {error}"))?;
     spinner.finish_and_clear();
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     if !output.status.success() {
-        let last: Vec<_> = text(&output.stderr).lines().rev().take(5).map(String::from).collect();
+        let last: Vec<_> = text(&output.stderr)
+            .lines()
+            .rev()
+            .take(5)
+            .map(String::from)
+            .collect();
         let last: Vec<_> = last.into_iter().rev().collect();
-        return Err(format!("`{run}` failed ({}):\n{}", output.status, last.join("\n")));
+        return Err(format!(
+            "`{run}` failed ({}):\n{}",
+            output.status,
+            last.join("\n")
+        ));
     }
     Ok(text(&output.stdout) + &text(&output.stderr))
 }
@@ -41,13 +53,20 @@ impl Place {
         let changed = !ask("git status --porcelain -- . ':!docs/FIGURES.md'")?.is_empty();
         let commit = ask("git rev-parse --short=9 HEAD")?;
         let name = ask("sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1")?;
-        let name = if name.is_empty() { ask("uname -m")? } else { name };
+        let name = if name.is_empty() {
+            ask("uname -m")?
+        } else {
+            name
+        };
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let compiler = ask("rustc --version")?;
         Ok(Self {
             day: ask("date -u +%F")?,
             commit: commit + if changed { "+" } else { "" },
-            machine: format!("{name}, {cores} cores, {}", compiler.split(" (").next().unwrap_or("")),
+            machine: format!(
+                "{name}, {cores} cores, {}",
+                compiler.split(" (").next().unwrap_or("")
+            ),
         })
     }
 

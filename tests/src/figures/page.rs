@@ -51,7 +51,11 @@ impl Page {
                 let aim = escaped(&row.aim);
                 let line = match self.measured.get(&row.what) {
                     Some(found) => found.line(&machines, &row.what, &aim),
-                    None => format!("| {} | not measured | {aim} | | | | `{}` |\n", escaped(&row.what), escaped(&command.run)),
+                    None => format!(
+                        "| {} | not measured | {aim} | | | | `{}` |\n",
+                        escaped(&row.what),
+                        escaped(&command.run)
+                    ),
                 };
                 text += &line;
             }
@@ -68,7 +72,10 @@ impl Page {
         let (rows, machines) = text.split_once(MACHINES).unwrap_or((text, ""));
         let machine = |line: &str| line.split_once(". ").map(|(_, name)| name.to_string());
         let machines: Vec<_> = machines.lines().filter_map(machine).collect();
-        let measured = rows.lines().filter_map(|line| parsed(line, &machines)).collect();
+        let measured = rows
+            .lines()
+            .filter_map(|line| parsed(line, &machines))
+            .collect();
         Self { measured }
     }
 }
@@ -91,7 +98,10 @@ fn escaped(text: &str) -> String {
 fn parsed(line: &str, machines: &[String]) -> Option<(String, Measured)> {
     let line = line.replace("\\|", "\u{0}");
     let line = line.strip_prefix("| ")?.strip_suffix(" |")?;
-    let cells: Vec<_> = line.split(" | ").map(|cell| cell.replace('\u{0}', "|")).collect();
+    let cells: Vec<_> = line
+        .split(" | ")
+        .map(|cell| cell.replace('\u{0}', "|"))
+        .collect();
     let [what, value, _, day, commit, machine, command] = cells.as_slice() else {
         return None;
     };
@@ -153,7 +163,10 @@ mod tests {
     #[test]
     fn what_was_never_measured_says_so_and_is_read_as_nothing() {
         let text = Page::default().text(&list());
-        assert!(text.contains("| looks \\| more | not measured | ≥ 3 |"), "{text}");
+        assert!(
+            text.contains("| looks \\| more | not measured | ≥ 3 |"),
+            "{text}"
+        );
         assert_eq!(Page::parse(&text), Page::default());
     }
 }

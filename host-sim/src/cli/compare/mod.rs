@@ -5,7 +5,7 @@ mod picture;
 mod tables;
 
 use super::Failure;
-use super::output::{bar, prepare};
+use super::output::{bar, pool, prepare};
 use super::run::{SonarChoice, sources};
 use crate::error::BadInput;
 use crate::experiments::compare::search::{self, Search};
@@ -108,10 +108,7 @@ pub fn compare(args: &CompareArgs, out: &mut impl Write) -> Result<(), Failure> 
             BadInput::new("--moves: each number must be greater than the one before").into(),
         );
     }
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(args.threads.map_or(0, usize::from))
-        .build();
-    let pool = pool.map_err(|error| BadInput::new(format!("--threads: {error}")))?;
+    let pool = pool(args.threads)?;
     if let Some(method) = args.tune {
         let text = pool.install(|| tune(method, args))?;
         return Ok(out.write_all(text.as_bytes())?);

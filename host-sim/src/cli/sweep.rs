@@ -1,0 +1,261 @@
+//! `host-sim sweep` and `host-sim merge`: many episodes, in parts if need be.
+
+use super::Failure;
+use super::output::{bar, pool};
+use super::run::RunArgs;
+use super::setup::{SetupArgs, parsed};
+use crate::episode::Setup;
+use crate::error::BadInput;
+use crate::settings::{self, SETTINGS};
+use crate::sweep::{self, Description, Plan, Progress, Shard, Vocabulary};
+use amp::config::Config;
+use clap::{Args, Parser};
+use std::io::{IsTerminal as _, Write};
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// The `sweep` command's flags.
+#[derive(Debug, Clone, Args)]
+pub struct SweepArgs {
+    /// What to do: a TOML file with worlds, behaviors, seeds and the choices to vary (docs/sweep.md)
+    #[arg(value_name = "SWEEP.toml")]
+    file: PathBuf,
+    /// Results; a sweep that was cut off goes on where its file ends [default: out/sweep/NAME.csv, for a shard
+    /// out/sweep/NAME.I-of-N.csv]
+    #[arg(long, value_name = "FILE.csv")]
+    out: Option<PathBuf>,
+    /// Do only the episodes whose number leaves I when divided by N [default: what SLURM_ARRAY_TASK_ID and
+    /// SLURM_ARRAY_TASK_COUNT say, or JOB_COMPLETION_INDEX and SWEEP_SHARDS; else all]
+    #[arg(long, value_name = "I/N", value_parser = parsed::<Shard>)]
+    shard: Option<Shard>,
+    /// Also write the whole sweep's results as Parquet (needs a program built with --features parquet)
+    #[arg(long, value_name = "FILE.parquet")]
+    parquet: Option<PathBuf>,
+    /// Look at everything and say how many episodes there are, but run none
+    #[arg(long)]
+    dry_run: bool,
+    /// Worker threads [default: one per core]; the results do not depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+/// The `merge` command's flags.
+#[derive(Debug, Clone, Args)]
+pub struct MergeArgs {
+    /// Results of all shards of one sweep, in any order
+    #[arg(value_name = "FILE.csv", required = true)]
+    files: Vec<PathBuf>,
+    /// Write Parquet instead of printing CSV (needs a program built with --features parquet)
+    #[arg(long, value_name = "FILE.parquet")]
+    parquet: Option<PathBuf>,
+}
+
+/// A point's choices are read as `run` reads its flags, so that both mean the same.
+#[derive(Debug, Parser)]
+#[command(no_binary_name = true)]
+struct Point {
+    #[command(flatten)]
+    run: RunArgs,
+}
+
+fn vocabulary() -> Vocabulary {
+    // What a sweep has lists of its own for, and the settings, which go by their keys.
+    let elsewhere = ["behavior", "seed", "set"];
+    let setup = SetupArgs::augment_args(clap::Command::new("point"));
+    let flags = setup.get_arguments().filter_map(|flag| flag.get_long());
+    let flags = flags
+        .filter(|flag| !elsewhere.contains(flag))
+        .chain(["steps"]);
+    Vocabulary {
+        flags: flags.map(str::to_owned).collect(),
+        check,
+        setup: of_point,
+    }
+}
+
+fn is_setting(key: &str) -> bool {
+    SETTINGS.iter().any(|setting| setting.key == key)
+}
+
+fn check(key: &str, value: &str) -> Result<(), BadInput> {
+    if is_setting(key) {
+        return settings::set(&mut Config::recommended(), key, value);
+    }
+    of_point(&[(key.to_owned(), value.to_owned())]).map(|_| ())
+}
+
+fn of_point(choices: &[(String, String)]) -> Result<Setup, BadInput> {
+    let flag = |(key, value): &(String, String)| {
+        if is_setting(key) {
+            format!("--set={key}={value}")
+        } else {
+            format!("--{key}={value}")
+        }
+    };
+    let parsed = Point::try_parse_from(choices.iter().map(flag));
+    parsed.map_err(|error| sentence(&error))?.run.setup()
+}
+
+/// What the command line says of a flag, in one line.
+fn sentence(error: &clap::Error) -> BadInput {
+    let text = error.to_string();
+    let lines = text
+        .lines()
+        .map(str::trim)
+        .take_while(|line| !line.is_empty());
+    let text = lines.collect::<Vec<_>>().join(" ");
+    BadInput::new(text.trim_start_matches("error: "))
+}
+
+/// Runs what is missing of the sweep.
+///
+/// # Errors
+/// A description that is not sound, a results file that is not this sweep's or cannot be written, an episode that fails.
+pub fn sweep(args: &SweepArgs, out: &mut impl Write) -> Result<(), Failure> {
+    let from = Shard::from_environment(|name| std::env::var(name).ok());
+    let (shard, source) = match args.shard {
+        Some(shard) => (shard, None),
+        None => from?.map_or((Shard::WHOLE, None), |(shard, from)| (shard, Some(from))),
+    };
+    if args.parquet.is_some() && !shard.is_whole() {
+        let what = "--parquet takes a whole sweep: merge the shards with `merge --parquet`";
+        return Err(BadInput::new(what).into());
+    }
+    can_write_parquet(args.parquet.is_some())?;
+    let vocabulary = vocabulary();
+    let plan = Plan::new(Description::load(&args.file, &vocabulary)?, vocabulary)?;
+    if args.dry_run {
+        return Ok(writeln!(out, "{}", about(&plan, shard))?);
+    }
+    let path = args
+        .out
+        .clone()
+        .unwrap_or_else(|| default_path(&plan, shard));
+    let pool = pool(args.threads)?;
+    let began = Instant::now();
+    let mut report = Reporter::new(source.map(|source| format!("shard {shard} ({source})")));
+    let done = sweep::run(&plan, shard, &path, &pool, |progress| report.tell(progress))?;
+    report.end();
+    eprintln!(
+        "{} episodes in {:.1} s, {} were there already",
+        done.done - done.before,
+        began.elapsed().as_secs_f64(),
+        done.before
+    );
+    writeln!(out, "{}: {} episodes", path.display(), done.all)?;
+    if let Some(parquet) = &args.parquet {
+        write_parquet(&mut sweep::merge(&[path])?, parquet)?;
+        writeln!(out, "{}", parquet.display())?;
+    }
+    Ok(())
+}
+
+fn default_path(plan: &Plan, shard: Shard) -> PathBuf {
+    let name = &plan.description().name;
+    let part = if shard.is_whole() {
+        String::new()
+    } else {
+        format!(".{}", shard.to_string().replace('/', "-of-"))
+    };
+    PathBuf::from(format!("out/sweep/{name}{part}.csv"))
+}
+
+fn about(plan: &Plan, shard: Shard) -> String {
+    let description = plan.description();
+    format!(
+        "{}\n{} points × {} behaviors × {} worlds × {} seeds; shard {shard} has {} episodes",
+        plan.header().identity(),
+        description.points.count().unwrap_or(0),
+        description.behaviors.len(),
+        description.worlds.len(),
+        description.seeds.len(),
+        shard.len(plan.episodes())
+    )
+}
+
+/// How far it is, on standard error: a bar for who watches, a line a minute for a log.
+struct Reporter {
+    bar: Option<indicatif::ProgressBar>,
+    prefix: Option<String>,
+    began: Instant,
+    told: Instant,
+}
+
+impl Reporter {
+    const EVERY: Duration = Duration::from_secs(60);
+
+    fn new(prefix: Option<String>) -> Self {
+        let now = Instant::now();
+        Self {
+            bar: None,
+            prefix,
+            began: now,
+            told: now,
+        }
+    }
+
+    fn tell(&mut self, progress: Progress) {
+        if std::io::stderr().is_terminal() {
+            let bar = self.bar.get_or_insert_with(|| {
+                let bar = bar(progress.all, "episodes").with_position(progress.done);
+                bar.reset_eta();
+                bar
+            });
+            bar.set_position(progress.done);
+        } else if self.told.elapsed() >= Self::EVERY {
+            self.told = Instant::now();
+            let new = progress.done.saturating_sub(progress.before).max(1);
+            let each = self.began.elapsed().as_secs_f64() / new as f64;
+            let left = each * progress.all.saturating_sub(progress.done) as f64;
+            eprintln!(
+                "{} of {} episodes, {left:.0} s left",
+                progress.done, progress.all
+            );
+        }
+    }
+
+    fn end(self) {
+        if let Some(bar) = self.bar {
+            bar.finish_and_clear();
+        }
+        if let Some(prefix) = self.prefix {
+            eprint!("{prefix}: ");
+        }
+    }
+}
+
+/// Prints the whole sweep's results, or writes them as Parquet.
+///
+/// # Errors
+/// Files that are not just one whole sweep; a file that cannot be written.
+pub fn merge(args: &MergeArgs, out: &mut impl Write) -> Result<(), Failure> {
+    can_write_parquet(args.parquet.is_some())?;
+    let mut merged = sweep::merge(&args.files)?;
+    if let Some(path) = &args.parquet {
+        write_parquet(&mut merged, path)?;
+        return Ok(writeln!(out, "{}", path.display())?);
+    }
+    out.write_all(merged.header().text().as_bytes())?;
+    merged.rows(&mut |row| Ok::<_, Failure>(out.write_all(row)?))
+}
+
+#[cfg(feature = "parquet")]
+fn can_write_parquet(_: bool) -> Result<(), BadInput> {
+    Ok(())
+}
+
+#[cfg(feature = "parquet")]
+use crate::sweep::write_parquet;
+
+#[cfg(not(feature = "parquet"))]
+fn can_write_parquet(wanted: bool) -> Result<(), BadInput> {
+    if wanted {
+        return Err(BadInput::new(sweep::NO_PARQUET));
+    }
+    Ok(())
+}
+
+#[cfg(not(feature = "parquet"))]
+fn write_parquet(_: &mut sweep::Merged, _: &std::path::Path) -> Result<(), BadInput> {
+    can_write_parquet(true)
+}

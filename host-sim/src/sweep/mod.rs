@@ -1,0 +1,45 @@
+//! Many episodes from one description: any choices × behaviours × worlds × seeds.
+//!
+//! Terms. A *point* is one set of choices: flags of `run` and keys of `--set`. A sweep's episodes are numbered from 0 by point,
+//! behaviour, world and seed, the seed fastest ([`Plan`]). *Shard* I of N does the episodes whose number leaves I when divided by N
+//! ([`Shard`]), so that costly points are spread over all shards.
+//!
+//! Results are rows of CSV in the order of the numbers, added to a file one by one as episodes end ([`ResultsFile`]). The file is all the
+//! state there is: a sweep that was killed goes on behind the file's last whole row. Its first line carries the sweep's hash, over
+//! everything that its figures depend on, so that rows of different sweeps never mix.
+
+mod description;
+mod draws;
+mod effects;
+mod identity;
+mod in_order;
+mod merge;
+mod plan;
+mod points;
+mod results;
+mod run;
+mod shard;
+mod table;
+
+#[cfg(feature = "parquet")]
+mod parquet_file;
+
+pub use description::Description;
+pub use effects::{Found, Key, keys};
+pub use merge::{Merged, merge};
+#[cfg(feature = "parquet")]
+pub use parquet_file::write_parquet;
+pub use plan::{Place, Plan, Vocabulary};
+pub use points::Points;
+pub use results::{Header, ResultsFile};
+pub use run::{Progress, run};
+pub use shard::Shard;
+pub use table::{Column, Kind, Table};
+
+/// What the columns of a point's choices are called before their key.
+pub const CHOICE_PREFIX: &str = "config.";
+
+/// What a program without Parquet says when it is asked for it.
+#[cfg(not(feature = "parquet"))]
+pub const NO_PARQUET: &str =
+    "this program was built without Parquet: build it with --features parquet";
