@@ -6,9 +6,7 @@ use core::convert::Infallible;
 use core::hint::black_box;
 use embedded_hal::digital::{ErrorType, OutputPin};
 use firmware::line::Faults;
-use firmware::sonar_ring::{
-    Capture, Driver, Firing, FiringOrder, Line, Pins, Ring, Sound, Timing,
-};
+use firmware::sonar_ring::{Capture, Driver, Firing, FiringOrder, Line, Pins, Ring, Sound, Timing};
 use heapless::spsc::Queue;
 
 /// At 168 MHz a tenth of the 87 µs that a byte takes at 115 200 baud, were every instruction one cycle: what the clock, of the
