@@ -30,7 +30,7 @@ pub use merge::{Merged, merge};
 #[cfg(feature = "parquet")]
 pub use parquet_file::write_parquet;
 pub use plan::{Place, Plan, Vocabulary};
-pub use points::Points;
+pub use points::{Assignment, Points, Row};
 pub use results::{Header, ResultsFile};
 pub use run::{Progress, run};
 pub use shard::Shard;

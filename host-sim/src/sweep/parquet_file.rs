@@ -121,10 +121,11 @@ impl Values {
 
     /// Learns what a choice's column must hold.
     fn look(&mut self, field: &str) {
-        if let Self::Choice { numbers, .. } = self {
-            if !field.is_empty() && !is_number(field) {
-                *numbers = None;
-            }
+        if let Self::Choice { numbers, .. } = self
+            && !field.is_empty()
+            && !is_number(field)
+        {
+            *numbers = None;
         }
     }
 

@@ -3,6 +3,7 @@
 use super::CHOICE_PREFIX;
 use super::description::Description;
 use super::identity::Hasher;
+use super::points::Assignment;
 use super::results::Header;
 use crate::episode::{Report, Setup};
 use crate::error::BadInput;
@@ -16,7 +17,7 @@ pub struct Vocabulary {
     /// Whether a key takes a value.
     pub check: fn(&str, &str) -> Result<(), BadInput>,
     /// An episode's setup from keys and values, with behaviour `avoid` and seed 1.
-    pub setup: fn(&[(String, String)]) -> Result<Setup, BadInput>,
+    pub setup: fn(&[Assignment]) -> Result<Setup, BadInput>,
 }
 
 /// What an episode is, by the places of its parts in the description.

@@ -1,7 +1,9 @@
 //! The sets of choices of a sweep, by number.
 
-/// The choices of a point: keys and values.
-pub type Row = Vec<(String, String)>;
+/// A key and its value.
+pub type Assignment = (String, String);
+/// The choices of a point.
+pub type Row = Vec<Assignment>;
 
 /// The points: those of a grid, then those that stand by themselves. Of a grid only its axes are kept.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
