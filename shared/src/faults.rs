@@ -15,7 +15,8 @@
 //! ([`Config::believed`]); when all its scores have come back to zero it is believed again.
 //!
 //! Such a sum counts on looks that are independent. A robot that goes to and fro sees the same again and again, so a look
-//! speaks *for* a fault only where the robot has not been before: in a cell of a quarter of a metre that is new to it.
+//! speaks *for* a fault only where the robot has not been before: in a cell of a quarter of a metre that is new to it. What
+//! speaks against it counts everywhere as long as the transducer is believed.
 //! Neighbours bear witness only while they are beyond doubt themselves.
 //!
 //! A transducer that has never been heard may be dead from the beginning, and its silence is no proof of free room:
@@ -261,9 +262,16 @@ impl<const SENSORS: usize> Detector<SENSORS> {
         config: &mut Config<SENSORS>,
         event: &Event<SENSORS>,
     ) -> Option<Verdict> {
-        if !config.fault_detection {
-            return None;
+        if config.fault_detection {
+            self.watch(config, event)
+        } else {
+            None
         }
+    }
+
+    // Not a part of every event's stack.
+    #[inline(never)]
+    fn watch(&mut self, config: &mut Config<SENSORS>, event: &Event<SENSORS>) -> Option<Verdict> {
         match *event {
             Event::Odometry {
                 moved,
@@ -453,8 +461,19 @@ struct Look {
     way: i32,
     /// The robot has not been here before.
     is_new: bool,
-    /// The transducer is not believed at present: what speaks against a fault weighs less.
+    /// The transducer is not believed at present: it takes more to be believed again than not to be doubted.
     doubted: bool,
+}
+
+impl Look {
+    /// What speaks for a fault counts at new places only; so does what speaks against it while the transducer is not believed.
+    fn weigh(&self, score: &mut u8, speaks_for: bool, [more, less]: [u8; 2]) {
+        match (speaks_for, self.is_new) {
+            (true, true) => add(score, more),
+            (false, is_new) if is_new || !self.doubted => take(score, less),
+            _ => {}
+        }
+    }
 }
 
 impl Record {
@@ -512,24 +531,16 @@ impl Record {
             add(still, STILL_WEIGHT);
         }
         let loose = LOOSE_MM.wrapping_add(i32::from(now.max(before)) / 16);
-        let [implausible, plausible] = JUMP_WEIGHTS;
-        if i32::from(change) <= look.way.wrapping_add(loose) {
-            take(jumps, plausible);
-        } else if look.is_new {
-            add(jumps, implausible);
-        }
+        let fits = i32::from(change) <= look.way.wrapping_add(loose);
+        look.weigh(jumps, !fits, JUMP_WEIGHTS);
     }
 
     /// Short, or as far as the nearer neighbour hears something.
     fn measure(&mut self, look: &Look, now: u16, nearest: u16) {
         let short = &mut self.scores.short;
-        let [below, above] = SHORT_WEIGHTS;
         let is_below = u32::from(now) * 5 < u32::from(nearest) * 4;
-        if !(is_below && nearest.saturating_sub(now) > SHORT_MM) {
-            take(short, above);
-        } else if look.is_new {
-            add(short, below);
-        }
+        let is_short = is_below && nearest.saturating_sub(now) > SHORT_MM;
+        look.weigh(short, is_short, SHORT_WEIGHTS);
     }
 }
 

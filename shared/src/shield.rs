@@ -441,14 +441,14 @@ impl<'a> Way<'a> {
         }
     }
 
-    /// Whether the way leads along the gap of a transducer that is not believed: a post there stays unheard all the way. A
-    /// gap reaches to the middle of its neighbours' lobes, or the robot would touch what stands between (measured).
+    /// Whether the way leads along the gap of a transducer that is not believed: a post there stays unheard all the way. It
+    /// reaches to 30° from its axis, somewhat beyond those of the neighbours of 16: the robot is wider than the gap.
     fn is_blind<const SENSORS: usize>(&self, config: &Config<SENSORS>) -> bool {
-        const COS_24_Q14: i32 = 14_968;
+        const COS_30_Q14: i32 = 14_189;
         let mut ring = config.robot.directions.iter().enumerate();
         ring.any(|(sensor, axis)| {
             let (x, y) = (i32::from(axis.x_q14), i32::from(axis.y_q14));
-            !config.believed.contains(sensor) && self.direction.along(x, y) > COS_24_Q14
+            !config.believed.contains(sensor) && self.direction.along(x, y) > COS_30_Q14
         })
     }
 
