@@ -90,6 +90,14 @@ impl core::fmt::Display for ParameterError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Range(Spec {
+                unit: Unit::Switch, ..
+            }) => f.write_str("it must be 0 or 1"),
+            Self::Range(Spec {
+                unit: Unit::Count,
+                least,
+                greatest,
+            }) => write!(f, "it must lie between {least} and {greatest}"),
+            Self::Range(Spec {
                 unit,
                 least,
                 greatest,
@@ -227,6 +235,9 @@ impl Parameter {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::collections::BTreeSet;
+    use std::format;
+    use std::string::ToString as _;
 
     #[test]
     fn every_parameter_takes_its_ends_and_nothing_beyond() {
@@ -262,5 +273,29 @@ mod tests {
             Parameter::Margin.set(&mut config, 50),
             Err(ParameterError::NoShield)
         );
+    }
+
+    #[test]
+    fn refusals_name_the_bounds_with_their_unit() {
+        let said = |parameter: Parameter, value| {
+            let refused = parameter.set(&mut Config::recommended(), value);
+            refused.map_err(|error| error.to_string())
+        };
+        let between = |text: &str| Err(format!("it must lie between {text}"));
+        assert_eq!(said(Parameter::Step, 9), between("10 and 1000 mm"));
+        assert_eq!(said(Parameter::Speed, 509), between("10 and 508 mm/s"));
+        assert_eq!(said(Parameter::Online, 2), Err("it must be 0 or 1".into()));
+        assert_eq!(said(Parameter::Epochs, 0), between("1 and 1000"));
+        assert_eq!(said(Parameter::RingPeriod, 0), between("1 and 10000 ms"));
+        assert_eq!(Unit::Bits.to_string(), "bits");
+        assert_eq!(ParameterError::Order.to_string(), "near must lie below far");
+        assert_eq!(ParameterError::NoShield.to_string(), "the shield is off");
+    }
+
+    #[test]
+    fn every_parameter_has_a_name_of_its_own() {
+        let names: BTreeSet<_> = Parameter::ALL.map(Parameter::name).into();
+        assert_eq!(names.len(), Parameter::ALL.len());
+        assert!(names.contains("ring-period"));
     }
 }

@@ -100,4 +100,21 @@ mod tests {
     fn the_constant_ring_is_the_computed_one() {
         assert_eq!(RING_OF_16, evenly_spaced::<16>());
     }
+
+    /// Khepera: four sensors to each side of the middle, the last two behind.
+    #[test]
+    fn the_miniature_robot_looks_ahead_and_behind() {
+        use crate::config::Config;
+        let robot = RobotSpec::miniature();
+        let sides = robot.directions.map(|direction| direction.y_q14.signum());
+        assert_eq!(sides, [1, 1, 1, -1, -1, -1, -1, 1]);
+        let ahead = robot.directions.map(|direction| direction.x_q14 > 1_000);
+        assert_eq!(ahead, [false, true, true, true, true, false, false, false]);
+        let config = Config::touzet().for_robot(robot.clone());
+        assert_eq!(
+            (&config.robot, config.planning),
+            (&robot, Config::touzet().planning)
+        );
+        assert!(config.believed.covers(8));
+    }
 }

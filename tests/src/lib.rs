@@ -2,7 +2,9 @@
 
 pub mod board;
 pub mod browser;
+pub mod campaign;
 pub mod chip;
+pub mod hostile;
 pub mod nomad;
 pub mod pty;
 pub mod twin;

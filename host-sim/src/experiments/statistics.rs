@@ -109,9 +109,58 @@ pub fn quantile(sorted: &[f64], share: f64) -> f64 {
     low + (high - low) * (place - below as f64)
 }
 
+/// Exact 95 % interval of a Poisson distribution's mean after `count` events (F. Garwood, "Fiducial limits for the Poisson
+/// distribution", Biometrika 28, 1936).
+#[must_use]
+pub fn poisson_interval(count: u64) -> [f64; 2] {
+    let low = match count {
+        0 => 0.0,
+        _ => where_tail_is(count, 0.025),
+    };
+    [low, where_tail_is(count.saturating_add(1), 0.975)]
+}
+
+/// Probability of `count` or more events where `mean` are expected, for means up to some hundreds.
+#[must_use]
+pub fn poisson_tail(count: u64, mean: f64) -> f64 {
+    let mut term = libm::exp(-mean);
+    let mut fewer = 0.0;
+    for number in 0..count {
+        fewer += term;
+        term *= mean / (number as f64 + 1.0);
+    }
+    (1.0 - fewer).max(0.0)
+}
+
+/// The mean at which `count` or more events have this probability.
+fn where_tail_is(count: u64, probability: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 2.0 * count as f64 + 20.0);
+    for _ in 0..100 {
+        let middle = (low + high) / 2.0;
+        if poisson_tail(count, middle) < probability {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Garwood's table: 0 events (0, 3.689), 1 (0.0253, 5.572), 10 (4.795, 18.39).
+    #[test]
+    fn the_poisson_interval_is_that_of_the_tables() {
+        for (count, low, high) in [(0, 0.0, 3.689), (1, 0.0253, 5.572), (10, 4.795, 18.39)] {
+            let [found_low, found_high] = poisson_interval(count);
+            assert!((found_low - low).abs() < 5e-4, "{count}: {found_low}");
+            assert!((found_high - high).abs() < 5e-3, "{count}: {found_high}");
+        }
+        assert_eq!(poisson_tail(0, 3.0), 1.0);
+        assert!((poisson_tail(1, 0.5) - (1.0 - libm::exp(-0.5))).abs() < 1e-12);
+    }
 
     #[test]
     fn the_interval_holds_the_mean_and_narrows() {

@@ -23,7 +23,11 @@ struct Bench {
 const HALF_ROOM_MM: i32 = 2_000;
 
 impl Bench {
-    fn new(config: Config<16>) -> Self {
+    fn new(mut config: Config<16>) -> Self {
+        if cfg!(miri) {
+            // Some thousand times slower.
+            config.learning.epochs = 2;
+        }
         Self {
             config,
             state: Robot::new(Grid::rectangle(4, 4)),
@@ -409,4 +413,127 @@ fn wild_events_do_not_panic() {
             bench.ring();
         }
     }
+}
+
+#[test]
+fn a_stop_of_a_robot_that_does_nothing_leaves_nothing_to_resume() {
+    let mut bench = Bench::new(Config::recommended());
+    let resume = |bench: &mut Bench| bench.send(Event::Command(Command::Resume)).refusal;
+    bench.send(Event::Command(Command::Stop));
+    assert_eq!(resume(&mut bench), Some(Refusal::NothingToResume));
+    bench.send(Event::Command(Command::Explore { moves: 20, seed: 3 }));
+    assert_eq!(resume(&mut bench), Some(Refusal::NothingToResume));
+    // A second stop does not forget what the first one interrupted.
+    bench.send(Event::Command(Command::Stop));
+    bench.send(Event::Command(Command::Stop));
+    assert_eq!(resume(&mut bench), None);
+    assert_eq!(bench.state.mode(), &Mode::Explore { left: 20 });
+    // Alarms stop whoever may move, and nobody else.
+    bench.send(Event::Alarm(StopReason::LinkLost));
+    assert_eq!(bench.state.mode(), &Mode::Stopped(StopReason::LinkLost));
+    let again = bench.send(Event::Alarm(StopReason::RingIncomplete));
+    assert!(!again.mode_changed);
+    assert_eq!(bench.state.mode(), &Mode::Stopped(StopReason::LinkLost));
+}
+
+#[test]
+fn maps_may_start_anywhere_and_learn_what_was_asked_for_in_the_order_recorded() {
+    let learnt = |start, order, taught| {
+        let mut config = Config::recommended();
+        config.learning.turned = false;
+        config.learning.epochs = 2;
+        (config.learning.start, config.learning.order) = (start, order);
+        config.learning.taught = taught;
+        Bench::ready(config).state
+    };
+    use crate::config::{Order, Start, Taught};
+    let values = |state: &Robot| {
+        let all = state.situations().code().as_flattened();
+        all.iter()
+            .all(|value| (0..=1 << 29).contains(&value.to_bits()))
+    };
+    let random = learnt(Start::Random, Order::Recorded, Taught::Executed);
+    assert!(random == learnt(Start::Random, Order::Recorded, Taught::Executed));
+    for (start, order, taught) in [
+        (Start::Samples, Order::Recorded, Taught::Executed),
+        (Start::Random, Order::Random, Taught::Executed),
+        (Start::Plane, Order::Recorded, Taught::Commanded),
+    ] {
+        let other = learnt(start, order, taught);
+        assert!(other.situations() != random.situations() && values(&other));
+    }
+    // What was carried out and what was asked for are the same until a wall was in the way.
+    let executed = learnt(Start::Plane, Order::Recorded, Taught::Executed);
+    let commanded = learnt(Start::Plane, Order::Recorded, Taught::Commanded);
+    let samples = executed.memory().samples().iter();
+    let cut = samples.filter(|s| s.commanded != s.executed).count();
+    assert_eq!(cut > 0, executed.actions() != commanded.actions());
+    assert!(executed.situations() == commanded.situations());
+}
+
+#[test]
+fn a_place_that_is_not_found_is_searched_for_elsewhere() {
+    let mut bench = Bench::ready(Config::recommended());
+    (bench.x, bench.y) = (0, 0);
+    // Nothing in this room looks like it.
+    let components = core::array::from_fn(|place| {
+        let value = if place % 2 == 0 {
+            Weight::ONE
+        } else {
+            Weight::ZERO
+        };
+        Component::equal(value)
+    });
+    bench.send(Event::Command(Command::Seek(Goal::place(components))));
+    let whys: Vec<_> = (0..60)
+        .filter_map(|_| bench.step().decision?.plan)
+        .map(|plan| (plan.why, plan.at_goal))
+        .collect();
+    let wanders = whys.iter().filter(|(why, _)| *why == Why::Wander).count();
+    let patience = bench.config.planning.wander.expect("it may").patience;
+    assert!(
+        whys[..usize::from(patience)]
+            .iter()
+            .all(|(why, _)| *why != Why::Wander)
+    );
+    assert!(wanders >= 30 && wanders < whys.len(), "{wanders}");
+    assert!(whys.iter().all(|(_, at_goal)| !at_goal));
+}
+
+#[test]
+fn parts_are_written_while_the_robot_stands_and_where_they_fit() {
+    let mut bench = Bench::new(Config::recommended());
+    let write =
+        |bench: &mut Bench, part, offset, bytes: &[u8]| bench.state.write_part(part, offset, bytes);
+    let length = bench.state.part_len(Part::Actions);
+    let four = [1, 0, 0, 0];
+    assert_eq!(write(&mut bench, Part::Actions, length - 4, &four), Ok(()));
+    // Beyond the end, not at a value's beginning, not whole values.
+    for (offset, bytes) in [
+        (length, &four[..]),
+        (usize::MAX - 3, &four),
+        (2, &four),
+        (0, &four[..3]),
+    ] {
+        let refused = write(&mut bench, Part::Actions, offset, bytes);
+        assert_eq!(refused, Err(PartError::Place), "{offset}");
+    }
+    // Samples follow one another, whole, and no more than there is room for.
+    let sample = [7; Robot::SAMPLE_BYTES];
+    assert_eq!(write(&mut bench, Part::Memory, 0, &sample), Ok(()));
+    for (offset, bytes) in [
+        (0, &sample[..10]),
+        (2 * sample.len(), &sample),
+        (sample.len(), &[7; 20 * Robot::SAMPLE_BYTES]),
+    ] {
+        let refused = write(&mut bench, Part::Memory, offset, bytes);
+        assert_eq!(refused, Err(PartError::Place), "{offset}");
+    }
+    assert_eq!(bench.state.memory().samples().len(), 1);
+    bench.send(Event::Command(Command::Explore { moves: 20, seed: 3 }));
+    let busy = write(&mut bench, Part::Actions, 0, &four);
+    assert_eq!(busy, Err(PartError::Busy));
+    let words = [PartError::Busy, PartError::Place].map(|error| std::format!("{error}"));
+    assert_eq!(words[0], "the robot explores, learns or seeks");
+    assert_eq!(words[1], "the piece does not fit where it says");
 }

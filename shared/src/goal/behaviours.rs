@@ -141,7 +141,7 @@ impl<const SENSORS: usize> Goal<SENSORS> {
 mod tests {
     use super::*;
     use crate::fixed::Mask;
-    use crate::goal::{Asked, missed};
+    use crate::goal::{Asked, Frame, missed};
 
     fn config() -> Config<16> {
         Config::recommended()
@@ -193,5 +193,36 @@ mod tests {
         let goal = Goal::passing(Side::Right, Range::from_mm(1_500), &config());
         let bit = |place: usize| goal.components[place].high;
         assert!(bit(15) < bit(1) && bit(12) < bit(4) && bit(0) == bit(3));
+    }
+
+    /// What is followed is right ahead at the asked distance, and nowhere else.
+    #[test]
+    fn what_is_followed_is_kept_ahead() {
+        let range = Range::from_mm(700);
+        let goal = Goal::following(range, &config());
+        let value = |mm: u16| config().encoding.value(Some(Range::from_mm(mm)));
+        let deviation = |place: usize, mm: u16| {
+            let mut values = [0; 16];
+            values[place] = i32::from(value(mm).to_bits());
+            let mut asked = [Asked::ANYTHING; 16];
+            goal.ask(0, Mask::ALL, &mut asked);
+            missed(&asked, &values, goal.cap_bits(), i64::MAX)
+        };
+        assert_eq!(deviation(0, 700), 0);
+        for (place, mm) in [
+            (0, 500),
+            (0, 1_500),
+            (1, 500),
+            (15, 500),
+            (4, 700),
+            (12, 700),
+        ] {
+            assert!(deviation(place, mm) > 0, "{place} {mm}");
+        }
+        // The ring's mirror: left is as right.
+        for place in 1..16 {
+            assert_eq!(deviation(place, 400), deviation(16 - place, 400));
+        }
+        assert_eq!((goal.frame, goal.going_q16), (Frame::Travel, 0));
     }
 }

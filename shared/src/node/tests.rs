@@ -3,7 +3,7 @@ use crate::controller::{Decision, Progress, Refusal as CommandRefusal};
 use crate::faults::Fault;
 use crate::goal::Component;
 use crate::link::SILENCE_MS;
-use crate::parameters::Parameter;
+use crate::parameters::{Parameter, ParameterError};
 use crate::units::{Displacement, Range};
 use crate::wire::message::{Clock, Flash, FlashError, GoalBy, Heard, Notice, Order, Part, Source};
 use std::vec::Vec;
@@ -32,6 +32,15 @@ struct Rig {
 
 const SESSION: u16 = 5;
 
+/// The recommended one; in Miri, some thousand times slower, it learns for two epochs only.
+fn config() -> Config<16> {
+    let mut config = Config::recommended();
+    if cfg!(miri) {
+        config.learning.epochs = 2;
+    }
+    config
+}
+
 impl Rig {
     fn new(clock: Clock) -> Self {
         let mut rig = Self {
@@ -42,7 +51,7 @@ impl Rig {
         };
         let mut said = Said::default();
         rig.node.start(
-            &Config::recommended(),
+            &config(),
             Grid::rectangle(4, 4),
             Identity::default(),
             Millis::from_ms(0),
@@ -184,7 +193,7 @@ fn a_mind_behind_the_link_is_the_mind() {
     assert_eq!(decisions.len(), 50);
     assert!(decisions.iter().all(|decision| decision.plan.is_some()));
     // The same events to the controller itself.
-    let config = Config::recommended();
+    let config = config();
     let mut state = State::<16, 16, 20>::new(Grid::rectangle(4, 4));
     let mut now = 80_000;
     let mut at = |event, now| controller::handle(&config, &mut state, Millis::from_ms(now), event);
@@ -585,6 +594,130 @@ fn a_full_way_out_is_counted() {
         (rig.node.counters().dropped, rig.node.counters().sent),
         (2, sent)
     );
+}
+
+#[test]
+fn parameters_are_read_at_any_time_and_set_while_standing() {
+    let mut rig = Rig::ready(Clock::Host);
+    let ask = |rig: &mut Rig, parameter, value| {
+        let said = rig.send(ToMind::Parameter { parameter, value });
+        match said[..] {
+            [FromMind::Parameter { value, .. }, FromMind::Done { .. }] => Ok(value),
+            [FromMind::Refusal { why, .. }, FromMind::Done { .. }] => Err(why),
+            _ => panic!("{said:?}"),
+        }
+    };
+    assert_eq!(ask(&mut rig, Parameter::Step, None), Ok(250));
+    assert_eq!(ask(&mut rig, Parameter::Step, Some(200)), Ok(200));
+    assert_eq!(rig.node.config().robot.step_mm, 200);
+    let spec = Parameter::Step.spec();
+    let beyond = Refusal::Parameter(ParameterError::Range(spec));
+    assert_eq!(ask(&mut rig, Parameter::Step, Some(5)), Err(beyond));
+    rig.order(Order::Seek);
+    assert_eq!(
+        ask(&mut rig, Parameter::Step, Some(100)),
+        Err(Refusal::Moving)
+    );
+    assert_eq!(ask(&mut rig, Parameter::Step, None), Ok(200));
+}
+
+#[test]
+fn the_mode_is_told_when_asked() {
+    let mut rig = Rig::ready(Clock::Host);
+    let mut ask = || rig.send(ToMind::Mode);
+    assert_eq!(ask()[0], FromMind::Mode(ModeReport::Idle));
+    rig.order(Order::Seek);
+    assert_eq!(rig.send(ToMind::Mode)[0], FromMind::Mode(ModeReport::Seek));
+}
+
+#[test]
+fn echoes_come_from_the_source_that_was_chosen() {
+    let mut rig = Rig::ready(Clock::Host);
+    let choose = |rig: &mut Rig, source| refusal(&rig.send(ToMind::Source(source)));
+    assert_eq!(choose(&mut rig, Source::Ring), Some(Refusal::NoRing));
+    assert_eq!(rig.node.source(), Source::Link);
+    rig.node.identity.ring = true;
+    assert_eq!(choose(&mut rig, Source::Ring), None);
+    assert_eq!(rig.node.source(), Source::Ring);
+    rig.order(Order::Seek);
+    assert!(
+        motion(&rig.ring(900)).is_none(),
+        "the link's echoes do not count"
+    );
+    assert_eq!(choose(&mut rig, Source::Link), Some(Refusal::Moving));
+    rig.order(Order::Stop);
+    assert_eq!(choose(&mut rig, Source::Link), None);
+    rig.order(Order::Seek);
+    assert!(motion(&rig.ring(900)).is_some());
+}
+
+#[test]
+fn a_goal_given_while_seeking_is_pursued_at_once() {
+    let mut rig = Rig::ready(Clock::Host);
+    rig.order(Order::Seek);
+    let mut components = [Component::ANY; 16];
+    components[4] = Component::at_least(crate::fixed::Weight::ONE);
+    let goal = Goal::of(components);
+    let said = rig.order(Order::Goal(GoalBy::Components(goal)));
+    assert!(said.contains(&FromMind::Mode(ModeReport::Seek)));
+    assert_eq!(rig.node.state.mode(), &Mode::Seek { goal });
+    // While standing it is only kept.
+    rig.order(Order::Stop);
+    let said = rig.order(Order::Goal(GoalBy::Avoid));
+    assert!(matches!(said[..], [FromMind::Done { .. }]));
+    assert_eq!(rig.node.goal, Goal::avoiding(rig.node.config()));
+}
+
+#[test]
+fn a_hello_that_comes_again_is_answered_and_changes_nothing() {
+    let mut rig = Rig::ready(Clock::Device);
+    rig.order(Order::Seek);
+    rig.now += 200;
+    assert!(motion(&rig.ring(900)).is_some());
+    let state = rig.node.state.clone();
+    let dimensions = Small::dimensions();
+    let again = rig.send(ToMind::Hello(HostHello {
+        dimensions,
+        clock: Clock::Device,
+    }));
+    assert!(matches!(again[..], [FromMind::Hello(_)]), "{again:?}");
+    assert!(rig.node.state == state && rig.node.state.is_moving());
+    // Session 0 is nobody's.
+    let header = Header { session: 0, seq: 1 };
+    let hello = ToMind::<16>::Hello(HostHello {
+        dimensions,
+        clock: Clock::Device,
+    });
+    let frame = Frame::pack(header, &hello).unwrap();
+    let said = rig.raw(frame.as_bytes().split_last().unwrap().1);
+    assert_eq!(refusal(&said), Some(Refusal::Incompatible(dimensions)));
+}
+
+#[test]
+fn sound_frames_without_a_message_and_what_the_device_counts_are_counted() {
+    let mut rig = Rig::ready(Clock::Host);
+    let header = Header {
+        session: SESSION,
+        seq: rig.seq + 1,
+    };
+    let unknown = Frame::pack(header, &200_u8).unwrap();
+    assert!(
+        rig.raw(unknown.as_bytes().split_last().unwrap().1)
+            .is_empty()
+    );
+    rig.node.device_counters().overruns = 3;
+    rig.node.set_oversized(4);
+    let said = rig.send(ToMind::Counters);
+    let [FromMind::Counters(counters), _] = said[..] else {
+        panic!("{said:?}");
+    };
+    let counted = (
+        counters.unknown,
+        counters.device.overruns,
+        counters.oversized,
+    );
+    assert_eq!(counted, (1, 3, 4));
+    assert_eq!(Small::default().counters(), &Counters::NONE);
 }
 
 fn image(node: &Small) -> Vec<u8> {

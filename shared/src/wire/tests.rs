@@ -467,3 +467,25 @@ proptest! {
         prop_assert!(damaged == coded || read.is_err(), "{:?}", read);
     }
 }
+
+#[test]
+fn what_does_not_fit_a_frame_is_not_sent() {
+    // One byte more than a frame's body, less the header's three.
+    let long = [255_u8; frame::MOST_BODY - 2];
+    let words = (&long[..200], &long[200..]);
+    assert_eq!(Frame::pack(HEADER, &words), Err(FrameError::TooLong));
+}
+
+#[test]
+fn errors_of_frames_have_words() {
+    let content = FrameError::Content { header: HEADER };
+    let errors = [
+        FrameError::Shape,
+        FrameError::Crc,
+        content,
+        FrameError::TooLong,
+    ];
+    let words = errors.map(|error| format!("{error}"));
+    assert_eq!(words[..3], ["no frame", "wrong CRC", "an unknown message"]);
+    assert_eq!(words[3], "the message does not fit into a frame");
+}

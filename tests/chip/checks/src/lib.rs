@@ -1,5 +1,7 @@
 //! Builds and runs the programs beside this package, and reads sizes from images.
 
+pub mod stack;
+
 use object::{Object as _, ObjectSection as _, SectionFlags, SectionKind};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -1,0 +1,138 @@
+//! Runs the campaigns of [`tests::campaign`]: figures to standard output, progress and times to standard error. Exit code 0: all
+//! was as it has to be; 1: it was not; 2: bad arguments.
+
+use clap::{Parser, Subcommand};
+use host_sim::sonar::SonarModel;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::process::ExitCode;
+use std::time::Instant;
+use tests::campaign::{Verdict, chip, clock, drift, frames, link, silence};
+
+/// How much less is done with `--quick`.
+const QUICK: u64 = 1_000;
+
+#[derive(Debug, Parser)]
+#[command(
+    name = "campaign",
+    about = "Long random runs that try to break the mind, its link and its clock"
+)]
+struct Cli {
+    #[command(subcommand)]
+    verb: Verb,
+    /// Seed of all randomness
+    #[arg(long, global = true, default_value_t = 1)]
+    seed: u64,
+    /// How many [default: see the verb]
+    #[arg(long, global = true)]
+    count: Option<u64>,
+    /// A thousandth of the default
+    #[arg(long, global = true, conflicts_with = "count")]
+    quick: bool,
+}
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    /// Damaged frames through the decoder [count: 1000000000]
+    Frames,
+    /// Frames over a line that loses 30 %, repeats 10 % and reorders [count: 1000000]
+    Link,
+    /// Moments at which host, line or chip are gone [count: 100000 of each]
+    Silence,
+    /// Episodes over the end of the 32-bit milliseconds [count: 1000]
+    Clock,
+    /// Robots that drive for a day [count: 100]
+    Drift {
+        /// Hours of a day
+        #[arg(long, default_value_t = drift::HOURS, value_parser = clap::value_parser!(u32).range(1..=168))]
+        hours: u32,
+        /// Exact sonars instead of the Nomad's
+        #[arg(long)]
+        ideal: bool,
+    },
+    /// Damaged frames to the firmware in an emulated chip [count: 1000000]
+    ChipFrames,
+    /// Frames over a bad line to the firmware in an emulated chip [count: 1000]
+    ChipLink,
+    /// Moments at which the host of an emulated chip falls silent [count: 100]
+    ChipSilence,
+}
+
+impl Verb {
+    const fn count(&self) -> u64 {
+        match self {
+            Self::Frames => frames::COUNT,
+            Self::Link => link::COUNT,
+            Self::Silence => silence::COUNT,
+            Self::Clock => clock::COUNT,
+            Self::Drift { .. } => drift::COUNT,
+            Self::ChipFrames => frames::COUNT / QUICK,
+            Self::ChipLink => link::COUNT / QUICK,
+            Self::ChipSilence => silence::COUNT / QUICK,
+        }
+    }
+
+    /// What progress counts for each of `count`.
+    const fn steps(&self, count: u64) -> u64 {
+        match self {
+            Self::Silence => 4 * count,
+            Self::Drift { hours, .. } => *hours as u64 * count,
+            _ => count,
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let whole = cli.verb.count();
+    let quick = cli.quick.then_some((whole / QUICK).max(1));
+    let count = cli.count.or(quick).unwrap_or(whole);
+    let began = Instant::now();
+    let bar = ProgressBar::new(cli.verb.steps(count));
+    let template = "{wide_bar} {pos}/{len} {elapsed}, {eta} left";
+    bar.set_style(
+        ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()),
+    );
+    let verdict = run(&cli, count, &|done| bar.inc(done));
+    bar.finish_and_clear();
+    eprintln!("{:.1} s", began.elapsed().as_secs_f64());
+    match verdict {
+        Ok(verdict) => tell(&verdict),
+        Err(why) => {
+            eprintln!("error: {why}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(cli: &Cli, count: u64, progress: &(dyn Fn(u64) + Sync)) -> Result<Verdict, String> {
+    let seed = cli.seed;
+    match &cli.verb {
+        Verb::Frames => Ok(frames::run(seed, count, progress)),
+        Verb::Link => Ok(link::run(seed, count, progress)),
+        Verb::Silence => Ok(silence::run(seed, count, progress)),
+        Verb::Clock => clock::run(seed, count, progress).map_err(|why| why.to_string()),
+        Verb::Drift { hours, ideal } => {
+            let sonar = if *ideal {
+                SonarModel::Ideal
+            } else {
+                SonarModel::Nomad
+            };
+            drift::run(seed, count, *hours, sonar, progress).map_err(|why| why.to_string())
+        }
+        Verb::ChipFrames => Ok(chip::frames(seed, count, progress)),
+        Verb::ChipLink => Ok(chip::link(seed, count, progress)),
+        Verb::ChipSilence => Ok(chip::silence(seed, count, progress)),
+    }
+}
+
+fn tell(verdict: &Verdict) -> ExitCode {
+    print!("{}", verdict.text);
+    for broken in &verdict.broken {
+        eprintln!("error: {broken}");
+    }
+    if verdict.broken.is_empty() {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    }
+}

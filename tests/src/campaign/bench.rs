@@ -1,0 +1,174 @@
+//! What the campaigns of the link have in common: a mind that knows how to seek, and the frames for it.
+
+use crate::chip::{Recorded, dimensions, packed};
+use amp::config::Config;
+use amp::node::{Identity, NomadNode};
+use amp::som::Grid;
+use amp::units::Millis;
+use amp::wire::frame::{Header, unpack};
+use amp::wire::message::{
+    Clock, FromMind, GoalBy, Heard, HostHello, MotionOrder, Order, Report, ToMind,
+};
+
+/// The session of a bench.
+pub(super) const SESSION: u16 = 7;
+
+/// Number before that of a bench's first frame: the 16 bits come to their end soon.
+const FIRST: u16 = 65_000;
+
+/// Random moves before the maps are made.
+const MOVES: u16 = 20;
+
+/// The two clocks: both milliseconds since something, modulo 2³².
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Clocks {
+    /// The device's at time 0.
+    pub(super) device: u32,
+    /// The host's at time 0.
+    pub(super) host: u32,
+}
+
+impl Clocks {
+    pub(super) const fn device(self, now_ms: u64) -> Millis {
+        Millis::from_ms(self.device.wrapping_add(now_ms as u32))
+    }
+
+    pub(super) const fn host(self, now_ms: u64) -> u32 {
+        self.host.wrapping_add(now_ms as u32)
+    }
+}
+
+/// A mind that has learnt and pursues free space, in session [`SESSION`] by its own clock.
+#[derive(Debug, Clone)]
+pub(super) struct Ready {
+    pub(super) node: Box<NomadNode>,
+    /// Number of the latest frame to it.
+    pub(super) seq: u16,
+    pub(super) clocks: Clocks,
+    /// Time since the clocks began.
+    pub(super) now_ms: u64,
+}
+
+impl Ready {
+    /// Explores with this seed and learns, over a good line.
+    ///
+    /// # Panics
+    /// When the mind does not do as it is told.
+    pub(super) fn new(seed: u64, clocks: Clocks) -> Self {
+        let mut ready = Self {
+            node: Box::new(NomadNode::new()),
+            seq: FIRST,
+            clocks,
+            now_ms: 0,
+        };
+        let now = clocks.device(0);
+        let config = Config::recommended();
+        let identity = Identity::default();
+        let mut said = Recorded::default();
+        let grid = Grid::rectangle(4, 4);
+        ready.node.start(&config, grid, identity, now, &mut said);
+        ready.tell(&hello());
+        ready.order(Order::Explore { moves: MOVES, seed });
+        for round in 0..MOVES {
+            ready.now_ms += 100;
+            let scan = scan(ready.host_ms(), 700 + 50 * (round % 9));
+            let order = motion(&ready.tell(&scan)).expect("a random move");
+            ready.now_ms += 100;
+            ready.tell(&carried_out(ready.host_ms(), order));
+        }
+        ready.now_ms += 100;
+        ready.tell(&scan(ready.host_ms(), 900));
+        ready.order(Order::Learn);
+        let now = clocks.device(ready.now_ms);
+        while ready.node.tick(now, &mut said) {}
+        ready.order(Order::Goal(GoalBy::Avoid));
+        ready.order(Order::Seek);
+        ready
+    }
+
+    pub(super) const fn host_ms(&self) -> u32 {
+        self.clocks.host(self.now_ms)
+    }
+
+    fn order(&mut self, order: Order<16>) {
+        let at_ms = self.host_ms();
+        self.tell(&command(at_ms, 1_000, order));
+    }
+
+    fn tell(&mut self, message: &ToMind<16>) -> Vec<Report<16>> {
+        self.seq = self.seq.wrapping_add(1);
+        let frame = numbered(self.seq, message);
+        let mut said = Recorded::default();
+        let now = self.clocks.device(self.now_ms);
+        self.node.frame(now, coded(&frame), &mut said);
+        let reports = reports(&said.0);
+        let refused = |report: &Report<16>| matches!(report.said, FromMind::Refusal { .. });
+        assert!(!reports.iter().any(refused), "{message:?}: {reports:?}");
+        reports
+    }
+}
+
+/// A frame of the session with its zero.
+pub(super) fn numbered(seq: u16, message: &ToMind<16>) -> Vec<u8> {
+    let session = SESSION;
+    packed(Header { session, seq }, message)
+}
+
+/// A frame without its zero.
+pub(super) fn coded(frame: &[u8]) -> &[u8] {
+    frame.split_last().map_or(frame, |(_, coded)| coded)
+}
+
+pub(super) fn reports(bytes: &[u8]) -> Vec<Report<16>> {
+    let frames = bytes.split(|byte| *byte == 0);
+    frames
+        .filter_map(|frame| Some(unpack(frame).ok()?.1))
+        .collect()
+}
+
+pub(super) fn motion(said: &[Report<16>]) -> Option<MotionOrder> {
+    said.iter().find_map(|report| match report.said {
+        FromMind::Motion(order) => Some(order),
+        _ => None,
+    })
+}
+
+pub(super) fn hello() -> ToMind<16> {
+    ToMind::Hello(HostHello {
+        dimensions: dimensions(),
+        clock: Clock::Device,
+    })
+}
+
+pub(super) const fn command(at_ms: u32, ttl_ms: u16, order: Order<16>) -> ToMind<16> {
+    ToMind::Command {
+        at_ms,
+        ttl_ms,
+        order,
+    }
+}
+
+/// A whole ring that hears `range_mm` ahead, and 20 mm more with each place.
+pub(super) fn scan(at_ms: u32, range_mm: u16) -> ToMind<16> {
+    let echoes = (0..16).map(|sensor| Heard {
+        sensor,
+        range_mm: Some(range_mm + 20 * u16::from(sensor)),
+        age_ms: 0,
+    });
+    ToMind::Scan {
+        at_ms,
+        echoes: echoes.collect(),
+    }
+}
+
+/// The report that a motion was carried out to its end.
+pub(super) const fn carried_out(at_ms: u32, order: MotionOrder) -> ToMind<16> {
+    ToMind::Odometry {
+        at_ms,
+        motion: order.id,
+        dx_mm: order.dx_mm,
+        dy_mm: order.dy_mm,
+        turned: 0,
+        progress: amp::controller::Progress::Ended,
+    }
+}

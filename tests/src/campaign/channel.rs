@@ -1,0 +1,150 @@
+//! A way on which frames get lost, come twice and overtake one another.
+
+use super::{below, generator, happens};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use std::collections::BinaryHeap;
+
+/// How bad a way is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Badness {
+    /// Frames that get lost, percent.
+    pub(super) lost: usize,
+    /// Frames that come twice, percent of those that come.
+    pub(super) twice: usize,
+    /// Least and most time on the way, ms.
+    pub(super) delay_ms: [u64; 2],
+}
+
+/// A frame that has come.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Come {
+    /// When.
+    pub(super) at_ms: u64,
+    /// When it was sent.
+    pub(super) sent_ms: u64,
+    /// Its number among those sent, counted from 0.
+    pub(super) number: u64,
+    /// The frame.
+    pub(super) bytes: Vec<u8>,
+}
+
+impl Ord for Come {
+    /// The first to come is the greatest.
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        (other.at_ms, other.number).cmp(&(self.at_ms, self.number))
+    }
+}
+
+impl PartialOrd for Come {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// The way, and its book.
+#[derive(Debug)]
+pub(super) struct Channel {
+    badness: Badness,
+    random: Xoshiro256PlusPlus,
+    under_way: BinaryHeap<Come>,
+    sent: u64,
+    lost: u64,
+    repeated: u64,
+}
+
+impl Channel {
+    pub(super) fn new(badness: Badness, seed: u64, part: u64) -> Self {
+        Self {
+            badness,
+            random: generator(seed, part),
+            under_way: BinaryHeap::new(),
+            sent: 0,
+            lost: 0,
+            repeated: 0,
+        }
+    }
+
+    /// Takes a frame; returns its number.
+    pub(super) fn send(&mut self, now_ms: u64, bytes: &[u8]) -> u64 {
+        let number = self.sent;
+        self.sent += 1;
+        if happens(&mut self.random, self.badness.lost) {
+            self.lost += 1;
+            return number;
+        }
+        let again = happens(&mut self.random, self.badness.twice);
+        self.repeated += u64::from(again);
+        for _ in 0..1 + u32::from(again) {
+            let [least, most] = self.badness.delay_ms;
+            let delay_ms = least + below(&mut self.random, (most - least + 1) as usize) as u64;
+            self.under_way.push(Come {
+                at_ms: now_ms + delay_ms,
+                sent_ms: now_ms,
+                number,
+                bytes: bytes.to_vec(),
+            });
+        }
+        number
+    }
+
+    /// The next frame that has come by now.
+    pub(super) fn come(&mut self, now_ms: u64) -> Option<Come> {
+        let due = self
+            .under_way
+            .peek()
+            .is_some_and(|come| come.at_ms <= now_ms);
+        due.then(|| self.under_way.pop()).flatten()
+    }
+
+    /// Whether nothing is under way.
+    pub(super) fn is_empty(&self) -> bool {
+        self.under_way.is_empty()
+    }
+
+    /// Frames sent.
+    pub(super) const fn sent(&self) -> u64 {
+        self.sent
+    }
+
+    /// Frames lost.
+    pub(super) const fn lost(&self) -> u64 {
+        self.lost
+    }
+
+    /// Frames that came, or will come, twice.
+    pub(super) const fn repeated(&self) -> u64 {
+        self.repeated
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_come_in_the_order_of_their_times_and_the_book_is_right() {
+        let badness = Badness {
+            lost: 30,
+            twice: 10,
+            delay_ms: [2, 60],
+        };
+        let mut channel = Channel::new(badness, 1, 0);
+        for now_ms in 0..10_000 {
+            assert_eq!(channel.send(now_ms, &[1]), now_ms);
+        }
+        let all: Vec<_> = std::iter::from_fn(|| channel.come(20_000)).collect();
+        assert!(channel.is_empty() && all.is_sorted_by_key(|come| come.at_ms));
+        assert!(
+            !all.is_sorted_by_key(|come| come.number),
+            "none was overtaken"
+        );
+        let late = |come: &Come| come.at_ms - come.sent_ms;
+        assert_eq!(all.iter().map(late).min(), Some(2));
+        assert_eq!(all.iter().map(late).max(), Some(60));
+        let came = channel.sent() - channel.lost() + channel.repeated();
+        assert_eq!(all.len() as u64, came);
+        assert!((2_800..3_200).contains(&channel.lost()));
+        assert!((600..800).contains(&channel.repeated()));
+        assert_eq!(channel.come(20_000), None);
+    }
+}

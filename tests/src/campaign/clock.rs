@@ -1,0 +1,154 @@
+//! The clock of 32-bit milliseconds comes to its end after 49.7 days: an episode over that moment is the same, decision by
+//! decision and bit by bit, as one that begins at 0.
+
+use super::{Progress, Verdict, below, generator, grouped};
+use amp::config::Config;
+use amp::controller::{Decision, Event, Outputs};
+use amp::units::Millis;
+use host_sim::episode::{Failure, Setup, run_with};
+use host_sim::pilot::{Mind, Pilot, SimState, Thinker};
+use host_sim::robot::TurretMode;
+use host_sim::scenes::Behavior;
+use host_sim::sonar::SonarModel;
+use host_sim::world::World;
+use rayon::prelude::*;
+
+/// Episodes of a full campaign.
+pub const COUNT: u64 = 1_000;
+/// Decisions towards the goal in each.
+const STEPS: u32 = 100;
+/// Such an episode takes at least so long, ms.
+const SHORTEST_MS: usize = 120_000;
+
+/// A mind by a clock that is `by` ahead.
+pub(super) struct Shifted {
+    pub(super) mind: Mind,
+    by: u32,
+    /// What was decided, if that is kept.
+    decisions: Option<Vec<Decision<16>>>,
+    /// The latest time by its clock.
+    pub(super) latest: Millis,
+    /// The clock came to its end and began anew.
+    pub(super) wrapped: bool,
+}
+
+impl Shifted {
+    pub(super) fn new(config: Config<16>, by: u32) -> Self {
+        Self {
+            mind: Mind::new(config),
+            by,
+            decisions: None,
+            latest: Millis::from_ms(by),
+            wrapped: false,
+        }
+    }
+
+    fn that_remembers(config: Config<16>, by: u32) -> Self {
+        Self {
+            decisions: Some(Vec::new()),
+            ..Self::new(config, by)
+        }
+    }
+}
+
+impl Pilot for Shifted {
+    fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
+        let at = Millis::from_ms(at.as_ms().wrapping_add(self.by));
+        self.wrapped |= at.as_ms() < self.latest.as_ms();
+        self.latest = at;
+        let outputs = self.mind.handle(at, event);
+        if let Some(decisions) = &mut self.decisions {
+            decisions.extend(outputs.decision);
+        }
+        outputs
+    }
+}
+
+impl Thinker for Shifted {
+    fn knowledge(&mut self) -> Result<&SimState, Failure> {
+        self.mind.knowledge()
+    }
+}
+
+/// What came of an episode by two clocks.
+#[derive(Debug, Clone, Copy)]
+struct Compared {
+    decisions: u64,
+    wrapped: bool,
+    same: bool,
+}
+
+/// Runs `count` episodes by two clocks each.
+///
+/// # Errors
+/// When a mind falls silent.
+pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> Result<Verdict, Failure> {
+    let one = |number| {
+        let compared = compare(seed, number);
+        progress(1);
+        compared
+    };
+    let all: Result<Vec<_>, _> = (0..count).into_par_iter().map(one).collect();
+    Ok(verdict(&all?))
+}
+
+/// The behaviour and sonars of an episode: each with each.
+fn setup(seed: u64, number: u64) -> Setup {
+    let sonars = [SonarModel::Ideal, SonarModel::Nomad, SonarModel::Harsh];
+    let behaviors = [Behavior::Avoid, Behavior::WallLeft, Behavior::Nest];
+    let of = |number: u64| number as usize % 3;
+    Setup {
+        config: Config::recommended(),
+        preset: String::new(),
+        behavior: behaviors[of(number / 3)].clone(),
+        explore_moves: 100,
+        steps: STEPS,
+        seed: seed.wrapping_add(number),
+        sonar: sonars[of(number)],
+        turret: TurretMode::Held,
+        set_down: None,
+        faults: Vec::new(),
+        record: false,
+    }
+}
+
+fn compare(seed: u64, number: u64) -> Result<Compared, Failure> {
+    let setup = setup(seed, number);
+    let world = World::random(setup.seed);
+    let before_ms = 1 + below(&mut generator(seed, number), SHORTEST_MS) as u32;
+    let mut minds = [0, 0_u32.wrapping_sub(before_ms)]
+        .map(|by| Shifted::that_remembers(setup.config.clone(), by));
+    let mut reports = Vec::new();
+    for mind in &mut minds {
+        reports.push(run_with(&world, &setup, mind, |_, _, _| {})?.report);
+    }
+    let [one, other] = &minds;
+    let (here, there) = (one.mind.state(), other.mind.state());
+    let same = one.decisions == other.decisions
+        && reports.windows(2).all(|pair| pair[0] == pair[1])
+        && here.situations() == there.situations()
+        && here.actions() == there.actions()
+        && here.memory() == there.memory();
+    Ok(Compared {
+        decisions: one.decisions.as_ref().map_or(0, Vec::len) as u64,
+        wrapped: other.wrapped && !one.wrapped,
+        same,
+    })
+}
+
+fn verdict(all: &[Compared]) -> Verdict {
+    let count = |is: fn(&Compared) -> bool| all.iter().filter(|one| is(one)).count() as u64;
+    let episodes = all.len() as u64;
+    let [same, wrapped] = [count(|one| one.same), count(|one| one.wrapped)];
+    let mut verdict = Verdict::default();
+    verdict.say(format_args!(
+        "{} episodes, {} decisions; over the clock's end: {}; the same, with maps, memory and figures: {}",
+        grouped(episodes),
+        grouped(all.iter().map(|one| one.decisions).sum()),
+        grouped(wrapped),
+        grouped(same)
+    ));
+    verdict.require(same == episodes, "an episode differs by another clock");
+    verdict.require(wrapped == episodes, "an episode ended before the clock did");
+    verdict
+}

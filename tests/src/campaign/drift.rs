@@ -1,0 +1,209 @@
+//! A robot that drives for a day: does what it does, or what it knows, wander off?
+//!
+//! Each seed is a random room of its own. The robot makes its 100 random moves and its maps, and then avoids obstacles for 24
+//! simulated hours with the shield on, learning all the while; at noon its clock comes to the end of its 32 bits. Looked at hour
+//! by hour: way, area swept, decisions, steps with a contact. After each hour what it knows has to be within bounds: values of
+//! situations from 0 to 1, changes from -1 to 1, the samples of the 100 moves as they were.
+
+use super::clock::Shifted;
+use super::{Progress, Verdict, grouped};
+use amp::config::Config;
+use amp::controller::{Command, Event, Mode};
+use amp::fixed::Weight;
+use amp::goal::Goal;
+use host_sim::episode::{Body, Failure, Seeds, Setup, Tally, educate};
+use host_sim::experiments::statistics::{Mean, bootstrap};
+use host_sim::pilot::{Pilot as _, SimState};
+use host_sim::robot::TurretMode;
+use host_sim::scenes::Behavior;
+use host_sim::sonar::SonarModel;
+use host_sim::world::World;
+use rayon::prelude::*;
+
+/// Seeds of a full campaign.
+pub const COUNT: u64 = 100;
+/// Hours of a day.
+pub const HOURS: u32 = 24;
+/// The hours in the table, counted from 1; the clock ends between the twelfth and the thirteenth of 24.
+const SHOWN: [usize; 8] = [1, 2, 3, 6, 12, 13, 18, 24];
+/// What the last hour's way may differ from the first one's, as a share of it.
+const MOST_DRIFT: f64 = 0.05;
+
+/// An hour.
+#[derive(Debug, Clone, Copy, Default)]
+struct Hour {
+    decisions: u64,
+    contacts: u64,
+    distance_m: f64,
+    area_m2: f64,
+    in_bounds: bool,
+}
+
+/// Lets `count` robots drive for `hours` hours.
+///
+/// # Errors
+/// When a mind refuses to learn or decides nothing.
+pub fn run(
+    seed: u64,
+    count: u64,
+    hours: u32,
+    sonar: SonarModel,
+    progress: Progress<'_>,
+) -> Result<Verdict, Failure> {
+    let one = |number| day(seed.wrapping_add(number), hours, sonar, progress);
+    let days: Result<Vec<_>, _> = (0..count).into_par_iter().map(one).collect();
+    Ok(verdict(&days?, sonar))
+}
+
+fn day(
+    seed: u64,
+    hours: u32,
+    sonar: SonarModel,
+    progress: Progress<'_>,
+) -> Result<Vec<Hour>, Failure> {
+    let world = World::random(seed);
+    let setup = Setup {
+        config: Config::recommended(),
+        preset: String::new(),
+        behavior: Behavior::Avoid,
+        explore_moves: 100,
+        steps: 1,
+        seed,
+        sonar,
+        turret: TurretMode::Held,
+        set_down: None,
+        faults: Vec::new(),
+        record: false,
+    };
+    let half_ms = hours * 1_800_000;
+    let mut mind = Shifted::new(setup.config.clone(), 0_u32.wrapping_sub(half_ms));
+    let begin = mind.latest;
+    educate(&world, &setup, &mut mind)?;
+    let mut body = Body::new(&world, sonar, setup.turret, Seeds::of(seed).noise);
+    body.wait(f64::from(mind.latest.since(begin)) / 1e3);
+    let seek = Command::Seek(Goal::avoiding(&setup.config));
+    let refusal = mind.handle(body.now(), Event::Command(seek)).refusal;
+    refusal.map(Failure::Refused).map_or(Ok(()), Err)?;
+    let samples = mind.mind.state().memory().clone();
+    let began_s = body.time_s();
+    (1..=hours)
+        .map(|hour| {
+            let until_s = began_s + 3_600.0 * f64::from(hour);
+            let mut driven = drive(&world, &mut mind, &mut body, until_s)?;
+            let state = mind.mind.state();
+            driven.in_bounds = is_in_bounds(state) && *state.memory() == samples;
+            progress(1);
+            Ok(driven)
+        })
+        .collect()
+}
+
+fn drive(
+    world: &World,
+    mind: &mut Shifted,
+    body: &mut Body<'_>,
+    until_s: f64,
+) -> Result<Hour, Failure> {
+    let mut hour = Hour::default();
+    let mut tally = Tally::new(world);
+    let mut touched = false;
+    while body.time_s() < until_s {
+        let happened = body.advance(mind);
+        // The watch over the ring, as on the chip.
+        let _ = mind.handle(body.now(), Event::Tick);
+        if happened.decision.is_some() {
+            hour.decisions += 1;
+            hour.contacts += u64::from(std::mem::take(&mut touched));
+        }
+        if let Some(moved) = &happened.moved {
+            tally.moved(moved.from, moved.to, moved.travelled_m, moved.clearance_m);
+            touched |= moved.touched;
+        }
+    }
+    hour.contacts += u64::from(touched);
+    hour.distance_m = tally.distance_m;
+    hour.area_m2 = tally.coverage_m2();
+    let seeks = matches!(mind.mind.state().mode(), Mode::Seek { .. });
+    if seeks && hour.decisions > 0 {
+        Ok(hour)
+    } else {
+        Err(Failure::Silent)
+    }
+}
+
+fn is_in_bounds(state: &SimState) -> bool {
+    let all = |values: [Weight; 16], low: Weight| {
+        values
+            .iter()
+            .all(|value| (low..=Weight::ONE).contains(value))
+    };
+    (0..16).all(|neuron| {
+        all(state.situations().code_vector(neuron), Weight::ZERO)
+            && all(
+                state.actions().changes().code_vector(neuron),
+                Weight::NEG_ONE,
+            )
+    })
+}
+
+fn verdict(days: &[Vec<Hour>], sonar: SonarModel) -> Verdict {
+    let mut verdict = Verdict::default();
+    let hours = days.first().map_or(0, Vec::len);
+    verdict.say(format_args!(
+        "{} robots, {hours} simulated hours each, sonars {}\n",
+        days.len(),
+        sonar.name()
+    ));
+    let rows: Vec<_> = SHOWN
+        .iter()
+        .filter(|hour| **hour <= hours)
+        .map(|hour| row(days, *hour))
+        .collect();
+    let heads = [
+        "hour",
+        "decisions",
+        "way m, mean",
+        "area m², mean",
+        "steps with a contact",
+    ];
+    verdict.table(heads, &rows);
+    let total = |value: fn(&Hour) -> u64| days.iter().flatten().map(value).sum::<u64>();
+    verdict.say(format_args!(
+        "\nall hours: {} decisions, {} steps with a contact",
+        grouped(total(|hour| hour.decisions)),
+        grouped(total(|hour| hour.contacts))
+    ));
+    let drift = drift(days);
+    verdict.say(format_args!(
+        "way in the last hour over that in the first, less 1: {drift} (95 % interval)"
+    ));
+    let [low, high] = drift.interval;
+    let stays = low > -MOST_DRIFT && high < MOST_DRIFT;
+    verdict.require(stays, "the last hour's way is not that of the first");
+    let in_bounds = days.iter().flatten().all(|hour| hour.in_bounds);
+    verdict.require(in_bounds, "what is known left its bounds");
+    verdict
+}
+
+fn row(days: &[Vec<Hour>], hour: usize) -> [String; 5] {
+    let of = |day: &Vec<Hour>| day.get(hour - 1).copied().unwrap_or_default();
+    let mean = |value: fn(Hour) -> f64| {
+        days.iter().map(|day| value(of(day))).sum::<f64>() / days.len() as f64
+    };
+    [
+        hour.to_string(),
+        grouped(days.iter().map(|day| of(day).decisions).sum()),
+        format!("{:.1}", mean(|hour| hour.distance_m)),
+        format!("{:.1}", mean(|hour| hour.area_m2)),
+        grouped(days.iter().map(|day| of(day).contacts).sum()),
+    ]
+}
+
+/// The relative change of the way from the first hour to the last, over robots.
+fn drift(days: &[Vec<Hour>]) -> Mean {
+    let changes = days.iter().filter_map(|day| {
+        let (first, last) = (day.first()?, day.last()?);
+        Some(vec![last.distance_m / first.distance_m - 1.0])
+    });
+    bootstrap(&changes.collect::<Vec<_>>())
+}

@@ -1,0 +1,257 @@
+//! Damaged frames through receiver and decoder: none may panic, and no more may be taken for messages than a sum of 32
+//! bits explains.
+//!
+//! The frames are the examples of PROTOCOL.md, every message of both directions among them. A damaged one goes byte by byte
+//! through [`Receiver`], which makes several of it where a zero has come in, and each through [`unpack`]. *Wrongly accepted*
+//! is what passes the CRC and is none of the examples, whether a message comes of it or not.
+
+use super::mutate::Damage;
+use super::{Progress, Verdict, below, generator, grouped, parts};
+use amp::wire::frame::{FrameError, unpack};
+use amp::wire::{Receiver, Report, ToMind};
+use host_sim::experiments::statistics::{poisson_interval, poisson_tail};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
+
+/// Frames of a full campaign.
+pub const COUNT: u64 = 1_000_000_000;
+/// Frames that one generator damages.
+const PART: u64 = 100_000;
+/// The document with a frame of every message.
+const PROTOCOL: &str = include_str!("../../../shared/PROTOCOL.md");
+
+/// A sound frame, without its zero.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Example {
+    pub(super) bytes: Vec<u8>,
+    pub(super) to_mind: bool,
+}
+
+/// The examples of PROTOCOL.md.
+pub(super) fn examples() -> Vec<Example> {
+    let block = PROTOCOL.split("```hex\n").nth(1).unwrap_or_default();
+    let mut examples = Vec::new();
+    let mut to_mind = true;
+    for line in block.lines().take_while(|line| !line.starts_with("```")) {
+        if line.contains(',') {
+            to_mind = line.starts_with("to mind");
+            continue;
+        }
+        let bytes = line
+            .split(' ')
+            .filter_map(|byte| u8::from_str_radix(byte, 16).ok());
+        let mut bytes: Vec<_> = bytes.collect();
+        bytes.pop();
+        examples.push(Example { bytes, to_mind });
+    }
+    examples
+}
+
+/// What became of damaged frames.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+struct Tally {
+    /// Damaged.
+    frames: u64,
+    /// As they were in spite of it.
+    unharmed: u64,
+    /// Pieces between zeros.
+    pieces: u64,
+    /// Of them: too long for the receiver.
+    oversized: u64,
+    /// Of them: not COBS, or too short.
+    misshapen: u64,
+    /// Of them: sums that did not match.
+    wrong_sum: u64,
+    /// Of them: an example.
+    sound: u64,
+    /// Of them: taken for something they are not.
+    wrong: u64,
+}
+
+impl Tally {
+    fn plus(mut self, other: &Self) -> Self {
+        self.frames += other.frames;
+        self.unharmed += other.unharmed;
+        self.pieces += other.pieces;
+        self.oversized += other.oversized;
+        self.misshapen += other.misshapen;
+        self.wrong_sum += other.wrong_sum;
+        self.sound += other.sound;
+        self.wrong += other.wrong;
+        self
+    }
+
+    /// Sums that were compared with those of other bytes.
+    const fn compared(&self) -> u64 {
+        self.wrong_sum + self.wrong
+    }
+}
+
+type Tallies = [Tally; Damage::ALL.len()];
+
+/// Damages `count` frames.
+#[must_use]
+pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
+    let examples = examples();
+    let damaged = |(part, size): (u64, u64)| {
+        let tallies = damage(&examples, &mut generator(seed, part), size);
+        progress(size);
+        tallies
+    };
+    let add = |one: Tallies, other: Tallies| -> Tallies {
+        std::array::from_fn(|kind| one[kind].plus(&other[kind]))
+    };
+    let tallies = parts(count, PART)
+        .into_par_iter()
+        .map(damaged)
+        .reduce(Tallies::default, add);
+    verdict(&tallies, examples.len())
+}
+
+fn damage(examples: &[Example], random: &mut Xoshiro256PlusPlus, count: u64) -> Tallies {
+    let mut tallies = Tallies::default();
+    let mut frame = Vec::with_capacity(1_024);
+    for _ in 0..count {
+        let kind = below(random, Damage::ALL.len());
+        let [one, other] = [(); 2].map(|()| &examples[below(random, examples.len())]);
+        frame.clear();
+        frame.extend_from_slice(&one.bytes);
+        Damage::ALL[kind].inflict(&mut frame, &other.bytes, random);
+        let tally = &mut tallies[kind];
+        tally.frames += 1;
+        if frame == one.bytes {
+            tally.unharmed += 1;
+        } else {
+            receive(&frame, one.to_mind, examples, tally);
+        }
+    }
+    tallies
+}
+
+fn receive(bytes: &[u8], to_mind: bool, examples: &[Example], tally: &mut Tally) {
+    let mut receiver = Receiver::new();
+    for &byte in bytes.iter().chain(&[0]) {
+        let Some(piece) = receiver.push(byte) else {
+            continue;
+        };
+        tally.pieces += 1;
+        let error = if to_mind {
+            unpack::<ToMind<16>>(piece).err()
+        } else {
+            unpack::<Report<16>>(piece).err()
+        };
+        match error {
+            Some(FrameError::Shape | FrameError::TooLong) => tally.misshapen += 1,
+            Some(FrameError::Crc) => tally.wrong_sum += 1,
+            None | Some(FrameError::Content { .. }) => {
+                if examples.iter().any(|example| example.bytes == piece) {
+                    tally.sound += 1;
+                } else {
+                    tally.wrong += 1;
+                }
+            }
+        }
+    }
+    let oversized = u64::from(receiver.oversized());
+    tally.pieces += oversized;
+    tally.oversized += oversized;
+}
+
+fn verdict(tallies: &Tallies, examples: usize) -> Verdict {
+    let sum = tallies.iter().fold(Tally::default(), Tally::plus);
+    let row = |name: &str, tally: &Tally| {
+        [
+            name.to_owned(),
+            grouped(tally.frames),
+            grouped(tally.unharmed),
+            grouped(tally.pieces),
+            grouped(tally.misshapen + tally.oversized),
+            grouped(tally.wrong_sum),
+            grouped(tally.sound),
+            grouped(tally.wrong),
+        ]
+    };
+    let mut rows: Vec<_> = Damage::ALL
+        .iter()
+        .zip(tallies)
+        .map(|(damage, tally)| row(damage.name(), tally))
+        .collect();
+    rows.push(row("all", &sum));
+    let mut verdict = Verdict::default();
+    verdict.say(format_args!(
+        "{} damaged frames, made of {examples} sound ones\n",
+        grouped(sum.frames)
+    ));
+    let heads = [
+        "damage",
+        "frames",
+        "as it was",
+        "pieces",
+        "no COBS, or too long",
+        "wrong CRC",
+        "another whole example",
+        "wrongly accepted",
+    ];
+    verdict.table(heads, &rows);
+    judge(&mut verdict, &sum);
+    verdict
+}
+
+/// Whether chance explains what was wrongly accepted.
+fn judge(verdict: &mut Verdict, sum: &Tally) {
+    let expected = sum.compared() as f64 / 4_294_967_296.0;
+    let [low, high] = poisson_interval(sum.wrong);
+    let tail = poisson_tail(sum.wrong, expected);
+    verdict.say(format_args!(
+        "\nsums compared: {}; of as many random ones 2^-32 would match: {expected:.4} expected, {} found (exact Poisson 95 % \
+         interval {low:.2} to {high:.2}); as many or more by chance: {tail:.3}",
+        grouped(sum.compared()),
+        sum.wrong
+    ));
+    verdict.require(tail >= 0.025, "more wrong frames than chance explains");
+    let seen = sum.misshapen + sum.oversized + sum.compared() + sum.sound;
+    verdict.require(seen == sum.pieces, "a piece was not counted");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_examples_are_sound_frames_of_both_directions() {
+        let examples = examples();
+        assert!(examples.len() > 30);
+        assert!(examples.iter().any(|example| !example.to_mind));
+        let mut tally = Tally::default();
+        for example in &examples {
+            receive(&example.bytes, example.to_mind, &examples, &mut tally);
+        }
+        let all = examples.len() as u64;
+        assert_eq!((tally.pieces, tally.sound), (all, all));
+        // Without the examples to compare with each would be an error.
+        let example = &examples[0];
+        receive(&example.bytes, example.to_mind, &[], &mut tally);
+        assert_eq!(tally.wrong, 1);
+    }
+
+    #[test]
+    fn one_wrong_frame_in_few_is_more_than_chance() {
+        let few = Tally {
+            pieces: 1_000,
+            wrong_sum: 999,
+            wrong: 1,
+            ..Tally::default()
+        };
+        let many = Tally {
+            pieces: 4_000_000_000,
+            wrong_sum: 3_999_999_999,
+            ..few
+        };
+        let broken = |tally| {
+            let mut verdict = Verdict::default();
+            judge(&mut verdict, tally);
+            verdict.broken.len()
+        };
+        assert_eq!((broken(&few), broken(&many)), (1, 0));
+    }
+}

@@ -1,0 +1,463 @@
+//! A line that loses, repeats and overtakes frames, between a host with a base and a mind.
+//!
+//! The host sends a frame every 20 ms: rings, odometry, signs of life, and orders to seek, stop and go on, in no sensible
+//! order. Both ends judge what comes by [`amp::link`]: the mind in its [`Node`](amp::node::Node), the base by a [`Link`] of
+//! its own, which executes a motion only within its time to live. Beside them a book that knows everything, in 64-bit
+//! numbers without an end, says what should have come of each frame. Both clocks and both frame numbers run over their ends.
+
+use super::bench::{Clocks, Ready, SESSION, coded, command, numbered, scan};
+use super::channel::{Badness, Channel, Come};
+use super::{Progress, Verdict, below, generator, grouped, parts};
+use amp::controller::Progress as Way;
+use amp::link::{Link, Verdict as Judged};
+use amp::node::Outbox;
+use amp::units::Millis;
+use amp::wire::frame::{Header, unpack};
+use amp::wire::message::{Clock, FromMind, GoalBy, MotionOrder, Order, Report, ToMind};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
+
+/// Frames to the mind in a full campaign.
+pub const COUNT: u64 = 1_000_000;
+/// Frames over one line.
+const PART: u64 = 100_000;
+/// Time between two frames of the host, ms.
+const EVERY_MS: u64 = 20;
+/// Time between two ticks of the mind, ms.
+const TICK_MS: u64 = 10;
+/// The base's speed, mm/s.
+const SPEED_MM_S: u64 = 500;
+/// The lines: of ten frames three are lost, and one comes twice; a fast frame overtakes two slow ones.
+const BAD: Badness = Badness {
+    lost: 30,
+    twice: 10,
+    delay_ms: [2, 60],
+};
+/// Both clocks come to their ends a few seconds after the mind has learnt.
+const CLOCKS: Clocks = Clocks {
+    device: u32::MAX - 10_000,
+    host: u32::MAX - 15_000,
+};
+
+/// What is counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+struct Book {
+    /// To the mind: sent, lost on the way, those that came twice, those that only came after a later one.
+    sent: u64,
+    lost: u64,
+    repeated: u64,
+    overtaken: u64,
+    /// What the mind counted, and what it should have.
+    accepted: [u64; 2],
+    replayed: [u64; 2],
+    expired: [u64; 2],
+    /// Late, repeated or expired frames that changed what the mind knows.
+    late_but_done: u64,
+    /// Times the mind thought the host was gone.
+    losses: u64,
+    /// To the base: sent, and motions executed.
+    said: u64,
+    executed: u64,
+    /// Motions executed again, after a later one, or after their time.
+    stale: u64,
+    /// Motions the base refused as too late or repeated.
+    refused: u64,
+    /// Executed while the mind's stop was still on its way, or lost.
+    taken_back: u64,
+    /// Age of the oldest motion executed, ms.
+    oldest_ms: u64,
+}
+
+impl Book {
+    fn plus(mut self, other: &Self) -> Self {
+        let pairs = [
+            (&mut self.sent, other.sent),
+            (&mut self.lost, other.lost),
+            (&mut self.repeated, other.repeated),
+            (&mut self.overtaken, other.overtaken),
+            (&mut self.late_but_done, other.late_but_done),
+            (&mut self.losses, other.losses),
+            (&mut self.said, other.said),
+            (&mut self.executed, other.executed),
+            (&mut self.stale, other.stale),
+            (&mut self.refused, other.refused),
+            (&mut self.taken_back, other.taken_back),
+        ];
+        for (sum, value) in pairs {
+            *sum += value;
+        }
+        for place in 0..2 {
+            self.accepted[place] += other.accepted[place];
+            self.replayed[place] += other.replayed[place];
+            self.expired[place] += other.expired[place];
+        }
+        self.oldest_ms = self.oldest_ms.max(other.oldest_ms);
+        self
+    }
+}
+
+/// Sends `count` frames to minds.
+#[must_use]
+pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
+    let one = |(part, size)| {
+        let book = Course::new(seed, part, size).run();
+        progress(size);
+        book
+    };
+    let books: Vec<_> = parts(count, PART).into_par_iter().map(one).collect();
+    verdict(&books.iter().fold(Book::default(), Book::plus))
+}
+
+/// One line with its two ends.
+struct Course {
+    mind: Ready,
+    base: Base,
+    to_mind: Channel,
+    to_base: Channel,
+    random: Xoshiro256PlusPlus,
+    book: Book,
+    size: u64,
+    /// What the book knows of the frames to the mind: whether they came, whether they were the latest when they came.
+    came: Vec<[bool; 2]>,
+    /// Number of the latest frame the mind should have accepted.
+    latest: Option<u64>,
+}
+
+impl Course {
+    fn new(seed: u64, part: u64, size: u64) -> Self {
+        Self {
+            mind: Ready::new(seed.wrapping_add(part), CLOCKS),
+            base: Base::default(),
+            to_mind: Channel::new(BAD, seed, 3 * part),
+            to_base: Channel::new(BAD, seed, 3 * part + 1),
+            random: generator(seed, 3 * part + 2),
+            book: Book::default(),
+            size,
+            came: vec![[false; 2]; size as usize],
+            latest: None,
+        }
+    }
+
+    fn run(mut self) -> Book {
+        let before = *self.mind.node.counters();
+        while self.to_mind.sent() < self.size
+            || !self.to_mind.is_empty()
+            || !self.to_base.is_empty()
+        {
+            self.mind.now_ms += 1;
+            self.pass();
+        }
+        let counters = *self.mind.node.counters();
+        self.book.sent = self.to_mind.sent();
+        self.book.lost = self.to_mind.lost();
+        self.book.repeated = self.to_mind.repeated();
+        self.book.said = self.to_base.sent();
+        self.book.overtaken = count(&self.came, |came| came == [true, false]);
+        self.book.accepted = [
+            u64::from(counters.accepted - before.accepted),
+            count(&self.came, |came| came[1]),
+        ];
+        self.book.replayed[0] = u64::from(counters.replayed - before.replayed);
+        self.book.expired[0] = u64::from(counters.expired - before.expired);
+        self.book.losses = u64::from(counters.link_losses - before.link_losses);
+        self.book
+    }
+
+    /// A millisecond.
+    fn pass(&mut self) {
+        let now_ms = self.mind.now_ms;
+        if now_ms.is_multiple_of(EVERY_MS) && self.to_mind.sent() < self.size {
+            let message = self.message();
+            self.mind.seq = self.mind.seq.wrapping_add(1);
+            self.to_mind
+                .send(now_ms, &numbered(self.mind.seq, &message));
+        }
+        while let Some(come) = self.to_mind.come(now_ms) {
+            self.deliver(&come);
+        }
+        if now_ms.is_multiple_of(TICK_MS) {
+            let now = CLOCKS.device(now_ms);
+            let mut said = Said::new(now_ms, &mut self.to_base, &mut self.base);
+            while self.mind.node.tick(now, &mut said) {}
+        }
+        while let Some(come) = self.to_base.come(now_ms) {
+            self.base.hear(&come, &mut self.book);
+        }
+        self.base.go_on(now_ms);
+    }
+
+    fn message(&mut self) -> ToMind<16> {
+        let at_ms = self.mind.host_ms();
+        let random = &mut self.random;
+        match below(random, 100) {
+            0..45 => scan(at_ms, 500 + below(random, 1_000) as u16),
+            45..85 => self.base.report(at_ms),
+            85..92 => ToMind::Alive { at_ms },
+            _ => {
+                let order = match below(random, 20) {
+                    0..7 => Order::Seek,
+                    7..14 => Order::Resume,
+                    14..18 => Order::Stop,
+                    _ => Order::Goal(GoalBy::Avoid),
+                };
+                // Some live no longer than a slow frame takes.
+                command(at_ms, 20 + below(random, 60) as u16, order)
+            }
+        }
+    }
+
+    /// Gives a frame to the mind, and holds what it does against what it should.
+    fn deliver(&mut self, come: &Come) {
+        let is_new = self.latest.is_none_or(|latest| come.number > latest);
+        let delay_ms = come.at_ms - come.sent_ms;
+        let mut may_act = is_new;
+        let [came, accepted] = &mut self.came[come.number as usize];
+        *came = true;
+        if is_new {
+            *accepted = true;
+            self.latest = Some(come.number);
+            if let Ok((_, ToMind::Command { ttl_ms, .. })) =
+                unpack::<ToMind<16>>(coded(&come.bytes))
+            {
+                // The promptest frames, while the mind learnt, took no time at all.
+                may_act = delay_ms <= u64::from(ttl_ms);
+                self.book.expired[1] += u64::from(!may_act);
+            }
+        } else {
+            self.book.replayed[1] += 1;
+        }
+        let before = (!may_act).then(|| self.mind.node.state().clone());
+        let mut said = Said::new(come.at_ms, &mut self.to_base, &mut self.base);
+        let now = CLOCKS.device(come.at_ms);
+        self.mind.node.frame(now, coded(&come.bytes), &mut said);
+        let changed = before.is_some_and(|before| before != *self.mind.node.state());
+        self.book.late_but_done += u64::from(changed);
+    }
+}
+
+fn count(came: &[[bool; 2]], is: impl Fn([bool; 2]) -> bool) -> u64 {
+    came.iter().filter(|came| is(**came)).count() as u64
+}
+
+/// What the mind says goes on the line, and into the book.
+struct Said<'a> {
+    now_ms: u64,
+    line: &'a mut Channel,
+    base: &'a mut Base,
+}
+
+impl<'a> Said<'a> {
+    fn new(now_ms: u64, line: &'a mut Channel, base: &'a mut Base) -> Self {
+        Self { now_ms, line, base }
+    }
+}
+
+impl Outbox for Said<'_> {
+    fn send(&mut self, frame: &[u8]) -> bool {
+        self.line.send(self.now_ms, frame);
+        self.base.is_on_its_way(frame);
+        true
+    }
+}
+
+/// The base: its link, what it executes, and what the book knows of the frames to it.
+#[derive(Default)]
+struct Base {
+    link: Option<Link>,
+    order: Option<MotionOrder>,
+    /// When the order ends unless it is renewed, ms.
+    until_ms: u64,
+    /// Executed of the order and not yet reported, µm; all of it, µm.
+    unreported_um: u64,
+    executed_um: u64,
+    /// Numbers of the frames on the line, without an end, by their order on it.
+    numbers: Vec<i64>,
+    /// The mind's latest stop.
+    latest_stop: i64,
+    /// Number of the latest motion executed.
+    latest: Option<i64>,
+    /// Least true time on the way of an accepted frame, ms.
+    promptest_ms: Option<u64>,
+}
+
+impl Base {
+    fn is_on_its_way(&mut self, frame: &[u8]) {
+        let Ok((header, report)) = unpack::<Report<16>>(coded(frame)) else {
+            return;
+        };
+        let last = self.numbers.last().copied();
+        let number = last.map_or(i64::from(header.seq), |last| {
+            last + i64::from(header.seq.wrapping_sub(last as u16) as i16)
+        });
+        self.numbers.push(number);
+        if matches!(report.said, FromMind::Motion(order) if is_stop(order)) {
+            self.latest_stop = self.latest_stop.max(number);
+        }
+    }
+
+    fn hear(&mut self, come: &Come, book: &mut Book) {
+        let Ok((header, report)) = unpack::<Report<16>>(coded(&come.bytes)) else {
+            return;
+        };
+        let now = CLOCKS.device(come.at_ms);
+        let said = Millis::from_ms(report.device_ms);
+        let true_age_ms = u64::from(now.since(said));
+        let link = self.link.get_or_insert_with(|| opened(header));
+        if link.accept(header) != Judged::Accept {
+            book.refused += u64::from(matches!(report.said, FromMind::Motion(_)));
+            return;
+        }
+        // The base's clock is another one.
+        let here = Millis::from_ms(now.as_ms().wrapping_add(123_456_789));
+        link.heard(said, here);
+        let age_ms = link.age_ms(said, here);
+        let promptest_ms = self
+            .promptest_ms
+            .map_or(true_age_ms, |least| least.min(true_age_ms));
+        self.promptest_ms = Some(promptest_ms);
+        let FromMind::Motion(order) = report.said else {
+            return;
+        };
+        if age_ms > u32::from(order.ttl_ms) {
+            book.refused += 1;
+            return;
+        }
+        let number = self.numbers[come.number as usize];
+        let is_late = self.latest.is_some_and(|latest| number <= latest);
+        let is_old = true_age_ms > u64::from(order.ttl_ms) + promptest_ms;
+        book.stale += u64::from(is_late || is_old);
+        book.executed += 1;
+        book.taken_back += u64::from(!is_stop(order) && number < self.latest_stop);
+        book.oldest_ms = book.oldest_ms.max(true_age_ms);
+        self.latest = Some(number);
+        self.execute(
+            order,
+            come.at_ms + u64::from(order.ttl_ms) - u64::from(age_ms),
+        );
+    }
+
+    fn execute(&mut self, order: MotionOrder, until_ms: u64) {
+        let is_renewal = self
+            .order
+            .is_some_and(|old| (old.id, old.revision) == (order.id, order.revision));
+        if !is_renewal {
+            self.executed_um = 0;
+            self.unreported_um = 0;
+        }
+        self.order = Some(order);
+        self.until_ms = until_ms;
+    }
+
+    /// A millisecond of motion.
+    fn go_on(&mut self, now_ms: u64) {
+        if self.is_moving(now_ms) {
+            self.executed_um += SPEED_MM_S;
+            self.unreported_um += SPEED_MM_S;
+        }
+    }
+
+    fn is_moving(&self, now_ms: u64) -> bool {
+        self.order.is_some_and(|order| {
+            let way_um = 1_000 * u64::from(order.motion().displacement.length_mm());
+            now_ms < self.until_ms && self.executed_um < way_um
+        })
+    }
+
+    /// What it has done since its last report.
+    fn report(&mut self, at_ms: u32) -> ToMind<16> {
+        let order = self.order;
+        let moved_mm = (self.unreported_um / 1_000) as u16;
+        self.unreported_um %= 1_000;
+        let moved = order.map(|order| order.motion().displacement.with_length(moved_mm));
+        let way_mm = order.map_or(0, |order| order.motion().displacement.length_mm());
+        let is_done = self.executed_um >= 1_000 * u64::from(way_mm);
+        ToMind::Odometry {
+            at_ms,
+            motion: order.map_or(0, |order| order.id),
+            dx_mm: moved.map_or(0, |moved| moved.dx_mm),
+            dy_mm: moved.map_or(0, |moved| moved.dy_mm),
+            turned: 0,
+            progress: if is_done { Way::Ended } else { Way::Moving },
+        }
+    }
+}
+
+const fn is_stop(order: MotionOrder) -> bool {
+    order.dx_mm == 0 && order.dy_mm == 0
+}
+
+/// The link of a base that has just heard its first frame.
+fn opened(first: Header) -> Link {
+    let mut link = Link::new();
+    let before = Header {
+        session: SESSION,
+        seq: first.seq.wrapping_sub(1),
+    };
+    link.open(before, Clock::Device, Millis::from_ms(0));
+    link
+}
+
+fn verdict(book: &Book) -> Verdict {
+    let mut verdict = Verdict::default();
+    verdict.say(format_args!(
+        "{} frames to the mind and {} from it; {} % lost, {} % of the others twice, {} to {} ms on the way\n",
+        grouped(book.sent),
+        grouped(book.said),
+        BAD.lost,
+        BAD.twice,
+        BAD.delay_ms[0],
+        BAD.delay_ms[1]
+    ));
+    let row = |what: &str, number| [what.to_owned(), grouped(number)];
+    let rows = [
+        row("lost on the way to the mind", book.lost),
+        row("overtaken by a later one", book.overtaken),
+        row("came twice", book.repeated),
+        row("accepted by the mind", book.accepted[0]),
+        row("repeated or late, by the mind's count", book.replayed[0]),
+        row(
+            "orders past their time to live, by the mind's count",
+            book.expired[0],
+        ),
+        row(
+            "such frames that changed what the mind knows",
+            book.late_but_done,
+        ),
+        row("times the mind held the host for gone", book.losses),
+        row("motions and renewals executed by the base", book.executed),
+        row(
+            "refused by the base as late, repeated or expired",
+            book.refused,
+        ),
+        row("**stale ones executed**", book.stale),
+        row("age of the oldest one executed, ms", book.oldest_ms),
+        row(
+            "executed though the mind's stop was on its way or lost",
+            book.taken_back,
+        ),
+    ];
+    verdict.table(["what", "number"], &rows);
+    let unaccepted = book.sent - book.accepted[0];
+    verdict.say(format_args!(
+        "\nsent less accepted: {}; lost and overtaken, by the line's book: {}",
+        grouped(unaccepted),
+        grouped(book.lost + book.overtaken)
+    ));
+    verdict.require(
+        unaccepted == book.lost + book.overtaken,
+        "the count of lost frames is not exact",
+    );
+    for (what, [counted, right]) in [
+        ("accepted", book.accepted),
+        ("repeated", book.replayed),
+        ("expired", book.expired),
+    ] {
+        let broken = format!("{what}: {counted} counted, {right} were");
+        verdict.require(counted == right, broken);
+    }
+    verdict.require(book.late_but_done == 0, "a late frame was acted upon");
+    verdict.require(book.stale == 0, "a stale motion was executed");
+    let enough = book.executed > 0 && book.replayed[1] > 0 && book.expired[1] > 0;
+    verdict.require(enough, "nothing was tried");
+    verdict
+}

@@ -1,0 +1,122 @@
+//! Long runs that try to break the mind, its link and its clock: random, but the same for the same seed on any number of
+//! threads.
+//!
+//! | module | what is tried |
+//! |---|---|
+//! | [`frames`] | damaged frames through receiver and decoder |
+//! | [`link`] | a line that loses, repeats and overtakes frames, between host and mind |
+//! | [`silence`] | hosts, minds and lines that are gone from one moment to the next, while the base moves |
+//! | [`clock`] | episodes over the end of the 32-bit milliseconds |
+//! | [`drift`] | a robot that drives for a day |
+//! | [`chip`] | the first three against the firmware in an emulated chip |
+//!
+//! Each returns a [`Verdict`]: the figures, and what was not as it has to be.
+
+mod bench;
+mod channel;
+pub mod chip;
+pub mod clock;
+pub mod drift;
+pub mod frames;
+pub mod link;
+pub mod mutate;
+pub mod silence;
+
+use rand_core::{Rng as _, SeedableRng as _};
+use rand_xoshiro::{SplitMix64, Xoshiro256PlusPlus};
+use std::fmt::Write as _;
+
+/// What a campaign found.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Verdict {
+    /// The figures, as Markdown.
+    pub text: String,
+    /// What was not as it has to be; empty if all was well.
+    pub broken: Vec<String>,
+}
+
+impl Verdict {
+    fn say(&mut self, line: impl std::fmt::Display) {
+        let _ = writeln!(self.text, "{line}");
+    }
+
+    fn table<const COLUMNS: usize>(&mut self, heads: [&str; COLUMNS], rows: &[[String; COLUMNS]]) {
+        self.say(format_args!("| {} |", heads.join(" | ")));
+        let rules: Vec<_> = (0..COLUMNS)
+            .map(|column| if column == 0 { "---" } else { "---:" })
+            .collect();
+        self.say(format_args!("| {} |", rules.join(" | ")));
+        for row in rows {
+            self.say(format_args!("| {} |", row.join(" | ")));
+        }
+    }
+
+    fn require(&mut self, holds: bool, what: impl Into<String>) {
+        if !holds {
+            self.broken.push(what.into());
+        }
+    }
+}
+
+/// Hears how much of a campaign is done.
+pub type Progress<'a> = &'a (dyn Fn(u64) + Sync);
+
+/// A generator for part `part` of a campaign.
+fn generator(seed: u64, part: u64) -> Xoshiro256PlusPlus {
+    let start = SplitMix64::seed_from_u64(seed).next_u64();
+    Xoshiro256PlusPlus::seed_from_u64(start.wrapping_add(part))
+}
+
+/// A uniform number below `bound`, which is greater than 0.
+fn below(random: &mut Xoshiro256PlusPlus, bound: usize) -> usize {
+    ((u128::from(random.next_u64()) * bound as u128) >> 64) as usize
+}
+
+/// Whether something of this probability, in percent, happens.
+fn happens(random: &mut Xoshiro256PlusPlus, percent: usize) -> bool {
+    below(random, 100) < percent
+}
+
+/// Splits `count` into parts of at most `size`: number and size of each.
+fn parts(count: u64, size: u64) -> Vec<(u64, u64)> {
+    (0..count.div_ceil(size))
+        .map(|part| (part, size.min(count - part * size)))
+        .collect()
+}
+
+/// A number with its thousands apart.
+fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (place, digit) in digits.chars().enumerate() {
+        if place > 0 && (digits.len() - place).is_multiple_of(3) {
+            text.push(' ');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_add_up_and_numbers_are_grouped() {
+        assert_eq!(parts(25, 10), [(0, 10), (1, 10), (2, 5)]);
+        assert!(parts(0, 10).is_empty());
+        assert_eq!(grouped(0), "0");
+        assert_eq!(grouped(999), "999");
+        assert_eq!(grouped(1_234_567), "1 234 567");
+    }
+
+    #[test]
+    fn other_parts_draw_other_numbers() {
+        let draw = |seed, part| generator(seed, part).next_u64();
+        assert_eq!(draw(1, 2), draw(1, 2));
+        assert_ne!(draw(1, 2), draw(1, 3));
+        assert_ne!(draw(1, 2), draw(2, 1));
+        let mut random = generator(1, 0);
+        assert!((0..1_000).all(|_| below(&mut random, 7) < 7));
+    }
+}

@@ -1,0 +1,151 @@
+//! Ways in which a frame is damaged.
+
+use super::below;
+use rand_core::Rng as _;
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+/// A way to damage a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Damage {
+    /// 1 to 3 bits flipped.
+    FewBits,
+    /// 4 to 8 bits flipped.
+    ManyBits,
+    /// 2 to 8 neighbouring bytes are noise.
+    Burst,
+    /// A piece is missing: beginning, middle or end.
+    Cut,
+    /// A piece comes twice.
+    Repeated,
+    /// Two pieces of the same length have changed places.
+    Swapped,
+    /// The beginning of one frame and the end of another.
+    Spliced,
+    /// Nothing but noise.
+    Noise,
+}
+
+impl Damage {
+    /// All of them.
+    pub const ALL: [Self; 8] = [
+        Self::FewBits,
+        Self::ManyBits,
+        Self::Burst,
+        Self::Cut,
+        Self::Repeated,
+        Self::Swapped,
+        Self::Spliced,
+        Self::Noise,
+    ];
+
+    /// In words.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::FewBits => "1 to 3 bits flipped",
+            Self::ManyBits => "4 to 8 bits flipped",
+            Self::Burst => "2 to 8 bytes of noise in it",
+            Self::Cut => "a piece missing",
+            Self::Repeated => "a piece twice",
+            Self::Swapped => "two pieces changed places",
+            Self::Spliced => "beginning of one, end of another",
+            Self::Noise => "nothing but noise",
+        }
+    }
+
+    /// Damages a frame, given without its zero and at least two bytes long; it may come out as it was.
+    pub fn inflict(self, frame: &mut Vec<u8>, other: &[u8], random: &mut Xoshiro256PlusPlus) {
+        match self {
+            Self::FewBits => flip(frame, 1, 3, random),
+            Self::ManyBits => flip(frame, 4, 8, random),
+            Self::Burst => {
+                let (start, end) = piece(frame.len(), 8, random);
+                noise(frame.get_mut(start..end).unwrap_or_default(), random);
+            }
+            Self::Cut => {
+                let (start, end) = piece(frame.len(), frame.len(), random);
+                frame.drain(start..end);
+            }
+            Self::Repeated => {
+                let (start, end) = piece(frame.len(), 8, random);
+                frame.extend_from_within(start..end);
+                if let Some(behind) = frame.get_mut(end..) {
+                    behind.rotate_right(end - start);
+                }
+            }
+            Self::Swapped => {
+                let length = 1 + below(random, (frame.len() / 2).min(8));
+                let start = below(random, frame.len() - 2 * length + 1);
+                let other = start + length + below(random, frame.len() - 2 * length - start + 1);
+                for step in 0..length {
+                    frame.swap(start + step, other + step);
+                }
+            }
+            Self::Spliced => {
+                frame.truncate(below(random, frame.len() + 1));
+                frame.extend_from_slice(other.get(below(random, other.len())..).unwrap_or(other));
+            }
+            Self::Noise => noise(frame, random),
+        }
+    }
+}
+
+/// Flips `least` to `most` bits, some of them perhaps twice.
+fn flip(frame: &mut [u8], least: usize, most: usize, random: &mut Xoshiro256PlusPlus) {
+    for _ in 0..least + below(random, most - least + 1) {
+        let bit = below(random, 8 * frame.len());
+        if let Some(byte) = frame.get_mut(bit / 8) {
+            *byte ^= 1 << (bit % 8);
+        }
+    }
+}
+
+fn noise(bytes: &mut [u8], random: &mut Xoshiro256PlusPlus) {
+    for byte in bytes {
+        *byte = (random.next_u64() >> 56) as u8;
+    }
+}
+
+/// Ends of a piece of 1 to `most` bytes of `length`.
+fn piece(length: usize, most: usize, random: &mut Xoshiro256PlusPlus) -> (usize, usize) {
+    let size = 1 + below(random, most.min(length));
+    let start = below(random, length - size + 1);
+    (start, start + size)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::campaign::generator;
+
+    #[test]
+    fn every_damage_does_what_its_name_says() {
+        let mut random = generator(1, 0);
+        let whole: Vec<u8> = (1..=20).collect();
+        let other: Vec<u8> = (101..=110).collect();
+        for damage in Damage::ALL {
+            let mut damaged = 0;
+            for _ in 0..200 {
+                let mut frame = whole.clone();
+                damage.inflict(&mut frame, &other, &mut random);
+                damaged += u32::from(frame != whole);
+                let length = frame.len();
+                match damage {
+                    Damage::Cut => assert!(length < 20),
+                    Damage::Repeated => assert!((21..=28).contains(&length)),
+                    Damage::Swapped => {
+                        frame.sort_unstable();
+                        assert_eq!(frame, whole);
+                    }
+                    Damage::Spliced => assert!((1..=30).contains(&length)),
+                    _ => assert_eq!(length, 20),
+                }
+            }
+            assert!(damaged > 150, "{damage:?}: {damaged}");
+        }
+        // The shortest frame there may be.
+        for damage in Damage::ALL {
+            damage.inflict(&mut vec![1, 2], &[3], &mut random);
+        }
+    }
+}

@@ -1,0 +1,437 @@
+//! Something is gone from one moment to the next while the base moves: how long until it is told to stand, or has been told
+//! nothing for too long?
+//!
+//! The firmware's control task runs as on the chip: every 10 ms and when a frame has come. Bytes take 87 µs on a line of 115 200
+//! baud. The ring is heard echo by echo, every 40 ms; the base reports every 100 ms. It is a slow base that never arrives, so that
+//! nothing but the link ends its motion, and it obeys the times to live. What a real base rolls on while it brakes is not in it.
+//! The device's clock comes to its end of 32 bits during the trials.
+
+use super::bench::{Clocks, Ready, SESSION, hello, scan};
+use super::{Progress, Verdict, below, generator, grouped, parts};
+use crate::chip::packed;
+use amp::controller::Progress as Way;
+use amp::link::SILENCE_MS;
+use amp::node::MOTION_TTL_MS;
+use amp::wire::Receiver;
+use amp::wire::frame::{Header, unpack};
+use amp::wire::message::{FromMind, Heard, MotionOrder, Report, ToMind};
+use embedded_storage::nor_flash::{
+    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
+};
+use firmware::control::Control;
+use firmware::line::{Faults, Outbox};
+use firmware::persist::{SLOT_BYTES, Store};
+use heapless::spsc::{Consumer, Producer, Queue};
+use host_sim::sonar::FIRING_ORDER;
+use rayon::prelude::*;
+use std::collections::VecDeque;
+
+/// Trials of a full campaign, of each kind.
+pub const COUNT: u64 = 100_000;
+/// Trials with the same maps.
+const PART: u64 = 500;
+/// Time between two runs of the control task without a frame, ms.
+const ROUND_MS: u64 = 10;
+/// Between two echoes; between two reports of the base, ms.
+const ECHO_MS: u64 = 40;
+const REPORT_MS: u64 = 100;
+/// Bytes on the line per 100 ms: 115 200 baud, ten bits to a byte.
+const BYTES: u32 = 1_152;
+/// The base's speed, mm/s.
+const SPEED_MM_S: u64 = 20;
+/// Longest time from the motion's beginning to the moment, ms; to a host's return, ms.
+const MOST_MS: usize = 2_000;
+const RETURN_MS: usize = 1_000;
+/// So long it is watched afterwards, ms.
+const WATCHED_MS: u64 = 1_500;
+/// Allowed beyond what the protocol says, ms: a round of the control task and two frames on the line.
+const SLACK_MS: u64 = 20;
+const CLOCKS: Clocks = Clocks {
+    // Maps are made in 4.2 s.
+    device: u32::MAX - 5_500,
+    host: 77_000,
+};
+
+/// What is gone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Gone {
+    /// The host says nothing any more; the base still hears the mind.
+    Host,
+    /// The line, both ways.
+    Line,
+    /// The host, which comes back within a second in a new session.
+    HostForAWhile,
+    /// The mind: its chip is reset.
+    Mind,
+}
+
+impl Gone {
+    const ALL: [Self; 4] = [Self::Host, Self::Line, Self::HostForAWhile, Self::Mind];
+
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Host => "host silent, base still hears the mind",
+            Self::Line => "line cut both ways",
+            Self::HostForAWhile => "host starts anew within 1 s, in a new session",
+            Self::Mind => "chip reset",
+        }
+    }
+
+    /// Longest time to the end of all motion, ms.
+    const fn most_ms(self) -> u64 {
+        SLACK_MS
+            + match self {
+                Self::Host | Self::HostForAWhile => SILENCE_MS as u64,
+                Self::Line | Self::Mind => MOTION_TTL_MS as u64,
+            }
+    }
+}
+
+/// What came of a trial.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Stopped {
+    after_ms: u64,
+    moved_again: bool,
+}
+
+/// Makes `count` trials of each kind.
+///
+/// # Panics
+/// When a mind that has learnt does not set its base moving.
+#[must_use]
+pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
+    let mut verdict = Verdict::default();
+    verdict.say(format_args!(
+        "{} moments each; time from the moment to zero motion, ms\n",
+        grouped(count)
+    ));
+    let mut rows = Vec::new();
+    for (kind, gone) in (0..).zip(Gone::ALL) {
+        let trials = |(part, size): (u64, u64)| {
+            let ready = Ready::new(seed.wrapping_add(part), CLOCKS);
+            let first = (kind * count) + part * PART;
+            let trials = (first..first + size).map(|trial| try_it(&ready, gone, seed, trial));
+            let trials: Vec<_> = trials.collect();
+            progress(size);
+            trials
+        };
+        let all: Vec<_> = parts(count, PART)
+            .into_par_iter()
+            .flat_map_iter(trials)
+            .collect();
+        rows.push(judge(&mut verdict, gone, &all));
+    }
+    let heads = [
+        "what is gone",
+        "p50",
+        "p99",
+        "most",
+        "allowed",
+        "moved again",
+    ];
+    verdict.table(heads, &rows);
+    verdict
+}
+
+fn judge(verdict: &mut Verdict, gone: Gone, all: &[Stopped]) -> [String; 6] {
+    let mut times: Vec<_> = all.iter().map(|stopped| stopped.after_ms).collect();
+    times.sort_unstable();
+    let at = |share: usize| times.get((times.len().max(1) - 1) * share / 100).copied();
+    let [median, rare, most] = [50, 99, 100].map(|share| at(share).unwrap_or(0));
+    let again = all.iter().filter(|stopped| stopped.moved_again).count();
+    let name = gone.name();
+    verdict.require(most <= gone.most_ms(), format!("{name}: {most} ms"));
+    verdict.require(again == 0, format!("{name}: moved again"));
+    [
+        name.to_owned(),
+        median.to_string(),
+        rare.to_string(),
+        most.to_string(),
+        gone.most_ms().to_string(),
+        again.to_string(),
+    ]
+}
+
+fn try_it(ready: &Ready, gone: Gone, seed: u64, trial: u64) -> Stopped {
+    let mut random = generator(seed, trial);
+    let mut node = ready.node.clone();
+    let (mut received, mut to_send) = (Queue::<u8, 512>::new(), Queue::<u8, 2_048>::new());
+    let faults = Faults::new();
+    let (producer, consumer) = received.split();
+    let (to_send, outgoing) = to_send.split();
+    let control = Control::new(&mut *node, consumer, Outbox::new(to_send), &faults, store());
+    let mut scene = Scene::new(ready, control, producer, outgoing);
+    // Somewhere between two rounds, echoes and reports.
+    scene.now_ms += below(&mut random, 200) as u64;
+    scene.set_off();
+    for _ in 0..below(&mut random, MOST_MS) {
+        scene.pass();
+    }
+    scene.is_gone(gone);
+    let began_ms = scene.now_ms;
+    let returns_ms = began_ms + below(&mut random, RETURN_MS) as u64;
+    let mut after_ms = None;
+    let mut moved_again = false;
+    while after_ms.is_none_or(|after| scene.now_ms < began_ms + after + WATCHED_MS) {
+        match (scene.is_moving(), after_ms) {
+            (false, None) => after_ms = Some(scene.now_ms - began_ms),
+            (true, Some(_)) => moved_again = true,
+            _ => {}
+        }
+        if gone == Gone::HostForAWhile && scene.now_ms == returns_ms {
+            scene.comes_back();
+        }
+        scene.pass();
+    }
+    Stopped {
+        after_ms: after_ms.unwrap_or(u64::MAX),
+        moved_again,
+    }
+}
+
+/// A chip whose flash is broken: nothing is saved here.
+struct NoFlash;
+
+/// It cannot be read either.
+#[derive(Debug)]
+struct Broken;
+
+impl NorFlashError for Broken {
+    fn kind(&self) -> NorFlashErrorKind {
+        NorFlashErrorKind::Other
+    }
+}
+
+impl ErrorType for NoFlash {
+    type Error = Broken;
+}
+
+impl ReadNorFlash for NoFlash {
+    const READ_SIZE: usize = 1;
+
+    fn read(&mut self, _: u32, _: &mut [u8]) -> Result<(), Broken> {
+        Err(Broken)
+    }
+
+    fn capacity(&self) -> usize {
+        2 * Self::ERASE_SIZE
+    }
+}
+
+impl NorFlash for NoFlash {
+    const WRITE_SIZE: usize = 4;
+    const ERASE_SIZE: usize = 128 * 1_024;
+
+    fn erase(&mut self, _: u32, _: u32) -> Result<(), Broken> {
+        Err(Broken)
+    }
+
+    fn write(&mut self, _: u32, _: &[u8]) -> Result<(), Broken> {
+        Err(Broken)
+    }
+}
+
+fn store() -> Store<NoFlash> {
+    Store::mount(NoFlash, SLOT_BYTES)
+}
+
+/// A chip, a host and a base with a line between them.
+struct Scene<'a> {
+    control: Control<'a, NoFlash>,
+    incoming: Producer<'a, u8>,
+    outgoing: Consumer<'a, u8>,
+    /// On the line to the chip, and the line's spare time both ways, hundredths of bytes.
+    to_chip: VecDeque<u8>,
+    credit: [u32; 2],
+    receiver: Receiver,
+    session: u16,
+    seq: u16,
+    now_ms: u64,
+    slot: usize,
+    host_is_there: bool,
+    chip_is_there: bool,
+    base_hears: bool,
+    order: Option<(MotionOrder, u64)>,
+    unreported_um: u64,
+}
+
+impl<'a> Scene<'a> {
+    fn new(
+        ready: &Ready,
+        control: Control<'a, NoFlash>,
+        incoming: Producer<'a, u8>,
+        outgoing: Consumer<'a, u8>,
+    ) -> Self {
+        Self {
+            control,
+            incoming,
+            outgoing,
+            to_chip: VecDeque::new(),
+            credit: [0; 2],
+            receiver: Receiver::new(),
+            session: SESSION,
+            seq: ready.seq,
+            now_ms: ready.now_ms,
+            slot: 0,
+            host_is_there: true,
+            chip_is_there: true,
+            base_hears: true,
+            order: None,
+            unreported_um: 0,
+        }
+    }
+
+    /// A whole ring, and the motion that comes of it.
+    fn set_off(&mut self) {
+        self.say(|at_ms| scan(at_ms, 900));
+        let until_ms = self.now_ms + 1_000;
+        while !self.is_moving() {
+            assert!(self.now_ms < until_ms, "no motion");
+            self.pass();
+        }
+    }
+
+    fn is_moving(&self) -> bool {
+        self.order.is_some_and(|(order, until_ms)| {
+            (order.dx_mm, order.dy_mm) != (0, 0) && self.now_ms < until_ms
+        })
+    }
+
+    fn is_gone(&mut self, gone: Gone) {
+        match gone {
+            Gone::Host | Gone::HostForAWhile => self.host_is_there = false,
+            Gone::Line => {
+                (self.host_is_there, self.base_hears) = (false, false);
+                self.to_chip.clear();
+            }
+            Gone::Mind => self.chip_is_there = false,
+        }
+    }
+
+    fn comes_back(&mut self) {
+        self.session += 1;
+        self.seq = 0;
+        self.say(|_| hello());
+        self.host_is_there = true;
+    }
+
+    fn say(&mut self, message: impl FnOnce(u32) -> ToMind<16>) {
+        self.seq = self.seq.wrapping_add(1);
+        let message = message(CLOCKS.host(self.now_ms));
+        let header = Header {
+            session: self.session,
+            seq: self.seq,
+        };
+        self.to_chip.extend(packed(header, &message));
+    }
+
+    /// A millisecond.
+    fn pass(&mut self) {
+        self.now_ms += 1;
+        if self.host_is_there {
+            self.host();
+        }
+        let look = self.move_bytes();
+        if self.chip_is_there && (look || self.now_ms.is_multiple_of(ROUND_MS)) {
+            while self.control.run(CLOCKS.device(self.now_ms)) {}
+        }
+        if self.is_moving() {
+            self.unreported_um += SPEED_MM_S;
+        }
+    }
+
+    fn host(&mut self) {
+        if self.now_ms.is_multiple_of(ECHO_MS) {
+            let sensor = FIRING_ORDER[self.slot % FIRING_ORDER.len()] as u8;
+            self.slot += 1;
+            let heard = Heard {
+                sensor,
+                range_mm: Some(900 + 20 * u16::from(sensor)),
+                age_ms: 0,
+            };
+            let echoes = core::iter::once(heard).collect();
+            self.say(|at_ms| ToMind::Scan { at_ms, echoes });
+        }
+        if self.now_ms.is_multiple_of(REPORT_MS) {
+            let order = self.order;
+            let moved_mm = (self.unreported_um / 1_000) as u16;
+            self.unreported_um %= 1_000;
+            let moved = order.map(|(order, _)| order.motion().displacement.with_length(moved_mm));
+            self.say(|at_ms| ToMind::Odometry {
+                at_ms,
+                motion: order.map_or(0, |(order, _)| order.id),
+                dx_mm: moved.map_or(0, |moved| moved.dx_mm),
+                dy_mm: moved.map_or(0, |moved| moved.dy_mm),
+                turned: 0,
+                progress: Way::Moving,
+            });
+        }
+    }
+
+    /// Moves what goes over the line in a millisecond; returns whether a frame has come to the chip.
+    fn move_bytes(&mut self) -> bool {
+        let mut look = false;
+        let [to_chip, from_chip] = &mut self.credit;
+        *to_chip = (*to_chip + BYTES).min(2 * BYTES);
+        *from_chip = (*from_chip + BYTES).min(2 * BYTES);
+        while *to_chip >= 100
+            && let Some(byte) = self.to_chip.pop_front()
+        {
+            *to_chip -= 100;
+            // A chip that is gone hears nothing.
+            if self.chip_is_there {
+                look |= byte == 0;
+                let _ = self.incoming.enqueue(byte);
+            }
+        }
+        while self.chip_is_there
+            && *from_chip >= 100
+            && let Some(byte) = self.outgoing.dequeue()
+        {
+            *from_chip -= 100;
+            if self.base_hears
+                && let Some(frame) = self.receiver.push(byte)
+                && let Ok((_, report)) = unpack::<Report<16>>(frame)
+                && let FromMind::Motion(order) = report.said
+            {
+                self.order = Some((order, self.now_ms + u64::from(order.ttl_ms)));
+            }
+        }
+        look
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_robot_whose_link_is_well_does_not_stop() {
+        let ready = Ready::new(3, CLOCKS);
+        let mut node = ready.node.clone();
+        let (mut received, mut to_send) = (Queue::<u8, 512>::new(), Queue::<u8, 2_048>::new());
+        let faults = Faults::new();
+        let (producer, consumer) = received.split();
+        let (to_send, outgoing) = to_send.split();
+        let control = Control::new(&mut *node, consumer, Outbox::new(to_send), &faults, store());
+        let mut scene = Scene::new(&ready, control, producer, outgoing);
+        scene.set_off();
+        for _ in 0..3_000 {
+            scene.pass();
+            assert!(scene.is_moving());
+        }
+    }
+
+    #[test]
+    fn one_trial_that_takes_too_long_is_found() {
+        let slow = Stopped {
+            after_ms: 321,
+            moved_again: false,
+        };
+        let mut verdict = Verdict::default();
+        let _ = judge(&mut verdict, Gone::Line, &[slow]);
+        assert!(verdict.broken.is_empty());
+        let _ = judge(&mut verdict, Gone::Host, &[slow]);
+        assert_eq!(verdict.broken.len(), 1);
+    }
+}

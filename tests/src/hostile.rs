@@ -1,0 +1,283 @@
+//! Any bytes for everything that reads: it may refuse them, but never panic, and what it takes has to make sense.
+//!
+//! One function for each kind of input. The tests give them damaged files, the fuzzer in `tests/fuzz` whatever it finds.
+
+use amp::config::Config;
+use amp::controller::Mode;
+use amp::node::{Identity, Node, Outbox};
+use amp::parameters::Parameter;
+use amp::som::Grid;
+use amp::store::{GRAMMAR, WORD, check};
+use amp::units::Millis;
+use amp::wire::frame::{Header, unpack};
+use amp::wire::message::{Clock, Dimensions, FromMind, HostHello, Report, ToMind};
+use amp::wire::{CRC, Frame, PROTOCOL, Receiver, SCHEMA, cobs};
+use host_sim::goal_file::GoalFile;
+use host_sim::learn::{Columns, Log};
+use host_sim::link::Knowledge;
+use host_sim::nomad::{Line, Protocol, Simulated};
+use host_sim::som::table::Table;
+use host_sim::sonar::SonarModel;
+use host_sim::world::World;
+use std::path::Path;
+
+/// A kind of input and its reader.
+pub type Reader = (&'static str, fn(&[u8]));
+
+/// All of them but [`map`], which takes files.
+pub const READERS: [Reader; 10] = [
+    ("frame", frame),
+    ("content", content),
+    ("session", session),
+    ("parameters", parameters),
+    ("image", image),
+    ("records", records),
+    ("world", world),
+    ("goal", goal),
+    ("csv", csv),
+    ("nomad", nomad),
+];
+
+/// Bytes as they come over the line.
+///
+/// # Panics
+/// When a message that was taken is another one after it was sent again.
+pub fn frame(bytes: &[u8]) {
+    let mut receiver = Receiver::new();
+    for &byte in bytes.iter().chain(&[0]) {
+        if let Some(piece) = receiver.push(byte) {
+            let _ = unpack::<Report<16>>(piece);
+            if let Ok((header, message)) = unpack::<ToMind<16>>(piece) {
+                let again = Frame::pack(header, &message).expect("it came in a frame");
+                let (_, coded) = again.as_bytes().split_last().expect("its zero");
+                assert_eq!(unpack(coded), Ok((header, message)));
+            }
+        }
+    }
+}
+
+/// Header and message behind a sum that is right.
+pub fn content(bytes: &[u8]) {
+    let bytes = bytes.get(..240).unwrap_or(bytes);
+    let mut coded = [&[0][..], bytes, &CRC.checksum(bytes).to_le_bytes()].concat();
+    if cobs::encode(&mut coded).is_some() {
+        frame(&coded);
+    }
+}
+
+/// What a node says.
+#[derive(Default)]
+struct Said(Vec<Report<16>>);
+
+impl Outbox for Said {
+    fn send(&mut self, frame: &[u8]) -> bool {
+        let coded = frame.split_last().map_or(frame, |(_, coded)| coded);
+        let (_, report) = unpack(coded).expect("a mind says sound frames");
+        self.0.push(report);
+        true
+    }
+}
+
+/// Messages in postcard's form, each behind a byte that says how much time passes before it; they come in the mind's session
+/// and in order.
+///
+/// # Panics
+/// When a robot that is stopped or idle is told to move.
+pub fn session(bytes: &[u8]) {
+    let mut node = Box::new(Node::<16, 16, 20>::new());
+    let mut said = Said::default();
+    let (mut now, mut seq) = (0_u32, 1);
+    let grid = Grid::rectangle(4, 4);
+    let start = Millis::from_ms(now);
+    node.start(
+        &Config::recommended(),
+        grid,
+        Identity::default(),
+        start,
+        &mut said,
+    );
+    let clock = match bytes.first() {
+        Some(first) if first % 2 == 1 => Clock::Host,
+        _ => Clock::Device,
+    };
+    let dimensions = Dimensions {
+        protocol: PROTOCOL,
+        schema: SCHEMA,
+        sensors: 16,
+        neurons: 16,
+    };
+    let hello = ToMind::Hello(HostHello { dimensions, clock });
+    tell(&mut node, seq, &hello, now, &mut said);
+    let mut left = bytes.get(1..).unwrap_or(&[]);
+    while let Ok(((passed, message), rest)) = postcard::take_from_bytes::<(u8, ToMind<16>)>(left) {
+        left = rest;
+        seq += 1;
+        // Squares: a minute at most.
+        now = now.wrapping_add(u32::from(passed).pow(2));
+        let time = Millis::from_ms(now);
+        node.tick(time, &mut said);
+        tell(&mut node, seq, &message, now, &mut said);
+        let stands = matches!(node.state().mode(), Mode::Idle | Mode::Stopped(_));
+        let moves = said
+            .0
+            .drain(..)
+            .rfind(|report| matches!(report.said, FromMind::Motion(_)));
+        if let Some(FromMind::Motion(order)) = moves.map(|report| report.said) {
+            let is_stop = (order.dx_mm, order.dy_mm) == (0, 0);
+            // The last random move is made while the mode is idle already.
+            assert!(is_stop || !stands || node.state().is_moving());
+        }
+    }
+}
+
+fn tell(node: &mut Node<16, 16, 20>, seq: u16, message: &ToMind<16>, now: u32, said: &mut Said) {
+    if let Ok(frame) = Frame::pack(Header { session: 1, seq }, message) {
+        let (_, coded) = frame.as_bytes().split_last().expect("its zero");
+        node.frame(Millis::from_ms(now), coded, said);
+    }
+}
+
+/// Parameters to be set: a byte for which, four for the value.
+///
+/// # Panics
+/// When a value that was taken is not there, or near does not lie below far.
+pub fn parameters(bytes: &[u8]) {
+    let mut config = Config::recommended();
+    for five in bytes.as_chunks::<5>().0 {
+        let [which, value @ ..] = *five;
+        let parameter = Parameter::ALL[usize::from(which) % Parameter::ALL.len()];
+        let value = i32::from_le_bytes(value);
+        let before = config.clone();
+        match parameter.set(&mut config, value) {
+            Ok(()) => assert_eq!(parameter.get(&config), value),
+            Err(_) => assert_eq!(config, before),
+        }
+        assert!(config.encoding.near_mm < config.encoding.far_mm);
+    }
+}
+
+/// The saved image of a mind.
+///
+/// # Panics
+/// When what was read is not the same after it was written.
+pub fn image(bytes: &[u8]) {
+    let _ = check(&mut reader(bytes), bytes.len());
+    if let Ok(knowledge) = Knowledge::from_bytes(bytes) {
+        let again = knowledge.to_bytes();
+        let read = Knowledge::from_bytes(&again).expect("it was written here");
+        assert_eq!(read.to_bytes(), again);
+    }
+}
+
+/// Records of an image whose first and last one are right: each a byte with the length of its body, and the body.
+pub fn records(bytes: &[u8]) {
+    let mut image = Vec::from(*b"AMPS");
+    let mut head = vec![0];
+    head.extend(1_u16.to_le_bytes());
+    head.extend(GRAMMAR.to_le_bytes());
+    head.extend(1_u32.to_le_bytes());
+    head.extend([16, 16]);
+    head.extend(100_u16.to_le_bytes());
+    record(&mut image, &head);
+    let mut left = bytes;
+    while let Some((length, rest)) = left.split_first() {
+        let (body, rest) = rest.split_at(usize::from(*length).min(rest.len()));
+        record(&mut image, body);
+        left = rest;
+    }
+    let sum = CRC.checksum(&image).to_le_bytes();
+    record(&mut image, &[&[4][..], &sum].concat());
+    self::image(&image);
+}
+
+fn record(image: &mut Vec<u8>, body: &[u8]) {
+    image.push(body.len() as u8);
+    image.extend_from_slice(body);
+    image.resize(image.len().next_multiple_of(WORD), 0);
+}
+
+fn reader(bytes: &[u8]) -> impl FnMut(usize, &mut [u8]) -> bool {
+    |at, out| {
+        let found = at.checked_add(out.len()).and_then(|end| bytes.get(at..end));
+        found.map(|found| out.copy_from_slice(found)).is_some()
+    }
+}
+
+/// A world file.
+pub fn world(bytes: &[u8]) {
+    if let Ok(text) = std::str::from_utf8(bytes)
+        && let Ok(world) = World::from_toml(text, "hostile.toml")
+    {
+        look_around(&world);
+    }
+}
+
+/// A world that was taken can be measured from its start.
+fn look_around(world: &World) {
+    let start = world.start();
+    assert!(world.clearance(start.position).is_finite());
+    let (low, high) = world.bounds();
+    assert!(low.x <= high.x && low.y <= high.y);
+}
+
+/// A map of ROS's map_server: `folder` gets its two files. The bytes up to the first zero are the YAML file, the others the
+/// image.
+///
+/// # Panics
+/// When the folder takes no files.
+pub fn map(bytes: &[u8], folder: &Path) {
+    let end = bytes.iter().position(|byte| *byte == 0);
+    let (yaml, image) = bytes.split_at(end.unwrap_or(bytes.len()));
+    let path = folder.join("map.yaml");
+    std::fs::write(&path, yaml).expect("a file");
+    std::fs::write(folder.join("map.pgm"), image.get(1..).unwrap_or(&[])).expect("a file");
+    if let Ok(world) = World::load(&path) {
+        look_around(&world);
+    }
+}
+
+/// A goal file.
+pub fn goal(bytes: &[u8]) {
+    if let Ok(text) = std::str::from_utf8(bytes)
+        && let Ok(file) = GoalFile::read(text, "hostile.toml")
+    {
+        let _ = (file.goal(), file.place());
+    }
+}
+
+/// A table of numbers, and a robot's log.
+pub fn csv(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else {
+        return;
+    };
+    if let Ok(table) = Table::parse("hostile.csv", text) {
+        assert!(table.columns() > 0);
+    }
+    let velocities = Some("5-6".to_owned());
+    for velocities in [None, velocities] {
+        let columns = Columns {
+            velocities,
+            ..Columns::default()
+        };
+        let _ = Log::parse("hostile.csv", text, &columns);
+    }
+}
+
+/// What a host may send to a simulated Nomad, by both protocols.
+pub fn nomad(bytes: &[u8]) {
+    let nserver = Protocol::Nserver {
+        port: 7_019,
+        speed: 1,
+    };
+    for protocol in [Protocol::Direct, nserver] {
+        let robot = Simulated::new(World::random(1), SonarModel::Ideal, 1);
+        let mut line = Line::new(robot, protocol);
+        for piece in bytes.chunks(64) {
+            line.receive(piece);
+            line.advance(5);
+            let _ = line.take();
+        }
+        line.idle();
+        line.advance(50);
+    }
+}
