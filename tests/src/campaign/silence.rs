@@ -159,7 +159,7 @@ fn try_it(ready: &Ready, gone: Gone, seed: u64, trial: u64) -> Stopped {
     let faults = Faults::new();
     let (producer, consumer) = received.split();
     let (to_send, outgoing) = to_send.split();
-    let control = Control::new(&mut *node, consumer, Outbox::new(to_send), &faults, store());
+    let control = Control::new(&mut node, consumer, Outbox::new(to_send), &faults, store());
     let mut scene = Scene::new(ready, control, producer, outgoing);
     // Somewhere between two rounds, echoes and reports.
     scene.now_ms += below(&mut random, 200) as u64;
@@ -413,7 +413,7 @@ mod tests {
         let faults = Faults::new();
         let (producer, consumer) = received.split();
         let (to_send, outgoing) = to_send.split();
-        let control = Control::new(&mut *node, consumer, Outbox::new(to_send), &faults, store());
+        let control = Control::new(&mut node, consumer, Outbox::new(to_send), &faults, store());
         let mut scene = Scene::new(&ready, control, producer, outgoing);
         scene.set_off();
         for _ in 0..3_000 {
