@@ -181,16 +181,24 @@ impl Browser {
         result["result"]["value"].take()
     }
 
-    /// Waits until an expression in the page is true.
+    /// Waits until an expression in the page is true. One that throws is not true yet: the page may still be loading.
     ///
     /// # Panics
     /// When it does not become true in time.
     pub fn wait(&mut self, expression: &str) {
         let began = Instant::now();
-        while self.eval(&format!("!!({expression})")) != true {
+        let expression = format!(
+            "(() => {{ try {{ return !!({expression}) }} catch (e) {{ return `${{e}}` }} }})()"
+        );
+        loop {
+            let value = self.eval(&expression);
+            if value == true {
+                return;
+            }
             if began.elapsed() > PATIENCE {
-                let notice = self.eval("document.getElementById('notice').textContent");
-                panic!("never true: {expression}; {notice}; {:?}", self.complaints);
+                let notice = self.eval("document.getElementById('notice')?.textContent");
+                let complaints = &self.complaints;
+                panic!("never true: {expression}: {value}; {notice}; {complaints:?}");
             }
             std::thread::sleep(Duration::from_millis(30));
         }
