@@ -147,8 +147,10 @@ impl Drop for Viewed {
 pub struct Viewer {
     socket: WebSocket<TcpStream>,
     asked: u64,
-    /// The latest of each part.
-    seen: BTreeMap<String, Value>,
+    /// Messages heard.
+    heard: u64,
+    /// The latest of each part, and which message it was.
+    seen: BTreeMap<String, (u64, Value)>,
 }
 
 impl Viewer {
@@ -156,6 +158,7 @@ impl Viewer {
         Self {
             socket,
             asked: 0,
+            heard: 0,
             seen: BTreeMap::new(),
         }
     }
@@ -170,8 +173,10 @@ impl Viewer {
             };
             if let Message::Text(text) = message {
                 let message: Value = serde_json::from_str(&text).expect("JSON");
+                self.heard += 1;
                 if let Some(part) = message["part"].as_str() {
-                    self.seen.insert(part.to_owned(), message["value"].clone());
+                    let seen = (self.heard, message["value"].clone());
+                    self.seen.insert(part.to_owned(), seen);
                 }
                 return message;
             }
@@ -213,7 +218,7 @@ impl Viewer {
     /// When it does not come in time.
     pub fn latest(&mut self, part: &str) -> Value {
         self.wait(part, |_| true);
-        self.seen[part].clone()
+        self.seen[part].1.clone()
     }
 
     /// Explores, learns and waits until the maps are there.
@@ -221,19 +226,17 @@ impl Viewer {
     /// # Panics
     /// When an order is refused.
     pub fn educate(&mut self, moves: u64) {
-        self.forget("memory");
+        let moment = self.moment();
         self.order(json!({"do": "explore"})).expect("it explores");
-        self.wait("memory", |rows| {
+        let explored = self.wait_after(moment, "memory", |rows| {
             rows.as_array()
                 .is_some_and(|rows| rows.len() as u64 == moves)
         });
-        self.forget("now");
-        self.wait("now", |now| now["mode"] == "idle");
-        self.forget("maps");
+        self.wait_after(explored, "now", is_idle);
+        let moment = self.moment();
         self.order(json!({"do": "learn"})).expect("it learns");
-        self.wait("maps", |maps| maps["learnt"] == true);
-        self.forget("now");
-        self.wait("now", |now| now["mode"] == "idle");
+        let learnt = self.wait_after(moment, "maps", |maps| maps["learnt"] == true);
+        self.wait_after(learnt, "now", is_idle);
     }
 
     /// Waits for so many decisions towards goals.
@@ -241,9 +244,11 @@ impl Viewer {
         self.wait("now", |now| now["counts"]["steps"].as_u64() >= Some(steps));
     }
 
-    /// Forgets what was last heard of a part.
-    pub fn forget(&mut self, part: &str) {
-        self.seen.remove(part);
+    /// The latest message heard. What an order changes may be heard before its answer, so that one who waits for it takes the
+    /// moment before the order.
+    #[must_use]
+    pub fn moment(&self) -> u64 {
+        self.heard
     }
 
     /// Waits until something is true of a part.
@@ -251,10 +256,31 @@ impl Viewer {
     /// # Panics
     /// When it does not become true in time.
     pub fn wait(&mut self, part: &str, is: impl Fn(&Value) -> bool) {
+        self.wait_after(0, part, is);
+    }
+
+    /// Waits until something is true of a part that is heard after a moment; the moment at which it was heard. Of what is
+    /// sent of one moment, `now` comes after maps and memory.
+    ///
+    /// # Panics
+    /// When it does not become true in time.
+    pub fn wait_after(&mut self, moment: u64, part: &str, is: impl Fn(&Value) -> bool) -> u64 {
         let began = Instant::now();
-        while !self.seen.get(part).is_some_and(&is) {
+        loop {
+            if let Some((heard, value)) = self.seen.get(part)
+                && *heard > moment
+                && is(value)
+            {
+                return *heard;
+            }
             assert!(began.elapsed() < PATIENCE, "no such {part}");
             self.hear();
         }
     }
+}
+
+/// The mind has nothing to do.
+#[must_use]
+pub fn is_idle(now: &Value) -> bool {
+    now["mode"] == "idle"
 }

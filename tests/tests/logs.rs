@@ -121,11 +121,12 @@ fn steered(viewed: &Viewed) {
     order(json!({"do": "sonar", "number": 3, "on": false}));
     steerer.educate(12);
     let mut seek = |more: &[serde_json::Value]| {
-        steerer.forget("now");
+        let moment = steerer.moment();
         for order in more {
             let done = steerer.order(order.clone());
             done.unwrap_or_else(|why| panic!("{order}: {why}"));
         }
+        steerer.wait_after(moment, "now", |_| true);
         let now = steerer.latest("now");
         let steps = now["counts"]["steps"].as_u64().expect("steps");
         steerer.decided(steps + 4);
@@ -151,8 +152,10 @@ fn steered(viewed: &Viewed) {
         .order(json!({"do": "load_mind", "hex": mind}))
         .expect("a mind");
     steerer.order(json!({"do": "seek"})).expect("it seeks");
-    steerer.forget("now");
-    steerer.decided(5);
+    let moment = steerer.moment();
+    steerer.wait_after(moment, "now", |now| {
+        now["counts"]["steps"].as_u64() >= Some(5)
+    });
 }
 
 fn replays(program: &Program, name: &str, ending: &str) {

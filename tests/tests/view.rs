@@ -7,7 +7,7 @@ use std::fs;
 use std::time::{Duration, Instant};
 use tests::browser::Browser;
 use tests::nomad::Robot;
-use tests::viewed::Viewed;
+use tests::viewed::{Viewed, is_idle};
 use tests::{host_sim, root};
 
 /// Keeps a screenshot: in the project's documents when `UPDATE_PICTURES=1`, else nowhere.
@@ -365,9 +365,9 @@ fn a_board_is_taught_and_steered_over_its_link() {
     for map in ["situations", "changes"] {
         assert_eq!(taken[map]["code"], maps[map]["code"], "{map}");
     }
+    let moment = steerer.moment();
     steerer.order(json!({"do": "learn"})).expect("it learns");
-    steerer.forget("now");
-    steerer.wait("now", |now| now["mode"] == "idle");
+    steerer.wait_after(moment, "now", is_idle);
     let neuron = json!({"do": "goal_neuron", "neuron": 3});
     // What was seen of it may be of before it learnt.
     while steerer.order(neuron.clone()).is_err() {
@@ -485,10 +485,8 @@ fn learnt(viewed: &Viewed) -> Value {
         now["mode"] == "idle" && now["counts"]["explored"][0] == 40
     });
     steerer.order(json!({"do": "learn"})).expect("it learns");
-    steerer.wait("maps", |maps| maps["learnt"] == true);
-    // What was heard before the maps is of before.
-    steerer.forget("now");
-    steerer.wait("now", |now| now["mode"] == "idle");
+    let learnt = steerer.wait_after(0, "maps", |maps| maps["learnt"] == true);
+    steerer.wait_after(learnt, "now", is_idle);
     steerer
         .order(json!({"do": "pause", "paused": true}))
         .expect("it pauses");
