@@ -210,15 +210,13 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         weight_q8: u16,
         margin: i32,
     ) -> Option<Mask> {
-        if !effect.mask.covers(SENSORS)
-            || weight_q8 >= MOST_BASE_WEIGHT_Q8
-            || !self.changes.has_kernels()
-        {
+        if !effect.mask.covers(SENSORS) || weight_q8 >= MOST_BASE_WEIGHT_Q8 {
             return None;
         }
+        let kernels = self.changes.kernels()?;
         let mut bases = *self.changes.norms();
         self.actions
-            .add_to_bases(&effect.action, weight_q8, &mut bases);
+            .weigh_by_hand(kernels, effect.action, weight_q8, &mut bases)?;
         self.changes.rivals_by_hand(&bases, &effect.change, margin)
     }
 

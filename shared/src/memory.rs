@@ -76,28 +76,33 @@ pub(crate) fn turned_change<const SENSORS: usize>(
     values: &mut Situation<SENSORS>,
     changes: &mut Situation<SENSORS>,
 ) -> Mask {
+    // Twice in a row: turned ones lie in one piece, and no place needs a remainder.
+    let (twice_before, twice_after) = ([*before; 2], [*after; 2]);
     let back = SENSORS.wrapping_sub(places.checked_rem(SENSORS).unwrap_or(0));
-    let from = |place: usize| {
-        let from = place.wrapping_add(back).checked_rem(SENSORS).unwrap_or(0);
-        let byte = |bytes: &[u8; SENSORS]| bytes.get(from).copied().unwrap_or(UNKNOWN);
-        (byte(before), byte(after))
-    };
-    for (place, (value, change)) in values.iter_mut().zip(changes).enumerate() {
-        let (before, after) = from(place);
-        *value = value_of(after);
+    let turned_before = turned(&twice_before, back).unwrap_or(before);
+    let turned_after = turned(&twice_after, back).unwrap_or(after);
+    let turned = turned_before.iter().zip(turned_after);
+    for ((value, change), (before, after)) in values.iter_mut().zip(changes).zip(turned.clone()) {
+        *value = value_of(*after);
         // Both lie in [0, 1].
-        *change = value.wrapping_sub(value_of(before));
+        *change = value.wrapping_sub(value_of(*before));
     }
     let mut believed = Mask::ALL;
     if has_unknown(before) || has_unknown(after) {
-        for place in 0..SENSORS {
-            let (before, after) = from(place);
-            if before == UNKNOWN || after == UNKNOWN {
+        for (place, (before, after)) in turned.enumerate() {
+            if *before == UNKNOWN || *after == UNKNOWN {
                 believed = believed.without(place);
             }
         }
     }
     believed
+}
+
+fn turned<const SENSORS: usize>(
+    twice: &[SituationBytes<SENSORS>; 2],
+    from: usize,
+) -> Option<&SituationBytes<SENSORS>> {
+    twice.as_flattened().get(from..)?.first_chunk()
 }
 
 /// Whether a transducer was not to be believed; looks at four bytes at a time.

@@ -82,13 +82,21 @@ pub fn alignments(
 #[derive(Debug)]
 pub struct Kernels {
     /// Bit `k` for each neuron whose rank, (base − 2 w·x) / 2 in units of 2⁻²⁶, is above the least by `margin` at most.
-    /// Bases are below 2³¹ in magnitude, half of one and each product w x are rounded down.
+    /// Half of a base and each product w x are rounded down; bases are such that no rank leaves 32 bits.
     pub rivals: extern "C" fn(
         code: &[[Fine; 16]; 16],
         bases: &[i32; 16],
         probe: &[Weight; 16],
         margin: i32,
     ) -> u32,
+    /// Adds to each base, in units of 2⁻²⁶, a short code vector's part of its rank, in units of 2⁻¹⁷: the upper halves of
+    /// its squared length times the first factor and of its components times the others.
+    pub weigh: extern "C" fn(
+        bases: &mut [i32; 16],
+        code: &[[Fine; 2]; 16],
+        norms: &[i32; 16],
+        factors: &[i32; 3],
+    ),
     /// Moves the code vectors of two groups of neurons towards the probe as [`approach`], and keeps their squared lengths
     /// (see [`squared_norm`]) in step.
     pub pull: extern "C" fn(
@@ -164,7 +172,13 @@ pub(crate) fn rank_sum<const DIMS: usize>(
 /// λ |w|² in units of 2⁻¹⁷, rounded down, of a squared length in units of 2⁻²⁶; λ is `weight_q8` in 1/256.
 #[inline(always)]
 pub(crate) const fn rank_norm(norm: i32, weight_q8: u16) -> i32 {
-    high_product(norm, (weight_q8 as i32) << 15)
+    high_product(norm, norm_factor(weight_q8))
+}
+
+/// Of a squared length's part in a rank.
+#[inline(always)]
+pub(crate) const fn norm_factor(weight_q8: u16) -> i32 {
+    (weight_q8 as i32) << 15
 }
 
 fn masked_products(row: &[Fine], probe: &[Weight], mask: Mask) -> (i64, i64) {

@@ -195,10 +195,14 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         kernels::nearest_of(rivals, |k| self.distance(k, probe, mask))
     }
 
-    /// Whether there are kernels for the processor and a map of this size.
+    /// Those for the processor, if a map of this size has them.
     #[inline(always)]
-    pub(crate) const fn has_kernels(&self) -> bool {
-        NEURONS == 16 && DIMS == 16 && self.kernels.is_some()
+    pub(crate) const fn kernels(&self) -> Option<&'static Kernels> {
+        if NEURONS == 16 && DIMS == 16 {
+            self.kernels
+        } else {
+            None
+        }
     }
 
     /// The same by the processor's kernels, if there are any for this size; `margin` as of [`kernels::rank_margin`].
@@ -209,7 +213,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         probe: &[Weight; DIMS],
         margin: i32,
     ) -> Option<Mask> {
-        let kernels = self.kernels.filter(|_| self.has_kernels())?;
+        let kernels = self.kernels()?;
         let (code, _) = self.code.as_flattened().as_chunks();
         let (code, bases) = (code.try_into().ok()?, bases.as_slice().try_into().ok()?);
         let probe = probe.as_slice().try_into().ok()?;
@@ -250,23 +254,6 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         }
         for (rank, row) in ranks.iter_mut().zip(&self.code) {
             *rank = kernels::rank_sum(*rank, row, &probe);
-        }
-    }
-
-    /// Adds weighted scores to another map's squared lengths, as bases for its [`rivals_by_hand`](Self::rivals_by_hand); the weight in 1/256 is
-    /// below 512.
-    #[inline(always)]
-    pub(crate) fn add_to_bases(
-        &self,
-        probe: &[Weight; DIMS],
-        weight_q8: u16,
-        bases: &mut [i32; NEURONS],
-    ) {
-        let probe = probe.map(|x| kernels::rank_factor(x, weight_q8));
-        for ((base, row), norm) in bases.iter_mut().zip(&self.code).zip(&self.norms) {
-            let rank = kernels::rank_norm(*norm, weight_q8);
-            let rank = kernels::rank_sum(rank, row, &probe);
-            *base = base.wrapping_add(rank << kernels::RANK_BITS);
         }
     }
 
@@ -356,7 +343,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         mask: Mask,
         pull: &Pull<NEURONS>,
     ) -> Option<[Group; 2]> {
-        let can = self.has_kernels() && mask.covers(DIMS);
+        let can = self.kernels().is_some() && mask.covers(DIMS);
         can.then(|| pull.groups(self.grid, winner)).flatten()
     }
 
@@ -413,6 +400,26 @@ pub struct Learn {
     pub winner: usize,
     /// Components to learn.
     pub mask: Mask,
+}
+
+impl<const NEURONS: usize> Som<NEURONS, 2> {
+    /// Adds weighted scores to another map's squared lengths, as bases for its [`rivals_by_hand`](Self::rivals_by_hand);
+    /// the weight in 1/256 is below 512. `None` where there are other sizes than the kernels'.
+    #[inline(always)]
+    pub(crate) fn weigh_by_hand(
+        &self,
+        kernels: &Kernels,
+        probe: [Weight; 2],
+        weight_q8: u16,
+        bases: &mut [i32; NEURONS],
+    ) -> Option<()> {
+        let [x, y] = probe.map(|x| kernels::rank_factor(x, weight_q8));
+        let factors = [kernels::norm_factor(weight_q8), x, y];
+        let code = self.code.as_slice().try_into().ok()?;
+        let norms = self.norms.as_slice().try_into().ok()?;
+        (kernels.weigh)(bases.as_mut_slice().try_into().ok()?, code, norms, &factors);
+        Some(())
+    }
 }
 
 impl Learn {
