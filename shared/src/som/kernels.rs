@@ -82,7 +82,8 @@ pub fn alignments(
 #[derive(Debug)]
 pub struct Kernels {
     /// Bit `k` for each neuron whose rank, (base − 2 w·x) / 2 in units of 2⁻²⁶, is above the least by `margin` at most.
-    /// Half of a base and each product w x are rounded down; bases are such that no rank leaves 32 bits.
+    /// Half of a base and each product w x are rounded down; bases are such that no rank leaves 32 bits. Of the margin 2¹⁸
+    /// stand for the lower halves of components, which squared lengths lack: who adds them does with so much less.
     pub rivals: extern "C" fn(
         code: &[[Fine; 16]; 16],
         bases: &[i32; 16],
@@ -282,6 +283,9 @@ pub fn nearest(scores: &[i64], dims: usize, factor: i64, distance: impl Fn(usize
 /// By how much ranks may be out of order per component and λ, in units of 2⁻²⁶: squared lengths lack the lower halves,
 /// each less than one unit of a value of at most 8192, distances are rounded by as little, and two ranks are compared.
 const RANK_MARGIN: i64 = 2 * (2 * 8192 + 16);
+
+// What the kernels know of it.
+const _: () = assert!(2 * 2 * 8_192 * 16 / 2 == 1 << 18);
 
 /// By how much the ranks of two neurons may be out of order by `dims` components of weight λ, in units of 2⁻¹⁷; λ is
 /// `weight_q8` in 1/256. Beside it stand the rounding of the products and of the squared lengths, less than one each.
