@@ -195,6 +195,11 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
     #[inline(never)]
     #[must_use]
     pub fn winner(&self, effect: &Effect<SENSORS>, action_weight_q8: u16) -> usize {
+        self.search(effect, action_weight_q8)
+    }
+
+    #[inline(always)]
+    fn search(&self, effect: &Effect<SENSORS>, action_weight_q8: u16) -> usize {
         let own = kernels::rank_margin(2, action_weight_q8);
         let margin = Som::<NEURONS, SENSORS>::MARGIN.wrapping_add(own);
         let by_hand = self.rivals_by_hand(effect, action_weight_q8, margin);
@@ -294,6 +299,23 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
     /// As [`learn`](Self::learn), the products left as they are.
     #[inline(never)]
     pub(crate) fn pull(&mut self, winner: usize, effect: &Effect<SENSORS>, pull: &Pull<NEURONS>) {
+        self.step(winner, effect, pull);
+    }
+
+    /// One step of learning around the best-matching unit, the products left as they are.
+    #[inline(never)]
+    pub(crate) fn teach(
+        &mut self,
+        effect: &Effect<SENSORS>,
+        action_weight_q8: u16,
+        pull: &Pull<NEURONS>,
+    ) {
+        let winner = self.search(effect, action_weight_q8);
+        self.step(winner, effect, pull);
+    }
+
+    #[inline(always)]
+    fn step(&mut self, winner: usize, effect: &Effect<SENSORS>, pull: &Pull<NEURONS>) {
         // Both codebooks stand on one grid.
         if let Some(groups) = self.changes.groups(winner, effect.mask, pull)
             && self.changes.pull_groups(&effect.change, &groups)

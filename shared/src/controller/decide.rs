@@ -208,13 +208,10 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         } else {
             self.actions.learn_on(winner, &effect, &action_pull);
         }
-        let winner = self.situations.winner(after, config.believed);
-        self.situations.learn(
-            winner,
-            after,
-            config.believed,
-            &pull(online.situation_rate_q16),
-        );
+        let situation_pull = pull(online.situation_rate_q16);
+        let winner = self
+            .situations
+            .teach(after, config.believed, &situation_pull);
         if online.share_q16 != 0 {
             self.goal_neuron.deviation = None;
         }

@@ -173,6 +173,11 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     #[inline(never)]
     #[must_use]
     pub fn winner(&self, probe: &[Weight; DIMS], mask: Mask) -> usize {
+        self.search(probe, mask)
+    }
+
+    #[inline(always)]
+    fn search(&self, probe: &[Weight; DIMS], mask: Mask) -> usize {
         let by_hand = match mask.covers(DIMS) {
             true => self.rivals_by_hand(&self.norms, probe, Self::MARGIN),
             false => None,
@@ -310,6 +315,24 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         mask: Mask,
         pull: &Pull<NEURONS>,
     ) {
+        self.step(winner, probe, mask, pull);
+    }
+
+    /// One step of learning around the best-matching unit, which is returned.
+    #[inline(never)]
+    pub(crate) fn teach(
+        &mut self,
+        probe: &[Weight; DIMS],
+        mask: Mask,
+        pull: &Pull<NEURONS>,
+    ) -> usize {
+        let winner = self.search(probe, mask);
+        self.step(winner, probe, mask, pull);
+        winner
+    }
+
+    #[inline(always)]
+    fn step(&mut self, winner: usize, probe: &[Weight; DIMS], mask: Mask, pull: &Pull<NEURONS>) {
         let groups = self.groups(winner, mask, pull);
         if groups.is_none_or(|groups| !self.pull_groups(probe, &groups)) {
             self.learn_portably(winner, probe, mask, pull);
