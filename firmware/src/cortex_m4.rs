@@ -22,13 +22,13 @@ pub static KERNELS: Kernels = Kernels {
     rivals,
     weigh,
     pull,
+    measure,
 };
 
 /// Two passes. The first one goes through the code vectors from the last to the first and leaves w·x of each on the
 /// stack, so that they lie in order in the end, in two rounds of eight: no instruction of a round changes the flags, and
 /// they tell the first from the second. The second pass makes ranks of them. Most are above the least so far by more than
-/// the margin, which costs a comparison and a branch. Only where the least has a rival a third one looks for all of them and
-/// ranks them anew by the lengths of their whole code vectors, which leaves hardly any.
+/// the margin, which costs a comparison and a branch. Only where the least has a rival a third one looks for all of them.
 ///
 /// Of each product the lowest 16 of 48 bits are left off: units of 2⁻²⁶, as of squared lengths.
 // SAFETY: keeps to the calling convention: r4 to r11 and the stack pointer come back as they were, and only the arguments
@@ -41,7 +41,7 @@ extern "C" fn rivals(
     margin: i32,
 ) -> u32 {
     naked_asm!(
-        "push  {{r0, r1, r3, r4-r11, lr}}",
+        "push  {{r1, r3, r4-r11, lr}}",
         // Behind the last code vector.
         "add   r0, r0, #1024",
         // The probe, two components to a register; at an odd place of its own only one by one.
@@ -80,7 +80,7 @@ extern "C" fn rivals(
         // it has a rival.
         "3:",
         "mov   r12, sp",
-        "ldrd  r3, r1, [sp, #68]",
+        "ldrd  r3, r1, [sp, #64]",
         ".macro ranks",
         "ldmia r12!, {{r4, r5, r6, r7}}",
         "ldmia r3!, {{r8, r9, r10, r11}}",
@@ -129,12 +129,12 @@ extern "C" fn rivals(
         "among r6, 0x4000",
         "among r7, 0x8000",
         "cbz   r0, 5f",
-        "add   sp, #76",
-        "pop   {{r4-r11, pc}}",
+        "add   sp, #64",
+        "pop   {{r1, r3, r4-r11, pc}}",
         // Rivals have ranks up to r2; the last bit that leaves r0 ends the loop.
         "5:",
         "mov   r12, sp",
-        "ldr   r3, [sp, #68]",
+        "ldr   r3, [sp, #64]",
         "mov   r0, #0x8000",
         "6:",
         "ranks",
@@ -152,60 +152,8 @@ extern "C" fn rivals(
         "bcc   6b",
         ".purgem among",
         ".purgem ranks",
-        // With lengths in full precision. lr: code vectors, r3: bases, r1: rivals still to be asked, r2: the least rank, r0: its
-        // neuron, r12: the second.
-        "ldrd  lr, r3, [sp, #64]",
-        "str   r0, [sp, #64]",
-        "mov   r1, r0",
-        "mvn   r2, #0x80000000",
-        "mov   r12, r2",
-        "8:",
-        "rbit  r4, r1",
-        "clz   r4, r4",
-        "sub   r5, r1, #1",
-        "and   r1, r1, r5",
-        "add   r5, lr, r4, lsl #6",
-        "movs  r10, #0",
-        "movs  r11, #0",
-        ".rept 4",
-        "ldmia r5!, {{r6, r7, r8, r9}}",
-        "smmla r10, r6, r6, r10",
-        "smlatt r11, r6, r6, r11",
-        "smmla r10, r7, r7, r10",
-        "smlatt r11, r7, r7, r11",
-        "smmla r10, r8, r8, r10",
-        "smlatt r11, r8, r8, r11",
-        "smmla r10, r9, r9, r10",
-        "smlatt r11, r9, r9, r11",
-        ".endr",
-        "sub   r10, r10, r11",
-        "ldr   r6, [r3, r4, lsl #2]",
-        "ldr   r7, [sp, r4, lsl #2]",
-        "rsb   r6, r7, r6, asr #1",
-        "add   r6, r6, r10, asr #1",
-        "cmp   r6, r12",
-        "bge   9f",
-        "cmp   r6, r2",
-        "ittte lt",
-        "movlt r12, r2",
-        "movlt r2, r6",
-        "movlt r0, r4",
-        "movge r12, r6",
-        "9:",
-        "cmp   r1, #0",
-        "bne   8b",
-        // The margin less the lower halves' part.
-        "ldr   r1, [sp, #72]",
-        "sub   r1, r1, #0x40000",
-        "qadd  r2, r2, r1",
-        "cmp   r12, r2",
-        "ittt  gt",
-        "movgt r1, #1",
-        "lslgt r0, r1, r0",
-        "strgt r0, [sp, #64]",
-        "ldr   r0, [sp, #64]",
-        "add   sp, #76",
-        "pop   {{r4-r11, pc}}",
+        "add   sp, #64",
+        "pop   {{r1, r3, r4-r11, pc}}",
         "7:",
         "ldr   r4, [r2]",
         "ldr   r5, [r2, #4]",
@@ -266,7 +214,7 @@ extern "C" fn weigh(
 }
 
 /// The neurons of a group from the last to the first, four components at a time: w + (x − w) · 4 gain, whose upper half is
-/// the step, and the square of its upper half. What both halves of a register hold of the probe is subtracted from twice:
+/// the step, and the upper half of its square. What both halves of a register hold of the probe is subtracted from twice:
 /// from the register, shifted, and from a copy without its lower half, which is on the stack beside it.
 // SAFETY: as above; rows and lengths are written for neurons below 16 only.
 #[unsafe(naked)]
@@ -323,13 +271,13 @@ extern "C" fn pull(
         "smmla r7, r11, r3, r7",
         "stm   r0, {{r4, r5, r6, r7}}",
         ".if \\first",
-        "smultt lr, r4, r4",
+        "smmul lr, r4, r4",
         ".else",
-        "smlatt lr, r4, r4, lr",
+        "smmla lr, r4, r4, lr",
         ".endif",
-        "smlatt lr, r5, r5, lr",
-        "smlatt lr, r6, r6, lr",
-        "smlatt lr, r7, r7, lr",
+        "smmla lr, r5, r5, lr",
+        "smmla lr, r6, r6, lr",
+        "smmla lr, r7, r7, lr",
         ".endm",
         "four  1",
         "four  0",
@@ -363,5 +311,52 @@ extern "C" fn pull(
         "ldr   r10, [r2, #24]",
         "ldr   r11, [r2, #28]",
         "b     2b",
+    )
+}
+
+/// Of two components at a time the upper halves in one register, multiplied with themselves and with the probe.
+// SAFETY: as above; the measures are written, and the last one ends the loop.
+#[unsafe(naked)]
+extern "C" fn measure(
+    code: &[[Fine; 16]; 16],
+    probe: &[Weight; 16],
+    measures: &mut [[i32; 2]; 16],
+) {
+    naked_asm!(
+        "push  {{r4-r11, lr}}",
+        "add   r3, r2, #128",
+        "push  {{r3}}",
+        // At an odd place words are loaded one by one only.
+        "ldr   r4, [r1]",
+        "ldr   r5, [r1, #4]",
+        "ldr   r6, [r1, #8]",
+        "ldr   r7, [r1, #12]",
+        "ldr   r8, [r1, #16]",
+        "ldr   r9, [r1, #20]",
+        "ldr   r10, [r1, #24]",
+        "ldr   r11, [r1, #28]",
+        "2:",
+        "movs  r3, #0",
+        "movs  r12, #0",
+        ".macro two probe",
+        "ldmia r0!, {{r1, lr}}",
+        "pkhtb r1, lr, r1, asr #16",
+        "smlad r3, r1, r1, r3",
+        "smlad r12, r1, \\probe, r12",
+        ".endm",
+        "two   r4",
+        "two   r5",
+        "two   r6",
+        "two   r7",
+        "two   r8",
+        "two   r9",
+        "two   r10",
+        "two   r11",
+        ".purgem two",
+        "stmia r2!, {{r3, r12}}",
+        "ldr   r1, [sp]",
+        "cmp   r2, r1",
+        "bne   2b",
+        "pop   {{r3-r11, pc}}",
     )
 }

@@ -56,15 +56,7 @@ pub fn alignments(
     mask: Mask,
     out: &mut [i64],
 ) {
-    let root = |norm: i64| i64::from(isqrt(norm.unsigned_abs()));
-    let (mut sum, mut count) = (0_i64, 0_i64);
-    // Until their own values are known, the places hold the lengths.
-    for (length, norm) in out.iter_mut().zip(norms) {
-        *length = root(norm);
-        sum = sum.wrapping_add(*length);
-        count = count.wrapping_add(1);
-    }
-    let mean = sum.checked_div(count).unwrap_or(0);
+    let mean = mean_length(norms, out);
     let whole = mask.covers(dims);
     for (row, alignment) in rows(code, dims).zip(out) {
         let (length, product) = if whole {
@@ -77,13 +69,37 @@ pub fn alignments(
     }
 }
 
+/// As [`alignments`], of squared lengths and dot products by [`Kernels::measure`].
+pub(crate) fn measured_alignments(measures: &[[i32; 2]], out: &mut [i64]) {
+    let norms = measures.iter().map(|[norm, _]| i64::from(*norm));
+    let mean = mean_length(norms, out);
+    for (alignment, [_, product]) in out.iter_mut().zip(measures) {
+        *alignment = quotient(i64::from(*product), alignment.wrapping_add(mean));
+    }
+}
+
+/// Writes the lengths and returns their mean.
+#[inline(always)]
+fn mean_length(norms: impl Iterator<Item = i64>, lengths: &mut [i64]) -> i64 {
+    let (mut sum, mut count) = (0_i64, 0_i64);
+    for (length, norm) in lengths.iter_mut().zip(norms) {
+        *length = root(norm);
+        sum = sum.wrapping_add(*length);
+        count = count.wrapping_add(1);
+    }
+    sum.checked_div(count).unwrap_or(0)
+}
+
+fn root(norm: i64) -> i64 {
+    i64::from(isqrt(norm.unsigned_abs()))
+}
+
 /// Kernels written for a processor, for maps of 16 neurons with 16 components, in which a robot of the paper's size spends
 /// its time. What a map answers and learns is the same with them and without; [`Som::use_kernels`](super::Som::use_kernels).
 #[derive(Debug)]
 pub struct Kernels {
     /// Bit `k` for each neuron whose rank, (base − 2 w·x) / 2 in units of 2⁻²⁶, is above the least by `margin` at most.
-    /// Half of a base and each product w x are rounded down; bases are such that no rank leaves 32 bits. Of the margin 2¹⁸
-    /// stand for the lower halves of components, which squared lengths lack: who adds them does with so much less.
+    /// Half of a base and each product w x are rounded down; bases are such that no rank leaves 32 bits.
     pub rivals: extern "C" fn(
         code: &[[Fine; 16]; 16],
         bases: &[i32; 16],
@@ -99,13 +115,22 @@ pub struct Kernels {
         factors: &[i32; 3],
     ),
     /// Moves the code vectors of two groups of neurons towards the probe as [`approach`], and keeps their squared lengths
-    /// (see [`squared_norm`]) in step.
+    /// in step, the sums of their components' squares in units of 2⁻²⁶, each rounded down.
     pub pull: extern "C" fn(
         code: &mut [[Fine; 16]; 16],
         norms: &mut [i32; 16],
         probe: &[Weight; 16],
         groups: &[Group; 2],
     ),
+    /// Of the upper halves of each code vector the squared length and the dot product with the probe, in units of 2⁻²⁶.
+    pub measure:
+        extern "C" fn(code: &[[Fine; 16]; 16], probe: &[Weight; 16], measures: &mut [[i32; 2]; 16]),
+}
+
+/// Squared length of a code vector in units of 2⁻²⁶, the square of each component rounded down.
+#[inline(always)]
+pub(crate) fn length_squared(row: &[Fine]) -> i32 {
+    row.iter().copied().map(square).fold(0, i32::wrapping_add)
 }
 
 /// Neurons that move by the same gain.
@@ -280,12 +305,9 @@ pub fn nearest(scores: &[i64], dims: usize, factor: i64, distance: impl Fn(usize
     best.0
 }
 
-/// By how much ranks may be out of order per component and λ, in units of 2⁻²⁶: squared lengths lack the lower halves,
-/// each less than one unit of a value of at most 8192, distances are rounded by as little, and two ranks are compared.
-const RANK_MARGIN: i64 = 2 * (2 * 8192 + 16);
-
-// What the kernels know of it.
-const _: () = assert!(2 * 2 * 8_192 * 16 / 2 == 1 << 18);
+/// By how much ranks may be out of order per component and λ, in units of 2⁻²⁶: squares are rounded down, squared
+/// distances by at most 16, and two ranks are compared.
+const RANK_MARGIN: i64 = 2 * (1 + 16);
 
 /// By how much the ranks of two neurons may be out of order by `dims` components of weight λ, in units of 2⁻¹⁷; λ is
 /// `weight_q8` in 1/256. Beside it stand the rounding of the products and of the squared lengths, less than one each.
@@ -353,8 +375,7 @@ pub fn distance<P: Scalar>(code: &[Fine], dims: usize, k: usize, probe: &[P], ma
     squared_distance(row, probe, mask)
 }
 
-/// As [`pull`] over all components by a gain below 1/2; returns the code vector's new squared length as of
-/// [`squared_norm`].
+/// As [`pull`] over all components by a gain below 1/2; returns the code vector's new [`length_squared`].
 #[inline(always)]
 pub(crate) fn pull_row<const DIMS: usize>(
     row: &mut [Fine; DIMS],
@@ -379,7 +400,7 @@ pub(crate) fn pull_long_row<const DIMS: usize>(
     pull_row(row, probe, gain)
 }
 
-/// As [`pull`]; returns the code vector's new squared length as of [`squared_norm`].
+/// As [`pull`]; returns the code vector's new [`length_squared`].
 #[inline(never)]
 pub(crate) fn pull_row_masked<const DIMS: usize>(
     row: &mut [Fine; DIMS],
@@ -397,9 +418,8 @@ pub(crate) fn pull_row_masked<const DIMS: usize>(
     norm
 }
 
-fn square(w: Fine) -> i32 {
-    let w = i32::from(w.coarse().to_bits());
-    w.wrapping_mul(w)
+const fn square(w: Fine) -> i32 {
+    high_product(w.to_bits(), w.to_bits())
 }
 
 /// Moves a code vector towards the probe by `gain` over the components that `mask` believes.

@@ -35,7 +35,7 @@ pub struct Som<const NEURONS: usize, const DIMS: usize> {
     /// Used where the map has their size; `None` = the portable ones alone.
     kernels: Option<&'static Kernels>,
     code: [[Fine; DIMS]; NEURONS],
-    /// Squared lengths of the upper halves of the code vectors, kept in step with `code`.
+    /// Squared lengths of the code vectors as of [`kernels::length_squared`], kept in step with `code`.
     norms: [i32; NEURONS],
 }
 
@@ -56,7 +56,8 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         let unit = |w: Weight| crate::fixed::unit_weight(i32::from(w.to_bits())).fine();
         let code = code.map(|row| row.map(unit));
         const { assert!(DIMS <= 31, "squared lengths are kept in 32 bits") };
-        let norms = core::array::from_fn(|k| code.get(k).map_or(0, |row| squared_norm(row) as i32));
+        let norms =
+            core::array::from_fn(|k| code.get(k).map_or(0, |row| kernels::length_squared(row)));
         Self {
             grid,
             kernels: None,
@@ -121,7 +122,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         }
         let row = index.checked_div(DIMS).unwrap_or(0);
         if let (Some(norm), Some(code)) = (self.norms.get_mut(row), self.code.get(row)) {
-            *norm = squared_norm(code) as i32;
+            *norm = kernels::length_squared(code);
         }
     }
 
@@ -162,7 +163,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     pub(crate) fn score(&self, probe: &[Weight; DIMS], mask: Mask, scores: &mut [i64; NEURONS]) {
         let code = self.code.as_flattened();
         if mask.covers(DIMS) {
-            let norms = self.norms.iter().map(|norm| i64::from(*norm));
+            let norms = self.code.iter().map(|row| squared_norm(row));
             kernels::scores(code, norms, DIMS, probe, scores);
         } else {
             kernels::scores_masked(code, DIMS, probe, mask, scores);
@@ -262,7 +263,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         }
     }
 
-    /// Squared lengths of the upper halves of the code vectors, in units of 2⁻²⁶.
+    /// Squared lengths of the code vectors, in units of 2⁻²⁶.
     pub(crate) const fn norms(&self) -> &[i32; NEURONS] {
         &self.norms
     }
@@ -280,15 +281,34 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     #[inline(never)]
     pub fn alignments(&self, probe: &[Weight; DIMS], mask: Mask) -> [i64; NEURONS] {
         let mut alignments = [0; NEURONS];
-        kernels::alignments(
-            self.code.as_flattened(),
-            self.norms.iter().map(|norm| i64::from(*norm)),
-            DIMS,
-            probe,
-            mask,
-            &mut alignments,
-        );
+        let measures = match mask.covers(DIMS) {
+            true => self.measure_by_hand(probe),
+            false => None,
+        };
+        match measures {
+            Some(measures) => kernels::measured_alignments(&measures, &mut alignments),
+            None => kernels::alignments(
+                self.code.as_flattened(),
+                self.code.iter().map(|row| squared_norm(row)),
+                DIMS,
+                probe,
+                mask,
+                &mut alignments,
+            ),
+        }
         alignments
+    }
+
+    /// Squared lengths of the upper halves and their dot products with the probe by the processor's kernels, if there are
+    /// any for this size.
+    #[inline(always)]
+    fn measure_by_hand(&self, probe: &[Weight; DIMS]) -> Option<[[i32; 2]; 16]> {
+        let kernels = self.kernels()?;
+        let (code, _) = self.code.as_flattened().as_chunks();
+        let (code, probe) = (code.try_into().ok()?, probe.as_slice().try_into().ok()?);
+        let mut measures = [[0; 2]; 16];
+        (kernels.measure)(code, probe, &mut measures);
+        Some(measures)
     }
 
     /// Dot product of the probe with every code vector over the components that `mask` believes, in units of 2⁻²⁶.
