@@ -6,7 +6,7 @@
 use crate::fixed::{
     Fine, Mask, ONE_BITS, Weight, coarse, isqrt, quotient, squared_norm, unit_weight,
 };
-use crate::som::kernels::Kernels;
+use crate::som::kernels::{Found, Kernels};
 use crate::som::neighbourhood::Pull;
 use crate::som::{Grid, Learn, Som, kernels};
 use crate::units::{Bearing, Displacement};
@@ -200,11 +200,14 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
 
     #[inline(always)]
     fn search(&self, effect: &Effect<SENSORS>, action_weight_q8: u16) -> usize {
-        let own = kernels::rank_margin(2, action_weight_q8);
+        let own = kernels::rank_margin::<2>(action_weight_q8);
         let margin = Som::<NEURONS, SENSORS>::MARGIN.wrapping_add(own);
         let by_hand = self.rivals_by_hand(effect, action_weight_q8, margin);
-        let rivals = by_hand.unwrap_or_else(|| self.rivals(effect, action_weight_q8, margin));
-        kernels::single(rivals).unwrap_or_else(|| self.nearest_of(rivals, effect, action_weight_q8))
+        let portably = || Found::among(self.rivals(effect, action_weight_q8, margin));
+        match by_hand.unwrap_or_else(portably) {
+            Found::One(neuron) => neuron,
+            Found::Rivals(rivals) => self.nearest_of(rivals, effect, action_weight_q8),
+        }
     }
 
     /// By the processor's kernels, if there are any for this size, the neurons that may be nearest.
@@ -214,7 +217,7 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         effect: &Effect<SENSORS>,
         weight_q8: u16,
         margin: i32,
-    ) -> Option<Mask> {
+    ) -> Option<Found> {
         if !effect.mask.covers(SENSORS) || weight_q8 >= MOST_BASE_WEIGHT_Q8 {
             return None;
         }

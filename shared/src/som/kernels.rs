@@ -98,8 +98,9 @@ fn root(norm: i64) -> i64 {
 /// its time. What a map answers and learns is the same with them and without; [`Som::use_kernels`](super::Som::use_kernels).
 #[derive(Debug)]
 pub struct Kernels {
-    /// Bit `k` for each neuron whose rank, (base − 2 w·x) / 2 in units of 2⁻²⁶, is above the least by `margin` at most.
-    /// Half of a base and each product w x are rounded down; bases are such that no rank leaves 32 bits.
+    /// The neuron whose rank, (base − 2 w·x) / 2 in units of 2⁻²⁶, is the least, if all others are above it by more than
+    /// `margin`. Or else bit 16 + `k` for each neuron that is not; a single one, if some were close to another only. Half of
+    /// a base and each product w x are rounded down; bases are such that no rank leaves 32 bits.
     pub rivals: extern "C" fn(
         code: &[[Fine; 16]; 16],
         bases: &[i32; 16],
@@ -307,23 +308,43 @@ pub fn nearest(scores: &[i64], dims: usize, factor: i64, distance: impl Fn(usize
 
 /// By how much ranks may be out of order per component and λ, in units of 2⁻²⁶: squares are rounded down, squared
 /// distances by at most 16, and two ranks are compared.
-const RANK_MARGIN: i64 = 2 * (1 + 16);
+const RANK_MARGIN: i32 = 2 * (1 + 16);
 
 /// By how much the ranks of two neurons may be out of order by `dims` components of weight λ, in units of 2⁻¹⁷; λ is
 /// `weight_q8` in 1/256. Beside it stand the rounding of the products and of the squared lengths, less than one each.
-pub(crate) const fn rank_margin(dims: usize, weight_q8: u16) -> i32 {
-    let dims = dims as i64;
-    ((RANK_MARGIN * dims * weight_q8 as i64) >> 17) as i32 + dims as i32 + 2
+pub(crate) const fn rank_margin<const DIMS: usize>(weight_q8: u16) -> i32 {
+    const { assert!(DIMS <= 31, "it fits 32 bits") };
+    let dims = DIMS as i32;
+    ((RANK_MARGIN * dims * weight_q8 as i32) >> 17) + dims + 2
 }
 
-/// The only one of the neurons, or `None`.
-#[inline(always)]
-pub(crate) const fn single(rivals: Mask) -> Option<usize> {
-    let bits = rivals.to_bits();
-    if bits & bits.wrapping_sub(1) == 0 {
-        Some(bits.trailing_zeros() as usize)
-    } else {
-        None
+/// What a search by ranks leaves.
+pub(crate) enum Found {
+    /// The nearest neuron.
+    One(usize),
+    /// Some of which one is nearest.
+    Rivals(Mask),
+}
+
+impl Found {
+    /// What [`Kernels::rivals`] says.
+    #[inline(always)]
+    pub(crate) const fn by_hand(bits: u32) -> Self {
+        if bits < 1 << 16 {
+            Self::One(bits as usize)
+        } else {
+            Self::Rivals(Mask::from_bits(bits >> 16))
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) const fn among(rivals: Mask) -> Self {
+        let bits = rivals.to_bits();
+        if bits & bits.wrapping_sub(1) == 0 {
+            Self::One(bits.trailing_zeros() as usize)
+        } else {
+            Self::Rivals(rivals)
+        }
     }
 }
 

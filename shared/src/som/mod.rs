@@ -25,7 +25,7 @@ pub use neighbourhood::Neighbourhood;
 pub use schedule::{Decay, Schedule};
 
 use crate::fixed::{FINE_ONE_BITS, Fine, Gain, Mask, Scalar, Weight, coarse, squared_norm};
-use kernels::{Group, Kernels};
+use kernels::{Found, Group, Kernels};
 use neighbourhood::Pull;
 
 /// A map of `NEURONS` neurons with code vectors of `DIMS` components in [−1, 1].
@@ -183,12 +183,14 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
             true => self.rivals_by_hand(&self.norms, probe, Self::MARGIN),
             false => None,
         };
-        let rivals = by_hand.unwrap_or_else(|| self.rivals(probe, mask));
-        kernels::single(rivals).unwrap_or_else(|| self.nearest_of(rivals, probe, mask))
+        match by_hand.unwrap_or_else(|| Found::among(self.rivals(probe, mask))) {
+            Found::One(neuron) => neuron,
+            Found::Rivals(rivals) => self.nearest_of(rivals, probe, mask),
+        }
     }
 
     /// By how much the ranks of two neurons may be out of order.
-    pub(crate) const MARGIN: i32 = kernels::rank_margin(DIMS, 1 << 8);
+    pub(crate) const MARGIN: i32 = kernels::rank_margin::<DIMS>(1 << 8);
 
     /// The neurons that may be nearest.
     #[inline(never)]
@@ -218,7 +220,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         bases: &[i32; NEURONS],
         probe: &[Weight; DIMS],
         margin: i32,
-    ) -> Option<Mask> {
+    ) -> Option<Found> {
         let kernels = self.kernels()?;
         let (code, _) = self.code.as_flattened().as_chunks();
         let (code, bases) = (code.try_into().ok()?, bases.as_slice().try_into().ok()?);
@@ -226,7 +228,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         // Ranks are half as large.
         let margin = margin << (kernels::RANK_BITS - 1);
         let rivals = (kernels.rivals)(code, bases, probe, margin);
-        Some(Mask::from_bits(rivals))
+        Some(Found::by_hand(rivals))
     }
 
     /// The scores in units of 2⁻¹⁷, see [`kernels::rank_margin`]. Over a part of the components there are no lengths to
