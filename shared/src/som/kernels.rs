@@ -138,7 +138,7 @@ pub(crate) fn length_squared(row: &[Fine]) -> i32 {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(C)]
 pub struct Group {
-    /// The gain, below 1/2, in units of 2⁻³²; after a group of gain 0 there is none.
+    /// The gain, below 1/2, in units of 2⁻³².
     pub gain_q32: i32,
     /// Bit `k` for neuron `k`.
     pub neurons: u32,
