@@ -175,7 +175,7 @@ extern "C" fn rivals(
     )
 }
 
-/// Two components of four neurons at a time, in two rounds told apart by the flags.
+/// Two components of four neurons at a time.
 // SAFETY: as above; the bases are written where they were read.
 #[unsafe(naked)]
 extern "C" fn weigh(
@@ -187,9 +187,7 @@ extern "C" fn weigh(
     naked_asm!(
         "push  {{r4-r11, lr}}",
         "ldm   r3, {{r3, r12, lr}}",
-        "cmp   r0, r0",
-        "2:",
-        ".rept 2",
+        ".rept 4",
         "ldmia r2!, {{r4, r5, r6, r7}}",
         "ldmia r1!, {{r8, r9, r10, r11}}",
         "smmul r4, r4, r3",
@@ -212,10 +210,6 @@ extern "C" fn weigh(
         "add   r11, r11, r7, lsl #9",
         "stmia r0!, {{r8, r9, r10, r11}}",
         ".endr",
-        "bne   3f",
-        "movs  r4, #1",
-        "b     2b",
-        "3:",
         "pop   {{r4-r11, pc}}",
     )
 }
