@@ -1,15 +1,16 @@
-//! The two loops that a decision and a training spend most of their time in, by hand for a Cortex-M4: the search for the
-//! best-matching unit and the pull of a code vector, for the paper's 16 neurons and a ring of 16 transducers.
+//! The loops that a decision and a training spend most of their time in, by hand for a Cortex-M4: the search for the
+//! best-matching unit, the pull of code vectors, and two that prepare a search by actions and a recall; for the paper's 16
+//! neurons and a ring of 16 transducers.
 //!
-//! Both do what `amp`'s portable functions do, to the bit of whatever comes out of a map. What is gained is registers and
+//! All do what `amp`'s portable functions do, to the bit of whatever comes out of a map. What is gained is registers and
 //! loads: four components are loaded by one instruction, and the probe stays in eight registers, two values in each, from
 //! the first product to the last (`SMLAWB` and `SMLAWT` take either half as it is). Compilers unpack the halves before the
 //! loop, which takes sixteen registers of fourteen, and load nearly every component alone.
 //!
 //! | instructions, call included | portable | by hand |
 //! |---|---:|---:|
-//! | search | 980 | 514 |
-//! | pull of a winner and its four neighbours | 765 | 499 |
+//! | search | 980 | 456 |
+//! | pull of a winner and its four neighbours | 765 | 440 |
 
 #![allow(unsafe_code)]
 
