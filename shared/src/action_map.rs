@@ -6,7 +6,7 @@
 use crate::fixed::{
     Fine, Mask, ONE_BITS, Weight, coarse, isqrt, quotient, squared_norm, unit_weight,
 };
-use crate::som::kernels::Kernels;
+use crate::som::kernels::{Found, Kernels};
 use crate::som::neighbourhood::Pull;
 use crate::som::{Grid, Learn, Som, kernels};
 use crate::units::{Bearing, Displacement};
@@ -195,11 +195,19 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
     #[inline(never)]
     #[must_use]
     pub fn winner(&self, effect: &Effect<SENSORS>, action_weight_q8: u16) -> usize {
-        let own = kernels::rank_margin(2, action_weight_q8);
+        self.search(effect, action_weight_q8)
+    }
+
+    #[inline(always)]
+    fn search(&self, effect: &Effect<SENSORS>, action_weight_q8: u16) -> usize {
+        let own = kernels::rank_margin::<2>(action_weight_q8);
         let margin = Som::<NEURONS, SENSORS>::MARGIN.wrapping_add(own);
         let by_hand = self.rivals_by_hand(effect, action_weight_q8, margin);
-        let rivals = by_hand.unwrap_or_else(|| self.rivals(effect, action_weight_q8, margin));
-        kernels::single(rivals).unwrap_or_else(|| self.nearest_of(rivals, effect, action_weight_q8))
+        let portably = || Found::among(self.rivals(effect, action_weight_q8, margin));
+        match by_hand.unwrap_or_else(portably) {
+            Found::One(neuron) => neuron,
+            Found::Rivals(rivals) => self.nearest_of(rivals, effect, action_weight_q8),
+        }
     }
 
     /// By the processor's kernels, if there are any for this size, the neurons that may be nearest.
@@ -209,16 +217,14 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         effect: &Effect<SENSORS>,
         weight_q8: u16,
         margin: i32,
-    ) -> Option<Mask> {
-        if !effect.mask.covers(SENSORS)
-            || weight_q8 >= MOST_BASE_WEIGHT_Q8
-            || !self.changes.has_kernels()
-        {
+    ) -> Option<Found> {
+        if !effect.mask.covers(SENSORS) || weight_q8 >= MOST_BASE_WEIGHT_Q8 {
             return None;
         }
+        let kernels = self.changes.kernels()?;
         let mut bases = *self.changes.norms();
         self.actions
-            .add_to_bases(&effect.action, weight_q8, &mut bases);
+            .weigh_by_hand(kernels, effect.action, weight_q8, &mut bases)?;
         self.changes.rivals_by_hand(&bases, &effect.change, margin)
     }
 
@@ -296,6 +302,23 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
     /// As [`learn`](Self::learn), the products left as they are.
     #[inline(never)]
     pub(crate) fn pull(&mut self, winner: usize, effect: &Effect<SENSORS>, pull: &Pull<NEURONS>) {
+        self.step(winner, effect, pull);
+    }
+
+    /// One step of learning around the best-matching unit, the products left as they are.
+    #[inline(never)]
+    pub(crate) fn teach(
+        &mut self,
+        effect: &Effect<SENSORS>,
+        action_weight_q8: u16,
+        pull: &Pull<NEURONS>,
+    ) {
+        let winner = self.search(effect, action_weight_q8);
+        self.step(winner, effect, pull);
+    }
+
+    #[inline(always)]
+    fn step(&mut self, winner: usize, effect: &Effect<SENSORS>, pull: &Pull<NEURONS>) {
         // Both codebooks stand on one grid.
         if let Some(groups) = self.changes.groups(winner, effect.mask, pull)
             && self.changes.pull_groups(&effect.change, &groups)

@@ -87,6 +87,13 @@ impl Component {
         i64::from(gap) * i64::from(gap * i32::from(self.weight))
     }
 
+    /// Whether a value is as asked, whatever the weight.
+    #[inline(always)]
+    pub(crate) const fn holds(self, value: Weight) -> bool {
+        let value = value.to_bits();
+        self.low.to_bits() <= value && value <= self.high.to_bits()
+    }
+
     /// The value nearest to `value` that is wanted; `value` itself where any will do.
     #[must_use]
     pub fn nearest(self, value: Weight) -> Weight {

@@ -212,16 +212,20 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             false => self.situations.code().get(current),
         };
         let mut wanted = [Weight::ZERO; SENSORS];
-        let tolerant = planning.tolerance >= Weight::ZERO;
+        let (unmet_only, tolerance) = (planning.unmet_only, planning.tolerance);
+        let tolerant = tolerance >= Weight::ZERO;
         let mut at_goal = tolerant || mask.indices(SENSORS).next().is_none();
         let ring = situation.iter().zip(&goal.components);
         for (sensor, (change, (value, component))) in wanted.iter_mut().zip(ring).enumerate() {
             let value = *value;
-            let met = component.nearest(value);
-            if met == value && planning.unmet_only {
+            if unmet_only && component.holds(value) {
                 continue;
             }
-            at_goal &= !mask.contains(sensor) || value.abs_diff(met) <= planning.tolerance;
+            let met = component.nearest(value);
+            if unmet_only && met == value {
+                continue;
+            }
+            at_goal &= !mask.contains(sensor) || value.abs_diff(met) <= tolerance;
             let part = |row: &[Fine; SENSORS]| row.get(sensor).copied().map(coarse);
             let target = aimed.and_then(part).unwrap_or(met);
             let from = own.and_then(part).unwrap_or(value);

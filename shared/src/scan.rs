@@ -112,14 +112,9 @@ impl Encoding {
     #[inline(always)]
     fn value_within(far: i32, width: i32, range: Option<Range>) -> Weight {
         let beyond = range.map_or(0, |range| far.wrapping_sub(i32::from(range.as_mm())));
-        if beyond <= 0 {
-            Weight::ZERO
-        } else if beyond >= width {
-            Weight::ONE
-        } else {
-            let bits = beyond.wrapping_mul(i32::from(ONE_BITS)).wrapping_div(width);
-            Weight::from_bits(bits as i16)
-        }
+        let beyond = beyond.max(0).min(width);
+        let bits = beyond.wrapping_mul(i32::from(ONE_BITS)).wrapping_div(width);
+        Weight::from_bits(bits as i16)
     }
 
     /// The situation of a scan.

@@ -7,7 +7,7 @@ use crate::config::{Choice, Config, Taught};
 use crate::fixed::Mask;
 use crate::goal::{Asked, Frame, Goal, missed};
 use crate::memory::{self, Sample};
-use crate::planner::{GoalNeuron, NEXT_COURSE, Plan, Planner, Why, difference};
+use crate::planner::{GoalNeuron, NEXT_COURSE, Plan, Planner, Why};
 use crate::scan::{Aligned, Situation, rotated};
 use crate::som::Neighbourhood;
 use crate::som::neighbourhood::Pull;
@@ -181,8 +181,17 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             Some(direction) if places > 0 => taught.rotated(*direction),
             _ => taught,
         };
+        // Both lie in [0, 1].
+        let before = pending.before.0.iter();
+        let mut change = *after;
+        for (value, before) in change.iter_mut().zip(before) {
+            *value = value.wrapping_sub(*before);
+        }
+        if places > 0 {
+            change = rotated(&change, places);
+        }
         let effect = Effect {
-            change: rotated(&difference(after, &pending.before.0), places),
+            change,
             action: config.action_code.encode(turned, config.robot.step_mm),
             mask: config.believed,
         };
@@ -199,13 +208,10 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         } else {
             self.actions.learn_on(winner, &effect, &action_pull);
         }
-        let winner = self.situations.winner(after, config.believed);
-        self.situations.learn(
-            winner,
-            after,
-            config.believed,
-            &pull(online.situation_rate_q16),
-        );
+        let situation_pull = pull(online.situation_rate_q16);
+        let winner = self
+            .situations
+            .teach(after, config.believed, &situation_pull);
         if online.share_q16 != 0 {
             self.goal_neuron.deviation = None;
         }

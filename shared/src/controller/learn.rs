@@ -110,13 +110,10 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.actions.forget_products();
         for step in done..end {
             self.lesson(config, Some(step), &mut lesson);
-            let winner = self.situations.winner(&lesson.after, lesson.effect.mask);
             self.situations
-                .learn(winner, &lesson.after, lesson.effect.mask, &for_situations);
-            let winner = self
-                .actions
-                .winner(&lesson.effect, learning.action_weight_q8);
-            self.actions.pull(winner, &lesson.effect, &for_actions);
+                .teach(&lesson.after, lesson.effect.mask, &for_situations);
+            self.actions
+                .teach(&lesson.effect, learning.action_weight_q8, &for_actions);
         }
         end
     }
@@ -140,7 +137,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             0
         };
         if let Some(sample) = self.memory.samples().get(index as usize) {
-            write_lesson(config, sample, places as usize, lesson);
+            let gaps = self.memory.has_gaps();
+            write_lesson(config, sample, places as usize, gaps, lesson);
         }
     }
 }
@@ -149,6 +147,7 @@ fn write_lesson<const SENSORS: usize>(
     config: &Config<SENSORS>,
     sample: &Sample<SENSORS>,
     places: usize,
+    gaps: bool,
     lesson: &mut Lesson<SENSORS>,
 ) {
     let taught = match config.learning.taught {
@@ -169,8 +168,7 @@ fn write_lesson<const SENSORS: usize>(
     };
     let Lesson { after, effect } = lesson;
     effect.action = config.action_code.encode(action, config.robot.step_mm);
-    let (before, bytes) = (&sample.before, &sample.after);
-    effect.mask = turned_change(before, bytes, places, after, &mut effect.change);
+    effect.mask = turned_change(sample, places, gaps, after, &mut effect.change);
 }
 
 /// The action of a neuron's place: the grid laid over the square [−1, 1]².

@@ -56,15 +56,7 @@ pub fn alignments(
     mask: Mask,
     out: &mut [i64],
 ) {
-    let root = |norm: i64| i64::from(isqrt(norm.unsigned_abs()));
-    let (mut sum, mut count) = (0_i64, 0_i64);
-    // Until their own values are known, the places hold the lengths.
-    for (length, norm) in out.iter_mut().zip(norms) {
-        *length = root(norm);
-        sum = sum.wrapping_add(*length);
-        count = count.wrapping_add(1);
-    }
-    let mean = sum.checked_div(count).unwrap_or(0);
+    let mean = mean_length(norms, out);
     let whole = mask.covers(dims);
     for (row, alignment) in rows(code, dims).zip(out) {
         let (length, product) = if whole {
@@ -77,33 +69,76 @@ pub fn alignments(
     }
 }
 
+/// As [`alignments`], of squared lengths and dot products by [`Kernels::measure`].
+pub(crate) fn measured_alignments(measures: &[[i32; 2]], out: &mut [i64]) {
+    let norms = measures.iter().map(|[norm, _]| i64::from(*norm));
+    let mean = mean_length(norms, out);
+    for (alignment, [_, product]) in out.iter_mut().zip(measures) {
+        *alignment = quotient(i64::from(*product), alignment.wrapping_add(mean));
+    }
+}
+
+/// Writes the lengths and returns their mean.
+#[inline(always)]
+fn mean_length(norms: impl Iterator<Item = i64>, lengths: &mut [i64]) -> i64 {
+    let (mut sum, mut count) = (0_i64, 0_i64);
+    for (length, norm) in lengths.iter_mut().zip(norms) {
+        *length = root(norm);
+        sum = sum.wrapping_add(*length);
+        count = count.wrapping_add(1);
+    }
+    sum.checked_div(count).unwrap_or(0)
+}
+
+fn root(norm: i64) -> i64 {
+    i64::from(isqrt(norm.unsigned_abs()))
+}
+
 /// Kernels written for a processor, for maps of 16 neurons with 16 components, in which a robot of the paper's size spends
 /// its time. What a map answers and learns is the same with them and without; [`Som::use_kernels`](super::Som::use_kernels).
 #[derive(Debug)]
 pub struct Kernels {
-    /// Bit `k` for each neuron whose rank, (base − 2 w·x) / 2 in units of 2⁻²⁶, is above the least by `margin` at most.
-    /// Bases are below 2³¹ in magnitude, half of one and each product w x are rounded down.
+    /// The neuron whose rank, (base − 2 w·x) / 2 in units of 2⁻²⁶, is the least, if all others are above it by more than
+    /// `margin`. Or else bit 16 + `k` for each neuron that is not; a single one, if some were close to another only. Half of
+    /// a base and each product w x are rounded down; bases are such that no rank leaves 32 bits.
     pub rivals: extern "C" fn(
         code: &[[Fine; 16]; 16],
         bases: &[i32; 16],
         probe: &[Weight; 16],
         margin: i32,
     ) -> u32,
+    /// Adds to each base, in units of 2⁻²⁶, a short code vector's part of its rank, in units of 2⁻¹⁷: the upper halves of
+    /// its squared length times the first factor and of its components times the others.
+    pub weigh: extern "C" fn(
+        bases: &mut [i32; 16],
+        code: &[[Fine; 2]; 16],
+        norms: &[i32; 16],
+        factors: &[i32; 3],
+    ),
     /// Moves the code vectors of two groups of neurons towards the probe as [`approach`], and keeps their squared lengths
-    /// (see [`squared_norm`]) in step.
+    /// in step, the sums of their components' squares in units of 2⁻²⁶, each rounded down.
     pub pull: extern "C" fn(
         code: &mut [[Fine; 16]; 16],
         norms: &mut [i32; 16],
         probe: &[Weight; 16],
         groups: &[Group; 2],
     ),
+    /// Of the upper halves of each code vector the squared length and the dot product with the probe, in units of 2⁻²⁶.
+    pub measure:
+        extern "C" fn(code: &[[Fine; 16]; 16], probe: &[Weight; 16], measures: &mut [[i32; 2]; 16]),
+}
+
+/// Squared length of a code vector in units of 2⁻²⁶, the square of each component rounded down.
+#[inline(always)]
+pub(crate) fn length_squared(row: &[Fine]) -> i32 {
+    row.iter().copied().map(square).fold(0, i32::wrapping_add)
 }
 
 /// Neurons that move by the same gain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(C)]
 pub struct Group {
-    /// The gain, below 1/2, in units of 2⁻³²; after a group of gain 0 there is none.
+    /// The gain, below 1/2, in units of 2⁻³².
     pub gain_q32: i32,
     /// Bit `k` for neuron `k`.
     pub neurons: u32,
@@ -164,7 +199,13 @@ pub(crate) fn rank_sum<const DIMS: usize>(
 /// λ |w|² in units of 2⁻¹⁷, rounded down, of a squared length in units of 2⁻²⁶; λ is `weight_q8` in 1/256.
 #[inline(always)]
 pub(crate) const fn rank_norm(norm: i32, weight_q8: u16) -> i32 {
-    high_product(norm, (weight_q8 as i32) << 15)
+    high_product(norm, norm_factor(weight_q8))
+}
+
+/// Of a squared length's part in a rank.
+#[inline(always)]
+pub(crate) const fn norm_factor(weight_q8: u16) -> i32 {
+    (weight_q8 as i32) << 15
 }
 
 fn masked_products(row: &[Fine], probe: &[Weight], mask: Mask) -> (i64, i64) {
@@ -265,25 +306,45 @@ pub fn nearest(scores: &[i64], dims: usize, factor: i64, distance: impl Fn(usize
     best.0
 }
 
-/// By how much ranks may be out of order per component and λ, in units of 2⁻²⁶: squared lengths lack the lower halves,
-/// each less than one unit of a value of at most 8192, distances are rounded by as little, and two ranks are compared.
-const RANK_MARGIN: i64 = 2 * (2 * 8192 + 16);
+/// By how much ranks may be out of order per component and λ, in units of 2⁻²⁶: squares are rounded down, squared
+/// distances by at most 16, and two ranks are compared.
+const RANK_MARGIN: i32 = 2 * (1 + 16);
 
 /// By how much the ranks of two neurons may be out of order by `dims` components of weight λ, in units of 2⁻¹⁷; λ is
 /// `weight_q8` in 1/256. Beside it stand the rounding of the products and of the squared lengths, less than one each.
-pub(crate) const fn rank_margin(dims: usize, weight_q8: u16) -> i32 {
-    let dims = dims as i64;
-    ((RANK_MARGIN * dims * weight_q8 as i64) >> 17) as i32 + dims as i32 + 2
+pub(crate) const fn rank_margin<const DIMS: usize>(weight_q8: u16) -> i32 {
+    const { assert!(DIMS <= 31, "it fits 32 bits") };
+    let dims = DIMS as i32;
+    ((RANK_MARGIN * dims * weight_q8 as i32) >> 17) + dims + 2
 }
 
-/// The only one of the neurons, or `None`.
-#[inline(always)]
-pub(crate) const fn single(rivals: Mask) -> Option<usize> {
-    let bits = rivals.to_bits();
-    if bits & bits.wrapping_sub(1) == 0 {
-        Some(bits.trailing_zeros() as usize)
-    } else {
-        None
+/// What a search by ranks leaves.
+pub(crate) enum Found {
+    /// The nearest neuron.
+    One(usize),
+    /// Some of which one is nearest.
+    Rivals(Mask),
+}
+
+impl Found {
+    /// What [`Kernels::rivals`] says.
+    #[inline(always)]
+    pub(crate) const fn by_hand(bits: u32) -> Self {
+        if bits < 1 << 16 {
+            Self::One(bits as usize)
+        } else {
+            Self::Rivals(Mask::from_bits(bits >> 16))
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) const fn among(rivals: Mask) -> Self {
+        let bits = rivals.to_bits();
+        if bits & bits.wrapping_sub(1) == 0 {
+            Self::One(bits.trailing_zeros() as usize)
+        } else {
+            Self::Rivals(rivals)
+        }
     }
 }
 
@@ -335,8 +396,7 @@ pub fn distance<P: Scalar>(code: &[Fine], dims: usize, k: usize, probe: &[P], ma
     squared_distance(row, probe, mask)
 }
 
-/// As [`pull`] over all components by a gain below 1/2; returns the code vector's new squared length as of
-/// [`squared_norm`].
+/// As [`pull`] over all components by a gain below 1/2; returns the code vector's new [`length_squared`].
 #[inline(always)]
 pub(crate) fn pull_row<const DIMS: usize>(
     row: &mut [Fine; DIMS],
@@ -361,7 +421,7 @@ pub(crate) fn pull_long_row<const DIMS: usize>(
     pull_row(row, probe, gain)
 }
 
-/// As [`pull`]; returns the code vector's new squared length as of [`squared_norm`].
+/// As [`pull`]; returns the code vector's new [`length_squared`].
 #[inline(never)]
 pub(crate) fn pull_row_masked<const DIMS: usize>(
     row: &mut [Fine; DIMS],
@@ -379,9 +439,8 @@ pub(crate) fn pull_row_masked<const DIMS: usize>(
     norm
 }
 
-fn square(w: Fine) -> i32 {
-    let w = i32::from(w.coarse().to_bits());
-    w.wrapping_mul(w)
+const fn square(w: Fine) -> i32 {
+    high_product(w.to_bits(), w.to_bits())
 }
 
 /// Moves a code vector towards the probe by `gain` over the components that `mask` believes.

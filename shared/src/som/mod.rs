@@ -25,7 +25,7 @@ pub use neighbourhood::Neighbourhood;
 pub use schedule::{Decay, Schedule};
 
 use crate::fixed::{FINE_ONE_BITS, Fine, Gain, Mask, Scalar, Weight, coarse, squared_norm};
-use kernels::{Group, Kernels};
+use kernels::{Found, Group, Kernels};
 use neighbourhood::Pull;
 
 /// A map of `NEURONS` neurons with code vectors of `DIMS` components in [−1, 1].
@@ -35,7 +35,7 @@ pub struct Som<const NEURONS: usize, const DIMS: usize> {
     /// Used where the map has their size; `None` = the portable ones alone.
     kernels: Option<&'static Kernels>,
     code: [[Fine; DIMS]; NEURONS],
-    /// Squared lengths of the upper halves of the code vectors, kept in step with `code`.
+    /// Squared lengths of the code vectors as of [`kernels::length_squared`], kept in step with `code`.
     norms: [i32; NEURONS],
 }
 
@@ -56,7 +56,8 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         let unit = |w: Weight| crate::fixed::unit_weight(i32::from(w.to_bits())).fine();
         let code = code.map(|row| row.map(unit));
         const { assert!(DIMS <= 31, "squared lengths are kept in 32 bits") };
-        let norms = core::array::from_fn(|k| code.get(k).map_or(0, |row| squared_norm(row) as i32));
+        let norms =
+            core::array::from_fn(|k| code.get(k).map_or(0, |row| kernels::length_squared(row)));
         Self {
             grid,
             kernels: None,
@@ -121,7 +122,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         }
         let row = index.checked_div(DIMS).unwrap_or(0);
         if let (Some(norm), Some(code)) = (self.norms.get_mut(row), self.code.get(row)) {
-            *norm = squared_norm(code) as i32;
+            *norm = kernels::length_squared(code);
         }
     }
 
@@ -162,7 +163,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     pub(crate) fn score(&self, probe: &[Weight; DIMS], mask: Mask, scores: &mut [i64; NEURONS]) {
         let code = self.code.as_flattened();
         if mask.covers(DIMS) {
-            let norms = self.norms.iter().map(|norm| i64::from(*norm));
+            let norms = self.code.iter().map(|row| squared_norm(row));
             kernels::scores(code, norms, DIMS, probe, scores);
         } else {
             kernels::scores_masked(code, DIMS, probe, mask, scores);
@@ -173,16 +174,23 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     #[inline(never)]
     #[must_use]
     pub fn winner(&self, probe: &[Weight; DIMS], mask: Mask) -> usize {
+        self.search(probe, mask)
+    }
+
+    #[inline(always)]
+    fn search(&self, probe: &[Weight; DIMS], mask: Mask) -> usize {
         let by_hand = match mask.covers(DIMS) {
             true => self.rivals_by_hand(&self.norms, probe, Self::MARGIN),
             false => None,
         };
-        let rivals = by_hand.unwrap_or_else(|| self.rivals(probe, mask));
-        kernels::single(rivals).unwrap_or_else(|| self.nearest_of(rivals, probe, mask))
+        match by_hand.unwrap_or_else(|| Found::among(self.rivals(probe, mask))) {
+            Found::One(neuron) => neuron,
+            Found::Rivals(rivals) => self.nearest_of(rivals, probe, mask),
+        }
     }
 
     /// By how much the ranks of two neurons may be out of order.
-    pub(crate) const MARGIN: i32 = kernels::rank_margin(DIMS, 1 << 8);
+    pub(crate) const MARGIN: i32 = kernels::rank_margin::<DIMS>(1 << 8);
 
     /// The neurons that may be nearest.
     #[inline(never)]
@@ -195,10 +203,14 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         kernels::nearest_of(rivals, |k| self.distance(k, probe, mask))
     }
 
-    /// Whether there are kernels for the processor and a map of this size.
+    /// Those for the processor, if a map of this size has them.
     #[inline(always)]
-    pub(crate) const fn has_kernels(&self) -> bool {
-        NEURONS == 16 && DIMS == 16 && self.kernels.is_some()
+    pub(crate) const fn kernels(&self) -> Option<&'static Kernels> {
+        if NEURONS == 16 && DIMS == 16 {
+            self.kernels
+        } else {
+            None
+        }
     }
 
     /// The same by the processor's kernels, if there are any for this size; `margin` as of [`kernels::rank_margin`].
@@ -208,15 +220,15 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         bases: &[i32; NEURONS],
         probe: &[Weight; DIMS],
         margin: i32,
-    ) -> Option<Mask> {
-        let kernels = self.kernels.filter(|_| self.has_kernels())?;
+    ) -> Option<Found> {
+        let kernels = self.kernels()?;
         let (code, _) = self.code.as_flattened().as_chunks();
         let (code, bases) = (code.try_into().ok()?, bases.as_slice().try_into().ok()?);
         let probe = probe.as_slice().try_into().ok()?;
         // Ranks are half as large.
         let margin = margin << (kernels::RANK_BITS - 1);
         let rivals = (kernels.rivals)(code, bases, probe, margin);
-        Some(Mask::from_bits(rivals))
+        Some(Found::by_hand(rivals))
     }
 
     /// The scores in units of 2⁻¹⁷, see [`kernels::rank_margin`]. Over a part of the components there are no lengths to
@@ -253,24 +265,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         }
     }
 
-    /// Adds weighted scores to another map's squared lengths, as bases for its [`rivals_by_hand`](Self::rivals_by_hand); the weight in 1/256 is
-    /// below 512.
-    #[inline(always)]
-    pub(crate) fn add_to_bases(
-        &self,
-        probe: &[Weight; DIMS],
-        weight_q8: u16,
-        bases: &mut [i32; NEURONS],
-    ) {
-        let probe = probe.map(|x| kernels::rank_factor(x, weight_q8));
-        for ((base, row), norm) in bases.iter_mut().zip(&self.code).zip(&self.norms) {
-            let rank = kernels::rank_norm(*norm, weight_q8);
-            let rank = kernels::rank_sum(rank, row, &probe);
-            *base = base.wrapping_add(rank << kernels::RANK_BITS);
-        }
-    }
-
-    /// Squared lengths of the upper halves of the code vectors, in units of 2⁻²⁶.
+    /// Squared lengths of the code vectors, in units of 2⁻²⁶.
     pub(crate) const fn norms(&self) -> &[i32; NEURONS] {
         &self.norms
     }
@@ -288,15 +283,34 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     #[inline(never)]
     pub fn alignments(&self, probe: &[Weight; DIMS], mask: Mask) -> [i64; NEURONS] {
         let mut alignments = [0; NEURONS];
-        kernels::alignments(
-            self.code.as_flattened(),
-            self.norms.iter().map(|norm| i64::from(*norm)),
-            DIMS,
-            probe,
-            mask,
-            &mut alignments,
-        );
+        let measures = match mask.covers(DIMS) {
+            true => self.measure_by_hand(probe),
+            false => None,
+        };
+        match measures {
+            Some(measures) => kernels::measured_alignments(&measures, &mut alignments),
+            None => kernels::alignments(
+                self.code.as_flattened(),
+                self.code.iter().map(|row| squared_norm(row)),
+                DIMS,
+                probe,
+                mask,
+                &mut alignments,
+            ),
+        }
         alignments
+    }
+
+    /// Squared lengths of the upper halves and their dot products with the probe by the processor's kernels, if there are
+    /// any for this size.
+    #[inline(always)]
+    fn measure_by_hand(&self, probe: &[Weight; DIMS]) -> Option<[[i32; 2]; 16]> {
+        let kernels = self.kernels()?;
+        let (code, _) = self.code.as_flattened().as_chunks();
+        let (code, probe) = (code.try_into().ok()?, probe.as_slice().try_into().ok()?);
+        let mut measures = [[0; 2]; 16];
+        (kernels.measure)(code, probe, &mut measures);
+        Some(measures)
     }
 
     /// Dot product of the probe with every code vector over the components that `mask` believes, in units of 2⁻²⁶.
@@ -323,6 +337,24 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         mask: Mask,
         pull: &Pull<NEURONS>,
     ) {
+        self.step(winner, probe, mask, pull);
+    }
+
+    /// One step of learning around the best-matching unit, which is returned.
+    #[inline(never)]
+    pub(crate) fn teach(
+        &mut self,
+        probe: &[Weight; DIMS],
+        mask: Mask,
+        pull: &Pull<NEURONS>,
+    ) -> usize {
+        let winner = self.search(probe, mask);
+        self.step(winner, probe, mask, pull);
+        winner
+    }
+
+    #[inline(always)]
+    fn step(&mut self, winner: usize, probe: &[Weight; DIMS], mask: Mask, pull: &Pull<NEURONS>) {
         let groups = self.groups(winner, mask, pull);
         if groups.is_none_or(|groups| !self.pull_groups(probe, &groups)) {
             self.learn_portably(winner, probe, mask, pull);
@@ -356,7 +388,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         mask: Mask,
         pull: &Pull<NEURONS>,
     ) -> Option<[Group; 2]> {
-        let can = self.has_kernels() && mask.covers(DIMS);
+        let can = self.kernels().is_some() && mask.covers(DIMS);
         can.then(|| pull.groups(self.grid, winner)).flatten()
     }
 
@@ -413,6 +445,26 @@ pub struct Learn {
     pub winner: usize,
     /// Components to learn.
     pub mask: Mask,
+}
+
+impl<const NEURONS: usize> Som<NEURONS, 2> {
+    /// Adds weighted scores to another map's squared lengths, as bases for its [`rivals_by_hand`](Self::rivals_by_hand);
+    /// the weight in 1/256 is below 512. `None` where there are other sizes than the kernels'.
+    #[inline(always)]
+    pub(crate) fn weigh_by_hand(
+        &self,
+        kernels: &Kernels,
+        probe: [Weight; 2],
+        weight_q8: u16,
+        bases: &mut [i32; NEURONS],
+    ) -> Option<()> {
+        let [x, y] = probe.map(|x| kernels::rank_factor(x, weight_q8));
+        let factors = [kernels::norm_factor(weight_q8), x, y];
+        let code = self.code.as_slice().try_into().ok()?;
+        let norms = self.norms.as_slice().try_into().ok()?;
+        (kernels.weigh)(bases.as_mut_slice().try_into().ok()?, code, norms, &factors);
+        Some(())
+    }
 }
 
 impl Learn {

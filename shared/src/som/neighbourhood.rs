@@ -20,6 +20,25 @@ pub enum Neighbourhood {
 pub struct Pull<const REACH: usize> {
     rate: Gain,
     shape: Shape<REACH>,
+    /// What the processor's kernels need of both, if they can do with it.
+    by_hand: Option<ByHand>,
+}
+
+/// Gains of the winner and of its direct neighbours, in units of 2⁻³².
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct ByHand {
+    rate_q32: i32,
+    share_q32: i32,
+}
+
+impl ByHand {
+    /// Only gains below 1/2 fit.
+    fn new(rate: Gain, share: Gain) -> Option<Self> {
+        (rate.is_below_half() && share.is_below_half()).then(|| Self {
+            rate_q32: rate.to_q32(),
+            share_q32: share.to_q32(),
+        })
+    }
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -76,17 +95,22 @@ impl<const REACH: usize> Pull<REACH> {
     #[must_use]
     pub fn new(neighbourhood: Neighbourhood, rate_q16: u32, radius_q16: u32) -> Self {
         let rate = Gain::from_q16(rate_q16);
-        let shape = match neighbourhood {
-            Neighbourhood::Direct => Shape::Direct {
-                share: rate.times(Gain::from_q16(radius_q16)),
-            },
+        let (shape, by_hand) = match neighbourhood {
+            Neighbourhood::Direct => {
+                let share = rate.times(Gain::from_q16(radius_q16));
+                (Shape::Direct { share }, ByHand::new(rate, share))
+            }
             Neighbourhood::Gaussian => {
                 let mut axis = [Gain::ZERO; REACH];
                 gaussian(radius_q16, &mut axis);
-                Shape::Gaussian { axis }
+                (Shape::Gaussian { axis }, None)
             }
         };
-        Self { rate, shape }
+        Self {
+            rate,
+            shape,
+            by_hand,
+        }
     }
 
     /// Whether the winner learns alone.
@@ -98,23 +122,21 @@ impl<const REACH: usize> Pull<REACH> {
     /// that it does not know.
     #[inline(always)]
     pub(crate) fn groups(&self, grid: Grid, winner: usize) -> Option<[Group; 2]> {
-        let Shape::Direct { share } = self.shape else {
-            return None;
-        };
-        if !self.rate.is_below_half() || !share.is_below_half() {
-            return None;
-        }
-        let neighbours = match share {
-            Gain::ZERO => Mask::NONE,
+        let ByHand {
+            rate_q32,
+            share_q32,
+        } = self.by_hand?;
+        let neighbours = match share_q32 {
+            0 => Mask::NONE,
             _ => grid.mask_around(winner),
         };
         Some([
             Group {
-                gain_q32: self.rate.to_q32(),
+                gain_q32: rate_q32,
                 neurons: Mask::NONE.with(winner).to_bits(),
             },
             Group {
-                gain_q32: share.to_q32(),
+                gain_q32: share_q32,
                 neurons: neighbours.to_bits(),
             },
         ])

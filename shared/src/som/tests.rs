@@ -161,7 +161,7 @@ proptest! {
             learn.apply(&mut flat, probe, View::new(shape, 20_000, radius, &mut axis), |k, row| norms[k] = squared_norm(row));
         }
         prop_assert_eq!(map.code().as_flattened(), &flat[..]);
-        prop_assert_eq!(map.norms.map(i64::from).to_vec(), norms.clone());
+        prop_assert_eq!(map.norms, map.code().each_ref().map(|row| kernels::length_squared(row)));
         let fresh: Vec<_> = flat.chunks_exact(19).map(squared_norm).collect();
         prop_assert_eq!(norms, fresh);
     }
@@ -320,7 +320,12 @@ mod by_hand {
     use super::*;
     use kernels::{Group, Kernels};
 
-    pub static KERNELS: Kernels = Kernels { rivals, pull };
+    pub static KERNELS: Kernels = Kernels {
+        rivals,
+        weigh,
+        pull,
+        measure,
+    };
 
     extern "C" fn rivals(
         code: &[[Fine; 16]; 16],
@@ -335,9 +340,36 @@ mod by_hand {
             (bases[k] >> 1) - code[k].iter().zip(probe).map(product).sum::<i32>()
         });
         let least = ranks.into_iter().min().unwrap();
-        (0..16).fold(0, |mask, k| {
-            mask | u32::from(ranks[k] <= least.saturating_add(margin)) << k
-        })
+        let close = (0..16).filter(|k| ranks[*k] <= least.saturating_add(margin));
+        let close: Vec<u32> = close.map(|k| k as u32).collect();
+        match close[..] {
+            [only] => only,
+            _ => close.iter().map(|k| 1 << (16 + k)).sum(),
+        }
+    }
+
+    extern "C" fn weigh(
+        bases: &mut [i32; 16],
+        code: &[[Fine; 2]; 16],
+        norms: &[i32; 16],
+        factors: &[i32; 3],
+    ) {
+        let part = |value: i32, factor: i32| ((i64::from(value) * i64::from(factor)) >> 32) as i32;
+        for ((base, [x, y]), norm) in bases.iter_mut().zip(code).zip(norms) {
+            let values = [*norm, x.to_bits(), y.to_bits()];
+            let parts = values.into_iter().zip(*factors).map(|(v, f)| part(v, f));
+            *base += parts.sum::<i32>() << 9;
+        }
+    }
+
+    extern "C" fn measure(
+        code: &[[Fine; 16]; 16],
+        probe: &[Weight; 16],
+        measures: &mut [[i32; 2]; 16],
+    ) {
+        for (measure, row) in measures.iter_mut().zip(code) {
+            *measure = [squared_norm(row), crate::fixed::dot(row, probe)].map(|sum| sum as i32);
+        }
     }
 
     extern "C" fn pull(
@@ -346,13 +378,14 @@ mod by_hand {
         probe: &[Weight; 16],
         groups: &[Group; 2],
     ) {
-        for group in groups.iter().take_while(|group| group.gain_q32 != 0) {
+        for group in groups {
             let gain = Gain::from_q32(group.gain_q32);
             for k in (0..16).filter(|k| group.neurons & (1 << k) != 0) {
                 for (w, x) in code[k].iter_mut().zip(probe) {
                     *w = crate::fixed::approach(*w, x.fine(), gain);
                 }
-                norms[k] = squared_norm(&code[k]) as i32;
+                let square = |w: &Fine| (i64::from(w.to_bits()).pow(2) >> 32) as i32;
+                norms[k] = code[k].iter().map(square).sum();
             }
         }
     }
@@ -379,6 +412,7 @@ proptest! {
         for probe in probes.as_chunks::<16>().0 {
             let winner = portable.winner(probe, mask);
             prop_assert_eq!(map.winner(probe, mask), winner);
+            prop_assert_eq!(map.alignments(probe, mask), portable.alignments(probe, mask));
             portable.learn(winner, probe, mask, &pull);
             map.learn(winner, probe, mask, &pull);
             prop_assert_eq!(&map, &portable);

@@ -56,6 +56,8 @@ fn learn(
             *value = near(*middle);
         }
         let probe: &[Weight; 16] = room[place..].first_chunk().expect("there are 17");
+        let alignments = situations.alignments(probe, Mask::ALL);
+        assert_eq!(by_hand.alignments(probe, Mask::ALL), alignments);
         let effect = Effect {
             change: *probe,
             action: [near(0), near(0)],
