@@ -16,6 +16,8 @@ pub struct Coverage {
     rows: usize,
     words: Vec<u64>,
     radius_m: f64,
+    /// Where the last way ended.
+    last: Option<Point>,
 }
 
 impl Coverage {
@@ -35,11 +37,17 @@ impl Coverage {
             rows,
             words: vec![0; (columns * rows).div_ceil(64)],
             radius_m,
+            last: None,
         }
     }
 
     /// The body has moved straight from `from` to `to`.
     pub fn sweep(&mut self, from: Point, to: Point) {
+        if from == to && self.last == Some(to) {
+            // It stands where it stood.
+            return;
+        }
+        self.last = Some(to);
         let cell = |value: f64, most: usize| {
             ((value / CELL_M).max(0.0) as usize).min(most.saturating_sub(1))
         };

@@ -140,7 +140,10 @@ pub(crate) const fn approach_in_lanes(from: Fine, to: Fine, gain: Gain) -> Fine 
     let gain = (gain.0 << 2) as u32;
     let step = ((difference as u32 as u64 * gain as u64) >> 32) as u32;
     let too_much = gain & (difference >> 31) as u32;
-    Fine::from_bits(from.to_bits().wrapping_add(step.wrapping_sub(too_much) as i32))
+    Fine::from_bits(
+        from.to_bits()
+            .wrapping_add(step.wrapping_sub(too_much) as i32),
+    )
 }
 
 /// The upper half of a product of 64 bits, rounded down: one instruction on the chip, addition included.

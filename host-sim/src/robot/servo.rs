@@ -1,5 +1,8 @@
 //! Position servos with limited velocity and acceleration, one time step at a time.
 
+/// What exceeds a square by this factor has a root that is greater, whatever the rounding.
+const FAR: f64 = 1.0 + 1e-9;
+
 /// One time step towards rest at `left`: returns how far it goes and the velocity after it. Neither the
 /// limit nor the acceleration is exceeded, and the end is met exactly: on the braking curve v² = 2·a·left
 /// each step stays on it.
@@ -11,8 +14,15 @@ pub(super) fn approach(left: f64, velocity: f64, limit: f64, a: f64, dt: f64) ->
         return (left * sign, 0.0);
     }
     let half = a * dt / 2.0;
-    let wanted = (half * half + 2.0 * a * (left - v * dt / 2.0).max(0.0)).sqrt() - half;
-    let next = wanted.min(limit).clamp(v - a * dt, v + a * dt);
+    let squared = half * half + 2.0 * a * (left - v * dt / 2.0).max(0.0);
+    let (low, high) = (v - a * dt, v + a * dt);
+    let most = limit.min(high);
+    let next = if most > 0.0 && squared > (most + half) * (most + half) * FAR {
+        // As the formula below, without its root.
+        most.max(low)
+    } else {
+        (squared.sqrt() - half).min(limit).clamp(low, high)
+    };
     ((v + next) / 2.0 * dt * sign, next * sign)
 }
 

@@ -5,8 +5,8 @@
 //! Measured in scalar products: a search of 16 neurons of 16 components is 256 multiply–adds and 16 comparisons.
 
 use crate::fixed::{
-    Fine, Gain, Mask, Scalar, Weight, approach, approach_in_lanes, approach_slowly, dot, high_product, isqrt,
-    quotient, squared_distance, squared_norm,
+    Fine, Gain, Mask, Scalar, Weight, approach, approach_in_lanes, approach_slowly, dot,
+    high_product, isqrt, quotient, squared_distance, squared_norm,
 };
 
 /// Squared distance of the probe to each code vector less the probe's own squared length:
