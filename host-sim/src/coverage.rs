@@ -127,6 +127,18 @@ mod tests {
     }
 
     #[test]
+    fn where_it_stands_is_covered_once_it_gets_there() {
+        let mut coverage = Coverage::new((Point::new(0.0, 0.0), Point::new(10.0, 10.0)), 0.269);
+        let mut stand = |x: f64| {
+            let place = Point::new(x, 5.0);
+            coverage.sweep(place, place);
+            coverage.area_m2()
+        };
+        let once = stand(1.0);
+        assert!(once > 0.0 && stand(1.0) == once && stand(3.0) == 2.0 * once);
+    }
+
+    #[test]
     fn outside_the_bounds_nothing_breaks() {
         let mut coverage = Coverage::new((Point::new(0.0, 0.0), Point::new(1.0, 1.0)), 0.269);
         coverage.sweep(Point::new(-5.0, -5.0), Point::new(-4.0, 50.0));
