@@ -87,7 +87,7 @@ impl Hearing {
         for &direction in &self.promising {
             self.rays.push(direction);
         }
-        lobe.meet(&mut self.rays, |_| config.max_range_m);
+        lobe.meet(&mut self.rays, config.max_range_m);
         self.note_answers();
         self.answers
             .iter()

@@ -1,14 +1,14 @@
 //! What one lobe can meet.
 //!
 //! A [`LobeView`] holds the faces, circles and corners that one lobe can meet, so that a fan of rays pays only for those.
-//! A thing is held against all rays at once. Things are taken from near to
-//! far, and once the fan has got an answer, what lies beyond it is left alone.
+//! Rays meet them in two ways: all rays at once ([`LobeView::meet`]), or as few as tell the nearest answer
+//! ([`LobeView::nearest_answer`]).
 
 use wide::f64x4;
 
 use super::World;
 use super::answer::{Fan, Search, Things};
-use super::faces::{FaceBlock, Faces, LANES, min};
+use super::faces::{FaceBlock, Faces, LANES};
 use super::geometry::Point;
 use super::rays::{Rays, SeenCircle, SeenFace};
 use super::surroundings::Surroundings;
@@ -16,9 +16,6 @@ use super::view::{ConeShape, circle_in_cone};
 
 /// How much farther than an answer things are still looked at, m: far above any rounding.
 const SLACK_M: f64 = 1e-3;
-
-/// Things up to this many times as far as the nearest one, squared, are looked at in one go.
-const STRIDE: f64 = 1.44;
 
 /// How much nearer than a corner a ray may end and still be said to reach it, m.
 const CORNER_SLACK_M: f64 = 1e-6;
@@ -169,46 +166,15 @@ impl LobeView {
         search.run()
     }
 
-    /// Lets the rays meet what lies in the lobe, which they must not leave, from near to far; what lies farther, m, than
-    /// `far` says of what was met so far is left alone.
-    pub fn meet(&self, rays: &mut Rays, mut far: impl FnMut(&Rays) -> f64) {
-        let mut done = -1.0;
-        loop {
-            let next = self.nearest_beyond(done);
-            let far = far(rays) + SLACK_M;
-            if next == f64::INFINITY || next > far * far {
-                return;
-            }
-            let until = next * STRIDE;
-            let due = |near: f64| near > done && near <= until;
-            for face in self.faces.iter().filter(|face| due(face.near)) {
-                rays.meet_face(face);
-            }
-            for circle in self.circles.iter().filter(|circle| due(circle.near)) {
-                rays.meet_circle(circle);
-            }
-            done = until;
+    /// Lets the rays, which must not leave the lobe, meet what lies in it up to `far` m from its tip, and perhaps more.
+    pub fn meet(&self, rays: &mut Rays, far: f64) {
+        let most = (far + SLACK_M) * (far + SLACK_M);
+        for face in self.faces.iter().filter(|face| face.near <= most) {
+            rays.meet_face(face);
         }
-    }
-
-    /// Squared distance of the nearest thing beyond a squared distance, m²; infinite if there is none.
-    fn nearest_beyond(&self, done: f64) -> f64 {
-        let beyond = |nearest: f64, near: f64| {
-            if near > done {
-                min(nearest, near)
-            } else {
-                nearest
-            }
-        };
-        let faces = self
-            .faces
-            .iter()
-            .map(|face| face.near)
-            .fold(f64::INFINITY, beyond);
-        self.circles
-            .iter()
-            .map(|circle| circle.near)
-            .fold(faces, beyond)
+        for circle in self.circles.iter().filter(|circle| circle.near <= most) {
+            rays.meet_circle(circle);
+        }
     }
 
     /// Unit vectors from the tip towards the places most likely to answer: the foot of the perpendicular

@@ -124,7 +124,7 @@ fn rays_have_the_oracles_bits() {
             directions
                 .iter()
                 .for_each(|direction| rays.push(*direction));
-            lobe.meet(&mut rays, |_| f64::INFINITY);
+            lobe.meet(&mut rays, f64::INFINITY);
             for (index, &direction) in directions.iter().enumerate() {
                 let found = (
                     rays.ways()[index],
