@@ -16,6 +16,8 @@ pub struct Coverage {
     rows: usize,
     words: Vec<u64>,
     radius_m: f64,
+    /// Where the last way ended.
+    last: Option<Point>,
 }
 
 impl Coverage {
@@ -35,11 +37,17 @@ impl Coverage {
             rows,
             words: vec![0; (columns * rows).div_ceil(64)],
             radius_m,
+            last: None,
         }
     }
 
     /// The body has moved straight from `from` to `to`.
     pub fn sweep(&mut self, from: Point, to: Point) {
+        if from == to && self.last == Some(to) {
+            // It stands where it stood.
+            return;
+        }
+        self.last = Some(to);
         let cell = |value: f64, most: usize| {
             ((value / CELL_M).max(0.0) as usize).min(most.saturating_sub(1))
         };
@@ -116,6 +124,18 @@ mod tests {
         let once = coverage.area_m2();
         coverage.sweep(Point::new(9.0, 5.0), Point::new(1.0, 5.0));
         assert_eq!(coverage.area_m2(), once);
+    }
+
+    #[test]
+    fn where_it_stands_is_covered_once_it_gets_there() {
+        let mut coverage = Coverage::new((Point::new(0.0, 0.0), Point::new(10.0, 10.0)), 0.269);
+        let mut stand = |x: f64| {
+            let place = Point::new(x, 5.0);
+            coverage.sweep(place, place);
+            coverage.area_m2()
+        };
+        let once = stand(1.0);
+        assert!(once > 0.0 && stand(1.0) == once && stand(3.0) == 2.0 * once);
     }
 
     #[test]

@@ -34,6 +34,8 @@ pub struct Body<'w> {
     /// Where the odometry reported so far puts the base, and the ring's bearing as reported.
     reported: Point,
     reported_bearing: Bearing,
+    /// The unit vector along that bearing.
+    reported_axis: Point,
 }
 
 /// What one turn of the simulation brought about.
@@ -107,6 +109,7 @@ impl<'w> Body<'w> {
             },
             reported: start.position,
             reported_bearing: bearing(start.heading),
+            reported_axis: Point::unit(angle(bearing(start.heading))),
         }
     }
 
@@ -233,8 +236,7 @@ impl<'w> Body<'w> {
     /// Reports what the base has done since its last report, in whole millimetres; what rounding
     /// leaves over goes into the next report.
     fn report(&mut self, pilot: &mut impl Pilot, from: Point, done: &Executed) -> Moved {
-        let frame = angle(self.reported_bearing);
-        let (sin, cos) = libm::sincos(frame);
+        let Point { x: cos, y: sin } = self.reported_axis;
         let way = self.base.odometry() - self.reported;
         let (x, y) = (way.x * cos + way.y * sin, way.y * cos - way.x * sin);
         let moved =
@@ -243,7 +245,7 @@ impl<'w> Body<'w> {
         self.reported = self.reported + Point::new(x * cos - y * sin, x * sin + y * cos);
         let now = bearing(self.base.pose().heading);
         let turned = now.minus(self.reported_bearing);
-        self.reported_bearing = now;
+        self.set_reported_bearing(now);
         let progress = match (done.touched, done.moving) {
             (true, _) => Progress::Touched,
             (false, true) => Progress::Moving,
@@ -264,6 +266,13 @@ impl<'w> Body<'w> {
             travelled_m: done.travelled_m,
             clearance_m: done.min_clearance_m,
             touched: done.touched,
+        }
+    }
+
+    fn set_reported_bearing(&mut self, bearing: Bearing) {
+        if bearing != self.reported_bearing {
+            self.reported_bearing = bearing;
+            self.reported_axis = Point::unit(angle(bearing));
         }
     }
 
@@ -362,7 +371,7 @@ impl<'w> Body<'w> {
     fn set_down(&mut self, start: Pose) {
         self.base = Base::new(start, self.limits, self.turret);
         self.reported = start.position;
-        self.reported_bearing = bearing(start.heading);
+        self.set_reported_bearing(bearing(start.heading));
     }
 }
 

@@ -9,42 +9,34 @@
 use core::f64::consts::PI;
 
 use super::SonarConfig;
-use crate::world::{Hit, LobeView, Point, Rays, Surface, World};
-
-/// How much nearer than a corner a ray may end and still be said to reach it, m.
-const CORNER_SLACK_M: f64 = 1e-6;
+use crate::world::{Fan, Hit, LobeView, Point, Rays, Surface, World};
 
 /// Scratch memory and precomputed directions.
 #[derive(Debug, Clone)]
 pub(super) struct Hearing {
-    /// The fan, relative to the axis, and how many rays it has.
-    fan: Rays,
-    fan_rays: usize,
+    fan: Fan,
     cos_half_angle: f64,
     cos_max_incidence: f64,
+    /// Cosine of the angle between axis and normal beyond which a face answers no ray of the lobe.
+    least_facing: f64,
+    promising: Vec<Point>,
     /// The fan and the promising directions.
     rays: Rays,
-    to_corners: Rays,
-    /// How far the corners are at the end of `to_corners`, m.
-    corners: Vec<f64>,
     /// Number and nearest answer, m, of each surface met.
     answers: Vec<(f64, f64)>,
 }
 
 impl Hearing {
     pub(super) fn new(config: &SonarConfig, half_angle: f64) -> Self {
-        let fan_rays = config.fan_rays.max(2);
-        let step = 2.0 * half_angle / (fan_rays - 1) as f64;
-        let mut fan = Rays::default();
-        (0..fan_rays).for_each(|i| fan.push(Point::unit(step * i as f64 - half_angle)));
+        let max_incidence = config.max_incidence_rad.clamp(0.0, PI / 2.0);
         Self {
-            fan,
-            fan_rays,
+            fan: Fan::new(config.fan_rays.max(2), half_angle),
             cos_half_angle: libm::cos(half_angle),
-            cos_max_incidence: libm::cos(config.max_incidence_rad.clamp(0.0, PI / 2.0)),
+            cos_max_incidence: libm::cos(max_incidence),
+            // Less by far more than any rounding.
+            least_facing: libm::cos((half_angle + max_incidence).min(PI)) - 1e-6,
+            promising: Vec::new(),
             rays: Rays::default(),
-            to_corners: Rays::default(),
-            corners: Vec::new(),
             answers: Vec::new(),
         }
     }
@@ -53,15 +45,15 @@ impl Hearing {
     pub(super) fn first_echo(
         &mut self,
         world: &World,
-        lobe: &LobeView,
+        lobe: &mut LobeView,
         tip: Point,
         axis: Point,
         config: &SonarConfig,
     ) -> Option<f64> {
-        self.fan.turned_into(axis, &mut self.rays);
+        self.promising.clear();
         for direction in lobe.promising() {
             if direction.dot(axis) >= self.cos_half_angle {
-                self.rays.push(direction);
+                self.promising.push(direction);
             }
         }
         let mut first = Nearest {
@@ -69,55 +61,37 @@ impl Hearing {
             most: config.max_range_m,
             range: None,
         };
-        let least_cos = self.cos_max_incidence;
-        if config.blanking_m > 0.0 {
-            // What answers too early answers no more: the nearest answer of each surface has to be known.
-            lobe.meet(&mut self.rays, |_| config.max_range_m);
-            self.note_answers();
-            self.answers
-                .iter()
-                .for_each(|&(_, range)| first.offer(range));
-        } else {
-            let mut nearest = f64::INFINITY;
-            lobe.meet(&mut self.rays, |rays| {
-                nearest = rays.nearest(least_cos);
-                nearest.min(config.max_range_m)
-            });
-            first.offer(nearest);
-        }
-        if config.bounces > 0 {
+        if config.blanking_m > 0.0 || config.bounces > 0 || !self.fan.is_narrow() {
+            self.hear_rays(lobe, axis, config, &mut first);
             self.follow(world, lobe, tip, config.bounces, &mut first);
+        } else {
+            let (least_cos, facing) = (self.cos_max_incidence, self.least_facing);
+            first.offer(lobe.nearest_answer(&self.fan, &self.promising, least_cos, facing));
         }
-        self.hear_corners(lobe, axis, &mut first);
+        if let Some(corner) = lobe.nearest_corner(first.least, first.range.unwrap_or(first.most)) {
+            first.offer(corner);
+        }
         first.range
     }
 
-    /// Offers the corners that nothing hides.
-    fn hear_corners(&mut self, lobe: &LobeView, axis: Point, first: &mut Nearest) {
-        self.to_corners.clear();
-        self.corners.clear();
-        let mut farthest = 0.0;
-        for &(corner, range) in lobe.corners() {
-            if first.wants(range) {
-                let towards = if range > 0.0 {
-                    corner * (1.0 / range)
-                } else {
-                    axis
-                };
-                self.to_corners.push(towards);
-                self.corners.push(range);
-                farthest = range.max(farthest);
-            }
+    /// Lets every ray meet what it meets first, and offers the nearest answer of each surface: what answers too early
+    /// answers no more.
+    fn hear_rays(
+        &mut self,
+        lobe: &LobeView,
+        axis: Point,
+        config: &SonarConfig,
+        first: &mut Nearest,
+    ) {
+        self.fan.rays().turned_into(axis, &mut self.rays);
+        for &direction in &self.promising {
+            self.rays.push(direction);
         }
-        if self.corners.is_empty() {
-            return;
-        }
-        lobe.meet(&mut self.to_corners, |_| farthest);
-        for (&range, &way) in self.corners.iter().zip(self.to_corners.ways()) {
-            if way >= range - CORNER_SLACK_M {
-                first.offer(range);
-            }
-        }
+        lobe.meet(&mut self.rays, config.max_range_m);
+        self.note_answers();
+        self.answers
+            .iter()
+            .for_each(|&(_, range)| first.offer(range));
     }
 
     /// Lets the rays of the fan go on as mirrored by the faces they meet too obliquely, up to `bounces` times.
@@ -130,7 +104,7 @@ impl Hearing {
         first: &mut Nearest,
     ) {
         let met = self.rays.ways().iter().zip(self.rays.cos_incidences());
-        for (ray, (&length, &cos)) in met.enumerate().take(self.fan_rays) {
+        for (ray, (&length, &cos)) in met.enumerate().take(self.fan.count()) {
             if cos >= self.cos_max_incidence {
                 continue;
             }

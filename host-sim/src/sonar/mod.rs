@@ -13,7 +13,7 @@
 use core::f64::consts::TAU;
 
 use crate::noise::Noise;
-use crate::world::{ConeShape, LobeView, Point, Pose, View, World};
+use crate::world::{ConeShape, LobeView, Point, Pose, Standing, View, World};
 
 mod config;
 mod fault;
@@ -109,6 +109,9 @@ pub struct Ring {
     view: View,
     lobe: LobeView,
     hearing: hearing::Hearing,
+    standing: Standing,
+    /// What each transducer heard last in the world as it stands, and from where.
+    echoes: Vec<Option<(Pose, Option<f64>)>>,
     dead: Option<usize>,
     faults: fault::Faults,
     earlier: Option<EarlierPing>,
@@ -142,6 +145,8 @@ impl Ring {
             view: View::default(),
             lobe: LobeView::default(),
             hearing: hearing::Hearing::new(&config, half_angle),
+            standing: Standing::default(),
+            echoes: Vec::new(),
             dead: config.one_dead.then(|| noise.index(geometry.count)),
             faults: fault::Faults::default(),
             earlier: None,
@@ -235,21 +240,15 @@ impl Ring {
         time_s: f64,
         noise: &mut Noise,
     ) -> Option<f64> {
-        let axis = self.axes.get(sensor)?.turned(Point::unit(pose.heading));
+        let axis = *self.axes.get(sensor)?;
         if self.model == SonarModel::Ideal {
+            let axis = axis.turned(Point::unit(pose.heading));
             let (offset, reach) = (self.geometry.face_radius_m, self.config.max_range_m);
             self.view.build(world, pose.position, offset, reach);
             let range = self.view.nearest_in_cone(axis, offset, self.cone);
             return (range <= reach).then_some(range);
         }
-        let tip = pose.position + axis * self.geometry.face_radius_m;
-        let reach = self.config.max_range_m;
-        let offset = self.geometry.face_radius_m;
-        self.lobe
-            .build(world, pose.position, offset, axis, self.cone, reach);
-        let echo = self
-            .hearing
-            .first_echo(world, &self.lobe, tip, axis, &self.config);
+        let echo = self.echo(world, pose, sensor, axis);
         let heard = self.with_crosstalk(echo, time_s, noise);
         if self.dead == Some(sensor) {
             return None;
@@ -258,6 +257,28 @@ impl Ring {
             .map(|echo_m| EarlierPing { time_s, echo_m })
             .or(self.earlier);
         self.as_reported(heard, noise)
+    }
+
+    /// The first echo a transducer hears; a robot that has not moved hears the same again.
+    fn echo(&mut self, world: &World, pose: &Pose, sensor: usize, axis: Point) -> Option<f64> {
+        if !self.standing.remains(world) {
+            self.echoes.clear();
+            self.echoes.resize(self.geometry.count, None);
+        }
+        let known = self.echoes.get_mut(sensor)?;
+        if let Some((_, echo)) = known.filter(|(from, _)| from == pose) {
+            return echo;
+        }
+        let axis = axis.turned(Point::unit(pose.heading));
+        let (offset, reach) = (self.geometry.face_radius_m, self.config.max_range_m);
+        let tip = pose.position + axis * offset;
+        self.lobe
+            .build(world, pose.position, offset, axis, self.cone, reach);
+        let echo = self
+            .hearing
+            .first_echo(world, &mut self.lobe, tip, axis, &self.config);
+        *known = Some((*pose, echo));
+        echo
     }
 
     /// The echo, or the reverberation of the ping before if that comes earlier. Sound that goes to and

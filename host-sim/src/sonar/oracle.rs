@@ -111,7 +111,7 @@ fn echoes_have_the_oracles_bits() {
                     let axis = Point::unit(TAU * f64::from(sensor) / 8.0 + off);
                     let tip = place + axis * FACE_M;
                     lobe.build(&world, place, FACE_M, axis, cone, config.max_range_m);
-                    let heard = hearing.first_echo(&world, &lobe, tip, axis, &config);
+                    let heard = hearing.first_echo(&world, &mut lobe, tip, axis, &config);
                     let echoes = Echoes {
                         world: &naive,
                         lobe: naive.lobe(tip, axis, cone, config.max_range_m),

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::World;
-use super::faces::{Faces, LANES, max, min};
+use super::faces::{FaceBlock, Faces, LANES, max, min};
 use super::geometry::Point;
 use super::surfaces::{Circle, Surfaces};
 use super::sweep::{Path, Sweep, touch_circle, touch_face};
@@ -12,12 +12,29 @@ use super::tree::SLACK_M;
 /// Paths that stay within this distance of where the clearing was looked at need no new look, m.
 const ROOM_M: f64 = 0.2;
 
+/// The same of the spot within the clearing: a few strides of 10 ms.
+const SPOT_M: f64 = 0.05;
+
+/// So few faces are faster looked at one by one than as a block.
+const FEW: usize = 3;
+
 /// The surfaces that can be the nearest to, or touched by, a disc near one place. Reusable; whatever it held before, its
 /// answers are those of [`World::sweep`] and [`World::clearance`], to the bit.
 #[derive(Debug, Clone, Default)]
 pub struct Clearing {
     of: Option<Arc<Surfaces>>,
+    wide: Near,
+    /// What matters nearer by, taken from the wide one.
+    spot: Near,
+    /// Where the disc stood last, and its distance from what does not move.
+    stood: Option<(Point, f64)>,
+}
+
+/// What matters within some room.
+#[derive(Debug, Clone, Default)]
+struct Near {
     middle: Point,
+    /// Nothing is known while this is 0.
     room: f64,
     radius: f64,
     faces: Faces,
@@ -36,7 +53,7 @@ impl Clearing {
     pub fn sweep(&mut self, world: &World, from: Point, to: Point, radius: f64) -> Sweep {
         self.look(world, from, to, radius);
         let path = Path::between(from, to);
-        let nearest = self.distance_to_path(&path, &world.posts);
+        let nearest = self.spot.distance_to_path(&path, &world.posts);
         let free = Sweep {
             travelled_m: path.length,
             contact: None,
@@ -45,7 +62,7 @@ impl Clearing {
         if !path.is_touched_at(nearest, radius) {
             return free;
         }
-        match self.first_touch(&path, radius, &world.posts) {
+        match self.spot.first_touch(&path, radius, &world.posts) {
             None => free,
             Some((way, contact)) => Sweep {
                 travelled_m: min(way, path.length),
@@ -58,78 +75,122 @@ impl Clearing {
     /// As [`World::clearance`].
     pub fn clearance(&mut self, world: &World, point: Point) -> f64 {
         self.look(world, point, point, 0.0);
-        let mut best = [f64::INFINITY; LANES];
-        for block in &self.faces.blocks {
-            let squared = block.distances_squared(point);
-            for (best, squared) in best.iter_mut().zip(squared) {
-                *best = min(*best, squared);
-            }
-        }
-        let faces = best.into_iter().fold(f64::INFINITY, min).sqrt();
-        let circles = self.circles.iter().chain(&world.posts);
-        circles.fold(faces, |nearest, circle| {
-            min(nearest, circle.distance(point))
-        })
+        let known = self.stood.filter(|(place, _)| *place == point);
+        let still = known.map_or_else(|| self.spot.distance(point), |(_, distance)| distance);
+        self.stood = Some((point, still));
+        let posts = world.posts.iter();
+        posts.fold(still, |nearest, post| min(nearest, post.distance(point)))
     }
 
     /// Holds all that matters to a path afterwards.
     fn look(&mut self, world: &World, from: Point, to: Point, radius: f64) {
-        let same = self
-            .of
-            .as_ref()
-            .is_some_and(|of| Arc::ptr_eq(of, &world.surfaces));
+        let surfaces = &world.surfaces;
+        let same = self.of.as_ref().is_some_and(|of| Arc::ptr_eq(of, surfaces));
+        if same && self.spot.holds(from, to, radius) {
+            return;
+        }
+        self.spot.begin(from, to, radius, SPOT_M);
+        if !same || !self.wide.covers(&self.spot) {
+            self.wide.begin(from, to, radius, ROOM_M);
+            self.wide.find(surfaces);
+        }
+        if !same {
+            self.of = Some(Arc::clone(surfaces));
+            self.stood = None;
+        }
+        self.spot.choose(&self.wide);
+    }
+}
+
+impl Near {
+    /// Whether all that matters to a path is here.
+    fn holds(&self, from: Point, to: Point, radius: f64) -> bool {
         let inside = |place: Point| {
             let offset = place - self.middle;
             offset.dot(offset) <= self.room * self.room
         };
-        if same && radius <= self.radius && inside(from) && inside(to) {
-            return;
-        }
-        let surfaces = &world.surfaces;
-        // A long path is looked at from its middle, for itself; the next ones will be elsewhere.
+        self.room > 0.0 && radius <= self.radius && inside(from) && inside(to)
+    }
+
+    /// Whether all that matters in another's room is here.
+    fn covers(&self, other: &Self) -> bool {
+        let apart = self.middle.distance(other.middle);
+        other.radius <= self.radius && apart + other.room <= self.room
+    }
+
+    /// Begins anew around a path, with room for more as long as it is short: a long one is looked at from its middle, for
+    /// itself; the next ones will be elsewhere.
+    fn begin(&mut self, from: Point, to: Point, radius: f64, room: f64) {
         let half = from.distance(to) / 2.0;
-        let (middle, room) = if half > ROOM_M / 2.0 {
-            ((from + to) * 0.5, half)
+        (self.middle, self.room) = if half > room / 4.0 {
+            // A little more than the rounding of the middle.
+            ((from + to) * 0.5, half + SLACK_M)
         } else {
-            (from, ROOM_M)
+            (from, room)
         };
-        let nearest = surfaces.distance(middle);
-        // Whatever is nearest to a place in the room is no farther from it than this is, and so no farther from the
-        // middle than twice the room more.
-        let reach = max(nearest + 2.0 * room, radius + room) + SLACK_M;
+        self.radius = radius;
         self.faces.clear();
         self.circles.clear();
-        surfaces.faces_near(middle, reach, |block| {
-            let squared = block.distances_squared(middle);
-            for (lane, squared) in squared.into_iter().enumerate() {
-                if squared <= reach * reach {
-                    self.faces.push(block.face(lane));
-                }
-            }
+    }
+
+    /// How far from the middle lies what matters, m, where the nearest thing lies so far: whatever is nearest to a place in
+    /// the room is no farther from it than this is, and so no farther from the middle than twice the room more.
+    fn reach(&self, nearest: f64) -> f64 {
+        max(nearest + 2.0 * self.room, self.radius + self.room) + SLACK_M
+    }
+
+    fn find(&mut self, surfaces: &Surfaces) {
+        let reach = self.reach(surfaces.distance(self.middle));
+        surfaces.faces_near(self.middle, reach, |block| {
+            self.faces.keep(block, self.middle, reach)
         });
-        surfaces.circles_near(middle, reach, |circle| {
+        surfaces.circles_near(self.middle, reach, |circle| {
             // What it lies in counts too, however deep.
-            if middle.distance(circle.center) - circle.radius <= reach {
+            if self.middle.distance(circle.center) - circle.radius <= reach {
                 self.circles.push(*circle);
             }
         });
-        (self.middle, self.room, self.radius) = (middle, room, radius);
-        if !same {
-            self.of = Some(Arc::clone(surfaces));
+    }
+
+    /// Takes from a wider one, which covers it, what matters here.
+    fn choose(&mut self, wide: &Self) {
+        let reach = self.reach(wide.distance(self.middle));
+        for block in &wide.faces.blocks {
+            self.faces.keep(block, self.middle, reach);
         }
+        let near = |circle: &&Circle| self.middle.distance(circle.center) - circle.radius <= reach;
+        self.circles.extend(wide.circles.iter().filter(near));
+    }
+
+    /// Distance of the nearest thing, m.
+    fn distance(&self, place: Point) -> f64 {
+        let faces = self.nearest_face(|block| block.distances_squared(place));
+        self.circles.iter().fold(faces, |nearest, circle| {
+            min(nearest, circle.distance(place))
+        })
     }
 
     fn distance_to_path(&self, path: &Path, posts: &[Circle]) -> f64 {
+        let faces = if self.faces.count() <= FEW {
+            let gaps = self.faces.iter().map(|face| path.gap_squared(&face));
+            gaps.fold(f64::INFINITY, min).sqrt()
+        } else {
+            self.nearest_face(|block| path.gaps_squared(block))
+        };
+        let circles = self.circles.iter().chain(posts);
+        circles.fold(faces, |nearest, circle| min(nearest, path.gap(circle)))
+    }
+
+    /// The square root of the least of what is said of the faces.
+    #[inline(always)]
+    fn nearest_face(&self, squared: impl Fn(&FaceBlock) -> [f64; LANES]) -> f64 {
         let mut best = [f64::INFINITY; LANES];
         for block in &self.faces.blocks {
-            let squared = path.gaps_squared(block);
-            for (best, squared) in best.iter_mut().zip(squared) {
+            for (best, squared) in best.iter_mut().zip(squared(block)) {
                 *best = min(*best, squared);
             }
         }
-        let faces = best.into_iter().fold(f64::INFINITY, min).sqrt();
-        let circles = self.circles.iter().chain(posts);
-        circles.fold(faces, |nearest, circle| min(nearest, path.gap(circle)))
+        best.into_iter().fold(f64::INFINITY, min).sqrt()
     }
 
     /// Way to the first touch and the point touched; of several at once, that of the surface that comes first in the world.

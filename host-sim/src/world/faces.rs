@@ -150,6 +150,16 @@ impl Faces {
         self.count += 1;
     }
 
+    /// Appends those faces of a block that come within `reach` m of `place`.
+    pub fn keep(&mut self, block: &FaceBlock, place: Point, reach: f64) {
+        let squared = block.distances_squared(place);
+        for (lane, squared) in squared.into_iter().enumerate() {
+            if squared <= reach * reach {
+                self.push(block.face(lane));
+            }
+        }
+    }
+
     /// The faces one by one, without those that only fill up.
     pub fn iter(&self) -> impl Iterator<Item = Face> + '_ {
         let lanes = self

@@ -1,27 +1,27 @@
 //! What one lobe can meet.
 //!
 //! A [`LobeView`] holds the faces, circles and corners that one lobe can meet, so that a fan of rays pays only for those.
-//! A thing is held against all rays at once. Things are taken from near to
-//! far, and once the fan has got an answer, what lies beyond it is left alone.
+//! Rays meet them in two ways: all rays at once ([`LobeView::meet`]), or as few as tell the nearest answer
+//! ([`LobeView::nearest_answer`]).
 
 use wide::f64x4;
 
 use super::World;
-use super::faces::{FaceBlock, LANES, min};
+use super::answer::{Fan, Search, Things};
+use super::faces::{FaceBlock, Faces, LANES};
 use super::geometry::Point;
 use super::rays::{Rays, SeenCircle, SeenFace};
-use super::surfaces::PointBlock;
 use super::surroundings::Surroundings;
 use super::view::{ConeShape, circle_in_cone};
 
 /// How much farther than an answer things are still looked at, m: far above any rounding.
 const SLACK_M: f64 = 1e-3;
 
-/// Things up to this many times as far as the nearest one, squared, are looked at in one go.
-const STRIDE: f64 = 1.44;
+/// How much nearer than a corner a ray may end and still be said to reach it, m.
+const CORNER_SLACK_M: f64 = 1e-6;
 
 /// A lobe: where it begins and where it points.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Lobe {
     tip: Point,
     axis: Point,
@@ -29,20 +29,14 @@ struct Lobe {
     reach: f64,
 }
 
-impl Lobe {
-    /// Whether anything within a circle may lie in the lobe's cone.
-    fn may_reach(&self, (middle, radius): (Point, f64)) -> bool {
-        let (offset, radius) = (middle - self.tip, radius + SLACK_M);
-        let (along, across) = (self.axis.dot(offset), self.axis.cross(offset));
-        let depth = along * self.cone.sin + radius;
-        across * self.cone.cos <= depth && -across * self.cone.cos <= depth && along >= -radius
-    }
-}
-
 /// What one lobe can meet. Reusable: building it again seldom allocates.
 #[derive(Debug, Clone, Default)]
 pub struct LobeView {
     around: Surroundings,
+    lobe: Lobe,
+    /// Faces that may lie in the lobe.
+    candidates: Faces,
+    /// From near to far.
     faces: Vec<SeenFace>,
     circles: Vec<SeenCircle>,
     corners: Vec<(Point, f64)>,
@@ -61,21 +55,29 @@ impl LobeView {
         reach_m: f64,
     ) {
         self.around.look(world, middle, offset_m, reach_m);
-        let around = std::mem::take(&mut self.around);
         let lobe = Lobe {
             tip: middle + axis * offset_m,
             axis,
             cone,
             reach: reach_m,
         };
-        self.faces.clear();
-        for (block, circle) in around.faces.blocks.iter().zip(&around.around_faces) {
-            if lobe.may_reach(*circle) {
-                self.keep_faces(block, &lobe);
+        self.lobe = lobe;
+        let sector = self.around.sector(lobe.tip, axis, cone);
+        self.candidates.clear();
+        for (block, outline) in self.around.faces.blocks.iter().zip(&self.around.outlines) {
+            for lane in lanes(sector.faces(outline)) {
+                self.candidates.push(block.face(lane));
             }
         }
+        self.faces.clear();
+        for (index, block) in self.candidates.blocks.iter().enumerate() {
+            let used = LANES.min(self.candidates.count() - LANES * index);
+            keep_faces(&mut self.faces, block, used, &lobe);
+        }
+        self.faces
+            .sort_unstable_by(|a, b| a.near.total_cmp(&b.near));
         self.circles.clear();
-        for circle in around.circles.iter().chain(&world.posts) {
+        for circle in self.around.circles.iter().chain(&world.posts) {
             let center = circle.center - lobe.tip;
             let near = circle_in_cone(center, circle.radius, axis, cone);
             if near <= reach_m {
@@ -87,133 +89,92 @@ impl LobeView {
                 });
             }
         }
-        self.corners.clear();
-        for (block, circle) in around.corners.iter().zip(&around.around_corners) {
-            if lobe.may_reach(*circle) {
-                self.keep_corners(block, &lobe);
-            }
-        }
-        self.around = around;
     }
 
-    /// Appends the corners of a block that lie in the lobe.
-    #[inline]
-    fn keep_corners(&mut self, block: &PointBlock, lobe: &Lobe) {
-        let [ax, ay, tip_x, tip_y] =
-            [lobe.axis.x, lobe.axis.y, lobe.tip.x, lobe.tip.y].map(f64x4::splat);
-        let (xs, ys) = (block.x.as_chunks::<4>().0, block.y.as_chunks::<4>().0);
-        for (xs, ys) in xs.iter().zip(ys) {
-            let (x, y) = (f64x4::new(*xs) - tip_x, f64x4::new(*ys) - tip_y);
-            let (along, across) = (ax * x + ay * y, (ax * y - ay * x).abs());
-            let inside = (across * lobe.cone.cos).simd_le(along * lobe.cone.sin);
-            let (x, y) = (x.to_array(), y.to_array());
-            for lane in lanes(inside.to_bitmask()) {
-                let corner = Point::new(x[lane], y[lane]);
+    /// Collects the corners in the lobe that are from `least` to `most` m from its tip, hidden or not: where they are,
+    /// relative to the tip, and how far.
+    pub fn corners(&mut self, least: f64, most: f64) -> &mut [(Point, f64)] {
+        let Lobe {
+            tip,
+            axis,
+            cone,
+            reach,
+        } = self.lobe;
+        let sector = self.around.sector(tip, axis, cone);
+        let blocks = self.around.corners.chunks(LANES);
+        self.corners.clear();
+        for (block, corners) in self.around.corner_blocks.iter().zip(blocks) {
+            for lane in lanes(sector.points(block, most)) {
+                let Some(corner) = corners.get(lane).map(|corner| *corner - tip) else {
+                    continue;
+                };
+                let (along, across) = (axis.dot(corner), axis.cross(corner).abs());
                 let range = corner.length();
-                if range <= lobe.reach {
+                let inside = across * cone.cos <= along * cone.sin && range <= reach;
+                if inside && range >= least && range <= most {
                     self.corners.push((corner, range));
                 }
             }
         }
+        &mut self.corners
     }
 
-    /// Appends the faces of a block of which any part lies in the lobe.
-    #[inline]
-    fn keep_faces(&mut self, block: &FaceBlock, lobe: &Lobe) {
-        let [ax, ay, tip_x, tip_y] =
-            [lobe.axis.x, lobe.axis.y, lobe.tip.x, lobe.tip.y].map(f64x4::splat);
-        let (sin, cos) = (f64x4::splat(lobe.cone.sin), f64x4::splat(lobe.cone.cos));
-        let (zero, infinity) = (f64x4::ZERO, f64x4::splat(f64::INFINITY));
-        let slack = f64x4::splat(SLACK_M);
-        for half in 0..LANES / 4 {
-            let four = |list: &[f64; LANES]| f64x4::new(list.as_chunks::<4>().0[half]);
-            let (ux, uy, length) = (four(&block.ux), four(&block.uy), four(&block.length));
-            let (dx, dy) = (four(&block.ax) - tip_x, four(&block.ay) - tip_y);
-            let (p, q) = (dx * ux + dy * uy, dx * uy - dy * ux);
-            let (axis_u, axis_n) = (ax * ux + ay * uy, ax * uy - ay * ux);
-            let (left_n, left_u) = (axis_n * cos - axis_u * sin, axis_u * cos + axis_n * sin);
-            let (right_n, right_u) = (axis_n * cos + axis_u * sin, axis_u * cos - axis_n * sin);
-            let (met_left, met_right) = (left_n.simd_gt(zero), right_n.simd_gt(zero));
-            let end = p + length;
-            // Whether the face begins right of the left edge and ends left of the right one, give or take rounding: most
-            // do not, without a division.
-            let right_of = (p * left_n - q * left_u).simd_le(slack) | !met_left;
-            let left_of = (q * right_u - end * right_n).simd_le(slack) | !met_right;
-            let seen = q.simd_gt(zero) & (met_left | met_right) & right_of & left_of;
-            if !seen.any() {
-                continue;
-            }
-            // An edge of the cone that runs away from the face bounds nothing.
-            let left = met_left.select(q * left_u / left_n, infinity);
-            let right = met_right.select(q * right_u / right_n, -infinity);
-            let from = p.simd_gt(right).select(p, right);
-            let to = end.simd_lt(left).select(end, left);
-            let nearest = to.simd_lt(zero).select(to, zero);
-            let nearest = from.simd_gt(nearest).select(from, nearest);
-            let near = nearest * nearest + q * q;
-            let reached = near.simd_le(f64x4::splat(lobe.reach * lobe.reach));
-            let kept = seen & from.simd_le(to) & reached;
-            let (p, q, near) = (p.to_array(), q.to_array(), near.to_array());
-            for lane in lanes(kept.to_bitmask()) {
-                let face = block.face(4 * half + lane);
-                self.faces.push(SeenFace {
-                    u: face.u,
-                    p: p[lane],
-                    q: q[lane],
-                    length: face.length,
-                    number: face.number,
-                    near: near[lane],
-                });
-            }
-        }
-    }
-
-    /// Lets the rays meet what lies in the lobe, which they must not leave, from near to far; what lies farther, m, than
-    /// `far` says of what was met so far is left alone.
-    pub fn meet(&self, rays: &mut Rays, mut far: impl FnMut(&Rays) -> f64) {
-        let mut done = -1.0;
-        loop {
-            let next = self.nearest_beyond(done);
-            let far = far(rays) + SLACK_M;
-            if next == f64::INFINITY || next > far * far {
-                return;
-            }
-            let until = next * STRIDE;
-            let due = |near: f64| near > done && near <= until;
-            for face in self.faces.iter().filter(|face| due(face.near)) {
-                rays.meet_face(face);
-            }
-            for circle in self.circles.iter().filter(|circle| due(circle.near)) {
-                rays.meet_circle(circle);
-            }
-            done = until;
-        }
-    }
-
-    /// Squared distance of the nearest thing beyond a squared distance, m²; infinite if there is none.
-    fn nearest_beyond(&self, done: f64) -> f64 {
-        let beyond = |nearest: f64, near: f64| {
-            if near > done {
-                min(nearest, near)
-            } else {
-                nearest
-            }
+    /// How far the nearest corner is that is from `least` to `most` m from the tip and that nothing hides, m.
+    pub fn nearest_corner(&mut self, least: f64, most: f64) -> Option<f64> {
+        let axis = self.lobe.axis;
+        let corners = self.corners(least, most);
+        corners.sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
+        let things = Things {
+            faces: &self.faces,
+            circles: &self.circles,
         };
-        let faces = self
-            .faces
-            .iter()
-            .map(|face| face.near)
-            .fold(f64::INFINITY, beyond);
-        self.circles
-            .iter()
-            .map(|circle| circle.near)
-            .fold(faces, beyond)
+        let shown = self.corners.iter().find(|&&(corner, range)| {
+            let towards = if range > 0.0 {
+                corner * (1.0 / range)
+            } else {
+                axis
+            };
+            !things.hide(towards, range - CORNER_SLACK_M, f64::NEG_INFINITY)
+        });
+        shown.map(|(_, range)| *range)
     }
 
-    /// The corners in the lobe, relative to its tip, and how far they are, m, hidden or not.
+    /// Length, m, of the shortest of the rays of a [narrow](Fan::is_narrow) fan along the lobe's axis, as wide as the
+    /// lobe, and of `others` in the lobe, that meets a circle, or a face with a cosine of at least `least_cos`, before
+    /// anything else; infinite if none does. `least_facing` is the least cosine between the axis and a normal that any
+    /// ray of the lobe meets so.
     #[must_use]
-    pub fn corners(&self) -> &[(Point, f64)] {
-        &self.corners
+    pub fn nearest_answer(
+        &self,
+        fan: &Fan,
+        others: &[Point],
+        least_cos: f64,
+        least_facing: f64,
+    ) -> f64 {
+        let search = Search {
+            things: Things {
+                faces: &self.faces,
+                circles: &self.circles,
+            },
+            fan,
+            axis: self.lobe.axis,
+            others,
+            least_cos,
+            least_facing,
+            best: f64::INFINITY,
+        };
+        search.run()
+    }
+
+    /// Lets the rays, which must not leave the lobe, meet what lies in it up to `far` m from its tip, and perhaps more.
+    pub fn meet(&self, rays: &mut Rays, far: f64) {
+        let most = (far + SLACK_M) * (far + SLACK_M);
+        for face in self.faces.iter().filter(|face| face.near <= most) {
+            rays.meet_face(face);
+        }
+        for circle in self.circles.iter().filter(|circle| circle.near <= most) {
+            rays.meet_circle(circle);
+        }
     }
 
     /// Unit vectors from the tip towards the places most likely to answer: the foot of the perpendicular
@@ -234,6 +195,57 @@ impl LobeView {
     pub fn normal(&self, number: f64) -> Option<Point> {
         let face = self.faces.iter().find(|face| face.number == number);
         face.map(|face| Point::new(-face.u.y, face.u.x))
+    }
+}
+
+/// Appends those of the first `used` faces of a block of which any part lies in the lobe.
+#[inline]
+fn keep_faces(faces: &mut Vec<SeenFace>, block: &FaceBlock, used: usize, lobe: &Lobe) {
+    let [ax, ay, tip_x, tip_y] =
+        [lobe.axis.x, lobe.axis.y, lobe.tip.x, lobe.tip.y].map(f64x4::splat);
+    let (sin, cos) = (f64x4::splat(lobe.cone.sin), f64x4::splat(lobe.cone.cos));
+    let (zero, infinity) = (f64x4::ZERO, f64x4::splat(f64::INFINITY));
+    let slack = f64x4::splat(SLACK_M);
+    for half in 0..used.div_ceil(4) {
+        let four = |list: &[f64; LANES]| f64x4::new(list.as_chunks::<4>().0[half]);
+        let (ux, uy, length) = (four(&block.ux), four(&block.uy), four(&block.length));
+        let (dx, dy) = (four(&block.ax) - tip_x, four(&block.ay) - tip_y);
+        let (p, q) = (dx * ux + dy * uy, dx * uy - dy * ux);
+        let (axis_u, axis_n) = (ax * ux + ay * uy, ax * uy - ay * ux);
+        let (left_n, left_u) = (axis_n * cos - axis_u * sin, axis_u * cos + axis_n * sin);
+        let (right_n, right_u) = (axis_n * cos + axis_u * sin, axis_u * cos - axis_n * sin);
+        let (met_left, met_right) = (left_n.simd_gt(zero), right_n.simd_gt(zero));
+        let end = p + length;
+        // Whether the face begins right of the left edge and ends left of the right one, give or take rounding: most
+        // do not, without a division.
+        let right_of = (p * left_n - q * left_u).simd_le(slack) | !met_left;
+        let left_of = (q * right_u - end * right_n).simd_le(slack) | !met_right;
+        let seen = q.simd_gt(zero) & (met_left | met_right) & right_of & left_of;
+        if !seen.any() {
+            continue;
+        }
+        // An edge of the cone that runs away from the face bounds nothing.
+        let left = met_left.select(q * left_u / left_n, infinity);
+        let right = met_right.select(q * right_u / right_n, -infinity);
+        let from = p.simd_gt(right).select(p, right);
+        let to = end.simd_lt(left).select(end, left);
+        let nearest = to.simd_lt(zero).select(to, zero);
+        let nearest = from.simd_gt(nearest).select(from, nearest);
+        let near = nearest * nearest + q * q;
+        let reached = near.simd_le(f64x4::splat(lobe.reach * lobe.reach));
+        let kept = seen & from.simd_le(to) & reached;
+        let (p, q, near) = (p.to_array(), q.to_array(), near.to_array());
+        for lane in lanes(kept.to_bitmask()) {
+            let face = block.face(4 * half + lane);
+            faces.push(SeenFace {
+                u: face.u,
+                p: p[lane],
+                q: q[lane],
+                length: face.length,
+                number: face.number,
+                near: near[lane],
+            });
+        }
     }
 }
 

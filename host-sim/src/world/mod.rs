@@ -16,6 +16,7 @@ use std::sync::Arc;
 use crate::error::BadInput;
 use crate::robot::COLLISION_RADIUS_M;
 
+mod answer;
 pub mod barn;
 mod builtin;
 mod clearing;
@@ -23,6 +24,7 @@ mod faces;
 mod geometry;
 mod lobe;
 mod occupancy;
+mod outline;
 mod pgm;
 mod random;
 mod ray;
@@ -38,6 +40,7 @@ mod toml_file;
 mod tree;
 mod view;
 
+pub use answer::Fan;
 pub use clearing::Clearing;
 pub use geometry::{Point, Pose, wrap_angle};
 pub use lobe::LobeView;
@@ -280,6 +283,25 @@ impl World {
             _ => false,
         });
         crossings.count() % 2 == 1
+    }
+}
+
+/// What stands still in a world, kept to know it again.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Standing(Option<Arc<Surfaces>>);
+
+impl Standing {
+    /// Whether a world is the one kept and nothing in it moves; from now on it is the one.
+    pub(crate) fn remains(&mut self, world: &World) -> bool {
+        let surfaces = &world.surfaces;
+        let same = self
+            .0
+            .as_ref()
+            .is_some_and(|kept| Arc::ptr_eq(kept, surfaces));
+        if !same {
+            self.0 = Some(Arc::clone(surfaces));
+        }
+        same && world.posts.is_empty()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use wide::f64x4;
 
-use super::faces::{LANES, min};
+use super::faces::LANES;
 use super::geometry::Point;
 
 /// A face as seen from the tip of a lobe; see [`super::View`].
@@ -104,20 +104,6 @@ impl Rays {
     #[must_use]
     pub fn numbers(&self) -> &[f64] {
         &self.number
-    }
-
-    /// Length of the shortest ray that met something with at least `least_cos`, m; infinite if none did.
-    #[must_use]
-    pub fn nearest(&self, least_cos: f64) -> f64 {
-        let least = f64x4::splat(least_cos);
-        let [ways, cosines] = [&self.way, &self.cos_incidence].map(|list| list.as_chunks::<4>().0);
-        let mut nearest = f64x4::splat(f64::INFINITY);
-        for (ways, cosines) in ways.iter().zip(cosines) {
-            let way = f64x4::new(*ways);
-            let counts = f64x4::new(*cosines).simd_ge(least) & way.simd_lt(nearest);
-            nearest = counts.select(way, nearest);
-        }
-        nearest.to_array().into_iter().fold(f64::INFINITY, min)
     }
 
     /// Direction of a ray; nowhere beyond the last.

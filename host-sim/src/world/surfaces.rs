@@ -24,20 +24,6 @@ impl Circle {
     }
 }
 
-/// [`LANES`] points, m. A place without one lies infinitely far off.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct PointBlock {
-    pub x: [f64; LANES],
-    pub y: [f64; LANES],
-}
-
-impl PointBlock {
-    pub const EMPTY: Self = Self {
-        x: [f64::INFINITY; LANES],
-        y: [f64::INFINITY; LANES],
-    };
-}
-
 /// The faces, circles and corners of a world that do not move.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Surfaces {

@@ -5,8 +5,10 @@ use std::sync::Arc;
 use super::World;
 use super::faces::{FaceBlock, Faces, LANES, clamp};
 use super::geometry::Point;
-use super::surfaces::{Circle, PointBlock, Surfaces};
-use super::tree::{Bounds, SLACK_M};
+use super::outline::{Outline, Points, Sector};
+use super::surfaces::{Circle, Surfaces};
+use super::tree::SLACK_M;
+use super::view::ConeShape;
 
 /// Places within this distance of where the surroundings were looked at need no new look, m.
 const ROOM_M: f64 = 0.5;
@@ -20,11 +22,12 @@ pub(super) struct Surroundings {
     offset_m: f64,
     reach_m: f64,
     pub faces: Faces,
-    /// The circle around each block of faces: its middle and radius, m.
-    pub around_faces: Vec<(Point, f64)>,
+    /// Of each block of faces.
+    pub outlines: Vec<Outline>,
     pub circles: Vec<Circle>,
-    pub corners: Vec<PointBlock>,
-    pub around_corners: Vec<(Point, f64)>,
+    pub corners: Vec<Point>,
+    /// The corners in blocks, relative to the middle.
+    pub corner_blocks: Vec<Points>,
 }
 
 impl Surroundings {
@@ -62,29 +65,34 @@ impl Surroundings {
             }
         });
         self.corners.clear();
-        let mut count = 0;
+        self.corner_blocks.clear();
         surfaces.corners_near(middle, reach, |corner| {
             if middle.distance(*corner) <= reach {
-                push_corner(&mut self.corners, count, *corner);
-                count += 1;
+                self.push_corner(*corner);
             }
         });
-        self.around_faces.clear();
-        let ends = |block: &FaceBlock, lane| {
-            let face = block.face(lane);
-            [face.a, face.a + face.u * face.length]
-        };
+        self.outlines.clear();
         for (index, block) in self.faces.blocks.iter().enumerate() {
             let used = LANES.min(self.faces.count() - LANES * index);
-            self.around_faces
-                .push(around((0..used).flat_map(|lane| ends(block, lane))));
+            self.outlines.push(Outline::of(block, used, middle, reach));
         }
-        self.around_corners.clear();
-        for (index, block) in self.corners.iter().enumerate() {
-            let used = LANES.min(count - LANES * index);
-            let points = (0..used).map(|lane| Point::new(block.x[lane], block.y[lane]));
-            self.around_corners.push(around(points));
+    }
+
+    fn push_corner(&mut self, corner: Point) {
+        let lane = self.corners.len() % LANES;
+        if lane == 0 {
+            self.corner_blocks.push(Points::NONE);
         }
+        if let Some(block) = self.corner_blocks.last_mut() {
+            block.set(lane, corner - self.middle);
+        }
+        self.corners.push(corner);
+    }
+
+    /// The cone whose tip and axis are given, as it lies here.
+    pub fn sector(&self, tip: Point, axis: Point, cone: ConeShape) -> Sector {
+        let reach = self.reach_m + self.offset_m + ROOM_M;
+        Sector::new(tip - self.middle, axis, cone, reach)
     }
 }
 
@@ -99,24 +107,4 @@ fn may_answer(block: &FaceBlock, middle: Point, wide: f64, reach: f64) -> [bool;
         *keep = (q > -wide) & (nearest * nearest + q * q <= reach * reach);
     }
     keep
-}
-
-fn push_corner(blocks: &mut Vec<PointBlock>, count: usize, corner: Point) {
-    let lane = count % LANES;
-    if lane == 0 {
-        blocks.push(PointBlock::EMPTY);
-    }
-    if let Some(block) = blocks.last_mut() {
-        (block.x[lane], block.y[lane]) = (corner.x, corner.y);
-    }
-}
-
-/// A circle around points: middle and radius, m.
-fn around(points: impl Iterator<Item = Point> + Clone) -> (Point, f64) {
-    let bounds = Bounds::all(points.clone().map(|point| Bounds::of(point, point)));
-    let middle = (bounds.low + bounds.high) * 0.5;
-    (
-        middle,
-        points.fold(0.0, |radius, point| middle.distance(point).max(radius)),
-    )
 }

@@ -86,10 +86,10 @@ impl Path {
         max(self.distance(circle.center) - circle.radius, 0.0)
     }
 
-    /// Least distance between this path and a face, m.
-    #[cfg(test)]
-    pub fn gap_to_face(&self, face: &Face) -> f64 {
-        gap_squared(self, face.a, face.u, face.length).sqrt()
+    /// Squared distance between this path and a face, m².
+    #[inline]
+    pub fn gap_squared(&self, face: &Face) -> f64 {
+        gap_squared(self, face.a, face.u, face.length)
     }
 
     /// Squared distance between this path and each face of a block, m².

@@ -342,7 +342,7 @@ fn rays_meet_the_nearest_front() {
             assert!((-hit.normal.dot(direction) - hit.cos_incidence).abs() < 1e-12);
             let mut rays = Rays::default();
             rays.push(direction);
-            lobe.meet(&mut rays, |_| 20.0);
+            lobe.meet(&mut rays, 20.0);
             assert!((rays.ways()[0] - expected).abs() < 1e-9);
         }
     }

@@ -55,7 +55,7 @@ pub struct View {
 }
 
 /// A cone as the query needs it: it opens by `half_angle` on either side of an axis.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ConeShape {
     pub(super) sin: f64,
     pub(super) cos: f64,

@@ -5,8 +5,8 @@
 //! Measured in scalar products: a search of 16 neurons of 16 components is 256 multiply–adds and 16 comparisons.
 
 use crate::fixed::{
-    Fine, Gain, Mask, Scalar, Weight, approach, approach_slowly, dot, high_product, isqrt,
-    quotient, squared_distance, squared_norm,
+    Fine, Gain, Mask, Scalar, Weight, approach, approach_in_lanes, approach_slowly, dot,
+    high_product, isqrt, quotient, squared_distance, squared_norm,
 };
 
 /// Squared distance of the probe to each code vector less the probe's own squared length:
@@ -446,9 +446,9 @@ const fn square(w: Fine) -> i32 {
 /// Moves a code vector towards the probe by `gain` over the components that `mask` believes.
 #[inline(always)]
 pub fn pull<P: Scalar>(row: &mut [Fine], probe: &[P], mask: Mask, gain: Gain) {
-    if mask.covers(row.len()) {
+    if mask.covers(row.len()) && gain != Gain::ONE {
         for (w, x) in row.iter_mut().zip(probe) {
-            *w = approach(*w, x.fine(), gain);
+            *w = approach_in_lanes(*w, x.fine(), gain);
         }
     } else {
         for (index, (w, x)) in row.iter_mut().zip(probe).enumerate() {

@@ -70,7 +70,7 @@ impl Naive {
 
     pub(crate) fn sweep(&self, from: Point, to: Point, radius: f64) -> Sweep {
         let path = Path::between(from, to);
-        let gaps = self.faces.iter().map(|face| path.gap_to_face(face));
+        let gaps = self.faces.iter().map(|face| path.gap_squared(face).sqrt());
         let gaps = gaps.chain(self.circles.iter().map(|circle| path.gap(circle)));
         let nearest = gaps.fold(f64::INFINITY, min);
         let free = Sweep {

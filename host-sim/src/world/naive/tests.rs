@@ -46,6 +46,30 @@ fn moves_have_the_oracles_bits() {
     assert!(touched > 300, "{touched}");
 }
 
+/// Short strides one after another: what is kept from stride to stride is used up to its very edge.
+#[test]
+fn walks_have_the_oracles_bits() {
+    let mut clearing = Clearing::default();
+    for seed in 0..16 {
+        let (world, places) = worlds(seed);
+        let (naive, mut noise) = (Naive::of(&world), Noise::new(seed));
+        for place in places {
+            let (mut at, mut angle) = (place, noise.uniform_in(0.0, TAU));
+            for _ in 0..200 {
+                angle += noise.uniform_in(-0.1, 0.1);
+                let to = at + Point::unit(angle) * 0.005;
+                let expected = naive.sweep(at, to, 0.269);
+                assert_eq!(
+                    clearing.sweep(&world, at, to, 0.269),
+                    expected,
+                    "{seed} {at:?}"
+                );
+                at = to;
+            }
+        }
+    }
+}
+
 #[test]
 fn cones_have_the_oracles_bits() {
     let (mut view, mut near) = (View::default(), 0);
@@ -100,7 +124,7 @@ fn rays_have_the_oracles_bits() {
             directions
                 .iter()
                 .for_each(|direction| rays.push(*direction));
-            lobe.meet(&mut rays, |_| f64::INFINITY);
+            lobe.meet(&mut rays, f64::INFINITY);
             for (index, &direction) in directions.iter().enumerate() {
                 let found = (
                     rays.ways()[index],
@@ -123,7 +147,11 @@ fn rays_have_the_oracles_bits() {
                 assert_eq!(whole.map(|hit| hit.distance_m), expected.map(|met| met.way));
                 assert_eq!(whole.map(|hit| hit.normal), expected.map(|met| met.normal));
             }
-            let mut corners: Vec<_> = lobe.corners().iter().map(|(corner, _)| *corner).collect();
+            let mut corners: Vec<_> = lobe
+                .corners(0.0, REACH_M)
+                .iter()
+                .map(|(corner, _)| *corner)
+                .collect();
             let mut all = expected.corners;
             for corners in [&mut corners, &mut all] {
                 corners.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
