@@ -316,7 +316,7 @@ fn the_fixed_point_map_is_its_twin_in_floats() {
 }
 
 /// [`Kernels`](kernels::Kernels) in plain words.
-mod by_hand {
+pub(crate) mod by_hand {
     use super::*;
     use kernels::{Group, Kernels};
 
