@@ -192,7 +192,7 @@ mod tests {
 
     #[test]
     fn a_value_becomes_the_nearest_byte_and_a_byte_the_nearest_value() {
-        for bits in -3_i16..=8_195 {
+        for bits in (-3_i16..=8_195).step_by(if cfg!(miri) { 97 } else { 1 }) {
             let share = f64::from(bits.clamp(0, 8_192)) / 8_192.0 * 254.0;
             let [byte] = to_bytes(&[Weight::from_bits(bits)], Mask::ALL);
             assert!((f64::from(byte) - share).abs() <= 0.5, "{bits}: {byte}");

@@ -537,3 +537,131 @@ fn parts_are_written_while_the_robot_stands_and_where_they_fit() {
     assert_eq!(words[0], "the robot explores, learns or seeks");
     assert_eq!(words[1], "the piece does not fit where it says");
 }
+
+#[test]
+fn a_ring_that_stays_incomplete_for_two_periods_stops_the_robot() {
+    let mut bench = Bench::new(Config::recommended());
+    bench.send(Event::Command(Command::Explore { moves: 5, seed: 3 }));
+    let tick = |bench: &mut Bench, time| {
+        bench.time = time;
+        bench.send(Event::Tick).mode_changed
+    };
+    assert!(!tick(&mut bench, 1_280));
+    assert!(tick(&mut bench, 1_281));
+    assert_eq!(
+        bench.state.mode(),
+        &Mode::Stopped(StopReason::RingIncomplete)
+    );
+    // Not while it moves: the ring is awaited from the end of the motion.
+    bench.send(Event::Command(Command::Resume));
+    let motion = bench.ring().motion.expect("a motion");
+    let now = bench.time;
+    assert!(!tick(&mut bench, now + 9_000));
+    bench.execute(motion);
+    assert!(!tick(&mut bench, now + 10_280) && tick(&mut bench, now + 10_281));
+}
+
+#[test]
+fn random_moves_have_all_lengths_and_the_shield_has_some_drawn_anew() {
+    let lengths = |shortest_mm, draws| {
+        let mut config = Config::recommended();
+        config.exploration = crate::config::Exploration { shortest_mm, draws };
+        let mut bench = Bench::new(config);
+        // In a corner: three quarters of all ways are barred.
+        (bench.x, bench.y) = (1_640, 1_640);
+        bench.explore(20);
+        let samples = bench.state.memory().samples().iter();
+        let cut = |sample: &&crate::memory::Sample<16>| {
+            sample.executed.length_mm() < sample.commanded.length_mm() / 2
+        };
+        let cuts = samples.clone().filter(cut).count();
+        let commanded: Vec<_> = samples.map(|sample| sample.commanded.length_mm()).collect();
+        (commanded, cuts)
+    };
+    let (any, cuts) = lengths(0, 8);
+    assert!(
+        any.iter().any(|mm| *mm < 60) && any.iter().any(|mm| *mm > 200),
+        "{any:?}"
+    );
+    let (long, many) = lengths(240, 0);
+    assert!(long.iter().all(|mm| (239..=251).contains(mm)), "{long:?}");
+    assert!(cuts < 4 && many > cuts, "{cuts} {many}");
+}
+
+#[test]
+fn the_first_maps_are_spread_over_the_plane() {
+    let mut config = Config::recommended();
+    config.learning.epochs = 1;
+    let mut bench = Bench::new(config);
+    bench.explore(20);
+    bench.send(Event::Command(Command::Learn));
+    let bits = |k| {
+        bench
+            .state
+            .actions()
+            .actions()
+            .code_vector(k)
+            .map(Weight::to_bits)
+    };
+    let third = 8_192 / 3;
+    assert_eq!(
+        [0, 3, 12, 15].map(bits),
+        [
+            [-8_192, -8_192],
+            [8_192, -8_192],
+            [-8_192, 8_192],
+            [8_192, 8_192]
+        ]
+    );
+    assert_eq!([5, 10].map(bits), [[-third, -third], [third, third]]);
+    let changes = bench.state.actions().changes().code();
+    assert!(
+        changes
+            .as_flattened()
+            .iter()
+            .all(|value| value.to_bits() == 0)
+    );
+}
+
+#[test]
+fn a_map_that_starts_anywhere_has_values_of_either_sign_where_there_are_such() {
+    let mut config = Config::recommended();
+    config.learning.start = crate::config::Start::Random;
+    let mut bench = Bench::new(config);
+    bench.explore(20);
+    bench.send(Event::Command(Command::Learn));
+    let spread = |code: &[crate::fixed::Fine]| {
+        let bits = code.iter().map(|value| value.to_bits() >> 16);
+        (bits.clone().min().unwrap_or(0), bits.max().unwrap_or(0))
+    };
+    let (least, most) = spread(bench.state.situations().code().as_flattened());
+    assert!(
+        (0..400).contains(&least) && (7_800..8_192).contains(&most),
+        "{least} {most}"
+    );
+    let (least, most) = spread(bench.state.actions().changes().code().as_flattened());
+    assert!(
+        (-8_192..-7_800).contains(&least) && (7_800..8_192).contains(&most),
+        "{least} {most}"
+    );
+    let (least, most) = spread(bench.state.actions().actions().code().as_flattened());
+    assert!(
+        (-8_192..-6_000).contains(&least) && (6_000..8_192).contains(&most),
+        "{least} {most}"
+    );
+}
+
+#[test]
+fn a_turned_sample_teaches_the_same_move_seen_from_another_transducer() {
+    let mut bench = Bench::new(Config::recommended());
+    bench.config.learning.epochs = 200;
+    bench.x = 1_300;
+    // One move only, and so one direction.
+    bench.explore(1);
+    bench.learn();
+    let actions = bench.state.actions().actions().code().iter();
+    let quadrants: std::collections::BTreeSet<_> = actions
+        .map(|action| action.map(|part| part.to_bits() > 0))
+        .collect();
+    assert_eq!(quadrants.len(), 4);
+}
