@@ -665,3 +665,130 @@ fn a_turned_sample_teaches_the_same_move_seen_from_another_transducer() {
         .collect();
     assert_eq!(quadrants.len(), 4);
 }
+
+/// What one move teaches while the robot seeks: a robot that gets half as far as it was to, its maps before and after, and the
+/// neuron it asked.
+fn taught_by_half_a_move(change: impl Fn(&mut Config<16>)) -> (Robot, Robot, Motion, usize) {
+    let mut config = Config::probing();
+    change(&mut config);
+    let mut bench = Bench::ready(config);
+    (bench.x, bench.y) = (1_300, 400);
+    bench.send(Event::Command(Command::Seek(Goal::free_of_obstacles())));
+    let out = bench.ring();
+    let (motion, plan) = (
+        out.motion.expect("a motion"),
+        out.decision.and_then(|d| d.plan).expect("a plan"),
+    );
+    let before = bench.state.clone();
+    let half = motion
+        .displacement
+        .with_length(motion.displacement.length_mm() / 2);
+    bench.execute(Motion {
+        displacement: half,
+        ..motion
+    });
+    bench.ring();
+    (before, bench.state, motion, plan.action_neuron.into())
+}
+
+/// Neurons of both maps that have changed.
+fn changed(before: &Robot, after: &Robot) -> [Vec<usize>; 2] {
+    let differ = |k: &usize| {
+        [
+            before.situations().code()[*k] != after.situations().code()[*k],
+            before.actions().actions().code()[*k] != after.actions().actions().code()[*k],
+        ]
+    };
+    [0, 1].map(|map| (0..16).filter(|k| differ(k)[map]).collect())
+}
+
+#[test]
+fn each_move_teaches_the_winners_alone_or_their_neighbours_as_well() {
+    let (before, after, motion, _) = taught_by_half_a_move(|_| ());
+    let [situations, actions] = changed(&before, &after);
+    assert_eq!((situations.len(), actions.len()), (1, 1));
+    // A fiftieth of the way towards what was carried out: half of what was asked for.
+    let towards = |share: f64, before: &Robot, after: &Robot, winner: usize| {
+        let part =
+            |state: &Robot, i: usize| state.actions().actions().code()[winner][i].to_num::<f64>();
+        let mm = [motion.displacement.dx_mm, motion.displacement.dy_mm];
+        (0..2).all(|i| {
+            let taught = f64::from(mm[i]) * share / 250.0;
+            let expected = part(before, i) + (taught - part(before, i)) * 1_310.0 / 65_536.0;
+            (part(after, i) - expected).abs() < 2e-4
+        })
+    };
+    assert!(towards(0.5, &before, &after, actions[0]));
+    let (before, after, _, _) =
+        taught_by_half_a_move(|config| config.learning.taught = crate::config::Taught::Commanded);
+    let [_, actions] = changed(&before, &after);
+    assert!(towards(1.0, &before, &after, actions[0]));
+    let shared = |config: &mut Config<16>| {
+        config.online = config.online.map(|online| crate::config::Online {
+            share_q16: 32_768,
+            ..online
+        });
+    };
+    let (before, after, _, _) = taught_by_half_a_move(shared);
+    let [situations, actions] = changed(&before, &after);
+    assert!(
+        situations.len() >= 3 && actions.len() >= 3,
+        "{situations:?} {actions:?}"
+    );
+    // The neuron that was asked may be the one that is to know better.
+    let blamed = |config: &mut Config<16>| {
+        config.online = config.online.map(|online| crate::config::Online {
+            blame_recalled: true,
+            ..online
+        });
+    };
+    let (before, after, _, asked) = taught_by_half_a_move(blamed);
+    let [_, actions] = changed(&before, &after);
+    assert_eq!(actions, [asked]);
+}
+
+#[test]
+fn a_shortened_motion_is_the_same_one_slower_and_never_longer() {
+    let mut bench = Bench::new(Config::recommended());
+    bench.config.exploration.shortest_mm = 240;
+    bench.send(Event::Command(Command::Explore { moves: 20, seed: 3 }));
+    let motion = bench.ring().motion.expect("a motion");
+    let sensor = (motion.displacement.bearing().as_turns().wrapping_add(2_048) >> 12) as u8;
+    bench.time += 40;
+    let mut hear = |mm: u16| {
+        bench
+            .send(Event::Echo {
+                sensor,
+                range: Some(Range::from_mm(mm)),
+            })
+            .motion
+    };
+    let shorter = hear(260).expect("shorter");
+    assert!(shorter.speed_mm_s < motion.speed_mm_s);
+    assert_eq!(hear(400), None, "what has been shortened stays so");
+    let stop = hear(100).expect("none of it");
+    assert_eq!(
+        (stop.displacement, stop.speed_mm_s),
+        (Displacement::ZERO, 0)
+    );
+}
+
+/// A move of which half was carried out, rounded down, was not cut.
+#[test]
+fn a_move_is_cut_below_half() {
+    let pending = |mm: i16| Pending::<2> {
+        before: Aligned([Weight::ZERO; 2]),
+        commanded: Displacement {
+            dx_mm: 0,
+            dy_mm: 251,
+        },
+        executed: Displacement {
+            dx_mm: mm,
+            dy_mm: 0,
+        },
+        remaining: Displacement::ZERO,
+        turned: Bearing::ZERO,
+        speed_mm_s: 0,
+    };
+    assert!(pending(124).was_cut() && !pending(125).was_cut());
+}

@@ -927,3 +927,15 @@ fn the_host_is_told_whom_the_mind_believes() {
     );
     assert_eq!(scan(&mut rig, Some(700)), [Notice::Believed { sensor: 3 }]);
 }
+
+#[test]
+fn the_processors_kernels_reach_both_maps_and_frames_too_long_are_counted() {
+    let mut node = Node::<16, 16, 20>::default();
+    assert!(!node.state().situations().has_kernels());
+    node.use_kernels(&crate::som::tests::by_hand::KERNELS);
+    let state = node.state();
+    assert!(state.situations().has_kernels() && state.actions().changes().has_kernels());
+    node.set_oversized(7);
+    assert_eq!(node.counters().oversized, 7);
+    assert!(!node.is_linked());
+}
