@@ -22,6 +22,9 @@ struct Bench {
 
 const HALF_ROOM_MM: i32 = 2_000;
 
+/// Random moves of a robot that is made ready. Miri takes some thousand times as long.
+const MOVES: u16 = if cfg!(miri) { 6 } else { 20 };
+
 impl Bench {
     fn new(mut config: Config<16>) -> Self {
         if cfg!(miri) {
@@ -130,7 +133,7 @@ impl Bench {
         let mut bench = Self::new(config);
         // Near a wall, so that there is something to learn.
         bench.x = 1_300;
-        bench.explore(20);
+        bench.explore(MOVES);
         bench.learn();
         bench
     }
