@@ -503,6 +503,23 @@ fn a_place_that_is_not_found_is_searched_for_elsewhere() {
     assert!(whys.iter().all(|(_, at_goal)| !at_goal));
 }
 
+/// Who goes on and on has no place to look for, and a wall to follow is nowhere else.
+#[test]
+fn only_a_place_is_searched_for() {
+    let following = Goal {
+        frame: crate::goal::Frame::Travel,
+        ..Goal::place([Component::equal(Weight::ONE); 16])
+    };
+    for goal in [Goal::free_of_obstacles(), following] {
+        let mut bench = Bench::ready(Config::recommended());
+        bench.send(Event::Command(Command::Seek(goal)));
+        for _ in 0..3 * MOVES {
+            let plan = bench.step().decision.and_then(|decision| decision.plan);
+            assert_ne!(plan.map(|plan| plan.why), Some(Why::Wander));
+        }
+    }
+}
+
 #[test]
 fn parts_are_written_while_the_robot_stands_and_where_they_fit() {
     let mut bench = Bench::new(Config::recommended());

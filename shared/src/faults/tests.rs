@@ -2,7 +2,7 @@ use super::*;
 use std::vec::Vec;
 
 /// Steps of a long way. Miri takes some thousand times as long.
-const LONG: u32 = if cfg!(miri) { 100 } else { 5_000 };
+const LONG: u32 = if cfg!(miri) { 20 } else { 5_000 };
 
 /// A robot that goes on and on; each transducer has its own thing before it, now nearer, now farther.
 struct Walk {
@@ -117,6 +117,7 @@ fn found(says: impl Fn(u32, Option<Range>) -> Option<Range>) -> Option<Fault> {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "a long way: minutes")]
 fn every_kind_of_fault_is_found_and_named() {
     assert_eq!(found(|_, _| None), Some(Fault::Dead));
     assert_eq!(found(|_, _| mm(1_750)), Some(Fault::Stuck));
@@ -136,6 +137,7 @@ fn a_ring_in_order_is_believed() {
 
 /// A thing in the lobe's way half of the time, and nothing the other half.
 #[test]
+#[cfg_attr(miri, ignore = "a long way: minutes")]
 fn one_that_hears_now_and_then_is_believed() {
     let mut walk = Walk::new();
     let rare = |step: u32, range: Option<Range>| range.filter(|_| step.is_multiple_of(8));
@@ -146,6 +148,7 @@ fn one_that_hears_now_and_then_is_believed() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "a long way: minutes")]
 fn the_same_place_again_proves_nothing() {
     for says in [None, mm(1_750)] {
         let mut walk = Walk::new();
@@ -156,6 +159,7 @@ fn the_same_place_again_proves_nothing() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "a long way: minutes")]
 fn who_was_never_heard_is_not_believed_before_the_first_echo() {
     let mut walk = Walk::new();
     let dead = walk.walk_with(300, |_, _| None);
@@ -173,6 +177,7 @@ fn who_was_never_heard_is_not_believed_before_the_first_echo() {
 
 /// In a wide place where only the nearer half of the ring hears anything, everybody is believed but those at its edge.
 #[test]
+#[cfg_attr(miri, ignore = "a long way: minutes")]
 fn silence_among_the_silent_is_no_fault() {
     let mut walk = Walk::new();
     let half = |sensor, _, range: Option<Range>| range.filter(|_| sensor < 8);
@@ -202,6 +207,7 @@ fn who_hears_nothing_where_the_robot_touches_something_is_dead() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "a long way: minutes")]
 fn without_detection_and_without_moves_nothing_is_found() {
     let mut walk = Walk::new();
     walk.config.fault_detection = false;
@@ -225,6 +231,7 @@ fn without_detection_and_without_moves_nothing_is_found() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "a long way: minutes")]
 fn one_that_behaves_again_is_believed_again() {
     for says in [None, mm(1_750), mm(300)] {
         let mut walk = Walk::new();
@@ -240,6 +247,7 @@ fn one_that_behaves_again_is_believed_again() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "a long way: minutes")]
 fn somebody_elses_word_counts_more() {
     let mut walk = Walk::new();
     walk.config.believed = Mask::ALL.without(3);
@@ -257,6 +265,7 @@ fn somebody_elses_word_counts_more() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "a long way: minutes")]
 fn no_more_than_a_quarter_of_the_ring_is_disbelieved() {
     let mut walk = Walk::new();
     let stuck = |sensor: u8, _, range| match sensor % 2 {
@@ -284,6 +293,7 @@ fn no_more_than_half_of_the_ring_waits_for_its_first_echo() {
 
 /// The ring turns with the heading: places are still places, but no range is compared with one before the turn.
 #[test]
+#[cfg_attr(miri, ignore = "a long way: minutes")]
 fn turns_keep_the_places_and_forget_the_ranges() {
     let mut walk = Walk::new();
     assert_eq!(walk.in_order(20), []);

@@ -454,7 +454,8 @@ mod tests {
             let directions = bench.config.robot.directions;
             let score = |heading: usize, share_q2: i32| {
                 let share = part(directions[heading], share_q2);
-                let preferred = (i64::from(going) * i64::from(cosine_q14(directions[heading], aim.way)) >> 4) * i64::from(share_q2) >> 2;
+                let whole = i64::from(going) * i64::from(cosine_q14(directions[heading], aim.way));
+                let preferred = ((whole >> 4) * i64::from(share_q2)) >> 2;
                 landscape.at(share, i64::MAX) - preferred
             };
             let open = (0..16).filter(|&k| allowed.contains(planner.neuron_of(directions[k])));
