@@ -475,6 +475,7 @@ fn maps_may_start_anywhere_and_learn_what_was_asked_for_in_the_order_recorded() 
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "sixty decisions: minutes")]
 fn a_place_that_is_not_found_is_searched_for_elsewhere() {
     let mut bench = Bench::ready(Config::recommended());
     (bench.x, bench.y) = (0, 0);
@@ -513,7 +514,7 @@ fn only_a_place_is_searched_for() {
     for goal in [Goal::free_of_obstacles(), following] {
         let mut bench = Bench::ready(Config::recommended());
         bench.send(Event::Command(Command::Seek(goal)));
-        for _ in 0..3 * MOVES {
+        for _ in 0..if cfg!(miri) { 3 } else { 60 } {
             let plan = bench.step().decision.and_then(|decision| decision.plan);
             assert_ne!(plan.map(|plan| plan.why), Some(Why::Wander));
         }
