@@ -768,6 +768,26 @@ fn each_move_teaches_the_winners_alone_or_their_neighbours_as_well() {
     assert_eq!(actions, [asked]);
 }
 
+/// One step ahead, moves are taught turned by a random number of ring places, change and action alike.
+#[test]
+fn what_is_learnt_on_the_way_is_turned_with_the_ring() {
+    let headings = |config: &mut Config<16>| *config = Config::recommended();
+    let (before, after, motion, _) = taught_by_half_a_move(headings);
+    let [_, winners] = changed(&before, &after);
+    let taught = [0, 1].map(|i| {
+        let part = |state: &Robot| state.actions().actions().code()[winners[0]][i].to_num::<f64>();
+        part(&before) + (part(&after) - part(&before)) * 65_536.0 / 1_310.0
+    });
+    let mm = taught.map(|part| (part * 250.0) as i32);
+    let turned = Displacement::saturating(mm[0], mm[1]).bearing();
+    let turns = turned.minus(motion.displacement.bearing()).as_turns();
+    let off = turns.wrapping_add(2_048) % 4_096;
+    assert!(
+        off.abs_diff(2_048) < 200 && turns.wrapping_add(2_048) > 4_096,
+        "{turns}"
+    );
+}
+
 #[test]
 fn a_shortened_motion_is_the_same_one_slower_and_never_longer() {
     let mut bench = Bench::new(Config::recommended());

@@ -498,4 +498,35 @@ mod tests {
             }
         );
     }
+
+    #[test]
+    fn an_action_from_a_quarter_of_a_step_on_has_a_direction() {
+        let mut bench = Bench::new([0; 16]);
+        for (k, mm) in [(0, 62), (1, 61)] {
+            let along = Displacement {
+                dx_mm: 0,
+                dy_mm: mm,
+            };
+            let code = bench.config.action_code.encode(along, 250);
+            bench.actions.actions_mut().set_code_vector(k, &code);
+        }
+        let goal = goal([(0, 0, 1); 16], Frame::Ring, 0, 0);
+        let mut asked = [Asked::ANYTHING; 16];
+        goal.ask(0, Mask::ALL, &mut asked);
+        let (goal, asked, way) = (&goal, &asked, Direction::default());
+        let aim = Aim {
+            goal,
+            asked,
+            place: 0,
+            way,
+        };
+        let planner = bench.planner(Displacement::ZERO, Mask::ALL, 0);
+        let own = |k| planner.own_candidate(&[Weight::ZERO; 16], &aim, k);
+        let left = Direction {
+            x_q14: 0,
+            y_q14: 1 << 14,
+        };
+        assert_eq!(own(0).map(|own| own.direction), Some(left));
+        assert!(own(1).is_none());
+    }
 }
