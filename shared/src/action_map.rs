@@ -686,6 +686,79 @@ mod tests {
         }
     }
 
+    proptest! {
+        /// Kernels are asked where the weight leaves them room and the whole ring is believed; answers and lessons are the same.
+        #[test]
+        fn kernels_for_the_processor_change_nothing(
+            middle in prop::collection::vec(-8_000_i16..=8_000, 18), shifts in prop::collection::vec(-190_i32..=190, 16 * 18),
+            probes in prop::collection::vec(-8_192_i16..=8_192, 3 * 18), weight in prop_oneof![Just(511_u16), Just(512), 0_u16..600],
+            rate in 0_u32..=65_536, share in prop_oneof![Just(0_u32), 0_u32..=65_536], gaussian in any::<bool>(),
+            mask in prop_oneof![Just(Mask::ALL), any::<u32>().prop_map(Mask::from_bits)],
+        ) {
+            let mut portable = ActionMap::<16, 16>::zeroed(Grid::rectangle(4, 4));
+            for (k, shifts) in shifts.chunks_exact(18).enumerate() {
+                for (i, shift) in shifts.iter().enumerate() {
+                    let value = Fine::from_bits((i32::from(middle[i]) + shift) << 16);
+                    match i.checked_sub(16) {
+                        None => portable.changes_mut().set_component(k * 16 + i, value),
+                        Some(i) => portable.actions_mut().set_component(k * 2 + i, value),
+                    }
+                }
+            }
+            let mut map = portable.clone();
+            map.use_kernels(&crate::som::tests::by_hand::KERNELS);
+            let shape = if gaussian { Neighbourhood::Gaussian } else { Neighbourhood::Direct };
+            let pull = Pull::new(shape, rate, share);
+            for probe in probes.as_chunks::<18>().0 {
+                let part = |i: usize| Weight::from_bits(probe[i]);
+                let effect = Effect { change: core::array::from_fn(part), action: [part(16), part(17)], mask };
+                let winner = portable.winner(&effect, weight);
+                prop_assert_eq!(map.winner(&effect, weight), winner);
+                portable.learn(winner, &effect, &pull);
+                map.learn(winner, &effect, &pull);
+                prop_assert_eq!(&map, &portable);
+            }
+        }
+    }
+
+    #[test]
+    fn a_short_probe_is_stretched_to_its_direction() {
+        let stretch = |bits: [i16; 3]| stretched(&bits.map(Weight::from_bits)).map(Weight::to_bits);
+        assert_eq!(stretch([0; 3]), [0; 3]);
+        assert_eq!(stretch([2, -1, 0]), [8_192, -4_096, 0]);
+        assert_eq!(stretch([-4_096, 1_024, 8]), [-8_192, 2_048, 16]);
+    }
+
+    #[test]
+    fn codes_are_shares_of_the_longest_step_or_turn_and_share() {
+        let bits = |code: ActionCode, dx_mm, dy_mm| {
+            code.encode(Displacement { dx_mm, dy_mm }, 200)
+                .map(Weight::to_bits)
+        };
+        assert_eq!(bits(ActionCode::Displacement, 100, -50), [4_096, -2_048]);
+        assert_eq!(
+            bits(ActionCode::Displacement, 201, -32_000),
+            [8_192, -8_192]
+        );
+        // Half a turn is one.
+        assert_eq!(bits(ActionCode::TurnStep, 100, 0), [0, 4_096]);
+        let [turn, length] = bits(ActionCode::TurnStep, 0, 200);
+        assert!((turn - 4_096).abs() < 8 && length == 8_192, "{turn}");
+        let back = |code: ActionCode, bits: [i16; 2]| code.decode(bits.map(Weight::from_bits), 200);
+        assert_eq!(
+            back(ActionCode::Displacement, [4_096, -21]),
+            Displacement {
+                dx_mm: 100,
+                dy_mm: -1
+            }
+        );
+        // A length below nothing is none.
+        assert_eq!(
+            back(ActionCode::TurnStep, [4_096, -100]),
+            Displacement::ZERO
+        );
+    }
+
     #[test]
     fn actions_come_back_from_their_code() {
         for code in [ActionCode::Displacement, ActionCode::TurnStep] {

@@ -374,3 +374,48 @@ impl Config<16> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What the documentation says of them, and a sum over everything: a preset changes on purpose only.
+    #[test]
+    fn the_presets_are_what_they_are_said_to_be() {
+        let literal = Config::touzet();
+        let halves = |training: &Training| (training.rate.start_q16(), training.rate.end_q16());
+        assert_eq!(halves(&literal.learning.situations), (32_768, 3_276));
+        assert_eq!(literal.learning.actions, literal.learning.situations);
+        assert_eq!(
+            literal.learning.situations.radius,
+            Schedule::constant(32_768)
+        );
+        let best = Config::recommended();
+        assert_eq!(halves(&best.learning.actions), (32_768, 655));
+        let radius = Schedule::new(65_536, 19_660, Decay::Linear);
+        assert_eq!(best.learning.actions.radius, radius);
+        let online = best.online.expect("it learns");
+        assert_eq!(
+            (online.situation_rate_q16, online.action_rate_q16),
+            (3_276, 1_310)
+        );
+        let sum =
+            |config: &Config<16>| crate::wire::checksum(config.to_bytes(&mut [0; MOST_CONFIG]));
+        let sums = [literal, Config::probing(), best].map(|config| sum(&config));
+        assert_eq!(sums, [0x57b2_0996, 0x3d42_389b, 0xdb3b_ea48]);
+    }
+
+    #[test]
+    fn a_configuration_comes_back_from_its_bytes_and_nothing_from_others() {
+        let config = Config::probing();
+        let mut buffer = [0; MOST_CONFIG];
+        let bytes = config.to_bytes(&mut buffer);
+        assert_eq!(Config::from_bytes(bytes), Some(config));
+        assert_eq!(Config::<16>::from_bytes(&bytes[..bytes.len() - 1]), None);
+        assert_eq!(Config::<16>::from_bytes(&[]), None);
+        // All zeros but for what learns at rate 0.
+        let zeroed = Config::<16>::zeroed();
+        let bytes = zeroed.to_bytes(&mut buffer);
+        assert!(bytes.iter().filter(|byte| **byte != 0).count() <= 1);
+    }
+}

@@ -325,4 +325,86 @@ mod tests {
         assert!(goal.holds(&blocked, Mask::ALL.without(1), Weight::ZERO));
         assert_eq!(goal.distance(&blocked, Mask::ALL.without(1)), 0);
     }
+
+    #[test]
+    fn deviations_are_squared_and_weighted() {
+        let half = Component {
+            weight: 3,
+            ..Component::equal(Weight::from_bits(4_096))
+        };
+        assert_eq!(half.deviation(Weight::from_bits(4_096 + 7)), 3 * 49);
+        assert_eq!(half.deviation(Weight::from_bits(4_096 - 7)), 3 * 49);
+        // The longest way there is.
+        let farthest = Component {
+            low: Weight::MAX,
+            high: Weight::MAX,
+            weight: 255,
+        };
+        assert_eq!(farthest.deviation(Weight::MIN), 255 * 65_535 * 65_535);
+        assert_eq!(Component::ANY.nearest(Weight::MAX), Weight::MAX);
+    }
+
+    #[test]
+    fn goals_are_made_as_they_say() {
+        let config = Config::recommended();
+        let avoiding = Goal::avoiding(&config);
+        let clear = config
+            .encoding
+            .value(Some(Range::from_mm(config.clearance_mm)));
+        assert_eq!(avoiding.components, [Component::at_most(clear); 16]);
+        assert_eq!((avoiding.going_q16, avoiding.frame), (33, Frame::Ring));
+        let place = Goal::<2>::perceived(&weights([0.25, 1.0]));
+        assert_eq!(place.components, weights([0.25, 1.0]).map(Component::equal));
+        assert_eq!(
+            (
+                place.cap.to_bits(),
+                place.tolerance.to_bits(),
+                place.going_q16
+            ),
+            (2_730, 287, 0)
+        );
+        assert_eq!(
+            Goal {
+                cap: Weight::from_bits(-5),
+                ..place
+            }
+            .cap_bits(),
+            0
+        );
+        assert_eq!(place.cap_bits(), 2_730);
+        let travel = Goal {
+            frame: Frame::Travel,
+            ..place
+        };
+        assert_eq!(
+            travel.towards(1).components,
+            weights([1.0, 0.25]).map(Component::equal)
+        );
+        assert_eq!(
+            (travel.towards(1).frame, travel.towards(2)),
+            (Frame::Ring, place)
+        );
+    }
+
+    #[test]
+    fn a_goal_is_met_up_to_the_mean_square_of_its_tolerance() {
+        let goal = Goal {
+            tolerance: Weight::from_bits(10),
+            ..Goal::of([
+                Component {
+                    weight: 4,
+                    ..Component::equal(Weight::ZERO)
+                },
+                Component::ANY,
+                Component::equal(Weight::ONE),
+            ])
+        };
+        let mut asked = [Asked::ANYTHING; 3];
+        goal.ask(0, Mask::ALL, &mut asked);
+        assert!(goal.is_met_by(500, &asked) && !goal.is_met_by(501, &asked));
+        // Who is not believed is not asked.
+        let mut asked = [Asked::ANYTHING; 3];
+        goal.ask(0, Mask::ALL.without(0), &mut asked);
+        assert!(goal.is_met_by(100, &asked) && !goal.is_met_by(101, &asked));
+    }
 }

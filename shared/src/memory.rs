@@ -197,6 +197,57 @@ mod tests {
     }
 
     #[test]
+    fn a_value_becomes_the_nearest_byte_and_a_byte_the_nearest_value() {
+        for bits in (-3_i16..=8_195).step_by(if cfg!(miri) { 97 } else { 1 }) {
+            let share = f64::from(bits.clamp(0, 8_192)) / 8_192.0 * 254.0;
+            let [byte] = to_bytes(&[Weight::from_bits(bits)], Mask::ALL);
+            assert!((f64::from(byte) - share).abs() <= 0.5, "{bits}: {byte}");
+        }
+        for byte in 0..UNKNOWN {
+            let exact = f64::from(byte) / 254.0 * 8_192.0;
+            let bits = f64::from(value_of(byte).to_bits());
+            assert!((bits - exact).abs() <= 0.5, "{byte}: {bits}");
+        }
+        assert_eq!(value_of(UNKNOWN), Weight::ZERO);
+    }
+
+    #[test]
+    fn a_change_turns_with_the_ring_and_counts_where_both_were_believed() {
+        let (before, after) = ([0, 254, 254, UNKNOWN, 127], [254, 254, 0, 254, UNKNOWN]);
+        let sample = |before, after| Sample {
+            before,
+            after,
+            commanded: Displacement::ZERO,
+            executed: Displacement::ZERO,
+        };
+        let one = f64::from;
+        for places in 0..12 {
+            let (mut values, mut changes) = ([Weight::ONE; 5], [Weight::ONE; 5]);
+            let mask = turned_change(
+                &sample(before, after),
+                places,
+                true,
+                &mut values,
+                &mut changes,
+            );
+            let at = |place: usize| (place + places) % 5;
+            let found = |row: &[Weight; 5], place: usize| row[at(place)].to_num::<f64>();
+            for (place, value, change) in [(0, 1, 1), (1, 1, 0), (2, 0, -1)] {
+                assert_eq!(
+                    (found(&values, place), found(&changes, place)),
+                    (one(value), one(change))
+                );
+            }
+            assert_eq!(mask, Mask::ALL.without(at(3)).without(at(4)), "{places}");
+        }
+        let (mut values, mut changes) = ([Weight::ONE; 5], [Weight::ONE; 5]);
+        assert_eq!(
+            turned_change(&sample([1; 5], [2; 5]), 3, true, &mut values, &mut changes),
+            Mask::ALL
+        );
+    }
+
+    #[test]
     fn what_was_unknown_once_is_found_wherever_it_is_turned() {
         let mut sample = Sample {
             before: [10, 20, 30, 40],
@@ -251,6 +302,7 @@ mod tests {
             Err(Full)
         );
         assert_eq!(memory.samples(), [sample]);
+        assert_eq!(std::format!("{Full}"), "the memory is full");
         memory.clear();
         assert!(memory.samples().is_empty());
     }

@@ -298,4 +298,53 @@ mod tests {
         assert_eq!(names.len(), Parameter::ALL.len());
         assert!(names.contains("ring-period"));
     }
+
+    #[test]
+    fn a_limit_may_come_as_near_as_a_millimetre() {
+        let mut config = Config::recommended();
+        (config.encoding.near_mm, config.encoding.far_mm) = (100, 200);
+        let mut set = |parameter: Parameter, value| parameter.set(&mut config, value);
+        assert_eq!(
+            (set(Parameter::Near, 200), set(Parameter::Near, 199)),
+            (Err(ParameterError::Order), Ok(()))
+        );
+        assert_eq!(
+            (set(Parameter::Far, 199), set(Parameter::Far, 200)),
+            (Err(ParameterError::Order), Ok(()))
+        );
+        assert_eq!(
+            (config.encoding.near_mm, config.encoding.far_mm),
+            (199, 200)
+        );
+    }
+
+    #[test]
+    fn what_is_switched_on_again_is_as_it_was_or_as_by_default() {
+        let mut config = Config::touzet();
+        let (shield, online) = (config.shield, config.online);
+        assert_ne!(online, Config::recommended().online);
+        for switch in [Parameter::Shield, Parameter::Online] {
+            assert_eq!(switch.set(&mut config, 1), Ok(()));
+        }
+        assert_eq!(
+            (config.shield, config.online),
+            (shield, online),
+            "they were on"
+        );
+        for switch in [Parameter::Shield, Parameter::Online] {
+            assert_eq!(switch.set(&mut config, 0), Ok(()));
+            assert_eq!(
+                (switch.get(&config), switch.set(&mut config, 1)),
+                (0, Ok(()))
+            );
+        }
+        assert_eq!(
+            (config.shield, config.online),
+            (Some(Shielding::nomad200()), Config::recommended().online)
+        );
+        assert_eq!(Parameter::Margin.set(&mut config, 55), Ok(()));
+        assert_eq!(Parameter::Margin.get(&config), 55);
+        config.shield = None;
+        assert_eq!(Parameter::Margin.get(&config), 0);
+    }
 }

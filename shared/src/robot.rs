@@ -101,6 +101,22 @@ mod tests {
         assert_eq!(RING_OF_16, evenly_spaced::<16>());
     }
 
+    #[test]
+    fn the_miniature_robot_looks_where_its_sensors_are() {
+        let degrees = [90.0, 45.0, 10.0, -10.0, -45.0, -90.0, -170.0, 170.0_f64];
+        let robot = RobotSpec::miniature();
+        for (found, degrees) in robot.directions.into_iter().zip(degrees) {
+            let exact = [
+                libm::cos(degrees.to_radians()),
+                libm::sin(degrees.to_radians()),
+            ];
+            for (q14, exact) in [found.x_q14, found.y_q14].into_iter().zip(exact) {
+                let error = f64::from(q14) / 16_384.0 - exact;
+                assert!(error.abs() < 0.0015, "{degrees}: {error}");
+            }
+        }
+    }
+
     /// Khepera: four sensors to each side of the middle, the last two behind.
     #[test]
     fn the_miniature_robot_looks_ahead_and_behind() {

@@ -162,6 +162,37 @@ mod tests {
     }
 
     #[test]
+    fn values_are_rounded_down() {
+        let encoding = Encoding {
+            near_mm: 0,
+            far_mm: 3,
+        };
+        let bits = [3, 2, 1, 0].map(|mm| encoding.value(Some(Range::from_mm(mm))).to_bits());
+        assert_eq!(bits, [0, 2_730, 5_461, 8_192]);
+        let mut scan = Scan::<2>::new();
+        scan.hear(
+            1,
+            Echo {
+                range: Some(Range::from_mm(1)),
+                at: Millis::from_ms(3),
+            },
+        );
+        assert_eq!(encoding.situation(&scan).map(Weight::to_bits), [0, 5_461]);
+        assert_eq!(scan.echoes().map(|echo| echo.at.as_ms()), [0, 3]);
+    }
+
+    #[test]
+    fn who_was_heard_once_stays_heard() {
+        let mut scan = Scan::<3>::new();
+        scan.hear(0, Echo::default());
+        scan.renew();
+        scan.hear(2, Echo::default());
+        assert!(!scan.has_heard_all(Mask::ALL) && !scan.is_complete(Mask::ALL.without(1)));
+        assert!(scan.has_heard_all(Mask::ALL.without(1)));
+        assert!(scan.is_complete(Mask::NONE.with(2)) && scan.is_complete(Mask::NONE));
+    }
+
+    #[test]
     fn limits_that_meet_do_not_divide_by_zero() {
         let step = Encoding {
             near_mm: 500,

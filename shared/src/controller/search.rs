@@ -82,4 +82,31 @@ mod tests {
         let mut search = Search::NEW;
         assert!((0..30).all(|step| !search.is_stuck(1_000_000 >> (step / 2), WANDER)));
     }
+
+    #[test]
+    fn nearer_is_nearer_by_a_fiftieth() {
+        let stuck = |second: i64| {
+            let mut search = Search::NEW;
+            [1_000, second, second, second].map(|d| search.is_stuck(d, WANDER))
+        };
+        assert_eq!(stuck(980), [false, false, false, true]);
+        assert_eq!(stuck(979), [false; 4]);
+        assert_eq!(stuck(1_000), [false, false, false, true]);
+    }
+
+    #[test]
+    fn who_may_not_wander_is_never_stuck() {
+        let mut search = Search::NEW;
+        let still = Wander {
+            patience: 0,
+            moves: 0,
+        };
+        assert!((0..9).all(|_| !search.is_stuck(1_000, still)) && !search.wanders());
+        let at_once = Wander {
+            patience: 0,
+            moves: 1,
+        };
+        assert!(search.is_stuck(1_000, at_once) && search.wanders());
+        assert!(!search.is_stuck(1_000, at_once) && !search.wanders());
+    }
 }

@@ -22,6 +22,9 @@ struct Bench {
 
 const HALF_ROOM_MM: i32 = 2_000;
 
+/// Random moves of a robot that is made ready. Miri takes some thousand times as long.
+const MOVES: u16 = if cfg!(miri) { 6 } else { 20 };
+
 impl Bench {
     fn new(mut config: Config<16>) -> Self {
         if cfg!(miri) {
@@ -130,7 +133,7 @@ impl Bench {
         let mut bench = Self::new(config);
         // Near a wall, so that there is something to learn.
         bench.x = 1_300;
-        bench.explore(20);
+        bench.explore(MOVES);
         bench.learn();
         bench
     }
@@ -472,6 +475,7 @@ fn maps_may_start_anywhere_and_learn_what_was_asked_for_in_the_order_recorded() 
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "sixty decisions: minutes")]
 fn a_place_that_is_not_found_is_searched_for_elsewhere() {
     let mut bench = Bench::ready(Config::recommended());
     (bench.x, bench.y) = (0, 0);
@@ -498,6 +502,23 @@ fn a_place_that_is_not_found_is_searched_for_elsewhere() {
     );
     assert!(wanders >= 30 && wanders < whys.len(), "{wanders}");
     assert!(whys.iter().all(|(_, at_goal)| !at_goal));
+}
+
+/// Who goes on and on has no place to look for, and a wall to follow is nowhere else.
+#[test]
+fn only_a_place_is_searched_for() {
+    let following = Goal {
+        frame: crate::goal::Frame::Travel,
+        ..Goal::place([Component::equal(Weight::ONE); 16])
+    };
+    for goal in [Goal::free_of_obstacles(), following] {
+        let mut bench = Bench::ready(Config::recommended());
+        bench.send(Event::Command(Command::Seek(goal)));
+        for _ in 0..if cfg!(miri) { 3 } else { 60 } {
+            let plan = bench.step().decision.and_then(|decision| decision.plan);
+            assert_ne!(plan.map(|plan| plan.why), Some(Why::Wander));
+        }
+    }
 }
 
 #[test]
@@ -536,4 +557,279 @@ fn parts_are_written_while_the_robot_stands_and_where_they_fit() {
     let words = [PartError::Busy, PartError::Place].map(|error| std::format!("{error}"));
     assert_eq!(words[0], "the robot explores, learns or seeks");
     assert_eq!(words[1], "the piece does not fit where it says");
+}
+
+#[test]
+fn a_ring_that_stays_incomplete_for_two_periods_stops_the_robot() {
+    let mut bench = Bench::new(Config::recommended());
+    bench.send(Event::Command(Command::Explore { moves: 5, seed: 3 }));
+    let tick = |bench: &mut Bench, time| {
+        bench.time = time;
+        bench.send(Event::Tick).mode_changed
+    };
+    assert!(!tick(&mut bench, 1_280));
+    assert!(tick(&mut bench, 1_281));
+    assert_eq!(
+        bench.state.mode(),
+        &Mode::Stopped(StopReason::RingIncomplete)
+    );
+    // Not while it moves: the ring is awaited from the end of the motion.
+    bench.send(Event::Command(Command::Resume));
+    let motion = bench.ring().motion.expect("a motion");
+    let now = bench.time;
+    assert!(!tick(&mut bench, now + 9_000));
+    bench.execute(motion);
+    assert!(!tick(&mut bench, now + 10_280) && tick(&mut bench, now + 10_281));
+}
+
+#[test]
+fn random_moves_have_all_lengths_and_the_shield_has_some_drawn_anew() {
+    let lengths = |shortest_mm, draws| {
+        let mut config = Config::recommended();
+        config.exploration = crate::config::Exploration { shortest_mm, draws };
+        let mut bench = Bench::new(config);
+        // In a corner: three quarters of all ways are barred.
+        (bench.x, bench.y) = (1_640, 1_640);
+        bench.explore(20);
+        let samples = bench.state.memory().samples().iter();
+        let cut = |sample: &&crate::memory::Sample<16>| {
+            sample.executed.length_mm() < sample.commanded.length_mm() / 2
+        };
+        let cuts = samples.clone().filter(cut).count();
+        let commanded: Vec<_> = samples.map(|sample| sample.commanded.length_mm()).collect();
+        (commanded, cuts)
+    };
+    let (any, cuts) = lengths(0, 8);
+    assert!(
+        any.iter().any(|mm| *mm < 60) && any.iter().any(|mm| *mm > 200),
+        "{any:?}"
+    );
+    let (long, many) = lengths(240, 0);
+    assert!(long.iter().all(|mm| (239..=251).contains(mm)), "{long:?}");
+    assert!(cuts < 4 && many > cuts, "{cuts} {many}");
+}
+
+#[test]
+fn the_first_maps_are_spread_over_the_plane() {
+    let mut config = Config::recommended();
+    config.learning.epochs = 1;
+    let mut bench = Bench::new(config);
+    bench.explore(20);
+    bench.send(Event::Command(Command::Learn));
+    let bits = |k| {
+        bench
+            .state
+            .actions()
+            .actions()
+            .code_vector(k)
+            .map(Weight::to_bits)
+    };
+    let third = 8_192 / 3;
+    assert_eq!(
+        [0, 3, 12, 15].map(bits),
+        [
+            [-8_192, -8_192],
+            [8_192, -8_192],
+            [-8_192, 8_192],
+            [8_192, 8_192]
+        ]
+    );
+    assert_eq!([5, 10].map(bits), [[-third, -third], [third, third]]);
+    let changes = bench.state.actions().changes().code();
+    assert!(
+        changes
+            .as_flattened()
+            .iter()
+            .all(|value| value.to_bits() == 0)
+    );
+}
+
+#[test]
+fn a_map_that_starts_anywhere_has_values_of_either_sign_where_there_are_such() {
+    let mut config = Config::recommended();
+    config.learning.start = crate::config::Start::Random;
+    let mut bench = Bench::new(config);
+    bench.explore(20);
+    bench.send(Event::Command(Command::Learn));
+    let spread = |code: &[crate::fixed::Fine]| {
+        let bits = code.iter().map(|value| value.to_bits() >> 16);
+        (bits.clone().min().unwrap_or(0), bits.max().unwrap_or(0))
+    };
+    let (least, most) = spread(bench.state.situations().code().as_flattened());
+    assert!(
+        (0..400).contains(&least) && (7_800..8_192).contains(&most),
+        "{least} {most}"
+    );
+    let (least, most) = spread(bench.state.actions().changes().code().as_flattened());
+    assert!(
+        (-8_192..-7_800).contains(&least) && (7_800..8_192).contains(&most),
+        "{least} {most}"
+    );
+    let (least, most) = spread(bench.state.actions().actions().code().as_flattened());
+    assert!(
+        (-8_192..-6_000).contains(&least) && (6_000..8_192).contains(&most),
+        "{least} {most}"
+    );
+}
+
+#[test]
+fn a_turned_sample_teaches_the_same_move_seen_from_another_transducer() {
+    let mut bench = Bench::new(Config::recommended());
+    bench.config.learning.epochs = 200;
+    bench.x = 1_300;
+    // One move only, and so one direction.
+    bench.explore(1);
+    bench.learn();
+    let actions = bench.state.actions().actions().code().iter();
+    let quadrants: std::collections::BTreeSet<_> = actions
+        .map(|action| action.map(|part| part.to_bits() > 0))
+        .collect();
+    assert_eq!(quadrants.len(), 4);
+}
+
+/// What one move teaches while the robot seeks: a robot that gets half as far as it was to, its maps before and after, and the
+/// neuron it asked.
+fn taught_by_half_a_move(change: impl Fn(&mut Config<16>)) -> (Robot, Robot, Motion, usize) {
+    let mut config = Config::probing();
+    change(&mut config);
+    let mut bench = Bench::ready(config);
+    (bench.x, bench.y) = (1_300, 400);
+    bench.send(Event::Command(Command::Seek(Goal::free_of_obstacles())));
+    let out = bench.ring();
+    let (motion, plan) = (
+        out.motion.expect("a motion"),
+        out.decision.and_then(|d| d.plan).expect("a plan"),
+    );
+    let before = bench.state.clone();
+    let half = motion
+        .displacement
+        .with_length(motion.displacement.length_mm() / 2);
+    bench.execute(Motion {
+        displacement: half,
+        ..motion
+    });
+    bench.ring();
+    (before, bench.state, motion, plan.action_neuron.into())
+}
+
+/// Neurons of both maps that have changed.
+fn changed(before: &Robot, after: &Robot) -> [Vec<usize>; 2] {
+    let differ = |k: &usize| {
+        [
+            before.situations().code()[*k] != after.situations().code()[*k],
+            before.actions().actions().code()[*k] != after.actions().actions().code()[*k],
+        ]
+    };
+    [0, 1].map(|map| (0..16).filter(|k| differ(k)[map]).collect())
+}
+
+#[test]
+fn each_move_teaches_the_winners_alone_or_their_neighbours_as_well() {
+    let (before, after, motion, _) = taught_by_half_a_move(|_| ());
+    let [situations, actions] = changed(&before, &after);
+    assert_eq!((situations.len(), actions.len()), (1, 1));
+    // A fiftieth of the way towards what was carried out: half of what was asked for.
+    let towards = |share: f64, before: &Robot, after: &Robot, winner: usize| {
+        let part =
+            |state: &Robot, i: usize| state.actions().actions().code()[winner][i].to_num::<f64>();
+        let mm = [motion.displacement.dx_mm, motion.displacement.dy_mm];
+        (0..2).all(|i| {
+            let taught = f64::from(mm[i]) * share / 250.0;
+            let expected = part(before, i) + (taught - part(before, i)) * 1_310.0 / 65_536.0;
+            (part(after, i) - expected).abs() < 2e-4
+        })
+    };
+    assert!(towards(0.5, &before, &after, actions[0]));
+    let (before, after, _, _) =
+        taught_by_half_a_move(|config| config.learning.taught = crate::config::Taught::Commanded);
+    let [_, actions] = changed(&before, &after);
+    assert!(towards(1.0, &before, &after, actions[0]));
+    let shared = |config: &mut Config<16>| {
+        config.online = config.online.map(|online| crate::config::Online {
+            share_q16: 32_768,
+            ..online
+        });
+    };
+    let (before, after, _, _) = taught_by_half_a_move(shared);
+    let [situations, actions] = changed(&before, &after);
+    assert!(
+        situations.len() >= 3 && actions.len() >= 3,
+        "{situations:?} {actions:?}"
+    );
+    // The neuron that was asked may be the one that is to know better.
+    let blamed = |config: &mut Config<16>| {
+        config.online = config.online.map(|online| crate::config::Online {
+            blame_recalled: true,
+            ..online
+        });
+    };
+    let (before, after, _, asked) = taught_by_half_a_move(blamed);
+    let [_, actions] = changed(&before, &after);
+    assert_eq!(actions, [asked]);
+}
+
+/// One step ahead, moves are taught turned by a random number of ring places, change and action alike.
+#[test]
+fn what_is_learnt_on_the_way_is_turned_with_the_ring() {
+    let headings = |config: &mut Config<16>| *config = Config::recommended();
+    let (before, after, motion, _) = taught_by_half_a_move(headings);
+    let [_, winners] = changed(&before, &after);
+    let taught = [0, 1].map(|i| {
+        let part = |state: &Robot| state.actions().actions().code()[winners[0]][i].to_num::<f64>();
+        part(&before) + (part(&after) - part(&before)) * 65_536.0 / 1_310.0
+    });
+    let mm = taught.map(|part| (part * 250.0) as i32);
+    let turned = Displacement::saturating(mm[0], mm[1]).bearing();
+    let turns = turned.minus(motion.displacement.bearing()).as_turns();
+    let off = turns.wrapping_add(2_048) % 4_096;
+    assert!(
+        off.abs_diff(2_048) < 200 && turns.wrapping_add(2_048) > 4_096,
+        "{turns}"
+    );
+}
+
+#[test]
+fn a_shortened_motion_is_the_same_one_slower_and_never_longer() {
+    let mut bench = Bench::new(Config::recommended());
+    bench.config.exploration.shortest_mm = 240;
+    bench.send(Event::Command(Command::Explore { moves: 20, seed: 3 }));
+    let motion = bench.ring().motion.expect("a motion");
+    let sensor = (motion.displacement.bearing().as_turns().wrapping_add(2_048) >> 12) as u8;
+    bench.time += 40;
+    let mut hear = |mm: u16| {
+        bench
+            .send(Event::Echo {
+                sensor,
+                range: Some(Range::from_mm(mm)),
+            })
+            .motion
+    };
+    let shorter = hear(260).expect("shorter");
+    assert!(shorter.speed_mm_s < motion.speed_mm_s);
+    assert_eq!(hear(400), None, "what has been shortened stays so");
+    let stop = hear(100).expect("none of it");
+    assert_eq!(
+        (stop.displacement, stop.speed_mm_s),
+        (Displacement::ZERO, 0)
+    );
+}
+
+/// A move of which half was carried out, rounded down, was not cut.
+#[test]
+fn a_move_is_cut_below_half() {
+    let pending = |mm: i16| Pending::<2> {
+        before: Aligned([Weight::ZERO; 2]),
+        commanded: Displacement {
+            dx_mm: 0,
+            dy_mm: 251,
+        },
+        executed: Displacement {
+            dx_mm: mm,
+            dy_mm: 0,
+        },
+        remaining: Displacement::ZERO,
+        turned: Bearing::ZERO,
+        speed_mm_s: 0,
+    };
+    assert!(pending(124).was_cut() && !pending(125).was_cut());
 }

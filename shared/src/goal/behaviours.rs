@@ -178,6 +178,66 @@ mod tests {
         }
     }
 
+    /// What is asked of each place of the ring: (at least, at most) in millimetres, weight.
+    fn asks(goal: &Goal<16>, table: [(Option<u16>, Option<u16>, u8); 16]) {
+        let value = |mm: u16| config().encoding.value(Some(Range::from_mm(mm)));
+        for (place, (farthest, nearest, weight)) in table.into_iter().enumerate() {
+            let wanted = Component {
+                low: farthest.map_or(Weight::ZERO, value),
+                high: nearest.map_or(Weight::ONE, value),
+                weight,
+            };
+            assert_eq!(goal.components[place], wanted, "{place}");
+        }
+    }
+
+    /// No nearer than this, so strongly.
+    const fn room(mm: u16, weight: u8) -> (Option<u16>, Option<u16>, u8) {
+        (None, Some(mm), weight)
+    }
+
+    const ANY: (Option<u16>, Option<u16>, u8) = (None, None, 0);
+
+    #[test]
+    fn a_wall_is_asked_for_as_in_this_table() {
+        let goal = Goal::wall(Side::Right, Range::from_mm(600), &config());
+        let (ahead, left) = (room(1_100, 2), room(900, 2));
+        // From ahead counter-clockwise; the wall stands at place 12, seen slanted beside it.
+        #[rustfmt::skip]
+        asks(&goal, [
+            ahead, ahead, ahead, left, left, left, ANY, ANY, ANY, ANY, ANY,
+            room(612, 17), (Some(600), Some(600), 15), room(612, 2), room(754, 6), ahead,
+        ]);
+        assert_eq!((goal.going_q16, goal.steady_q16), (2_800, 350));
+        assert_eq!(
+            (goal.frame, goal.cap, goal.tolerance),
+            (Frame::Travel, Weight::ONE, Weight::ZERO)
+        );
+    }
+
+    #[test]
+    fn passing_and_following_ask_as_in_these_tables() {
+        let passing = Goal::passing(Side::Right, Range::from_mm(1_500), &config());
+        let (side, ahead, else_) = (room(1_500, 1), room(1_000, 1), room(800, 4));
+        #[rustfmt::skip]
+        asks(&passing, [
+            ahead, ahead, ahead, ahead, else_, else_, else_, else_, else_, else_,
+            side, side, side, side, side, side,
+        ]);
+        assert_eq!((passing.going_q16, passing.steady_q16), (650, 130));
+        let following = Goal::following(Range::from_mm(700), &config());
+        let (beside, around, behind) = (room(700, 3), room(1_250, 3), room(670, 1));
+        #[rustfmt::skip]
+        asks(&following, [
+            (Some(700), Some(700), 15), beside, around, around, around, behind, behind, behind, behind,
+            behind, behind, behind, around, around, around, beside,
+        ]);
+        assert_eq!(
+            (following.steady_q16, following.tolerance),
+            (8_700, Weight::from_bits(400))
+        );
+    }
+
     #[test]
     fn left_is_right_in_the_mirror() {
         let of = |side| Goal::wall(side, Range::from_mm(600), &config()).components;

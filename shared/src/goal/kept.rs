@@ -162,6 +162,13 @@ mod tests {
     }
 
     #[test]
+    fn refusals_say_what_a_name_may_be() {
+        let words = [KeepError::Name, KeepError::Full].map(|error| std::format!("{error}"));
+        assert!(words[0].contains("1 to 12 printable") && words[1].contains("as many"));
+        assert_eq!(Name::from_bytes([0xff; 12]).as_str(), "", "no text");
+    }
+
+    #[test]
     fn names_are_short_words() {
         assert_eq!(Name::new("nest").unwrap().as_str(), "nest");
         assert_eq!(Name::new("twelve-chars").unwrap().as_str(), "twelve-chars");

@@ -32,7 +32,10 @@ struct Rig {
 
 const SESSION: u16 = 5;
 
-/// The recommended one; in Miri, some thousand times slower, it learns for two epochs only.
+/// Random moves of a robot that is made ready. Miri takes some thousand times as long.
+const MOVES: u16 = if cfg!(miri) { 6 } else { 20 };
+
+/// The recommended one; in Miri it learns for two epochs only.
 fn config() -> Config<16> {
     let mut config = Config::recommended();
     if cfg!(miri) {
@@ -149,8 +152,9 @@ impl Rig {
 
     fn ready(clock: Clock) -> Self {
         let mut rig = Self::new(clock);
-        assert!(refusal(&rig.order(Order::Explore { moves: 20, seed: 9 })).is_none());
-        assert_eq!(rig.rounds(100).len(), 20);
+        let (moves, seed) = (MOVES, 9);
+        assert!(refusal(&rig.order(Order::Explore { moves, seed })).is_none());
+        assert_eq!(rig.rounds(100).len(), usize::from(MOVES));
         assert!(refusal(&rig.order(Order::Learn)).is_none());
         while rig.tick().0 {}
         rig
@@ -189,8 +193,9 @@ fn a_mind_behind_the_link_is_the_mind() {
     let mut rig = Rig::ready(Clock::Host);
     rig.order(Order::Goal(GoalBy::Avoid));
     rig.order(Order::Seek);
-    let decisions = rig.rounds(50);
-    assert_eq!(decisions.len(), 50);
+    let most = if cfg!(miri) { 5 } else { 50 };
+    let decisions = rig.rounds(most);
+    assert_eq!(decisions.len(), most);
     assert!(decisions.iter().all(|decision| decision.plan.is_some()));
     // The same events to the controller itself.
     let config = config();
@@ -224,13 +229,14 @@ fn a_mind_behind_the_link_is_the_mind() {
         all
     };
     use crate::controller::Command;
-    let explore = Command::Explore { moves: 20, seed: 9 };
+    let (moves, seed) = (MOVES, 9);
+    let explore = Command::Explore { moves, seed };
     at(Event::Command(explore), now);
     rounds(&mut at, &mut now, 100);
     at(Event::Command(Command::Learn), now);
     while !at(Event::Tick, now).mode_changed {}
     at(Event::Command(Command::Seek(Goal::avoiding(&config))), now);
-    assert_eq!(rounds(&mut at, &mut now, 50), decisions);
+    assert_eq!(rounds(&mut at, &mut now, most), decisions);
     assert!(state.situations() == rig.node.state().situations());
     assert!(state.actions() == rig.node.state().actions());
 }
@@ -926,4 +932,16 @@ fn the_host_is_told_whom_the_mind_believes() {
         [Notice::Disbelieved { sensor: 3, fault }]
     );
     assert_eq!(scan(&mut rig, Some(700)), [Notice::Believed { sensor: 3 }]);
+}
+
+#[test]
+fn the_processors_kernels_reach_both_maps_and_frames_too_long_are_counted() {
+    let mut node = Node::<16, 16, 20>::default();
+    assert!(!node.state().situations().has_kernels());
+    node.use_kernels(&crate::som::tests::by_hand::KERNELS);
+    let state = node.state();
+    assert!(state.situations().has_kernels() && state.actions().changes().has_kernels());
+    node.set_oversized(7);
+    assert_eq!(node.counters().oversized, 7);
+    assert!(!node.is_linked());
 }

@@ -217,3 +217,146 @@ impl Inverse {
         (slope(self.xx, self.xy), slope(self.xy, self.yy))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::som::Grid;
+    use crate::units::{Bearing, Displacement};
+    use proptest::prelude::*;
+    use std::vec::Vec;
+
+    const NEURONS: usize = 20;
+
+    /// Actions all round, of different lengths, and anything that they changed.
+    fn pairs() -> impl Strategy<Value = Vec<(u16, i32, [i16; 5])>> {
+        let one = (
+            any::<u16>(),
+            60_i32..=250,
+            prop::array::uniform5(-2_000_i16..=2_000),
+        );
+        prop::collection::vec(one, NEURONS)
+    }
+
+    fn map(pairs: &[(u16, i32, [i16; 5])], code: ActionCode) -> ActionMap<NEURONS, 5> {
+        let action = |k: usize| {
+            let (turns, mm, _) = pairs[k];
+            code.encode(Displacement::along(Bearing::from_turns(turns), mm), 250)
+        };
+        let change = |k: usize| pairs[k].2.map(Weight::from_bits);
+        let grid = Grid::rectangle(5, 4);
+        ActionMap::new(
+            grid,
+            core::array::from_fn(change),
+            core::array::from_fn(action),
+        )
+    }
+
+    /// Least squares in floats: slopes in 2⁻¹³ per longest step, and how well the actions span the plane.
+    fn exact(map: &ActionMap<NEURONS, 5>, sensor: usize) -> ([f64; 2], f64) {
+        let (mut plane, mut sums) = ([0.0; 3], [0.0; 2]);
+        for (action, change) in map.actions().code().iter().zip(map.changes().code()) {
+            let [x, y] = action.map(|part| part.to_num::<f64>());
+            let change = change[sensor].to_num::<f64>();
+            plane = [plane[0] + x * x, plane[1] + x * y, plane[2] + y * y];
+            sums = [sums[0] + x * change, sums[1] + y * change];
+        }
+        let [xx, xy, yy] = plane;
+        let determinant = xx * yy - xy * xy;
+        let slope = |a: f64, b: f64| (a * sums[0] + b * sums[1]) / determinant * 8_192.0;
+        ([slope(yy, -xy), slope(-xy, xx)], determinant / (xx * yy))
+    }
+
+    fn slopes(forward: &Forward<5>) -> Vec<[i32; 2]> {
+        let lines = forward.lines().iter();
+        lines.map(|line| [line.along_x, line.along_y]).collect()
+    }
+
+    proptest! {
+        #[test]
+        fn it_fits_the_neurons_best(pairs in pairs(), now in prop::array::uniform5(0_i16..=8_192)) {
+            let mut map = map(&pairs, ActionCode::Displacement);
+            let situation = now.map(Weight::from_bits);
+            let mut forward = Forward::from(&situation);
+            forward.fit(&map, ActionCode::Displacement, 250);
+            for (sensor, found) in slopes(&forward).into_iter().enumerate() {
+                let (exact, span) = exact(&map, sensor);
+                prop_assume!(span > 0.1);
+                for (found, exact) in found.into_iter().zip(exact) {
+                    // 15 bits of the determinant are left.
+                    prop_assert!((f64::from(found) - exact).abs() < 3.0 + exact.abs() / 1_000.0, "{} {}", found, exact);
+                }
+            }
+            // By sums that were kept it is the same to the last bit.
+            map.keep_products();
+            let mut kept = Forward::from(&situation);
+            kept.fit(&map, ActionCode::Displacement, 250);
+            prop_assert_eq!(&kept, &forward);
+            // No move, no change; a value is never below 0.
+            prop_assert_eq!(forward.after(Direction::default()), now.map(i32::from));
+            let ahead = Direction { x_q14: 1 << 14, y_q14: 0 };
+            for (value, line) in forward.after(ahead).into_iter().zip(forward.lines()) {
+                let (now, along_x, along_y) = line.coefficients();
+                prop_assert_eq!(value, (now + along_x).max(0));
+                let (least, most) = line.range();
+                prop_assert!(least <= now - along_x.abs().max(along_y.abs()) && now + along_x.abs().max(along_y.abs()) <= most);
+                prop_assert!(most - now <= (along_x.abs() + along_y.abs()) * 17 / 16 + 2 && now - least == most - now);
+            }
+        }
+
+        /// Turn and step, or a displacement: two ways to write the same actions.
+        #[test]
+        fn the_code_of_the_actions_hardly_matters(pairs in pairs()) {
+            let fitted = |code: ActionCode| {
+                let (mut summed, mut kept) = (Forward::from(&[Weight::ZERO; 5]), Forward::from(&[Weight::ZERO; 5]));
+                let mut map = map(&pairs, code);
+                summed.fit(&map, code, 250);
+                // Sums that were kept are of displacements: of no use for turns.
+                map.keep_products();
+                kept.fit(&map, code, 250);
+                assert_eq!(kept, summed);
+                slopes(&summed)
+            };
+            let (_, span) = exact(&map(&pairs, ActionCode::Displacement), 0);
+            prop_assume!(span > 0.3);
+            let (vectors, turns) = (fitted(ActionCode::Displacement), fitted(ActionCode::TurnStep));
+            for (a, b) in vectors.as_flattened().iter().zip(turns.as_flattened()) {
+                prop_assert!((a - b).abs() < 60, "{} {}", a, b);
+            }
+        }
+    }
+
+    #[test]
+    fn actions_that_do_not_span_the_plane_change_nothing_and_slopes_are_limited() {
+        let line = |turns: u16, change: i16| {
+            let pairs = [(turns, 250, [change; 5]); NEURONS];
+            let mut forward = Forward::from(&[Weight::ONE; 5]);
+            forward.fit(
+                &map(&pairs, ActionCode::Displacement),
+                ActionCode::Displacement,
+                250,
+            );
+            forward
+        };
+        assert_eq!(line(0, 2_000), Forward::from(&[Weight::ONE; 5]));
+        // Short moves that changed much: at most twice the whole scale per step.
+        let short = |k: usize| {
+            (
+                (k * 4_096) as u16,
+                40,
+                [if k % 16 < 8 { 8_000 } else { -8_000 }; 5],
+            )
+        };
+        let pairs: Vec<_> = (0..NEURONS).map(short).collect();
+        let mut forward = Forward::from(&[Weight::ZERO; 5]);
+        forward.fit(
+            &map(&pairs, ActionCode::Displacement),
+            ActionCode::Displacement,
+            250,
+        );
+        assert!(
+            slopes(&forward).iter().all(|[_, y]| *y == 1 << 14),
+            "{forward:?}"
+        );
+    }
+}

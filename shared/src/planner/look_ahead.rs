@@ -326,3 +326,207 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         self.allowed == Mask::ALL || self.allowed.contains(self.neuron_of(direction))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::action_map::ActionMap;
+    use crate::config::Config;
+    use crate::goal::Component;
+    use crate::planner::GoalNeuron;
+    use crate::som::{Grid, Som};
+    use crate::units::Bearing;
+    use proptest::prelude::*;
+
+    type Bounds = [(i16, i16, u8); 16];
+
+    fn goal(bounds: Bounds, frame: Frame, going_q16: u16, steady_q16: u16) -> Goal<16> {
+        Goal {
+            frame,
+            going_q16,
+            steady_q16,
+            ..Goal::of(bounds.map(|(a, b, weight)| Component {
+                low: Weight::from_bits(a.min(b)),
+                high: Weight::from_bits(a.max(b)),
+                weight,
+            }))
+        }
+    }
+
+    /// Few different values make many ties.
+    fn bounds() -> impl Strategy<Value = Bounds> {
+        let value = || prop_oneof![Just(0_i16), Just(4_096), Just(8_192), 0_i16..=8_192];
+        prop::array::uniform16((value(), value(), 0_u8..3))
+    }
+
+    fn course() -> impl Strategy<Value = Displacement> {
+        let part = || prop_oneof![Just(0_i16), -250_i16..=250];
+        (part(), part()).prop_map(|(dx_mm, dy_mm)| Displacement { dx_mm, dy_mm })
+    }
+
+    /// Actions all round, and what each changes.
+    fn actions(changes: [i16; 16]) -> ActionMap<16, 16> {
+        let action = |k: usize| {
+            let (x, y) = Bearing::of_place(k, 16).direction().times(7_000);
+            [x, y].map(|bits| Weight::from_bits(bits as i16))
+        };
+        let change =
+            |k: usize| core::array::from_fn(|i| Weight::from_bits(changes[(16 + i - k) % 16]));
+        ActionMap::new(
+            Grid::rectangle(4, 4),
+            core::array::from_fn(change),
+            core::array::from_fn(action),
+        )
+    }
+
+    struct Bench {
+        config: Config<16>,
+        situations: Som<16, 16>,
+        actions: ActionMap<16, 16>,
+    }
+
+    impl Bench {
+        fn new(changes: [i16; 16]) -> Self {
+            Self {
+                config: Config::recommended(),
+                situations: Som::zeroed(Grid::rectangle(4, 4)),
+                actions: actions(changes),
+            }
+        }
+
+        fn planner(&self, course: Displacement, allowed: Mask, place: u8) -> Planner<'_, 16, 16> {
+            Planner {
+                config: &self.config,
+                situations: &self.situations,
+                actions: &self.actions,
+                allowed,
+                current: None,
+                likely: GoalNeuron {
+                    place,
+                    ..GoalNeuron::UNKNOWN
+                },
+                course,
+                cut: false,
+            }
+        }
+    }
+
+    proptest! {
+        /// The way by every place's deviation, wherever the search begins.
+        #[test]
+        fn the_way_fits_best_and_is_the_first_of_those_as_good(
+            bounds in bounds(), values in prop::array::uniform16(prop_oneof![Just(0_i16), Just(4_096), 0_i16..=8_192]),
+            steady in prop_oneof![Just(0_u16), 0_u16..9_000], course in course(), begin in 0_u8..20,
+            mask in prop_oneof![Just(Mask::ALL), any::<u32>().prop_map(Mask::from_bits)],
+        ) {
+            let goal = goal(bounds, Frame::Travel, 0, steady);
+            let mut bench = Bench::new([0; 16]);
+            bench.config.believed = mask;
+            let score = |place: usize| {
+                let mut asked = [Asked::ANYTHING; 16];
+                goal.ask(place, mask, &mut asked);
+                let along = cosine_q14(bench.config.robot.directions[place], unit(course));
+                missed(&asked, &values.map(i32::from), goal.cap_bits(), i64::MAX) - weighted(steady, along)
+            };
+            let best = (0..16).min_by_key(|&place| (score(place), place));
+            let planner = bench.planner(course, Mask::ALL, begin);
+            prop_assert_eq!(Some(planner.way(&values.map(Weight::from_bits), &goal)), best);
+        }
+
+        /// The best heading by every heading's score, and by every share of a step where the robot may stay.
+        #[test]
+        fn the_best_heading_is_the_first_of_those_as_good(
+            bounds in bounds(), values in prop::array::uniform16(0_i16..=8_192), changes in prop::array::uniform16(-900_i16..=900),
+            going in prop_oneof![Just(0_u16), 0_u16..9_000], course in course(), place in 0_usize..16,
+            allowed in prop_oneof![Just(Mask::ALL), any::<u32>().prop_map(Mask::from_bits)],
+        ) {
+            let goal = goal(bounds, Frame::Ring, going, 0);
+            let bench = Bench::new(changes);
+            let planner = bench.planner(course, allowed, 0);
+            let situation = values.map(Weight::from_bits);
+            let mut asked = [Asked::ANYTHING; 16];
+            goal.ask(0, Mask::ALL, &mut asked);
+            let aim = Aim { goal: &goal, asked: &asked, place, way: unit(course) };
+            let mut forward = Forward::from(&situation);
+            forward.fit(&bench.actions, bench.config.action_code, 250);
+            let mut landscape = Landscape::flat(goal.cap_bits());
+            landscape.shape(&forward, &asked);
+            let directions = bench.config.robot.directions;
+            let score = |heading: usize, share_q2: i32| {
+                let share = part(directions[heading], share_q2);
+                let whole = i64::from(going) * i64::from(cosine_q14(directions[heading], aim.way));
+                let preferred = ((whole >> 4) * i64::from(share_q2)) >> 2;
+                landscape.at(share, i64::MAX) - preferred
+            };
+            let open = (0..16).filter(|&k| allowed.contains(planner.neuron_of(directions[k])));
+            let best = planner.best(&situation, &aim, &forward);
+            let Some(heading) = open.min_by_key(|&k| (score(k, 4), k)) else {
+                prop_assert_eq!(best.share_q2, 0);
+                return Ok(());
+            };
+            let shares = if going == 0 { 0..5 } else { 4..5 };
+            let share = shares.min_by_key(|&share| (score(heading, share), share)).unwrap();
+            prop_assert_eq!((best.direction, best.share_q2), (directions[heading], share));
+            prop_assert_eq!((best.score, best.neuron), (score(heading, share), None));
+        }
+    }
+
+    #[test]
+    fn the_neuron_that_answers_for_a_direction_goes_farthest_there() {
+        let bench = Bench::new([0; 16]);
+        let planner = bench.planner(Displacement::ZERO, Mask::ALL, 0);
+        for (k, direction) in bench.config.robot.directions.into_iter().enumerate() {
+            assert_eq!(planner.neuron_of(direction), k);
+            assert!(planner.is_allowed(direction));
+            let without = bench.planner(Displacement::ZERO, Mask::ALL.without(k), 0);
+            assert!(!without.is_allowed(direction));
+        }
+        assert_eq!(
+            planner.neuron_of(Direction::default()),
+            0,
+            "of all as far the first"
+        );
+        assert_eq!(unit(Displacement::ZERO), Direction::default());
+        let (x, y) = (3_000, -4_000);
+        let found = unit(Displacement { dx_mm: x, dy_mm: y });
+        assert_eq!((found.x_q14, found.y_q14), (9_830, -13_107));
+        assert_eq!(
+            unit(Displacement { dx_mm: 1, dy_mm: 1 }),
+            Direction {
+                x_q14: 1 << 14,
+                y_q14: 1 << 14
+            }
+        );
+    }
+
+    #[test]
+    fn an_action_from_a_quarter_of_a_step_on_has_a_direction() {
+        let mut bench = Bench::new([0; 16]);
+        for (k, mm) in [(0, 62), (1, 61)] {
+            let along = Displacement {
+                dx_mm: 0,
+                dy_mm: mm,
+            };
+            let code = bench.config.action_code.encode(along, 250);
+            bench.actions.actions_mut().set_code_vector(k, &code);
+        }
+        let goal = goal([(0, 0, 1); 16], Frame::Ring, 0, 0);
+        let mut asked = [Asked::ANYTHING; 16];
+        goal.ask(0, Mask::ALL, &mut asked);
+        let (goal, asked, way) = (&goal, &asked, Direction::default());
+        let aim = Aim {
+            goal,
+            asked,
+            place: 0,
+            way,
+        };
+        let planner = bench.planner(Displacement::ZERO, Mask::ALL, 0);
+        let own = |k| planner.own_candidate(&[Weight::ZERO; 16], &aim, k);
+        let left = Direction {
+            x_q14: 0,
+            y_q14: 1 << 14,
+        };
+        assert_eq!(own(0).map(|own| own.direction), Some(left));
+        assert!(own(1).is_none());
+    }
+}

@@ -436,3 +436,150 @@ fn each_why_has_words_of_its_own() {
     assert_eq!(words.len(), whys.len());
     assert_eq!(Why::LookAhead.to_string(), "look-ahead");
 }
+
+/// One step ahead by the plane fitted to all four actions: 0.625 less ahead per step back.
+#[test]
+fn one_step_ahead_the_heading_that_leads_nearest_is_taken_as_far_as_it_helps() {
+    let mut bench = Bench::new();
+    bench.config.planning.choice = Choice::Headings;
+    let mut components = [Component::ANY; 4];
+    components[0] = Component::at_most(Weight::ZERO);
+    let goal = Goal::of(components);
+    let plan = bench.plan([0.9, 0.0, 0.0, 0.0], &goal);
+    assert_eq!(
+        (plan.why, plan.action_neuron, plan.action),
+        (Why::LookAhead, 0, mm(-250, 0))
+    );
+    assert!(plan.recalled && !plan.at_goal);
+    let left = plan.wanted[0].to_num::<f64>();
+    assert!((left + 0.625).abs() < 0.001, "{left}");
+    // Half of a step is enough.
+    let half = bench.plan([0.3, 0.0, 0.0, 0.0], &goal);
+    assert_eq!((half.why, half.action), (Why::LookAhead, mm(-125, 0)));
+    // At a place the robot stays.
+    let there = bench.plan([0.0; 4], &goal);
+    assert_eq!((there.why, there.action), (Why::Stay, Displacement::ZERO));
+    assert!(there.at_goal);
+    // The situation to come is that of the neuron nearest to it: nothing.
+    assert_eq!((plan.current_neuron, half.intermediate_neuron), (0, 3));
+}
+
+#[test]
+fn who_goes_keeps_to_the_course_where_the_goal_does_not_care() {
+    let mut bench = Bench::new();
+    bench.config.planning.choice = Choice::Headings;
+    let anything = Goal {
+        going_q16: 100,
+        ..Goal::of([Component::ANY; 4])
+    };
+    for (course, neuron) in [(mm(0, -100), 3), (mm(0, 70), 2), (mm(-9, 0), 0)] {
+        bench.course = course;
+        let plan = bench.plan([0.2; 4], &anything);
+        assert_eq!(
+            (plan.action, plan.action_neuron),
+            (course.with_length(250), neuron)
+        );
+    }
+    // The neuron that answers for this heading is inhibited: of both others as good the first.
+    bench.course = mm(0, -100);
+    bench.allowed = Mask::ALL.without(3);
+    assert_eq!(bench.plan([0.2; 4], &anything).action, mm(250, 0));
+    bench.allowed = Mask::NONE;
+    let none = bench.plan([0.2; 4], &anything);
+    assert_eq!((none.why, none.action), (Why::Stay, Displacement::ZERO));
+    // In the frame of travel going on is going the chosen way, not the course.
+    bench.allowed = Mask::ALL;
+    let travel = Goal {
+        frame: Frame::Travel,
+        going_q16: 100,
+        ..Goal::of([
+            Component::ANY,
+            Component::ANY,
+            Component::ANY,
+            Component::at_least(Weight::from_num(0.5)),
+        ])
+    };
+    // Something at place 1 is on the right of whoever goes towards place 2.
+    assert_eq!(
+        bench.plan([0.0, 1.0, 0.0, 0.0], &travel).action,
+        mm(-250, 0)
+    );
+}
+
+#[test]
+fn the_strength_of_going_is_weighed_against_the_deviation() {
+    let mut bench = Bench::new();
+    bench.config.planning.choice = Choice::Headings;
+    // Ahead 0.2 is asked and heard, and every step ahead makes it 0.825: a deviation of 0.39.
+    let goal = |going_q16| Goal {
+        going_q16,
+        ..Goal::of([
+            Component::at_most(Weight::from_num(0.2)),
+            Component::ANY,
+            Component::ANY,
+            Component::ANY,
+        ])
+    };
+    bench.course = mm(100, 0);
+    // Ahead less aside: going · 1 against 0.39 · 65 536 = 25 600.
+    assert_eq!(
+        bench.plan([0.2, 0.0, 0.0, 0.0], &goal(26_000)).action,
+        mm(250, 0)
+    );
+    assert_eq!(
+        bench.plan([0.2, 0.0, 0.0, 0.0], &goal(25_200)).action,
+        mm(0, 250)
+    );
+}
+
+#[test]
+fn a_neuron_that_keeps_the_course_is_preferred_where_so_configured() {
+    let mut bench = Bench::new();
+    bench.config.planning.intermediate = Intermediate::Goal;
+    let situation = [0.5, 0.0, 0.0, 0.5];
+    assert!(near(bench.free(situation).action, -200, 0));
+    bench.course = mm(0, 100);
+    bench.config.planning.straight_q8 = 64;
+    assert!(near(bench.free(situation).action, 0, 200));
+}
+
+#[test]
+fn a_share_of_the_course_is_added_and_the_sum_is_at_most_a_step() {
+    let mut bench = Bench::new();
+    bench.config.planning.intermediate = Intermediate::Goal;
+    bench.config.planning.inertia_q8 = 64;
+    bench.course = mm(100, 0);
+    // A step to the left and a quarter of one ahead, brought back to a step.
+    let action = bench.free([0.0, 0.0, 0.0, 0.75]).action;
+    assert!(near(action, 60, 242), "{action:?}");
+}
+
+#[test]
+fn changes_are_differences_within_one() {
+    let (a, b) = (weights([1.0, -1.0, 0.25]), weights([-1.0, 1.0, 0.5]));
+    assert_eq!(difference(&a, &b), weights([1.0, -1.0, -0.25]));
+    let opposite = Weight::from_bits(i16::MAX);
+    assert_eq!(difference(&[opposite], &[-opposite]), [Weight::ONE]);
+}
+
+#[test]
+fn a_goal_that_the_present_neuron_meets_has_no_nearer_neighbour() {
+    let mut bench = Bench::new();
+    bench.config.planning.intermediate = Intermediate::NearestCode;
+    // Both the last neuron and the second are nothing; the lower stands for the goal, the robot is at the other one.
+    bench.situations.set_code_vector(1, &weights([0.0; 4]));
+    bench
+        .situations
+        .set_code_vector(3, &weights([0.0, 0.0, 0.0, 0.01]));
+    let goal = Goal::of([
+        Component::ANY,
+        Component::ANY,
+        Component::ANY,
+        Component::at_most(Weight::from_num(0.02)),
+    ]);
+    let plan = bench.plan([0.0, 0.0, 0.0, 0.03], &goal);
+    assert_eq!(
+        (plan.current_neuron, plan.goal_neuron, plan.why),
+        (3, 0, Why::NoNearerNeighbour)
+    );
+}

@@ -15,7 +15,7 @@ fn arc((x, y, turns, range, age): (i16, i16, u16, u16, u32), now: Millis) -> Arc
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2_000))]
+    #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 4 } else { 2_000 }))]
     #[test]
     fn the_way_is_as_long_as_by_every_arc_alone(
         arcs in prop::collection::vec((-900_i16..900, -900_i16..900, any::<u16>(), prop_oneof![0_u16..1_500, any::<u16>()], 0_u32..900_000), 1..24),
@@ -98,4 +98,191 @@ fn the_ways_along_a_blind_gap_are_closed() {
     // A motion that was allowed before is asked about by those who hear something new.
     let guard = shield.allow_by(&config, to(90), now, Mask::NONE.with(3));
     assert!(guard.distance_mm >= 249);
+}
+
+/// A ring at time 5 in the open, but for what is said to be heard.
+fn heard(config: &Config<16>, things: &[(usize, u16)]) -> Shield<16> {
+    let mut shield = Shield::<16>::new();
+    for sensor in 0..16 {
+        let thing = things.iter().find(|(place, _)| *place == sensor);
+        let range = thing.map(|(_, mm)| Range::from_mm(*mm));
+        shield.hear(config, sensor, echo(range, 5));
+    }
+    shield
+}
+
+fn echo(range: Option<Range>, at: u32) -> Echo {
+    Echo {
+        range,
+        at: Millis::from_ms(at),
+    }
+}
+
+fn mm(dx_mm: i16, dy_mm: i16) -> Displacement {
+    Displacement { dx_mm, dy_mm }
+}
+
+/// How far towards a place, and how fast, at a time.
+fn way(shield: &Shield<16>, config: &Config<16>, wanted: Displacement, now: u32) -> (u16, u16) {
+    let allowed = shield.allow(config, wanted, Millis::from_ms(now));
+    (allowed.distance_mm, allowed.speed_mm_s)
+}
+
+/// Body 269, margin 90, faces at 231: the robot may come so far that 128 of the range are left, speed² = 2 · 762 · distance.
+#[test]
+fn the_way_ends_at_the_margin_and_the_speed_with_it() {
+    let config = Config::recommended();
+    let wanted = mm(400, 0);
+    let ahead = |range: u16| way(&heard(&config, &[(0, range)]), &config, wanted, 6);
+    assert_eq!(ahead(500), (372, 508));
+    assert_eq!(ahead(700), (400, 508));
+    assert_eq!(ahead(200), (69, 324));
+    // Nearer than the ring can hear, anything may touch already.
+    assert_eq!((ahead(153).0, ahead(154).0), (0, 23));
+    assert_eq!(
+        way(&heard(&config, &[(8, 0)]), &config, wanted, 6).0,
+        400,
+        "behind"
+    );
+    let mut short = config.clone();
+    short.shield = Some(Shielding {
+        least_mm: 40,
+        ..Shielding::nomad200()
+    });
+    let begun = |wanted, range: u16| way(&heard(&short, &[(0, range)]), &short, wanted, 6).0;
+    assert_eq!((begun(wanted, 160), begun(wanted, 200)), (0, 69));
+    assert_eq!(
+        begun(mm(20, 0), 160),
+        20,
+        "whoever wants little may have it"
+    );
+    let mut off = config.clone();
+    off.shield = None;
+    assert_eq!(way(&heard(&off, &[(0, 0)]), &off, wanted, 6), (400, 508));
+}
+
+#[test]
+fn a_direction_is_open_while_those_who_look_there_have_been_heard() {
+    let config = Config::recommended();
+    let mut shield = heard(&config, &[]);
+    let ahead = mm(250, 0);
+    assert_eq!(way(&shield, &config, ahead, 2_005).0, 250);
+    assert_eq!(way(&shield, &config, ahead, 2_006).0, 0);
+    // Those within 45° of the way; each of them.
+    for sensor in [14, 15, 1, 2] {
+        shield.hear(&config, sensor, echo(None, 100));
+        assert_eq!(way(&shield, &config, ahead, 2_006).0, 0);
+    }
+    shield.hear(&config, 0, echo(None, 100));
+    assert_eq!(way(&shield, &config, ahead, 2_006).0, 250);
+    assert_eq!(way(&shield, &config, mm(-250, 0), 2_006).0, 0);
+    shield.forget();
+    assert_eq!(way(&shield, &config, ahead, 100).0, 0);
+    assert_eq!(Shield::<16>::default(), Shield::new());
+    // A ring in which one is not believed closes its ways likewise.
+    let mut some = config.clone();
+    some.believed = Mask::ALL.without(8);
+    let shield = heard(&some, &[]);
+    assert_eq!(
+        (
+            way(&shield, &some, ahead, 2_005).0,
+            way(&shield, &some, ahead, 2_006).0
+        ),
+        (250, 0)
+    );
+}
+
+/// Something thin ahead is heard once; the robot goes sideways and hears it no more.
+#[test]
+fn what_was_heard_from_other_places_counts_as_far_as_they_are_kept() {
+    let mut config = Config::recommended();
+    let after = |config: &Config<16>, aside: i16, again: u32| {
+        let mut shield = heard(config, &[(0, 300)]);
+        shield.moved(mm(0, aside), Bearing::ZERO);
+        for time in 0..again {
+            for sensor in 0..16 {
+                shield.hear(config, sensor, echo(None, 6 + time));
+            }
+        }
+        way(&shield, config, mm(300, 0), 20).0
+    };
+    // From the same place the nearer of the last two counts.
+    assert!(after(&config, 99, 1) < 200);
+    assert_eq!(after(&config, 99, 2), 300);
+    // From another place both count.
+    assert!(after(&config, 100, 2) < 200);
+    let keep = |places| {
+        Some(Shielding {
+            places,
+            ..Shielding::nomad200()
+        })
+    };
+    config.shield = keep(1);
+    assert_eq!(after(&config, 100, 1), 300);
+    config.shield = keep(0);
+    assert_eq!(after(&config, 100, 1), 300, "one is the least");
+    config.shield = keep(2);
+    assert!(after(&config, 100, 1) < 200);
+    // Four places at most: the fifth drives out the first.
+    config.shield = keep(4);
+    let mut shield = heard(&config, &[(0, 600)]);
+    for (time, open) in [(10, false), (11, false), (12, false), (13, true)] {
+        shield.moved(mm(0, 100), Bearing::ZERO);
+        for sensor in 0..16 {
+            shield.hear(&config, sensor, echo(None, time));
+        }
+        // Towards where it was heard.
+        let aside = i16::try_from(time - 9).unwrap() * -100;
+        let free = way(&shield, &config, mm(831, aside).with_length(800), 20).0;
+        assert_eq!(free >= 799, open, "{time}: {free}");
+    }
+}
+
+#[test]
+fn what_was_heard_stays_where_it_is_while_the_robot_moves_and_turns() {
+    let config = Config::recommended();
+    let mut shield = heard(&config, &[(0, 500)]);
+    shield.moved(mm(100, 0), Bearing::ZERO);
+    assert_eq!(way(&shield, &config, mm(400, 0), 6).0, 272);
+    // A quarter to the left: what was ahead is on the right. Four degrees of a sine are 1 mm in 700.
+    shield.moved(Displacement::ZERO, Bearing::from_turns(16_384));
+    let right = way(&shield, &config, mm(0, -400), 6).0;
+    assert!(right.abs_diff(272) <= 2, "{right}");
+    assert_eq!(way(&shield, &config, mm(400, 0), 6).0, 400);
+}
+
+#[test]
+fn echoes_grow_old() {
+    let mut config = Config::recommended();
+    let shield = heard(&config, &[(0, 500)]);
+    config.shield = Some(Shielding {
+        approach_mm_s: 100,
+        ..Shielding::nomad200()
+    });
+    let ahead = |config: &Config<16>, now| way(&shield, config, mm(400, 0), now).0;
+    assert_eq!((ahead(&config, 5), ahead(&config, 1_005)), (372, 272));
+    // Forgotten, but not yet stale.
+    config.shield = Some(Shielding {
+        forget_ms: 1_000,
+        fresh_ms: 5_000,
+        ..Shielding::nomad200()
+    });
+    assert_eq!((ahead(&config, 1_005), ahead(&config, 1_006)), (372, 0));
+}
+
+#[test]
+fn the_nearer_of_two_ranges_is_the_one_that_was_heard() {
+    let range = |mm: u16| Some(Range::from_mm(mm));
+    assert_eq!(
+        (nearer(range(3), range(2)), nearer(range(2), range(3))),
+        (range(2), range(2))
+    );
+    assert_eq!(
+        (
+            nearer(None, range(3)),
+            nearer(range(3), None),
+            nearer(None, None)
+        ),
+        (range(3), range(3), None)
+    );
 }

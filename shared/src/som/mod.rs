@@ -170,7 +170,8 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         }
     }
 
-    /// The best-matching unit over the components that `mask` believes, in full precision; the lowest index on ties.
+    /// The best-matching unit over the components that `mask` believes, in full precision; the lowest index on ties. Maps
+    /// of more than 32 neurons do not compile here: they are searched by [`kernels::nearest`].
     #[inline(never)]
     #[must_use]
     pub fn winner(&self, probe: &[Weight; DIMS], mask: Mask) -> usize {
@@ -520,4 +521,4 @@ impl Learn {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

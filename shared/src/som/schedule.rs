@@ -152,6 +152,33 @@ mod tests {
         }
     }
 
+    #[test]
+    fn a_schedule_is_what_it_was_made_of_and_at_the_worst_constant() {
+        let fall = Schedule::new(500, 20, Decay::Inverse);
+        assert_eq!(
+            (fall.start_q16(), fall.end_q16(), fall.decay()),
+            (500, 20, Decay::Inverse)
+        );
+        assert_eq!(
+            Schedule::new(20, 500, Decay::Linear),
+            Schedule::constant(20)
+        );
+        assert_eq!(<(u32, u32, Decay)>::from(fall), (500, 20, Decay::Inverse));
+        assert_eq!((fall.at(0, 0), fall.at(1, 0), fall.at(9, 9)), (500, 20, 20));
+        assert_eq!(
+            (
+                Schedule::constant(7).at(3, 9),
+                Schedule::constant(0).at(3, 9)
+            ),
+            (7, 0)
+        );
+        // Numbers beyond 32 bits.
+        assert_eq!(
+            Schedule::new(1 << 31, 0, Decay::Linear).at(1 << 30, u32::MAX),
+            (1 << 31) - (1 << 29)
+        );
+    }
+
     proptest! {
         #[test]
         fn never_rises_and_keeps_its_ends(

@@ -489,3 +489,36 @@ fn errors_of_frames_have_words() {
     assert_eq!(words[..3], ["no frame", "wrong CRC", "an unknown message"]);
     assert_eq!(words[3], "the message does not fit into a frame");
 }
+
+#[test]
+fn a_receiver_takes_the_longest_frame_and_counts_longer_ones() {
+    let mut receiver = Receiver::default();
+    let mut length = |bytes: usize| {
+        for _ in 0..bytes {
+            assert_eq!(receiver.push(7), None);
+        }
+        receiver.push(0).map(<[u8]>::len)
+    };
+    assert_eq!(
+        (length(0), length(1), length(255)),
+        (None, Some(1), Some(255))
+    );
+    assert_eq!(
+        (length(256), length(1_000), length(2)),
+        (None, None, Some(2))
+    );
+    assert_eq!((receiver.oversized(), frame::MOST_BODY), (2, 250));
+}
+
+#[test]
+fn errors_have_words_of_their_own() {
+    let words = [
+        FlashError::Absent,
+        FlashError::Empty,
+        FlashError::Unreadable,
+        FlashError::Failed,
+    ];
+    let words = words.map(|error| format!("{error}"));
+    assert!(words[0].contains("nothing to save to") && words[1].contains("nothing was saved"));
+    assert!(words[2].contains("another version") && words[3].contains("erased"));
+}
