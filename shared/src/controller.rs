@@ -71,6 +71,8 @@ pub struct State<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usiz
     situations: Som<NEURONS, SENSORS>,
     actions: ActionMap<NEURONS, SENSORS>,
     learnt: bool,
+    /// Moves the maps have learnt from since they were made, as far as it counts.
+    lessons: u16,
     /// Maps written from outside to their ends, bit by [`Part`].
     written: u8,
     /// Seeded by the command to explore.
@@ -110,6 +112,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             situations: Som::zeroed(grid),
             actions: ActionMap::zeroed(grid),
             learnt: false,
+            lessons: 0,
             written: 0,
             generator: None,
             pending: None,

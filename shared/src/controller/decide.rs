@@ -158,6 +158,14 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
     }
 
+    /// How often the rates of online learning have been halved: after 2048 lessons, and each time their number has doubled
+    /// since. So they fall as 1 / n, by which averages settle (Robbins and Monro, Ann. Math. Stat. 22, 1951): a map that
+    /// learns for a day by steps that stay as long wanders off.
+    fn halvings(&mut self) -> u32 {
+        self.lessons = self.lessons.saturating_add(1);
+        u16::BITS - (self.lessons >> 11).leading_zeros()
+    }
+
     /// Both maps learn from the last move: the best-matching unit of the situation it led to, if it is known afterwards.
     fn learn_online(
         &mut self,
@@ -195,7 +203,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             action: config.action_code.encode(turned, config.robot.step_mm),
             mask: config.believed,
         };
-        let pull = |rate| Pull::new(Neighbourhood::Direct, rate, online.share_q16);
+        let halvings = self.halvings();
+        let pull = |rate: u32| Pull::new(Neighbourhood::Direct, rate >> halvings, online.share_q16);
         let winner = match self.asked_by {
             Some(neuron) if online.blame_recalled => usize::from(neuron),
             _ => self

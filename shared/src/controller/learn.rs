@@ -45,6 +45,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     /// Gives both maps their starting code vectors.
     pub(super) fn start_maps(&mut self, config: &Config<SENSORS>) {
         self.learnt = false;
+        self.lessons = 0;
         self.inhibited = [0; NEURONS];
         let grid = self.situations.grid().with_edges(config.learning.edges);
         self.set_grid(grid);

@@ -108,6 +108,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
         if offset.saturating_add(bytes.len()) == self.part_len(part) {
             self.written |= 1 << (part as u8);
+            self.lessons = 0;
             self.learnt |= self.written == 0b111;
         }
         Ok(())
@@ -152,6 +153,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.actions.changes_mut().clear();
         self.actions.actions_mut().clear();
         self.learnt = false;
+        self.lessons = 0;
         self.written = 0;
         self.generator = None;
         self.pending = None;

@@ -262,6 +262,48 @@ fn without_online_learning_the_maps_stay() {
 }
 
 #[test]
+fn rates_of_online_learning_fall_as_one_over_n_and_begin_anew_with_new_maps() {
+    let mut bench = Bench::ready(Config::recommended());
+    let state = &mut bench.state;
+    assert_eq!(state.lessons, 0);
+    let mut halvings = 0;
+    for lesson in 1..=70_000_u32 {
+        let now = state.halvings();
+        assert!(now == halvings || lesson.is_power_of_two(), "{lesson}");
+        assert_eq!(
+            now,
+            (lesson.min(65_535) / 2_048 * 2)
+                .checked_ilog2()
+                .unwrap_or(0)
+        );
+        halvings = now;
+    }
+    assert_eq!(halvings, 5);
+    bench.send(Event::Command(Command::Learn));
+    assert_eq!(bench.state.lessons, 0);
+}
+
+#[test]
+fn a_map_that_has_learnt_long_moves_less() {
+    let moved = |lessons| {
+        let mut bench = Bench::ready(Config::recommended());
+        bench.state.lessons = lessons;
+        bench.send(Event::Command(Command::Seek(Goal::free_of_obstacles())));
+        bench.step();
+        let before = bench.state.situations().code().to_vec();
+        bench.step();
+        let after = bench.state.situations().code();
+        let values = before.iter().flatten().zip(after.iter().flatten());
+        values
+            .map(|(before, after)| f64::from(before.to_bits().abs_diff(after.to_bits())))
+            .sum::<f64>()
+    };
+    let (young, old) = (moved(0), moved(40_000));
+    assert!(young > 0.0, "{young}");
+    assert!((old / young - 1.0 / 32.0).abs() < 0.005, "{old} of {young}");
+}
+
+#[test]
 fn an_echo_in_the_way_shortens_the_motion_under_way() {
     let mut bench = Bench::new(Config::recommended());
     bench.config.exploration.shortest_mm = 200;
