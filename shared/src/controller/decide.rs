@@ -161,7 +161,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     /// How often the rates of online learning have been halved: after 2048 lessons, and each time their number has doubled
     /// since. So they fall as 1 / n, by which averages settle (Robbins and Monro, Ann. Math. Stat. 22, 1951): a map that
     /// learns for a day by steps that stay as long wanders off.
-    fn halvings(&mut self) -> u32 {
+    pub(super) fn halvings(&mut self) -> u32 {
         self.lessons = self.lessons.saturating_add(1);
         u16::BITS - (self.lessons >> 11).leading_zeros()
     }

@@ -937,10 +937,11 @@ fn the_host_is_told_whom_the_mind_believes() {
 #[test]
 fn the_processors_kernels_reach_both_maps_and_frames_too_long_are_counted() {
     let mut node = Node::<16, 16, 20>::default();
-    assert!(!node.state().situations().has_kernels());
+    assert!(node.state().situations().kernels().is_none());
     node.use_kernels(&crate::som::tests::by_hand::KERNELS);
     let state = node.state();
-    assert!(state.situations().has_kernels() && state.actions().changes().has_kernels());
+    assert!(state.situations().kernels().is_some());
+    assert!(state.actions().changes().kernels().is_some());
     node.set_oversized(7);
     assert_eq!(node.counters().oversized, 7);
     assert!(!node.is_linked());

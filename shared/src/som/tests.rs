@@ -481,13 +481,14 @@ fn rivals_are_asked_in_full_precision_and_nobody_else() {
 /// By ranks: the same with margins of their own.
 #[test]
 fn ranks_leave_the_rivals_within_the_margin() {
-    // Two units of 8192 and 16 each per component, compared, in units of 2⁻¹⁷; one per product and two for the lengths.
+    // One for a square and 16 for a distance per component, compared, in units of 2⁻¹⁷; one per product and two for the
+    // lengths.
     assert_eq!(
         (
-            kernels::rank_margin(16, 1 << 8),
-            kernels::rank_margin(2, 1 << 7)
+            kernels::rank_margin::<16>(1 << 8),
+            kernels::rank_margin::<2>(1 << 7)
         ),
-        (1_025 + 18, 64 + 4)
+        (1 + 18, 4)
     );
     let rivals = |ranks: [i32; 5]| kernels::rivals(&ranks, 10).to_bits();
     assert_eq!(rivals([20, 9, 19, 21, 10]), 0b1_0110);
@@ -496,8 +497,12 @@ fn ranks_leave_the_rivals_within_the_margin() {
         (0b10, 0b11)
     );
     assert_eq!(rivals([i32::MAX; 5]), 0b1_1111);
-    assert_eq!(kernels::single(Mask::NONE.with(17)), Some(17));
-    assert_eq!(kernels::single(Mask::NONE.with(17).with(3)), None);
+    let found = |rivals| match kernels::Found::among(rivals) {
+        kernels::Found::One(neuron) => Ok(neuron),
+        kernels::Found::Rivals(rivals) => Err(rivals),
+    };
+    let two = Mask::NONE.with(17).with(3);
+    assert_eq!((found(Mask::NONE.with(17)), found(two)), (Ok(17), Err(two)));
     let nearest = |rivals: u32| kernels::nearest_of(Mask::from_bits(rivals), |k| [4, 7, 3, 3][k]);
     assert_eq!((nearest(0b1111), nearest(0b1010), nearest(0b11)), (2, 3, 0));
 }
@@ -531,7 +536,7 @@ fn maps_are_equal_by_their_grids_and_code_vectors() {
         (other.norms()[1], other.code_vector(2)),
         (1 << 26, [Weight::ZERO; 2])
     );
-    assert!(!other.has_kernels());
+    assert!(other.kernels().is_none());
 }
 
 #[test]

@@ -1,5 +1,8 @@
 //! A robot that drives for a day: does what it does, or what it knows, wander off?
 //!
+//! Where a robot goes changes in a day though it learns nothing: it comes to ways that it goes again and again. So the mind of
+//! the day's end is set down where it was at the beginning, for one more hour, and that hour is compared with the first.
+//!
 //! Each seed is a random room of its own. The robot makes its 100 random moves and its maps, and then avoids obstacles for 24
 //! simulated hours with the shield on, learning all the while; at noon its clock comes to the end of its 32 bits. Looked at hour
 //! by hour: way, area swept, decisions, steps with a contact. After each hour what it knows has to be within bounds: values of
@@ -11,6 +14,7 @@ use amp::config::Config;
 use amp::controller::{Command, Event, Mode};
 use amp::fixed::Weight;
 use amp::goal::Goal;
+use amp::units::Millis;
 use host_sim::episode::{Body, Failure, Seeds, Setup, Tally, educate};
 use host_sim::experiments::statistics::{Mean, bootstrap};
 use host_sim::pilot::{Pilot as _, SimState};
@@ -26,8 +30,14 @@ pub const COUNT: u64 = 100;
 pub const HOURS: u32 = 24;
 /// The hours in the table, counted from 1; the clock ends between the twelfth and the thirteenth of 24.
 const SHOWN: [usize; 8] = [1, 2, 3, 6, 12, 13, 18, 24];
-/// What the last hour's way may differ from the first one's, as a share of it.
+/// What the way of the hour after the day may differ from the first one's, as a share of it.
 const MOST_DRIFT: f64 = 0.05;
+
+/// A robot's hours, and one more from where it began.
+struct Day {
+    hours: Vec<Hour>,
+    again: Hour,
+}
 
 /// An hour.
 #[derive(Debug, Clone, Copy, Default)]
@@ -55,12 +65,7 @@ pub fn run(
     Ok(verdict(&days?, sonar))
 }
 
-fn day(
-    seed: u64,
-    hours: u32,
-    sonar: SonarModel,
-    progress: Progress<'_>,
-) -> Result<Vec<Hour>, Failure> {
+fn day(seed: u64, hours: u32, sonar: SonarModel, progress: Progress<'_>) -> Result<Day, Failure> {
     let world = World::random(seed);
     let setup = Setup {
         config: Config::recommended(),
@@ -79,14 +84,10 @@ fn day(
     let mut mind = Shifted::new(setup.config.clone(), 0_u32.wrapping_sub(half_ms));
     let begin = mind.latest;
     educate(&world, &setup, &mut mind)?;
-    let mut body = Body::new(&world, sonar, setup.turret, Seeds::of(seed).noise);
-    body.wait(f64::from(mind.latest.since(begin)) / 1e3);
-    let seek = Command::Seek(Goal::avoiding(&setup.config));
-    let refusal = mind.handle(body.now(), Event::Command(seek)).refusal;
-    refusal.map(Failure::Refused).map_or(Ok(()), Err)?;
     let samples = mind.mind.state().memory().clone();
+    let mut body = set_down(&world, &setup, &mut mind, begin)?;
     let began_s = body.time_s();
-    (1..=hours)
+    let driven: Result<Vec<_>, Failure> = (1..=hours)
         .map(|hour| {
             let until_s = began_s + 3_600.0 * f64::from(hour);
             let mut driven = drive(&world, &mut mind, &mut body, until_s)?;
@@ -95,7 +96,34 @@ fn day(
             progress(1);
             Ok(driven)
         })
-        .collect()
+        .collect();
+    let mut body = set_down(&world, &setup, &mut mind, begin)?;
+    let until_s = body.time_s() + 3_600.0;
+    Ok(Day {
+        hours: driven?,
+        again: drive(&world, &mut mind, &mut body, until_s)?,
+    })
+}
+
+/// The robot at its start, in the mind's own time; it seeks what is free of obstacles.
+fn set_down<'w>(
+    world: &'w World,
+    setup: &Setup,
+    mind: &mut Shifted,
+    begin: Millis,
+) -> Result<Body<'w>, Failure> {
+    let mut body = Body::new(
+        world,
+        setup.sonar,
+        setup.turret,
+        Seeds::of(setup.seed).noise,
+    );
+    body.wait(f64::from(mind.latest.since(begin)) / 1e3);
+    for command in [Command::Stop, Command::Seek(Goal::avoiding(&setup.config))] {
+        let refusal = mind.handle(body.now(), Event::Command(command)).refusal;
+        refusal.map(Failure::Refused).map_or(Ok(()), Err)?;
+    }
+    Ok(body)
 }
 
 fn drive(
@@ -146,9 +174,9 @@ fn is_in_bounds(state: &SimState) -> bool {
     })
 }
 
-fn verdict(days: &[Vec<Hour>], sonar: SonarModel) -> Verdict {
+fn verdict(days: &[Day], sonar: SonarModel) -> Verdict {
     let mut verdict = Verdict::default();
-    let hours = days.first().map_or(0, Vec::len);
+    let hours = days.first().map_or(0, |day| day.hours.len());
     verdict.say(format_args!(
         "{} robots, {hours} simulated hours each, sonars {}\n",
         days.len(),
@@ -156,8 +184,12 @@ fn verdict(days: &[Vec<Hour>], sonar: SonarModel) -> Verdict {
     ));
     let rows: Vec<_> = SHOWN
         .iter()
-        .filter(|hour| **hour <= hours)
-        .map(|hour| row(days, *hour))
+        .copied()
+        .filter(|hour| *hour <= hours)
+        .map(|hour| row(days, &hour.to_string(), |day| day.hours.get(hour - 1)))
+        .chain([row(days, "after the day, from the start", |day| {
+            Some(&day.again)
+        })])
         .collect();
     let heads = [
         "hour",
@@ -167,31 +199,42 @@ fn verdict(days: &[Vec<Hour>], sonar: SonarModel) -> Verdict {
         "steps with a contact",
     ];
     verdict.table(heads, &rows);
-    let total = |value: fn(&Hour) -> u64| days.iter().flatten().map(value).sum::<u64>();
+    let every = || {
+        days.iter()
+            .flat_map(|day| day.hours.iter().chain([&day.again]))
+    };
+    let total = |value: fn(&Hour) -> u64| every().map(value).sum::<u64>();
     verdict.say(format_args!(
         "\nall hours: {} decisions, {} steps with a contact",
         grouped(total(|hour| hour.decisions)),
         grouped(total(|hour| hour.contacts))
     ));
-    let drift = drift(days);
+    let way = change(days, |hour| hour.distance_m);
+    let area = change(days, |hour| hour.area_m2);
     verdict.say(format_args!(
-        "way in the last hour over that in the first, less 1: {drift} (95 % interval)"
+        "the hour after the day over the first, less 1: way {way}, area {area} (95 % intervals)"
     ));
-    let [low, high] = drift.interval;
+    let [low, high] = way.interval;
     let stays = low > -MOST_DRIFT && high < MOST_DRIFT;
-    verdict.require(stays, "the last hour's way is not that of the first");
-    let in_bounds = days.iter().flatten().all(|hour| hour.in_bounds);
+    verdict.require(
+        stays,
+        "the way of the hour after the day is not that of the first",
+    );
+    let in_bounds = days
+        .iter()
+        .flat_map(|day| &day.hours)
+        .all(|hour| hour.in_bounds);
     verdict.require(in_bounds, "what is known left its bounds");
     verdict
 }
 
-fn row(days: &[Vec<Hour>], hour: usize) -> [String; 5] {
-    let of = |day: &Vec<Hour>| day.get(hour - 1).copied().unwrap_or_default();
+fn row(days: &[Day], name: &str, of: impl Fn(&Day) -> Option<&Hour>) -> [String; 5] {
+    let of = |day| of(day).copied().unwrap_or_default();
     let mean = |value: fn(Hour) -> f64| {
         days.iter().map(|day| value(of(day))).sum::<f64>() / days.len() as f64
     };
     [
-        hour.to_string(),
+        name.to_owned(),
         grouped(days.iter().map(|day| of(day).decisions).sum()),
         format!("{:.1}", mean(|hour| hour.distance_m)),
         format!("{:.1}", mean(|hour| hour.area_m2)),
@@ -199,11 +242,11 @@ fn row(days: &[Vec<Hour>], hour: usize) -> [String; 5] {
     ]
 }
 
-/// The relative change of the way from the first hour to the last, over robots.
-fn drift(days: &[Vec<Hour>]) -> Mean {
+/// The relative change from the first hour to the one after the day, over robots.
+fn change(days: &[Day], of: fn(&Hour) -> f64) -> Mean {
     let changes = days.iter().filter_map(|day| {
-        let (first, last) = (day.first()?, day.last()?);
-        Some(vec![last.distance_m / first.distance_m - 1.0])
+        let first = day.hours.first()?;
+        Some(vec![of(&day.again) / of(first) - 1.0])
     });
     bootstrap(&changes.collect::<Vec<_>>())
 }
