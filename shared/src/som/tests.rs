@@ -497,9 +497,9 @@ fn ranks_leave_the_rivals_within_the_margin() {
         (0b10, 0b11)
     );
     assert_eq!(rivals([i32::MAX; 5]), 0b1_1111);
-    let found = |rivals| match kernels::Found::among(rivals) {
-        kernels::Found::One(neuron) => Ok(neuron),
-        kernels::Found::Rivals(rivals) => Err(rivals),
+    let found = |rivals| match Found::among(rivals) {
+        Found::One(neuron) => Ok(neuron),
+        Found::Rivals(rivals) => Err(rivals),
     };
     let two = Mask::NONE.with(17).with(3);
     assert_eq!((found(Mask::NONE.with(17)), found(two)), (Ok(17), Err(two)));
