@@ -229,13 +229,13 @@ pub static SETTINGS: Table = &[
     ),
     setting!(
         "online.situation-rate",
-        "situation map's learning rate while seeking: 0..1",
+        "situation map's learning rate while seeking, at first: 0..1",
         |c| q16_text(c.online.map_or(0, |o| o.situation_rate_q16)),
         |c: &mut Config<16>, t| put_online(c, t, |o| &mut o.situation_rate_q16)
     ),
     setting!(
         "online.action-rate",
-        "action map's learning rate while seeking: 0..1",
+        "action map's learning rate while seeking, at first: 0..1",
         |c| q16_text(c.online.map_or(0, |o| o.action_rate_q16)),
         |c: &mut Config<16>, t| put_online(c, t, |o| &mut o.action_rate_q16)
     ),
