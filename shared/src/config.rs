@@ -141,8 +141,8 @@ pub struct Learning {
     pub slice: u16,
 }
 
-/// Learning from each move while seeking. Both rates are halved after 2048 moves since the maps were made or read back, and each time
-/// the number of moves has doubled, down to 1/32.
+/// Learning from each move while seeking. Both rates are halved after 2048 moves since the maps were made or read back,
+/// and each time the number of moves has doubled, down to 1/32.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Online {
     /// Learning rate of the situation map, Q16.
