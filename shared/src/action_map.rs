@@ -8,7 +8,7 @@ use crate::fixed::{
 };
 use crate::som::kernels::{Found, Kernels};
 use crate::som::neighbourhood::Pull;
-use crate::som::{Grid, Learn, Som, kernels};
+use crate::som::{Grid, Som, kernels};
 use crate::units::{Bearing, Displacement};
 use serde::{Deserialize, Serialize};
 
@@ -331,13 +331,8 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
 
     #[inline(never)]
     fn pull_portably(&mut self, winner: usize, effect: &Effect<SENSORS>, pull: &Pull<NEURONS>) {
-        let learn = Learn {
-            grid: self.changes.grid(),
-            dims: SENSORS,
-            winner,
-            mask: effect.mask,
-        };
-        learn.each(pull.view(), |k, gain| {
+        let grid = self.changes.grid();
+        pull.view().each(grid, winner, |k, gain| {
             self.changes.pull(k, &effect.change, effect.mask, gain);
             self.actions.pull(k, &effect.action, Mask::ALL, gain);
         });

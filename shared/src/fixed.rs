@@ -131,21 +131,6 @@ pub(crate) const fn approach_slowly(from: Fine, to: Fine, gain: Gain) -> Fine {
     Fine::from_bits(from.to_bits().wrapping_add(step as i32))
 }
 
-/// [`approach`] by a gain below 1, for hosts: their vector instructions multiply without signs, so a negative difference
-/// is taken as 2³² more than it is, and the gain that makes too much is taken off again.
-#[inline(always)]
-#[must_use]
-pub(crate) const fn approach_in_lanes(from: Fine, to: Fine, gain: Gain) -> Fine {
-    let difference = to.to_bits().wrapping_sub(from.to_bits());
-    let gain = (gain.0 << 2) as u32;
-    let step = ((difference as u32 as u64 * gain as u64) >> 32) as u32;
-    let too_much = gain & (difference >> 31) as u32;
-    Fine::from_bits(
-        from.to_bits()
-            .wrapping_add(step.wrapping_sub(too_much) as i32),
-    )
-}
-
 /// The upper half of a product of 64 bits, rounded down: one instruction on the chip, addition included.
 #[inline(always)]
 pub(crate) const fn high_product(a: i32, b: i32) -> i32 {

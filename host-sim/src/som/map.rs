@@ -1,9 +1,10 @@
 //! A map of run-time size on the same kernels as the maps of the robot.
 
+use super::lanes::{self, Upper};
 use amp::fixed::{FINE_ONE_BITS, Fine, Gain, Mask, ONE_BITS, squared_norm};
 use amp::som::metrics::{MapView, Quality, u_matrix_value};
 use amp::som::neighbourhood::View;
-use amp::som::{Grid, Learn, kernels};
+use amp::som::{Grid, kernels};
 
 /// A self-organising map whose size is known at run time only.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -11,8 +12,11 @@ pub struct DynSom {
     grid: Grid,
     dims: usize,
     code: Vec<Fine>,
+    /// The upper halves of the code vectors, which searches read: of all neurons the first block, then the second.
+    upper: Vec<Upper>,
     norms: Vec<i64>,
-    /// Room for a search.
+    /// Room for a search: the probe's upper halves and the scores.
+    probe: Vec<Upper>,
     scores: Vec<i64>,
 }
 
@@ -37,8 +41,15 @@ impl DynSom {
         for weight in &mut code {
             *weight = Fine::from_bits(weight.to_bits().clamp(-FINE_ONE_BITS, FINE_ONE_BITS));
         }
+        let blocks = lanes::blocks(dims);
+        let mut upper = vec![Upper::default(); grid.len() * blocks];
+        for (k, row) in code.chunks_exact(dims).enumerate() {
+            lanes::round_down(row, upper.iter_mut().skip(k).step_by(grid.len()));
+        }
         Self {
             norms: code.chunks_exact(dims).map(squared_norm).collect(),
+            upper,
+            probe: vec![Upper::default(); blocks],
             scores: vec![0; grid.len()],
             grid,
             dims,
@@ -66,8 +77,14 @@ impl DynSom {
     /// The best-matching unit of a probe, the lowest index on ties.
     #[inline]
     pub fn winner(&mut self, probe: &[Fine]) -> usize {
-        let norms = self.norms.iter().copied();
-        kernels::scores(&self.code, norms, self.dims, probe, &mut self.scores);
+        lanes::round_down(probe, self.probe.iter_mut());
+        self.scores.copy_from_slice(&self.norms);
+        let blocks = self.upper.chunks_exact(self.grid.len()).zip(&self.probe);
+        for (neurons, probe) in blocks {
+            for (score, upper) in self.scores.iter_mut().zip(neurons) {
+                *score = score.wrapping_sub(2 * lanes::dot(upper, probe));
+            }
+        }
         kernels::nearest(&self.scores, self.dims, 1, |k| {
             kernels::distance(&self.code, self.dims, k, probe, Mask::ALL)
         })
@@ -77,15 +94,10 @@ impl DynSom {
     #[inline]
     pub fn learn(&mut self, probe: &[Fine], pull: View<'_>) -> usize {
         let winner = self.winner(probe);
-        let learn = Learn {
-            grid: self.grid,
-            dims: self.dims,
-            winner,
-            mask: Mask::ALL,
-        };
-        let norms = &mut self.norms;
-        learn.apply(&mut self.code, probe, pull, |k, row| {
-            norms[k] = squared_norm(row)
+        pull.each(self.grid, winner, |k, gain| {
+            let row = &mut self.code[k * self.dims..][..self.dims];
+            let upper = self.upper.iter_mut().skip(k).step_by(self.grid.len());
+            self.norms[k] = lanes::pull(row, upper, probe, gain);
         });
         winner
     }

@@ -4,6 +4,7 @@
 //! [`report`] (figures in the data's units, code vectors, pictures).
 
 pub mod args;
+mod lanes;
 pub mod map;
 pub mod report;
 pub mod scale;

@@ -5,8 +5,8 @@
 //! Measured in scalar products: a search of 16 neurons of 16 components is 256 multiply–adds and 16 comparisons.
 
 use crate::fixed::{
-    Fine, Gain, Mask, Scalar, Weight, approach, approach_in_lanes, approach_slowly, dot,
-    high_product, isqrt, quotient, squared_distance, squared_norm,
+    Fine, Gain, Mask, Scalar, Weight, approach, approach_slowly, dot, high_product, isqrt,
+    quotient, squared_distance, squared_norm,
 };
 
 /// Squared distance of the probe to each code vector less the probe's own squared length:
@@ -274,30 +274,30 @@ pub fn two_least(scores: &[i64]) -> (usize, usize) {
 /// difference by less than one unit, its square by less than 2 · 2 · 8192 + 1, and two scores are compared.
 const MARGIN: i64 = 2 * (4 * 8192 + 1);
 
-/// Whether another neuron's score is so close to the least that only distances in full precision tell which is nearer.
-#[inline(always)]
-fn is_rival(score: i64, least: i64, margin: i64) -> bool {
-    score.wrapping_sub(least) <= margin
-}
-
 /// The neuron nearest in full precision, the lowest index on ties: `scores` are the 16-bit scores of all neurons and leave
 /// few to ask; `dims` components took part in them with a factor of at most `factor`.
 #[inline(always)]
 #[must_use]
 pub fn nearest(scores: &[i64], dims: usize, factor: i64, distance: impl Fn(usize) -> u64) -> usize {
-    let first = least(scores);
-    let lowest = scores.get(first).copied().unwrap_or(0);
+    let (mut first, mut least, mut second) = (0, i64::MAX, i64::MAX);
+    for (index, &score) in scores.iter().enumerate() {
+        second = second.min(score.max(least));
+        if score < least {
+            (first, least) = (index, score);
+        }
+    }
     let margin = MARGIN.wrapping_mul(factor).wrapping_mul(dims as i64);
-    let rivals = || {
-        let all = scores.iter().enumerate();
-        all.filter(move |(_, score)| is_rival(**score, lowest, margin))
-            .map(|(k, _)| k)
-    };
-    if rivals().count() <= 1 {
+    let most = least.saturating_add(margin);
+    // Mostly nobody else is so close that only distances in full precision tell who is nearer.
+    if second > most {
         return first;
     }
     let mut best = (first, u64::MAX);
-    for rival in rivals() {
+    for (rival, _) in scores
+        .iter()
+        .enumerate()
+        .filter(|(_, score)| **score <= most)
+    {
         let distance = distance(rival);
         if distance < best.1 {
             best = (rival, distance);
@@ -441,20 +441,4 @@ pub(crate) fn pull_row_masked<const DIMS: usize>(
 
 const fn square(w: Fine) -> i32 {
     high_product(w.to_bits(), w.to_bits())
-}
-
-/// Moves a code vector towards the probe by `gain` over the components that `mask` believes.
-#[inline(always)]
-pub fn pull<P: Scalar>(row: &mut [Fine], probe: &[P], mask: Mask, gain: Gain) {
-    if mask.covers(row.len()) && gain != Gain::ONE {
-        for (w, x) in row.iter_mut().zip(probe) {
-            *w = approach_in_lanes(*w, x.fine(), gain);
-        }
-    } else {
-        for (index, (w, x)) in row.iter_mut().zip(probe).enumerate() {
-            if mask.contains(index) {
-                *w = approach(*w, x.fine(), gain);
-            }
-        }
-    }
 }

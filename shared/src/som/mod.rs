@@ -370,13 +370,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         mask: Mask,
         pull: &Pull<NEURONS>,
     ) {
-        let learn = Learn {
-            grid: self.grid,
-            dims: DIMS,
-            winner,
-            mask,
-        };
-        learn.each(pull.view(), |k, gain| {
+        pull.view().each(self.grid, winner, |k, gain| {
             self.pull(k, probe, mask, gain);
         });
     }
@@ -435,19 +429,6 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     }
 }
 
-/// One step of learning on flat slices.
-#[derive(Debug, Clone, Copy)]
-pub struct Learn {
-    /// The map's grid.
-    pub grid: Grid,
-    /// Components of a code vector.
-    pub dims: usize,
-    /// The best-matching unit.
-    pub winner: usize,
-    /// Components to learn.
-    pub mask: Mask,
-}
-
 impl<const NEURONS: usize> Som<NEURONS, 2> {
     /// Adds weighted scores to another map's squared lengths, as bases for its [`rivals_by_hand`](Self::rivals_by_hand);
     /// the weight in 1/256 is below 512. `None` where there are other sizes than the kernels'.
@@ -465,58 +446,6 @@ impl<const NEURONS: usize> Som<NEURONS, 2> {
         let norms = self.norms.as_slice().try_into().ok()?;
         (kernels.weigh)(bases.as_mut_slice().try_into().ok()?, code, norms, &factors);
         Some(())
-    }
-}
-
-impl Learn {
-    /// Moves the winner and its neighbours towards the probe; `moved` is told each neuron and its new code vector.
-    #[inline(always)]
-    pub fn apply<P: Scalar>(
-        self,
-        code: &mut [Fine],
-        probe: &[P],
-        pull: neighbourhood::View<'_>,
-        mut moved: impl FnMut(usize, &[Fine]),
-    ) {
-        self.each(pull, |neuron, gain| {
-            let start = neuron.wrapping_mul(self.dims);
-            let row = code.get_mut(start..start.wrapping_add(self.dims));
-            if let Some(row) = row {
-                kernels::pull(row, probe, self.mask, gain);
-                moved(neuron, row);
-            }
-        });
-    }
-
-    /// Hands over each neuron that learns and its gain.
-    #[inline(always)]
-    pub(crate) fn each(self, pull: neighbourhood::View<'_>, mut learns: impl FnMut(usize, Gain)) {
-        match pull {
-            neighbourhood::View::Direct { rate, share } => {
-                learns(self.winner, rate);
-                if share != Gain::ZERO {
-                    for neuron in self.grid.around(self.winner) {
-                        if neuron != grid::NOBODY {
-                            learns(neuron, share);
-                        }
-                    }
-                }
-            }
-            neighbourhood::View::Gaussian { rate, axis } => {
-                let along = |d: usize| axis.get(d).copied().unwrap_or(Gain::ZERO);
-                let (column, row) = self.grid.position(self.winner);
-                let mut neurons = 0_usize..;
-                for y in 0..self.grid.rows() {
-                    let row_gain = rate.times(along(self.grid.row_distance(row, y)));
-                    for (x, neuron) in (0..self.grid.columns()).zip(&mut neurons) {
-                        let gain = row_gain.times(along(self.grid.column_distance(column, x)));
-                        if gain != Gain::ZERO {
-                            learns(neuron, gain);
-                        }
-                    }
-                }
-            }
-        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! How strongly the winner's neighbours learn with it.
 
-use super::grid::Grid;
+use super::grid::{Grid, NOBODY};
 use super::kernels::Group;
 use crate::fixed::{Gain, Mask, exp_neg};
 use serde::{Deserialize, Serialize};
@@ -85,6 +85,37 @@ impl<'a> View<'a> {
             Neighbourhood::Gaussian => {
                 gaussian(radius_q16, axis);
                 Self::Gaussian { rate, axis }
+            }
+        }
+    }
+
+    /// Hands over each neuron that learns around `winner`, and its gain.
+    #[inline(always)]
+    pub fn each(self, grid: Grid, winner: usize, mut learns: impl FnMut(usize, Gain)) {
+        match self {
+            Self::Direct { rate, share } => {
+                learns(winner, rate);
+                if share != Gain::ZERO {
+                    for neuron in grid.around(winner) {
+                        if neuron != NOBODY {
+                            learns(neuron, share);
+                        }
+                    }
+                }
+            }
+            Self::Gaussian { rate, axis } => {
+                let along = |d: usize| axis.get(d).copied().unwrap_or(Gain::ZERO);
+                let (column, row) = grid.position(winner);
+                let mut neurons = 0_usize..;
+                for y in 0..grid.rows() {
+                    let row_gain = rate.times(along(grid.row_distance(row, y)));
+                    for (x, neuron) in (0..grid.columns()).zip(&mut neurons) {
+                        let gain = row_gain.times(along(grid.column_distance(column, x)));
+                        if gain != Gain::ZERO {
+                            learns(neuron, gain);
+                        }
+                    }
+                }
             }
         }
     }

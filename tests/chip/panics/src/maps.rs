@@ -6,7 +6,7 @@ use amp::action_map::{ActionCode, ActionMap, Effect, Preference, Probe, Recall};
 use amp::fixed::{Fine, Gain, Weight};
 use amp::som::metrics::{MapView, Quality, u_matrix_value};
 use amp::som::neighbourhood::{Pull, View, gaussian};
-use amp::som::{Edges, Grid, Learn, Neighbourhood, Som, kernels};
+use amp::som::{Edges, Grid, Neighbourhood, Som, kernels};
 
 pub fn all() {
     grids();
@@ -66,19 +66,10 @@ fn shape() -> Neighbourhood {
 }
 
 fn learning() {
-    let mut room = any([Fine::ZERO; 300]);
-    let room = any(&mut room[..]);
-    kernels::pull(room, probe(), mask(), Gain::from_bits(any(1)));
     let mut axis = any([Gain::ZERO; 20]);
     gaussian(any(1), any(&mut axis[..]));
     let view = View::new(shape(), any(1), any(2), any(&mut axis[..]));
-    let learn = Learn {
-        grid: grid(),
-        dims: any(16),
-        winner: any(3),
-        mask: mask(),
-    };
-    learn.apply(room, probe(), view, |k, row| sink((k, row)));
+    view.each(grid(), any(3), |k, gain| sink((k, gain)));
 }
 
 fn metrics() {
