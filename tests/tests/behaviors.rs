@@ -50,6 +50,18 @@ fn every_behaviour_runs_in_every_world() {
     }
 }
 
+/// A wall is followed for 100 decisions before the next goal: until then the chain is its first part, step by step.
+#[test]
+fn a_chain_begins_as_its_first_part() {
+    let program = host_sim!();
+    let run = |behavior: &str| {
+        let flags = format!("--world paper --behavior {behavior} --steps 90");
+        let line = line(&program, &flags);
+        ["steps", "distance_m", "coverage_m2", "time_s", "contacts"].map(|key| figure(&line, key))
+    };
+    assert_eq!(run("wall-left,wall-right"), run("wall-left"));
+}
+
 #[test]
 fn a_captured_place_is_found_again() {
     let program = host_sim!();

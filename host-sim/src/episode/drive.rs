@@ -183,7 +183,11 @@ pub(super) fn educated<'w>(
             seed: seeds.exploration,
         },
     )?;
-    driver.drive(mind, u32::MAX, |done| progress(Phase::Explore, done, moves))?;
+    driver.drive(
+        mind,
+        |_| false,
+        |done| progress(Phase::Explore, done, moves),
+    )?;
     let exploration = driver.next_phase(world);
 
     progress(Phase::Learn, 0, 1);
@@ -212,7 +216,7 @@ pub fn drive_pilot(
 ) -> Result<Tally, Failure> {
     body.restart();
     let mut driver = Driver::new(world, body, false);
-    driver.drive(pilot, steps, |_| {})?;
+    driver.drive(pilot, |tally| tally.steps >= steps, |_| {})?;
     Ok(driver.tally)
 }
 
@@ -300,15 +304,15 @@ impl<'w> Driver<'w> {
         Ok(())
     }
 
-    /// Drives until `steps` steps are done or the pilot changes its mode.
+    /// Drives until the steps that were done are enough or the pilot changes its mode.
     pub(super) fn drive(
         &mut self,
         pilot: &mut impl Pilot,
-        steps: u32,
+        is_over: impl Fn(&Tally) -> bool,
         mut progress: impl FnMut(u32),
     ) -> Result<(), Failure> {
         let mut last_decision_s = self.body.time_s();
-        loop {
+        while !is_over(&self.tally) {
             let happened = self.body.advance(pilot);
             if let Some(observer) = &mut self.observer {
                 observer.happened(milliseconds(happened.time_s), &happened, self.body.leader());
@@ -319,7 +323,7 @@ impl<'w> Driver<'w> {
                 progress(self.tally.steps);
                 last_decision_s = self.body.time_s();
             }
-            if happened.mode_changed || self.tally.steps >= steps {
+            if happened.mode_changed || is_over(&self.tally) {
                 return Ok(());
             }
             if self.body.time_s() - last_decision_s > f64::from(Self::PATIENCE) * self.body.ring_s()
@@ -331,6 +335,7 @@ impl<'w> Driver<'w> {
             }
             self.follow(&happened);
         }
+        Ok(())
     }
 
     fn open(&mut self, decision: &Decision<16>, happened: &Happened) {

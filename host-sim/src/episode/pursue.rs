@@ -64,16 +64,9 @@ impl Driver<'_> {
             self.command(pilot, Command::Seek(goal))?;
             let begun = self.tally.clone();
             // Alone, a behaviour goes on to the end; in a chain each decision may be its last.
-            while self.tally.steps < setup.steps
-                && (alone || !is_reached(part, &begun, &self.tally))
-            {
-                let before = self.tally.steps;
-                let until = if alone { setup.steps } else { before + 1 };
-                self.drive(pilot, until, &mut progress)?;
-                if self.tally.steps == before {
-                    return Ok(());
-                }
-            }
+            let is_over =
+                |now: &Tally| now.steps >= setup.steps || !alone && is_reached(part, &begun, now);
+            self.drive(pilot, is_over, &mut progress)?;
             if !is_reached(part, &begun, &self.tally) {
                 return Ok(());
             }
