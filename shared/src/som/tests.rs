@@ -1,7 +1,6 @@
 use super::*;
 use crate::fixed::{ONE_BITS, squared_distance};
 use metrics::{MapView, Quality};
-use neighbourhood::View;
 use proptest::prelude::*;
 use rand_core::SeedableRng as _;
 use rand_xoshiro::Xoshiro256PlusPlus;
