@@ -42,6 +42,9 @@ pub struct Row {
     /// Its first group divided by its second, to two decimals, is `$1`.
     #[serde(default)]
     pub ratio: bool,
+    /// Of all that match, the one whose first group is the greatest number; else the first.
+    #[serde(default)]
+    pub greatest: bool,
 }
 
 fn first_group() -> String {
@@ -70,7 +73,11 @@ impl Row {
     /// The figure in `output`.
     pub fn value(&self, output: &str) -> Result<String, String> {
         let find = Regex::new(&self.find).map_err(|error| format!("{}: {error}", self.what))?;
-        let found = find.captures(output);
+        let mut all = find.captures_iter(output);
+        let found = match self.greatest {
+            true => all.max_by(|a, b| number(&a[1]).total_cmp(&number(&b[1]))),
+            false => all.next(),
+        };
         let found =
             found.ok_or_else(|| format!("{}: nothing printed matches {}", self.what, self.find))?;
         let group = |index| found.get(index).map_or("", |group| group.as_str());
@@ -89,9 +96,13 @@ impl Row {
 }
 
 fn ratio(of: &str, to: &str) -> Option<String> {
-    let number = |text: &str| text.replace(' ', "").parse::<f64>().ok();
-    let ratio = number(of)? / number(to)?;
+    let ratio = number(of) / number(to);
     ratio.is_finite().then(|| format!("{ratio:.2}"))
+}
+
+/// What a text says, perhaps in groups of digits; no number if it is none.
+fn number(text: &str) -> f64 {
+    text.replace(' ', "").parse().unwrap_or(f64::NAN)
 }
 
 /// A whole number of five digits and more in groups of three; anything else as it is.
@@ -122,6 +133,7 @@ mod tests {
             show: "$1".into(),
             aim: String::new(),
             ratio: false,
+            greatest: false,
         }
     }
 
@@ -142,6 +154,18 @@ mod tests {
         };
         assert_eq!(row.value("300 and 200"), Ok("1.50 (200 alone)".into()));
         assert!(row.value("300 and 0").is_err());
+    }
+
+    #[test]
+    fn the_greatest_of_many_is_found() {
+        let output = "peak 900\npeak 1200\npeak 1100";
+        let row = row(r"peak (\d+)");
+        assert_eq!(row.value(output), Ok("900".into()));
+        let row = Row {
+            greatest: true,
+            ..row
+        };
+        assert_eq!(row.value(output), Ok("1200".into()));
     }
 
     #[test]
