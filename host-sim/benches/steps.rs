@@ -1,17 +1,15 @@
-//! Whole robot steps per second: sense, mind and motion, in rooms of few and of very many surfaces, and episodes in parallel.
+//! Whole robot steps per second: sense, mind and motion, in rooms of few and of very many surfaces.
 
 use amp::config::Config;
 use amp::controller::{Command, Event};
 use amp::units::Millis;
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
-use host_sim::episode::{self, Body, Setup, drive_pilot};
+use host_sim::episode::{Body, drive_pilot};
 use host_sim::noise::Noise;
 use host_sim::pilot::{Mind, Pilot};
 use host_sim::robot::TurretMode;
-use host_sim::scenes::Behavior;
 use host_sim::sonar::SonarModel;
 use host_sim::world::{Point, Pose, Shape, World};
-use rayon::prelude::*;
 
 const STEPS: u32 = 1_000;
 /// Floor per box, m²: as in the random rooms.
@@ -112,40 +110,5 @@ fn steps(c: &mut Criterion) {
     }
 }
 
-/// Episodes on one core and on two.
-fn batches(c: &mut Criterion) {
-    let setup = Setup {
-        config: Config::recommended(),
-        preset: "default".to_owned(),
-        behavior: Behavior::Avoid,
-        explore_moves: 100,
-        steps: STEPS,
-        seed: 1,
-        sonar: SonarModel::Ideal,
-        turret: TurretMode::Held,
-        set_down: None,
-        faults: Vec::new(),
-        record: false,
-    };
-    let worlds: Vec<_> = (1..=64).map(World::random).collect();
-    let mut group = c.benchmark_group("64 episodes");
-    group.sample_size(10);
-    for threads in [1, 2] {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .expect("threads");
-        let episode = |world| {
-            episode::run(world, &setup, |_, _, _| {})
-                .expect("it runs")
-                .report
-                .contacts
-        };
-        group.bench_function(format!("{threads} threads"), |b| {
-            b.iter(|| pool.install(|| worlds.par_iter().map(episode).sum::<u32>()));
-        });
-    }
-}
-
-criterion_group!(all, steps, batches);
+criterion_group!(all, steps);
 criterion_main!(all);
