@@ -39,9 +39,6 @@ pub struct Row {
     /// What was aimed at.
     #[serde(default)]
     pub aim: String,
-    /// Its first group divided by its second, to two decimals, is `$1`.
-    #[serde(default)]
-    pub ratio: bool,
     /// Of all that match, the one whose first group is the greatest number; else the first.
     #[serde(default)]
     pub greatest: bool,
@@ -83,21 +80,10 @@ impl Row {
         let group = |index| found.get(index).map_or("", |group| group.as_str());
         let mut value = self.show.clone();
         for index in (1..found.len()).rev() {
-            let figure = match (self.ratio, index) {
-                (true, 1) => {
-                    ratio(group(1), group(2)).ok_or_else(|| format!("{}: no ratio", self.what))?
-                }
-                _ => grouped(group(index)),
-            };
-            value = value.replace(&format!("${index}"), &figure);
+            value = value.replace(&format!("${index}"), &grouped(group(index)));
         }
         Ok(value)
     }
-}
-
-fn ratio(of: &str, to: &str) -> Option<String> {
-    let ratio = number(of) / number(to);
-    ratio.is_finite().then(|| format!("{ratio:.2}"))
 }
 
 /// What a text says, perhaps in groups of digits; no number if it is none.
@@ -132,7 +118,6 @@ mod tests {
             find: find.into(),
             show: "$1".into(),
             aim: String::new(),
-            ratio: false,
             greatest: false,
         }
     }
@@ -143,17 +128,6 @@ mod tests {
         let row = row(r"steps \| \d+ \| (\d+)");
         assert_eq!(row.value(output), Ok("39 883 162".into()));
         assert!(row.value("nothing").is_err());
-    }
-
-    #[test]
-    fn a_ratio_is_the_first_group_by_the_second() {
-        let row = Row {
-            ratio: true,
-            show: "$1 ($2 alone)".into(),
-            ..row(r"(\d+) and (\d+)")
-        };
-        assert_eq!(row.value("300 and 200"), Ok("1.50 (200 alone)".into()));
-        assert!(row.value("300 and 0").is_err());
     }
 
     #[test]
