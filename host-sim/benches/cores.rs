@@ -12,7 +12,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::hint::black_box;
 use std::time::Instant;
 
-const ROUNDS: usize = 25;
+const ROUNDS: usize = 60;
 
 fn main() {
     let worlds: Vec<_> = (1..=64).map(World::random).collect();
