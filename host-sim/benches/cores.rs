@@ -1,4 +1,4 @@
-//! How much faster two cores are than one: 64 episodes by one thread and by two, in turns, so that what else the machine does
+//! How much faster two cores are than one: 256 episodes by one thread and by two, in turns, so that what else the machine does
 //! falls on both.
 
 use amp::config::Config;
@@ -12,10 +12,10 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::hint::black_box;
 use std::time::Instant;
 
-const ROUNDS: usize = 60;
+const ROUNDS: usize = 20;
 
 fn main() {
-    let worlds: Vec<_> = (1..=64).map(World::random).collect();
+    let worlds: Vec<_> = (1..=256).map(World::random).collect();
     let [one, two] = [1, 2].map(|threads| {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build();
         pool.expect("threads")
