@@ -752,6 +752,10 @@ mod tests {
                 dy_mm: -1
             }
         );
+        // To the nearest: 21 shares of 200 mm are 0.51 mm, 20 are 0.49 mm.
+        for (share, mm) in [(21, 1), (20, 0), (-20, 0), (-21, -1)] {
+            assert_eq!(back(ActionCode::Displacement, [share, 0]).dx_mm, mm);
+        }
         // A length below nothing is none.
         assert_eq!(
             back(ActionCode::TurnStep, [4_096, -100]),

@@ -416,6 +416,15 @@ fn a_goal_in_the_frame_of_travel_is_recalled_along_its_way() {
     let (plan, found) = planner.plan_on_way(&situation, &goal, 1);
     assert_eq!((found.place, found.neuron, plan.goal_neuron), (1, 1, 1));
     assert_eq!(plan.wanted[0], Weight::from_num(-0.5));
+    // Without a neuron in between: half of it on the right, and nothing ahead.
+    let mut config = bench.config.clone();
+    config.planning.intermediate = Intermediate::Goal;
+    let planner = Planner {
+        config: &config,
+        ..planner
+    };
+    let (plan, _) = planner.plan_on_way(&weights([1.0, 0.25, 0.0, 0.0]), &goal, 1);
+    assert_eq!(plan.wanted, weights([-0.5, -0.25, 0.0, 0.0]));
 }
 
 #[test]
