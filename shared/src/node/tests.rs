@@ -8,6 +8,8 @@ use crate::units::{Displacement, Range};
 use crate::wire::message::{Clock, Flash, FlashError, GoalBy, Heard, Notice, Order, Part, Source};
 use std::vec::Vec;
 
+mod again;
+
 type Small = Node<16, 16, 20>;
 
 #[derive(Default)]
@@ -398,80 +400,6 @@ fn another_protocol_is_refused_and_the_session_stays() {
 }
 
 #[test]
-fn the_latest_answer_is_said_again_byte_for_byte() {
-    let mut rig = Rig::ready(Clock::Host);
-    rig.order(Order::Seek);
-    let counters = rig.packed(&ToMind::Counters);
-    let echoes = (0..16).map(|sensor| Heard {
-        sensor,
-        range_mm: Some(900),
-        age_ms: 0,
-    });
-    let mut at_ms = rig.at_ms() + 200;
-    let alive = rig.packed(&ToMind::Alive { at_ms });
-    let scan = rig.packed(&ToMind::Scan {
-        at_ms,
-        echoes: echoes.collect(),
-    });
-    let say = |rig: &mut Rig, frames: &[&Vec<u8>]| {
-        let mut said = Said::default();
-        for frame in frames {
-            rig.node.frame(Millis::from_ms(rig.now), frame, &mut said);
-        }
-        said.0
-    };
-    say(&mut rig, &[&counters]);
-    let first = say(&mut rig, &[&alive, &scan]);
-    assert_eq!(first.len(), 3, "decision, motion, done");
-    let state = rig.node.state.clone();
-    assert_eq!(say(&mut rig, &[&alive, &scan]), first);
-    assert!(rig.node.state == state);
-    // Not what was said before.
-    assert!(say(&mut rig, &[&counters]).is_empty());
-    // Renewals of the motion belong to the next answer, until they are too many to be kept.
-    for (signs, kept) in [(3, true), (40, false)] {
-        let mut burst = Vec::new();
-        for _ in 0..signs {
-            at_ms += 200;
-            burst.push(rig.packed(&ToMind::Alive { at_ms }));
-        }
-        burst.push(rig.packed(&ToMind::Counters));
-        let burst: Vec<_> = burst.iter().collect();
-        let first = say(&mut rig, &burst);
-        assert_eq!(first.len(), signs + 2);
-        let again = say(&mut rig, &burst);
-        assert_eq!(again == first, kept);
-        let said = read(&Said(again));
-        assert!(matches!(said.last(), Some(FromMind::Done { .. })));
-        assert!(kept || said.len() == 1);
-    }
-}
-
-#[test]
-fn no_motion_is_said_again_after_a_stop() {
-    let mut rig = Rig::ready(Clock::Device);
-    rig.order(Order::Seek);
-    let echoes = (0..16).map(|sensor| Heard {
-        sensor,
-        range_mm: Some(900),
-        age_ms: 0,
-    });
-    let scan = ToMind::Scan {
-        at_ms: rig.at_ms(),
-        echoes: echoes.collect(),
-    };
-    let scan = rig.packed(&scan);
-    assert!(motion(&rig.raw(&scan)).is_some());
-    rig.now += 250;
-    assert!(motion(&rig.tick().1).is_some(), "a renewal");
-    assert!(motion(&rig.raw(&scan)).is_some());
-    rig.now += 60;
-    let said = rig.tick().1;
-    assert!(said.contains(&FromMind::Mode(ModeReport::Stopped(StopReason::LinkLost))));
-    assert!(matches!(rig.raw(&scan)[..], [FromMind::Done { .. }]));
-}
-
-#[test]
 fn a_new_host_stops_what_the_old_one_started() {
     let mut rig = Rig::ready(Clock::Device);
     rig.order(Order::Seek);
@@ -672,31 +600,6 @@ fn a_goal_given_while_seeking_is_pursued_at_once() {
     let said = rig.order(Order::Goal(GoalBy::Avoid));
     assert!(matches!(said[..], [FromMind::Done { .. }]));
     assert_eq!(rig.node.goal, Goal::avoiding(rig.node.config()));
-}
-
-#[test]
-fn a_hello_that_comes_again_is_answered_and_changes_nothing() {
-    let mut rig = Rig::ready(Clock::Device);
-    rig.order(Order::Seek);
-    rig.now += 200;
-    assert!(motion(&rig.ring(900)).is_some());
-    let state = rig.node.state.clone();
-    let dimensions = Small::dimensions();
-    let again = rig.send(ToMind::Hello(HostHello {
-        dimensions,
-        clock: Clock::Device,
-    }));
-    assert!(matches!(again[..], [FromMind::Hello(_)]), "{again:?}");
-    assert!(rig.node.state == state && rig.node.state.is_moving());
-    // Session 0 is nobody's.
-    let header = Header { session: 0, seq: 1 };
-    let hello = ToMind::<16>::Hello(HostHello {
-        dimensions,
-        clock: Clock::Device,
-    });
-    let frame = Frame::pack(header, &hello).unwrap();
-    let said = rig.raw(frame.as_bytes().split_last().unwrap().1);
-    assert_eq!(refusal(&said), Some(Refusal::Incompatible(dimensions)));
 }
 
 #[test]
