@@ -228,6 +228,18 @@ mod tests {
         assert!(Asked::ANYTHING.holds_within(i32::MAX, 5));
     }
 
+    #[test]
+    fn the_first_of_those_that_weigh_most_is_begun_with() {
+        let asked = [0, 3, 1, 3].map(|weight| Asked {
+            weight,
+            ..Asked::default()
+        });
+        assert_eq!(Heaviest::first(&asked).begin(), 1);
+        assert_eq!(Heaviest::first(&[Asked::ANYTHING; 4]).begin(), 0);
+        // Once more around the ring.
+        assert_eq!([3, 6].map(|at| Heaviest::at(&asked, at).begin()), [3, 2]);
+    }
+
     proptest! {
         #[test]
         fn begun_with_the_heaviest_it_is_the_same(

@@ -503,6 +503,10 @@ fn a_renewed_motion_is_the_same_and_a_shortened_one_a_revision() {
     rig.now += 200;
     let order = motion(&rig.ring(1_500)).unwrap();
     assert_eq!((order.revision, order.ttl_ms), (0, MOTION_TTL_MS));
+    rig.now += RENEWAL_MS - 1;
+    assert_eq!(rig.tick().1, []);
+    rig.now += 1;
+    assert_eq!(rig.tick().1, [FromMind::Motion(order)]);
     rig.now += 100;
     // Something is suddenly very near all around.
     let shortened = motion(&rig.ring(60)).unwrap();
