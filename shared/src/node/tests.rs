@@ -158,7 +158,8 @@ impl Rig {
         assert!(refusal(&rig.order(Order::Explore { moves, seed })).is_none());
         assert_eq!(rig.rounds(100).len(), usize::from(MOVES));
         assert!(refusal(&rig.order(Order::Learn)).is_none());
-        while rig.tick().0 {}
+        let mut ticks = 0..10_000;
+        assert!(ticks.any(|_| !rig.tick().0), "it never ends");
         rig
     }
 }
@@ -236,7 +237,8 @@ fn a_mind_behind_the_link_is_the_mind() {
     at(Event::Command(explore), now);
     rounds(&mut at, &mut now, 100);
     at(Event::Command(Command::Learn), now);
-    while !at(Event::Tick, now).mode_changed {}
+    let mut ticks = 0..10_000;
+    assert!(ticks.any(|_| at(Event::Tick, now).mode_changed));
     at(Event::Command(Command::Seek(Goal::avoiding(&config))), now);
     assert_eq!(rounds(&mut at, &mut now, most), decisions);
     assert!(state.situations() == rig.node.state().situations());
@@ -254,6 +256,7 @@ fn a_silent_host_stops_the_robot_until_it_resumes() {
     let mut renewals = 0;
     let lost = loop {
         rig.now += 10;
+        assert!(rig.now - since < 2_000, "it never stops");
         let (_, said) = rig.tick();
         renewals += usize::from(motion(&said) == Some(order));
         if is_stopped(&said, StopReason::LinkLost) {
@@ -301,6 +304,7 @@ fn an_incomplete_ring_stops_the_robot() {
     let period = u32::from(rig.node.config().robot.ring_period_ms);
     let stopped = loop {
         rig.now += 10;
+        assert!(rig.now - began < 9_000, "it never stops");
         let at_ms = rig.at_ms();
         rig.send(ToMind::Scan {
             at_ms,
@@ -439,6 +443,7 @@ fn what_is_known_can_be_carried_to_another_node() {
                 panic!("{said:?}");
             };
             let end = offset + bytes.len() as u16;
+            assert!(end > offset, "{part:?} {offset}");
             let last = end == *total;
             let write = ToMind::Write {
                 part,
