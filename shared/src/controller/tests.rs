@@ -472,10 +472,18 @@ fn a_place_that_is_not_found_is_searched_for_elsewhere() {
         Component::equal(value)
     });
     bench.send(Event::Command(Command::Seek(Goal::place(components))));
-    let whys: Vec<_> = (0..60)
-        .filter_map(|_| bench.step().decision?.plan)
-        .map(|plan| (plan.why, plan.at_goal))
-        .collect();
+    let avoiding = Goal::avoiding(&bench.config);
+    let mut whys = Vec::new();
+    for _ in 0..60 {
+        let plan = bench.step().decision.and_then(|decision| decision.plan);
+        let plan = plan.expect("a plan");
+        if plan.why == Why::Wander {
+            let map = bench.state.situations();
+            let deviation = |k: &u8| avoiding.distance(&map.code_vector((*k).into()), Mask::ALL);
+            assert_eq!(Some(plan.goal_neuron), (0..16).min_by_key(deviation));
+        }
+        whys.push((plan.why, plan.at_goal));
+    }
     let wanders = whys.iter().filter(|(why, _)| *why == Why::Wander).count();
     let patience = bench.config.planning.wander.expect("it may").patience;
     assert!(
