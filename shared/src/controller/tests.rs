@@ -729,6 +729,7 @@ fn who_stays_keeps_the_course_while_looking_ahead() {
 
 /// A wall is wanted 0.5 m to the right, and it is nearer: the robot backs away from it and looks along it.
 #[test]
+#[cfg_attr(miri, ignore = "four robots made ready: minutes")]
 fn who_follows_looks_along_the_way_whichever_way_the_robot_goes() {
     let course = |frame, going_q16| {
         let mut bench = Bench::ready(Config::recommended());

@@ -210,6 +210,7 @@ fn what_is_learnt_on_the_way_is_turned_with_the_ring() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "four robots made ready: minutes")]
 fn what_is_learnt_on_the_way_is_not_turned_where_that_would_be_another_ring() {
     let changes: [fn(&mut Config<16>); 4] = [
         |config| config.learning.turned = false,
