@@ -717,6 +717,30 @@ mod tests {
     }
 
     #[test]
+    fn kernels_are_asked_for_whole_rings_while_the_action_weighs_little() {
+        use crate::som::tests::by_hand::{KERNELS, asked};
+        let mut map = ActionMap::<16, 16>::zeroed(Grid::rectangle(4, 4));
+        map.use_kernels(&KERNELS);
+        let effect = |mask| Effect {
+            change: [Weight::ONE; 16],
+            action: [Weight::ONE; 2],
+            mask,
+        };
+        asked();
+        for (mask, weight, times) in [
+            (Mask::ALL, 511, 1),
+            (Mask::ALL, 512, 0),
+            (Mask::ALL.without(2), 256, 0),
+        ] {
+            let _ = map.winner(&effect(mask), weight);
+            assert_eq!(asked(), [times, times, 0, 0], "{weight}");
+        }
+        let pull = Pull::new(Neighbourhood::Direct, 20_000, 0);
+        map.learn(0, &effect(Mask::ALL), &pull);
+        assert_eq!(asked(), [0, 0, 1, 0]);
+    }
+
+    #[test]
     fn a_short_probe_is_stretched_to_its_direction() {
         let stretch = |bits: [i16; 3]| stretched(&bits.map(Weight::from_bits)).map(Weight::to_bits);
         assert_eq!(stretch([0; 3]), [0; 3]);
@@ -747,6 +771,10 @@ mod tests {
                 dy_mm: -1
             }
         );
+        // To the nearest: 21 shares of 200 mm are 0.51 mm, 20 are 0.49 mm.
+        for (share, mm) in [(21, 1), (20, 0), (-20, 0), (-21, -1)] {
+            assert_eq!(back(ActionCode::Displacement, [share, 0]).dx_mm, mm);
+        }
         // A length below nothing is none.
         assert_eq!(
             back(ActionCode::TurnStep, [4_096, -100]),

@@ -273,5 +273,10 @@ mod tests {
         link.heard_timeless(ms(7_000));
         link.resume(ms(11_000));
         assert!(!link.falls_silent(ms(11_300)) && link.falls_silent(ms(11_301)));
+        // By the host's clock there was none.
+        let mut link = opened(Clock::Host);
+        link.heard(ms(100), ms(1_000));
+        link.resume(ms(6_000));
+        assert!(!link.falls_silent(ms(400)) && link.falls_silent(ms(401)));
     }
 }

@@ -285,6 +285,36 @@ mod tests {
     }
 
     #[test]
+    fn one_gap_in_one_sample_is_remembered() {
+        let whole = Sample {
+            before: [10, 20],
+            after: [50, 60],
+            commanded: Displacement::ZERO,
+            executed: Displacement::ZERO,
+        };
+        let gap = [UNKNOWN, 20];
+        let (before, after) = (
+            Sample {
+                before: gap,
+                ..whole
+            },
+            Sample {
+                after: gap,
+                ..whole
+            },
+        );
+        for samples in [[before, whole, whole], [whole, after, before]] {
+            let mut memory = Memory::<2, 3>::new();
+            let mut gaps = false;
+            for sample in samples {
+                gaps |= sample != whole;
+                assert_eq!(memory.keep(sample), Ok(()));
+                assert_eq!(memory.has_gaps(), gaps);
+            }
+        }
+    }
+
+    #[test]
     fn a_full_memory_refuses_and_stays() {
         let sample = Sample {
             before: [1; 2],

@@ -213,6 +213,33 @@ mod tests {
         }))
     }
 
+    #[test]
+    fn what_is_asked_holds_up_to_its_bounds_and_a_tolerance_beyond() {
+        let asked = Asked {
+            low: 10,
+            high: 20,
+            weight: 1,
+        };
+        let holds = |value| asked.holds(value);
+        assert_eq!([9, 10, 20, 21].map(holds), [false, true, true, false]);
+        let within = |value| asked.holds_within(value, 5);
+        assert_eq!([4, 5, 25, 26].map(within), [false, true, true, false]);
+        assert!(Asked::ANYTHING.holds_within(i32::MIN, 5));
+        assert!(Asked::ANYTHING.holds_within(i32::MAX, 5));
+    }
+
+    #[test]
+    fn the_first_of_those_that_weigh_most_is_begun_with() {
+        let asked = [0, 3, 1, 3].map(|weight| Asked {
+            weight,
+            ..Asked::default()
+        });
+        assert_eq!(Heaviest::first(&asked).begin(), 1);
+        assert_eq!(Heaviest::first(&[Asked::ANYTHING; 4]).begin(), 0);
+        // Once more around the ring.
+        assert_eq!([3, 6].map(|at| Heaviest::at(&asked, at).begin()), [3, 2]);
+    }
+
     proptest! {
         #[test]
         fn begun_with_the_heaviest_it_is_the_same(

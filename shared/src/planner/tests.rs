@@ -294,6 +294,28 @@ fn together_neurons_that_point_the_wanted_way_share_the_action() {
     assert!(near(alone.action, -200, 0), "{:?}", alone.action);
 }
 
+/// Two bring the same change by opposite actions; their mean of 12 mm is no direction.
+#[test]
+fn of_answers_that_cancel_out_the_best_one_counts() {
+    let mut bench = Bench::new();
+    bench.config.planning.intermediate = Intermediate::Goal;
+    bench.config.planning.together = true;
+    let situation = [0.5, 0.0, 0.0, 0.0];
+    let action = |bench: &mut Bench, second: f64| {
+        bench.actions = ActionMap::new(
+            Grid::rectangle(2, 2),
+            [CHANGES[0], CHANGES[0], CHANGES[2], CHANGES[3]].map(weights),
+            [[-0.8, 0.0], [second, 0.0], ACTIONS[2], ACTIONS[3]].map(weights),
+        );
+        bench.free(situation).action
+    };
+    let alone = action(&mut bench, 0.7);
+    assert!(near(alone, -200, 0), "{alone:?}");
+    // 31 mm, an eighth of a step, are one.
+    let together = action(&mut bench, 0.54);
+    assert!(near(together, -32, 0), "{together:?}");
+}
+
 #[test]
 fn one_step_ahead_the_neuron_whose_own_change_leads_nearest_is_taken() {
     let mut bench = Bench::new();
@@ -416,6 +438,15 @@ fn a_goal_in_the_frame_of_travel_is_recalled_along_its_way() {
     let (plan, found) = planner.plan_on_way(&situation, &goal, 1);
     assert_eq!((found.place, found.neuron, plan.goal_neuron), (1, 1, 1));
     assert_eq!(plan.wanted[0], Weight::from_num(-0.5));
+    // Without a neuron in between: half of it on the right, and nothing ahead.
+    let mut config = bench.config.clone();
+    config.planning.intermediate = Intermediate::Goal;
+    let planner = Planner {
+        config: &config,
+        ..planner
+    };
+    let (plan, _) = planner.plan_on_way(&weights([1.0, 0.25, 0.0, 0.0]), &goal, 1);
+    assert_eq!(plan.wanted, weights([-0.5, -0.25, 0.0, 0.0]));
 }
 
 #[test]

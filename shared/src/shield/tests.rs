@@ -286,3 +286,139 @@ fn the_nearer_of_two_ranges_is_the_one_that_was_heard() {
         (range(3), range(3), None)
     );
 }
+
+/// From the middle of an arc to either end, in radii: the chord of the lobe's half.
+#[test]
+fn the_spread_of_a_lobe_is_at_least_its_chord_and_at_most_half_as_much_again() {
+    for turns in (0..=32_768_u16).step_by(511) {
+        let half = f64::from(turns) * core::f64::consts::TAU / 65_536.0;
+        let chord = 2.0 * libm::sin(half / 2.0) * 16_384.0;
+        let spread = f64::from(Lobe::of(Bearing::from_turns(turns)).spread_q14);
+        // The sine's error of 0.0012, twice.
+        assert!(
+            spread >= chord && spread <= 1.51 * chord + 60.0,
+            "{turns}: {spread} {chord}"
+        );
+    }
+}
+
+/// A way of 250 mm ahead; body and margin are 359 mm.
+fn is_passed_over(change: impl Fn(&mut Shielding, &mut Arc), parts: (i16, i16, u16, u16)) -> bool {
+    let (config, now) = (Config::recommended(), Millis::from_ms(1_000));
+    let mut shielding = Shielding::nomad200();
+    let (x, y, turns, range) = parts;
+    let mut arc = arc((x, y, turns, range, 10), now);
+    change(&mut shielding, &mut arc);
+    let lobe = Lobe::of(shielding.half_lobe);
+    let way = Way::new(&config, &shielding, lobe, mm(250, 0), 250, now);
+    way.is_aside(&arc, u32::from(range), 250)
+}
+
+#[test]
+fn an_arc_behind_aside_or_beyond_the_end_is_passed_over() {
+    let passed = |parts| is_passed_over(|_, _| (), parts);
+    let (left, back) = (1 << 14, 1 << 15);
+    assert!(passed((-231, 0, back, 500)));
+    assert!(passed((0, 231, left, 600)) && passed((0, -231, 3 * left, 600)));
+    assert!(passed((231, 0, 0, 1_500)));
+    // In the way, at its end, or half aside.
+    for parts in [(231, 0, 0, 300), (231, 0, 0, 500), (0, 231, left, 200)] {
+        assert!(!passed(parts), "{parts:?}");
+    }
+}
+
+#[test]
+fn of_some_arcs_nothing_is_certain() {
+    let behind = |range| (-231, 0, 1 << 15, range);
+    let passed = |range| is_passed_over(|_, _| (), behind(range));
+    // Nearer than the ring can hear it may be anywhere; products of long ranges leave 32 bits.
+    assert_eq!(
+        [153, 154, 32_768, 32_769].map(passed),
+        [false, true, true, false]
+    );
+    let comes = |shielding: &mut Shielding, _: &mut Arc| shielding.approach_mm_s = 1;
+    assert!(!is_passed_over(comes, behind(500)));
+    // An axis that has grown by a sixteenth, and one by more.
+    let axis =
+        |x_q14| move |_: &mut Shielding, arc: &mut Arc| arc.axis = Direction { x_q14, y_q14: 0 };
+    assert!(is_passed_over(axis(-17_408), behind(500)));
+    assert!(!is_passed_over(axis(-17_409), behind(500)));
+}
+
+#[test]
+fn points_are_met_up_to_sixteen_metres() {
+    let (config, shielding) = (Config::recommended(), Shielding::nomad200());
+    let lobe = Lobe::of(shielding.half_lobe);
+    let way = Way::new(
+        &config,
+        &shielding,
+        lobe,
+        mm(250, 0),
+        250,
+        Millis::from_ms(0),
+    );
+    let until = |x, y| way.until_point(x, y, 20_000);
+    assert_eq!((until(16_000, 0), until(16_001, 0)), (15_641, 20_000));
+    // Touched with the side: 359² is 216² + 287² but for 56.
+    assert_eq!((until(1_000, 216), until(1_000, -216)), (714, 714));
+    assert_eq!((until(1_000, 358), until(1_000, 359)), (974, 20_000));
+    assert_eq!(
+        (until(0, 0), until(-1, 0), until(1, 0)),
+        (20_000, 20_000, 0)
+    );
+    // The limit, wherever it is nearer.
+    assert_eq!(
+        (
+            way.until_point(1_000, 0, 640),
+            way.until_point(1_000, 0, 642)
+        ),
+        (640, 641)
+    );
+}
+
+#[test]
+fn magnitudes_are_one_less_below_zero() {
+    assert_eq!(
+        [0, 5, i32::MAX, -1, -5, i32::MIN].map(magnitude),
+        [0, 5, 0x7fff_ffff, 0, 4, 0x7fff_ffff]
+    );
+}
+
+/// speed² = 2 · deceleration · distance.
+#[test]
+fn who_brakes_stops_within_the_distance() {
+    let mut config = Config::recommended();
+    assert_eq!(braking_distance(&config), 169);
+    let speed = |distance| stopping_speed(&config, distance);
+    assert_eq!([-1, 0, 100, 169, 170].map(speed), [0, 0, 390, 507, 508]);
+    config.robot.braking_mm_s2 = 0;
+    assert_eq!(braking_distance(&config), 508 * 508 / 2, "1 is the least");
+}
+
+/// Its faces are nearer to its middle than two places that count as one.
+#[test]
+fn a_small_robot_keeps_its_first_echo() {
+    let config = Config::touzet().for_robot(crate::robot::RobotSpec::miniature());
+    let mut shield = Shield::<8>::new();
+    for sensor in 0..8 {
+        shield.hear(&config, sensor, echo(None, 5));
+    }
+    let allowed = shield.allow(&config, mm(20, 0), Millis::from_ms(6));
+    assert_eq!(allowed.distance_mm, 20);
+}
+
+/// 160 mm to the left: 386 mm aside for a narrow lobe, 344 mm for a wide one.
+#[test]
+fn a_lobe_is_as_wide_as_it_is_said_to_be_when_a_way_is_asked_for() {
+    let narrow = Config::recommended();
+    let mut wide = narrow.clone();
+    wide.shield = Some(Shielding {
+        half_lobe: Bearing::from_turns(1 << 13),
+        ..Shielding::nomad200()
+    });
+    for told in [&narrow, &wide] {
+        let shield = heard(told, &[(4, 160)]);
+        assert_eq!(way(&shield, &narrow, mm(250, 0), 6).0, 250);
+        assert!(way(&shield, &wide, mm(250, 0), 6).0 < 20);
+    }
+}

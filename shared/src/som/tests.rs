@@ -326,12 +326,29 @@ pub(crate) mod by_hand {
         measure,
     };
 
+    std::thread_local! {
+        /// How often each of them was asked by this test: `rivals`, `weigh`, `pull`, `measure`.
+        static ASKED: core::cell::Cell<[u32; 4]> = const { core::cell::Cell::new([0; 4]) };
+    }
+
+    fn count(kernel: usize) {
+        let mut asked = ASKED.get();
+        asked[kernel] += 1;
+        ASKED.set(asked);
+    }
+
+    /// How often since the last time.
+    pub fn asked() -> [u32; 4] {
+        ASKED.replace([0; 4])
+    }
+
     extern "C" fn rivals(
         code: &[[Fine; 16]; 16],
         bases: &[i32; 16],
         probe: &[Weight; 16],
         margin: i32,
     ) -> u32 {
+        count(0);
         let product = |(w, x): (&Fine, &Weight)| {
             ((i64::from(w.to_bits()) * i64::from(x.to_bits())) >> 16) as i32
         };
@@ -353,6 +370,7 @@ pub(crate) mod by_hand {
         norms: &[i32; 16],
         factors: &[i32; 3],
     ) {
+        count(1);
         let part = |value: i32, factor: i32| ((i64::from(value) * i64::from(factor)) >> 32) as i32;
         for ((base, [x, y]), norm) in bases.iter_mut().zip(code).zip(norms) {
             let values = [*norm, x.to_bits(), y.to_bits()];
@@ -366,6 +384,7 @@ pub(crate) mod by_hand {
         probe: &[Weight; 16],
         measures: &mut [[i32; 2]; 16],
     ) {
+        count(3);
         for (measure, row) in measures.iter_mut().zip(code) {
             *measure = [squared_norm(row), crate::fixed::dot(row, probe)].map(|sum| sum as i32);
         }
@@ -377,6 +396,7 @@ pub(crate) mod by_hand {
         probe: &[Weight; 16],
         groups: &[Group; 2],
     ) {
+        count(2);
         for group in groups {
             let gain = Gain::from_q32(group.gain_q32);
             for k in (0..16).filter(|k| group.neurons & (1 << k) != 0) {
@@ -417,6 +437,30 @@ proptest! {
             prop_assert_eq!(&map, &portable);
         }
     }
+}
+
+/// What they answer is the same as without them: who answers is seen here alone.
+#[test]
+fn kernels_are_asked_for_whole_rings_and_gains_below_half() {
+    let mut map = Som::<16, 16>::zeroed(SQUARE);
+    map.use_kernels(&by_hand::KERNELS);
+    let (probe, some) = ([Weight::ONE; 16], Mask::ALL.without(3));
+    let pull = |rate| Pull::new(Neighbourhood::Direct, rate, 0);
+    by_hand::asked();
+    for (mask, times) in [(Mask::ALL, 1), (some, 0)] {
+        let _ = map.winner(&probe, mask);
+        assert_eq!(by_hand::asked(), [times, 0, 0, 0]);
+        let _ = map.alignments(&probe, mask);
+        assert_eq!(by_hand::asked(), [0, 0, 0, times]);
+        map.learn(0, &probe, mask, &pull(32_767));
+        assert_eq!(by_hand::asked(), [0, 0, times, 0]);
+    }
+    map.learn(0, &probe, Mask::ALL, &pull(32_768));
+    assert_eq!(by_hand::asked(), [0; 4]);
+    let mut small = Som::<4, 16>::zeroed(Grid::chain(4));
+    small.use_kernels(&by_hand::KERNELS);
+    let _ = small.winner(&probe, Mask::ALL);
+    assert_eq!(by_hand::asked(), [0; 4]);
 }
 
 #[test]

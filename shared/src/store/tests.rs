@@ -192,6 +192,24 @@ fn whatever_is_cut_or_changed_is_no_image_and_changes_nothing() {
 }
 
 #[test]
+fn nothing_is_read_beyond_the_room_it_was_given() {
+    let image = Mind::<20>::full().image(7);
+    for most in (0..image.len()).step_by(if cfg!(miri) { 997 } else { 1 }) {
+        let mut whole = reader(&image);
+        let mut read = |at: usize, out: &mut [u8]| {
+            assert!(at + out.len() <= most, "{at} of {most}");
+            whole(at, out)
+        };
+        let fault = if most < WORD {
+            Fault::Source
+        } else {
+            Fault::Torn
+        };
+        assert_eq!(check(&mut read, most), Err(fault));
+    }
+}
+
+#[test]
 fn other_versions_and_robots_are_known_as_such() {
     let image = Mind::<20>::full().image(7);
     let mut mind = Mind::<20>::fresh();

@@ -1,0 +1,137 @@
+//! What was said and lost on the way is said again, unless it is over.
+
+use super::*;
+
+#[test]
+fn the_latest_answer_is_said_again_byte_for_byte() {
+    let mut rig = Rig::ready(Clock::Host);
+    rig.order(Order::Seek);
+    let counters = rig.packed(&ToMind::Counters);
+    let echoes = (0..16).map(|sensor| Heard {
+        sensor,
+        range_mm: Some(900),
+        age_ms: 0,
+    });
+    let mut at_ms = rig.at_ms() + 200;
+    let alive = rig.packed(&ToMind::Alive { at_ms });
+    let scan = rig.packed(&ToMind::Scan {
+        at_ms,
+        echoes: echoes.collect(),
+    });
+    let say = |rig: &mut Rig, frames: &[&Vec<u8>]| {
+        let mut said = Said::default();
+        for frame in frames {
+            rig.node.frame(Millis::from_ms(rig.now), frame, &mut said);
+        }
+        said.0
+    };
+    say(&mut rig, &[&counters]);
+    let first = say(&mut rig, &[&alive, &scan]);
+    assert_eq!(first.len(), 3, "decision, motion, done");
+    let state = rig.node.state.clone();
+    assert_eq!(say(&mut rig, &[&alive, &scan]), first);
+    assert!(rig.node.state == state);
+    // Not what was said before.
+    assert!(say(&mut rig, &[&counters]).is_empty());
+    // Renewals of the motion belong to the next answer, until they are too many to be kept.
+    for (signs, kept) in [(3, true), (40, false)] {
+        let mut burst = Vec::new();
+        for _ in 0..signs {
+            at_ms += 200;
+            burst.push(rig.packed(&ToMind::Alive { at_ms }));
+        }
+        burst.push(rig.packed(&ToMind::Counters));
+        let burst: Vec<_> = burst.iter().collect();
+        let first = say(&mut rig, &burst);
+        assert_eq!(first.len(), signs + 2);
+        let again = say(&mut rig, &burst);
+        assert_eq!(again == first, kept);
+        let said = read(&Said(again));
+        assert!(matches!(said.last(), Some(FromMind::Done { .. })));
+        assert!(kept || said.len() == 1);
+    }
+}
+
+#[test]
+fn no_motion_is_said_again_after_a_stop() {
+    let mut rig = Rig::ready(Clock::Device);
+    rig.order(Order::Seek);
+    let echoes = (0..16).map(|sensor| Heard {
+        sensor,
+        range_mm: Some(900),
+        age_ms: 0,
+    });
+    let scan = ToMind::Scan {
+        at_ms: rig.at_ms(),
+        echoes: echoes.collect(),
+    };
+    let scan = rig.packed(&scan);
+    assert!(motion(&rig.raw(&scan)).is_some());
+    rig.now += 250;
+    assert!(motion(&rig.tick().1).is_some(), "a renewal");
+    assert!(motion(&rig.raw(&scan)).is_some());
+    rig.now += 60;
+    let said = rig.tick().1;
+    assert!(said.contains(&FromMind::Mode(ModeReport::Stopped(StopReason::LinkLost))));
+    assert!(matches!(rig.raw(&scan)[..], [FromMind::Done { .. }]));
+}
+
+/// A mode that changes without a motion, and a motion in the same mode.
+#[test]
+fn an_answer_that_something_has_overtaken_is_only_confirmed() {
+    let mut rig = Rig::with_ring();
+    rig.send(ToMind::Source(Source::Ring));
+    let explore = ToMind::Command {
+        at_ms: rig.at_ms(),
+        ttl_ms: 1_000,
+        order: Order::Explore { moves: 5, seed: 1 },
+    };
+    let explore = rig.packed(&explore);
+    let first = rig.raw(&explore);
+    let exploring = FromMind::Mode(ModeReport::Explore { left: 5 });
+    assert!(first.contains(&exploring), "{first:?}");
+    assert_eq!(rig.raw(&explore), first);
+    let said = rig.own_ring(2_000);
+    assert!(motion(&said).is_some() && !said.iter().any(|said| matches!(said, FromMind::Mode(_))));
+    assert!(matches!(rig.raw(&explore)[..], [FromMind::Done { .. }]));
+    // It stands, and its ring stays incomplete.
+    let mut rig = Rig::ready(Clock::Device);
+    rig.order(Order::Stop);
+    let seek = ToMind::Command {
+        at_ms: rig.at_ms(),
+        ttl_ms: 9_000,
+        order: Order::Seek,
+    };
+    let seek = rig.packed(&seek);
+    let first = rig.raw(&seek);
+    assert!(first.contains(&FromMind::Mode(ModeReport::Seek)));
+    rig.now += SILENCE_MS + 1;
+    let said = rig.tick().1;
+    assert!(is_stopped(&said, StopReason::LinkLost) && motion(&said).is_none());
+    assert!(matches!(rig.raw(&seek)[..], [FromMind::Done { .. }]));
+}
+
+#[test]
+fn a_hello_that_comes_again_is_answered_and_changes_nothing() {
+    let mut rig = Rig::ready(Clock::Device);
+    rig.order(Order::Seek);
+    rig.now += 200;
+    assert!(motion(&rig.ring(900)).is_some());
+    let state = rig.node.state.clone();
+    let dimensions = Small::dimensions();
+    let again = rig.send(ToMind::Hello(HostHello {
+        dimensions,
+        clock: Clock::Device,
+    }));
+    assert!(matches!(again[..], [FromMind::Hello(_)]), "{again:?}");
+    assert!(rig.node.state == state && rig.node.state.is_moving());
+    // Session 0 is nobody's.
+    let header = Header { session: 0, seq: 1 };
+    let hello = ToMind::<16>::Hello(HostHello {
+        dimensions,
+        clock: Clock::Device,
+    });
+    let frame = Frame::pack(header, &hello).unwrap();
+    let said = rig.raw(frame.as_bytes().split_last().unwrap().1);
+    assert_eq!(refusal(&said), Some(Refusal::Incompatible(dimensions)));
+}
