@@ -41,6 +41,9 @@ pub const FIRING_SLOT_S: f64 = 0.040;
 /// Time in which a whole ring of 16 fires, s.
 pub const RING_PERIOD_S: f64 = 0.640;
 
+/// How much farther than its last echo a transducer looks first for the next one, m.
+const EXPECTED_M: f64 = 0.2;
+
 /// Speed of sound at 20 °C, m/s.
 pub(crate) const SOUND_M_S: f64 = 343.2;
 
@@ -273,10 +276,13 @@ impl Ring {
         let (offset, reach) = (self.geometry.face_radius_m, self.config.max_range_m);
         let tip = pose.position + axis * offset;
         self.lobe
-            .build(world, pose.position, offset, axis, self.cone, reach);
-        let echo = self
-            .hearing
-            .first_echo(world, &mut self.lobe, tip, axis, &self.config);
+            .aim(world, pose.position, offset, axis, self.cone, reach);
+        // About what it heard last, if it heard anything.
+        let last = known.and_then(|(_, echo)| echo);
+        let expected = last.map_or(reach, |range| range + EXPECTED_M);
+        let echo =
+            self.hearing
+                .first_echo(world, &mut self.lobe, tip, axis, &self.config, expected);
         *known = Some((*pose, echo));
         echo
     }

@@ -8,9 +8,11 @@ use wide::f64x4;
 
 use super::World;
 use super::answer::{Fan, Search, Things};
-use super::faces::{FaceBlock, Faces, LANES};
+use super::faces::{FaceBlock, Faces, LANES, min};
+use super::feet::Parallel;
 use super::geometry::Point;
 use super::rays::{Rays, SeenCircle, SeenFace};
+use super::surfaces::Surfaces;
 use super::surroundings::Surroundings;
 use super::view::{ConeShape, circle_in_cone};
 
@@ -34,8 +36,12 @@ struct Lobe {
 pub struct LobeView {
     around: Surroundings,
     lobe: Lobe,
-    /// Faces that may lie in the lobe.
+    /// Up to where faces and corners have been looked at, m from the tip.
+    far_m: f64,
+    /// Scratch: faces that may lie in the lobe.
     candidates: Faces,
+    /// Scratch: faces met at right angles.
+    upright: Vec<SeenFace>,
     /// From near to far.
     faces: Vec<SeenFace>,
     circles: Vec<SeenCircle>,
@@ -54,6 +60,20 @@ impl LobeView {
         cone: ConeShape,
         reach_m: f64,
     ) {
+        self.aim(world, middle, offset_m, axis, cone, reach_m);
+        self.look(reach_m);
+    }
+
+    /// As [`LobeView::build`], for the circles only: see [`LobeView::look`].
+    pub fn aim(
+        &mut self,
+        world: &World,
+        middle: Point,
+        offset_m: f64,
+        axis: Point,
+        cone: ConeShape,
+        reach_m: f64,
+    ) {
         self.around.look(world, middle, offset_m, reach_m);
         let lobe = Lobe {
             tip: middle + axis * offset_m,
@@ -62,20 +82,7 @@ impl LobeView {
             reach: reach_m,
         };
         self.lobe = lobe;
-        let sector = self.around.sector(lobe.tip, axis, cone);
-        self.candidates.clear();
-        for (block, outline) in self.around.faces.blocks.iter().zip(&self.around.outlines) {
-            for lane in lanes(sector.faces(outline)) {
-                self.candidates.push(block.face(lane));
-            }
-        }
-        self.faces.clear();
-        for (index, block) in self.candidates.blocks.iter().enumerate() {
-            let used = LANES.min(self.candidates.count() - LANES * index);
-            keep_faces(&mut self.faces, block, used, &lobe);
-        }
-        self.faces
-            .sort_unstable_by(|a, b| a.near.total_cmp(&b.near));
+        self.far_m = 0.0;
         self.circles.clear();
         for circle in self.around.circles.iter().chain(&world.posts) {
             let center = circle.center - lobe.tip;
@@ -91,6 +98,39 @@ impl LobeView {
         }
     }
 
+    /// Collects the faces that come within `far_m` of the tip.
+    pub fn look(&mut self, far_m: f64) {
+        let far = min(far_m, self.lobe.reach);
+        let most = far + self.around.apart_m(self.lobe.tip) + SLACK_M;
+        self.around.know_faces(most);
+        let around = &self.around;
+        let sector = around.sector(self.lobe.tip, self.lobe.axis, self.lobe.cone);
+        let blocks = around.faces.blocks.iter().zip(&around.outlines);
+        self.candidates.clear();
+        for (block, outline) in near(blocks, &around.faces_m, most) {
+            for lane in lanes(sector.faces(outline)) {
+                self.candidates.push(block.face(lane));
+            }
+        }
+        self.faces.clear();
+        keep_faces(&mut self.faces, &self.candidates, &self.lobe, far);
+        self.faces
+            .sort_unstable_by(|a, b| a.near.total_cmp(&b.near));
+        self.far_m = far;
+    }
+
+    /// Whether nothing in the lobe lies beyond what has been looked at.
+    #[must_use]
+    pub fn sees_all(&self) -> bool {
+        self.far_m >= self.lobe.reach
+    }
+
+    /// Whether nothing that has not been looked at can change an answer from so far, m, or hide it.
+    #[must_use]
+    pub fn is_settled(&self, range_m: f64) -> bool {
+        self.sees_all() || range_m + SLACK_M <= self.far_m
+    }
+
     /// Collects the corners in the lobe that are from `least` to `most` m from its tip, hidden or not: where they are,
     /// relative to the tip, and how far.
     pub fn corners(&mut self, least: f64, most: f64) -> &mut [(Point, f64)] {
@@ -100,10 +140,15 @@ impl LobeView {
             cone,
             reach,
         } = self.lobe;
-        let sector = self.around.sector(tip, axis, cone);
-        let blocks = self.around.corners.chunks(LANES);
+        let most = min(most, self.far_m);
+        let limit = most + self.around.apart_m(tip) + SLACK_M;
+        self.around.know_corners(limit);
+        let around = &self.around;
+        let sector = around.sector(tip, axis, cone);
+        let blocks = around.corner_blocks.iter();
+        let blocks = blocks.zip(around.corners.chunks(LANES));
         self.corners.clear();
-        for (block, corners) in self.around.corner_blocks.iter().zip(blocks) {
+        for (block, corners) in near(blocks, &around.corners_m, limit) {
             for lane in lanes(sector.points(block, most)) {
                 let Some(corner) = corners.get(lane).map(|corner| *corner - tip) else {
                     continue;
@@ -140,30 +185,58 @@ impl LobeView {
     }
 
     /// Length, m, of the shortest of the rays of a [narrow](Fan::is_narrow) fan along the lobe's axis, as wide as the
-    /// lobe, and of `others` in the lobe, that meets a circle, or a face with a cosine of at least `least_cos`, before
-    /// anything else; infinite if none does. `least_facing` is the least cosine between the axis and a normal that any
-    /// ray of the lobe meets so.
+    /// lobe, and of those at the [places most likely to answer](LobeView::promising) in the lobe, that meets a circle, or
+    /// a face with a cosine of at least `least_cos`, before anything else; infinite if none does. `least_facing` is the
+    /// least cosine between the axis and a normal that any ray of the lobe meets so. The answer holds as far as it
+    /// [is settled](LobeView::is_settled); `others` are the directions of [`LobeView::promising`] in the lobe.
     #[must_use]
     pub fn nearest_answer(
-        &self,
+        &mut self,
         fan: &Fan,
         others: &[Point],
         least_cos: f64,
         least_facing: f64,
     ) -> f64 {
-        let search = Search {
+        let Lobe { axis, cone, .. } = self.lobe;
+        let mut upright = std::mem::take(&mut self.upright);
+        let mut search = Search {
             things: Things {
                 faces: &self.faces,
                 circles: &self.circles,
             },
             fan,
-            axis: self.lobe.axis,
+            axis,
             others,
             least_cos,
             least_facing,
             best: f64::INFINITY,
         };
-        search.run()
+        search.run();
+        if let Some(surfaces) = self.around.surfaces().filter(|_| !self.sees_all()) {
+            // Rays towards faces farther off, too, which meet something before.
+            let edge = |sin: f64| axis.turned(Point::new(cone.cos, sin));
+            for group in surfaces.feet.between(edge(-cone.sin), edge(cone.sin)) {
+                let inside = group.inward.dot(axis) >= cone.cos;
+                if !inside || others.contains(&group.inward) {
+                    continue;
+                }
+                let answer = search.answer_to(group.inward);
+                if answer < search.best
+                    && has_foot(
+                        group,
+                        surfaces,
+                        &self.lobe,
+                        &mut self.candidates,
+                        &mut upright,
+                    )
+                {
+                    search.best = answer;
+                }
+            }
+        }
+        let best = search.best;
+        self.upright = upright;
+        best
     }
 
     /// Lets the rays, which must not leave the lobe, meet what lies in it up to `far` m from its tip, and perhaps more.
@@ -181,7 +254,7 @@ impl LobeView {
     /// on each face that has one, and the middle of each circle. They may lie outside the lobe.
     pub fn promising(&self) -> impl Iterator<Item = Point> + '_ {
         let feet = self.faces.iter();
-        let feet = feet.filter(|face| face.p <= 0.0 && face.p + face.length >= 0.0);
+        let feet = feet.filter(|face| face.has_foot());
         let feet = feet.map(|face| Point::new(face.u.y, -face.u.x));
         let middles = self.circles.iter().map(|circle| {
             let length = circle.center.length();
@@ -198,9 +271,46 @@ impl LobeView {
     }
 }
 
-/// Appends those of the first `used` faces of a block of which any part lies in the lobe.
+/// Whether a face of this direction lies in the lobe with the foot of the perpendicular from its tip.
+fn has_foot(
+    group: &Parallel,
+    surfaces: &Surfaces,
+    lobe: &Lobe,
+    candidates: &mut Faces,
+    seen: &mut Vec<SeenFace>,
+) -> bool {
+    candidates.clear();
+    let faces = group.around(lobe.tip);
+    for face in faces.filter_map(|place| surfaces.faces.get(place)) {
+        candidates.push(face);
+    }
+    seen.clear();
+    keep_faces(seen, candidates, lobe, lobe.reach);
+    seen.iter().any(SeenFace::has_foot)
+}
+
+/// The first of what stands in order of distance, up to `most` m.
+fn near<T>(
+    things: impl Iterator<Item = T>,
+    distances: &[f64],
+    most: f64,
+) -> impl Iterator<Item = T> {
+    let pairs = things.zip(distances);
+    let near = pairs.take_while(move |(_, distance)| **distance <= most);
+    near.map(|(thing, _)| thing)
+}
+
+/// Appends those of the candidates of which any part lies in the lobe, within `far` m of its tip.
+fn keep_faces(faces: &mut Vec<SeenFace>, candidates: &Faces, lobe: &Lobe, far: f64) {
+    for (index, block) in candidates.blocks.iter().enumerate() {
+        let used = LANES.min(candidates.count() - LANES * index);
+        keep_block(faces, block, used, lobe, far);
+    }
+}
+
+/// As [`keep_faces`], of the first `used` faces of a block.
 #[inline]
-fn keep_faces(faces: &mut Vec<SeenFace>, block: &FaceBlock, used: usize, lobe: &Lobe) {
+fn keep_block(faces: &mut Vec<SeenFace>, block: &FaceBlock, used: usize, lobe: &Lobe, far: f64) {
     let [ax, ay, tip_x, tip_y] =
         [lobe.axis.x, lobe.axis.y, lobe.tip.x, lobe.tip.y].map(f64x4::splat);
     let (sin, cos) = (f64x4::splat(lobe.cone.sin), f64x4::splat(lobe.cone.cos));
@@ -232,7 +342,7 @@ fn keep_faces(faces: &mut Vec<SeenFace>, block: &FaceBlock, used: usize, lobe: &
         let nearest = to.simd_lt(zero).select(to, zero);
         let nearest = from.simd_gt(nearest).select(from, nearest);
         let near = nearest * nearest + q * q;
-        let reached = near.simd_le(f64x4::splat(lobe.reach * lobe.reach));
+        let reached = near.simd_le(f64x4::splat(far * far));
         let kept = seen & from.simd_le(to) & reached;
         let (p, q, near) = (p.to_array(), q.to_array(), near.to_array());
         for lane in lanes(kept.to_bitmask()) {

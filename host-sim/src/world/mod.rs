@@ -21,6 +21,7 @@ pub mod barn;
 mod builtin;
 mod clearing;
 mod faces;
+mod feet;
 mod geometry;
 mod lobe;
 mod occupancy;

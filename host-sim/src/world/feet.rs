@@ -1,0 +1,120 @@
+//! Which faces are met at right angles from a place: found without looking at the others.
+//!
+//! The foot of the perpendicular from a place on a face lies where the place does, as measured along the face. Faces of one
+//! direction stand in the order of their starts along it, so that those around a place are found by halving; those of
+//! much different length stand apart, so that a long wall does not make neighbours of all. The directions stand in the order
+//! of their angles.
+
+use super::faces::{Face, Faces, max};
+use super::geometry::Point;
+use super::tree::SLACK_M;
+
+/// How much the order of angles may be wrong by rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Faces of one direction and about one length.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Parallel {
+    /// Unit vector towards the front of the faces, and against it: how a ray meets them.
+    pub inward: Point,
+    turn: f64,
+    along: Point,
+    longest_m: f64,
+    /// Where each face begins along the direction, m, and its place in the world's list.
+    starts: Vec<(f64, u32)>,
+}
+
+/// The faces of a world by their directions.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Feet {
+    groups: Vec<Parallel>,
+}
+
+impl Feet {
+    pub fn of(faces: &Faces) -> Self {
+        let mut all: Vec<_> = faces.iter().zip(0..).collect();
+        let key = |face: &Face| {
+            let Point { x, y } = face.u;
+            let turn = turn(inward(face)).to_bits();
+            (turn, x.to_bits(), y.to_bits(), libm::ilogb(face.length))
+        };
+        let start = |face: &Face| face.a.dot(face.u);
+        all.sort_by(|(a, _), (b, _)| {
+            let starts = start(a).total_cmp(&start(b));
+            key(a).cmp(&key(b)).then(starts)
+        });
+        let groups = all.chunk_by(|(a, _), (b, _)| key(a) == key(b));
+        let group = |faces: &[(Face, u32)]| {
+            let first = faces.first()?.0;
+            let lengths = faces.iter().map(|(face, _)| face.length);
+            let starts = faces.iter().map(|(face, place)| (start(face), *place));
+            Some(Parallel {
+                inward: inward(&first),
+                turn: turn(inward(&first)),
+                along: first.u,
+                longest_m: lengths.fold(0.0, max),
+                starts: starts.collect(),
+            })
+        };
+        Self {
+            groups: groups.filter_map(group).collect(),
+        }
+    }
+
+    /// The faces that are met at right angles by rays from the unit vector `right` on to the left up to `left`, less than
+    /// half a turn.
+    pub fn between(&self, right: Point, left: Point) -> impl Iterator<Item = &Parallel> {
+        let (from, to) = (turn(right) - ROUNDING, turn(left) + ROUNDING);
+        let place = |turn: f64| self.groups.partition_point(|group| group.turn < turn);
+        let (from, to, all) = (place(from), place(to), self.groups.len());
+        // Across the direction from which turns are counted.
+        let parts = if from <= to && turn(right) <= turn(left) {
+            [from..to, 0..0]
+        } else {
+            [from..all, 0..to]
+        };
+        parts
+            .into_iter()
+            .flat_map(|part| self.groups.get(part).unwrap_or(&[]))
+    }
+}
+
+impl Parallel {
+    /// Places in the world's list of the faces that may have the foot of the perpendicular from `place`.
+    pub fn around(&self, place: Point) -> impl Iterator<Item = usize> {
+        let at = place.dot(self.along);
+        let least = at - self.longest_m - SLACK_M;
+        let first = self.starts.partition_point(|(start, _)| *start < least);
+        let starts = self.starts.get(first..).unwrap_or(&[]).iter();
+        let starts = starts.take_while(move |(start, _)| *start <= at + SLACK_M);
+        starts.map(|(_, place)| *place as usize)
+    }
+}
+
+fn inward(face: &Face) -> Point {
+    Point::new(face.u.y, -face.u.x)
+}
+
+/// A number from 0 to 4 that grows with the angle of a unit vector, from the x axis to the left.
+fn turn(direction: Point) -> f64 {
+    let Point { x, y } = direction;
+    let part = y / (x.abs() + y.abs());
+    match (x < 0.0, y < 0.0) {
+        (true, _) => 2.0 - part,
+        (false, true) => 4.0 + part,
+        (false, false) => part,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f64::consts::TAU;
+
+    #[test]
+    fn turns_grow_with_the_angle() {
+        let turns = (0..1_000).map(|i| turn(Point::unit(TAU * f64::from(i) / 1_000.0)));
+        assert!(turns.is_sorted());
+        assert_eq!(turn(Point::new(0.0, -1.0)), 3.0);
+    }
+}
