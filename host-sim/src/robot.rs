@@ -11,19 +11,18 @@
 use core::f64::consts::{FRAC_PI_2, PI};
 use core::str::FromStr;
 
+use crate::direction::Direction;
 use crate::error::BadInput;
 use crate::noise::Noise;
 use crate::world::{Point, Pose, World, wrap_angle};
 
 mod axes;
 mod chassis;
-mod direction;
 mod motion;
 mod servo;
 
 pub use axes::{Axes, Axis, AxisLimits};
 use chassis::{Chassis, share_of};
-use direction::Direction;
 pub use motion::{Executed, Motion};
 use servo::{approach, slow};
 
@@ -182,6 +181,11 @@ impl Base {
     #[must_use]
     pub fn is_moving(&self) -> bool {
         self.drive != Drive::Still
+    }
+
+    /// From now on gaps between disc and surfaces of so much or more, m, need not be told: they may be told as infinite.
+    pub fn tell_gaps_below(&mut self, gap_m: f64) {
+        self.chassis.tell_gaps_below(gap_m);
     }
 
     /// Moves at once by (`dx_m`, `dy_m`) in the ring frame, straight, up to the first touch. In

@@ -66,7 +66,8 @@ pub struct Moved {
     pub to: Point,
     /// Way travelled, metres.
     pub travelled_m: f64,
-    /// Least gap between body and surfaces on the way, metres.
+    /// Least gap between body and surfaces on the way, metres; perhaps infinite where
+    /// [nobody asked](Body::tell_gaps_below).
     pub clearance_m: f64,
     /// The body touched something.
     pub touched: bool,
@@ -136,6 +137,12 @@ impl<'w> Body<'w> {
     #[must_use]
     pub fn ring_s(&self) -> f64 {
         RING_PERIOD_S
+    }
+
+    /// Until the robot is set down elsewhere, gaps between body and surfaces of so much or more, metres, need not be told:
+    /// they may be told as infinite. For those who look for the least gap.
+    pub fn tell_gaps_below(&mut self, gap_m: f64) {
+        self.base.tell_gaps_below(gap_m);
     }
 
     /// One turn: a whole ring and its motion with the ideal sonars, one firing slot with the others.
@@ -377,7 +384,10 @@ impl<'w> Body<'w> {
 
 impl Happened {
     fn take(&mut self, outputs: &Outputs<16>) {
-        self.decision = self.decision.or(outputs.decision);
+        if outputs.decision.is_some() && self.decision.is_none() {
+            // Most outputs hold none: it is not carried about for nothing.
+            self.decision = outputs.decision;
+        }
         self.mode_changed |= outputs.mode_changed;
         self.shortened |=
             outputs.motion.is_some() && outputs.decision.is_none() && !outputs.mode_changed;

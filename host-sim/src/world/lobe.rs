@@ -4,13 +4,12 @@
 //! Rays meet them in two ways: all rays at once ([`LobeView::meet`]), or as few as tell the nearest answer
 //! ([`LobeView::nearest_answer`]).
 
-use wide::f64x4;
-
 use super::World;
 use super::answer::{Fan, Search, Things};
-use super::faces::{FaceBlock, Faces, LANES, min};
+use super::faces::{Face, LANES, max, min};
 use super::feet::Parallel;
 use super::geometry::Point;
+use super::outline::Sector;
 use super::rays::{Rays, SeenCircle, SeenFace};
 use super::surfaces::Surfaces;
 use super::surroundings::Surroundings;
@@ -36,12 +35,11 @@ struct Lobe {
 pub struct LobeView {
     around: Surroundings,
     lobe: Lobe,
+    /// The lobe as it lies in its surroundings, and how far from their middle its tip.
+    sector: Sector,
+    apart_m: f64,
     /// Up to where faces and corners have been looked at, m from the tip.
     far_m: f64,
-    /// Scratch: faces that may lie in the lobe.
-    candidates: Faces,
-    /// Scratch: faces met at right angles.
-    upright: Vec<SeenFace>,
     /// From near to far.
     faces: Vec<SeenFace>,
     circles: Vec<SeenCircle>,
@@ -82,6 +80,8 @@ impl LobeView {
             reach: reach_m,
         };
         self.lobe = lobe;
+        self.sector = self.around.sector(lobe.tip, axis, cone);
+        self.apart_m = self.around.apart_m(lobe.tip);
         self.far_m = 0.0;
         self.circles.clear();
         for circle in self.around.circles.iter().chain(&world.posts) {
@@ -101,19 +101,16 @@ impl LobeView {
     /// Collects the faces that come within `far_m` of the tip.
     pub fn look(&mut self, far_m: f64) {
         let far = min(far_m, self.lobe.reach);
-        let most = far + self.around.apart_m(self.lobe.tip) + SLACK_M;
+        let most = far + self.apart_m + SLACK_M;
         self.around.know_faces(most);
         let around = &self.around;
-        let sector = around.sector(self.lobe.tip, self.lobe.axis, self.lobe.cone);
         let blocks = around.faces.blocks.iter().zip(&around.outlines);
-        self.candidates.clear();
+        self.faces.clear();
         for (block, outline) in near(blocks, &around.faces_m, most) {
-            for lane in lanes(sector.faces(outline)) {
-                self.candidates.push(block.face(lane));
+            for lane in lanes(self.sector.faces(outline)) {
+                self.faces.extend(self.lobe.see(&block.face(lane), far));
             }
         }
-        self.faces.clear();
-        keep_faces(&mut self.faces, &self.candidates, &self.lobe, far);
         self.faces
             .sort_unstable_by(|a, b| a.near.total_cmp(&b.near));
         self.far_m = far;
@@ -141,15 +138,14 @@ impl LobeView {
             reach,
         } = self.lobe;
         let most = min(most, self.far_m);
-        let limit = most + self.around.apart_m(tip) + SLACK_M;
+        let limit = most + self.apart_m + SLACK_M;
         self.around.know_corners(limit);
         let around = &self.around;
-        let sector = around.sector(tip, axis, cone);
         let blocks = around.corner_blocks.iter();
         let blocks = blocks.zip(around.corners.chunks(LANES));
         self.corners.clear();
         for (block, corners) in near(blocks, &around.corners_m, limit) {
-            for lane in lanes(sector.points(block, most)) {
+            for lane in lanes(self.sector.points(block, most)) {
                 let Some(corner) = corners.get(lane).map(|corner| *corner - tip) else {
                     continue;
                 };
@@ -191,14 +187,13 @@ impl LobeView {
     /// [is settled](LobeView::is_settled); `others` are the directions of [`LobeView::promising`] in the lobe.
     #[must_use]
     pub fn nearest_answer(
-        &mut self,
+        &self,
         fan: &Fan,
         others: &[Point],
         least_cos: f64,
         least_facing: f64,
     ) -> f64 {
         let Lobe { axis, cone, .. } = self.lobe;
-        let mut upright = std::mem::take(&mut self.upright);
         let mut search = Search {
             things: Things {
                 faces: &self.faces,
@@ -221,22 +216,12 @@ impl LobeView {
                     continue;
                 }
                 let answer = search.answer_to(group.inward);
-                if answer < search.best
-                    && has_foot(
-                        group,
-                        surfaces,
-                        &self.lobe,
-                        &mut self.candidates,
-                        &mut upright,
-                    )
-                {
+                if answer < search.best && self.lobe.sees_foot(group, surfaces) {
                     search.best = answer;
                 }
             }
         }
-        let best = search.best;
-        self.upright = upright;
-        best
+        search.best
     }
 
     /// Lets the rays, which must not leave the lobe, meet what lies in it up to `far` m from its tip, and perhaps more.
@@ -271,24 +256,6 @@ impl LobeView {
     }
 }
 
-/// Whether a face of this direction lies in the lobe with the foot of the perpendicular from its tip.
-fn has_foot(
-    group: &Parallel,
-    surfaces: &Surfaces,
-    lobe: &Lobe,
-    candidates: &mut Faces,
-    seen: &mut Vec<SeenFace>,
-) -> bool {
-    candidates.clear();
-    let faces = group.around(lobe.tip);
-    for face in faces.filter_map(|place| surfaces.faces.get(place)) {
-        candidates.push(face);
-    }
-    seen.clear();
-    keep_faces(seen, candidates, lobe, lobe.reach);
-    seen.iter().any(SeenFace::has_foot)
-}
-
 /// The first of what stands in order of distance, up to `most` m.
 fn near<T>(
     things: impl Iterator<Item = T>,
@@ -300,62 +267,50 @@ fn near<T>(
     near.map(|(thing, _)| thing)
 }
 
-/// Appends those of the candidates of which any part lies in the lobe, within `far` m of its tip.
-fn keep_faces(faces: &mut Vec<SeenFace>, candidates: &Faces, lobe: &Lobe, far: f64) {
-    for (index, block) in candidates.blocks.iter().enumerate() {
-        let used = LANES.min(candidates.count() - LANES * index);
-        keep_block(faces, block, used, lobe, far);
-    }
-}
-
-/// As [`keep_faces`], of the first `used` faces of a block.
-#[inline]
-fn keep_block(faces: &mut Vec<SeenFace>, block: &FaceBlock, used: usize, lobe: &Lobe, far: f64) {
-    let [ax, ay, tip_x, tip_y] =
-        [lobe.axis.x, lobe.axis.y, lobe.tip.x, lobe.tip.y].map(f64x4::splat);
-    let (sin, cos) = (f64x4::splat(lobe.cone.sin), f64x4::splat(lobe.cone.cos));
-    let (zero, infinity) = (f64x4::ZERO, f64x4::splat(f64::INFINITY));
-    let slack = f64x4::splat(SLACK_M);
-    for half in 0..used.div_ceil(4) {
-        let four = |list: &[f64; LANES]| f64x4::new(list.as_chunks::<4>().0[half]);
-        let (ux, uy, length) = (four(&block.ux), four(&block.uy), four(&block.length));
-        let (dx, dy) = (four(&block.ax) - tip_x, four(&block.ay) - tip_y);
-        let (p, q) = (dx * ux + dy * uy, dx * uy - dy * ux);
-        let (axis_u, axis_n) = (ax * ux + ay * uy, ax * uy - ay * ux);
+impl Lobe {
+    /// A face as it is seen, if any part of it lies in the lobe within `far` m of its tip.
+    #[inline]
+    fn see(&self, face: &Face, far: f64) -> Option<SeenFace> {
+        let ConeShape { sin, cos } = self.cone;
+        let offset = face.a - self.tip;
+        let (p, q) = (offset.dot(face.u), offset.cross(face.u));
+        let (axis_u, axis_n) = (self.axis.dot(face.u), self.axis.cross(face.u));
         let (left_n, left_u) = (axis_n * cos - axis_u * sin, axis_u * cos + axis_n * sin);
         let (right_n, right_u) = (axis_n * cos + axis_u * sin, axis_u * cos - axis_n * sin);
-        let (met_left, met_right) = (left_n.simd_gt(zero), right_n.simd_gt(zero));
-        let end = p + length;
-        // Whether the face begins right of the left edge and ends left of the right one, give or take rounding: most
-        // do not, without a division.
-        let right_of = (p * left_n - q * left_u).simd_le(slack) | !met_left;
-        let left_of = (q * right_u - end * right_n).simd_le(slack) | !met_right;
-        let seen = q.simd_gt(zero) & (met_left | met_right) & right_of & left_of;
-        if !seen.any() {
-            continue;
+        let (met_left, met_right) = (left_n > 0.0, right_n > 0.0);
+        if q <= 0.0 || q * q > far * far || !(met_left || met_right) {
+            return None;
         }
         // An edge of the cone that runs away from the face bounds nothing.
-        let left = met_left.select(q * left_u / left_n, infinity);
-        let right = met_right.select(q * right_u / right_n, -infinity);
-        let from = p.simd_gt(right).select(p, right);
-        let to = end.simd_lt(left).select(end, left);
-        let nearest = to.simd_lt(zero).select(to, zero);
-        let nearest = from.simd_gt(nearest).select(from, nearest);
+        let left = if met_left {
+            q * left_u / left_n
+        } else {
+            f64::INFINITY
+        };
+        let right = if met_right {
+            q * right_u / right_n
+        } else {
+            f64::NEG_INFINITY
+        };
+        let (from, to) = (max(p, right), min(p + face.length, left));
+        let nearest = max(from, min(to, 0.0));
         let near = nearest * nearest + q * q;
-        let reached = near.simd_le(f64x4::splat(far * far));
-        let kept = seen & from.simd_le(to) & reached;
-        let (p, q, near) = (p.to_array(), q.to_array(), near.to_array());
-        for lane in lanes(kept.to_bitmask()) {
-            let face = block.face(4 * half + lane);
-            faces.push(SeenFace {
-                u: face.u,
-                p: p[lane],
-                q: q[lane],
-                length: face.length,
-                number: face.number,
-                near: near[lane],
-            });
-        }
+        (from <= to && near <= far * far).then_some(SeenFace {
+            u: face.u,
+            p,
+            q,
+            length: face.length,
+            number: face.number,
+            near,
+        })
+    }
+
+    /// Whether a face of this direction lies in the lobe with the foot of the perpendicular from its tip.
+    fn sees_foot(&self, group: &Parallel, surfaces: &Surfaces) -> bool {
+        let faces = group.around(self.tip);
+        let faces = faces.filter_map(|place| surfaces.faces.get(place));
+        let mut seen = faces.filter_map(|face| self.see(&face, self.reach));
+        seen.any(|face| face.has_foot())
     }
 }
 

@@ -62,7 +62,7 @@ impl Outline {
 }
 
 /// A lobe as it lies in its surroundings.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Sector {
     tip: [f32; 2],
     /// Unit vector along the axis, and how far behind the tip the middle lies.
