@@ -11,7 +11,7 @@ use super::tree::SLACK_M;
 use super::view::ConeShape;
 
 /// Places within this distance of where the surroundings were looked at need no new look, m.
-const ROOM_M: f64 = 0.5;
+const ROOM_M: f64 = 0.8;
 
 /// How much farther is looked when it was not far enough.
 const FARTHER: f64 = 1.5;
