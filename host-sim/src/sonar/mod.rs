@@ -286,6 +286,7 @@ impl Ring {
         let (offset, reach) = (self.geometry.face_radius_m, self.config.max_range_m);
         let tip = pose.position + axis * offset;
         self.lobe
+            .for_eye(sensor)
             .aim(world, pose.position, offset, axis, self.cone, reach);
         let expected = last.range_m.map_or(reach, |range| range + EXPECTED_M);
         let range_m =

@@ -110,6 +110,7 @@ fn echoes_have_the_oracles_bits() {
                     let off = if seed % 3 == 0 { noise.uniform() } else { 0.0 };
                     let axis = Point::unit(TAU * f64::from(sensor) / 8.0 + off);
                     let tip = place + axis * FACE_M;
+                    lobe.for_eye(sensor as usize);
                     lobe.aim(&world, place, FACE_M, axis, cone, config.max_range_m);
                     let expected = noise.uniform_in(0.1, 7.0);
                     let heard = hearing.first_echo(&world, &mut lobe, tip, axis, &config, expected);

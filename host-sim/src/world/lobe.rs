@@ -6,9 +6,10 @@
 
 use super::World;
 use super::answer::{Fan, Search, Things};
-use super::faces::{Face, LANES, max, min};
+use super::faces::{Face, max, min};
 use super::feet::Parallel;
 use super::geometry::Point;
+use super::nearby::Nearby;
 use super::outline::Sector;
 use super::rays::{Rays, SeenCircle, SeenFace};
 use super::surfaces::Surfaces;
@@ -21,19 +22,67 @@ const SLACK_M: f64 = 1e-3;
 /// How much nearer than a corner a ray may end and still be said to reach it, m.
 const CORNER_SLACK_M: f64 = 1e-6;
 
+/// From so many faces on it pays to choose among them for one eye.
+const MANY: usize = 128;
+
 /// A lobe: where it begins and where it points.
 #[derive(Debug, Clone, Copy, Default)]
 struct Lobe {
     tip: Point,
+    offset: f64,
     axis: Point,
     cone: ConeShape,
     reach: f64,
+}
+
+/// What is nearby and may lie in the lobes of one eye that looks along one axis from anywhere in the surroundings.
+#[derive(Debug, Clone, Default)]
+struct Choice {
+    offset: f64,
+    axis: Point,
+    cone: ConeShape,
+    looks: u64,
+    is_made: bool,
+    nearby: Nearby,
+}
+
+impl Choice {
+    /// Is made of many things when the same is asked the second time: whoever turns asks once.
+    fn make(&mut self, around: &Surroundings, lobe: &Lobe) {
+        if !self.is_for(around, lobe) {
+            self.is_made = false;
+            (self.offset, self.axis, self.cone) = (lobe.offset, lobe.axis, lobe.cone);
+            self.looks = around.looks();
+        } else if !self.is_made && around.nearby.faces.count() >= MANY {
+            self.is_made = true;
+            around.choose(lobe.offset, lobe.axis, lobe.cone, &mut self.nearby);
+        }
+    }
+
+    fn is_for(&self, around: &Surroundings, lobe: &Lobe) -> bool {
+        self.looks == around.looks()
+            && self.axis == lobe.axis
+            && self.offset == lobe.offset
+            && self.cone == lobe.cone
+    }
+
+    /// What may lie in a lobe, and other things.
+    fn of<'a>(&'a self, around: &'a Surroundings, lobe: &Lobe) -> &'a Nearby {
+        if self.is_made && self.is_for(around, lobe) {
+            &self.nearby
+        } else {
+            &around.nearby
+        }
+    }
 }
 
 /// What one lobe can meet. Reusable: building it again seldom allocates.
 #[derive(Debug, Clone, Default)]
 pub struct LobeView {
     around: Surroundings,
+    /// Of each eye.
+    choices: Vec<Choice>,
+    eye: usize,
     lobe: Lobe,
     /// The lobe as it lies in its surroundings, and how far from their middle its tip.
     sector: Sector,
@@ -62,6 +111,15 @@ impl LobeView {
         self.look(reach_m);
     }
 
+    /// The next lobes are those of this eye, counted from 0: one that looks along the same axis again is asked for less.
+    pub fn for_eye(&mut self, eye: usize) -> &mut Self {
+        if self.choices.len() <= eye {
+            self.choices.resize_with(eye + 1, Choice::default);
+        }
+        self.eye = eye;
+        self
+    }
+
     /// As [`LobeView::build`], for the circles only: see [`LobeView::look`].
     pub fn aim(
         &mut self,
@@ -75,6 +133,7 @@ impl LobeView {
         self.around.look(world, middle, offset_m, reach_m);
         let lobe = Lobe {
             tip: middle + axis * offset_m,
+            offset: offset_m,
             axis,
             cone,
             reach: reach_m,
@@ -103,14 +162,16 @@ impl LobeView {
         let far = min(far_m, self.lobe.reach);
         let most = far + self.apart_m + SLACK_M;
         self.around.know_faces(most);
-        let around = &self.around;
-        let blocks = around.faces.blocks.iter().zip(&around.outlines);
-        self.faces.clear();
-        for (block, outline) in near(blocks, &around.faces_m, most) {
-            for lane in lanes(self.sector.faces(outline)) {
-                self.faces.extend(self.lobe.see(&block.face(lane), far));
-            }
+        if let Some(choice) = self.choices.get_mut(self.eye) {
+            choice.make(&self.around, &self.lobe);
         }
+        self.faces.clear();
+        let (lobe, faces) = (&self.lobe, &mut self.faces);
+        nearby(&self.choices, self.eye, &self.around, lobe).faces_in(
+            &self.sector,
+            most,
+            |face, _| faces.extend(lobe.see(&face, far)),
+        );
         self.faces
             .sort_unstable_by(|a, b| a.near.total_cmp(&b.near));
         self.far_m = far;
@@ -136,27 +197,28 @@ impl LobeView {
             axis,
             cone,
             reach,
+            ..
         } = self.lobe;
         let most = min(most, self.far_m);
         let limit = most + self.apart_m + SLACK_M;
         self.around.know_corners(limit);
-        let around = &self.around;
-        let blocks = around.corner_blocks.iter();
-        let blocks = blocks.zip(around.corners.chunks(LANES));
         self.corners.clear();
-        for (block, corners) in near(blocks, &around.corners_m, limit) {
-            for lane in lanes(self.sector.points(block, most)) {
-                let Some(corner) = corners.get(lane).map(|corner| *corner - tip) else {
-                    continue;
-                };
-                let (along, across) = (axis.dot(corner), axis.cross(corner).abs());
-                let range = corner.length();
-                let inside = across * cone.cos <= along * cone.sin && range <= reach;
-                if inside && range >= least && range <= most {
-                    self.corners.push((corner, range));
-                }
+        let corners = &mut self.corners;
+        let keep = |corner: Point, _| {
+            let corner = corner - tip;
+            let (along, across) = (axis.dot(corner), axis.cross(corner).abs());
+            let range = corner.length();
+            let inside = across * cone.cos <= along * cone.sin && range <= reach;
+            if inside && range >= least && range <= most {
+                corners.push((corner, range));
             }
-        }
+        };
+        nearby(&self.choices, self.eye, &self.around, &self.lobe).corners_in(
+            &self.sector,
+            limit,
+            most,
+            keep,
+        );
         &mut self.corners
     }
 
@@ -256,15 +318,15 @@ impl LobeView {
     }
 }
 
-/// The first of what stands in order of distance, up to `most` m.
-fn near<T>(
-    things: impl Iterator<Item = T>,
-    distances: &[f64],
-    most: f64,
-) -> impl Iterator<Item = T> {
-    let pairs = things.zip(distances);
-    let near = pairs.take_while(move |(_, distance)| **distance <= most);
-    near.map(|(thing, _)| thing)
+/// What may lie in a lobe of an eye, and other things.
+fn nearby<'a>(
+    choices: &'a [Choice],
+    eye: usize,
+    around: &'a Surroundings,
+    lobe: &Lobe,
+) -> &'a Nearby {
+    let choice = choices.get(eye);
+    choice.map_or(&around.nearby, |choice| choice.of(around, lobe))
 }
 
 impl Lobe {
@@ -312,13 +374,4 @@ impl Lobe {
         let mut seen = faces.filter_map(|face| self.see(&face, self.reach));
         seen.any(|face| face.has_foot())
     }
-}
-
-/// The places of the ones in a mask, from the lowest.
-fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lane = (mask != 0).then(|| mask.trailing_zeros() as usize);
-        mask &= mask.wrapping_sub(1);
-        lane
-    })
 }

@@ -24,6 +24,7 @@ mod faces;
 mod feet;
 mod geometry;
 mod lobe;
+mod nearby;
 mod occupancy;
 mod outline;
 mod pgm;

@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use super::World;
-use super::faces::{Face, FaceBlock, Faces, LANES, clamp, max, min};
+use super::faces::{Face, FaceBlock, LANES, clamp, max, min};
 use super::geometry::Point;
-use super::outline::{Outline, Points, Sector};
+use super::nearby::Nearby;
+use super::outline::Sector;
 use super::surfaces::{Circle, Surfaces};
 use super::tree::SLACK_M;
 use super::view::ConeShape;
@@ -27,17 +28,10 @@ pub(super) struct Surroundings {
     reach_m: f64,
     faces_known_m: f64,
     corners_known_m: f64,
-    pub faces: Faces,
-    /// Of each block of faces.
-    pub outlines: Vec<Outline>,
-    /// Distance from the middle to the nearest face of each block, m.
-    pub faces_m: Vec<f64>,
+    /// How often faces or corners have been found.
+    looks: u64,
+    pub nearby: Nearby,
     pub circles: Vec<Circle>,
-    pub corners: Vec<Point>,
-    /// The corners in blocks, relative to the middle.
-    pub corner_blocks: Vec<Points>,
-    /// Distance from the middle to the nearest corner of each block, m.
-    pub corners_m: Vec<f64>,
     /// Scratch.
     faces_found: Found<Face>,
     corners_found: Found<Point>,
@@ -166,20 +160,12 @@ impl Surroundings {
                 }
             }
         });
-        self.faces.clear();
-        self.faces_m.clear();
-        for (distance, face) in self.faces_found.sorted() {
-            if self.faces.count().is_multiple_of(LANES) {
-                self.faces_m.push(distance);
-            }
-            self.faces.push(face);
-        }
         let whole = self.whole_m();
-        self.outlines.clear();
-        for (index, block) in self.faces.blocks.iter().enumerate() {
-            let used = LANES.min(self.faces.count() - LANES * index);
-            self.outlines.push(Outline::of(block, used, middle, whole));
+        self.nearby.clear_faces();
+        for (distance, face) in self.faces_found.sorted() {
+            self.nearby.push_face(distance, &face, middle, whole);
         }
+        self.looks += 1;
     }
 
     fn find_corners(&mut self, surfaces: &Surfaces) {
@@ -192,20 +178,32 @@ impl Surroundings {
                 self.corners_found.push(squared, corner);
             }
         });
-        self.corners.clear();
-        self.corner_blocks.clear();
-        self.corners_m.clear();
+        self.nearby.clear_corners();
         for (distance, corner) in self.corners_found.sorted() {
-            let lane = self.corners.len() % LANES;
-            if lane == 0 {
-                self.corner_blocks.push(Points::NONE);
-                self.corners_m.push(distance);
-            }
-            if let Some(block) = self.corner_blocks.last_mut() {
-                block.set(lane, corner - middle);
-            }
-            self.corners.push(corner);
+            self.nearby.push_corner(distance, corner, middle);
         }
+        self.looks += 1;
+    }
+
+    /// Another number whenever faces or corners are others.
+    pub fn looks(&self) -> u64 {
+        self.looks
+    }
+
+    /// Chooses into `chosen` what is nearby and may lie in the cone around `axis` of any eye `offset_m` along that axis.
+    pub fn choose(&self, offset_m: f64, axis: Point, cone: ConeShape, chosen: &mut Nearby) {
+        let (middle, whole) = (self.middle, self.whole_m());
+        let sector = Sector::new(axis * offset_m, axis, cone, whole).widened(ROOM_M);
+        chosen.clear_faces();
+        chosen.clear_corners();
+        let all = f64::INFINITY;
+        self.nearby.faces_in(&sector, all, |face, distance| {
+            chosen.push_face(distance, &face, middle, whole);
+        });
+        self.nearby
+            .corners_in(&sector, all, all, |corner, distance| {
+                chosen.push_corner(distance, corner, middle);
+            });
     }
 
     /// The cone whose tip and axis are given, as it lies here.

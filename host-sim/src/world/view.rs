@@ -103,7 +103,7 @@ impl View {
 
     /// How many blocks hold faces: full ones while there are more to come.
     fn ready(&self) -> usize {
-        if self.taken < self.around.faces.blocks.len() {
+        if self.taken < self.around.nearby.faces.blocks.len() {
             self.kept / LANES
         } else {
             self.kept.div_ceil(LANES)
@@ -114,13 +114,13 @@ impl View {
     fn take(&mut self) {
         let around = std::mem::take(&mut self.around);
         if let (Some(block), Some(&from_m)) = (
-            around.faces.blocks.get(self.taken),
-            around.faces_m.get(self.taken),
+            around.nearby.faces.blocks.get(self.taken),
+            around.nearby.faces_m.get(self.taken),
         ) {
             self.keep_block(block, from_m);
         }
         self.taken += 1;
-        if self.taken >= around.faces.blocks.len()
+        if self.taken >= around.nearby.faces.blocks.len()
             && let Some(last) = self.blocks.get_mut(self.kept / LANES)
         {
             for lane in self.kept % LANES..LANES {
@@ -191,7 +191,7 @@ impl View {
         let mut best = [NOTHING; LANES];
         let mut index = 0;
         loop {
-            while index >= self.ready() && self.taken < self.around.faces.blocks.len() {
+            while index >= self.ready() && self.taken < self.around.nearby.faces.blocks.len() {
                 self.take();
             }
             let ready = index < self.ready();
