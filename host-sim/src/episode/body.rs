@@ -31,8 +31,9 @@ pub struct Body<'w> {
     slot: usize,
     ranges_m: [Option<f64>; 16],
     motion: Motion,
-    /// Where the odometry reported so far puts the base, and the ring's bearing as reported.
+    /// Where the odometry reported so far puts the base, and the ring's heading as it was reported, rounded to its bearing.
     reported: Point,
+    reported_heading: f64,
     reported_bearing: Bearing,
     /// The unit vector along that bearing.
     reported_axis: Point,
@@ -109,6 +110,7 @@ impl<'w> Body<'w> {
                 speed_mm_s: 0,
             },
             reported: start.position,
+            reported_heading: start.heading,
             reported_bearing: bearing(start.heading),
             reported_axis: Point::unit(angle(bearing(start.heading))),
         }
@@ -222,6 +224,8 @@ impl<'w> Body<'w> {
         happened
     }
 
+    // Made where it is needed: it is large.
+    #[inline(always)]
     fn nothing_yet(&self, pose: Pose) -> Happened {
         Happened {
             pose,
@@ -250,9 +254,9 @@ impl<'w> Body<'w> {
             Displacement::saturating(libm::rint(x * 1e3) as i32, libm::rint(y * 1e3) as i32);
         let [x, y] = meters(moved);
         self.reported = self.reported + Point::new(x * cos - y * sin, x * sin + y * cos);
-        let now = bearing(self.base.pose().heading);
-        let turned = now.minus(self.reported_bearing);
-        self.set_reported_bearing(now);
+        let before = self.reported_bearing;
+        self.set_reported_heading(self.base.pose().heading);
+        let turned = self.reported_bearing.minus(before);
         let progress = match (done.touched, done.moving) {
             (true, _) => Progress::Touched,
             (false, true) => Progress::Moving,
@@ -276,7 +280,12 @@ impl<'w> Body<'w> {
         }
     }
 
-    fn set_reported_bearing(&mut self, bearing: Bearing) {
+    fn set_reported_heading(&mut self, heading: f64) {
+        if heading.to_bits() == self.reported_heading.to_bits() {
+            return;
+        }
+        self.reported_heading = heading;
+        let bearing = bearing(heading);
         if bearing != self.reported_bearing {
             self.reported_bearing = bearing;
             self.reported_axis = Point::unit(angle(bearing));
@@ -378,7 +387,7 @@ impl<'w> Body<'w> {
     fn set_down(&mut self, start: Pose) {
         self.base = Base::new(start, self.limits, self.turret);
         self.reported = start.position;
-        self.set_reported_bearing(bearing(start.heading));
+        self.set_reported_heading(start.heading);
     }
 }
 

@@ -61,9 +61,14 @@ impl Feet {
         }
     }
 
-    /// The faces that are met at right angles by rays from the unit vector `right` on to the left up to `left`, less than
-    /// half a turn.
-    pub fn between(&self, right: Point, left: Point) -> impl Iterator<Item = &Parallel> {
+    /// Faces of one direction and about one length, by their place among these.
+    pub fn group(&self, place: usize) -> Option<&Parallel> {
+        self.groups.get(place)
+    }
+
+    /// The places of the faces that are met at right angles by rays from the unit vector `right` on to the left up to
+    /// `left`, less than half a turn.
+    pub fn between(&self, right: Point, left: Point) -> impl Iterator<Item = usize> {
         let (from, to) = (turn(right) - ROUNDING, turn(left) + ROUNDING);
         let place = |turn: f64| self.groups.partition_point(|group| group.turn < turn);
         let (from, to, all) = (place(from), place(to), self.groups.len());
@@ -73,9 +78,7 @@ impl Feet {
         } else {
             [from..all, 0..to]
         };
-        parts
-            .into_iter()
-            .flat_map(|part| self.groups.get(part).unwrap_or(&[]))
+        parts.into_iter().flatten()
     }
 }
 

@@ -42,6 +42,8 @@ struct Choice {
     axis: Point,
     cone: ConeShape,
     looks: u64,
+    /// Where among all directions those of faces are that rays of the lobe can meet at right angles.
+    upright: Vec<usize>,
     is_made: bool,
     nearby: Nearby,
 }
@@ -53,9 +55,24 @@ impl Choice {
             self.is_made = false;
             (self.offset, self.axis, self.cone) = (lobe.offset, lobe.axis, lobe.cone);
             self.looks = around.looks();
+            self.find_upright(around);
         } else if !self.is_made && around.nearby.faces.count() >= MANY {
             self.is_made = true;
             around.choose(lobe.offset, lobe.axis, lobe.cone, &mut self.nearby);
+        }
+    }
+
+    fn find_upright(&mut self, around: &Surroundings) {
+        let (axis, cone) = (self.axis, self.cone);
+        let edge = |sin: f64| axis.turned(Point::new(cone.cos, sin));
+        self.upright.clear();
+        if let Some(feet) = around.surfaces().map(|surfaces| &surfaces.feet) {
+            let all = feet.between(edge(-cone.sin), edge(cone.sin));
+            let inside = |place: &usize| {
+                let group = feet.group(*place);
+                group.is_some_and(|group| group.inward.dot(axis) >= cone.cos)
+            };
+            self.upright.extend(all.filter(inside));
         }
     }
 
@@ -113,9 +130,6 @@ impl LobeView {
 
     /// The next lobes are those of this eye, counted from 0: one that looks along the same axis again is asked for less.
     pub fn for_eye(&mut self, eye: usize) -> &mut Self {
-        if self.choices.len() <= eye {
-            self.choices.resize_with(eye + 1, Choice::default);
-        }
         self.eye = eye;
         self
     }
@@ -162,6 +176,9 @@ impl LobeView {
         let far = min(far_m, self.lobe.reach);
         let most = far + self.apart_m + SLACK_M;
         self.around.know_faces(most);
+        if self.choices.len() <= self.eye {
+            self.choices.resize_with(self.eye + 1, Choice::default);
+        }
         if let Some(choice) = self.choices.get_mut(self.eye) {
             choice.make(&self.around, &self.lobe);
         }
@@ -255,7 +272,7 @@ impl LobeView {
         least_cos: f64,
         least_facing: f64,
     ) -> f64 {
-        let Lobe { axis, cone, .. } = self.lobe;
+        let axis = self.lobe.axis;
         let mut search = Search {
             things: Things {
                 faces: &self.faces,
@@ -271,12 +288,12 @@ impl LobeView {
         search.run();
         if let Some(surfaces) = self.around.surfaces().filter(|_| !self.sees_all()) {
             // Rays towards faces farther off, too, which meet something before.
-            let edge = |sin: f64| axis.turned(Point::new(cone.cos, sin));
-            for group in surfaces.feet.between(edge(-cone.sin), edge(cone.sin)) {
-                let inside = group.inward.dot(axis) >= cone.cos;
-                if !inside || others.contains(&group.inward) {
+            let upright = self.choices.get(self.eye).map(|choice| &choice.upright);
+            for &place in upright.into_iter().flatten() {
+                let group = surfaces.feet.group(place);
+                let Some(group) = group.filter(|group| !others.contains(&group.inward)) else {
                     continue;
-                }
+                };
                 let answer = search.answer_to(group.inward);
                 if answer < search.best && self.lobe.sees_foot(group, surfaces) {
                     search.best = answer;
