@@ -196,13 +196,12 @@ impl<'w> Body<'w> {
         self.ranges_m[sensor] = self
             .ring
             .ping(world, &pose, sensor, self.time_s, &mut self.noise);
-        let mut happened = self.nothing_yet(pose);
         let echo = Event::Echo {
             sensor: sensor as u8,
             range: self.range(sensor),
         };
+        let time_s = self.time_s;
         let outputs = pilot.handle(self.now(), echo);
-        happened.take(&outputs);
         if let Some(motion) = outputs.motion {
             self.motion = motion;
             let [dx_m, dy_m] = meters(motion.displacement);
@@ -220,12 +219,18 @@ impl<'w> Body<'w> {
             .base
             .advance(FIRING_SLOT_S, crowded(&self.world, self.leader.as_ref()));
         self.time_s += FIRING_SLOT_S;
-        happened.moved = Some(self.report(pilot, pose.position, &done));
-        happened
+        let moved = Some(self.report(pilot, pose.position, &done));
+        Happened {
+            pose,
+            time_s,
+            ranges_m: self.ranges_m,
+            decision: outputs.decision,
+            mode_changed: outputs.mode_changed,
+            shortened: shortens(&outputs),
+            moved,
+        }
     }
 
-    // Made where it is needed: it is large.
-    #[inline(always)]
     fn nothing_yet(&self, pose: Pose) -> Happened {
         Happened {
             pose,
@@ -393,14 +398,15 @@ impl<'w> Body<'w> {
 
 impl Happened {
     fn take(&mut self, outputs: &Outputs<16>) {
-        if outputs.decision.is_some() && self.decision.is_none() {
-            // Most outputs hold none: it is not carried about for nothing.
-            self.decision = outputs.decision;
-        }
+        self.decision = self.decision.or(outputs.decision);
         self.mode_changed |= outputs.mode_changed;
-        self.shortened |=
-            outputs.motion.is_some() && outputs.decision.is_none() && !outputs.mode_changed;
+        self.shortened |= shortens(outputs);
     }
+}
+
+/// Whether they shorten a motion under way.
+fn shortens(outputs: &Outputs<16>) -> bool {
+    outputs.motion.is_some() && outputs.decision.is_none() && !outputs.mode_changed
 }
 
 /// The world as it is met: with the second robot, if there is one.
