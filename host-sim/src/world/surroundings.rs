@@ -84,6 +84,7 @@ impl Surroundings {
             self.of = Some(Arc::clone(&world.surfaces));
         }
         (self.faces_known_m, self.corners_known_m) = (0.0, 0.0);
+        self.nearby.clear_corners();
         self.find_circles(&world.surfaces);
         self.know_faces(offset_m + ROOM_M + world.surfaces.crowd_m);
     }
