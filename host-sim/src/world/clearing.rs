@@ -1,4 +1,7 @@
 //! What a disc on its way may touch or come nearest to: found once for a whole neighbourhood, used as long as the disc stays.
+//!
+//! Distance changes by no more than the way gone (it is 1-Lipschitz; what J. C. Hart, *Sphere tracing*, The Visual Computer
+//! 12, 1996, steps along rays by): a disc that is farther from everything than it can have come since needs no look.
 
 use std::sync::Arc;
 

@@ -3,6 +3,10 @@
 //! A [`LobeView`] holds the faces, circles and corners that one lobe can meet, so that a fan of rays pays only for those.
 //! Rays meet them in two ways: all rays at once ([`LobeView::meet`]), or as few as tell the nearest answer
 //! ([`LobeView::nearest_answer`]).
+//!
+//! A lobe is looked at from near to far. What lies no farther than some distance settles every answer from within it, for
+//! what is farther hides nothing before it, with one exception: rays aimed at the feet of perpendiculars on hidden faces
+//! meet what is before those, and perhaps better than others do. Such feet are looked up by [direction](super::feet).
 
 use super::World;
 use super::answer::{Fan, Search, Things};
