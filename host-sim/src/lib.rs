@@ -3,6 +3,7 @@ pub mod barn;
 pub mod baselines;
 pub mod cli;
 pub mod coverage;
+mod direction;
 pub mod episode;
 pub mod error;
 pub mod experiments;

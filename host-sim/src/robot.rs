@@ -11,19 +11,18 @@
 use core::f64::consts::{FRAC_PI_2, PI};
 use core::str::FromStr;
 
+use crate::direction::Direction;
 use crate::error::BadInput;
 use crate::noise::Noise;
 use crate::world::{Point, Pose, World, wrap_angle};
 
 mod axes;
 mod chassis;
-mod direction;
 mod motion;
 mod servo;
 
 pub use axes::{Axes, Axis, AxisLimits};
 use chassis::{Chassis, share_of};
-use direction::Direction;
 pub use motion::{Executed, Motion};
 use servo::{approach, slow};
 
@@ -115,6 +114,25 @@ enum Drive {
     Roll(Point),
 }
 
+/// A time cut into equal steps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Pace {
+    whole_s: f64,
+    steps: u32,
+    step_s: f64,
+}
+
+impl Pace {
+    fn of(whole_s: f64) -> Self {
+        let steps = libm::ceil(whole_s / MAX_STEP_S).clamp(1.0, 1e7) as u32;
+        Self {
+            whole_s,
+            steps,
+            step_s: whole_s.max(0.0) / f64::from(steps),
+        }
+    }
+}
+
 /// The base: where it is, where its wheels and its turret point, and what it is doing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Base {
@@ -128,6 +146,8 @@ pub struct Base {
     /// Along the wheels; negative in reverse.
     speed: f64,
     turn_rate: f64,
+    /// Of the last time that passed.
+    pace: Pace,
 }
 
 impl Base {
@@ -144,6 +164,7 @@ impl Base {
             speed_limit: limits.speed_m_s,
             speed: 0.0,
             turn_rate: 0.0,
+            pace: Pace::of(0.0),
         }
     }
 
@@ -182,6 +203,11 @@ impl Base {
     #[must_use]
     pub fn is_moving(&self) -> bool {
         self.drive != Drive::Still
+    }
+
+    /// From now on gaps between disc and surfaces of so much or more, m, need not be told: they may be told as infinite.
+    pub fn tell_gaps_below(&mut self, gap_m: f64) {
+        self.chassis.tell_gaps_below(gap_m);
     }
 
     /// Moves at once by (`dx_m`, `dy_m`) in the ring frame, straight, up to the first touch. In
@@ -261,10 +287,11 @@ impl Base {
             min_clearance_m: f64::INFINITY,
             ..Executed::default()
         };
-        let steps = libm::ceil(dt_s / MAX_STEP_S).clamp(1.0, 1e7) as u32;
-        let step_s = dt_s.max(0.0) / f64::from(steps);
-        for _ in 0..steps {
-            self.step(step_s, world, &mut done);
+        if dt_s != self.pace.whole_s {
+            self.pace = Pace::of(dt_s);
+        }
+        for _ in 0..self.pace.steps {
+            self.step(self.pace.step_s, world, &mut done);
             if self.drive == Drive::Still {
                 break;
             }

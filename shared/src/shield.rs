@@ -195,6 +195,9 @@ impl<const SENSORS: usize> Shield<SENSORS> {
 
     /// The robot has moved and its ring has turned: what was heard stays where it is in the world.
     pub fn moved(&mut self, by: Displacement, turned: Bearing) {
+        if by == Displacement::ZERO && turned == Bearing::ZERO {
+            return;
+        }
         let back = (turned != Bearing::ZERO).then(|| Bearing::ZERO.minus(turned).direction());
         for (arcs, heard) in self.arcs.iter_mut().zip(&self.heard) {
             for arc in arcs.iter_mut().take(usize::from(*heard)) {

@@ -31,8 +31,9 @@ pub struct Body<'w> {
     slot: usize,
     ranges_m: [Option<f64>; 16],
     motion: Motion,
-    /// Where the odometry reported so far puts the base, and the ring's bearing as reported.
+    /// Where the odometry reported so far puts the base, and the ring's heading as it was reported, rounded to its bearing.
     reported: Point,
+    reported_heading: f64,
     reported_bearing: Bearing,
     /// The unit vector along that bearing.
     reported_axis: Point,
@@ -66,7 +67,8 @@ pub struct Moved {
     pub to: Point,
     /// Way travelled, metres.
     pub travelled_m: f64,
-    /// Least gap between body and surfaces on the way, metres.
+    /// Least gap between body and surfaces on the way, metres; perhaps infinite where
+    /// [nobody asked](Body::tell_gaps_below).
     pub clearance_m: f64,
     /// The body touched something.
     pub touched: bool,
@@ -108,6 +110,7 @@ impl<'w> Body<'w> {
                 speed_mm_s: 0,
             },
             reported: start.position,
+            reported_heading: start.heading,
             reported_bearing: bearing(start.heading),
             reported_axis: Point::unit(angle(bearing(start.heading))),
         }
@@ -136,6 +139,12 @@ impl<'w> Body<'w> {
     #[must_use]
     pub fn ring_s(&self) -> f64 {
         RING_PERIOD_S
+    }
+
+    /// Until the robot is set down elsewhere, gaps between body and surfaces of so much or more, metres, need not be told:
+    /// they may be told as infinite. For those who look for the least gap.
+    pub fn tell_gaps_below(&mut self, gap_m: f64) {
+        self.base.tell_gaps_below(gap_m);
     }
 
     /// One turn: a whole ring and its motion with the ideal sonars, one firing slot with the others.
@@ -187,13 +196,12 @@ impl<'w> Body<'w> {
         self.ranges_m[sensor] = self
             .ring
             .ping(world, &pose, sensor, self.time_s, &mut self.noise);
-        let mut happened = self.nothing_yet(pose);
         let echo = Event::Echo {
             sensor: sensor as u8,
             range: self.range(sensor),
         };
+        let time_s = self.time_s;
         let outputs = pilot.handle(self.now(), echo);
-        happened.take(&outputs);
         if let Some(motion) = outputs.motion {
             self.motion = motion;
             let [dx_m, dy_m] = meters(motion.displacement);
@@ -211,8 +219,16 @@ impl<'w> Body<'w> {
             .base
             .advance(FIRING_SLOT_S, crowded(&self.world, self.leader.as_ref()));
         self.time_s += FIRING_SLOT_S;
-        happened.moved = Some(self.report(pilot, pose.position, &done));
-        happened
+        let moved = Some(self.report(pilot, pose.position, &done));
+        Happened {
+            pose,
+            time_s,
+            ranges_m: self.ranges_m,
+            decision: outputs.decision,
+            mode_changed: outputs.mode_changed,
+            shortened: shortens(&outputs),
+            moved,
+        }
     }
 
     fn nothing_yet(&self, pose: Pose) -> Happened {
@@ -243,9 +259,9 @@ impl<'w> Body<'w> {
             Displacement::saturating(libm::rint(x * 1e3) as i32, libm::rint(y * 1e3) as i32);
         let [x, y] = meters(moved);
         self.reported = self.reported + Point::new(x * cos - y * sin, x * sin + y * cos);
-        let now = bearing(self.base.pose().heading);
-        let turned = now.minus(self.reported_bearing);
-        self.set_reported_bearing(now);
+        let before = self.reported_bearing;
+        self.set_reported_heading(self.base.pose().heading);
+        let turned = self.reported_bearing.minus(before);
         let progress = match (done.touched, done.moving) {
             (true, _) => Progress::Touched,
             (false, true) => Progress::Moving,
@@ -269,7 +285,12 @@ impl<'w> Body<'w> {
         }
     }
 
-    fn set_reported_bearing(&mut self, bearing: Bearing) {
+    fn set_reported_heading(&mut self, heading: f64) {
+        if heading.to_bits() == self.reported_heading.to_bits() {
+            return;
+        }
+        self.reported_heading = heading;
+        let bearing = bearing(heading);
         if bearing != self.reported_bearing {
             self.reported_bearing = bearing;
             self.reported_axis = Point::unit(angle(bearing));
@@ -371,7 +392,7 @@ impl<'w> Body<'w> {
     fn set_down(&mut self, start: Pose) {
         self.base = Base::new(start, self.limits, self.turret);
         self.reported = start.position;
-        self.set_reported_bearing(bearing(start.heading));
+        self.set_reported_heading(start.heading);
     }
 }
 
@@ -379,9 +400,13 @@ impl Happened {
     fn take(&mut self, outputs: &Outputs<16>) {
         self.decision = self.decision.or(outputs.decision);
         self.mode_changed |= outputs.mode_changed;
-        self.shortened |=
-            outputs.motion.is_some() && outputs.decision.is_none() && !outputs.mode_changed;
+        self.shortened |= shortens(outputs);
     }
+}
+
+/// Whether they shorten a motion under way.
+fn shortens(outputs: &Outputs<16>) -> bool {
+    outputs.motion.is_some() && outputs.decision.is_none() && !outputs.mode_changed
 }
 
 /// The world as it is met: with the second robot, if there is one.

@@ -313,6 +313,8 @@ impl<'w> Driver<'w> {
     ) -> Result<(), Failure> {
         let mut last_decision_s = self.body.time_s();
         while !is_over(&self.tally) {
+            let least_m = self.tally.min_clearance_m;
+            self.body.tell_gaps_below(least_m.unwrap_or(f64::INFINITY));
             let happened = self.body.advance(pilot);
             if let Some(observer) = &mut self.observer {
                 observer.happened(milliseconds(happened.time_s), &happened, self.body.leader());

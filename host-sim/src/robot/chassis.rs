@@ -52,6 +52,11 @@ impl Chassis {
         self.clearing.sweep(world, from, to, COLLISION_RADIUS_M)
     }
 
+    /// Gaps from here on need not be told, m.
+    pub(super) fn tell_gaps_below(&mut self, gap_m: f64) {
+        self.clearing.tell_below(gap_m);
+    }
+
     /// Draws what the wheels will slip from now on: of the way (as a share) and of the direction (rad).
     pub(super) fn slip(&mut self, deviation: f64, noise: &mut Noise) {
         let share = 1.0 + deviation * noise.normal();
@@ -94,9 +99,12 @@ impl Chassis {
         world: &World,
         done: &mut Executed,
     ) {
-        if done.min_clearance_m == f64::INFINITY {
+        let at = self.position;
+        if done.min_clearance_m == f64::INFINITY
+            && !self.clearing.is_far(world, at, at, COLLISION_RADIUS_M)
+        {
             // Nothing rolled: the gap where it stands.
-            let clearance = self.clearing.clearance(world, self.position);
+            let clearance = self.clearing.clearance(world, at);
             done.min_clearance_m = (clearance - COLLISION_RADIUS_M).max(0.0);
         }
         let truth = (self.position - before.position).turned_back(ring);

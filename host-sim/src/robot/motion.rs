@@ -32,6 +32,7 @@ pub struct Executed {
     pub moving: bool,
     /// Length of the way travelled, m.
     pub travelled_m: f64,
-    /// Least gap between the disc and any surface along the way, m.
+    /// Least gap between the disc and any surface along the way, m; perhaps infinite where
+    /// [nobody asked](super::Base::tell_gaps_below).
     pub min_clearance_m: f64,
 }

@@ -11,6 +11,9 @@ use core::f64::consts::PI;
 use super::SonarConfig;
 use crate::world::{Fan, Hit, LobeView, Point, Rays, Surface, World};
 
+/// How much farther is looked when nothing answered.
+const FARTHER: f64 = 2.0;
+
 /// Scratch memory and precomputed directions.
 #[derive(Debug, Clone)]
 pub(super) struct Hearing {
@@ -41,7 +44,8 @@ impl Hearing {
         }
     }
 
-    /// Range of the first echo after the blanking, m.
+    /// Range of the first echo after the blanking, m, of what the lobe was aimed at; where about `expected` m is a guess
+    /// that decides no more than how soon it is found.
     pub(super) fn first_echo(
         &mut self,
         world: &World,
@@ -49,29 +53,48 @@ impl Hearing {
         tip: Point,
         axis: Point,
         config: &SonarConfig,
+        expected: f64,
     ) -> Option<f64> {
+        let by_rays = config.blanking_m > 0.0 || config.bounces > 0 || !self.fan.is_narrow();
+        let mut far = if by_rays {
+            config.max_range_m
+        } else {
+            expected
+        };
+        loop {
+            lobe.look(far);
+            let mut first = Nearest {
+                least: config.blanking_m,
+                most: config.max_range_m,
+                range: None,
+            };
+            self.aim_at_promising(lobe, axis);
+            if by_rays {
+                self.hear_rays(lobe, axis, config, &mut first);
+                self.follow(world, lobe, tip, config.bounces, &mut first);
+            } else {
+                let (least_cos, facing) = (self.cos_max_incidence, self.least_facing);
+                first.offer(lobe.nearest_answer(&self.fan, &self.promising, least_cos, facing));
+            }
+            if let Some(corner) =
+                lobe.nearest_corner(first.least, first.range.unwrap_or(first.most))
+            {
+                first.offer(corner);
+            }
+            if lobe.is_settled(first.range.unwrap_or(f64::INFINITY)) {
+                return first.range;
+            }
+            far *= FARTHER;
+        }
+    }
+
+    fn aim_at_promising(&mut self, lobe: &LobeView, axis: Point) {
         self.promising.clear();
         for direction in lobe.promising() {
             if direction.dot(axis) >= self.cos_half_angle {
                 self.promising.push(direction);
             }
         }
-        let mut first = Nearest {
-            least: config.blanking_m,
-            most: config.max_range_m,
-            range: None,
-        };
-        if config.blanking_m > 0.0 || config.bounces > 0 || !self.fan.is_narrow() {
-            self.hear_rays(lobe, axis, config, &mut first);
-            self.follow(world, lobe, tip, config.bounces, &mut first);
-        } else {
-            let (least_cos, facing) = (self.cos_max_incidence, self.least_facing);
-            first.offer(lobe.nearest_answer(&self.fan, &self.promising, least_cos, facing));
-        }
-        if let Some(corner) = lobe.nearest_corner(first.least, first.range.unwrap_or(first.most)) {
-            first.offer(corner);
-        }
-        first.range
     }
 
     /// Lets every ray meet what it meets first, and offers the nearest answer of each surface: what answers too early

@@ -12,6 +12,7 @@
 
 use core::f64::consts::TAU;
 
+use crate::direction::Direction;
 use crate::noise::Noise;
 use crate::world::{ConeShape, LobeView, Point, Pose, Standing, View, World};
 
@@ -40,6 +41,9 @@ pub const FIRING_SLOT_S: f64 = 0.040;
 
 /// Time in which a whole ring of 16 fires, s.
 pub const RING_PERIOD_S: f64 = 0.640;
+
+/// How much farther than its last echo a transducer looks first for the next one, m.
+const EXPECTED_M: f64 = 0.2;
 
 /// Speed of sound at 20 °C, m/s.
 pub(crate) const SOUND_M_S: f64 = 343.2;
@@ -97,6 +101,14 @@ struct EarlierPing {
     echo_m: f64,
 }
 
+/// The first echo a transducer heard.
+#[derive(Debug, Clone, Copy, Default)]
+struct FirstEcho {
+    /// From where, in the world as it stands.
+    from: Option<Pose>,
+    range_m: Option<f64>,
+}
+
 /// A ring of transducers on a turret. Owns its scratch memory, so a scan allocates nothing once warm.
 #[derive(Debug, Clone)]
 pub struct Ring {
@@ -110,8 +122,9 @@ pub struct Ring {
     lobe: LobeView,
     hearing: hearing::Hearing,
     standing: Standing,
-    /// What each transducer heard last in the world as it stands, and from where.
-    echoes: Vec<Option<(Pose, Option<f64>)>>,
+    heading: Direction,
+    /// What each transducer heard last.
+    echoes: Vec<FirstEcho>,
     dead: Option<usize>,
     faults: fault::Faults,
     earlier: Option<EarlierPing>,
@@ -146,7 +159,8 @@ impl Ring {
             lobe: LobeView::default(),
             hearing: hearing::Hearing::new(&config, half_angle),
             standing: Standing::default(),
-            echoes: Vec::new(),
+            heading: Direction::new(0.0),
+            echoes: vec![FirstEcho::default(); geometry.count],
             dead: config.one_dead.then(|| noise.index(geometry.count)),
             faults: fault::Faults::default(),
             earlier: None,
@@ -209,7 +223,7 @@ impl Ring {
     pub fn scan(&mut self, world: &World, pose: &Pose, out: &mut [Option<f64>]) {
         let (offset, reach) = (self.geometry.face_radius_m, self.config.max_range_m);
         self.view.build(world, pose.position, offset, reach);
-        let heading = Point::unit(pose.heading);
+        let heading = self.look_along(pose.heading);
         for (axis, out) in self.axes.iter().zip(out) {
             let axis = axis.turned(heading);
             let range = self.view.nearest_in_cone(axis, offset, self.cone);
@@ -242,7 +256,7 @@ impl Ring {
     ) -> Option<f64> {
         let axis = *self.axes.get(sensor)?;
         if self.model == SonarModel::Ideal {
-            let axis = axis.turned(Point::unit(pose.heading));
+            let axis = axis.turned(self.look_along(pose.heading));
             let (offset, reach) = (self.geometry.face_radius_m, self.config.max_range_m);
             self.view.build(world, pose.position, offset, reach);
             let range = self.view.nearest_in_cone(axis, offset, self.cone);
@@ -262,23 +276,35 @@ impl Ring {
     /// The first echo a transducer hears; a robot that has not moved hears the same again.
     fn echo(&mut self, world: &World, pose: &Pose, sensor: usize, axis: Point) -> Option<f64> {
         if !self.standing.remains(world) {
-            self.echoes.clear();
-            self.echoes.resize(self.geometry.count, None);
+            self.echoes.iter_mut().for_each(|echo| echo.from = None);
         }
-        let known = self.echoes.get_mut(sensor)?;
-        if let Some((_, echo)) = known.filter(|(from, _)| from == pose) {
-            return echo;
+        let last = *self.echoes.get(sensor)?;
+        if last.from.as_ref() == Some(pose) {
+            return last.range_m;
         }
-        let axis = axis.turned(Point::unit(pose.heading));
+        let axis = axis.turned(self.look_along(pose.heading));
         let (offset, reach) = (self.geometry.face_radius_m, self.config.max_range_m);
         let tip = pose.position + axis * offset;
         self.lobe
-            .build(world, pose.position, offset, axis, self.cone, reach);
-        let echo = self
-            .hearing
-            .first_echo(world, &mut self.lobe, tip, axis, &self.config);
-        *known = Some((*pose, echo));
-        echo
+            .for_eye(sensor)
+            .aim(world, pose.position, offset, axis, self.cone, reach);
+        let expected = last.range_m.map_or(reach, |range| range + EXPECTED_M);
+        let range_m =
+            self.hearing
+                .first_echo(world, &mut self.lobe, tip, axis, &self.config, expected);
+        if let Some(echo) = self.echoes.get_mut(sensor) {
+            *echo = FirstEcho {
+                from: Some(*pose),
+                range_m,
+            };
+        }
+        range_m
+    }
+
+    /// The unit vector along a heading, rad: worked out anew only where it is another one.
+    fn look_along(&mut self, heading: f64) -> Point {
+        self.heading.set(heading);
+        self.heading.unit()
     }
 
     /// The echo, or the reverberation of the ping before if that comes earlier. Sound that goes to and

@@ -4,8 +4,8 @@ use super::hearing::Hearing;
 use super::{SonarConfig, SonarModel};
 use crate::noise::Noise;
 use crate::world::naive::{Met, Naive, NaiveLobe, worlds};
-use crate::world::{ConeShape, LobeView, Point};
-use core::f64::consts::TAU;
+use crate::world::{ConeShape, LobeView, Point, Pose, Shape, World};
+use core::f64::consts::{FRAC_PI_2, TAU};
 
 const FACE_M: f64 = super::FACE_RADIUS_M;
 
@@ -110,8 +110,10 @@ fn echoes_have_the_oracles_bits() {
                     let off = if seed % 3 == 0 { noise.uniform() } else { 0.0 };
                     let axis = Point::unit(TAU * f64::from(sensor) / 8.0 + off);
                     let tip = place + axis * FACE_M;
-                    lobe.build(&world, place, FACE_M, axis, cone, config.max_range_m);
-                    let heard = hearing.first_echo(&world, &mut lobe, tip, axis, &config);
+                    lobe.for_eye(sensor as usize);
+                    lobe.aim(&world, place, FACE_M, axis, cone, config.max_range_m);
+                    let expected = noise.uniform_in(0.1, 7.0);
+                    let heard = hearing.first_echo(&world, &mut lobe, tip, axis, &config, expected);
                     let echoes = Echoes {
                         world: &naive,
                         lobe: naive.lobe(tip, axis, cone, config.max_range_m),
@@ -132,4 +134,45 @@ fn echoes_have_the_oracles_bits() {
         }
     }
     assert!(counts[0] > 100 && counts[1] > 4_000, "{counts:?}");
+}
+
+/// A wall that bends too little for a corner, its bend nearest, and another wall behind it: the sound that is sent towards
+/// the hidden wall finds the bend better than the fan does.
+#[test]
+fn what_is_hidden_guides_rays_as_in_the_oracle() {
+    let (config, axis) = (SonarModel::Nomad.config(), Point::new(1.0, 0.0));
+    let (half, reach, tip) = (config.half_angle_rad, config.max_range_m, axis * FACE_M);
+    let (mut noise, mut guided) = (Noise::new(1), 0);
+    for _ in 0..300 {
+        let bearing = noise.uniform_in(-0.2, 0.2);
+        let wall = |at: Point, bearing: f64, bend: f64| Shape::Wall {
+            points: vec![
+                at + Point::unit(bearing + FRAC_PI_2 - bend) * 0.8,
+                at,
+                at + Point::unit(bearing - FRAC_PI_2 + bend) * 0.8,
+            ],
+        };
+        let bent = wall(tip + Point::unit(bearing) * 1.5, bearing, 0.004);
+        let behind = bearing + noise.uniform_in(-0.01, 0.01);
+        let hidden = wall(tip + Point::unit(behind) * 3.0, behind, 0.0);
+        let [alone, both] = [vec![bent.clone()], vec![bent, hidden]].map(|shapes| {
+            let world = World::new("test", Pose::default(), shapes).expect("a sound world");
+            let mut hearing = Hearing::new(&config, half);
+            let (mut lobe, cone) = (LobeView::default(), ConeShape::new(half));
+            lobe.aim(&world, Point::default(), FACE_M, axis, cone, reach);
+            let heard = hearing.first_echo(&world, &mut lobe, tip, axis, &config, 1.6);
+            let naive = Naive::of(&world);
+            let echoes = Echoes {
+                world: &naive,
+                lobe: naive.lobe(tip, axis, cone, reach),
+                config,
+                answers: Vec::new(),
+                offers: Vec::new(),
+            };
+            assert_eq!(heard, echoes.first(tip, axis), "{bearing} {behind}");
+            heard
+        });
+        guided += u32::from(alone != both);
+    }
+    assert!(guided > 100, "{guided}");
 }

@@ -145,8 +145,8 @@ pub(super) struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// The nearest answer, m; infinite if there is none.
-    pub fn run(mut self) -> f64 {
+    /// Finds the nearest answer, m; infinite if there is none.
+    pub fn run(&mut self) {
         for face in self.things.faces {
             if self.is_beyond(face.near) {
                 break;
@@ -158,7 +158,21 @@ impl Search<'_> {
                 self.ask_circle(circle);
             }
         }
-        self.best
+    }
+
+    /// The nearest answer if this ray is one more, m.
+    pub fn answer_to(&self, ray: Point) -> f64 {
+        let mut more = Self { ..*self };
+        for face in self.things.faces {
+            if more.is_beyond(face.near) {
+                break;
+            }
+            more.try_face(face, ray);
+        }
+        for circle in self.things.circles {
+            more.try_circle(circle, ray);
+        }
+        more.best
     }
 
     fn is_beyond(&self, near: f64) -> bool {

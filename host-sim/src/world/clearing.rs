@@ -1,4 +1,7 @@
 //! What a disc on its way may touch or come nearest to: found once for a whole neighbourhood, used as long as the disc stays.
+//!
+//! Distance changes by no more than the way gone (it is 1-Lipschitz; what J. C. Hart, *Sphere tracing*, The Visual Computer
+//! 12, 1996, steps along rays by): a disc that is farther from everything than it can have come since needs no look.
 
 use std::sync::Arc;
 
@@ -28,6 +31,10 @@ pub struct Clearing {
     spot: Near,
     /// Where the disc stood last, and its distance from what does not move.
     stood: Option<(Point, f64)>,
+    /// Gaps from here on need not be told, m.
+    told_below: Option<f64>,
+    /// A place and a distance, m, within which nothing stands.
+    free: Option<(Point, f64)>,
 }
 
 /// What matters within some room.
@@ -49,11 +56,43 @@ impl PartialEq for Clearing {
 }
 
 impl Clearing {
-    /// As [`World::sweep`].
+    /// From now on gaps between disc and surfaces of so much or more need not be told: they may be told as infinite.
+    pub fn tell_below(&mut self, gap: f64) {
+        self.told_below = Some(gap);
+    }
+
+    /// Whether it is known, without a look, that the disc touches nothing on its way and that no gap on it is to be told.
+    /// What a disc has travelled brings it nearer to things by no more than that.
+    pub fn is_far(&self, world: &World, from: Point, to: Point, radius: f64) -> bool {
+        let (Some(told), Some((place, free))) = (self.told_below, self.free) else {
+            return false;
+        };
+        let left = free - radius - max(told, 0.0) - SLACK_M;
+        let inside = |at: Point| (at - place).dot(at - place) <= left * left;
+        left > 0.0
+            && inside(from)
+            && inside(to)
+            && self.knows(&world.surfaces)
+            && world.posts.is_empty()
+    }
+
+    fn knows(&self, surfaces: &Arc<Surfaces>) -> bool {
+        self.of.as_ref().is_some_and(|of| Arc::ptr_eq(of, surfaces))
+    }
+
+    /// As [`World::sweep`], but for gaps that [need not be told](Clearing::tell_below).
     pub fn sweep(&mut self, world: &World, from: Point, to: Point, radius: f64) -> Sweep {
+        if self.is_far(world, from, to, radius) {
+            return Sweep {
+                travelled_m: from.distance(to),
+                contact: None,
+                min_clearance_m: f64::INFINITY,
+            };
+        }
         self.look(world, from, to, radius);
         let path = Path::between(from, to);
         let nearest = self.spot.distance_to_path(&path, &world.posts);
+        self.free = Some((to, nearest));
         let free = Sweep {
             travelled_m: path.length,
             contact: None,
@@ -78,6 +117,7 @@ impl Clearing {
         let known = self.stood.filter(|(place, _)| *place == point);
         let still = known.map_or_else(|| self.spot.distance(point), |(_, distance)| distance);
         self.stood = Some((point, still));
+        self.free = self.stood;
         let posts = world.posts.iter();
         posts.fold(still, |nearest, post| min(nearest, post.distance(point)))
     }
@@ -85,7 +125,7 @@ impl Clearing {
     /// Holds all that matters to a path afterwards.
     fn look(&mut self, world: &World, from: Point, to: Point, radius: f64) {
         let surfaces = &world.surfaces;
-        let same = self.of.as_ref().is_some_and(|of| Arc::ptr_eq(of, surfaces));
+        let same = self.knows(surfaces);
         if same && self.spot.holds(from, to, radius) {
             return;
         }

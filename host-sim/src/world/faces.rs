@@ -63,7 +63,7 @@ impl FaceBlock {
 }
 
 /// One face taken out of its block.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Face {
     /// Start.
     pub a: Point,
@@ -130,6 +130,12 @@ impl Faces {
     /// How many there are, without those that only fill up.
     pub fn count(&self) -> usize {
         self.count
+    }
+
+    /// The face at a place of this list.
+    pub fn get(&self, place: usize) -> Option<Face> {
+        let block = self.blocks.get(place / LANES)?;
+        (place < self.count).then(|| block.face(place % LANES))
     }
 
     /// Appends a face.

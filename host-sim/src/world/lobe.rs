@@ -3,14 +3,20 @@
 //! A [`LobeView`] holds the faces, circles and corners that one lobe can meet, so that a fan of rays pays only for those.
 //! Rays meet them in two ways: all rays at once ([`LobeView::meet`]), or as few as tell the nearest answer
 //! ([`LobeView::nearest_answer`]).
-
-use wide::f64x4;
+//!
+//! A lobe is looked at from near to far. What lies no farther than some distance settles every answer from within it, for
+//! what is farther hides nothing before it, with one exception: rays aimed at the feet of perpendiculars on hidden faces
+//! meet what is before those, and perhaps better than others do. Such feet are looked up by [direction](super::feet).
 
 use super::World;
 use super::answer::{Fan, Search, Things};
-use super::faces::{FaceBlock, Faces, LANES};
+use super::faces::{Face, max, min};
+use super::feet::Parallel;
 use super::geometry::Point;
+use super::nearby::Nearby;
+use super::outline::Sector;
 use super::rays::{Rays, SeenCircle, SeenFace};
+use super::surfaces::Surfaces;
 use super::surroundings::Surroundings;
 use super::view::{ConeShape, circle_in_cone};
 
@@ -20,22 +26,90 @@ const SLACK_M: f64 = 1e-3;
 /// How much nearer than a corner a ray may end and still be said to reach it, m.
 const CORNER_SLACK_M: f64 = 1e-6;
 
+/// From so many faces on it pays to choose among them for one eye.
+const MANY: usize = 128;
+
 /// A lobe: where it begins and where it points.
 #[derive(Debug, Clone, Copy, Default)]
 struct Lobe {
     tip: Point,
+    offset: f64,
     axis: Point,
     cone: ConeShape,
     reach: f64,
+}
+
+/// What is nearby and may lie in the lobes of one eye that looks along one axis from anywhere in the surroundings.
+#[derive(Debug, Clone, Default)]
+struct Choice {
+    offset: f64,
+    axis: Point,
+    cone: ConeShape,
+    looks: u64,
+    /// Where among all directions those of faces are that rays of the lobe can meet at right angles.
+    upright: Vec<usize>,
+    is_made: bool,
+    nearby: Nearby,
+}
+
+impl Choice {
+    /// Is made of many things when the same is asked the second time: whoever turns asks once.
+    fn make(&mut self, around: &Surroundings, lobe: &Lobe) {
+        if !self.is_for(around, lobe) {
+            self.is_made = false;
+            (self.offset, self.axis, self.cone) = (lobe.offset, lobe.axis, lobe.cone);
+            self.looks = around.looks();
+            self.find_upright(around);
+        } else if !self.is_made && around.nearby.faces.count() >= MANY {
+            self.is_made = true;
+            around.choose(lobe.offset, lobe.axis, lobe.cone, &mut self.nearby);
+        }
+    }
+
+    fn find_upright(&mut self, around: &Surroundings) {
+        let (axis, cone) = (self.axis, self.cone);
+        let edge = |sin: f64| axis.turned(Point::new(cone.cos, sin));
+        self.upright.clear();
+        if let Some(feet) = around.surfaces().map(|surfaces| &surfaces.feet) {
+            let all = feet.between(edge(-cone.sin), edge(cone.sin));
+            let inside = |place: &usize| {
+                let group = feet.group(*place);
+                group.is_some_and(|group| group.inward.dot(axis) >= cone.cos)
+            };
+            self.upright.extend(all.filter(inside));
+        }
+    }
+
+    fn is_for(&self, around: &Surroundings, lobe: &Lobe) -> bool {
+        self.looks == around.looks()
+            && self.axis == lobe.axis
+            && self.offset == lobe.offset
+            && self.cone == lobe.cone
+    }
+
+    /// What may lie in a lobe, and other things.
+    fn of<'a>(&'a self, around: &'a Surroundings, lobe: &Lobe) -> &'a Nearby {
+        if self.is_made && self.is_for(around, lobe) {
+            &self.nearby
+        } else {
+            &around.nearby
+        }
+    }
 }
 
 /// What one lobe can meet. Reusable: building it again seldom allocates.
 #[derive(Debug, Clone, Default)]
 pub struct LobeView {
     around: Surroundings,
+    /// Of each eye.
+    choices: Vec<Choice>,
+    eye: usize,
     lobe: Lobe,
-    /// Faces that may lie in the lobe.
-    candidates: Faces,
+    /// The lobe as it lies in its surroundings, and how far from their middle its tip.
+    sector: Sector,
+    apart_m: f64,
+    /// Up to where faces and corners have been looked at, m from the tip.
+    far_m: f64,
     /// From near to far.
     faces: Vec<SeenFace>,
     circles: Vec<SeenCircle>,
@@ -54,28 +128,38 @@ impl LobeView {
         cone: ConeShape,
         reach_m: f64,
     ) {
+        self.aim(world, middle, offset_m, axis, cone, reach_m);
+        self.look(reach_m);
+    }
+
+    /// The next lobes are those of this eye, counted from 0: one that looks along the same axis again is asked for less.
+    pub fn for_eye(&mut self, eye: usize) -> &mut Self {
+        self.eye = eye;
+        self
+    }
+
+    /// As [`LobeView::build`], for the circles only: see [`LobeView::look`].
+    pub fn aim(
+        &mut self,
+        world: &World,
+        middle: Point,
+        offset_m: f64,
+        axis: Point,
+        cone: ConeShape,
+        reach_m: f64,
+    ) {
         self.around.look(world, middle, offset_m, reach_m);
         let lobe = Lobe {
             tip: middle + axis * offset_m,
+            offset: offset_m,
             axis,
             cone,
             reach: reach_m,
         };
         self.lobe = lobe;
-        let sector = self.around.sector(lobe.tip, axis, cone);
-        self.candidates.clear();
-        for (block, outline) in self.around.faces.blocks.iter().zip(&self.around.outlines) {
-            for lane in lanes(sector.faces(outline)) {
-                self.candidates.push(block.face(lane));
-            }
-        }
-        self.faces.clear();
-        for (index, block) in self.candidates.blocks.iter().enumerate() {
-            let used = LANES.min(self.candidates.count() - LANES * index);
-            keep_faces(&mut self.faces, block, used, &lobe);
-        }
-        self.faces
-            .sort_unstable_by(|a, b| a.near.total_cmp(&b.near));
+        self.sector = self.around.sector(lobe.tip, axis, cone);
+        self.apart_m = self.around.apart_m(lobe.tip);
+        self.far_m = 0.0;
         self.circles.clear();
         for circle in self.around.circles.iter().chain(&world.posts) {
             let center = circle.center - lobe.tip;
@@ -91,6 +175,41 @@ impl LobeView {
         }
     }
 
+    /// Collects the faces that come within `far_m` of the tip.
+    pub fn look(&mut self, far_m: f64) {
+        let far = min(far_m, self.lobe.reach);
+        let most = far + self.apart_m + SLACK_M;
+        self.around.know_faces(most);
+        if self.choices.len() <= self.eye {
+            self.choices.resize_with(self.eye + 1, Choice::default);
+        }
+        if let Some(choice) = self.choices.get_mut(self.eye) {
+            choice.make(&self.around, &self.lobe);
+        }
+        self.faces.clear();
+        let (lobe, faces) = (&self.lobe, &mut self.faces);
+        nearby(&self.choices, self.eye, &self.around, lobe).faces_in(
+            &self.sector,
+            most,
+            |face, _| faces.extend(lobe.see(&face, far)),
+        );
+        self.faces
+            .sort_unstable_by(|a, b| a.near.total_cmp(&b.near));
+        self.far_m = far;
+    }
+
+    /// Whether nothing in the lobe lies beyond what has been looked at.
+    #[must_use]
+    pub fn sees_all(&self) -> bool {
+        self.far_m >= self.lobe.reach
+    }
+
+    /// Whether nothing that has not been looked at can change an answer from so far, m, or hide it.
+    #[must_use]
+    pub fn is_settled(&self, range_m: f64) -> bool {
+        self.sees_all() || range_m + SLACK_M <= self.far_m
+    }
+
     /// Collects the corners in the lobe that are from `least` to `most` m from its tip, hidden or not: where they are,
     /// relative to the tip, and how far.
     pub fn corners(&mut self, least: f64, most: f64) -> &mut [(Point, f64)] {
@@ -99,23 +218,28 @@ impl LobeView {
             axis,
             cone,
             reach,
+            ..
         } = self.lobe;
-        let sector = self.around.sector(tip, axis, cone);
-        let blocks = self.around.corners.chunks(LANES);
+        let most = min(most, self.far_m);
+        let limit = most + self.apart_m + SLACK_M;
+        self.around.know_corners(limit);
         self.corners.clear();
-        for (block, corners) in self.around.corner_blocks.iter().zip(blocks) {
-            for lane in lanes(sector.points(block, most)) {
-                let Some(corner) = corners.get(lane).map(|corner| *corner - tip) else {
-                    continue;
-                };
-                let (along, across) = (axis.dot(corner), axis.cross(corner).abs());
-                let range = corner.length();
-                let inside = across * cone.cos <= along * cone.sin && range <= reach;
-                if inside && range >= least && range <= most {
-                    self.corners.push((corner, range));
-                }
+        let corners = &mut self.corners;
+        let keep = |corner: Point, _| {
+            let corner = corner - tip;
+            let (along, across) = (axis.dot(corner), axis.cross(corner).abs());
+            let range = corner.length();
+            let inside = across * cone.cos <= along * cone.sin && range <= reach;
+            if inside && range >= least && range <= most {
+                corners.push((corner, range));
             }
-        }
+        };
+        nearby(&self.choices, self.eye, &self.around, &self.lobe).corners_in(
+            &self.sector,
+            limit,
+            most,
+            keep,
+        );
         &mut self.corners
     }
 
@@ -140,9 +264,10 @@ impl LobeView {
     }
 
     /// Length, m, of the shortest of the rays of a [narrow](Fan::is_narrow) fan along the lobe's axis, as wide as the
-    /// lobe, and of `others` in the lobe, that meets a circle, or a face with a cosine of at least `least_cos`, before
-    /// anything else; infinite if none does. `least_facing` is the least cosine between the axis and a normal that any
-    /// ray of the lobe meets so.
+    /// lobe, and of those at the [places most likely to answer](LobeView::promising) in the lobe, that meets a circle, or
+    /// a face with a cosine of at least `least_cos`, before anything else; infinite if none does. `least_facing` is the
+    /// least cosine between the axis and a normal that any ray of the lobe meets so. The answer holds as far as it
+    /// [is settled](LobeView::is_settled); `others` are the directions of [`LobeView::promising`] in the lobe.
     #[must_use]
     pub fn nearest_answer(
         &self,
@@ -151,19 +276,35 @@ impl LobeView {
         least_cos: f64,
         least_facing: f64,
     ) -> f64 {
-        let search = Search {
+        let axis = self.lobe.axis;
+        let mut search = Search {
             things: Things {
                 faces: &self.faces,
                 circles: &self.circles,
             },
             fan,
-            axis: self.lobe.axis,
+            axis,
             others,
             least_cos,
             least_facing,
             best: f64::INFINITY,
         };
-        search.run()
+        search.run();
+        if let Some(surfaces) = self.around.surfaces().filter(|_| !self.sees_all()) {
+            // Rays towards faces farther off, too, which meet something before.
+            let upright = self.choices.get(self.eye).map(|choice| &choice.upright);
+            for &place in upright.into_iter().flatten() {
+                let group = surfaces.feet.group(place);
+                let Some(group) = group.filter(|group| !others.contains(&group.inward)) else {
+                    continue;
+                };
+                let answer = search.answer_to(group.inward);
+                if answer < search.best && self.lobe.sees_foot(group, surfaces) {
+                    search.best = answer;
+                }
+            }
+        }
+        search.best
     }
 
     /// Lets the rays, which must not leave the lobe, meet what lies in it up to `far` m from its tip, and perhaps more.
@@ -181,7 +322,7 @@ impl LobeView {
     /// on each face that has one, and the middle of each circle. They may lie outside the lobe.
     pub fn promising(&self) -> impl Iterator<Item = Point> + '_ {
         let feet = self.faces.iter();
-        let feet = feet.filter(|face| face.p <= 0.0 && face.p + face.length >= 0.0);
+        let feet = feet.filter(|face| face.has_foot());
         let feet = feet.map(|face| Point::new(face.u.y, -face.u.x));
         let middles = self.circles.iter().map(|circle| {
             let length = circle.center.length();
@@ -198,62 +339,60 @@ impl LobeView {
     }
 }
 
-/// Appends those of the first `used` faces of a block of which any part lies in the lobe.
-#[inline]
-fn keep_faces(faces: &mut Vec<SeenFace>, block: &FaceBlock, used: usize, lobe: &Lobe) {
-    let [ax, ay, tip_x, tip_y] =
-        [lobe.axis.x, lobe.axis.y, lobe.tip.x, lobe.tip.y].map(f64x4::splat);
-    let (sin, cos) = (f64x4::splat(lobe.cone.sin), f64x4::splat(lobe.cone.cos));
-    let (zero, infinity) = (f64x4::ZERO, f64x4::splat(f64::INFINITY));
-    let slack = f64x4::splat(SLACK_M);
-    for half in 0..used.div_ceil(4) {
-        let four = |list: &[f64; LANES]| f64x4::new(list.as_chunks::<4>().0[half]);
-        let (ux, uy, length) = (four(&block.ux), four(&block.uy), four(&block.length));
-        let (dx, dy) = (four(&block.ax) - tip_x, four(&block.ay) - tip_y);
-        let (p, q) = (dx * ux + dy * uy, dx * uy - dy * ux);
-        let (axis_u, axis_n) = (ax * ux + ay * uy, ax * uy - ay * ux);
-        let (left_n, left_u) = (axis_n * cos - axis_u * sin, axis_u * cos + axis_n * sin);
-        let (right_n, right_u) = (axis_n * cos + axis_u * sin, axis_u * cos - axis_n * sin);
-        let (met_left, met_right) = (left_n.simd_gt(zero), right_n.simd_gt(zero));
-        let end = p + length;
-        // Whether the face begins right of the left edge and ends left of the right one, give or take rounding: most
-        // do not, without a division.
-        let right_of = (p * left_n - q * left_u).simd_le(slack) | !met_left;
-        let left_of = (q * right_u - end * right_n).simd_le(slack) | !met_right;
-        let seen = q.simd_gt(zero) & (met_left | met_right) & right_of & left_of;
-        if !seen.any() {
-            continue;
-        }
-        // An edge of the cone that runs away from the face bounds nothing.
-        let left = met_left.select(q * left_u / left_n, infinity);
-        let right = met_right.select(q * right_u / right_n, -infinity);
-        let from = p.simd_gt(right).select(p, right);
-        let to = end.simd_lt(left).select(end, left);
-        let nearest = to.simd_lt(zero).select(to, zero);
-        let nearest = from.simd_gt(nearest).select(from, nearest);
-        let near = nearest * nearest + q * q;
-        let reached = near.simd_le(f64x4::splat(lobe.reach * lobe.reach));
-        let kept = seen & from.simd_le(to) & reached;
-        let (p, q, near) = (p.to_array(), q.to_array(), near.to_array());
-        for lane in lanes(kept.to_bitmask()) {
-            let face = block.face(4 * half + lane);
-            faces.push(SeenFace {
-                u: face.u,
-                p: p[lane],
-                q: q[lane],
-                length: face.length,
-                number: face.number,
-                near: near[lane],
-            });
-        }
-    }
+/// What may lie in a lobe of an eye, and other things.
+fn nearby<'a>(
+    choices: &'a [Choice],
+    eye: usize,
+    around: &'a Surroundings,
+    lobe: &Lobe,
+) -> &'a Nearby {
+    let choice = choices.get(eye);
+    choice.map_or(&around.nearby, |choice| choice.of(around, lobe))
 }
 
-/// The places of the ones in a mask, from the lowest.
-fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lane = (mask != 0).then(|| mask.trailing_zeros() as usize);
-        mask &= mask.wrapping_sub(1);
-        lane
-    })
+impl Lobe {
+    /// A face as it is seen, if any part of it lies in the lobe within `far` m of its tip.
+    #[inline]
+    fn see(&self, face: &Face, far: f64) -> Option<SeenFace> {
+        let ConeShape { sin, cos } = self.cone;
+        let offset = face.a - self.tip;
+        let (p, q) = (offset.dot(face.u), offset.cross(face.u));
+        let (axis_u, axis_n) = (self.axis.dot(face.u), self.axis.cross(face.u));
+        let (left_n, left_u) = (axis_n * cos - axis_u * sin, axis_u * cos + axis_n * sin);
+        let (right_n, right_u) = (axis_n * cos + axis_u * sin, axis_u * cos - axis_n * sin);
+        let (met_left, met_right) = (left_n > 0.0, right_n > 0.0);
+        if q <= 0.0 || q * q > far * far || !(met_left || met_right) {
+            return None;
+        }
+        // An edge of the cone that runs away from the face bounds nothing.
+        let left = if met_left {
+            q * left_u / left_n
+        } else {
+            f64::INFINITY
+        };
+        let right = if met_right {
+            q * right_u / right_n
+        } else {
+            f64::NEG_INFINITY
+        };
+        let (from, to) = (max(p, right), min(p + face.length, left));
+        let nearest = max(from, min(to, 0.0));
+        let near = nearest * nearest + q * q;
+        (from <= to && near <= far * far).then_some(SeenFace {
+            u: face.u,
+            p,
+            q,
+            length: face.length,
+            number: face.number,
+            near,
+        })
+    }
+
+    /// Whether a face of this direction lies in the lobe with the foot of the perpendicular from its tip.
+    fn sees_foot(&self, group: &Parallel, surfaces: &Surfaces) -> bool {
+        let faces = group.around(self.tip);
+        let faces = faces.filter_map(|place| surfaces.faces.get(place));
+        let mut seen = faces.filter_map(|face| self.see(&face, self.reach));
+        seen.any(|face| face.has_foot())
+    }
 }

@@ -4,8 +4,8 @@
 //! * [`View::nearest_in_cone`]: how far is the nearest surface inside a cone?
 //! * [`LobeView`] and [`World::cast`]: what do single rays of sound meet, and under what angle?
 //!
-//! Each looks only at what is near, by a tree of boxes, and what it found is used again while the robot stays near; no
-//! answer depends on either.
+//! Each looks only at what is near, by a tree of boxes, from near to far and no farther than something could change the
+//! answer, and what it found is used again while the robot stays near; no answer depends on any of that.
 //!
 //! Worlds come from files ([`World::load`]), from a seed ([`World::random`]) or are built in
 //! ([`World::builtin`]). All are flat: straight pieces and circles, metres and radians.
@@ -21,8 +21,10 @@ pub mod barn;
 mod builtin;
 mod clearing;
 mod faces;
+mod feet;
 mod geometry;
 mod lobe;
+mod nearby;
 mod occupancy;
 mod outline;
 mod pgm;

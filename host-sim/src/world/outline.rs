@@ -5,7 +5,7 @@
 
 use wide::f32x8;
 
-use super::faces::{FaceBlock, LANES, clamp};
+use super::faces::{Face, LANES, clamp};
 use super::geometry::Point;
 use super::view::ConeShape;
 
@@ -37,32 +37,28 @@ pub(super) struct Outline {
 }
 
 impl Outline {
-    /// The outlines of the first `used` faces of a block, as far as they lie within `reach` m of `middle`, which all
-    /// do in part.
-    pub fn of(block: &FaceBlock, used: usize, middle: Point, reach: f64) -> Self {
-        let mut outline = Self {
-            begin: Points::NONE,
-            end: Points::NONE,
-            normal: Points::NONE,
-            distance: [f32::NAN; LANES],
-        };
-        for lane in 0..used {
-            let face = block.face(lane);
-            let offset = face.a - middle;
-            let (p, q) = (offset.dot(face.u), offset.cross(face.u));
-            let normal = Point::new(face.u.y, -face.u.x);
-            let at = |p: f64| face.u * clamp(p, -reach, reach) + normal * q;
-            outline.begin.set(lane, at(p));
-            outline.end.set(lane, at(p + face.length));
-            outline.normal.set(lane, normal);
-            outline.distance[lane] = q as f32;
-        }
-        outline
+    pub const NONE: Self = Self {
+        begin: Points::NONE,
+        end: Points::NONE,
+        normal: Points::NONE,
+        distance: [f32::NAN; LANES],
+    };
+
+    /// Puts a face here, as far as it lies within `reach` m of `middle`, which it does in part.
+    pub fn set(&mut self, lane: usize, face: &Face, middle: Point, reach: f64) {
+        let offset = face.a - middle;
+        let (p, q) = (offset.dot(face.u), offset.cross(face.u));
+        let normal = Point::new(face.u.y, -face.u.x);
+        let at = |p: f64| face.u * clamp(p, -reach, reach) + normal * q;
+        self.begin.set(lane, at(p));
+        self.end.set(lane, at(p + face.length));
+        self.normal.set(lane, normal);
+        self.distance[lane] = q as f32;
     }
 }
 
 /// A lobe as it lies in its surroundings.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Sector {
     tip: [f32; 2],
     /// Unit vector along the axis, and how far behind the tip the middle lies.
@@ -88,6 +84,12 @@ impl Sector {
             // Far above the rounding of `f32`.
             slack: (1e-3 + 1e-6 * reach) as f32,
         }
+    }
+
+    /// The same for all tips within `room` m of this one at once.
+    pub fn widened(mut self, room: f64) -> Self {
+        self.slack += room as f32;
+        self
     }
 
     /// Bit i: point i may lie in the cone, no farther than `most` m along the axis.

@@ -17,6 +17,13 @@ pub(super) struct SeenFace {
     pub near: f64,
 }
 
+impl SeenFace {
+    /// Whether the foot of the perpendicular from the tip lies on it.
+    pub fn has_foot(&self) -> bool {
+        self.p <= 0.0 && self.p + self.length >= 0.0
+    }
+}
+
 /// A circle as seen from the tip of a lobe.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SeenCircle {

@@ -1,12 +1,18 @@
 //! Everything that stands still in a world, sorted and with its trees.
 
-use super::faces::{FaceBlock, Faces, LANES, min};
+use core::f64::consts::PI;
+
+use super::faces::{FaceBlock, Faces, LANES, max, min};
+use super::feet::Feet;
 use super::geometry::Point;
 use super::shapes::Shape;
 use super::tree::{self, Bounds, Near, Nearest, Search, Tree};
 
 /// Number of the first circle: beyond every face's.
 pub(super) const FIRST_CIRCLE: f64 = 1e9;
+
+/// So many faces are looked at before it is asked whether more are needed.
+const CROWD: f64 = 200.0;
 
 /// A solid disc.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,6 +36,9 @@ pub(super) struct Surfaces {
     pub faces: Faces,
     pub circles: Vec<Circle>,
     pub corners: Vec<Point>,
+    /// Radius of a circle in which about [`CROWD`] faces lie, were they spread evenly over the world, m.
+    pub crowd_m: f64,
+    pub feet: Feet,
     face_tree: Tree,
     circle_tree: Tree,
     corner_tree: Tree,
@@ -39,6 +48,8 @@ impl Surfaces {
     /// Those of `shapes`, numbered in their order.
     pub fn of(shapes: &[Shape]) -> Self {
         let (faces, face_bounds) = Faces::of(shapes);
+        let size = Bounds::all(face_bounds.iter().copied()).size();
+        let area_m2 = max(size.x, 0.0) * max(size.y, 0.0);
         let (mut circles, mut corners) = (Vec::new(), Vec::new());
         for shape in shapes {
             shape.for_each_corner(|corner| corners.push(corner));
@@ -60,6 +71,8 @@ impl Surfaces {
             .chunks(LANES)
             .map(|block| Bounds::all(block.iter().map(|&corner| Bounds::of(corner, corner))));
         Self {
+            feet: Feet::of(&faces),
+            crowd_m: (CROWD / PI * area_m2 / max(faces.count() as f64, 1.0)).sqrt(),
             face_tree: Tree::of(&face_bounds),
             circle_tree: Tree::of(&circle_blocks.collect::<Vec<_>>()),
             corner_tree: Tree::of(&corner_blocks.collect::<Vec<_>>()),

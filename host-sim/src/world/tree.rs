@@ -114,6 +114,11 @@ impl Bounds {
         })
     }
 
+    /// Its width and its height, m; negative around nothing.
+    pub fn size(&self) -> Point {
+        self.high - self.low
+    }
+
     fn middle(&self) -> Point {
         (self.low + self.high) * 0.5
     }
@@ -122,7 +127,7 @@ impl Bounds {
 /// Brings things into the order in which neighbours stand together. Things with the same key keep theirs.
 pub(super) fn sort<T>(things: &mut [T], bounds: impl Fn(&T) -> Bounds) {
     let all = Bounds::all(things.iter().map(&bounds));
-    let size = all.high - all.low;
+    let size = all.size();
     let cell = |at: f64, low: f64, size: f64| {
         // From 0 to 65 535; the cast saturates, and makes 0 of a world without extent.
         u64::from(((at - low) / size * 65_535.0) as u16)

@@ -8,7 +8,8 @@
 //!
 //! The view is built once per pose in f64, from the surroundings that hold for a whole neighbourhood; it drops faces that
 //! look away or lie too far. The query
-//! runs once per transducer over what is left, in f32 relative to the robot: within 1 µm + 1 ppm.
+//! runs once per transducer over what is left, in f32 relative to the robot: within 1 µm + 1 ppm. Both go from near to far,
+//! and only as far as something could be nearer than what was found: in a crowd most of it is never looked at.
 
 use super::World;
 use super::faces::{FaceBlock, LANES, clamp, max, min};
@@ -17,6 +18,10 @@ use super::surroundings::Surroundings;
 
 /// A squared distance no query can reach, m².
 const NOTHING: f32 = 1e18;
+
+/// How much farther than an answer faces are still looked at, m and as a share of the reach: far above the rounding of f32.
+const SLACK_M: f64 = 1e-3;
+const ROUNDING: f64 = 1e-5;
 
 /// A tangent past any face: where the edge of a cone runs parallel to a face or away from it.
 const BEYOND: f32 = 1e9;
@@ -31,6 +36,8 @@ struct ViewBlock {
     /// Distance of its line, along `n`; negative when seen from behind.
     q: [f32; LANES],
     length: [f32; LANES],
+    /// Distance from the middle of the surroundings to the nearest of these and all later faces, m.
+    from_m: f64,
 }
 
 impl ViewBlock {
@@ -40,6 +47,7 @@ impl ViewBlock {
         p: [0.0; LANES],
         q: [-BEYOND; LANES],
         length: [0.0; LANES],
+        from_m: 0.0,
     };
 }
 
@@ -48,8 +56,14 @@ impl ViewBlock {
 #[derive(Debug, Clone, Default)]
 pub struct View {
     around: Surroundings,
+    middle: Point,
+    offset_m: f64,
+    reach_m: f64,
+    /// Faces from near to far.
     blocks: Vec<ViewBlock>,
-    used: usize,
+    kept: usize,
+    /// How many blocks of the surroundings have been looked at.
+    taken: usize,
     /// Relative to the middle: x, y, radius, m.
     circles: Vec<(f64, f64, f64)>,
 }
@@ -71,45 +85,62 @@ impl ConeShape {
 }
 
 impl View {
-    /// Looks at `world` from `middle`: keeps what the eyes, at most `offset_m` from the middle, can see
-    /// from the front and within `reach_m`.
+    /// Looks at `world` from `middle`, for eyes at most `offset_m` from it that see what shows its front within `reach_m`
+    /// and `offset_m` of it.
     pub fn build(&mut self, world: &World, middle: Point, offset_m: f64, reach_m: f64) {
         self.around.look(world, middle, offset_m, reach_m);
-        let around = std::mem::take(&mut self.around);
-        let blocks = &around.faces.blocks;
-        self.blocks.resize(blocks.len() + 1, ViewBlock::EMPTY);
+        (self.middle, self.offset_m, self.reach_m) = (middle, offset_m, reach_m);
+        (self.kept, self.taken) = (0, 0);
         let reach = reach_m + offset_m;
-        let mut kept = 0;
-        for block in blocks {
-            kept = self.keep_block(block, middle, -offset_m, reach * reach, kept);
-        }
-        self.used = kept.div_ceil(LANES);
-        if let Some(last) = self.blocks.get_mut(kept / LANES) {
-            for lane in kept % LANES..LANES {
-                last.q[lane] = -BEYOND;
-                last.p[lane] = 0.0;
-            }
-        }
         self.circles.clear();
-        for circle in around.circles.iter().chain(&world.posts) {
+        for circle in self.around.circles.iter().chain(&world.posts) {
             let offset = circle.center - middle;
             if offset.length() - circle.radius <= reach {
                 self.circles.push((offset.x, offset.y, circle.radius));
             }
         }
+    }
+
+    /// How many blocks hold faces: full ones while there are more to come.
+    fn ready(&self) -> usize {
+        if self.taken < self.around.nearby.faces.blocks.len() {
+            self.kept / LANES
+        } else {
+            self.kept.div_ceil(LANES)
+        }
+    }
+
+    /// Looks at the next block of the surroundings.
+    fn take(&mut self) {
+        let around = std::mem::take(&mut self.around);
+        if let (Some(block), Some(&from_m)) = (
+            around.nearby.faces.blocks.get(self.taken),
+            around.nearby.faces_m.get(self.taken),
+        ) {
+            self.keep_block(block, from_m);
+        }
+        self.taken += 1;
+        if self.taken >= around.nearby.faces.blocks.len()
+            && let Some(last) = self.blocks.get_mut(self.kept / LANES)
+        {
+            for lane in self.kept % LANES..LANES {
+                last.q[lane] = -BEYOND;
+                last.p[lane] = 0.0;
+            }
+        }
         self.around = around;
     }
 
-    /// Appends the faces of a block that may answer; returns how many the view holds.
+    /// Appends the faces of a block that may answer.
     #[inline]
-    fn keep_block(
-        &mut self,
-        block: &FaceBlock,
-        middle: Point,
-        front: f64,
-        reach_squared: f64,
-        mut kept: usize,
-    ) -> usize {
+    fn keep_block(&mut self, block: &FaceBlock, from_m: f64) {
+        let (middle, front) = (self.middle, -self.offset_m);
+        let reach = self.reach_m + self.offset_m;
+        let reach_squared = reach * reach;
+        let mut kept = self.kept;
+        if self.blocks.len() < kept / LANES + 2 {
+            self.blocks.resize(kept / LANES + 2, ViewBlock::EMPTY);
+        }
         let (mut p, mut q, mut keep) = ([0.0; LANES], [0.0; LANES], [false; LANES]);
         for i in 0..LANES {
             let (dx, dy) = (block.ax[i] - middle.x, block.ay[i] - middle.y);
@@ -122,6 +153,9 @@ impl View {
             // Written in any case and counted if kept: no branch to mispredict.
             if let Some(seen) = self.blocks.get_mut(kept / LANES) {
                 let lane = kept % LANES;
+                if lane == 0 {
+                    seen.from_m = from_m;
+                }
                 seen.ux[lane] = block.ux[i] as f32;
                 seen.uy[lane] = block.uy[i] as f32;
                 seen.p[lane] = p[i] as f32;
@@ -130,43 +164,98 @@ impl View {
             }
             kept += usize::from(keep[i]);
         }
-        kept
+        self.kept = kept;
     }
 
     /// Distance from an eye, `offset_m` from the middle along the unit vector `axis`, to the nearest
     /// surface inside the cone around that axis, m; at least 1e9 if there is none.
     #[must_use]
-    pub fn nearest_in_cone(&self, axis: Point, offset_m: f64, cone: ConeShape) -> f64 {
-        let mut best = [NOTHING; LANES];
-        let (cx, cy, offset) = (axis.x as f32, axis.y as f32, offset_m as f32);
-        let (sin, cos) = (cone.sin as f32, cone.cos as f32);
-        for block in self.blocks.iter().take(self.used) {
-            for (i, best) in best.iter_mut().enumerate() {
-                let (ux, uy) = (block.ux[i], block.uy[i]);
-                let axis_u = cx * ux + cy * uy;
-                let axis_n = cx * uy - cy * ux;
-                let q = block.q[i] - offset * axis_n;
-                let p = block.p[i] - offset * axis_u;
-                let (left_n, left_u) = (axis_n * cos - axis_u * sin, axis_u * cos + axis_n * sin);
-                let (right_n, right_u) = (axis_n * cos + axis_u * sin, axis_u * cos - axis_n * sin);
-                let left = q * left_u / left_n;
-                let right = q * right_u / right_n;
-                let left = if left_n > 0.0 { left } else { BEYOND };
-                let right = if right_n > 0.0 { right } else { -BEYOND };
-                let from = max32(p, right);
-                let to = min32(p + block.length[i], left);
-                let nearest = max32(from, min32(to, 0.0));
-                let squared = nearest * nearest + q * q;
-                let seen = (q > 0.0) & (from <= to) & (max32(left_n, right_n) > 0.0);
-                *best = min32(*best, if seen { squared } else { NOTHING });
-            }
-        }
-        let faces = f64::from(best.into_iter().fold(NOTHING, min32)).sqrt();
+    pub fn nearest_in_cone(&mut self, axis: Point, offset_m: f64, cone: ConeShape) -> f64 {
+        let faces = self.nearest_face(axis, offset_m, cone).sqrt();
         self.circles.iter().fold(faces, |nearest, &(x, y, radius)| {
             let center = Point::new(x, y) - axis * offset_m;
             min(nearest, circle_in_cone(center, radius, axis, cone))
         })
     }
+
+    /// Squared distance of the nearest face, m².
+    fn nearest_face(&mut self, axis: Point, offset_m: f64, cone: ConeShape) -> f64 {
+        let eye = Eye {
+            axis: [axis.x as f32, axis.y as f32],
+            offset: offset_m as f32,
+            cone: [cone.sin as f32, cone.cos as f32],
+        };
+        // A face at some distance from the middle of the surroundings is nearer to the eye by no more than this.
+        let eye_from = self.around.apart_m(self.middle + axis * offset_m);
+        let apart = eye_from + SLACK_M + ROUNDING * self.reach_m;
+        let mut best = [NOTHING; LANES];
+        let mut index = 0;
+        loop {
+            while index >= self.ready() && self.taken < self.around.nearby.faces.blocks.len() {
+                self.take();
+            }
+            let ready = index < self.ready();
+            match self.blocks.get(index).filter(|_| ready) {
+                Some(block) if !is_found(&best, block.from_m - apart) => {
+                    eye.meet(block, &mut best);
+                    index += 1;
+                }
+                None if !is_found(&best, self.around.known_m() - apart) => {
+                    self.around.know_faces(self.around.known_m() + SLACK_M);
+                    (self.kept, self.taken, index) = (0, 0, 0);
+                }
+                _ => return f64::from(best.into_iter().fold(NOTHING, min32)),
+            }
+        }
+    }
+}
+
+/// An eye and its cone.
+struct Eye {
+    axis: [f32; 2],
+    /// How far from the middle of its view it lies, m.
+    offset: f32,
+    /// Sine and cosine of half its angle.
+    cone: [f32; 2],
+}
+
+impl Eye {
+    /// Takes of each place the lesser: the best so far, or the squared distance of the face in the block, m².
+    #[inline]
+    fn meet(&self, block: &ViewBlock, best: &mut [f32; LANES]) {
+        let ([cx, cy], offset, [sin, cos]) = (self.axis, self.offset, self.cone);
+        for (i, best) in best.iter_mut().enumerate() {
+            let (ux, uy) = (block.ux[i], block.uy[i]);
+            let axis_u = cx * ux + cy * uy;
+            let axis_n = cx * uy - cy * ux;
+            let q = block.q[i] - offset * axis_n;
+            let p = block.p[i] - offset * axis_u;
+            let (left_n, left_u) = (axis_n * cos - axis_u * sin, axis_u * cos + axis_n * sin);
+            let (right_n, right_u) = (axis_n * cos + axis_u * sin, axis_u * cos - axis_n * sin);
+            let left = q * left_u / left_n;
+            let right = q * right_u / right_n;
+            let left = if left_n > 0.0 { left } else { BEYOND };
+            let right = if right_n > 0.0 { right } else { -BEYOND };
+            let from = max32(p, right);
+            let to = min32(p + block.length[i], left);
+            let nearest = max32(from, min32(to, 0.0));
+            let squared = nearest * nearest + q * q;
+            let seen = (q > 0.0) & (from <= to) & (max32(left_n, right_n) > 0.0);
+            *best = min32(*best, if seen { squared } else { NOTHING });
+        }
+    }
+}
+
+/// Whether one of the squared distances is that of something nearer than `least` m, or there can be nothing beyond.
+#[inline]
+fn is_found(squared: &[f32; LANES], least: f64) -> bool {
+    if least <= 0.0 {
+        return false;
+    }
+    let most = (least * least) as f32;
+    squared
+        .iter()
+        .fold(false, |found, &squared| found | (squared < most))
 }
 
 #[inline(always)]

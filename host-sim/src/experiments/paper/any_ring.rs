@@ -146,7 +146,7 @@ impl<'w, const SENSORS: usize> AnyRing<'w, SENSORS> {
         turn
     }
 
-    fn range(&self, sensor: usize, face_m: f64) -> Option<Range> {
+    fn range(&mut self, sensor: usize, face_m: f64) -> Option<Range> {
         let direction = self.config.robot.directions.get(sensor)?;
         let axis = Point::new(f64::from(direction.x_q14), f64::from(direction.y_q14));
         let axis = (axis * (1.0 / axis.length().max(1.0))).turned(Point::unit(self.pose.heading));

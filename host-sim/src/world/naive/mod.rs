@@ -286,16 +286,18 @@ fn in_cone_f32(face: &Face, p: f64, q: f64, axis: Point, offset_m: f64, cone: Co
 }
 
 /// Worlds of every kind and size, by number: cluttered rooms, maps of cells (many pieces of one line, many shared ends),
-/// rows of many rooms, fields of posts. With places in and about them, some on lines and corners.
+/// rows of many rooms, fields of posts, crowds of small boxes. With places in and about them, some on lines and corners.
 pub(crate) fn worlds(seed: u64) -> (World, Vec<Point>) {
     use crate::noise::Noise;
     let mut noise = Noise::new(seed);
     let mut shapes = Vec::new();
-    let side = match seed % 4 {
+    let side = match seed % 6 {
         0 => cells(&mut noise, &mut shapes),
         1 => rooms(&mut noise, &mut shapes, 1),
         2 => rooms(&mut noise, &mut shapes, 6),
-        _ => posts(&mut noise, &mut shapes),
+        3 => posts(&mut noise, &mut shapes),
+        4 => crowd(&mut noise, &mut shapes, 0.0),
+        _ => crowd(&mut noise, &mut shapes, 0.5),
     };
     let world = World::prepared("test".into(), super::Pose::default(), shapes);
     let place =
@@ -372,6 +374,34 @@ fn posts(noise: &mut crate::noise::Noise, shapes: &mut Vec<Shape>) -> f64 {
         });
     }
     15.0
+}
+
+/// A room full of small boxes, which may overlap; a share of them stands askew, or has a circle beside it.
+fn crowd(noise: &mut crate::noise::Noise, shapes: &mut Vec<Shape>, share: f64) -> f64 {
+    shapes.extend(World::random(1).shapes().iter().take(1).cloned());
+    for _ in 0..400 {
+        let mut place = || noise.uniform_in(-4.0, 4.0);
+        let center = Point::new(place(), place());
+        let mut size = || noise.uniform_in(0.02, 0.15);
+        let size = Point::new(size(), size());
+        let angle = if noise.chance(share) {
+            noise.uniform()
+        } else {
+            0.0
+        };
+        shapes.push(Shape::Box {
+            center,
+            size,
+            angle,
+        });
+        if noise.chance(share / 10.0) {
+            shapes.push(Shape::Circle {
+                center: center + size,
+                radius: 0.05,
+            });
+        }
+    }
+    4.0
 }
 
 mod tests;

@@ -70,6 +70,41 @@ fn walks_have_the_oracles_bits() {
     }
 }
 
+/// Who looks for the least gap only finds the oracle's, though most gaps are not told.
+#[test]
+fn the_least_gap_has_the_oracles_bits() {
+    let (mut clearing, mut told, mut all) = (Clearing::default(), 0, 0);
+    for seed in 0..16 {
+        let (world, places) = worlds(seed);
+        let (naive, mut noise) = (Naive::of(&world), Noise::new(seed));
+        for place in places {
+            let (mut at, mut angle) = (place, noise.uniform_in(0.0, TAU));
+            let mut least = f64::INFINITY;
+            for _ in 0..100 {
+                angle += noise.uniform_in(-0.3, 0.3);
+                let to = at + Point::unit(angle) * 0.02;
+                let expected = naive.sweep(at, to, 0.1);
+                clearing.tell_below(least);
+                let found = clearing.sweep(&world, at, to, 0.1);
+                least = least.min(expected.min_clearance_m);
+                all += 1;
+                if found.min_clearance_m == f64::INFINITY {
+                    assert!(expected.min_clearance_m > least, "{seed} {at:?}");
+                    assert_eq!(
+                        (found.travelled_m, found.contact),
+                        (expected.travelled_m, expected.contact)
+                    );
+                } else {
+                    told += 1;
+                    assert_eq!(found, expected, "{seed} {at:?}");
+                }
+                at = to;
+            }
+        }
+    }
+    assert!(told > 1_000 && told < 2 * all / 3, "{told} of {all}");
+}
+
 #[test]
 fn cones_have_the_oracles_bits() {
     let (mut view, mut near) = (View::default(), 0);

@@ -1,0 +1,110 @@
+//! Faces and corners around a place, from near to far, in blocks for a first look.
+
+use super::faces::{Face, Faces, LANES};
+use super::geometry::Point;
+use super::outline::{Outline, Points, Sector};
+
+/// Faces and corners around a middle, from near to far.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Nearby {
+    pub faces: Faces,
+    /// Of each block of faces.
+    outlines: Vec<Outline>,
+    /// Distance from the middle to the nearest face of each block, m.
+    pub faces_m: Vec<f64>,
+    corners: Vec<Point>,
+    /// The corners in blocks, relative to the middle.
+    corner_blocks: Vec<Points>,
+    /// Distance from the middle to the nearest corner of each block, m.
+    corners_m: Vec<f64>,
+}
+
+impl Nearby {
+    /// Forgets all faces.
+    pub fn clear_faces(&mut self) {
+        self.faces.clear();
+        self.outlines.clear();
+        self.faces_m.clear();
+    }
+
+    /// Forgets all corners.
+    pub fn clear_corners(&mut self) {
+        self.corners.clear();
+        self.corner_blocks.clear();
+        self.corners_m.clear();
+    }
+
+    /// Appends a face `distance` m from the middle; what counts of it lies within `reach` m of that.
+    pub fn push_face(&mut self, distance: f64, face: &Face, middle: Point, reach: f64) {
+        let lane = self.faces.count() % LANES;
+        if lane == 0 {
+            self.outlines.push(Outline::NONE);
+            self.faces_m.push(distance);
+        }
+        if let Some(outline) = self.outlines.last_mut() {
+            outline.set(lane, face, middle, reach);
+        }
+        self.faces.push(*face);
+    }
+
+    /// Appends a corner `distance` m from the middle.
+    pub fn push_corner(&mut self, distance: f64, corner: Point, middle: Point) {
+        let lane = self.corners.len() % LANES;
+        if lane == 0 {
+            self.corner_blocks.push(Points::NONE);
+            self.corners_m.push(distance);
+        }
+        if let Some(block) = self.corner_blocks.last_mut() {
+            block.set(lane, corner - middle);
+        }
+        self.corners.push(corner);
+    }
+
+    /// Shows the faces up to `most` m from the middle that may lie in a sector, and others, with the distance of their
+    /// block.
+    #[inline]
+    pub fn faces_in(&self, sector: &Sector, most: f64, mut look: impl FnMut(Face, f64)) {
+        let blocks = self.faces.blocks.iter().zip(&self.outlines);
+        for ((block, outline), &distance) in blocks.zip(&self.faces_m) {
+            if distance > most {
+                break;
+            }
+            for lane in lanes(sector.faces(outline)) {
+                look(block.face(lane), distance);
+            }
+        }
+    }
+
+    /// As [`Nearby::faces_in`], of corners, no farther than `along` m along the axis of the sector.
+    #[inline]
+    pub fn corners_in(
+        &self,
+        sector: &Sector,
+        most: f64,
+        along: f64,
+        mut look: impl FnMut(Point, f64),
+    ) {
+        let corners = self.corners.chunks(LANES);
+        for ((block, corners), &distance) in
+            self.corner_blocks.iter().zip(corners).zip(&self.corners_m)
+        {
+            if distance > most {
+                break;
+            }
+            for lane in lanes(sector.points(block, along)) {
+                if let Some(corner) = corners.get(lane) {
+                    look(*corner, distance);
+                }
+            }
+        }
+    }
+}
+
+/// The places of the ones in a mask, from the lowest.
+fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = (mask != 0).then(|| mask.trailing_zeros() as usize);
+        mask &= mask.wrapping_sub(1);
+        lane
+    })
+}
