@@ -375,7 +375,7 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
                 found.scores = Some(scores.map(i64::saturating_neg));
             }
             // Nothing wanted: no neuron points that way more than another.
-            Recall::Direction if *wanted == [Weight::ZERO; SENSORS] => {}
+            Recall::Direction if is_zero(wanted) => {}
             Recall::Direction => {
                 found.scores = Some(self.changes.alignments(&stretched(wanted), mask));
             }
@@ -499,6 +499,13 @@ pub struct Preference {
     pub code: [Weight; 2],
     /// Weight of its match beside that of the change, in 1/256.
     pub weight_q8: u16,
+}
+
+/// Whether all components are 0, without a branch for each.
+fn is_zero<const SENSORS: usize>(vector: &[Weight; SENSORS]) -> bool {
+    let none = |few: &[Weight]| few.iter().fold(0, |bits, w| bits | w.to_bits()) == 0;
+    let (fours, rest) = vector.as_chunks::<4>();
+    fours.iter().all(|four| none(four)) && none(rest)
 }
 
 /// The vector scaled so that its largest component is about 1: short probes keep their direction's precision.

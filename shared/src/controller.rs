@@ -392,8 +392,9 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let Mode::Learn { step } = self.mode else {
             return self.watch_ring(config, at);
         };
-        let step = self.learn_slice(config, step);
-        if step < self.learning_steps(config) {
+        let steps = self.learning_steps(config);
+        let step = self.learn_slice(config, step, steps);
+        if step < steps {
             self.mode = Mode::Learn { step };
             return Outputs::none();
         }

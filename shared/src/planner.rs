@@ -11,7 +11,7 @@
 use crate::action_map::{ActionMap, Match, Preference, Probe};
 use crate::config::{AtGoal, Choice, Config, Intermediate};
 use crate::fixed::{Fine, Mask, Weight, coarse, unit_weight};
-use crate::goal::{Asked, Goal, Heaviest};
+use crate::goal::{Goal, Heaviest, heaviest};
 use crate::scan::Situation;
 use crate::som::Som;
 use crate::units::{Bearing, Displacement};
@@ -153,10 +153,8 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         goal: &Goal<SENSORS>,
         way: usize,
     ) -> (Plan<SENSORS>, GoalNeuron) {
-        let mut asked = [Asked::ANYTHING; SENSORS];
-        goal.ask(way, self.config.believed, &mut asked);
-        let heaviest = self.heaviest(&asked, way);
-        let component = heaviest.begin().wrapping_add(SENSORS).wrapping_sub(way);
+        let first = self.heaviest(goal);
+        let heaviest = Heaviest::from(&goal.components, way, self.config.believed, first);
         let planning = &self.config.planning;
         let own = (planning.choice == Choice::Recall
             && planning.intermediate == Intermediate::NearestCode)
@@ -167,25 +165,23 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         let found = GoalNeuron {
             neuron: neuron as u8,
             place: way as u8,
-            heaviest: component.checked_rem(SENSORS).unwrap_or(0) as u8,
+            heaviest: first as u8,
             believed: self.config.believed,
             deviation: Some(deviation),
         };
         let plan = match planning.choice {
             Choice::Recall if way == 0 => self.recall(situation, goal, &heaviest, neuron, own),
             Choice::Recall => self.recall(situation, &goal.towards(way), &heaviest, neuron, own),
-            Choice::Neurons | Choice::Headings => {
-                self.look_ahead(situation, goal, &asked, way, neuron)
-            }
+            Choice::Neurons | Choice::Headings => self.look_ahead(situation, goal, way, neuron),
         };
         (plan, found)
     }
 
-    /// What is asked on the way towards `place`, begun with what weighs most; not looked for again for the same goal.
-    fn heaviest<'b>(&self, asked: &'b [Asked; SENSORS], place: usize) -> Heaviest<'b, SENSORS> {
+    /// The goal's component that weighs most; not looked for again for the same goal.
+    fn heaviest(&self, goal: &Goal<SENSORS>) -> usize {
         match self.likely.deviation {
-            Some(_) => Heaviest::at(asked, place.wrapping_add(usize::from(self.likely.heaviest))),
-            None => Heaviest::first(asked),
+            Some(_) => usize::from(self.likely.heaviest),
+            None => heaviest(&goal.components),
         }
     }
 
@@ -216,7 +212,16 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         let tolerant = tolerance >= Weight::ZERO;
         let mut at_goal = tolerant || mask.indices(SENSORS).next().is_none();
         let ring = situation.iter().zip(&goal.components);
-        for (sensor, (change, (value, component))) in wanted.iter_mut().zip(ring).enumerate() {
+        // Mostly all is as asked, which is seen sooner by itself.
+        let is_met = || {
+            ring.clone()
+                .all(|(value, component)| component.holds(*value))
+        };
+        let changes = match unmet_only && is_met() {
+            true => &mut [][..],
+            false => &mut wanted,
+        };
+        for (sensor, (change, (value, component))) in changes.iter_mut().zip(ring).enumerate() {
             let value = *value;
             if unmet_only && component.holds(value) {
                 continue;
@@ -311,7 +316,6 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
     }
 
     /// How far neuron `k` deviates from what is asked, in units of 2⁻²⁶ · weight; what reaches `limit` may be more.
-    #[inline(never)]
     fn distance(&self, k: usize, asked: &Heaviest<'_, SENSORS>, limit: i64) -> i64 {
         let row = self.situations.code().get(k);
         row.map_or(i64::MAX, |row| asked.missed_by(row, limit))

@@ -99,33 +99,37 @@ impl Encoding {
     /// The value of one range, rounded down to 2⁻¹³.
     #[must_use]
     pub fn value(self, range: Option<Range>) -> Weight {
-        Self::value_within(i32::from(self.far_mm), self.width(), range)
+        Self::value_within(u32::from(self.far_mm), self.width(), range)
     }
 
     /// From the far to the near limit, at least 1.
-    fn width(self) -> i32 {
-        i32::from(self.far_mm)
-            .wrapping_sub(i32::from(self.near_mm))
-            .max(1)
+    fn width(self) -> u32 {
+        u32::from(self.far_mm.saturating_sub(self.near_mm)).max(1)
     }
 
     #[inline(always)]
-    fn value_within(far: i32, width: i32, range: Option<Range>) -> Weight {
-        let beyond = range.map_or(0, |range| far.wrapping_sub(i32::from(range.as_mm())));
-        let beyond = beyond.max(0).min(width);
-        let bits = beyond.wrapping_mul(i32::from(ONE_BITS)).wrapping_div(width);
-        Weight::from_bits(bits as i16)
+    fn value_within(far: u32, width: u32, range: Option<Range>) -> Weight {
+        let range = range.map_or(u16::MAX, Range::as_mm);
+        let nearer = far.saturating_sub(u32::from(range)).min(width);
+        let ones = nearer.wrapping_mul(u32::from(ONE_BITS.unsigned_abs()));
+        Weight::from_bits(ones.wrapping_div(width) as i16)
     }
 
     /// The situation of a scan.
     #[must_use]
     pub fn situation<const SENSORS: usize>(self, scan: &Scan<SENSORS>) -> Situation<SENSORS> {
         let mut situation = [Weight::ZERO; SENSORS];
-        let (far, width) = (i32::from(self.far_mm), self.width());
-        for (value, echo) in situation.iter_mut().zip(&scan.echoes) {
+        self.values(&scan.echoes, &mut situation);
+        situation
+    }
+
+    /// As a loop, which compilers would write out for each transducer where they know how many there are.
+    #[inline(never)]
+    fn values(self, echoes: &[Echo], values: &mut [Weight]) {
+        let (far, width) = (u32::from(self.far_mm), self.width());
+        for (value, echo) in values.iter_mut().zip(echoes) {
             *value = Self::value_within(far, width, echo.range);
         }
-        situation
     }
 }
 

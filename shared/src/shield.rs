@@ -316,9 +316,10 @@ impl<const SENSORS: usize> Shield<SENSORS> {
 
 /// The nearer of two ranges, where nothing heard is farthest.
 fn nearer(a: Option<Range>, b: Option<Range>) -> Option<Range> {
-    match (a, b) {
-        (Some(a), Some(b)) => Some(a.min(b)),
-        (a, b) => a.or(b),
+    if Range::nearness(a) < Range::nearness(b) {
+        b
+    } else {
+        a
     }
 }
 
@@ -371,16 +372,16 @@ impl Lobe {
     }
 }
 
-/// Axes turned many times may have grown by rounding: at most this long, a sixteenth too long,
+/// Axes turned many times may have grown by rounding: while their square is less than this, 9/8 of what it should be,
 /// [`Way::is_aside`] holds.
-const LONGEST_AXIS_Q14: i32 = (1 << 14) + (1 << 10);
+const LONGEST_AXIS_Q28: i32 = 9 << 25;
 
 /// Of a range longer than this nothing is certain: products leave 32 bits.
 const CERTAIN_MOST_MM: u32 = 1 << 15;
 
 /// The amount of a number, one less for those below 0: a single instruction on the chip.
-const fn magnitude(value: i32) -> u32 {
-    (value ^ (value >> 31)) as u32
+const fn magnitude(value: i32) -> i32 {
+    value ^ (value >> 31)
 }
 
 /// The way ahead.
@@ -476,23 +477,26 @@ impl<'a> Way<'a> {
         for arc in arcs {
             // Nothing on an arc is met while its face is nearer than its range is long: most are far off.
             let (x, y) = (i32::from(arc.face.dx_mm), i32::from(arc.face.dy_mm));
+            let nearness = Range::nearness(arc.range);
             let slack = magnitude(x).wrapping_add(magnitude(y));
-            let range = Range::mm_or_most(arc.range);
-            if range <= near.wrapping_add(slack)
-                && !self.is_aside(arc, range, distance)
+            if i32::from(nearness) >= near.wrapping_sub(slack)
+                && !self.is_aside(arc, u32::from(!nearness), distance)
                 && self.now.since(arc.at) <= self.shielding.forget_ms
+                && let Some(range) = arc.range
             {
-                distance = self.until(arc, range as i32, distance);
+                distance = self.until(arc, i32::from(range.as_mm()), distance);
                 near = self.near(distance);
             }
         }
         distance
     }
 
-    /// What lies farther from the robot than this is not met before `limit`; with what two magnitudes lack.
-    fn near(&self, limit: i32) -> u32 {
-        let near = limit.saturating_add(self.certain_mm).unsigned_abs();
-        near.wrapping_add(2)
+    /// What lies farther from the robot than this is not met before `limit`, as of [`Range::nearness`]; with what two
+    /// magnitudes lack.
+    fn near(&self, limit: i32) -> i32 {
+        let near = limit.saturating_add(self.certain_mm);
+        // Not below -2³¹ + 2¹⁶.
+        i32::from(u16::MAX).wrapping_sub(near).wrapping_sub(2)
     }
 
     /// Distance until the body would come within the margin of the arc; `limit` where it would not before that. Apart
@@ -545,7 +549,7 @@ impl<'a> Way<'a> {
                 across.wrapping_abs().wrapping_sub(spread) >= self.reach_mm
             }
             || along.wrapping_sub(spread).wrapping_sub(limit) >= self.reach_mm;
-        is_aside && ax.wrapping_mul(ax).wrapping_add(ay.wrapping_mul(ay)) <= LONGEST_AXIS_Q14.pow(2)
+        is_aside && ax.wrapping_mul(ax).wrapping_add(ay.wrapping_mul(ay)) < LONGEST_AXIS_Q28
     }
 
     /// Distance until the body would come within the margin of a point.

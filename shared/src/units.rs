@@ -6,39 +6,50 @@
 //! The few floats are micromath's, called by path: with the standard library linked (as in tests) a method call would
 //! silently become the C library's, and the chip and the host would differ.
 
+use core::cmp::Ordering;
 use core::num::NonZeroU16;
 use micromath::F32Ext;
 use serde::{Deserialize, Serialize};
 
 /// Distance from a transducer's face to what it hears, 0 … 65.534 m in millimetres.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+///
+/// Kept as what it lacks of 65.535 m, so that an `Option` of it takes two bytes as well, and nothing heard, 0, is farther
+/// than anything.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Range(NonZeroU16);
 
 impl Range {
     /// A range of `mm` millimetres, at most 65 534.
     #[must_use]
     pub const fn from_mm(mm: u16) -> Self {
-        // One more than the range, so that an `Option` of it takes two bytes as well.
-        match NonZeroU16::new(mm.saturating_add(1)) {
-            Some(above) => Self(above),
-            None => Self(NonZeroU16::MAX),
+        match NonZeroU16::new(!mm) {
+            Some(nearness) => Self(nearness),
+            None => Self(NonZeroU16::MIN),
         }
     }
 
     /// Millimetres.
     #[must_use]
     pub const fn as_mm(self) -> u16 {
-        self.0.get().wrapping_sub(1)
+        !self.0.get()
+    }
+
+    /// What it lacks of 65 535 mm; 0 where there is none.
+    #[inline(always)]
+    pub(crate) fn nearness(range: Option<Self>) -> u16 {
+        range.map_or(0, |range| range.0.get())
     }
 }
 
-impl Range {
-    /// Millimetres; more than any range where there is none.
-    #[inline(always)]
-    pub(crate) fn mm_or_most(range: Option<Self>) -> u32 {
-        range
-            .map_or(0, |range| u32::from(range.0.get()))
-            .wrapping_sub(1)
+impl Ord for Range {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.0.cmp(&self.0)
+    }
+}
+
+impl PartialOrd for Range {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
     }
 }
 
@@ -264,6 +275,19 @@ impl Displacement {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_nearer_is_less_and_nothing_heard_is_farthest() {
+        for mm in [0, 1, 300, 65_533] {
+            let (range, next) = (Range::from_mm(mm), Range::from_mm(mm + 1));
+            assert_eq!((range.as_mm(), next.as_mm()), (mm, mm + 1));
+            assert!(range < next && range.min(next) == range);
+            assert!(Range::nearness(Some(range)) > Range::nearness(Some(next)));
+            assert!(Range::nearness(Some(next)) > Range::nearness(None));
+        }
+        assert_eq!(Range::from_mm(u16::MAX), Range::from_mm(65_534));
+        assert_eq!(size_of::<Option<Range>>(), 2);
+    }
 
     #[test]
     fn directions_match_the_exact_ones() {

@@ -19,11 +19,13 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     /// A ring is complete and the base stands.
     pub(super) fn decide(&mut self, config: &Config<SENSORS>, now: Millis) -> Outputs<SENSORS> {
         let situation = &Aligned(config.encoding.situation(&self.scan));
-        let pending = self.pending.take();
         match self.mode {
-            Mode::Explore { left } => self.explore(config, now, situation, pending, left),
-            Mode::Seek { .. } => self.seek(config, now, situation, pending),
-            Mode::Idle | Mode::Learn { .. } | Mode::Stopped(_) => Outputs::none(),
+            Mode::Explore { left } => self.explore(config, now, situation, left),
+            Mode::Seek { .. } => self.seek(config, now, situation),
+            Mode::Idle | Mode::Learn { .. } | Mode::Stopped(_) => {
+                self.pending = None;
+                Outputs::none()
+            }
         }
     }
 
@@ -32,11 +34,10 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         config: &Config<SENSORS>,
         now: Millis,
         situation: &Aligned<SENSORS>,
-        pending: Option<Pending<SENSORS>>,
         left: u16,
     ) -> Outputs<SENSORS> {
         let mut left = left;
-        if let Some(pending) = pending {
+        if let Some(pending) = self.pending.take() {
             // The command was refused unless the memory holds all the samples.
             let _ = self.memory.keep(Sample {
                 before: memory::to_bytes(&pending.before.0, config.believed),
@@ -76,17 +77,14 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         config: &Config<SENSORS>,
         now: Millis,
         situation: &Aligned<SENSORS>,
-        pending: Option<Pending<SENSORS>>,
     ) -> Outputs<SENSORS> {
         for left in self.inhibited_mut() {
             *left = left.saturating_sub(1);
         }
-        let cut = pending.as_ref().is_some_and(Pending::was_cut);
-        let mut current = None;
-        if let Some(pending) = pending {
-            current = self.learn_online(config, &pending, &situation.0);
-            self.inhibit(config, cut);
-        }
+        // Stays where it is until the next one takes its place: it is much to copy.
+        let cut = self.pending.as_ref().is_some_and(Pending::was_cut);
+        let current = self.learn_online(config, &situation.0);
+        self.inhibit(config, cut);
         if config.planning.choice != Choice::Recall {
             self.actions.keep_products();
         }
@@ -170,14 +168,19 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     fn learn_online(
         &mut self,
         config: &Config<SENSORS>,
-        pending: &Pending<SENSORS>,
         after: &Situation<SENSORS>,
     ) -> Option<usize> {
         let online = config.online?;
+        let pending = self.pending.as_ref()?;
         let taught = match config.learning.taught {
             Taught::Commanded => pending.commanded,
             Taught::Executed => pending.executed,
         };
+        // Both lie in [0, 1].
+        let mut change = *after;
+        for (value, before) in change.iter_mut().zip(&pending.before.0) {
+            *value = value.wrapping_sub(*before);
+        }
         // The moves of a behaviour are one-sided; turned by a random number of ring places they teach every
         // direction, as the random moves did.
         let turns = config.learning.turned
@@ -189,12 +192,6 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             Some(direction) if places > 0 => taught.rotated(*direction),
             _ => taught,
         };
-        // Both lie in [0, 1].
-        let before = pending.before.0.iter();
-        let mut change = *after;
-        for (value, before) in change.iter_mut().zip(before) {
-            *value = value.wrapping_sub(*before);
-        }
         if places > 0 {
             change = rotated(&change, places);
         }

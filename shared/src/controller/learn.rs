@@ -84,10 +84,9 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         (situation, effect)
     }
 
-    /// Teaches both maps the next slice of samples; returns the number of presentations done.
-    pub(super) fn learn_slice(&mut self, config: &Config<SENSORS>, done: u32) -> u32 {
+    /// Teaches both maps the next slice of `steps` presentations; returns how many are done.
+    pub(super) fn learn_slice(&mut self, config: &Config<SENSORS>, done: u32, steps: u32) -> u32 {
         let learning = &config.learning;
-        let steps = self.learning_steps(config);
         let renewed = done - done % RENEWAL;
         // At first code vectors are alike, and many ties are settled in full precision: shorter slices.
         let slice = if renewed == 0 {

@@ -1,7 +1,8 @@
 //! What is asked of values while a decision is taken: whole numbers, ready to be compared.
 
 use super::Component;
-use crate::fixed::{Fine, coarse};
+use crate::fixed::{Fine, Mask, coarse};
+use core::slice::from_ref;
 
 /// What is asked of a value in units of 2⁻¹³.
 #[derive(Debug, Clone, Copy, Default)]
@@ -87,78 +88,137 @@ impl Asked {
     }
 }
 
-/// What is asked, begun with the transducer that weighs most: what deviates much is soon seen to.
+/// What a goal asks in the ring's frame of a robot that goes towards a place of the ring, begun with the component that weighs
+/// most: what deviates much is soon seen to.
 pub(crate) struct Heaviest<'a, const SENSORS: usize> {
-    asked: &'a [Asked; SENSORS],
-    first: usize,
+    goal: &'a [Component; SENSORS],
+    place: usize,
+    believed: Mask,
+    /// All of them in order, and the transducer that each piece begins with, counted on around the ring.
+    pieces: [(&'a [Component], usize); 3],
 }
 
 impl<'a, const SENSORS: usize> Heaviest<'a, SENSORS> {
-    /// Looks for it.
-    pub(crate) fn first(asked: &'a [Asked; SENSORS]) -> Self {
-        let (mut first, mut most) = (0, i32::MIN);
-        for (sensor, asked) in asked.iter().enumerate() {
-            if asked.weight > most {
-                (first, most) = (sensor, asked.weight);
-            }
+    /// Begins with this component.
+    pub(crate) fn from(
+        goal: &'a [Component; SENSORS],
+        place: usize,
+        believed: Mask,
+        first: usize,
+    ) -> Self {
+        let place = place.checked_rem(SENSORS).unwrap_or(0);
+        let first = first.min(SENSORS);
+        // From this component on they look at the row's beginning.
+        let turn = SENSORS.wrapping_sub(place);
+        let pieces = if first <= turn {
+            [first..turn, turn..SENSORS, 0..first]
+        } else {
+            [first..SENSORS, 0..turn, turn..first]
+        };
+        let pieces = pieces.map(|piece| {
+            let sensor = piece.start.wrapping_add(place);
+            (goal.get(piece).unwrap_or(&[]), sensor)
+        });
+        Self {
+            goal,
+            place,
+            believed,
+            pieces,
         }
-        Self { asked, first }
-    }
-
-    /// Begins with this transducer, whichever weighs most.
-    pub(crate) fn at(asked: &'a [Asked; SENSORS], first: usize) -> Self {
-        let first = first.checked_rem(SENSORS).unwrap_or(0);
-        Self { asked, first }
-    }
-
-    /// The transducer it begins with.
-    pub(crate) const fn begin(&self) -> usize {
-        self.first
     }
 
     /// How far a code vector deviates from what is asked, in units of 2⁻²⁶ · weight; what reaches `limit` may be more.
-    #[inline(always)]
+    #[inline(never)]
     pub(crate) fn missed_by(&self, row: &[Fine; SENSORS], limit: i64) -> i64 {
+        if !self.believed.covers(SENSORS) {
+            return self.missed_by_believed(row);
+        }
         let mut total = 0_i64;
-        for range in [self.first..SENSORS, 0..self.first] {
-            let (Some(asked), Some(row)) = (self.asked.get(range.clone()), row.get(range)) else {
-                break;
-            };
-            for (asked, value) in asked.iter().zip(row) {
-                let value = i32::from(coarse(*value).to_bits());
-                let off = if value < asked.low {
-                    asked.low.wrapping_sub(value)
-                } else if value > asked.high {
-                    value.wrapping_sub(asked.high)
-                } else {
-                    // Most are as asked: nothing to multiply.
-                    continue;
-                };
-                // At most five times 2¹³.
-                let squared = i64::from(off.wrapping_mul(off));
-                total = total.wrapping_add(squared.wrapping_mul(i64::from(asked.weight)));
+        for (components, sensor) in &self.pieces {
+            if !components.is_empty() {
+                let sensor = sensor.checked_rem(SENSORS).unwrap_or(0);
+                let row = row.get(sensor..).unwrap_or(&[]);
+                total = total.wrapping_add(missed_in(components, row, limit.wrapping_sub(total)));
                 if total >= limit {
-                    return total;
+                    break;
                 }
             }
         }
         total
     }
 
-    /// As [`missed`], of the values from place `from` on.
-    pub(crate) fn missed(&self, values: &[i32], from: usize, cap: i32, limit: i64) -> i64 {
-        let (Some((first, last)), Some(values)) =
-            (self.asked.split_at_checked(self.first), values.get(from..))
-        else {
-            return i64::MAX;
-        };
-        let heavy = values.get(self.first..).unwrap_or(&[]);
-        let total = missed(last, heavy, cap, limit);
-        if total >= limit || first.is_empty() {
-            return total;
+    /// The same where some transducers do not count.
+    #[inline(never)]
+    fn missed_by_believed(&self, row: &[Fine; SENSORS]) -> i64 {
+        let mut total = 0_i64;
+        for (index, component) in self.goal.iter().enumerate() {
+            let sensor = index.wrapping_add(self.place).checked_rem(SENSORS);
+            let believed = sensor.filter(|sensor| self.believed.contains(*sensor));
+            if let Some(value) = believed.and_then(|sensor| row.get(sensor)) {
+                total =
+                    total.wrapping_add(missed_in(from_ref(component), from_ref(value), i64::MAX));
+            }
         }
-        total.wrapping_add(missed(first, values, cap, limit.wrapping_sub(total)))
+        total
     }
+}
+
+/// [`Heaviest::missed_by`] of one piece.
+#[inline(never)]
+fn missed_in(components: &[Component], row: &[Fine], limit: i64) -> i64 {
+    let mut total = 0_i64;
+    for (component, value) in components.iter().zip(row) {
+        let value = i32::from(coarse(*value).to_bits());
+        let low = i32::from(component.low.to_bits());
+        let high = i32::from(component.high.to_bits());
+        // Most are as asked: nothing to multiply.
+        if value < low || value > high {
+            // At most five times 2¹³.
+            let off = if value < low {
+                low.wrapping_sub(value)
+            } else {
+                value.wrapping_sub(high)
+            };
+            let squared = i64::from(off.wrapping_mul(off));
+            total = total.wrapping_add(squared.wrapping_mul(i64::from(component.weight)));
+            if total >= limit {
+                break;
+            }
+        }
+    }
+    total
+}
+
+/// The component that weighs most, the first on ties.
+#[inline(never)]
+pub(crate) fn heaviest(goal: &[Component]) -> usize {
+    let (mut first, mut most) = (0, 0);
+    for (index, component) in goal.iter().enumerate() {
+        if component.weight > most {
+            (first, most) = (index, component.weight);
+        }
+    }
+    first
+}
+
+/// As [`missed`], of the values from place `from` on and begun with transducer `first`: what deviates much is soon seen to.
+pub(crate) fn missed_from<const SENSORS: usize>(
+    asked: &[Asked; SENSORS],
+    first: usize,
+    values: &[i32],
+    from: usize,
+    cap: i32,
+    limit: i64,
+) -> i64 {
+    let (Some((light, heavy)), Some(values)) = (asked.split_at_checked(first), values.get(from..))
+    else {
+        return i64::MAX;
+    };
+    let total = missed(heavy, values.get(first..).unwrap_or(&[]), cap, limit);
+    if total >= limit || light.is_empty() {
+        return total;
+    }
+    total.wrapping_add(missed(light, values, cap, limit.wrapping_sub(total)))
 }
 
 /// How the deviation runs over an interval of values.
@@ -201,7 +261,7 @@ pub(crate) fn missed(asked: &[Asked], values: &[i32], cap: i32, limit: i64) -> i
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fixed::{Mask, Weight};
+    use crate::fixed::Weight;
     use crate::goal::Goal;
     use proptest::prelude::*;
 
@@ -245,12 +305,13 @@ mod tests {
         fn begun_with_the_heaviest_it_is_the_same(
             bounds in prop::array::uniform8((0_i16..=8_192, 0_i16..=8_192, any::<u8>())),
             values in prop::array::uniform8(0_i16..=8_192),
-            believed in any::<u32>(), place in 0_usize..8, cap in 0_i32..=8_192,
+            believed in prop_oneof![Just(u32::MAX), any::<u32>()], place in 0_usize..8, cap in 0_i32..=8_192,
+            begin in 0_usize..8,
         ) {
             let (goal, mask) = (goal(bounds), Mask::from_bits(believed));
             let mut asked = [Asked::ANYTHING; 8];
             goal.ask(place, mask, &mut asked);
-            let heaviest = Heaviest::first(&asked);
+            let heaviest = Heaviest::from(&goal.components, place, mask, begin);
             let situation = values.map(Weight::from_bits);
             let turned = goal.towards(place);
             let deviation = turned.distance(&situation, mask);
@@ -263,7 +324,7 @@ mod tests {
                 let mut seen = values.map(i32::from);
                 seen.rotate_left(from);
                 prop_assert_eq!(
-                    heaviest.missed(twice.as_flattened(), from, cap, i64::MAX),
+                    missed_from(&asked, begin, twice.as_flattened(), from, cap, i64::MAX),
                     missed(&asked, &seen, cap, i64::MAX)
                 );
             }

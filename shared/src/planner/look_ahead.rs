@@ -21,7 +21,7 @@ use super::landscape::Landscape;
 use super::{Plan, Planner, Why, difference};
 use crate::config::Choice;
 use crate::fixed::{Mask, ONE_BITS, Weight, coarse};
-use crate::goal::{Asked, Frame, Goal, missed};
+use crate::goal::{Asked, Frame, Goal, missed, missed_from};
 use crate::scan::Situation;
 use crate::units::{Direction, Displacement};
 
@@ -58,6 +58,13 @@ struct Aim<'a, const SENSORS: usize> {
 impl<const SENSORS: usize> Aim<'_, SENSORS> {
     fn deviation(&self, values: &[i32; SENSORS]) -> i64 {
         missed(self.asked, values, self.goal.cap_bits(), i64::MAX)
+    }
+
+    /// The deviation of a situation, whose values are widened in a place of their own: the stack is deepest where this is
+    /// asked.
+    #[inline(never)]
+    fn deviation_of(&self, situation: &Situation<SENSORS>) -> i64 {
+        self.deviation(&situation.map(|value| i32::from(value.to_bits())))
     }
 
     /// As [`Goal::holds`].
@@ -116,7 +123,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         let values = [values; 2];
         let mut asked = [Asked::ANYTHING; SENSORS];
         goal.ask(0, Mask::ALL, &mut asked);
-        let heaviest = self.heaviest(&asked, 0);
+        let first = self.heaviest(goal);
         let score = |place: usize, limit: i64| {
             let direction = self.config.robot.directions.get(place).copied();
             let along = cosine_q14(direction.unwrap_or_default(), course);
@@ -124,7 +131,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             let limit = limit.wrapping_add(steady);
             let cap = goal.cap_bits();
             let deviation = if whole {
-                heaviest.missed(values.as_flattened(), place, cap, limit)
+                missed_from(&asked, first, values.as_flattened(), place, cap, limit)
             } else {
                 let mut asked = [Asked::ANYTHING; SENSORS];
                 goal.ask(place, self.config.believed, &mut asked);
@@ -153,12 +160,14 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         &self,
         situation: &Situation<SENSORS>,
         goal: &Goal<SENSORS>,
-        asked: &[Asked; SENSORS],
         place: usize,
         goal_neuron: usize,
     ) -> Plan<SENSORS> {
         let config = self.config;
         let mask = config.believed;
+        let mut asked = [Asked::ANYTHING; SENSORS];
+        goal.ask(place, mask, &mut asked);
+        let asked = &asked;
         let travels = goal.frame == Frame::Travel && config.robot.symmetric;
         let ahead = config.robot.directions.get(place).copied();
         let aim = Aim {
@@ -174,7 +183,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             Some(neuron) => self.own_values(situation, neuron),
             None => forward.after(part(best.direction, best.share_q2)),
         };
-        let now = aim.deviation(&situation.map(|value| i32::from(value.to_bits())));
+        let now = aim.deviation_of(situation);
         // None is below 0.
         let to_come = values.map(|value| Weight::from_bits(value.min(i32::from(ONE_BITS)) as i16));
         let mut plan = Plan {

@@ -109,6 +109,8 @@ pub fn sizes(elf: &[u8]) -> Result<Sizes, object::Error> {
 pub struct Row {
     /// What was called.
     pub call: String,
+    /// Instructions on average.
+    pub mean: u64,
     /// Instructions of the longest call.
     pub most: u64,
     /// Instructions allowed.
@@ -123,9 +125,10 @@ pub fn rows(table: &str) -> Vec<Row> {
 
 fn row(line: &str) -> Option<Row> {
     let mut cells = line.strip_prefix('|')?.split('|').map(str::trim);
-    let (call, _calls, _mean) = (cells.next()?, cells.next()?, cells.next()?);
+    let (call, _calls) = (cells.next()?, cells.next()?);
     Some(Row {
         call: call.to_owned(),
+        mean: cells.next()?.parse().ok()?,
         most: cells.next()?.parse().ok()?,
         allowed: cells.next()?.parse().ok()?,
     })
@@ -141,6 +144,7 @@ mod tests {
                      | one, two | 3 | 40 | 50 | 60 |\n\n| what | bytes |\n| `State` | 7 |";
         let row = Row {
             call: "one, two".to_owned(),
+            mean: 40,
             most: 50,
             allowed: 60,
         };

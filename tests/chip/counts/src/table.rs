@@ -69,19 +69,19 @@ fn print_episode(episode: &Episode<'_>) {
     row(
         "random move (last echo of the ring)",
         counts.random_move,
-        10_250,
+        10_000,
     );
     row(
         "**decision** (last echo of the ring): avoid",
         counts.decision,
-        15_100,
+        14_500,
     );
     row("decision: along a wall", counts.along_wall, 20_100);
-    row("decision: to a place", counts.to_place, 17_400);
+    row("decision: to a place", counts.to_place, 16_500);
     row(
         "decision: avoid by the paper's four steps (`probe`)",
         counts.four_steps,
-        14_000,
+        13_500,
     );
     row("tick of learning", counts.tick, 10_900);
     let mut learning = Tally::default();
