@@ -290,14 +290,14 @@ mod tests {
 
     #[test]
     fn the_first_of_those_that_weigh_most_is_begun_with() {
-        let asked = [0, 3, 1, 3].map(|weight| Asked {
-            weight,
-            ..Asked::default()
-        });
-        assert_eq!(Heaviest::first(&asked).begin(), 1);
-        assert_eq!(Heaviest::first(&[Asked::ANYTHING; 4]).begin(), 0);
-        // Once more around the ring.
-        assert_eq!([3, 6].map(|at| Heaviest::at(&asked, at).begin()), [3, 2]);
+        let goal = |weights: [u8; 4]| {
+            weights.map(|weight| Component {
+                weight,
+                ..Component::ANY
+            })
+        };
+        assert_eq!(heaviest(&goal([0, 3, 1, 3])), 1);
+        assert_eq!(heaviest(&goal([0; 4])), 0);
     }
 
     proptest! {

@@ -312,7 +312,7 @@ fn is_passed_over(change: impl Fn(&mut Shielding, &mut Arc), parts: (i16, i16, u
     let (config, now) = (Config::recommended(), Millis::from_ms(1_000));
     let mut shielding = Shielding::nomad200();
     let (x, y, turns, range) = parts;
-    let mut arc = arc((x, y, turns, range, 10), now);
+    let mut arc = arc((x, y, turns, Some(range), 10), now);
     change(&mut shielding, &mut arc);
     let lobe = Lobe::of(shielding.half_lobe);
     let way = Way::new(&config, &shielding, lobe, mm(250, 0), 250, now);
