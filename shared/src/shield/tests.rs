@@ -343,11 +343,11 @@ fn of_some_arcs_nothing_is_certain() {
     );
     let comes = |shielding: &mut Shielding, _: &mut Arc| shielding.approach_mm_s = 1;
     assert!(!is_passed_over(comes, behind(500)));
-    // An axis that has grown by a sixteenth, and one by more.
+    // An axis whose square has grown by an eighth, and one that has grown more.
     let axis =
         |x_q14| move |_: &mut Shielding, arc: &mut Arc| arc.axis = Direction { x_q14, y_q14: 0 };
-    assert!(is_passed_over(axis(-17_408), behind(500)));
-    assert!(!is_passed_over(axis(-17_409), behind(500)));
+    assert!(is_passed_over(axis(-17_377), behind(500)));
+    assert!(!is_passed_over(axis(-17_378), behind(500)));
 }
 
 #[test]
