@@ -551,6 +551,20 @@ mod tests {
     }
 
     #[test]
+    fn maps_differ_by_either_half_of_a_code_vector() {
+        let with = |change, action| {
+            let (mut changes, mut actions) = (CHANGES, ACTIONS);
+            (changes[3][2], actions[3][0]) = (change, action);
+            let weights = |row: [i16; 2]| row.map(Weight::from_bits);
+            let changes = changes.map(|row| row.map(Weight::from_bits));
+            ActionMap::new(Grid::chain(4), changes, actions.map(weights))
+        };
+        assert_eq!(with(0, 0), map());
+        assert_ne!(with(1, 0), map());
+        assert_ne!(with(0, 1), map());
+    }
+
+    #[test]
     fn the_three_recalls_differ_as_described() {
         let recall = |recall| answer([1_000, 0, 0], recall, Mask::ALL, Mask::ALL).neuron;
         assert_eq!(recall(Recall::Distance), 0);
