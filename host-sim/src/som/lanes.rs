@@ -1,7 +1,7 @@
 //! The loops of a map by vectors of 128 bits, which every x86-64 and every 64-bit ARM processor has. The results are those of
 //! the portable kernels of `amp`, bit for bit.
 //!
-//! A vector of components is held in whole blocks of eight lanes; lanes without a component are 0.
+//! A vector of components in [−1, 1] is held in whole blocks of sixteen lanes; lanes without a component are 0.
 
 use amp::fixed::{FINE_ONE_BITS, Fine, Gain};
 use wide::{i16x8, i32x4, i32x8, u32x4};

@@ -1,4 +1,4 @@
-//! A map of run-time size on the same kernels as the maps of the robot.
+//! A map of run-time size that searches and learns as the maps of the robot, bit for bit.
 
 use super::lanes::{self, Upper};
 use amp::fixed::{FINE_ONE_BITS, Fine, Gain, Mask, ONE_BITS, squared_norm};
@@ -74,7 +74,7 @@ impl DynSom {
         self.code.chunks_exact(self.dims)
     }
 
-    /// The best-matching unit of a probe, the lowest index on ties.
+    /// The best-matching unit of a probe, whose components lie in [−1, 1]; the lowest index on ties.
     #[inline]
     pub fn winner(&mut self, probe: &[Fine]) -> usize {
         lanes::round_down(probe, self.probe.iter_mut());

@@ -1,4 +1,4 @@
-//! Fig. 1: a chain of 32 neurons over points in space, trained by the robot's own kernels.
+//! Fig. 1: a chain of 32 neurons over points in space, trained as the robot's maps, bit for bit.
 //!
 //! Three clouds of points: the paper's two (uniform in the unit cube; two clusters), and an uneven one for the sentences
 //! that go with them (three points in four lie in one half of the cube). The figure does not say how its chain was
