@@ -218,6 +218,7 @@ impl Faults {
     }
 
     /// Which transducer fires and listens when this one is asked.
+    #[inline]
     pub(super) fn asked(&self, sensor: usize) -> usize {
         self.faults
             .iter()
@@ -229,6 +230,7 @@ impl Faults {
     }
 
     /// What the ring reports of a transducer that in good order would have reported `range`.
+    #[inline]
     pub(super) fn reported(
         &mut self,
         sensor: usize,

@@ -13,7 +13,7 @@
 use core::f64::consts::TAU;
 
 use crate::direction::Direction;
-use crate::noise::Noise;
+use crate::noise::{Deviate, Noise};
 use crate::world::{ConeShape, LobeView, Point, Pose, Standing, View, World};
 
 mod config;
@@ -25,6 +25,8 @@ pub use fault::{FaultKind, TransducerFault};
 
 /// Length of an inch, m.
 pub const M_PER_INCH: f64 = 0.0254;
+
+const INCHES_PER_M: f64 = 1.0 / M_PER_INCH;
 
 /// Distance of the transducers' faces from the robot's centre, m.
 pub const FACE_RADIUS_M: f64 = 0.2305;
@@ -121,6 +123,8 @@ pub struct Ring {
     view: View,
     lobe: LobeView,
     hearing: hearing::Hearing,
+    /// The least reading, in.
+    least_in: f64,
     standing: Standing,
     heading: Direction,
     /// What each transducer heard last.
@@ -158,6 +162,7 @@ impl Ring {
             view: View::default(),
             lobe: LobeView::default(),
             hearing: hearing::Hearing::new(&config, half_angle),
+            least_in: whole_inches(config.min_range_m),
             standing: Standing::default(),
             heading: Direction::new(0.0),
             echoes: vec![FirstEcho::default(); geometry.count],
@@ -332,15 +337,37 @@ impl Ring {
         if noise.chance(config.missed) {
             return None;
         }
-        let range = if noise.chance(config.random) {
-            noise.uniform_in(config.min_range_m, config.max_range_m)
+        let inches = if noise.chance(config.random) {
+            whole_inches(noise.uniform_in(config.min_range_m, config.max_range_m))
         } else {
             let range = heard?;
-            range + noise.normal() * config.sigma_m.max(config.sigma_share * range)
+            let sigma_m = config.sigma_m.max(config.sigma_share * range);
+            noisy_inches(range, sigma_m, noise.deviate())
         };
-        let least = libm::rint(config.min_range_m / M_PER_INCH);
-        let inches = libm::rint(range / M_PER_INCH).max(least);
+        let inches = inches.max(self.least_in);
         (inches < f64::from(MAX_READING_IN)).then_some(inches * M_PER_INCH)
+    }
+}
+
+fn whole_inches(range_m: f64) -> f64 {
+    libm::rint(range_m / M_PER_INCH)
+}
+
+/// A range with a deviate of its deviation, to whole inches: where about how much the deviate is settles them, it is not
+/// worked out.
+#[inline]
+fn noisy_inches(range_m: f64, sigma_m: f64, deviate: Deviate) -> f64 {
+    /// Far above any rounding.
+    const SLACK_IN: f64 = 1e-6;
+    /// Numbers near this one are whole.
+    const WHOLE: f64 = (3_u64 << 51) as f64;
+    let (range_in, sigma_in) = (range_m * INCHES_PER_M, sigma_m * INCHES_PER_M);
+    let about = range_in + deviate.about() * sigma_in;
+    let whole = (about + WHOLE) - WHOLE;
+    if (about - whole).abs() + Deviate::ERROR * sigma_in < 0.5 - SLACK_IN {
+        whole
+    } else {
+        whole_inches(range_m + deviate.exact() * sigma_m)
     }
 }
 

@@ -14,10 +14,10 @@ use super::faces::{Face, max, min};
 use super::feet::Parallel;
 use super::geometry::Point;
 use super::nearby::Nearby;
+use super::neighbourhoods::Neighbourhoods;
 use super::outline::Sector;
 use super::rays::{Rays, SeenCircle, SeenFace};
 use super::surfaces::Surfaces;
-use super::surroundings::Surroundings;
 use super::view::{ConeShape, circle_in_cone};
 
 /// How much farther than an answer things are still looked at, m: far above any rounding.
@@ -25,9 +25,6 @@ const SLACK_M: f64 = 1e-3;
 
 /// How much nearer than a corner a ray may end and still be said to reach it, m.
 const CORNER_SLACK_M: f64 = 1e-6;
-
-/// From so many faces on it pays to choose among them for one eye.
-const MANY: usize = 128;
 
 /// A lobe: where it begins and where it points.
 #[derive(Debug, Clone, Copy, Default)]
@@ -39,34 +36,37 @@ struct Lobe {
     reach: f64,
 }
 
-/// What is nearby and may lie in the lobes of one eye that looks along one axis from anywhere in the surroundings.
+/// One of several eyes, of which each may look along the same axis again and again.
 #[derive(Debug, Clone, Default)]
-struct Choice {
+struct Eye {
     offset: f64,
     axis: Point,
     cone: ConeShape,
-    looks: u64,
+    /// In which world.
+    world: u64,
+    /// Another number whenever one of those is another.
+    aim: u64,
+    /// Whether it has looked there before: whoever turns looks once.
+    is_steady: bool,
     /// Where among all directions those of faces are that rays of the lobe can meet at right angles.
     upright: Vec<usize>,
-    is_made: bool,
-    nearby: Nearby,
 }
 
-impl Choice {
-    /// Is made of many things when the same is asked the second time: whoever turns asks once.
-    fn make(&mut self, around: &Surroundings, lobe: &Lobe) {
-        if !self.is_for(around, lobe) {
-            self.is_made = false;
+impl Eye {
+    fn aim(&mut self, lobe: &Lobe, around: &Neighbourhoods) {
+        self.is_steady = self.world == around.worlds()
+            && self.axis == lobe.axis
+            && self.offset == lobe.offset
+            && self.cone == lobe.cone;
+        if !self.is_steady {
             (self.offset, self.axis, self.cone) = (lobe.offset, lobe.axis, lobe.cone);
-            self.looks = around.looks();
+            self.world = around.worlds();
+            self.aim += 1;
             self.find_upright(around);
-        } else if !self.is_made && around.nearby.faces.count() >= MANY {
-            self.is_made = true;
-            around.choose(lobe.offset, lobe.axis, lobe.cone, &mut self.nearby);
         }
     }
 
-    fn find_upright(&mut self, around: &Surroundings) {
+    fn find_upright(&mut self, around: &Neighbourhoods) {
         let (axis, cone) = (self.axis, self.cone);
         let edge = |sin: f64| axis.turned(Point::new(cone.cos, sin));
         self.upright.clear();
@@ -79,30 +79,13 @@ impl Choice {
             self.upright.extend(all.filter(inside));
         }
     }
-
-    fn is_for(&self, around: &Surroundings, lobe: &Lobe) -> bool {
-        self.looks == around.looks()
-            && self.axis == lobe.axis
-            && self.offset == lobe.offset
-            && self.cone == lobe.cone
-    }
-
-    /// What may lie in a lobe, and other things.
-    fn of<'a>(&'a self, around: &'a Surroundings, lobe: &Lobe) -> &'a Nearby {
-        if self.is_made && self.is_for(around, lobe) {
-            &self.nearby
-        } else {
-            &around.nearby
-        }
-    }
 }
 
 /// What one lobe can meet. Reusable: building it again seldom allocates.
 #[derive(Debug, Clone, Default)]
 pub struct LobeView {
-    around: Surroundings,
-    /// Of each eye.
-    choices: Vec<Choice>,
+    around: Neighbourhoods,
+    eyes: Vec<Eye>,
     eye: usize,
     lobe: Lobe,
     /// The lobe as it lies in its surroundings, and how far from their middle its tip.
@@ -157,11 +140,17 @@ impl LobeView {
             reach: reach_m,
         };
         self.lobe = lobe;
-        self.sector = self.around.sector(lobe.tip, axis, cone);
-        self.apart_m = self.around.apart_m(lobe.tip);
+        self.sector = self.around.here.sector(lobe.tip, axis, cone);
+        self.apart_m = self.around.here.apart_m(lobe.tip);
         self.far_m = 0.0;
+        if self.eyes.len() <= self.eye {
+            self.eyes.resize_with(self.eye + 1, Eye::default);
+        }
+        if let Some(eye) = self.eyes.get_mut(self.eye) {
+            eye.aim(&self.lobe, &self.around);
+        }
         self.circles.clear();
-        for circle in self.around.circles.iter().chain(&world.posts) {
+        for circle in self.around.here.circles.iter().chain(&world.posts) {
             let center = circle.center - lobe.tip;
             let near = circle_in_cone(center, circle.radius, axis, cone);
             if near <= reach_m {
@@ -180,19 +169,13 @@ impl LobeView {
         let far = min(far_m, self.lobe.reach);
         let most = far + self.apart_m + SLACK_M;
         self.around.know_faces(most);
-        if self.choices.len() <= self.eye {
-            self.choices.resize_with(self.eye + 1, Choice::default);
-        }
-        if let Some(choice) = self.choices.get_mut(self.eye) {
-            choice.make(&self.around, &self.lobe);
-        }
+        self.around.know_corners();
         self.faces.clear();
         let (lobe, faces) = (&self.lobe, &mut self.faces);
-        nearby(&self.choices, self.eye, &self.around, lobe).faces_in(
-            &self.sector,
-            most,
-            |face, _| faces.extend(lobe.see(&face, far)),
-        );
+        let eye = self.eyes.get(self.eye);
+        nearby(&mut self.around, self.eye, eye).faces_in(&self.sector, most, |face, _| {
+            faces.extend(lobe.see(&face, far));
+        });
         self.faces
             .sort_unstable_by(|a, b| a.near.total_cmp(&b.near));
         self.far_m = far;
@@ -222,7 +205,6 @@ impl LobeView {
         } = self.lobe;
         let most = min(most, self.far_m);
         let limit = most + self.apart_m + SLACK_M;
-        self.around.know_corners(limit);
         self.corners.clear();
         let corners = &mut self.corners;
         let keep = |corner: Point, _| {
@@ -234,12 +216,8 @@ impl LobeView {
                 corners.push((corner, range));
             }
         };
-        nearby(&self.choices, self.eye, &self.around, &self.lobe).corners_in(
-            &self.sector,
-            limit,
-            most,
-            keep,
-        );
+        let eye = self.eyes.get(self.eye);
+        nearby(&mut self.around, self.eye, eye).corners_in(&self.sector, limit, most, keep);
         &mut self.corners
     }
 
@@ -292,7 +270,7 @@ impl LobeView {
         search.run();
         if let Some(surfaces) = self.around.surfaces().filter(|_| !self.sees_all()) {
             // Rays towards faces farther off, too, which meet something before.
-            let upright = self.choices.get(self.eye).map(|choice| &choice.upright);
+            let upright = self.eyes.get(self.eye).map(|eye| &eye.upright);
             for &place in upright.into_iter().flatten() {
                 let group = surfaces.feet.group(place);
                 let Some(group) = group.filter(|group| !others.contains(&group.inward)) else {
@@ -340,14 +318,11 @@ impl LobeView {
 }
 
 /// What may lie in a lobe of an eye, and other things.
-fn nearby<'a>(
-    choices: &'a [Choice],
-    eye: usize,
-    around: &'a Surroundings,
-    lobe: &Lobe,
-) -> &'a Nearby {
-    let choice = choices.get(eye);
-    choice.map_or(&around.nearby, |choice| choice.of(around, lobe))
+fn nearby<'a>(around: &'a mut Neighbourhoods, number: usize, eye: Option<&Eye>) -> &'a Nearby {
+    match eye.filter(|eye| eye.is_steady) {
+        Some(eye) => around.here.chosen(number, eye.aim, eye.offset, eye.axis, eye.cone),
+        None => &around.here.nearby,
+    }
 }
 
 impl Lobe {

@@ -25,6 +25,7 @@ mod feet;
 mod geometry;
 mod lobe;
 mod nearby;
+mod neighbourhoods;
 mod occupancy;
 mod outline;
 mod pgm;

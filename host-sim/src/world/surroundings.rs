@@ -1,9 +1,6 @@
 //! What can be seen or heard around one place: found once for a whole neighbourhood, used as long as the robot stays in it.
 
-use std::sync::Arc;
-
-use super::World;
-use super::faces::{Face, FaceBlock, LANES, clamp, max, min};
+use super::faces::{FaceBlock, LANES, clamp, max, min};
 use super::geometry::Point;
 use super::nearby::Nearby;
 use super::outline::Sector;
@@ -22,7 +19,6 @@ const FARTHER: f64 = 1.5;
 /// for: in a crowd what lies behind the nearest things is never looked at. Reusable.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Surroundings {
-    of: Option<Arc<Surfaces>>,
     middle: Point,
     offset_m: f64,
     reach_m: f64,
@@ -32,25 +28,35 @@ pub(super) struct Surroundings {
     looks: u64,
     pub nearby: Nearby,
     pub circles: Vec<Circle>,
-    /// Scratch.
-    faces_found: Found<Face>,
-    corners_found: Found<Point>,
+    /// Of each eye.
+    chosen: Vec<Chosen>,
+}
+
+/// What is nearby and may lie in the lobes of one eye that looks along one axis from anywhere here.
+#[derive(Debug, Clone, Default)]
+struct Chosen {
+    /// For which aim, and after how many looks: another choice is none.
+    made: (u64, u64),
+    nearby: Nearby,
 }
 
 /// Things found in any order, to be put in order of distance.
-#[derive(Debug, Clone, Default)]
 struct Found<T> {
     things: Vec<T>,
     /// Squared distance, m², and place among the things; distances as the bits of `f32`, whose order is theirs.
     order: Vec<u64>,
 }
 
-impl<T: Copy> Found<T> {
-    fn clear(&mut self) {
-        self.things.clear();
-        self.order.clear();
+impl<T> Default for Found<T> {
+    fn default() -> Self {
+        Self {
+            things: Vec::new(),
+            order: Vec::new(),
+        }
     }
+}
 
+impl<T: Copy> Found<T> {
     fn push(&mut self, squared: f64, thing: T) {
         let key = u64::from((squared as f32).to_bits());
         self.order.push(key << 32 | self.things.len() as u64);
@@ -69,24 +75,20 @@ impl<T: Copy> Found<T> {
 }
 
 impl Surroundings {
-    /// Makes ready for eyes which are at most `offset_m` from `middle` and see `reach_m` far: holds all circles afterwards.
-    pub fn look(&mut self, world: &World, middle: Point, offset_m: f64, reach_m: f64) {
-        let same = self
-            .of
-            .as_ref()
-            .is_some_and(|of| Arc::ptr_eq(of, &world.surfaces));
-        let enough = offset_m <= self.offset_m && reach_m == self.reach_m;
-        if same && enough && self.middle.distance(middle) <= ROOM_M {
-            return;
-        }
+    /// Begins anew, for eyes which are at most `offset_m` from `middle` and see `reach_m` far: holds all circles afterwards.
+    pub fn begin(&mut self, surfaces: &Surfaces, middle: Point, offset_m: f64, reach_m: f64) {
         (self.middle, self.offset_m, self.reach_m) = (middle, offset_m, reach_m);
-        if !same {
-            self.of = Some(Arc::clone(&world.surfaces));
-        }
         (self.faces_known_m, self.corners_known_m) = (0.0, 0.0);
         self.nearby.clear_corners();
-        self.find_circles(&world.surfaces);
-        self.know_faces(offset_m + ROOM_M + world.surfaces.crowd_m);
+        self.find_circles(surfaces);
+        self.know_faces(surfaces, offset_m + ROOM_M + surfaces.crowd_m);
+    }
+
+    /// Whether they are those of such eyes.
+    #[inline]
+    pub fn holds(&self, middle: Point, offset_m: f64, reach_m: f64) -> bool {
+        let apart = middle - self.middle;
+        offset_m <= self.offset_m && reach_m == self.reach_m && apart.dot(apart) <= ROOM_M * ROOM_M
     }
 
     /// How far eyes can be from the middle, m.
@@ -108,35 +110,27 @@ impl Surroundings {
         }
     }
 
-    /// All that stands still in the world.
-    pub fn surfaces(&self) -> Option<&Surfaces> {
-        self.of.as_deref()
-    }
-
     /// How far a place is from the middle, m.
     pub fn apart_m(&self, place: Point) -> f64 {
         self.middle.distance(place)
     }
 
     /// Knows the faces up to `far_m` from the middle afterwards, and perhaps more.
-    pub fn know_faces(&mut self, far_m: f64) {
-        if let Some(far_m) = farther(self.faces_known_m, far_m, self.whole_m())
-            && let Some(surfaces) = self.of.take()
-        {
-            self.faces_known_m = far_m;
-            self.find_faces(&surfaces);
-            self.of = Some(surfaces);
+    #[inline]
+    pub fn know_faces(&mut self, surfaces: &Surfaces, far_m: f64) {
+        let (known, whole) = (self.faces_known_m, self.whole_m());
+        if known < min(far_m, whole) {
+            self.faces_known_m = min(max(far_m, FARTHER * known), whole);
+            self.find_faces(surfaces);
         }
     }
 
-    /// As [`Surroundings::know_faces`], of corners.
-    pub fn know_corners(&mut self, far_m: f64) {
-        if let Some(far_m) = farther(self.corners_known_m, far_m, self.whole_m())
-            && let Some(surfaces) = self.of.take()
-        {
-            self.corners_known_m = far_m;
-            self.find_corners(&surfaces);
-            self.of = Some(surfaces);
+    /// Knows the corners as far as the faces afterwards.
+    #[inline]
+    pub fn know_corners(&mut self, surfaces: &Surfaces) {
+        if self.corners_known_m < self.faces_known_m {
+            self.corners_known_m = self.faces_known_m;
+            self.find_corners(surfaces);
         }
     }
 
@@ -152,18 +146,18 @@ impl Surroundings {
 
     fn find_faces(&mut self, surfaces: &Surfaces) {
         let (middle, reach, wide) = (self.middle, self.faces_known_m, self.wide_m());
-        self.faces_found.clear();
+        let mut found = Found::default();
         surfaces.faces_near(middle, reach, |block| {
             let squared = may_answer(block, middle, wide);
             for (lane, squared) in squared.into_iter().enumerate() {
                 if squared <= reach * reach {
-                    self.faces_found.push(squared, block.face(lane));
+                    found.push(squared, block.face(lane));
                 }
             }
         });
         let whole = self.whole_m();
         self.nearby.clear_faces();
-        for (distance, face) in self.faces_found.sorted() {
+        for (distance, face) in found.sorted() {
             self.nearby.push_face(distance, &face, middle, whole);
         }
         self.looks += 1;
@@ -171,29 +165,41 @@ impl Surroundings {
 
     fn find_corners(&mut self, surfaces: &Surfaces) {
         let (middle, reach) = (self.middle, self.corners_known_m);
-        self.corners_found.clear();
+        let mut found = Found::default();
         surfaces.corners_near(middle, reach, |&corner| {
             let offset = corner - middle;
             let squared = offset.dot(offset);
             if squared <= reach * reach {
-                self.corners_found.push(squared, corner);
+                found.push(squared, corner);
             }
         });
         self.nearby.clear_corners();
-        for (distance, corner) in self.corners_found.sorted() {
+        for (distance, corner) in found.sorted() {
             self.nearby.push_corner(distance, corner, middle);
         }
         self.looks += 1;
     }
 
-    /// Another number whenever faces or corners are others.
-    pub fn looks(&self) -> u64 {
-        self.looks
+    /// What is nearby and may lie in the cone around `axis` of eye number `eye` from anywhere here, `offset_m` along that
+    /// axis; `aim` is another number whenever one of those is another.
+    #[inline]
+    pub fn chosen(&mut self, eye: usize, aim: u64, offset_m: f64, axis: Point, cone: ConeShape) -> &Nearby {
+        let made = (aim, self.looks);
+        if self.chosen.get(eye).is_none_or(|chosen| chosen.made != made) {
+            self.choose(eye, made, offset_m, axis, cone);
+        }
+        self.chosen.get(eye).map_or(&self.nearby, |chosen| &chosen.nearby)
     }
 
-    /// Chooses into `chosen` what is nearby and may lie in the cone around `axis` of any eye `offset_m` along that axis.
-    pub fn choose(&self, offset_m: f64, axis: Point, cone: ConeShape, chosen: &mut Nearby) {
+    fn choose(&mut self, eye: usize, made: (u64, u64), offset_m: f64, axis: Point, cone: ConeShape) {
+        if self.chosen.len() <= eye {
+            self.chosen.resize_with(eye + 1, Chosen::default);
+        }
         let (middle, whole) = (self.middle, self.whole_m());
+        let Some(Chosen { made: known, nearby: chosen }) = self.chosen.get_mut(eye) else {
+            return;
+        };
+        *known = made;
         let sector = Sector::new(axis * offset_m, axis, cone, whole).widened(ROOM_M);
         chosen.clear_faces();
         chosen.clear_corners();
@@ -211,13 +217,6 @@ impl Surroundings {
     pub fn sector(&self, tip: Point, axis: Point, cone: ConeShape) -> Sector {
         Sector::new(tip - self.middle, axis, cone, self.whole_m())
     }
-}
-
-/// How far to look so that things are known up to `far` m and no farther than `whole`, where `known` m are known; `None` if
-/// they are.
-fn farther(known: f64, far: f64, whole: f64) -> Option<f64> {
-    let enough = known >= min(far, whole);
-    (!enough).then(|| min(max(far, FARTHER * known), whole))
 }
 
 /// Squared distance from `middle` to each face of a block that shows its front to a place within `wide` m of it, m²;

@@ -14,7 +14,7 @@
 use super::World;
 use super::faces::{FaceBlock, LANES, clamp, max, min};
 use super::geometry::Point;
-use super::surroundings::Surroundings;
+use super::neighbourhoods::Neighbourhoods;
 
 /// A squared distance no query can reach, m².
 const NOTHING: f32 = 1e18;
@@ -55,7 +55,7 @@ impl ViewBlock {
 /// once it has grown to the size of the world.
 #[derive(Debug, Clone, Default)]
 pub struct View {
-    around: Surroundings,
+    around: Neighbourhoods,
     middle: Point,
     offset_m: f64,
     reach_m: f64,
@@ -93,7 +93,7 @@ impl View {
         (self.kept, self.taken) = (0, 0);
         let reach = reach_m + offset_m;
         self.circles.clear();
-        for circle in self.around.circles.iter().chain(&world.posts) {
+        for circle in self.around.here.circles.iter().chain(&world.posts) {
             let offset = circle.center - middle;
             if offset.length() - circle.radius <= reach {
                 self.circles.push((offset.x, offset.y, circle.radius));
@@ -103,7 +103,7 @@ impl View {
 
     /// How many blocks hold faces: full ones while there are more to come.
     fn ready(&self) -> usize {
-        if self.taken < self.around.nearby.faces.blocks.len() {
+        if self.taken < self.around.here.nearby.faces.blocks.len() {
             self.kept / LANES
         } else {
             self.kept.div_ceil(LANES)
@@ -114,13 +114,13 @@ impl View {
     fn take(&mut self) {
         let around = std::mem::take(&mut self.around);
         if let (Some(block), Some(&from_m)) = (
-            around.nearby.faces.blocks.get(self.taken),
-            around.nearby.faces_m.get(self.taken),
+            around.here.nearby.faces.blocks.get(self.taken),
+            around.here.nearby.faces_m.get(self.taken),
         ) {
             self.keep_block(block, from_m);
         }
         self.taken += 1;
-        if self.taken >= around.nearby.faces.blocks.len()
+        if self.taken >= around.here.nearby.faces.blocks.len()
             && let Some(last) = self.blocks.get_mut(self.kept / LANES)
         {
             for lane in self.kept % LANES..LANES {
@@ -186,12 +186,12 @@ impl View {
             cone: [cone.sin as f32, cone.cos as f32],
         };
         // A face at some distance from the middle of the surroundings is nearer to the eye by no more than this.
-        let eye_from = self.around.apart_m(self.middle + axis * offset_m);
+        let eye_from = self.around.here.apart_m(self.middle + axis * offset_m);
         let apart = eye_from + SLACK_M + ROUNDING * self.reach_m;
         let mut best = [NOTHING; LANES];
         let mut index = 0;
         loop {
-            while index >= self.ready() && self.taken < self.around.nearby.faces.blocks.len() {
+            while index >= self.ready() && self.taken < self.around.here.nearby.faces.blocks.len() {
                 self.take();
             }
             let ready = index < self.ready();
@@ -200,8 +200,9 @@ impl View {
                     eye.meet(block, &mut best);
                     index += 1;
                 }
-                None if !is_found(&best, self.around.known_m() - apart) => {
-                    self.around.know_faces(self.around.known_m() + SLACK_M);
+                None if !is_found(&best, self.around.here.known_m() - apart) => {
+                    let more = self.around.here.known_m() + SLACK_M;
+                    self.around.know_faces(more);
                     (self.kept, self.taken, index) = (0, 0, 0);
                 }
                 _ => return f64::from(best.into_iter().fold(NOTHING, min32)),
