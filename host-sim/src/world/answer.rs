@@ -192,14 +192,18 @@ impl Search<'_> {
         for &ray in self.others {
             self.try_face(face, ray);
         }
+        // Casts of what is below 0 saturate.
+        let left = (self.fan.place(axis_n, -axis_u) + 1.0) as usize;
+        if face.has_foot() && self.ask_beside(face, left) {
+            return;
+        }
         let place = |p: f64| {
             let (along, across) = (p * axis_u + face.q * axis_n, p * axis_n - face.q * axis_u);
             self.fan.place(along, across)
         };
-        // Casts of what is below 0 saturate. The ends are taken one ray too far.
+        // The ends are taken one ray too far.
         let first = (place(face.p) - 1.0) as usize;
         let last = ((place(face.p + face.length) + 2.0) as usize).min(self.fan.count - 1);
-        let left = (self.fan.place(axis_n, -axis_u) + 1.0) as usize;
         for index in (first..left.min(last + 1)).rev() {
             if self.try_face(face, self.ray(index)) {
                 break;
@@ -210,6 +214,18 @@ impl Search<'_> {
                 break;
             }
         }
+    }
+
+    /// Tries a face by the two rays beside its normal, of which `left` is the left one. Returns whether they settle what the
+    /// others would say.
+    #[inline]
+    fn ask_beside(&mut self, face: &SeenFace, left: usize) -> bool {
+        let right = left.wrapping_sub(1);
+        let count = self.fan.count;
+        left < count
+            && right < count
+            && self.try_face(face, self.ray(right))
+            && self.try_face(face, self.ray(left))
     }
 
     /// Takes a face's answer to a ray if it is the best so far. Returns whether rays farther from the face's normal

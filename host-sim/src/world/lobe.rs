@@ -13,9 +13,9 @@ use super::answer::{Fan, Search, Things};
 use super::faces::{Face, max, min};
 use super::feet::Parallel;
 use super::geometry::Point;
-use super::nearby::Nearby;
 use super::neighbourhoods::Neighbourhoods;
 use super::outline::Sector;
+use super::steady::{Directions, Station};
 use super::rays::{Rays, SeenCircle, SeenFace};
 use super::surfaces::Surfaces;
 use super::view::{ConeShape, circle_in_cone};
@@ -46,38 +46,58 @@ struct Eye {
     world: u64,
     /// Another number whenever one of those is another.
     aim: u64,
-    /// Whether it has looked there before: whoever turns looks once.
-    is_steady: bool,
+    directions: Directions,
     /// Where among all directions those of faces are that rays of the lobe can meet at right angles.
     upright: Vec<usize>,
 }
 
 impl Eye {
-    fn aim(&mut self, lobe: &Lobe, around: &Neighbourhoods) {
-        self.is_steady = self.world == around.worlds()
-            && self.axis == lobe.axis
+    /// Looks along a lobe. Returns whether it has before: whoever turns looks once.
+    #[inline]
+    fn aim(&mut self, lobe: &Lobe, around: &Neighbourhoods) -> bool {
+        let is_steady = self.axis == lobe.axis
+            && self.world == around.worlds()
             && self.offset == lobe.offset
             && self.cone == lobe.cone;
-        if !self.is_steady {
-            (self.offset, self.axis, self.cone) = (lobe.offset, lobe.axis, lobe.cone);
-            self.world = around.worlds();
-            self.aim += 1;
-            self.find_upright(around);
+        if !is_steady {
+            self.aim_anew(lobe, around);
         }
+        is_steady
+    }
+
+    fn aim_anew(&mut self, lobe: &Lobe, around: &Neighbourhoods) {
+        (self.offset, self.axis, self.cone) = (lobe.offset, lobe.axis, lobe.cone);
+        self.world = around.worlds();
+        self.aim += 1;
+        self.directions = Directions::new(lobe.axis, lobe.cone);
+        self.find_upright(around);
     }
 
     fn find_upright(&mut self, around: &Neighbourhoods) {
-        let (axis, cone) = (self.axis, self.cone);
-        let edge = |sin: f64| axis.turned(Point::new(cone.cos, sin));
+        let (to, cone) = (self.directions, self.cone);
         self.upright.clear();
         if let Some(feet) = around.surfaces().map(|surfaces| &surfaces.feet) {
-            let all = feet.between(edge(-cone.sin), edge(cone.sin));
+            let all = feet.between(to.right, to.left);
             let inside = |place: &usize| {
                 let group = feet.group(*place);
-                group.is_some_and(|group| group.inward.dot(axis) >= cone.cos)
+                group.is_some_and(|group| group.inward.dot(to.axis) >= cone.cos)
             };
             self.upright.extend(all.filter(inside));
         }
+    }
+}
+
+/// The first look at what lies in a lobe.
+#[derive(Debug, Clone, Copy)]
+enum FirstLook {
+    /// Of an eye whose things have been chosen.
+    Steady(Station),
+    Any(Sector),
+}
+
+impl Default for FirstLook {
+    fn default() -> Self {
+        Self::Any(Sector::default())
     }
 }
 
@@ -88,8 +108,8 @@ pub struct LobeView {
     eyes: Vec<Eye>,
     eye: usize,
     lobe: Lobe,
-    /// The lobe as it lies in its surroundings, and how far from their middle its tip.
-    sector: Sector,
+    first_look: FirstLook,
+    /// How far from the middle of the surroundings the tip lies.
     apart_m: f64,
     /// Up to where faces and corners have been looked at, m from the tip.
     far_m: f64,
@@ -140,15 +160,9 @@ impl LobeView {
             reach: reach_m,
         };
         self.lobe = lobe;
-        self.sector = self.around.here.sector(lobe.tip, axis, cone);
+        self.aim_eye();
         self.apart_m = self.around.here.apart_m(lobe.tip);
         self.far_m = 0.0;
-        if self.eyes.len() <= self.eye {
-            self.eyes.resize_with(self.eye + 1, Eye::default);
-        }
-        if let Some(eye) = self.eyes.get_mut(self.eye) {
-            eye.aim(&self.lobe, &self.around);
-        }
         self.circles.clear();
         for circle in self.around.here.circles.iter().chain(&world.posts) {
             let center = circle.center - lobe.tip;
@@ -164,6 +178,21 @@ impl LobeView {
         }
     }
 
+    fn aim_eye(&mut self) {
+        if self.eyes.len() <= self.eye {
+            self.eyes.resize_with(self.eye + 1, Eye::default);
+        }
+        let Some(eye) = self.eyes.get_mut(self.eye) else {
+            return;
+        };
+        let (tip, here) = (self.lobe.tip, &self.around.here);
+        self.first_look = if eye.aim(&self.lobe, &self.around) {
+            FirstLook::Steady(here.station(tip, &eye.directions))
+        } else {
+            FirstLook::Any(here.sector(tip, &eye.directions))
+        };
+    }
+
     /// Collects the faces that come within `far_m` of the tip.
     pub fn look(&mut self, far_m: f64) {
         let far = min(far_m, self.lobe.reach);
@@ -171,13 +200,29 @@ impl LobeView {
         self.around.know_faces(most);
         self.around.know_corners();
         self.faces.clear();
-        let (lobe, faces) = (&self.lobe, &mut self.faces);
-        let eye = self.eyes.get(self.eye);
-        nearby(&mut self.around, self.eye, eye).faces_in(&self.sector, most, |face, _| {
-            faces.extend(lobe.see(&face, far));
-        });
-        self.faces
-            .sort_unstable_by(|a, b| a.near.total_cmp(&b.near));
+        let (lobe, faces, here) = (&self.lobe, &mut self.faces, &mut self.around.here);
+        match self.first_look {
+            FirstLook::Any(sector) => here.nearby.faces_in(&sector, most, |face, _| {
+                let edges = Edges::of(&face, lobe.axis, lobe.cone);
+                faces.extend(lobe.see(&face, &edges, far));
+            }),
+            FirstLook::Steady(station) => {
+                if let Some(eye) = self.eyes.get(self.eye) {
+                    here.choose(self.eye, eye.aim, eye.offset, &eye.directions);
+                }
+                if let Some(chosen) = here.chosen(self.eye) {
+                    chosen.faces_in(&station, most, far, |face, edges| {
+                        if let Some(face) = lobe.see(face, edges, far) {
+                            faces.push(face);
+                        }
+                    });
+                }
+            }
+        }
+        if self.faces.len() > 1 {
+            self.faces
+                .sort_unstable_by(|a, b| a.near.total_cmp(&b.near));
+        }
         self.far_m = far;
     }
 
@@ -206,18 +251,27 @@ impl LobeView {
         let most = min(most, self.far_m);
         let limit = most + self.apart_m + SLACK_M;
         self.corners.clear();
-        let corners = &mut self.corners;
-        let keep = |corner: Point, _| {
+        let (corners, here) = (&mut self.corners, &self.around.here);
+        let mut keep = |corner: Point| {
             let corner = corner - tip;
             let (along, across) = (axis.dot(corner), axis.cross(corner).abs());
-            let range = corner.length();
-            let inside = across * cone.cos <= along * cone.sin && range <= reach;
-            if inside && range >= least && range <= most {
-                corners.push((corner, range));
+            if across * cone.cos <= along * cone.sin {
+                let range = corner.length();
+                if range <= reach && range >= least && range <= most {
+                    corners.push((corner, range));
+                }
             }
         };
-        let eye = self.eyes.get(self.eye);
-        nearby(&mut self.around, self.eye, eye).corners_in(&self.sector, limit, most, keep);
+        match self.first_look {
+            FirstLook::Any(sector) => here
+                .nearby
+                .corners_in(&sector, limit, most, |corner, _| keep(corner)),
+            FirstLook::Steady(station) => {
+                if let Some(chosen) = here.chosen(self.eye) {
+                    chosen.corners_in(&station, limit, most, keep);
+                }
+            }
+        }
         &mut self.corners
     }
 
@@ -317,24 +371,41 @@ impl LobeView {
     }
 }
 
-/// What may lie in a lobe of an eye, and other things.
-fn nearby<'a>(around: &'a mut Neighbourhoods, number: usize, eye: Option<&Eye>) -> &'a Nearby {
-    match eye.filter(|eye| eye.is_steady) {
-        Some(eye) => around.here.chosen(number, eye.aim, eye.offset, eye.axis, eye.cone),
-        None => &around.here.nearby,
+/// How the edges of a cone run to a face: along its normal, from the front, and along the face.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Edges {
+    left_n: f64,
+    left_u: f64,
+    right_n: f64,
+    right_u: f64,
+}
+
+impl Edges {
+    #[inline]
+    pub fn of(face: &Face, axis: Point, cone: ConeShape) -> Self {
+        let ConeShape { sin, cos } = cone;
+        let (axis_u, axis_n) = (axis.dot(face.u), axis.cross(face.u));
+        Self {
+            left_n: axis_n * cos - axis_u * sin,
+            left_u: axis_u * cos + axis_n * sin,
+            right_n: axis_n * cos + axis_u * sin,
+            right_u: axis_u * cos - axis_n * sin,
+        }
     }
 }
 
 impl Lobe {
     /// A face as it is seen, if any part of it lies in the lobe within `far` m of its tip.
     #[inline]
-    fn see(&self, face: &Face, far: f64) -> Option<SeenFace> {
-        let ConeShape { sin, cos } = self.cone;
+    fn see(&self, face: &Face, edges: &Edges, far: f64) -> Option<SeenFace> {
+        let Edges {
+            left_n,
+            left_u,
+            right_n,
+            right_u,
+        } = *edges;
         let offset = face.a - self.tip;
         let (p, q) = (offset.dot(face.u), offset.cross(face.u));
-        let (axis_u, axis_n) = (self.axis.dot(face.u), self.axis.cross(face.u));
-        let (left_n, left_u) = (axis_n * cos - axis_u * sin, axis_u * cos + axis_n * sin);
-        let (right_n, right_u) = (axis_n * cos + axis_u * sin, axis_u * cos - axis_n * sin);
         let (met_left, met_right) = (left_n > 0.0, right_n > 0.0);
         if q <= 0.0 || q * q > far * far || !(met_left || met_right) {
             return None;
@@ -367,7 +438,10 @@ impl Lobe {
     fn sees_foot(&self, group: &Parallel, surfaces: &Surfaces) -> bool {
         let faces = group.around(self.tip);
         let faces = faces.filter_map(|place| surfaces.faces.get(place));
-        let mut seen = faces.filter_map(|face| self.see(&face, self.reach));
+        let mut seen = faces.filter_map(|face| {
+            let edges = Edges::of(&face, self.axis, self.cone);
+            self.see(&face, &edges, self.reach)
+        });
         seen.any(|face| face.has_foot())
     }
 }

@@ -36,6 +36,7 @@ mod ros_map;
 mod sdf;
 mod shapes;
 mod spec;
+mod steady;
 mod surfaces;
 mod surroundings;
 mod sweep;

@@ -2,7 +2,7 @@
 
 use super::faces::{Face, Faces, LANES};
 use super::geometry::Point;
-use super::outline::{Outline, Points, Sector};
+use super::outline::{Outline, Piece, Points, Sector};
 
 /// Faces and corners around a middle, from near to far.
 #[derive(Debug, Clone, Default)]
@@ -42,7 +42,7 @@ impl Nearby {
             self.faces_m.push(distance);
         }
         if let Some(outline) = self.outlines.last_mut() {
-            outline.set(lane, face, middle, reach);
+            outline.set(lane, &Piece::of(face, middle, reach));
         }
         self.faces.push(*face);
     }

@@ -7,7 +7,7 @@ use wide::f32x8;
 
 use super::faces::{Face, LANES, clamp};
 use super::geometry::Point;
-use super::view::ConeShape;
+use super::steady::Directions;
 
 /// [`LANES`] points relative to a middle, m. A place without one is no number and lies nowhere.
 #[derive(Debug, Clone, Copy)]
@@ -44,17 +44,43 @@ impl Outline {
         distance: [f32::NAN; LANES],
     };
 
-    /// Puts a face here, as far as it lies within `reach` m of `middle`, which it does in part.
-    pub fn set(&mut self, lane: usize, face: &Face, middle: Point, reach: f64) {
+    /// Puts a piece of a face here.
+    pub fn set(&mut self, lane: usize, piece: &Piece) {
+        self.begin.set(lane, piece.begin);
+        self.end.set(lane, piece.end);
+        self.normal.set(lane, piece.normal);
+        self.distance[lane] = piece.distance as f32;
+    }
+}
+
+/// What of a face lies near a middle, and its line.
+pub(super) struct Piece {
+    pub begin: Point,
+    pub end: Point,
+    pub normal: Point,
+    pub distance: f64,
+}
+
+impl Piece {
+    /// What of a face lies within `reach` m of `middle`, which some of it does.
+    pub fn of(face: &Face, middle: Point, reach: f64) -> Self {
         let offset = face.a - middle;
         let (p, q) = (offset.dot(face.u), offset.cross(face.u));
         let normal = Point::new(face.u.y, -face.u.x);
         let at = |p: f64| face.u * clamp(p, -reach, reach) + normal * q;
-        self.begin.set(lane, at(p));
-        self.end.set(lane, at(p + face.length));
-        self.normal.set(lane, normal);
-        self.distance[lane] = q as f32;
+        Self {
+            begin: at(p),
+            end: at(p + face.length),
+            normal,
+            distance: q,
+        }
     }
+}
+
+/// Far above the rounding of `f32` among things within `reach` m.
+#[inline]
+pub(super) fn slack(reach: f64) -> f32 {
+    (1e-3 + 1e-6 * reach) as f32
 }
 
 /// A lobe as it lies in its surroundings.
@@ -70,19 +96,17 @@ pub(super) struct Sector {
 }
 
 impl Sector {
-    /// The cone around the unit vector `axis` whose tip lies at `tip` from a middle, among things within `reach` m of it.
-    pub fn new(tip: Point, axis: Point, cone: ConeShape, reach: f64) -> Self {
-        let edge = |sin: f64| {
-            let along = axis.turned(Point::new(cone.cos, sin));
-            [along.x, along.y, along.cross(-tip)].map(|part| part as f32)
-        };
+    /// The cone that points in these directions, whose tip lies at `tip` from a middle, among things within `reach` m of it.
+    #[inline]
+    pub fn new(tip: Point, directions: &Directions, reach: f64) -> Self {
+        let edge = |edge: Point| [edge.x, edge.y, edge.cross(-tip)].map(|part| part as f32);
+        let axis = directions.axis;
         Self {
             tip: [tip.x as f32, tip.y as f32],
             axis: [axis.x, axis.y, axis.dot(-tip)].map(|part| part as f32),
-            left: edge(cone.sin),
-            right: edge(-cone.sin),
-            // Far above the rounding of `f32`.
-            slack: (1e-3 + 1e-6 * reach) as f32,
+            left: edge(directions.left),
+            right: edge(directions.right),
+            slack: slack(reach),
         }
     }
 

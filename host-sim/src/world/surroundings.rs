@@ -3,10 +3,10 @@
 use super::faces::{FaceBlock, LANES, clamp, max, min};
 use super::geometry::Point;
 use super::nearby::Nearby;
-use super::outline::Sector;
+use super::outline::{Piece, Sector};
+use super::steady::{Directions, Station, Steady};
 use super::surfaces::{Circle, Surfaces};
 use super::tree::SLACK_M;
-use super::view::ConeShape;
 
 /// Places within this distance of where the surroundings were looked at need no new look, m.
 const ROOM_M: f64 = 0.8;
@@ -32,12 +32,12 @@ pub(super) struct Surroundings {
     chosen: Vec<Chosen>,
 }
 
-/// What is nearby and may lie in the lobes of one eye that looks along one axis from anywhere here.
+/// What is nearby and may lie in the lobes of one steady eye from anywhere here.
 #[derive(Debug, Clone, Default)]
 struct Chosen {
     /// For which aim, and after how many looks: another choice is none.
     made: (u64, u64),
-    nearby: Nearby,
+    things: Steady,
 }
 
 /// Things found in any order, to be put in order of distance.
@@ -110,11 +110,6 @@ impl Surroundings {
         }
     }
 
-    /// How far a place is from the middle, m.
-    pub fn apart_m(&self, place: Point) -> f64 {
-        self.middle.distance(place)
-    }
-
     /// Knows the faces up to `far_m` from the middle afterwards, and perhaps more.
     #[inline]
     pub fn know_faces(&mut self, surfaces: &Surfaces, far_m: f64) {
@@ -180,42 +175,60 @@ impl Surroundings {
         self.looks += 1;
     }
 
-    /// What is nearby and may lie in the cone around `axis` of eye number `eye` from anywhere here, `offset_m` along that
-    /// axis; `aim` is another number whenever one of those is another.
+    /// What is nearby and may lie in the lobes of eye number `eye` from anywhere here, once [chosen](Surroundings::choose).
     #[inline]
-    pub fn chosen(&mut self, eye: usize, aim: u64, offset_m: f64, axis: Point, cone: ConeShape) -> &Nearby {
-        let made = (aim, self.looks);
-        if self.chosen.get(eye).is_none_or(|chosen| chosen.made != made) {
-            self.choose(eye, made, offset_m, axis, cone);
-        }
-        self.chosen.get(eye).map_or(&self.nearby, |chosen| &chosen.nearby)
+    pub fn chosen(&self, eye: usize) -> Option<&Steady> {
+        self.chosen.get(eye).map(|chosen| &chosen.things)
     }
 
-    fn choose(&mut self, eye: usize, made: (u64, u64), offset_m: f64, axis: Point, cone: ConeShape) {
-        if self.chosen.len() <= eye {
-            self.chosen.resize_with(eye + 1, Chosen::default);
+    /// Chooses for eye number `eye`, which looks in these directions `offset_m` from wherever it is; `aim` is another number
+    /// whenever it looks elsewhere.
+    #[inline]
+    pub fn choose(&mut self, eye: usize, aim: u64, offset_m: f64, directions: &Directions) {
+        let made = (aim, self.looks);
+        if self.chosen.get(eye).is_none_or(|chosen| chosen.made != made) {
+            if self.chosen.len() <= eye {
+                self.chosen.resize_with(eye + 1, Chosen::default);
+            }
+            self.choose_anew(eye, made, offset_m, directions);
         }
+    }
+
+    #[inline(never)]
+    fn choose_anew(&mut self, eye: usize, made: (u64, u64), offset_m: f64, to: &Directions) {
         let (middle, whole) = (self.middle, self.whole_m());
-        let Some(Chosen { made: known, nearby: chosen }) = self.chosen.get_mut(eye) else {
+        let Some(chosen) = self.chosen.get_mut(eye) else {
             return;
         };
-        *known = made;
-        let sector = Sector::new(axis * offset_m, axis, cone, whole).widened(ROOM_M);
-        chosen.clear_faces();
-        chosen.clear_corners();
+        chosen.made = made;
+        let chosen = &mut chosen.things;
+        chosen.clear();
+        let sector = Sector::new(to.axis * offset_m, to, whole).widened(ROOM_M);
         let all = f64::INFINITY;
         self.nearby.faces_in(&sector, all, |face, distance| {
-            chosen.push_face(distance, &face, middle, whole);
+            chosen.push_face(distance, &face, &Piece::of(&face, middle, whole), to);
         });
         self.nearby
             .corners_in(&sector, all, all, |corner, distance| {
-                chosen.push_corner(distance, corner, middle);
+                chosen.push_corner(distance, corner, middle, to);
             });
     }
 
-    /// The cone whose tip and axis are given, as it lies here.
-    pub fn sector(&self, tip: Point, axis: Point, cone: ConeShape) -> Sector {
-        Sector::new(tip - self.middle, axis, cone, self.whole_m())
+    /// How far from the middle a place is, m.
+    pub fn apart_m(&self, place: Point) -> f64 {
+        self.middle.distance(place)
+    }
+
+    /// The cone that points in these directions from `tip`, as it lies here.
+    #[inline]
+    pub fn sector(&self, tip: Point, directions: &Directions) -> Sector {
+        Sector::new(tip - self.middle, directions, self.whole_m())
+    }
+
+    /// A steady eye at `tip`, as it stands here.
+    #[inline]
+    pub fn station(&self, tip: Point, directions: &Directions) -> Station {
+        Station::new(tip - self.middle, directions, self.whole_m())
     }
 }
 
