@@ -192,40 +192,43 @@ impl Search<'_> {
         for &ray in self.others {
             self.try_face(face, ray);
         }
-        // Casts of what is below 0 saturate.
-        let left = (self.fan.place(axis_n, -axis_u) + 1.0) as usize;
-        if face.has_foot() && self.ask_beside(face, left) {
-            return;
-        }
         let place = |p: f64| {
             let (along, across) = (p * axis_u + face.q * axis_n, p * axis_n - face.q * axis_u);
             self.fan.place(along, across)
         };
-        // The ends are taken one ray too far.
-        let first = (place(face.p) - 1.0) as usize;
-        let last = ((place(face.p + face.length) + 2.0) as usize).min(self.fan.count - 1);
-        for index in (first..left.min(last + 1)).rev() {
-            if self.try_face(face, self.ray(index)) {
-                break;
-            }
+        // One ray too early, for rounding. Casts of what is below 0 saturate.
+        if face.p > 0.0 {
+            let first = (place(face.p) - 1.0) as usize;
+            self.ask_left(face, first);
+        } else if face.p + face.length < 0.0 {
+            let last = (place(face.p + face.length) + 2.0) as usize;
+            self.ask_right(face, last + 1);
+        } else {
+            let left = (place(0.0) + 1.0) as usize;
+            self.ask_right(face, left);
+            self.ask_left(face, left);
         }
-        for index in left.max(first)..=last {
-            if self.try_face(face, self.ray(index)) {
+    }
+
+    /// Asks a face by the rays to the left from `first` on, away from its normal.
+    fn ask_left(&mut self, face: &SeenFace, first: usize) {
+        let end = face.p + face.length;
+        for index in first..self.fan.count {
+            let ray = self.ray(index);
+            if face.q * ray.dot(face.u) > end * ray.cross(face.u) || self.try_face(face, ray) {
                 break;
             }
         }
     }
 
-    /// Tries a face by the two rays beside its normal, of which `left` is the left one. Returns whether they settle what the
-    /// others would say.
-    #[inline]
-    fn ask_beside(&mut self, face: &SeenFace, left: usize) -> bool {
-        let right = left.wrapping_sub(1);
-        let count = self.fan.count;
-        left < count
-            && right < count
-            && self.try_face(face, self.ray(right))
-            && self.try_face(face, self.ray(left))
+    /// Asks a face by the rays to the right of `left`, away from its normal.
+    fn ask_right(&mut self, face: &SeenFace, left: usize) {
+        for index in (0..left.min(self.fan.count)).rev() {
+            let ray = self.ray(index);
+            if face.q * ray.dot(face.u) < face.p * ray.cross(face.u) || self.try_face(face, ray) {
+                break;
+            }
+        }
     }
 
     /// Takes a face's answer to a ray if it is the best so far. Returns whether rays farther from the face's normal

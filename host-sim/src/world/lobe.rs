@@ -325,14 +325,17 @@ impl LobeView {
         if let Some(surfaces) = self.around.surfaces().filter(|_| !self.sees_all()) {
             // Rays towards faces farther off, too, which meet something before.
             let upright = self.eyes.get(self.eye).map(|eye| &eye.upright);
+            let mut answer = (Point::default(), f64::INFINITY);
             for &place in upright.into_iter().flatten() {
                 let group = surfaces.feet.group(place);
                 let Some(group) = group.filter(|group| !others.contains(&group.inward)) else {
                     continue;
                 };
-                let answer = search.answer_to(group.inward);
-                if answer < search.best && self.lobe.sees_foot(group, surfaces) {
-                    search.best = answer;
+                if group.inward != answer.0 {
+                    answer = (group.inward, search.answer_to(group.inward));
+                }
+                if answer.1 < search.best && self.lobe.sees_foot(group, surfaces) {
+                    search.best = answer.1;
                 }
             }
         }
