@@ -52,6 +52,7 @@ impl FaceBlock {
     }
 
     /// One of the faces.
+    #[inline]
     pub fn face(&self, lane: usize) -> Face {
         Face {
             a: Point::new(self.ax[lane], self.ay[lane]),
@@ -133,6 +134,7 @@ impl Faces {
     }
 
     /// The face at a place of this list.
+    #[inline]
     pub fn get(&self, place: usize) -> Option<Face> {
         let block = self.blocks.get(place / LANES)?;
         (place < self.count).then(|| block.face(place % LANES))

@@ -201,21 +201,23 @@ impl LobeView {
         self.around.know_corners();
         self.faces.clear();
         let (lobe, faces, here) = (&self.lobe, &mut self.faces, &mut self.around.here);
+        if let (FirstLook::Steady(_), Some(eye)) = (&self.first_look, self.eyes.get(self.eye)) {
+            here.choose(self.eye, eye.aim, eye.offset, &eye.directions);
+        }
+        let mut see = |number| {
+            if let Some(face) = here.nearby.face(number)
+                && let Some(face) = lobe.see(&face, far)
+            {
+                faces.push(face);
+            }
+        };
         match self.first_look {
-            FirstLook::Any(sector) => here.nearby.faces_in(&sector, most, |face, _| {
-                let edges = Edges::of(&face, lobe.axis, lobe.cone);
-                faces.extend(lobe.see(&face, &edges, far));
-            }),
+            FirstLook::Any(sector) => here
+                .nearby
+                .faces_in(&sector, most, |number, _| see(number)),
             FirstLook::Steady(station) => {
-                if let Some(eye) = self.eyes.get(self.eye) {
-                    here.choose(self.eye, eye.aim, eye.offset, &eye.directions);
-                }
                 if let Some(chosen) = here.chosen(self.eye) {
-                    chosen.faces_in(&station, most, far, |face, edges| {
-                        if let Some(face) = lobe.see(face, edges, far) {
-                            faces.push(face);
-                        }
-                    });
+                    chosen.faces.each_in(&station, most, far, see);
                 }
             }
         }
@@ -252,7 +254,10 @@ impl LobeView {
         let limit = most + self.apart_m + SLACK_M;
         self.corners.clear();
         let (corners, here) = (&mut self.corners, &self.around.here);
-        let mut keep = |corner: Point| {
+        let mut keep = |number| {
+            let Some(corner) = here.nearby.corner(number) else {
+                return;
+            };
             let corner = corner - tip;
             let (along, across) = (axis.dot(corner), axis.cross(corner).abs());
             if across * cone.cos <= along * cone.sin {
@@ -265,10 +270,10 @@ impl LobeView {
         match self.first_look {
             FirstLook::Any(sector) => here
                 .nearby
-                .corners_in(&sector, limit, most, |corner, _| keep(corner)),
+                .corners_in(&sector, limit, most, |number, _| keep(number)),
             FirstLook::Steady(station) => {
                 if let Some(chosen) = here.chosen(self.eye) {
-                    chosen.corners_in(&station, limit, most, keep);
+                    chosen.corners.each_in(&station, limit, most, keep);
                 }
             }
         }
@@ -374,43 +379,21 @@ impl LobeView {
     }
 }
 
-/// How the edges of a cone run to a face: along its normal, from the front, and along the face.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Edges {
-    left_n: f64,
-    left_u: f64,
-    right_n: f64,
-    right_u: f64,
-}
-
-impl Edges {
-    #[inline]
-    pub fn of(face: &Face, axis: Point, cone: ConeShape) -> Self {
-        let ConeShape { sin, cos } = cone;
-        let (axis_u, axis_n) = (axis.dot(face.u), axis.cross(face.u));
-        Self {
-            left_n: axis_n * cos - axis_u * sin,
-            left_u: axis_u * cos + axis_n * sin,
-            right_n: axis_n * cos + axis_u * sin,
-            right_u: axis_u * cos - axis_n * sin,
-        }
-    }
-}
-
 impl Lobe {
     /// A face as it is seen, if any part of it lies in the lobe within `far` m of its tip.
     #[inline]
-    fn see(&self, face: &Face, edges: &Edges, far: f64) -> Option<SeenFace> {
-        let Edges {
-            left_n,
-            left_u,
-            right_n,
-            right_u,
-        } = *edges;
+    fn see(&self, face: &Face, far: f64) -> Option<SeenFace> {
+        let ConeShape { sin, cos } = self.cone;
         let offset = face.a - self.tip;
         let (p, q) = (offset.dot(face.u), offset.cross(face.u));
+        if q <= 0.0 || q * q > far * far {
+            return None;
+        }
+        let (axis_u, axis_n) = (self.axis.dot(face.u), self.axis.cross(face.u));
+        let (left_n, left_u) = (axis_n * cos - axis_u * sin, axis_u * cos + axis_n * sin);
+        let (right_n, right_u) = (axis_n * cos + axis_u * sin, axis_u * cos - axis_n * sin);
         let (met_left, met_right) = (left_n > 0.0, right_n > 0.0);
-        if q <= 0.0 || q * q > far * far || !(met_left || met_right) {
+        if !(met_left || met_right) {
             return None;
         }
         // An edge of the cone that runs away from the face bounds nothing.
@@ -441,10 +424,7 @@ impl Lobe {
     fn sees_foot(&self, group: &Parallel, surfaces: &Surfaces) -> bool {
         let faces = group.around(self.tip);
         let faces = faces.filter_map(|place| surfaces.faces.get(place));
-        let mut seen = faces.filter_map(|face| {
-            let edges = Edges::of(&face, self.axis, self.cone);
-            self.see(&face, &edges, self.reach)
-        });
+        let mut seen = faces.filter_map(|face| self.see(&face, self.reach));
         seen.any(|face| face.has_foot())
     }
 }

@@ -60,17 +60,29 @@ impl Nearby {
         self.corners.push(corner);
     }
 
-    /// Shows the faces up to `most` m from the middle that may lie in a sector, and others, with the distance of their
-    /// block.
+    /// A face, by its number here.
     #[inline]
-    pub fn faces_in(&self, sector: &Sector, most: f64, mut look: impl FnMut(Face, f64)) {
-        let blocks = self.faces.blocks.iter().zip(&self.outlines);
-        for ((block, outline), &distance) in blocks.zip(&self.faces_m) {
+    pub fn face(&self, number: usize) -> Option<Face> {
+        self.faces.get(number)
+    }
+
+    /// A corner, by its number here.
+    #[inline]
+    pub fn corner(&self, number: usize) -> Option<Point> {
+        self.corners.get(number).copied()
+    }
+
+    /// Shows the numbers of the faces up to `most` m from the middle that may lie in a sector, and others, with the
+    /// distance of their block.
+    #[inline]
+    pub fn faces_in(&self, sector: &Sector, most: f64, mut look: impl FnMut(usize, f64)) {
+        let outlines = self.outlines.iter().zip(&self.faces_m);
+        for ((outline, &distance), first) in outlines.zip((0..).step_by(LANES)) {
             if distance > most {
                 break;
             }
             for lane in lanes(sector.faces(outline)) {
-                look(block.face(lane), distance);
+                look(first + lane, distance);
             }
         }
     }
@@ -82,26 +94,22 @@ impl Nearby {
         sector: &Sector,
         most: f64,
         along: f64,
-        mut look: impl FnMut(Point, f64),
+        mut look: impl FnMut(usize, f64),
     ) {
-        let corners = self.corners.chunks(LANES);
-        for ((block, corners), &distance) in
-            self.corner_blocks.iter().zip(corners).zip(&self.corners_m)
-        {
+        let blocks = self.corner_blocks.iter().zip(&self.corners_m);
+        for ((block, &distance), first) in blocks.zip((0..).step_by(LANES)) {
             if distance > most {
                 break;
             }
             for lane in lanes(sector.points(block, along)) {
-                if let Some(corner) = corners.get(lane) {
-                    look(*corner, distance);
-                }
+                look(first + lane, distance);
             }
         }
     }
 }
 
 /// The places of the ones in a mask, from the lowest.
-fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
+pub(super) fn lanes(mut mask: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let lane = (mask != 0).then(|| mask.trailing_zeros() as usize);
         mask &= mask.wrapping_sub(1);

@@ -34,10 +34,11 @@ pub(super) struct Surroundings {
 
 /// What is nearby and may lie in the lobes of one steady eye from anywhere here.
 #[derive(Debug, Clone, Default)]
-struct Chosen {
+pub(super) struct Chosen {
     /// For which aim, and after how many looks: another choice is none.
     made: (u64, u64),
-    things: Steady,
+    pub faces: Steady,
+    pub corners: Steady,
 }
 
 /// Things found in any order, to be put in order of distance.
@@ -177,8 +178,8 @@ impl Surroundings {
 
     /// What is nearby and may lie in the lobes of eye number `eye` from anywhere here, once [chosen](Surroundings::choose).
     #[inline]
-    pub fn chosen(&self, eye: usize) -> Option<&Steady> {
-        self.chosen.get(eye).map(|chosen| &chosen.things)
+    pub fn chosen(&self, eye: usize) -> Option<&Chosen> {
+        self.chosen.get(eye)
     }
 
     /// Chooses for eye number `eye`, which looks in these directions `offset_m` from wherever it is; `aim` is another number
@@ -201,17 +202,22 @@ impl Surroundings {
             return;
         };
         chosen.made = made;
-        let chosen = &mut chosen.things;
-        chosen.clear();
+        chosen.faces.clear();
+        chosen.corners.clear();
         let sector = Sector::new(to.axis * offset_m, to, whole).widened(ROOM_M);
         let all = f64::INFINITY;
-        self.nearby.faces_in(&sector, all, |face, distance| {
-            chosen.push_face(distance, &face, &Piece::of(&face, middle, whole), to);
+        self.nearby.faces_in(&sector, all, |number, distance| {
+            if let Some(face) = self.nearby.face(number) {
+                let piece = Piece::of(&face, middle, whole);
+                let ends = [piece.begin, piece.end];
+                chosen.faces.push(distance, number, ends, to);
+            }
         });
-        self.nearby
-            .corners_in(&sector, all, all, |corner, distance| {
-                chosen.push_corner(distance, corner, middle, to);
-            });
+        self.nearby.corners_in(&sector, all, all, |number, distance| {
+            if let Some(corner) = self.nearby.corner(number) {
+                chosen.corners.push(distance, number, [corner - middle; 2], to);
+            }
+        });
     }
 
     /// How far from the middle a place is, m.
