@@ -165,7 +165,12 @@ mod tests {
     fn about_is_near_enough() {
         let mut noise = Noise::new(2);
         let mut draws: Vec<_> = (0..200_000).map(|_| noise.deviate()).collect();
-        for share in [1.0, 1.0 - 1.0 / (1u64 << 53) as f64, 1.0 / (1u64 << 53) as f64, 0.5] {
+        for share in [
+            1.0,
+            1.0 - 1.0 / (1u64 << 53) as f64,
+            1.0 / (1u64 << 53) as f64,
+            0.5,
+        ] {
             let turns = (0..=1_000).map(|turn| f64::from(turn) / 1_001.0);
             draws.extend(turns.map(|turn| Deviate { share, turn }));
         }

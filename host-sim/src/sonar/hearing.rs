@@ -55,37 +55,49 @@ impl Hearing {
         config: &SonarConfig,
         expected: f64,
     ) -> Option<f64> {
-        let by_rays = config.blanking_m > 0.0 || config.bounces > 0 || !self.fan.is_narrow();
-        let mut far = if by_rays {
-            config.max_range_m
-        } else {
-            expected
-        };
+        if config.blanking_m > 0.0 || config.bounces > 0 || !self.fan.is_narrow() {
+            return self.first_by_rays(world, lobe, tip, axis, config);
+        }
+        let mut far = expected;
         loop {
             lobe.look(far);
-            let mut first = Nearest {
-                least: config.blanking_m,
-                most: config.max_range_m,
-                range: None,
-            };
             self.aim_at_promising(lobe, axis);
-            if by_rays {
-                self.hear_rays(lobe, axis, config, &mut first);
-                self.follow(world, lobe, tip, config.bounces, &mut first);
-            } else {
-                let (least_cos, facing) = (self.cos_max_incidence, self.least_facing);
-                first.offer(lobe.nearest_answer(&self.fan, &self.promising, least_cos, facing));
-            }
-            if let Some(corner) =
-                lobe.nearest_corner(first.least, first.range.unwrap_or(first.most))
-            {
-                first.offer(corner);
-            }
-            if lobe.is_settled(first.range.unwrap_or(f64::INFINITY)) {
-                return first.range;
+            let (least_cos, facing) = (self.cos_max_incidence, self.least_facing);
+            let answer = lobe.nearest_answer(&self.fan, &self.promising, least_cos, facing);
+            let answer = Some(answer).filter(|answer| *answer <= config.max_range_m);
+            let answer = answer.unwrap_or(f64::INFINITY);
+            let corner = lobe.nearest_corner(0.0, answer.min(config.max_range_m));
+            let first = answer.min(corner.unwrap_or(f64::INFINITY));
+            if lobe.is_settled(first) {
+                return (first < f64::INFINITY).then_some(first);
             }
             far *= FARTHER;
         }
+    }
+
+    /// The same by all rays.
+    #[inline(never)]
+    fn first_by_rays(
+        &mut self,
+        world: &World,
+        lobe: &mut LobeView,
+        tip: Point,
+        axis: Point,
+        config: &SonarConfig,
+    ) -> Option<f64> {
+        lobe.look(config.max_range_m);
+        let mut first = Nearest {
+            least: config.blanking_m,
+            most: config.max_range_m,
+            range: None,
+        };
+        self.aim_at_promising(lobe, axis);
+        self.hear_rays(lobe, axis, config, &mut first);
+        self.follow(world, lobe, tip, config.bounces, &mut first);
+        if let Some(corner) = lobe.nearest_corner(first.least, first.range.unwrap_or(first.most)) {
+            first.offer(corner);
+        }
+        first.range
     }
 
     fn aim_at_promising(&mut self, lobe: &LobeView, axis: Point) {

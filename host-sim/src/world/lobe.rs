@@ -15,9 +15,9 @@ use super::feet::Parallel;
 use super::geometry::Point;
 use super::neighbourhoods::Neighbourhoods;
 use super::outline::Sector;
-use super::steady::{Directions, Station};
 use super::rays::{Rays, SeenCircle, SeenFace};
-use super::surfaces::Surfaces;
+use super::steady::{Directions, Station};
+use super::surfaces::{Circle, Surfaces};
 use super::view::{ConeShape, circle_in_cone};
 
 /// How much farther than an answer things are still looked at, m: far above any rounding.
@@ -65,6 +65,7 @@ impl Eye {
         is_steady
     }
 
+    #[cold]
     fn aim_anew(&mut self, lobe: &Lobe, around: &Neighbourhoods) {
         (self.offset, self.axis, self.cone) = (lobe.offset, lobe.axis, lobe.cone);
         self.world = around.worlds();
@@ -138,6 +139,9 @@ impl LobeView {
     /// The next lobes are those of this eye, counted from 0: one that looks along the same axis again is asked for less.
     pub fn for_eye(&mut self, eye: usize) -> &mut Self {
         self.eye = eye;
+        if self.eyes.len() <= eye {
+            self.eyes.resize_with(eye + 1, Eye::default);
+        }
         self
     }
 
@@ -164,10 +168,24 @@ impl LobeView {
         self.apart_m = self.around.here.apart_m(lobe.tip);
         self.far_m = 0.0;
         self.circles.clear();
-        for circle in self.around.here.circles.iter().chain(&world.posts) {
-            let center = circle.center - lobe.tip;
+        if !(self.around.here.circles.is_empty() && world.posts.is_empty()) {
+            self.find_circles(&world.posts);
+        }
+    }
+
+    #[inline(never)]
+    fn find_circles(&mut self, posts: &[Circle]) {
+        let Lobe {
+            tip,
+            axis,
+            cone,
+            reach,
+            ..
+        } = self.lobe;
+        for circle in self.around.here.circles.iter().chain(posts) {
+            let center = circle.center - tip;
             let near = circle_in_cone(center, circle.radius, axis, cone);
-            if near <= reach_m {
+            if near <= reach {
                 self.circles.push(SeenCircle {
                     center,
                     radius: circle.radius,
@@ -179,8 +197,8 @@ impl LobeView {
     }
 
     fn aim_eye(&mut self) {
-        if self.eyes.len() <= self.eye {
-            self.eyes.resize_with(self.eye + 1, Eye::default);
+        if self.eyes.is_empty() {
+            self.for_eye(self.eye);
         }
         let Some(eye) = self.eyes.get_mut(self.eye) else {
             return;
@@ -212,9 +230,7 @@ impl LobeView {
             }
         };
         match self.first_look {
-            FirstLook::Any(sector) => here
-                .nearby
-                .faces_in(&sector, most, |number, _| see(number)),
+            FirstLook::Any(sector) => here.nearby.faces_in(&sector, most, |number, _| see(number)),
             FirstLook::Steady(station) => {
                 if let Some(chosen) = here.chosen(self.eye) {
                     chosen.faces.each_in(&station, most, far, see);
@@ -327,24 +343,32 @@ impl LobeView {
             best: f64::INFINITY,
         };
         search.run();
-        if let Some(surfaces) = self.around.surfaces().filter(|_| !self.sees_all()) {
-            // Rays towards faces farther off, too, which meet something before.
-            let upright = self.eyes.get(self.eye).map(|eye| &eye.upright);
-            let mut answer = (Point::default(), f64::INFINITY);
-            for &place in upright.into_iter().flatten() {
-                let group = surfaces.feet.group(place);
-                let Some(group) = group.filter(|group| !others.contains(&group.inward)) else {
-                    continue;
-                };
-                if group.inward != answer.0 {
-                    answer = (group.inward, search.answer_to(group.inward));
-                }
-                if answer.1 < search.best && self.lobe.sees_foot(group, surfaces) {
-                    search.best = answer.1;
-                }
-            }
+        let eye = self.eyes.get(self.eye);
+        if let Some(eye) = eye.filter(|eye| !eye.upright.is_empty() && !self.sees_all()) {
+            self.ask_upright(eye, &mut search);
         }
         search.best
+    }
+
+    /// Asks by rays towards faces farther off, too, which meet something before.
+    #[inline(never)]
+    fn ask_upright(&self, eye: &Eye, search: &mut Search) {
+        let Some(surfaces) = self.around.surfaces() else {
+            return;
+        };
+        let mut answer = (Point::default(), f64::INFINITY);
+        for &place in &eye.upright {
+            let group = surfaces.feet.group(place);
+            let Some(group) = group.filter(|group| !search.others.contains(&group.inward)) else {
+                continue;
+            };
+            if group.inward != answer.0 {
+                answer = (group.inward, search.answer_to(group.inward));
+            }
+            if answer.1 < search.best && self.lobe.sees_foot(group, surfaces) {
+                search.best = answer.1;
+            }
+        }
     }
 
     /// Lets the rays, which must not leave the lobe, meet what lies in it up to `far` m from its tip, and perhaps more.

@@ -38,6 +38,7 @@ impl Neighbourhoods {
         of.is_some_and(|of| Arc::ptr_eq(of, &world.surfaces))
     }
 
+    #[cold]
     fn go(&mut self, world: &World, same: bool, middle: Point, offset_m: f64, reach_m: f64) {
         if !same {
             self.worlds += 1;

@@ -140,6 +140,7 @@ impl Surroundings {
         });
     }
 
+    #[cold]
     fn find_faces(&mut self, surfaces: &Surfaces) {
         let (middle, reach, wide) = (self.middle, self.faces_known_m, self.wide_m());
         let mut found = Found::default();
@@ -159,6 +160,7 @@ impl Surroundings {
         self.looks += 1;
     }
 
+    #[cold]
     fn find_corners(&mut self, surfaces: &Surfaces) {
         let (middle, reach) = (self.middle, self.corners_known_m);
         let mut found = Found::default();
@@ -187,17 +189,21 @@ impl Surroundings {
     #[inline]
     pub fn choose(&mut self, eye: usize, aim: u64, offset_m: f64, directions: &Directions) {
         let made = (aim, self.looks);
-        if self.chosen.get(eye).is_none_or(|chosen| chosen.made != made) {
-            if self.chosen.len() <= eye {
-                self.chosen.resize_with(eye + 1, Chosen::default);
-            }
+        if self
+            .chosen
+            .get(eye)
+            .is_none_or(|chosen| chosen.made != made)
+        {
             self.choose_anew(eye, made, offset_m, directions);
         }
     }
 
-    #[inline(never)]
+    #[cold]
     fn choose_anew(&mut self, eye: usize, made: (u64, u64), offset_m: f64, to: &Directions) {
         let (middle, whole) = (self.middle, self.whole_m());
+        if self.chosen.len() <= eye {
+            self.chosen.resize_with(eye + 1, Chosen::default);
+        }
         let Some(chosen) = self.chosen.get_mut(eye) else {
             return;
         };
@@ -213,11 +219,14 @@ impl Surroundings {
                 chosen.faces.push(distance, number, ends, to);
             }
         });
-        self.nearby.corners_in(&sector, all, all, |number, distance| {
-            if let Some(corner) = self.nearby.corner(number) {
-                chosen.corners.push(distance, number, [corner - middle; 2], to);
-            }
-        });
+        self.nearby
+            .corners_in(&sector, all, all, |number, distance| {
+                if let Some(corner) = self.nearby.corner(number) {
+                    chosen
+                        .corners
+                        .push(distance, number, [corner - middle; 2], to);
+                }
+            });
     }
 
     /// How far from the middle a place is, m.
