@@ -50,18 +50,16 @@ impl Hearing {
         &mut self,
         world: &World,
         lobe: &mut LobeView,
-        tip: Point,
-        axis: Point,
         config: &SonarConfig,
         expected: f64,
     ) -> Option<f64> {
         if config.blanking_m > 0.0 || config.bounces > 0 || !self.fan.is_narrow() {
-            return self.first_by_rays(world, lobe, tip, axis, config);
+            return self.first_by_rays(world, lobe, config);
         }
         let mut far = expected;
         loop {
             lobe.look(far);
-            self.aim_at_promising(lobe, axis);
+            self.aim_at_promising(lobe);
             let (least_cos, facing) = (self.cos_max_incidence, self.least_facing);
             let answer = lobe.nearest_answer(&self.fan, &self.promising, least_cos, facing);
             let answer = Some(answer).filter(|answer| *answer <= config.max_range_m);
@@ -81,8 +79,6 @@ impl Hearing {
         &mut self,
         world: &World,
         lobe: &mut LobeView,
-        tip: Point,
-        axis: Point,
         config: &SonarConfig,
     ) -> Option<f64> {
         lobe.look(config.max_range_m);
@@ -91,16 +87,17 @@ impl Hearing {
             most: config.max_range_m,
             range: None,
         };
-        self.aim_at_promising(lobe, axis);
-        self.hear_rays(lobe, axis, config, &mut first);
-        self.follow(world, lobe, tip, config.bounces, &mut first);
+        self.aim_at_promising(lobe);
+        self.hear_rays(lobe, config, &mut first);
+        self.follow(world, lobe, config.bounces, &mut first);
         if let Some(corner) = lobe.nearest_corner(first.least, first.range.unwrap_or(first.most)) {
             first.offer(corner);
         }
         first.range
     }
 
-    fn aim_at_promising(&mut self, lobe: &LobeView, axis: Point) {
+    fn aim_at_promising(&mut self, lobe: &LobeView) {
+        let axis = lobe.lobe().axis;
         self.promising.clear();
         for direction in lobe.promising() {
             if direction.dot(axis) >= self.cos_half_angle {
@@ -111,13 +108,8 @@ impl Hearing {
 
     /// Lets every ray meet what it meets first, and offers the nearest answer of each surface: what answers too early
     /// answers no more.
-    fn hear_rays(
-        &mut self,
-        lobe: &LobeView,
-        axis: Point,
-        config: &SonarConfig,
-        first: &mut Nearest,
-    ) {
+    fn hear_rays(&mut self, lobe: &LobeView, config: &SonarConfig, first: &mut Nearest) {
+        let axis = lobe.lobe().axis;
         self.fan.rays().turned_into(axis, &mut self.rays);
         for &direction in &self.promising {
             self.rays.push(direction);
@@ -130,14 +122,8 @@ impl Hearing {
     }
 
     /// Lets the rays of the fan go on as mirrored by the faces they meet too obliquely, up to `bounces` times.
-    fn follow(
-        &self,
-        world: &World,
-        lobe: &LobeView,
-        tip: Point,
-        bounces: usize,
-        first: &mut Nearest,
-    ) {
+    fn follow(&self, world: &World, lobe: &LobeView, bounces: usize, first: &mut Nearest) {
+        let tip = lobe.lobe().tip();
         let met = self.rays.ways().iter().zip(self.rays.cos_incidences());
         for (ray, (&length, &cos)) in met.enumerate().take(self.fan.count()) {
             if cos >= self.cos_max_incidence {

@@ -14,7 +14,7 @@ use core::f64::consts::TAU;
 
 use crate::direction::Direction;
 use crate::noise::{Deviate, Noise};
-use crate::world::{ConeShape, LobeView, Point, Pose, Standing, View, World};
+use crate::world::{ConeShape, Lobe, LobeView, Point, Pose, Standing, View, World};
 
 mod config;
 mod fault;
@@ -287,16 +287,19 @@ impl Ring {
         if last.from.as_ref() == Some(pose) {
             return last.range_m;
         }
-        let axis = axis.turned(self.look_along(pose.heading));
-        let (offset, reach) = (self.geometry.face_radius_m, self.config.max_range_m);
-        let tip = pose.position + axis * offset;
-        self.lobe
-            .for_eye(sensor)
-            .aim(world, pose.position, offset, axis, self.cone, reach);
-        let expected = last.range_m.map_or(reach, |range| range + EXPECTED_M);
-        let range_m =
-            self.hearing
-                .first_echo(world, &mut self.lobe, tip, axis, &self.config, expected);
+        let lobe = Lobe {
+            middle: pose.position,
+            offset_m: self.geometry.face_radius_m,
+            axis: axis.turned(self.look_along(pose.heading)),
+            cone: self.cone,
+            reach_m: self.config.max_range_m,
+        };
+        let expected = last
+            .range_m
+            .map_or(lobe.reach_m, |range| range + EXPECTED_M);
+        let view = self.lobe.for_eye(sensor);
+        view.aim(world, &lobe);
+        let range_m = self.hearing.first_echo(world, view, &self.config, expected);
         if let Some(echo) = self.echoes.get_mut(sensor) {
             *echo = FirstEcho {
                 from: Some(*pose),

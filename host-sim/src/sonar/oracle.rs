@@ -4,7 +4,7 @@ use super::hearing::Hearing;
 use super::{SonarConfig, SonarModel};
 use crate::noise::Noise;
 use crate::world::naive::{Met, Naive, NaiveLobe, worlds};
-use crate::world::{ConeShape, LobeView, Point, Pose, Shape, World};
+use crate::world::{ConeShape, Lobe, LobeView, Point, Pose, Shape, World};
 use core::f64::consts::{FRAC_PI_2, TAU};
 
 const FACE_M: f64 = super::FACE_RADIUS_M;
@@ -89,6 +89,16 @@ impl Echoes<'_> {
     }
 }
 
+fn lobe_at(middle: Point, axis: Point, config: &SonarConfig) -> Lobe {
+    Lobe {
+        middle,
+        offset_m: FACE_M,
+        axis,
+        cone: ConeShape::new(config.half_angle_rad),
+        reach_m: config.max_range_m,
+    }
+}
+
 #[test]
 fn echoes_have_the_oracles_bits() {
     let mut counts = [0, 0];
@@ -111,9 +121,9 @@ fn echoes_have_the_oracles_bits() {
                     let axis = Point::unit(TAU * f64::from(sensor) / 8.0 + off);
                     let tip = place + axis * FACE_M;
                     lobe.for_eye(sensor as usize);
-                    lobe.aim(&world, place, FACE_M, axis, cone, config.max_range_m);
+                    lobe.aim(&world, &lobe_at(place, axis, &config));
                     let expected = noise.uniform_in(0.1, 7.0);
-                    let heard = hearing.first_echo(&world, &mut lobe, tip, axis, &config, expected);
+                    let heard = hearing.first_echo(&world, &mut lobe, &config, expected);
                     let echoes = Echoes {
                         world: &naive,
                         lobe: naive.lobe(tip, axis, cone, config.max_range_m),
@@ -159,8 +169,8 @@ fn what_is_hidden_guides_rays_as_in_the_oracle() {
             let world = World::new("test", Pose::default(), shapes).expect("a sound world");
             let mut hearing = Hearing::new(&config, half);
             let (mut lobe, cone) = (LobeView::default(), ConeShape::new(half));
-            lobe.aim(&world, Point::default(), FACE_M, axis, cone, reach);
-            let heard = hearing.first_echo(&world, &mut lobe, tip, axis, &config, 1.6);
+            lobe.aim(&world, &lobe_at(Point::default(), axis, &config));
+            let heard = hearing.first_echo(&world, &mut lobe, &config, 1.6);
             let naive = Naive::of(&world);
             let echoes = Echoes {
                 world: &naive,
@@ -175,4 +185,42 @@ fn what_is_hidden_guides_rays_as_in_the_oracle() {
         guided += u32::from(alone != both);
     }
     assert!(guided > 100, "{guided}");
+}
+
+/// A robot that comes again and again to the same places, its turret held and then turned.
+#[test]
+fn whoever_comes_again_hears_what_the_oracle_hears() {
+    let config = SonarModel::Nomad.config();
+    let cone = ConeShape::new(config.half_angle_rad);
+    let mut heard_any = 0;
+    for seed in 0..4 {
+        let (world, places) = worlds(seed);
+        let (naive, mut noise) = (Naive::of(&world), Noise::new(seed));
+        let mut hearing = Hearing::new(&config, config.half_angle_rad);
+        let mut view = LobeView::default();
+        for turn in [0.0, 0.3] {
+            for walk in 0..60 {
+                let middle = places[walk % 3]
+                    + Point::unit(noise.uniform() * TAU) * noise.uniform_in(0.0, 1.2);
+                for sensor in [0, 3, 5] {
+                    let axis = Point::unit(TAU * sensor as f64 / 8.0 + turn);
+                    let lobe = lobe_at(middle, axis, &config);
+                    view.for_eye(sensor).aim(&world, &lobe);
+                    let guess = noise.uniform_in(0.1, 7.0);
+                    let heard = hearing.first_echo(&world, &mut view, &config, guess);
+                    let echoes = Echoes {
+                        world: &naive,
+                        lobe: naive.lobe(lobe.tip(), axis, cone, config.max_range_m),
+                        config,
+                        answers: Vec::new(),
+                        offers: Vec::new(),
+                    };
+                    let expected = echoes.first(lobe.tip(), axis);
+                    assert_eq!(heard, expected, "{seed} {walk} {sensor} {turn}");
+                    heard_any += u32::from(heard.is_some());
+                }
+            }
+        }
+    }
+    assert!(heard_any > 1_000, "{heard_any}");
 }

@@ -359,3 +359,28 @@ fn readings_have_the_same_bits_everywhere() {
     }
     assert_eq!(hash, 0x547b_8f0b_e8d7_0bb4);
 }
+
+#[test]
+fn readings_are_rounded_as_if_the_noise_were_worked_out() {
+    let (mut noise, mut close) = (Noise::new(3), 0);
+    for _ in 0..100_000 {
+        let sigma = noise.uniform_in(0.0, 0.1);
+        let deviate = noise.deviate();
+        // Half of them next to where the rounding turns.
+        let turns = noise.uniform_in(0.0, 255.0).floor() + 0.5 + noise.uniform_in(-1e-6, 1e-6);
+        let range = if noise.chance(0.5) {
+            turns * M_PER_INCH - deviate.exact() * sigma
+        } else {
+            noise.uniform_in(0.0, 6.5)
+        };
+        let exact = libm::rint((range + deviate.exact() * sigma) / M_PER_INCH);
+        assert_eq!(noisy_inches(range, sigma, deviate), exact);
+        let about = (range + deviate.about() * sigma) / M_PER_INCH;
+        close += u32::from(libm::rint(about) != exact);
+    }
+    // Where about how much is not enough.
+    assert!(close > 1_000, "{close}");
+    let deviate = noise.deviate();
+    assert!(noisy_inches(f64::NAN, 0.1, deviate).is_nan());
+    assert_eq!(noisy_inches(f64::INFINITY, 0.1, deviate), f64::INFINITY);
+}

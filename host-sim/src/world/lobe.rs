@@ -26,27 +26,38 @@ const SLACK_M: f64 = 1e-3;
 /// How much nearer than a corner a ray may end and still be said to reach it, m.
 const CORNER_SLACK_M: f64 = 1e-6;
 
-/// A lobe: where it begins and where it points.
+/// A lobe: a cone whose tip lies off a place, along its axis.
 #[derive(Debug, Clone, Copy, Default)]
-struct Lobe {
-    tip: Point,
-    offset: f64,
-    axis: Point,
-    cone: ConeShape,
-    reach: f64,
+pub struct Lobe {
+    /// The place.
+    pub middle: Point,
+    /// How far off the tip lies, m.
+    pub offset_m: f64,
+    /// A unit vector.
+    pub axis: Point,
+    /// How wide it is.
+    pub cone: ConeShape,
+    /// How far it reaches from its tip, m.
+    pub reach_m: f64,
+}
+
+impl Lobe {
+    /// Where its tip is.
+    #[must_use]
+    pub fn tip(&self) -> Point {
+        self.middle + self.axis * self.offset_m
+    }
 }
 
 /// One of several eyes, of which each may look along the same axis again and again.
 #[derive(Debug, Clone, Default)]
 struct Eye {
-    offset: f64,
-    axis: Point,
-    cone: ConeShape,
+    offset_m: f64,
+    directions: Directions,
     /// In which world.
     world: u64,
     /// Another number whenever one of those is another.
     aim: u64,
-    directions: Directions,
     /// Where among all directions those of faces are that rays of the lobe can meet at right angles.
     upright: Vec<usize>,
 }
@@ -55,10 +66,10 @@ impl Eye {
     /// Looks along a lobe. Returns whether it has before: whoever turns looks once.
     #[inline]
     fn aim(&mut self, lobe: &Lobe, around: &Neighbourhoods) -> bool {
-        let is_steady = self.axis == lobe.axis
+        let is_steady = self.directions.axis == lobe.axis
             && self.world == around.worlds()
-            && self.offset == lobe.offset
-            && self.cone == lobe.cone;
+            && self.offset_m == lobe.offset_m
+            && self.directions.cone == lobe.cone;
         if !is_steady {
             self.aim_anew(lobe, around);
         }
@@ -67,21 +78,21 @@ impl Eye {
 
     #[cold]
     fn aim_anew(&mut self, lobe: &Lobe, around: &Neighbourhoods) {
-        (self.offset, self.axis, self.cone) = (lobe.offset, lobe.axis, lobe.cone);
+        self.offset_m = lobe.offset_m;
+        self.directions = Directions::new(lobe.axis, lobe.cone);
         self.world = around.worlds();
         self.aim += 1;
-        self.directions = Directions::new(lobe.axis, lobe.cone);
         self.find_upright(around);
     }
 
     fn find_upright(&mut self, around: &Neighbourhoods) {
-        let (to, cone) = (self.directions, self.cone);
+        let to = self.directions;
         self.upright.clear();
         if let Some(feet) = around.surfaces().map(|surfaces| &surfaces.feet) {
             let all = feet.between(to.right, to.left);
             let inside = |place: &usize| {
                 let group = feet.group(*place);
-                group.is_some_and(|group| group.inward.dot(to.axis) >= cone.cos)
+                group.is_some_and(|group| group.inward.dot(to.axis) >= to.cone.cos)
             };
             self.upright.extend(all.filter(inside));
         }
@@ -109,6 +120,7 @@ pub struct LobeView {
     eyes: Vec<Eye>,
     eye: usize,
     lobe: Lobe,
+    tip: Point,
     first_look: FirstLook,
     /// How far from the middle of the surroundings the tip lies.
     apart_m: f64,
@@ -121,19 +133,10 @@ pub struct LobeView {
 }
 
 impl LobeView {
-    /// Collects what lies in `world` inside the cone around the unit vector `axis`, within `reach_m` of its tip, `offset_m`
-    /// from `middle` along the axis, and shows its front.
-    pub fn build(
-        &mut self,
-        world: &World,
-        middle: Point,
-        offset_m: f64,
-        axis: Point,
-        cone: ConeShape,
-        reach_m: f64,
-    ) {
-        self.aim(world, middle, offset_m, axis, cone, reach_m);
-        self.look(reach_m);
+    /// Collects what lies in `world` inside a lobe and shows its front.
+    pub fn build(&mut self, world: &World, lobe: &Lobe) {
+        self.aim(world, lobe);
+        self.look(lobe.reach_m);
     }
 
     /// The next lobes are those of this eye, counted from 0: one that looks along the same axis again is asked for less.
@@ -146,26 +149,12 @@ impl LobeView {
     }
 
     /// As [`LobeView::build`], for the circles only: see [`LobeView::look`].
-    pub fn aim(
-        &mut self,
-        world: &World,
-        middle: Point,
-        offset_m: f64,
-        axis: Point,
-        cone: ConeShape,
-        reach_m: f64,
-    ) {
-        self.around.look(world, middle, offset_m, reach_m);
-        let lobe = Lobe {
-            tip: middle + axis * offset_m,
-            offset: offset_m,
-            axis,
-            cone,
-            reach: reach_m,
-        };
-        self.lobe = lobe;
+    pub fn aim(&mut self, world: &World, lobe: &Lobe) {
+        self.around
+            .look(world, lobe.middle, lobe.offset_m, lobe.reach_m);
+        (self.lobe, self.tip) = (*lobe, lobe.tip());
         self.aim_eye();
-        self.apart_m = self.around.here.apart_m(lobe.tip);
+        self.apart_m = self.around.here.apart_m(self.tip);
         self.far_m = 0.0;
         self.circles.clear();
         if !(self.around.here.circles.is_empty() && world.posts.is_empty()) {
@@ -175,17 +164,11 @@ impl LobeView {
 
     #[inline(never)]
     fn find_circles(&mut self, posts: &[Circle]) {
-        let Lobe {
-            tip,
-            axis,
-            cone,
-            reach,
-            ..
-        } = self.lobe;
+        let Lobe { axis, cone, .. } = self.lobe;
         for circle in self.around.here.circles.iter().chain(posts) {
-            let center = circle.center - tip;
+            let center = circle.center - self.tip;
             let near = circle_in_cone(center, circle.radius, axis, cone);
-            if near <= reach {
+            if near <= self.lobe.reach_m {
                 self.circles.push(SeenCircle {
                     center,
                     radius: circle.radius,
@@ -203,7 +186,7 @@ impl LobeView {
         let Some(eye) = self.eyes.get_mut(self.eye) else {
             return;
         };
-        let (tip, here) = (self.lobe.tip, &self.around.here);
+        let (tip, here) = (self.tip, &self.around.here);
         self.first_look = if eye.aim(&self.lobe, &self.around) {
             FirstLook::Steady(here.station(tip, &eye.directions))
         } else {
@@ -213,18 +196,19 @@ impl LobeView {
 
     /// Collects the faces that come within `far_m` of the tip.
     pub fn look(&mut self, far_m: f64) {
-        let far = min(far_m, self.lobe.reach);
+        let far = min(far_m, self.lobe.reach_m);
         let most = far + self.apart_m + SLACK_M;
         self.around.know_faces(most);
         self.around.know_corners();
         self.faces.clear();
-        let (lobe, faces, here) = (&self.lobe, &mut self.faces, &mut self.around.here);
+        let (lobe, tip) = (&self.lobe, self.tip);
+        let (faces, here) = (&mut self.faces, &mut self.around.here);
         if let (FirstLook::Steady(_), Some(eye)) = (&self.first_look, self.eyes.get(self.eye)) {
-            here.choose(self.eye, eye.aim, eye.offset, &eye.directions);
+            here.choose(self.eye, eye.aim, eye.offset_m, &eye.directions);
         }
         let mut see = |number| {
             if let Some(face) = here.nearby.face(number)
-                && let Some(face) = lobe.see(&face, far)
+                && let Some(face) = lobe.see(tip, &face, far)
             {
                 faces.push(face);
             }
@@ -247,7 +231,7 @@ impl LobeView {
     /// Whether nothing in the lobe lies beyond what has been looked at.
     #[must_use]
     pub fn sees_all(&self) -> bool {
-        self.far_m >= self.lobe.reach
+        self.far_m >= self.lobe.reach_m
     }
 
     /// Whether nothing that has not been looked at can change an answer from so far, m, or hide it.
@@ -259,13 +243,7 @@ impl LobeView {
     /// Collects the corners in the lobe that are from `least` to `most` m from its tip, hidden or not: where they are,
     /// relative to the tip, and how far.
     pub fn corners(&mut self, least: f64, most: f64) -> &mut [(Point, f64)] {
-        let Lobe {
-            tip,
-            axis,
-            cone,
-            reach,
-            ..
-        } = self.lobe;
+        let (Lobe { axis, cone, .. }, tip) = (self.lobe, self.tip);
         let most = min(most, self.far_m);
         let limit = most + self.apart_m + SLACK_M;
         self.corners.clear();
@@ -278,7 +256,7 @@ impl LobeView {
             let (along, across) = (axis.dot(corner), axis.cross(corner).abs());
             if across * cone.cos <= along * cone.sin {
                 let range = corner.length();
-                if range <= reach && range >= least && range <= most {
+                if range >= least && range <= most {
                     corners.push((corner, range));
                 }
             }
@@ -371,6 +349,12 @@ impl LobeView {
         }
     }
 
+    /// The lobe aimed at.
+    #[must_use]
+    pub fn lobe(&self) -> &Lobe {
+        &self.lobe
+    }
+
     /// Lets the rays, which must not leave the lobe, meet what lies in it up to `far` m from its tip, and perhaps more.
     pub fn meet(&self, rays: &mut Rays, far: f64) {
         let most = (far + SLACK_M) * (far + SLACK_M);
@@ -404,11 +388,11 @@ impl LobeView {
 }
 
 impl Lobe {
-    /// A face as it is seen, if any part of it lies in the lobe within `far` m of its tip.
+    /// A face as it is seen, if any part of it lies in the lobe within `far` m of its tip, which is `tip`.
     #[inline]
-    fn see(&self, face: &Face, far: f64) -> Option<SeenFace> {
+    fn see(&self, tip: Point, face: &Face, far: f64) -> Option<SeenFace> {
         let ConeShape { sin, cos } = self.cone;
-        let offset = face.a - self.tip;
+        let offset = face.a - tip;
         let (p, q) = (offset.dot(face.u), offset.cross(face.u));
         if q <= 0.0 || q * q > far * far {
             return None;
@@ -446,9 +430,10 @@ impl Lobe {
 
     /// Whether a face of this direction lies in the lobe with the foot of the perpendicular from its tip.
     fn sees_foot(&self, group: &Parallel, surfaces: &Surfaces) -> bool {
-        let faces = group.around(self.tip);
+        let tip = self.tip();
+        let faces = group.around(tip);
         let faces = faces.filter_map(|place| surfaces.faces.get(place));
-        let mut seen = faces.filter_map(|face| self.see(&face, self.reach));
+        let mut seen = faces.filter_map(|face| self.see(tip, &face, self.reach_m));
         seen.any(|face| face.has_foot())
     }
 }

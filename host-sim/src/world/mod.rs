@@ -47,7 +47,7 @@ mod view;
 pub use answer::Fan;
 pub use clearing::Clearing;
 pub use geometry::{Point, Pose, wrap_angle};
-pub use lobe::LobeView;
+pub use lobe::{Lobe, LobeView};
 pub use ray::{Hit, Surface};
 pub use rays::Rays;
 pub use shapes::Shape;

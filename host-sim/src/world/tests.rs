@@ -330,7 +330,14 @@ fn rays_meet_the_nearest_front() {
     let cone = ConeShape::new(0.3);
     for (i, &place) in places.iter().enumerate() {
         let axis = Point::unit(i as f64);
-        lobe.build(&cluttered, place, 0.0, axis, cone, 20.0);
+        let aimed = Lobe {
+            middle: place,
+            offset_m: 0.0,
+            axis,
+            cone,
+            reach_m: 20.0,
+        };
+        lobe.build(&cluttered, &aimed);
         for offset in [-0.29, -0.1, 0.0, 0.2] {
             let direction = Point::unit(i as f64 + offset);
             let expected = ray(&cluttered, place, direction);

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::noise::Noise;
-use crate::world::{Clearing, LobeView, Rays, Surface, View};
+use crate::world::{Clearing, Lobe, LobeView, Rays, Surface, View};
 use core::f64::consts::TAU;
 
 const REACH_M: f64 = 6.477;
@@ -149,8 +149,15 @@ fn rays_have_the_oracles_bits() {
         for (i, place) in places.into_iter().enumerate() {
             let bearing = std::f64::consts::FRAC_PI_8 * i as f64;
             let axis = Point::unit(bearing);
-            lobe.build(&world, place, 0.2305, axis, cone, REACH_M);
-            let expected = naive.lobe(place + axis * 0.2305, axis, cone, REACH_M);
+            let aimed = Lobe {
+                middle: place,
+                offset_m: 0.2305,
+                axis,
+                cone,
+                reach_m: REACH_M,
+            };
+            lobe.build(&world, &aimed);
+            let expected = naive.lobe(aimed.tip(), axis, cone, REACH_M);
             let mut directions = expected.promising();
             directions.retain(|direction| direction.dot(axis) >= cone.cos);
             let turns = (-10..=10).map(|ray| Point::unit(bearing + 0.025 * f64::from(ray)));
