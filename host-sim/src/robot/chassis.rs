@@ -2,6 +2,7 @@
 
 use core::f64::consts::TAU;
 
+use super::servo::Way;
 use super::{BUMPERS, COLLISION_RADIUS_M, Executed};
 use crate::noise::Noise;
 use crate::world::{Clearing, Point, Pose, Sweep, World};
@@ -19,11 +20,30 @@ pub(super) struct Chassis {
     clearing: Clearing,
 }
 
-/// Where a body was: truth and odometry, m.
+/// A way along the wheels towards a goal of the odometry, nothing standing on it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Places {
+pub(super) struct OpenWay {
+    goal: Point,
+    /// Unit vector towards the goal.
+    wheels: Point,
+    slip: Point,
     position: Point,
     odometry: Point,
+    travelled_m: f64,
+}
+
+impl Way for OpenWay {
+    fn left(&self) -> f64 {
+        (self.goal - self.odometry).dot(self.wheels)
+    }
+
+    fn go(&mut self, way: f64) {
+        let believed = self.wheels * way;
+        let to = self.position + believed.turned(self.slip);
+        self.travelled_m += self.position.distance(to);
+        self.position = to;
+        self.odometry = self.odometry + believed;
+    }
 }
 
 impl Chassis {
@@ -35,14 +55,6 @@ impl Chassis {
             front: pose.heading,
             slip: Point::new(1.0, 0.0),
             clearing: Clearing::default(),
-        }
-    }
-
-    /// Where it is.
-    pub(super) fn places(&self) -> Places {
-        Places {
-            position: self.position,
-            odometry: self.odometry,
         }
     }
 
@@ -90,27 +102,41 @@ impl Chassis {
         way * share
     }
 
-    /// Adds to `done` what has happened since `before`, in the ring's frame as it was then: its axis along the unit vector
-    /// `ring`.
-    pub(super) fn since(
-        &mut self,
-        before: &Places,
-        ring: Point,
-        world: &World,
-        done: &mut Executed,
-    ) {
+    /// The way to a goal along the unit vector `wheels`, if nothing stands on it.
+    pub(super) fn open_way(&self, goal: Point, wheels: Point, done: &Executed) -> OpenWay {
+        OpenWay {
+            goal,
+            wheels,
+            slip: self.slip,
+            position: self.position,
+            odometry: self.odometry,
+            travelled_m: done.travelled_m,
+        }
+    }
+
+    /// Goes so far on an open way, as by [`Chassis::roll`], if it is known to be open.
+    pub(super) fn take(&mut self, way: &OpenWay, world: &World, done: &mut Executed) -> bool {
+        let (from, to) = (self.position, way.position);
+        let open = self
+            .clearing
+            .is_far_on_look(world, from, to, COLLISION_RADIUS_M);
+        if open {
+            self.position = to;
+            self.odometry = way.odometry;
+            done.travelled_m = way.travelled_m;
+        }
+        open
+    }
+
+    /// Tells the gap where it stands, if none was told on the way.
+    pub(super) fn tell_gap(&mut self, world: &World, done: &mut Executed) {
         let at = self.position;
         if done.min_clearance_m == f64::INFINITY
             && !self.clearing.is_far(world, at, at, COLLISION_RADIUS_M)
         {
-            // Nothing rolled: the gap where it stands.
             let clearance = self.clearing.clearance(world, at);
             done.min_clearance_m = (clearance - COLLISION_RADIUS_M).max(0.0);
         }
-        let truth = (self.position - before.position).turned_back(ring);
-        let believed = (self.odometry - before.odometry).turned_back(ring);
-        (done.dx_m, done.dy_m) = (truth.x, truth.y);
-        (done.odometry_dx_m, done.odometry_dy_m) = (believed.x, believed.y);
     }
 
     /// The switch pressed at the end of a sweep, as a bit.

@@ -44,6 +44,7 @@ mod view;
 
 pub use answer::Fan;
 pub use clearing::Clearing;
+pub(crate) use faces::{max, min};
 pub use geometry::{Point, Pose, wrap_angle};
 pub use lobe::LobeView;
 pub use ray::{Hit, Surface};
