@@ -22,7 +22,7 @@ mod motion;
 mod servo;
 
 pub use axes::{Axes, Axis, AxisLimits};
-use chassis::{Chassis, share_of};
+use chassis::{Chassis, Line, share_of};
 pub use motion::{Executed, Motion};
 use servo::{Ramp, STRIDE, Way, sign, slow};
 
@@ -133,14 +133,13 @@ impl Pace {
     }
 }
 
-/// The wheels, and the ring with them, on their way to a bearing, mirrored if need be so that their angle grows.
+/// The wheels on their way to a bearing, mirrored if need be so that their angle grows.
 #[derive(Debug, Clone, Copy)]
 struct Turn {
     bearing: f64,
     /// The half turns that the bearing is farther away than the end.
     halves: f64,
     wheels: f64,
-    ring: f64,
 }
 
 impl Way for Turn {
@@ -151,16 +150,11 @@ impl Way for Turn {
 
     fn go(&mut self, way: f64) {
         self.wheels += way;
-        self.ring += way;
     }
 }
 
-impl Turn {
-    fn is_wrapped(&self) -> bool {
-        [self.wheels, self.ring]
-            .into_iter()
-            .all(|angle| wrap_angle(angle) == angle)
-    }
+fn is_wrapped(angle: f64) -> bool {
+    wrap_angle(angle) == angle
 }
 
 /// The base: where it is, where its wheels and its turret point, and what it is doing.
@@ -306,16 +300,18 @@ impl Base {
         }
         let (mut steps, step_s) = (self.pace.steps, self.pace.step_s);
         while steps > 0 && self.is_moving() {
-            steps -= if steps >= STRIDE && self.stride(step_s, world, &mut done) {
-                STRIDE
+            steps -= if steps >= STRIDE as u32 && self.stride(step_s, world, &mut done) {
+                STRIDE as u32
             } else {
                 self.step(step_s, world, &mut done);
                 1
             };
         }
         self.chassis.tell_gap(world, &mut done);
-        done.moving = self.is_moving();
-        done
+        Executed {
+            moving: self.is_moving(),
+            ..done
+        }
     }
 
     /// Takes several steps at once, if they are plain ones; does nothing if not.
@@ -364,15 +360,17 @@ impl Base {
         } else {
             (-1.0, -wheels)
         };
-        let way = self.chassis.open_way(goal, wheels, done);
-        let Some((way, speed)) = self.rolling(dt).stride(way, self.speed * sign) else {
+        let line = Line {
+            goal,
+            wheels,
+            odometry: self.chassis.odometry,
+        };
+        let stride = self.rolling(dt).stride(line, self.speed * sign);
+        let Some(stride) = stride.filter(|stride| self.chassis.take(stride, world, done)) else {
             return false;
         };
-        let open = self.chassis.take(&way, world, done);
-        if open {
-            self.speed = speed * sign;
-        }
-        open
+        self.speed = stride.velocity * sign;
+        true
     }
 
     /// Slows wheels and steering down; once both rest, goes on to the goal.
@@ -415,27 +413,29 @@ impl Base {
     }
 
     fn stride_steering(&mut self, bearing: f64, dt: f64) -> bool {
-        let (wheels, ring) = (self.steering.angle(), self.ring.angle());
+        let wheels = self.steering.angle();
         let left = self.to_turn(bearing, wheels);
         let sign = sign(left);
-        let way = Turn {
+        let turn = Turn {
             bearing: bearing * sign,
             halves: (bearing - wheels - left) * sign,
             wheels: wheels * sign,
-            ring: ring * sign,
         };
-        let Some((end, rate)) = self.turning(dt).stride(way, self.turn_rate * sign) else {
+        let Some(stride) = self.turning(dt).stride(turn, self.turn_rate * sign) else {
             return false;
         };
-        let plain = way.is_wrapped() && end.is_wrapped();
-        if !plain || self.to_turn(bearing, end.wheels * sign) != end.left() * sign {
+        let end = stride.end.wheels * sign;
+        let same = self.to_turn(bearing, end) == stride.end.left() * sign;
+        if !(same && is_wrapped(wheels) && is_wrapped(end)) {
             return false;
         }
-        self.steering.set(end.wheels * sign);
+        self.steering.set(end);
         if self.turret == TurretMode::Follow {
-            self.ring.set(end.ring * sign);
+            let turned = |ring, way| wrap_angle(ring + way * sign);
+            self.ring
+                .set(stride.ways.into_iter().fold(self.ring.angle(), turned));
         }
-        self.turn_rate = rate * sign;
+        self.turn_rate = stride.velocity * sign;
         true
     }
 

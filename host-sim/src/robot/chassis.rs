@@ -2,7 +2,7 @@
 
 use core::f64::consts::TAU;
 
-use super::servo::Way;
+use super::servo::{Stride, Way};
 use super::{BUMPERS, COLLISION_RADIUS_M, Executed};
 use crate::noise::Noise;
 use crate::world::{Clearing, Point, Pose, Sweep, World};
@@ -20,29 +20,22 @@ pub(super) struct Chassis {
     clearing: Clearing,
 }
 
-/// A way along the wheels towards a goal of the odometry, nothing standing on it.
+/// A way along the wheels towards a goal, as the odometry has it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct OpenWay {
-    goal: Point,
+pub(super) struct Line {
+    pub(super) goal: Point,
     /// Unit vector towards the goal.
-    wheels: Point,
-    slip: Point,
-    position: Point,
-    odometry: Point,
-    travelled_m: f64,
+    pub(super) wheels: Point,
+    pub(super) odometry: Point,
 }
 
-impl Way for OpenWay {
+impl Way for Line {
     fn left(&self) -> f64 {
         (self.goal - self.odometry).dot(self.wheels)
     }
 
     fn go(&mut self, way: f64) {
-        let believed = self.wheels * way;
-        let to = self.position + believed.turned(self.slip);
-        self.travelled_m += self.position.distance(to);
-        self.position = to;
-        self.odometry = self.odometry + believed;
+        self.odometry = self.odometry + self.wheels * way;
     }
 }
 
@@ -102,33 +95,35 @@ impl Chassis {
         way * share
     }
 
-    /// The way to a goal along the unit vector `wheels`, if nothing stands on it.
-    pub(super) fn open_way(&self, goal: Point, wheels: Point, done: &Executed) -> OpenWay {
-        OpenWay {
-            goal,
-            wheels,
-            slip: self.slip,
-            position: self.position,
-            odometry: self.odometry,
-            travelled_m: done.travelled_m,
+    /// Takes a stride along a line, as [`Chassis::roll`] its steps; does nothing if something may be near.
+    #[inline]
+    pub(super) fn take(
+        &mut self,
+        stride: &Stride<Line>,
+        world: &World,
+        done: &mut Executed,
+    ) -> bool {
+        let from = self.position;
+        let mut to = from;
+        let steps = stride.ways.map(|way| {
+            let before = to;
+            to = to + (stride.end.wheels * way).turned(self.slip);
+            to - before
+        });
+        let clearing = &mut self.clearing;
+        if !clearing.is_far_on_look(world, from, to, COLLISION_RADIUS_M) {
+            return false;
         }
-    }
-
-    /// Goes so far on an open way, as by [`Chassis::roll`], if it is known to be open.
-    pub(super) fn take(&mut self, way: &OpenWay, world: &World, done: &mut Executed) -> bool {
-        let (from, to) = (self.position, way.position);
-        let open = self
-            .clearing
-            .is_far_on_look(world, from, to, COLLISION_RADIUS_M);
-        if open {
-            self.position = to;
-            self.odometry = way.odometry;
-            done.travelled_m = way.travelled_m;
+        self.position = to;
+        self.odometry = stride.end.odometry;
+        for length in steps.map(Point::length) {
+            done.travelled_m += length;
         }
-        open
+        true
     }
 
     /// Tells the gap where it stands, if none was told on the way.
+    #[inline]
     pub(super) fn tell_gap(&mut self, world: &World, done: &mut Executed) {
         let at = self.position;
         if done.min_clearance_m == f64::INFINITY

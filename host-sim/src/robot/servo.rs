@@ -7,7 +7,7 @@ use super::NEGLIGIBLE;
 use crate::world::{max, min};
 
 /// Steps taken at once: those of 40 ms.
-pub(super) const STRIDE: u32 = 4;
+pub(super) const STRIDE: usize = 4;
 
 /// What exceeds a square by this factor has a root that is greater, whatever the rounding.
 const FAR: f64 = 1.0 + 1e-9;
@@ -32,6 +32,14 @@ pub(super) trait Way: Copy {
 
     /// Goes on.
     fn go(&mut self, way: f64);
+}
+
+/// Some steps: how far each goes, where they end, and the velocity there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Stride<W> {
+    pub(super) ways: [f64; STRIDE],
+    pub(super) end: W,
+    pub(super) velocity: f64,
 }
 
 impl Ramp {
@@ -59,58 +67,65 @@ impl Ramp {
         (self.way(v, next) * sign, next * sign)
     }
 
-    /// Takes a whole stride: its end, and the velocity there. `None` where one of its steps may end at the goal or turn
-    /// back, or begins slow; they are to be taken one by one.
+    /// Takes a whole stride. `None` where one of its steps may end at the goal or turn back, or begins slow; they are to be
+    /// taken one by one.
     #[inline]
-    pub(super) fn stride<W: Way>(&self, way: W, velocity: f64) -> Option<(W, f64)> {
-        if self.is_free(way.left(), velocity) {
-            self.stride_freely(way, velocity)
-                .or_else(|| self.stride_by_root(way, velocity))
-        } else {
-            self.stride_by_root(way, velocity)
+    pub(super) fn stride<W: Way>(&self, way: W, velocity: f64) -> Option<Stride<W>> {
+        if self.is_free(way.left(), velocity)
+            && let Some(stride) = self.stride_freely(way, velocity)
+        {
+            return Some(stride);
         }
+        self.stride_by_root(way, velocity)
     }
 
-    /// A stride that only the limits govern. With every step the velocity grows and the way left shrinks, neither
-    /// strictly, and what [`Ramp::is_free`] compares of them with either; rounding keeps the order. If the last step is
-    /// free, all are.
+    /// A stride that only the limits govern, from a velocity within them. With every step the velocity grows and the way
+    /// left shrinks, neither strictly, and what is compared of them with either; rounding keeps the order. If the last step
+    /// is free and does not end at the goal, that is so of all.
     #[inline]
-    fn stride_freely<W: Way>(&self, mut way: W, mut v: f64) -> Option<(W, f64)> {
-        for _ in 1..STRIDE {
-            let next = self.fastest(v);
-            way.go(self.way(v, next));
-            v = next;
+    fn stride_freely<W: Way>(&self, mut end: W, mut velocity: f64) -> Option<Stride<W>> {
+        let mut ways = [0.0; STRIDE];
+        let mut last = (end.left(), velocity);
+        for way in &mut ways {
+            last = (end.left(), velocity);
+            velocity = self.fastest(velocity);
+            *way = self.way(last.1, velocity);
+            end.go(*way);
         }
-        if !self.is_free(way.left(), v) {
-            return None;
-        }
-        let next = self.fastest(v);
-        way.go(self.way(v, next));
-        Some((way, next))
+        let (left, v) = last;
+        let free = self.is_free(left, v) && left > self.stopping(v) + NEGLIGIBLE;
+        free.then_some(Stride {
+            ways,
+            end,
+            velocity,
+        })
     }
 
     /// A stride of steps too fast to end at the goal.
     #[inline]
-    fn stride_by_root<W: Way>(&self, mut way: W, mut v: f64) -> Option<(W, f64)> {
-        for _ in 0..STRIDE {
-            let left = way.left();
+    fn stride_by_root<W: Way>(&self, mut end: W, mut velocity: f64) -> Option<Stride<W>> {
+        let mut ways = [0.0; STRIDE];
+        for way in &mut ways {
+            let (left, v) = (end.left(), velocity);
             if !(left > 0.0 && v > self.change) {
                 return None;
             }
-            let next = self.by_root(left, v);
-            way.go(self.way(v, next));
-            v = next;
+            velocity = self.by_root(left, v);
+            *way = self.way(v, velocity);
+            end.go(*way);
         }
-        Some((way, v))
+        Some(Stride {
+            ways,
+            end,
+            velocity,
+        })
     }
 
     /// Whether a step forward is governed by the limits alone: [`Ramp::by_root`] would say [`Ramp::fastest`].
     #[inline]
     fn is_free(&self, left: f64, v: f64) -> bool {
         let most = self.fastest(v) + self.half;
-        (0.0..=self.limit).contains(&v)
-            && self.squared(left, v) > most * most * FAR
-            && left > self.stopping(v) + NEGLIGIBLE
+        (0.0..=self.limit).contains(&v) && self.squared(left, v) > most * most * FAR
     }
 
     /// The velocity after a step that only the limits govern, from one within them.
@@ -230,18 +245,24 @@ mod tests {
             let (left, velocity, limit) = drawn(&mut noise);
             let ramp = Ramp::new(limit, 0.762, 0.01);
             let free = ramp.is_free(left, velocity);
-            let mut steps = (Left(left), velocity);
-            for _ in 0..STRIDE {
-                let (way, next) = plainly(steps.0.0, steps.1, limit, 0.762, 0.01);
-                steps.0.go(way);
-                steps.1 = next;
-            }
-            if free && let Some(end) = ramp.stride_freely(Left(left), velocity) {
-                assert_eq!(end, steps, "{left} {velocity} {limit}");
+            let (mut end, mut next) = (Left(left), velocity);
+            let ways = core::array::from_fn(|_| {
+                let (way, faster) = plainly(end.0, next, limit, 0.762, 0.01);
+                end.go(way);
+                next = faster;
+                way
+            });
+            let steps = Stride {
+                ways,
+                end,
+                velocity: next,
+            };
+            if free && let Some(stride) = ramp.stride_freely(Left(left), velocity) {
+                assert_eq!(stride, steps, "{left} {velocity} {limit}");
                 freely += 1;
             }
-            if let Some(end) = ramp.stride_by_root(Left(left), velocity) {
-                assert_eq!(end, steps, "{left} {velocity} {limit}");
+            if let Some(stride) = ramp.stride_by_root(Left(left), velocity) {
+                assert_eq!(stride, steps, "{left} {velocity} {limit}");
                 by_root += 1;
             }
         }

@@ -63,6 +63,7 @@ impl Clearing {
 
     /// Whether it is known, without a look, that the disc touches nothing on its way and that no gap on it is to be told.
     /// What a disc has travelled brings it nearer to things by no more than that.
+    #[inline]
     pub fn is_far(&self, world: &World, from: Point, to: Point, radius: f64) -> bool {
         let (Some(told), Some((place, free))) = (self.told_below, self.free) else {
             return false;
@@ -77,6 +78,7 @@ impl Clearing {
     }
 
     /// The same, after a look if that may help.
+    #[inline]
     pub fn is_far_on_look(&mut self, world: &World, from: Point, to: Point, radius: f64) -> bool {
         if self.is_far(world, from, to, radius) {
             return true;
