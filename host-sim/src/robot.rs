@@ -22,9 +22,9 @@ mod motion;
 mod servo;
 
 pub use axes::{Axes, Axis, AxisLimits};
-use chassis::{Chassis, share_of};
+use chassis::{Chassis, Line, share_of};
 pub use motion::{Executed, Motion};
-use servo::{approach, slow};
+use servo::{Ramp, STRIDE, Way, sign, slow};
 
 /// Radius of the disc that touches things, m (the Nomad 200 in ThinkingCap's robot file).
 pub const COLLISION_RADIUS_M: f64 = 0.269;
@@ -133,6 +133,30 @@ impl Pace {
     }
 }
 
+/// The wheels on their way to a bearing, mirrored if need be so that their angle grows.
+#[derive(Debug, Clone, Copy)]
+struct Turn {
+    bearing: f64,
+    /// The half turns that the bearing is farther away than the end.
+    halves: f64,
+    wheels: f64,
+}
+
+impl Way for Turn {
+    /// As [`Base::to_turn`] as long as the half turns are the same: to take them off is exact, one by one or at once.
+    fn left(&self) -> f64 {
+        self.bearing - self.wheels - self.halves
+    }
+
+    fn go(&mut self, way: f64) {
+        self.wheels += way;
+    }
+}
+
+fn is_wrapped(angle: f64) -> bool {
+    wrap_angle(angle) == angle
+}
+
 /// The base: where it is, where its wheels and its turret point, and what it is doing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Base {
@@ -221,17 +245,10 @@ impl Base {
         let done = asked * share;
         self.chassis.position = from + done.turned(ring_before);
         self.chassis.odometry = self.chassis.odometry + done.turned(ring_before);
-        let turned_rad = if length > 0.0 {
-            self.point_wheels(asked)
-        } else {
-            0.0
-        };
+        if length > 0.0 {
+            self.point_wheels(asked);
+        }
         Executed {
-            dx_m: done.x,
-            dy_m: done.y,
-            odometry_dx_m: done.x,
-            odometry_dy_m: done.y,
-            turned_rad,
             touched: sweep.touched(),
             bumpers: self.chassis.bumpers_at(&sweep),
             moving: false,
@@ -240,17 +257,12 @@ impl Base {
         }
     }
 
-    /// Lets the wheels, and a following turret, point along a displacement in the ring frame at once;
-    /// returns how far the ring turned.
-    fn point_wheels(&mut self, displacement: Point) -> f64 {
+    /// Lets the wheels, and a following turret, point along a displacement in the ring frame at once.
+    fn point_wheels(&mut self, displacement: Point) {
         let bearing = displacement.angle();
         self.steering.set(wrap_angle(self.ring.angle() + bearing));
-        match self.turret {
-            TurretMode::Held => 0.0,
-            TurretMode::Follow => {
-                self.ring = self.steering;
-                wrap_angle(bearing)
-            }
+        if self.turret == TurretMode::Follow {
+            self.ring = self.steering;
         }
     }
 
@@ -282,24 +294,33 @@ impl Base {
 
     /// Lets `dt_s` seconds pass.
     pub fn advance(&mut self, dt_s: f64, world: &World) -> Executed {
-        let (before, ring, bearing) = (self.chassis.places(), self.ring.unit(), self.ring.angle());
-        let mut done = Executed {
-            min_clearance_m: f64::INFINITY,
-            ..Executed::default()
-        };
+        let mut done = Executed::nothing_yet();
         if dt_s != self.pace.whole_s {
             self.pace = Pace::of(dt_s);
         }
-        for _ in 0..self.pace.steps {
-            self.step(self.pace.step_s, world, &mut done);
-            if self.drive == Drive::Still {
-                break;
-            }
+        let (mut steps, step_s) = (self.pace.steps, self.pace.step_s);
+        while steps > 0 && self.is_moving() {
+            steps -= if steps >= STRIDE as u32 && self.stride(step_s, world, &mut done) {
+                STRIDE as u32
+            } else {
+                self.step(step_s, world, &mut done);
+                1
+            };
         }
-        self.chassis.since(&before, ring, world, &mut done);
-        done.turned_rad = wrap_angle(self.ring.angle() - bearing);
-        done.moving = self.is_moving();
-        done
+        self.chassis.tell_gap(world, &mut done);
+        Executed {
+            moving: self.is_moving(),
+            ..done
+        }
+    }
+
+    /// Takes several steps at once, if they are plain ones; does nothing if not.
+    fn stride(&mut self, dt: f64, world: &World, done: &mut Executed) -> bool {
+        match self.drive {
+            Drive::Still | Drive::Brake(_) => false,
+            Drive::Steer(_, bearing) => self.stride_steering(bearing, dt),
+            Drive::Roll(goal) => self.stride_rolling(goal, dt, world, done),
+        }
     }
 
     fn step(&mut self, dt: f64, world: &World, done: &mut Executed) {
@@ -309,8 +330,7 @@ impl Base {
             Drive::Steer(goal, bearing) => self.steer(goal, bearing, dt),
             Drive::Roll(goal) => {
                 let way = (goal - self.chassis.odometry).dot(self.steering.unit());
-                let (a, limit) = (self.limits.acceleration_m_s2, self.speed_limit);
-                let (moved, speed) = approach(way, self.speed, limit, a, dt);
+                let (moved, speed) = self.rolling(dt).approach(way, self.speed);
                 self.speed = speed;
                 self.roll(moved, world, done);
                 let arrived = speed == 0.0 && (way - moved).abs() <= NEGLIGIBLE;
@@ -319,6 +339,38 @@ impl Base {
                 }
             }
         }
+    }
+
+    /// How the wheels roll.
+    fn rolling(&self, dt: f64) -> Ramp {
+        Ramp::new(self.speed_limit, self.limits.acceleration_m_s2, dt)
+    }
+
+    /// How they are turned.
+    fn turning(&self, dt: f64) -> Ramp {
+        let limits = &self.limits;
+        Ramp::new(limits.turn_rate_rad_s, limits.turn_acceleration_rad_s2, dt)
+    }
+
+    fn stride_rolling(&mut self, goal: Point, dt: f64, world: &World, done: &mut Executed) -> bool {
+        let wheels = self.steering.unit();
+        let forward = (goal - self.chassis.odometry).dot(wheels) >= 0.0;
+        let (sign, wheels) = if forward {
+            (1.0, wheels)
+        } else {
+            (-1.0, -wheels)
+        };
+        let line = Line {
+            goal,
+            wheels,
+            odometry: self.chassis.odometry,
+        };
+        let stride = self.rolling(dt).stride(line, self.speed * sign);
+        let Some(stride) = stride.filter(|stride| self.chassis.take(stride, world, done)) else {
+            return false;
+        };
+        self.speed = stride.velocity * sign;
+        true
     }
 
     /// Slows wheels and steering down; once both rest, goes on to the goal.
@@ -338,23 +390,53 @@ impl Base {
         });
     }
 
-    /// Turns the wheels at rest: straight towards the goal, or straight away from it where that is the
-    /// shorter turn and the turret does not follow.
+    /// Turns the wheels at rest.
     fn steer(&mut self, goal: Point, bearing: f64, dt: f64) {
-        let mut left = wrap_angle(bearing - self.steering.angle());
-        if self.turret == TurretMode::Held && left.abs() > FRAC_PI_2 {
-            left -= if left > 0.0 { PI } else { -PI };
-        }
-        let (rate, a) = (
-            self.limits.turn_rate_rad_s,
-            self.limits.turn_acceleration_rad_s2,
-        );
-        let (turned, turn_rate) = approach(left, self.turn_rate, rate, a, dt);
+        let left = self.to_turn(bearing, self.steering.angle());
+        let (turned, turn_rate) = self.turning(dt).approach(left, self.turn_rate);
         self.turn_rate = turn_rate;
         self.turn(turned);
         if turn_rate == 0.0 && (left - turned).abs() <= NEGLIGIBLE {
             self.drive = Drive::Roll(goal);
         }
+    }
+
+    /// The angle to turn the wheels by, so that they point along a bearing: straight towards it, or straight away from it
+    /// where that is the shorter turn and the turret does not follow.
+    fn to_turn(&self, bearing: f64, wheels: f64) -> f64 {
+        let left = wrap_angle(bearing - wheels);
+        if self.turret == TurretMode::Held && left.abs() > FRAC_PI_2 {
+            left - if left > 0.0 { PI } else { -PI }
+        } else {
+            left
+        }
+    }
+
+    fn stride_steering(&mut self, bearing: f64, dt: f64) -> bool {
+        let wheels = self.steering.angle();
+        let left = self.to_turn(bearing, wheels);
+        let sign = sign(left);
+        let turn = Turn {
+            bearing: bearing * sign,
+            halves: (bearing - wheels - left) * sign,
+            wheels: wheels * sign,
+        };
+        let Some(stride) = self.turning(dt).stride(turn, self.turn_rate * sign) else {
+            return false;
+        };
+        let end = stride.end.wheels * sign;
+        let same = self.to_turn(bearing, end) == stride.end.left() * sign;
+        if !(same && is_wrapped(wheels) && is_wrapped(end)) {
+            return false;
+        }
+        self.steering.set(end);
+        if self.turret == TurretMode::Follow {
+            let turned = |ring, way| wrap_angle(ring + way * sign);
+            self.ring
+                .set(stride.ways.into_iter().fold(self.ring.angle(), turned));
+        }
+        self.turn_rate = stride.velocity * sign;
+        true
     }
 
     fn turn(&mut self, angle: f64) {

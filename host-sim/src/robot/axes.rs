@@ -5,7 +5,7 @@
 //! of three tasks: hold, run at a velocity, go to a position.
 
 use super::chassis::Chassis;
-use super::servo::{approach, slow};
+use super::servo::{Ramp, slow};
 use super::{BaseLimits, Executed, MAX_STEP_S};
 use crate::noise::Noise;
 use crate::world::{Point, Pose, World, wrap_angle};
@@ -94,7 +94,7 @@ impl Servo {
             }
             Task::GoTo(goal) => {
                 let left = goal - self.at;
-                let (moved, rate) = approach(left, self.rate, self.set.speed, a, dt);
+                let (moved, rate) = Ramp::new(self.set.speed, a, dt).approach(left, self.rate);
                 if rate == 0.0 && (left - moved).abs() <= super::NEGLIGIBLE {
                     self.task = Task::Hold;
                 }
@@ -225,20 +225,14 @@ impl Axes {
     /// Lets `dt_s` seconds pass. Returns what the base did, and the way rolled as the odometry counts it, as a
     /// displacement in the frame in which steering 0 is along x.
     pub fn advance(&mut self, dt_s: f64, world: &World) -> (Executed, Point) {
-        let (before, ring) = (self.chassis.places(), self.pose().heading);
-        let mut done = Executed {
-            min_clearance_m: f64::INFINITY,
-            ..Executed::default()
-        };
+        let mut done = Executed::nothing_yet();
         let mut counted = Point::default();
         let steps = libm::ceil(dt_s / MAX_STEP_S).clamp(1.0, 1e7) as u32;
         let step_s = dt_s.max(0.0) / f64::from(steps);
         for _ in 0..steps {
             counted = counted + self.step(step_s, world, &mut done);
         }
-        self.chassis
-            .since(&before, Point::unit(ring), world, &mut done);
-        done.turned_rad = wrap_angle(self.pose().heading - ring);
+        self.chassis.tell_gap(world, &mut done);
         done.moving = Axis::ALL.into_iter().any(|axis| self.is_active(axis));
         (done, counted)
     }
@@ -255,7 +249,7 @@ impl Axes {
         }
         let mut rolled = Executed {
             min_clearance_m: done.min_clearance_m,
-            ..Executed::default()
+            ..Executed::nothing_yet()
         };
         let count = self
             .chassis

@@ -2,6 +2,7 @@
 
 use core::f64::consts::TAU;
 
+use super::servo::{Stride, Way};
 use super::{BUMPERS, COLLISION_RADIUS_M, Executed};
 use crate::noise::Noise;
 use crate::world::{Clearing, Point, Pose, Sweep, World};
@@ -19,11 +20,23 @@ pub(super) struct Chassis {
     clearing: Clearing,
 }
 
-/// Where a body was: truth and odometry, m.
+/// A way along the wheels towards a goal, as the odometry has it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Places {
-    position: Point,
-    odometry: Point,
+pub(super) struct Line {
+    pub(super) goal: Point,
+    /// Unit vector towards the goal.
+    pub(super) wheels: Point,
+    pub(super) odometry: Point,
+}
+
+impl Way for Line {
+    fn left(&self) -> f64 {
+        (self.goal - self.odometry).dot(self.wheels)
+    }
+
+    fn go(&mut self, way: f64) {
+        self.odometry = self.odometry + self.wheels * way;
+    }
 }
 
 impl Chassis {
@@ -35,14 +48,6 @@ impl Chassis {
             front: pose.heading,
             slip: Point::new(1.0, 0.0),
             clearing: Clearing::default(),
-        }
-    }
-
-    /// Where it is.
-    pub(super) fn places(&self) -> Places {
-        Places {
-            position: self.position,
-            odometry: self.odometry,
         }
     }
 
@@ -90,27 +95,43 @@ impl Chassis {
         way * share
     }
 
-    /// Adds to `done` what has happened since `before`, in the ring's frame as it was then: its axis along the unit vector
-    /// `ring`.
-    pub(super) fn since(
+    /// Takes a stride along a line, as [`Chassis::roll`] its steps; does nothing if something may be near.
+    #[inline]
+    pub(super) fn take(
         &mut self,
-        before: &Places,
-        ring: Point,
+        stride: &Stride<Line>,
         world: &World,
         done: &mut Executed,
-    ) {
+    ) -> bool {
+        let from = self.position;
+        let mut to = from;
+        let steps = stride.ways.map(|way| {
+            let before = to;
+            to = to + (stride.end.wheels * way).turned(self.slip);
+            to - before
+        });
+        let clearing = &mut self.clearing;
+        if !clearing.is_far_on_look(world, from, to, COLLISION_RADIUS_M) {
+            return false;
+        }
+        self.position = to;
+        self.odometry = stride.end.odometry;
+        for length in steps.map(Point::length) {
+            done.travelled_m += length;
+        }
+        true
+    }
+
+    /// Tells the gap where it stands, if none was told on the way.
+    #[inline]
+    pub(super) fn tell_gap(&mut self, world: &World, done: &mut Executed) {
         let at = self.position;
         if done.min_clearance_m == f64::INFINITY
             && !self.clearing.is_far(world, at, at, COLLISION_RADIUS_M)
         {
-            // Nothing rolled: the gap where it stands.
             let clearance = self.clearing.clearance(world, at);
             done.min_clearance_m = (clearance - COLLISION_RADIUS_M).max(0.0);
         }
-        let truth = (self.position - before.position).turned_back(ring);
-        let believed = (self.odometry - before.odometry).turned_back(ring);
-        (done.dx_m, done.dy_m) = (truth.x, truth.y);
-        (done.odometry_dx_m, done.odometry_dy_m) = (believed.x, believed.y);
     }
 
     /// The switch pressed at the end of a sweep, as a bit.

@@ -63,6 +63,7 @@ impl Clearing {
 
     /// Whether it is known, without a look, that the disc touches nothing on its way and that no gap on it is to be told.
     /// What a disc has travelled brings it nearer to things by no more than that.
+    #[inline]
     pub fn is_far(&self, world: &World, from: Point, to: Point, radius: f64) -> bool {
         let (Some(told), Some((place, free))) = (self.told_below, self.free) else {
             return false;
@@ -74,6 +75,29 @@ impl Clearing {
             && inside(to)
             && self.knows(&world.surfaces)
             && world.posts.is_empty()
+    }
+
+    /// The same, after a look if that may help.
+    #[inline]
+    pub fn is_far_on_look(&mut self, world: &World, from: Point, to: Point, radius: f64) -> bool {
+        if self.is_far(world, from, to, radius) {
+            return true;
+        }
+        if self.told_below.is_none() || !world.posts.is_empty() {
+            return false;
+        }
+        self.look_around(world, from, radius);
+        self.is_far(world, from, to, radius)
+    }
+
+    /// Finds how far the nearest thing is.
+    fn look_around(&mut self, world: &World, place: Point, radius: f64) {
+        self.know(&world.surfaces);
+        if !self.wide.holds(place, place, radius) {
+            self.wide.begin(place, place, radius, ROOM_M);
+            self.wide.find(&world.surfaces);
+        }
+        self.free = Some((place, self.wide.distance(place)));
     }
 
     fn knows(&self, surfaces: &Arc<Surfaces>) -> bool {
@@ -122,21 +146,27 @@ impl Clearing {
         posts.fold(still, |nearest, post| min(nearest, post.distance(point)))
     }
 
+    /// Forgets what it knows of other surfaces.
+    fn know(&mut self, surfaces: &Arc<Surfaces>) {
+        if !self.knows(surfaces) {
+            *self = Self {
+                of: Some(Arc::clone(surfaces)),
+                told_below: self.told_below,
+                ..Self::default()
+            };
+        }
+    }
+
     /// Holds all that matters to a path afterwards.
     fn look(&mut self, world: &World, from: Point, to: Point, radius: f64) {
-        let surfaces = &world.surfaces;
-        let same = self.knows(surfaces);
-        if same && self.spot.holds(from, to, radius) {
+        self.know(&world.surfaces);
+        if self.spot.holds(from, to, radius) {
             return;
         }
         self.spot.begin(from, to, radius, SPOT_M);
-        if !same || !self.wide.covers(&self.spot) {
+        if !self.wide.covers(&self.spot) {
             self.wide.begin(from, to, radius, ROOM_M);
-            self.wide.find(surfaces);
-        }
-        if !same {
-            self.of = Some(Arc::clone(surfaces));
-            self.stood = None;
+            self.wide.find(&world.surfaces);
         }
         self.spot.choose(&self.wide);
     }

@@ -180,13 +180,13 @@ impl Faces {
 
 /// The lesser of two numbers that are not NaN: one instruction, unlike `f64::min`.
 #[inline(always)]
-pub(super) fn min(a: f64, b: f64) -> f64 {
+pub(crate) fn min(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
 /// The greater of two numbers that are not NaN.
 #[inline(always)]
-pub(super) fn max(a: f64, b: f64) -> f64 {
+pub(crate) fn max(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 

@@ -46,6 +46,7 @@ mod view;
 
 pub use answer::Fan;
 pub use clearing::Clearing;
+pub(crate) use faces::{max, min};
 pub use geometry::{Point, Pose, wrap_angle};
 pub use lobe::{Lobe, LobeView};
 pub use ray::{Hit, Surface};
