@@ -410,6 +410,7 @@ fn shortens(outputs: &Outputs<16>) -> bool {
 }
 
 /// The world as it is met: with the second robot, if there is one.
+#[inline]
 fn crowded<'a>(world: &'a World, leader: Option<&'a (Leader, World)>) -> &'a World {
     leader.map_or(world, |(_, crowded)| crowded)
 }
