@@ -18,6 +18,33 @@ pub struct Coverage {
     radius_m: f64,
     /// Where the last way ended.
     last: Option<Point>,
+    known: Known,
+}
+
+/// A rectangle: ways within it sweep covered cells only.
+#[derive(Debug, Clone, Copy)]
+struct Known {
+    least: Point,
+    greatest: Point,
+}
+
+impl Known {
+    const NOTHING: Self = Self {
+        least: Point::new(f64::INFINITY, f64::INFINITY),
+        greatest: Point::new(f64::NEG_INFINITY, f64::NEG_INFINITY),
+    };
+
+    fn contains(&self, place: Point) -> bool {
+        (self.least.x <= place.x && place.x <= self.greatest.x)
+            && (self.least.y <= place.y && place.y <= self.greatest.y)
+    }
+}
+
+/// Columns and rows of cells, first and last.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Cells {
+    columns: (usize, usize),
+    rows: (usize, usize),
 }
 
 impl Coverage {
@@ -38,16 +65,39 @@ impl Coverage {
             words: vec![0; (columns * rows).div_ceil(64)],
             radius_m,
             last: None,
+            known: Known::NOTHING,
         }
     }
 
     /// The body has moved straight from `from` to `to`.
+    #[inline]
     pub fn sweep(&mut self, from: Point, to: Point) {
-        if from == to && self.last == Some(to) {
-            // It stands where it stood.
-            return;
+        let is_known = self.known.contains(from) && self.known.contains(to);
+        let stands = from == to && self.last == Some(to);
+        if !is_known && !stands {
+            self.last = Some(to);
+            self.cover(from, to);
         }
-        self.last = Some(to);
+    }
+
+    fn cover(&mut self, from: Point, to: Point) {
+        let cells = self.around(from, to);
+        let Cells { columns, rows } = cells;
+        let mut is_covered = true;
+        for row in rows.0..=rows.1 {
+            let start = row * self.columns;
+            if !self.is_marked(start + columns.0..=start + columns.1) {
+                is_covered = false;
+                self.cover_row(row, columns, from, to);
+            }
+        }
+        if is_covered {
+            self.known = self.within(cells);
+        }
+    }
+
+    /// The cells that the body may touch on a way.
+    fn around(&self, from: Point, to: Point) -> Cells {
         let cell = |value: f64, most: usize| {
             ((value / CELL_M).max(0.0) as usize).min(most.saturating_sub(1))
         };
@@ -60,26 +110,50 @@ impl Coverage {
             from.y.min(to.y) - reach - self.origin.y,
             from.y.max(to.y) + reach - self.origin.y,
         );
+        Cells {
+            columns: (cell(low_x, self.columns), cell(high_x, self.columns)),
+            rows: (cell(low_y, self.rows), cell(high_y, self.rows)),
+        }
+    }
+
+    /// The places from which the body touches none but these cells; nothing where that is not sure.
+    fn within(&self, cells: Cells) -> Known {
+        // More than the roundings of coordinates.
+        const INSET_M: f64 = 1e-6;
+        let inset = self.radius_m + INSET_M;
+        let side = |index: usize, origin: f64| origin + index as f64 * CELL_M;
+        let ((left, right), (low, high)) = (cells.columns, cells.rows);
+        let known = Known {
+            least: Point::new(
+                side(left, self.origin.x) + inset,
+                side(low, self.origin.y) + inset,
+            ),
+            greatest: Point::new(
+                side(right + 1, self.origin.x) - inset,
+                side(high + 1, self.origin.y) - inset,
+            ),
+        };
+        // What holds at the corners holds between them: no step of the reckoning ever falls where a coordinate rises.
+        let is_sure = self.around(known.least, known.greatest) == cells;
+        if is_sure { known } else { Known::NOTHING }
+    }
+
+    fn cover_row(&mut self, row: usize, columns: (usize, usize), from: Point, to: Point) {
+        let start = row * self.columns;
+        let reach = self.radius_m;
         let way = to - from;
         let squared = way.dot(way);
         let scale = if squared > 0.0 { 1.0 / squared } else { 0.0 };
-        let columns = cell(low_x, self.columns)..=cell(high_x, self.columns);
-        for row in cell(low_y, self.rows)..=cell(high_y, self.rows) {
-            let start = row * self.columns;
-            if self.is_marked(start + columns.start()..=start + columns.end()) {
-                continue;
-            }
-            for column in columns.clone() {
-                let middle = Point::new(
-                    self.origin.x + (column as f64 + 0.5) * CELL_M,
-                    self.origin.y + (row as f64 + 0.5) * CELL_M,
-                );
-                let offset = middle - from;
-                let along = (offset.dot(way) * scale).clamp(0.0, 1.0);
-                let gap = offset - way * along;
-                if gap.dot(gap) <= reach * reach {
-                    self.mark(start + column);
-                }
+        for column in columns.0..=columns.1 {
+            let middle = Point::new(
+                self.origin.x + (column as f64 + 0.5) * CELL_M,
+                self.origin.y + (row as f64 + 0.5) * CELL_M,
+            );
+            let offset = middle - from;
+            let along = (offset.dot(way) * scale).clamp(0.0, 1.0);
+            let gap = offset - way * along;
+            if gap.dot(gap) <= reach * reach {
+                self.mark(start + column);
             }
         }
     }
@@ -113,6 +187,7 @@ impl Coverage {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::noise::Noise;
 
     #[test]
     fn a_straight_run_covers_its_strip() {
@@ -136,6 +211,27 @@ mod tests {
         };
         let once = stand(1.0);
         assert!(once > 0.0 && stand(1.0) == once && stand(3.0) == 2.0 * once);
+    }
+
+    /// To and fro in bounds that are soon covered, and beyond them.
+    #[test]
+    fn where_all_is_covered_nothing_is_missed() {
+        let bounds = (Point::new(-0.9, 3.3), Point::new(0.9, 4.9));
+        let mut coverage = Coverage::new(bounds, 0.269);
+        let mut plain = coverage.clone();
+        let mut noise = Noise::new(7);
+        let (mut place, mut known) = (Point::new(0.0, 4.0), 0);
+        for _ in 0..20_000 {
+            let mut step = || noise.uniform_in(-0.05, 0.05);
+            let x = (place.x + step()).clamp(-1.0, 1.0);
+            let next = Point::new(x, (place.y + step()).clamp(3.2, 5.0));
+            known += u32::from(coverage.known.contains(place) && coverage.known.contains(next));
+            coverage.sweep(place, next);
+            plain.cover(place, next);
+            assert_eq!(coverage.words, plain.words, "{place:?} {next:?}");
+            place = next;
+        }
+        assert!(known > 5_000 && coverage.area_m2() > 2.0, "{known}");
     }
 
     #[test]

@@ -14,7 +14,6 @@
 
 use crate::action_map::ActionMap;
 use crate::config::Config;
-use crate::fixed::Mask;
 use crate::memory::Memory;
 use crate::planner::GoalNeuron;
 use crate::scan::{Aligned, Echo, Scan};
@@ -208,6 +207,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 /// Takes one event that happened at `at` and says what to do. Total work is bounded: the dearest event is the echo that
 /// completes a ring while seeking (one decision and one step of learning of both maps), or a tick while learning.
 #[must_use]
+#[inline(always)]
 pub fn handle<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>(
     config: &Config<SENSORS>,
     state: &mut State<SENSORS, NEURONS, SAMPLES>,
@@ -236,6 +236,7 @@ pub fn handle<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>(
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     State<SENSORS, NEURONS, SAMPLES>
 {
+    #[inline(never)]
     fn echo(&mut self, config: &Config<SENSORS>, sensor: usize, echo: Echo) -> Outputs<SENSORS> {
         self.scan.hear(sensor, echo);
         self.shield.hear(config, sensor, echo);
@@ -253,13 +254,11 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let Some(pending) = &mut self.pending else {
             return Outputs::none();
         };
-        let left = pending.remaining.length_mm();
-        let heard = Mask::NONE.with(sensor);
-        let allowed = self.shield.allow_by(config, pending.remaining, now, heard);
-        if allowed.distance_mm >= left {
+        let remaining = pending.remaining;
+        let Some(allowed) = self.shield.shorten(config, remaining, now, sensor) else {
             return Outputs::none();
-        }
-        pending.remaining = pending.remaining.with_length(allowed.distance_mm);
+        };
+        pending.remaining = remaining.with_length(allowed.distance_mm);
         pending.speed_mm_s = allowed.speed_mm_s.min(pending.speed_mm_s);
         Outputs {
             motion: Some(Motion {
@@ -271,6 +270,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
     }
 
+    #[inline(never)]
     fn odometry(
         &mut self,
         at: Millis,
@@ -341,6 +341,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 
     /// Stands still and keeps what that interrupts for [`Command::Resume`].
+    #[inline(never)]
     fn stop(&mut self, at: Millis, reason: StopReason) -> Outputs<SENSORS> {
         self.interrupted = match self.mode {
             Mode::Explore { .. } | Mode::Seek { .. } => self.mode,
@@ -364,7 +365,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.waiting_since = at;
     }
 
-    /// Changes the mode. A motion under way is stopped, except from one goal to the next.
+    /// Changes the mode. A motion under way is stopped, except from one goal to the next. One copy of it in a program.
+    #[inline(never)]
     fn enter(&mut self, at: Millis, mode: Mode<SENSORS>) -> Outputs<SENSORS> {
         let goes_on = matches!((&self.mode, &mode), (Mode::Seek { .. }, Mode::Seek { .. }));
         self.mode = mode;

@@ -12,7 +12,10 @@ use crate::config::Config;
 use crate::fixed::{Mask, isqrt};
 use crate::scan::Echo;
 use crate::units::{Bearing, Direction, Displacement, Millis, Range};
+use glance::Glance;
 use serde::{Deserialize, Serialize};
+
+mod glance;
 
 /// Places per transducer whose echo is kept.
 pub const KEPT: usize = 4;
@@ -64,8 +67,6 @@ impl Shielding {
 /// What a transducer heard at one place, in the ring's present frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Arc {
-    /// Place of the transducer's face.
-    face: Displacement,
     /// Where it looked.
     axis: Direction,
     /// The nearer of the last two ranges heard here; `None` = nothing answered either time.
@@ -78,34 +79,30 @@ struct Arc {
 impl Arc {
     /// What stands where nothing was heard.
     const NONE: Self = Self {
-        face: Displacement::ZERO,
         axis: Direction { x_q14: 0, y_q14: 0 },
         range: None,
         latest: None,
         at: Millis::from_ms(0),
     };
 
-    /// The ring has moved and turned; `back` is the way back of its turn.
-    #[inline]
-    fn moved(&mut self, by: Displacement, back: Option<Direction>) {
-        self.face = self.face.minus(by);
-        if let Some(back) = back {
-            self.face = self.face.rotated(back);
-            let (x, y) = back.rotate(i32::from(self.axis.x_q14), i32::from(self.axis.y_q14));
-            self.axis = Direction {
-                x_q14: x as i16,
-                y_q14: y as i16,
-            };
-        }
+    /// The ring has turned; `back` is the way back.
+    fn turned(&mut self, back: Direction) {
+        let (x, y) = back.rotate(i32::from(self.axis.x_q14), i32::from(self.axis.y_q14));
+        self.axis = Direction {
+            x_q14: x as i16,
+            y_q14: y as i16,
+        };
     }
 }
 
 /// What was heard lately.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Shield<const SENSORS: usize> {
+    /// Where the transducer's face was at each arc: apart from them, as these alone change with every move.
+    faces: [[Displacement; KEPT]; SENSORS],
     /// Of each transducer the newest first.
     arcs: [[Arc; KEPT]; SENSORS],
-    /// How many arcs of each transducer were heard; the others are [`Arc::NONE`].
+    /// How many arcs of each transducer were heard; the others are [`Arc::NONE`], wherever their faces are.
     heard: [u8; SENSORS],
     /// The lobe of the last echo.
     lobe: Option<Lobe>,
@@ -131,6 +128,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
     #[must_use]
     pub const fn new() -> Self {
         Self {
+            faces: [[Displacement::ZERO; KEPT]; SENSORS],
             arcs: [[Arc::NONE; KEPT]; SENSORS],
             heard: [0; SENSORS],
             lobe: None,
@@ -139,13 +137,15 @@ impl<const SENSORS: usize> Shield<SENSORS> {
 
     /// Forgets everything heard.
     pub fn forget(&mut self) {
+        self.faces.as_flattened_mut().fill(Displacement::ZERO);
         self.arcs.as_flattened_mut().fill(Arc::NONE);
         self.heard = [0; SENSORS];
     }
 
     /// Takes an echo of a transducer.
     pub fn hear(&mut self, config: &Config<SENSORS>, sensor: usize, echo: Echo) {
-        let (Some(arcs), Some(heard), Some(axis)) = (
+        let (Some(faces), Some(arcs), Some(heard), Some(axis)) = (
+            self.faces.get_mut(sensor),
             self.arcs.get_mut(sensor),
             self.heard.get_mut(sensor),
             config.robot.directions.get(sensor),
@@ -166,31 +166,24 @@ impl<const SENSORS: usize> Shield<SENSORS> {
             }
             None => 0,
         };
-        let newest = arcs.first().copied().filter(|_| *heard > 0);
-        let same_place = newest.filter(|arc| {
-            let apart = arc.face.minus(face);
-            let (dx, dy) = (apart.dx_mm.unsigned_abs(), apart.dy_mm.unsigned_abs());
-            dx.max(dy) < spacing
-        });
-        if same_place.is_none() {
+        let apart = faces[0].minus(face);
+        let (dx, dy) = (apart.dx_mm.unsigned_abs(), apart.dy_mm.unsigned_abs());
+        let same_place = *heard > 0 && dx.max(dy) < spacing;
+        let mut previous = arcs[0].latest;
+        if !same_place {
             // The oldest makes room.
-            for place in (1..KEPT).rev() {
-                if let Some([newer, older]) = arcs.get_mut(place - 1..=place) {
-                    *older = *newer;
-                }
-            }
+            make_room(faces);
+            make_room(arcs);
+            previous = None;
             *heard = heard.saturating_add(1).min(KEPT as u8);
         }
-        let previous = same_place.and_then(|arc| arc.latest);
-        if let Some(place) = arcs.first_mut() {
-            *place = Arc {
-                face,
-                axis: *axis,
-                range: nearer(echo.range, previous),
-                latest: echo.range,
-                at: echo.at,
-            };
-        }
+        faces[0] = face;
+        arcs[0] = Arc {
+            axis: *axis,
+            range: nearer(echo.range, previous),
+            latest: echo.range,
+            at: echo.at,
+        };
     }
 
     /// The robot has moved and its ring has turned: what was heard stays where it is in the world.
@@ -198,12 +191,57 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         if by == Displacement::ZERO && turned == Bearing::ZERO {
             return;
         }
-        let back = (turned != Bearing::ZERO).then(|| Bearing::ZERO.minus(turned).direction());
-        for (arcs, heard) in self.arcs.iter_mut().zip(&self.heard) {
-            for arc in arcs.iter_mut().take(usize::from(*heard)) {
-                arc.moved(by, back);
+        for (faces, heard) in self.faces.iter_mut().zip(&self.heard) {
+            if *heard > 0 {
+                // All of them at once is less than to count.
+                for face in faces {
+                    *face = face.minus(by);
+                }
             }
         }
+        if turned != Bearing::ZERO {
+            self.turned(Bearing::ZERO.minus(turned).direction());
+        }
+    }
+
+    /// The ring has turned; `back` is the way back.
+    fn turned(&mut self, back: Direction) {
+        let faces = self.faces.as_flattened_mut().iter_mut();
+        for (face, arc) in faces.zip(self.arcs.as_flattened_mut()) {
+            *face = face.rotated(back);
+            arc.turned(back);
+        }
+    }
+
+    /// Whether what a transducer has just heard, and heard before, surely does not shorten a motion.
+    fn passes(
+        &self,
+        config: &Config<SENSORS>,
+        wanted: Displacement,
+        now: Millis,
+        sensor: usize,
+    ) -> bool {
+        let Some(shielding) = &config.shield else {
+            return true;
+        };
+        let heard = self.heard.get(sensor).copied().unwrap_or(0);
+        let arcs = self.kept(sensor, heard);
+        let (Some(lobe), Some(faces)) = (&self.lobe, self.faces.get(sensor)) else {
+            return false;
+        };
+        // Heard right now is heard lately.
+        if arcs.first().is_none_or(|arc| arc.at != now) {
+            return false;
+        }
+        let Some(glance) = Glance::along(config, shielding, lobe, wanted) else {
+            return false;
+        };
+        for (face, arc) in faces.iter().zip(arcs) {
+            if !glance.passes(*face, arc) {
+                return false;
+            }
+        }
+        true
     }
 
     /// How far and how fast the robot may go along `wanted`, by everything heard lately.
@@ -222,7 +260,36 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         now: Millis,
         among: Mask,
     ) -> Allowed {
+        self.allow_along(config, wanted, wanted.length_mm(), now, among)
+    }
+
+    /// What is left of a motion that was allowed, by what a transducer has just heard and heard before; `None` = all of it.
+    #[must_use]
+    pub fn shorten(
+        &self,
+        config: &Config<SENSORS>,
+        wanted: Displacement,
+        now: Millis,
+        sensor: usize,
+    ) -> Option<Allowed> {
+        if self.passes(config, wanted, now, sensor) {
+            return None;
+        }
         let length = wanted.length_mm();
+        let heard = Mask::NONE.with(sensor);
+        let allowed = self.allow_along(config, wanted, length, now, heard);
+        (allowed.distance_mm < length).then_some(allowed)
+    }
+
+    /// As [`allow_by`](Self::allow_by) along a displacement of this length.
+    fn allow_along(
+        &self,
+        config: &Config<SENSORS>,
+        wanted: Displacement,
+        length: u16,
+        now: Millis,
+        among: Mask,
+    ) -> Allowed {
         let Some(shielding) = &config.shield else {
             return Allowed {
                 distance_mm: length,
@@ -268,10 +335,10 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         }
         // Arcs not heard are none.
         if usize::from(way.places) >= KEPT {
-            return way.until_any(self.arcs.as_flattened(), limit);
+            return way.until_any(self.faces.as_flattened(), self.arcs.as_flattened(), limit);
         }
         (0..SENSORS).fold(limit, |distance, sensor| {
-            way.until_any(self.kept(sensor, way.places), distance)
+            self.until_any(way, sensor, distance)
         })
     }
 
@@ -295,8 +362,14 @@ impl<const SENSORS: usize> Shield<SENSORS> {
             return 0;
         }
         asked.indices(SENSORS).fold(limit, |distance, sensor| {
-            way.until_any(self.kept(sensor, way.places), distance)
+            self.until_any(way, sensor, distance)
         })
+    }
+
+    /// Distance until the body would come within the margin of an arc of this transducer; `limit` where it would not.
+    fn until_any(&self, way: &Way<'_>, sensor: usize, limit: i32) -> i32 {
+        let faces = self.faces.get(sensor).map_or(&[][..], |faces| faces);
+        way.until_any(faces, self.kept(sensor, way.places), limit)
     }
 
     /// Whether the transducer looks where the robot would go and was not heard lately.
@@ -312,6 +385,12 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         let arcs = self.arcs.get(sensor).map_or(&[][..], |arcs| arcs);
         arcs.get(..usize::from(most)).unwrap_or(arcs)
     }
+}
+
+/// Moves all but the last on by a place.
+fn make_room<T: Copy>(places: &mut [T; KEPT]) {
+    let [a, b, c, _] = *places;
+    *places = [a, a, b, c];
 }
 
 /// The nearer of two ranges, where nothing heard is farthest.
@@ -471,20 +550,20 @@ impl<'a> Way<'a> {
 
     /// Distance until the body would come within the margin of an arc; `limit` where it would not before that.
     #[inline(never)]
-    fn until_any(&self, arcs: &[Arc], limit: i32) -> i32 {
+    fn until_any(&self, faces: &[Displacement], arcs: &[Arc], limit: i32) -> i32 {
         let mut distance = limit;
         let mut near = self.near(limit);
-        for arc in arcs {
+        for (face, arc) in faces.iter().zip(arcs) {
             // Nothing on an arc is met while its face is nearer than its range is long: most are far off.
-            let (x, y) = (i32::from(arc.face.dx_mm), i32::from(arc.face.dy_mm));
+            let (x, y) = (i32::from(face.dx_mm), i32::from(face.dy_mm));
             let nearness = Range::nearness(arc.range);
             let slack = magnitude(x).wrapping_add(magnitude(y));
             if i32::from(nearness) >= near.wrapping_sub(slack)
-                && !self.is_aside(arc, u32::from(!nearness), distance)
+                && !self.is_aside(*face, arc, u32::from(!nearness), distance)
                 && self.now.since(arc.at) <= self.shielding.forget_ms
                 && let Some(range) = arc.range
             {
-                distance = self.until(arc, i32::from(range.as_mm()), distance);
+                distance = self.until(*face, arc, i32::from(range.as_mm()), distance);
                 near = self.near(distance);
             }
         }
@@ -502,8 +581,8 @@ impl<'a> Way<'a> {
     /// Distance until the body would come within the margin of the arc; `limit` where it would not before that. Apart
     /// from the loop over all arcs, whose values then stay in registers.
     #[inline(never)]
-    fn until(&self, arc: &Arc, mut range: i32, limit: i32) -> i32 {
-        let (face_x, face_y) = (i32::from(arc.face.dx_mm), i32::from(arc.face.dy_mm));
+    fn until(&self, face: Displacement, arc: &Arc, mut range: i32, limit: i32) -> i32 {
+        let (face_x, face_y) = (i32::from(face.dx_mm), i32::from(face.dy_mm));
         if range <= i32::from(self.shielding.least_range_mm) {
             return self.until_point(face_x, face_y, limit);
         }
@@ -530,11 +609,11 @@ impl<'a> Way<'a> {
     /// Whether an arc surely changes nothing: all of it lies behind, beside the way or beyond its end. Spares most arcs
     /// their ends.
     #[inline(always)]
-    fn is_aside(&self, arc: &Arc, range: u32, limit: i32) -> bool {
+    fn is_aside(&self, face: Displacement, arc: &Arc, range: u32, limit: i32) -> bool {
         if range <= self.certain_least_mm || range > CERTAIN_MOST_MM {
             return false;
         }
-        let (fx, fy) = (i32::from(arc.face.dx_mm), i32::from(arc.face.dy_mm));
+        let (fx, fy) = (i32::from(face.dx_mm), i32::from(face.dy_mm));
         let (ax, ay) = (i32::from(arc.axis.x_q14), i32::from(arc.axis.y_q14));
         let out = |axis_q14: i32| (range as i32).wrapping_mul(axis_q14) >> 14;
         let spread = range.wrapping_mul(self.spread_q14) >> 14;

@@ -193,6 +193,7 @@ impl Displacement {
 
     /// The move by (x, y) millimetres, each saturated to 16 bits.
     #[must_use]
+    #[inline]
     pub fn saturating(x_mm: i32, y_mm: i32) -> Self {
         let clamp = |v: i32| v.clamp(i32::from(i16::MIN), i32::from(i16::MAX)) as i16;
         Self {

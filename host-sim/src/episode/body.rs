@@ -215,9 +215,7 @@ impl<'w> Body<'w> {
                 &mut self.noise,
             );
         }
-        let done = self
-            .base
-            .advance(FIRING_SLOT_S, crowded(&self.world, self.leader.as_ref()));
+        let done = self.base.advance(FIRING_SLOT_S, world);
         self.time_s += FIRING_SLOT_S;
         let moved = Some(self.report(pilot, pose.position, &done));
         Happened {
@@ -255,8 +253,10 @@ impl<'w> Body<'w> {
         let Point { x: cos, y: sin } = self.reported_axis;
         let way = self.base.odometry() - self.reported;
         let (x, y) = (way.x * cos + way.y * sin, way.y * cos - way.x * sin);
-        let moved =
-            Displacement::saturating(libm::rint(x * 1e3) as i32, libm::rint(y * 1e3) as i32);
+        let moved = Displacement {
+            dx_mm: millimeters(x),
+            dy_mm: millimeters(y),
+        };
         let [x, y] = meters(moved);
         self.reported = self.reported + Point::new(x * cos - y * sin, x * sin + y * cos);
         let before = self.reported_bearing;
@@ -410,13 +410,15 @@ fn shortens(outputs: &Outputs<16>) -> bool {
 }
 
 /// The world as it is met: with the second robot, if there is one.
+#[inline]
 fn crowded<'a>(world: &'a World, leader: Option<&'a (Leader, World)>) -> &'a World {
     leader.map_or(world, |(_, crowded)| crowded)
 }
 
 /// Simulated time as the mind hears it.
 pub(crate) fn milliseconds(time_s: f64) -> Millis {
-    Millis::from_ms((time_s * 1e3 + 0.5) as u64 as u32)
+    // Signed, which processors convert at once; no time is below 0.
+    Millis::from_ms((time_s * 1e3 + 0.5) as i64 as u32)
 }
 
 fn meters(displacement: Displacement) -> [f64; 2] {
@@ -426,6 +428,14 @@ fn meters(displacement: Displacement) -> [f64; 2] {
     ]
 }
 
+/// To the nearest millimetre, halves to the even one, as far as a displacement reaches.
+fn millimeters(m: f64) -> i16 {
+    // Of a sum from 2⁵² to 2⁵³ the lowest bits are those of an integer.
+    const ROUNDS: f64 = (3_u64 << 51) as f64;
+    let most = f64::from(i16::MAX);
+    ((m * 1e3).clamp(-most - 1.0, most) + ROUNDS).to_bits() as i16
+}
+
 fn bearing(angle_rad: f64) -> Bearing {
     let turns = libm::rint(angle_rad / std::f64::consts::TAU * 65_536.0);
     Bearing::from_turns(turns as i64 as u16)
@@ -433,4 +443,31 @@ fn bearing(angle_rad: f64) -> Bearing {
 
 fn angle(bearing: Bearing) -> f64 {
     f64::from(bearing.as_turns()) / 65_536.0 * std::f64::consts::TAU
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::noise::Noise;
+
+    #[test]
+    fn millimeters_are_rounded_and_saturated() {
+        let plain = |m: f64| Displacement::saturating(libm::rint(m * 1e3) as i32, 0).dx_mm;
+        let mut noise = Noise::new(3);
+        let drawn = (0..100_000).map(|_| noise.uniform_in(-0.05, 0.05));
+        let halves = (-70_000..70_000).map(|half| f64::from(half) / 2e3);
+        let edges = [
+            0.0,
+            -0.0,
+            32.767,
+            32.7675,
+            -32.7685,
+            1e9,
+            -1e300,
+            f64::INFINITY,
+        ];
+        for m in drawn.chain(halves).chain(edges) {
+            assert_eq!(millimeters(m), plain(m), "{m}");
+        }
+    }
 }

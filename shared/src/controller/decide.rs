@@ -16,7 +16,8 @@ use crate::units::{Bearing, Displacement, Millis};
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     State<SENSORS, NEURONS, SAMPLES>
 {
-    /// A ring is complete and the base stands.
+    /// A ring is complete and the base stands. Apart from the echoes that bring about nothing.
+    #[inline(never)]
     pub(super) fn decide(&mut self, config: &Config<SENSORS>, now: Millis) -> Outputs<SENSORS> {
         let situation = &Aligned(config.encoding.situation(&self.scan));
         match self.mode {

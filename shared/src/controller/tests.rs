@@ -1,5 +1,5 @@
 use super::*;
-use crate::fixed::Weight;
+use crate::fixed::{Mask, Weight};
 use crate::goal::Component;
 use crate::goal::Goal;
 use crate::planner::Why;

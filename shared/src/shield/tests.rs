@@ -1,17 +1,22 @@
-//! Arcs that are passed over change nothing.
+//! Arcs and echoes that are passed over change nothing.
 
 use super::*;
 use proptest::prelude::*;
+use std::vec::Vec;
 
-fn arc((x, y, turns, range, age): (i16, i16, u16, Option<u16>, u32), now: Millis) -> Arc {
+/// An arc and where its transducer's face was.
+fn arc(
+    (x, y, turns, range, age): (i16, i16, u16, Option<u16>, u32),
+    now: Millis,
+) -> (Displacement, Arc) {
     let range = range.map(Range::from_mm);
-    Arc {
-        face: Displacement { dx_mm: x, dy_mm: y },
+    let arc = Arc {
         axis: Bearing::from_turns(turns).direction(),
         range,
         latest: range,
         at: Millis::from_ms(now.as_ms().wrapping_sub(age)),
-    }
+    };
+    (mm(x, y), arc)
 }
 
 fn a_range() -> impl Strategy<Value = Option<u16>> {
@@ -37,14 +42,47 @@ proptest! {
         let now = Millis::from_ms(1_000_000);
         let wanted = Displacement { dx_mm: wanted.0, dy_mm: wanted.1 };
         prop_assume!(wanted != Displacement::ZERO);
-        let arcs: std::vec::Vec<Arc> = arcs.into_iter().map(|parts| arc(parts, now)).collect();
+        let (faces, arcs): (Vec<_>, Vec<_>) = arcs.into_iter().map(|parts| arc(parts, now)).unzip();
         let lobe = Lobe::of(shielding.half_lobe);
         let way = Way::new(&config, shielding, lobe, wanted, i32::from(wanted.length_mm()), now);
-        let kept = arcs.iter().filter(|arc| now.since(arc.at) <= shielding.forget_ms);
-        let exact = kept.fold(limit, |distance, arc| {
-            arc.range.map_or(distance, |range| way.until(arc, i32::from(range.as_mm()), limit).min(distance))
+        let kept = faces.iter().zip(&arcs).filter(|(_, arc)| now.since(arc.at) <= shielding.forget_ms);
+        let exact = kept.fold(limit, |distance, (face, arc)| {
+            arc.range.map_or(distance, |range| way.until(*face, arc, i32::from(range.as_mm()), limit).min(distance))
         });
-        prop_assert_eq!(way.until_any(&arcs, limit), exact);
+        prop_assert_eq!(way.until_any(&faces, &arcs, limit), exact);
+    }
+
+    /// Axes turned many times are too long by a sixteenth, or longer than any; ways from none to beyond what is glanced at.
+    #[test]
+    fn at_a_glance_nothing_is_missed(
+        arcs in prop::collection::vec((-900_i16..900, -900_i16..900, any::<u16>(), a_range(), 0_u32..900_000), KEPT),
+        heard in 0..=KEPT as u8, is_new in any::<bool>(), places in 0..=KEPT as u8, longer in prop_oneof![Just(16_i32), 16_i32..19],
+        wanted in prop_oneof![(-300_i16..=300, -300_i16..=300), (-3_i16..=3, -3_i16..=3), (any::<i16>(), any::<i16>())],
+        half_lobe in prop_oneof![Just(2_731_u16), any::<u16>()], approach_mm_s in prop_oneof![9 => Just(0_u16), 1 => 0_u16..200],
+        speed_mm_s in prop_oneof![Just(508_u16), any::<u16>()], believed in any::<bool>(),
+    ) {
+        let mut config = Config::recommended();
+        config.robot.speed_mm_s = speed_mm_s;
+        config.believed = if believed { Mask::ALL } else { Mask::ALL.without(3) };
+        let half_lobe = Bearing::from_turns(half_lobe);
+        config.shield = Some(Shielding { half_lobe, approach_mm_s, places, ..Shielding::nomad200() });
+        let now = Millis::from_ms(1_000_000);
+        let mut shield = Shield::<16>::new();
+        shield.lobe = Some(Lobe::of(half_lobe));
+        shield.heard[3] = heard;
+        for (place, parts) in arcs.into_iter().enumerate().take(heard.into()) {
+            (shield.faces[3][place], shield.arcs[3][place]) = arc(parts, now);
+            let axis = &mut shield.arcs[3][place].axis;
+            let grown = |q14: i16| (i32::from(q14) * longer / 16).clamp(-32_768, 32_767) as i16;
+            *axis = Direction { x_q14: grown(axis.x_q14), y_q14: grown(axis.y_q14) };
+        }
+        if is_new {
+            shield.arcs[3][0].at = now;
+        }
+        let wanted = mm(wanted.0, wanted.1);
+        let allowed = shield.allow_by(&config, wanted, now, Mask::NONE.with(3));
+        let cut = (allowed.distance_mm < wanted.length_mm()).then_some(allowed);
+        prop_assert_eq!(shield.shorten(&config, wanted, now, 3), cut);
     }
 }
 
@@ -312,11 +350,11 @@ fn is_passed_over(change: impl Fn(&mut Shielding, &mut Arc), parts: (i16, i16, u
     let (config, now) = (Config::recommended(), Millis::from_ms(1_000));
     let mut shielding = Shielding::nomad200();
     let (x, y, turns, range) = parts;
-    let mut arc = arc((x, y, turns, Some(range), 10), now);
+    let (face, mut arc) = arc((x, y, turns, Some(range), 10), now);
     change(&mut shielding, &mut arc);
     let lobe = Lobe::of(shielding.half_lobe);
     let way = Way::new(&config, &shielding, lobe, mm(250, 0), 250, now);
-    way.is_aside(&arc, u32::from(range), 250)
+    way.is_aside(face, &arc, u32::from(range), 250)
 }
 
 #[test]
