@@ -24,7 +24,7 @@ mod servo;
 pub use axes::{Axes, Axis, AxisLimits};
 use chassis::{Chassis, Line, share_of};
 pub use motion::{Executed, Motion};
-use servo::{Ramp, STRIDE, Way, sign, slow};
+use servo::{Ramp, STRIDE, Way, sense, slow};
 
 /// Radius of the disc that touches things, m (the Nomad 200 in ThinkingCap's robot file).
 pub const COLLISION_RADIUS_M: f64 = 0.269;
@@ -357,17 +357,13 @@ impl Base {
     /// Rolls a stride, mirrored if need be so that it goes forward: signs change nothing in how numbers are rounded.
     fn stride_rolling(&mut self, goal: Point, dt: f64, world: &World, done: &mut Executed) -> bool {
         let wheels = self.steering.unit();
-        let forward = (goal - self.chassis.odometry).dot(wheels) >= 0.0;
-        let (sign, wheels) = if forward {
-            (1.0, wheels)
-        } else {
-            (-1.0, -wheels)
-        };
-        let line = Line {
+        let mut line = Line {
             goal,
             wheels,
             odometry: self.chassis.odometry,
         };
+        let sign = sense(self.speed, line.left());
+        line.wheels = wheels * sign;
         let Some(stride) = self.rolling(dt).stride(line, self.speed * sign) else {
             return false;
         };
@@ -426,7 +422,7 @@ impl Base {
     fn stride_steering(&mut self, bearing: f64, dt: f64) -> bool {
         let wheels = self.steering.angle();
         let left = self.to_turn(bearing, wheels);
-        let sign = sign(left);
+        let sign = sense(self.turn_rate, left);
         let turn = Turn {
             bearing: bearing * sign,
             halves: (bearing - wheels - left) * sign,
