@@ -24,7 +24,7 @@ mod servo;
 pub use axes::{Axes, Axis, AxisLimits};
 use chassis::{Chassis, Line, share_of};
 pub use motion::{Executed, Motion};
-use servo::{Ramp, STRIDE, Way, sign, slow};
+use servo::{Ramp, STRIDE, Way, sense, slow};
 
 /// Radius of the disc that touches things, m (the Nomad 200 in ThinkingCap's robot file).
 pub const COLLISION_RADIUS_M: f64 = 0.269;
@@ -143,7 +143,8 @@ struct Turn {
 }
 
 impl Way for Turn {
-    /// As [`Base::to_turn`] as long as the half turns are the same: to take them off is exact, one by one or at once.
+    /// As [`Base::to_turn`] where as many half turns are off: to take them off is exact, one by one or at once. They never
+    /// grow in number, so if they are the same at both ends of a stride they are so in between.
     fn left(&self) -> f64 {
         self.bearing - self.wheels - self.halves
     }
@@ -153,6 +154,7 @@ impl Way for Turn {
     }
 }
 
+/// Whether an angle is in [−π, π).
 fn is_wrapped(angle: f64) -> bool {
     wrap_angle(angle) == angle
 }
@@ -314,7 +316,7 @@ impl Base {
         }
     }
 
-    /// Takes several steps at once, if they are plain ones; does nothing if not.
+    /// Takes a whole stride, if its steps are plain ones; does nothing if not.
     fn stride(&mut self, dt: f64, world: &World, done: &mut Executed) -> bool {
         match self.drive {
             Drive::Still | Drive::Brake(_) => false,
@@ -341,35 +343,39 @@ impl Base {
         }
     }
 
-    /// How the wheels roll.
+    /// How fast the wheels roll.
     fn rolling(&self, dt: f64) -> Ramp {
         Ramp::new(self.speed_limit, self.limits.acceleration_m_s2, dt)
     }
 
-    /// How they are turned.
+    /// How fast they are turned.
     fn turning(&self, dt: f64) -> Ramp {
         let limits = &self.limits;
         Ramp::new(limits.turn_rate_rad_s, limits.turn_acceleration_rad_s2, dt)
     }
 
+    /// Rolls a stride, mirrored if need be so that it goes forward: signs change nothing in how numbers are rounded.
     fn stride_rolling(&mut self, goal: Point, dt: f64, world: &World, done: &mut Executed) -> bool {
         let wheels = self.steering.unit();
-        let forward = (goal - self.chassis.odometry).dot(wheels) >= 0.0;
-        let (sign, wheels) = if forward {
-            (1.0, wheels)
-        } else {
-            (-1.0, -wheels)
-        };
-        let line = Line {
+        let mut line = Line {
             goal,
             wheels,
             odometry: self.chassis.odometry,
         };
-        let stride = self.rolling(dt).stride(line, self.speed * sign);
-        let Some(stride) = stride.filter(|stride| self.chassis.take(stride, world, done)) else {
+        let sign = sense(self.speed, line.left());
+        line.wheels = wheels * sign;
+        let Some(stride) = self.rolling(dt).stride(line, self.speed * sign) else {
             return false;
         };
         self.speed = stride.velocity * sign;
+        if !self.chassis.take(&stride, world, done) {
+            for way in stride.ways {
+                self.roll(way * sign, world, done);
+                if self.drive == Drive::Still {
+                    break;
+                }
+            }
+        }
         true
     }
 
@@ -412,10 +418,11 @@ impl Base {
         }
     }
 
+    /// Turns the wheels by a stride, mirrored likewise, unless an angle is wrapped on the way.
     fn stride_steering(&mut self, bearing: f64, dt: f64) -> bool {
         let wheels = self.steering.angle();
         let left = self.to_turn(bearing, wheels);
-        let sign = sign(left);
+        let sign = sense(self.turn_rate, left);
         let turn = Turn {
             bearing: bearing * sign,
             halves: (bearing - wheels - left) * sign,

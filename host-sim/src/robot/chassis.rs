@@ -30,6 +30,7 @@ pub(super) struct Line {
 }
 
 impl Way for Line {
+    /// Each coordinate nears the goal's or passes it, so neither product grows, and neither does their sum.
     fn left(&self) -> f64 {
         (self.goal - self.odometry).dot(self.wheels)
     }
@@ -95,7 +96,7 @@ impl Chassis {
         way * share
     }
 
-    /// Takes a stride along a line, as [`Chassis::roll`] its steps; does nothing if something may be near.
+    /// Takes a stride along a line, as [`Chassis::roll`] its steps, if nothing can be near; does nothing if something may.
     #[inline]
     pub(super) fn take(
         &mut self,

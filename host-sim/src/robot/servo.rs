@@ -167,8 +167,17 @@ impl Ramp {
 }
 
 /// 1 or −1: which way a goal lies.
-pub(super) fn sign(left: f64) -> f64 {
+fn sign(left: f64) -> f64 {
     if left < 0.0 { -1.0 } else { 1.0 }
+}
+
+/// 1 or −1: the sense of a stride, which does not turn back.
+pub(super) fn sense(velocity: f64, left: f64) -> f64 {
+    if velocity == 0.0 {
+        sign(left)
+    } else {
+        1f64.copysign(velocity)
+    }
 }
 
 /// One time step of braking: how far it goes and the velocity after it.

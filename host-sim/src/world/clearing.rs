@@ -90,14 +90,15 @@ impl Clearing {
         self.is_far(world, from, to, radius)
     }
 
-    /// Finds how far the nearest thing is.
+    /// Finds how far the nearest thing is: not at all from within a circle, unlike [`Clearing::clearance`].
     fn look_around(&mut self, world: &World, place: Point, radius: f64) {
         self.know(&world.surfaces);
         if !self.wide.holds(place, place, radius) {
             self.wide.begin(place, place, radius, ROOM_M);
             self.wide.find(&world.surfaces);
         }
-        self.free = Some((place, self.wide.distance(place)));
+        let here = Path::between(place, place);
+        self.free = Some((place, self.wide.distance_to_path(&here, &[])));
     }
 
     fn knows(&self, surfaces: &Arc<Surfaces>) -> bool {

@@ -105,6 +105,36 @@ fn the_least_gap_has_the_oracles_bits() {
     assert!(told > 1_000 && told < 2 * all / 3, "{told} of {all}");
 }
 
+/// What is said to be far is neither touched nor nearer than any gap to be told, whatever was asked before.
+#[test]
+fn what_is_far_is_far() {
+    let (mut clearing, mut far, mut all) = (Clearing::default(), 0, 0);
+    for seed in 0..16 {
+        let (world, places) = worlds(seed);
+        let (naive, mut noise) = (Naive::of(&world), Noise::new(seed));
+        for place in places {
+            let (mut at, mut angle) = (place, noise.uniform_in(0.0, TAU));
+            let told = noise.uniform_in(-0.1, 0.1);
+            clearing.tell_below(told);
+            for _ in 0..100 {
+                angle += noise.uniform_in(-0.3, 0.3);
+                let to = at + Point::unit(angle) * 0.02;
+                let expected = naive.sweep(at, to, 0.1);
+                all += 1;
+                if clearing.is_far_on_look(&world, at, to, 0.1) {
+                    far += 1;
+                    assert_eq!(expected.contact, None, "{seed} {at:?}");
+                    assert!(expected.min_clearance_m > told, "{seed} {at:?}");
+                }
+                let found = clearing.sweep(&world, at, to, 0.1);
+                assert_eq!(found.contact, expected.contact, "{seed} {at:?}");
+                at = to;
+            }
+        }
+    }
+    assert!(far > all / 3 && far < all, "{far} of {all}");
+}
+
 #[test]
 fn cones_have_the_oracles_bits() {
     let (mut view, mut near) = (View::default(), 0);
