@@ -235,7 +235,8 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
             self.actions
                 .rank_weighted(&effect.action, weight_q8, &mut ranks);
         }
-        kernels::rivals(&ranks, margin)
+        let halves = Som::<NEURONS, SENSORS>::HALVES_MARGIN;
+        kernels::rivals(&ranks, margin.wrapping_add(halves))
     }
 
     #[inline(never)]

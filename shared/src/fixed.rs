@@ -188,8 +188,9 @@ pub fn dot<A: Scalar, B: Scalar>(a: &[A], b: &[B]) -> i64 {
     total
 }
 
+/// The same of at most 31 components.
 #[inline(always)]
-fn block_dot<A: Scalar, B: Scalar>(a: &[A], b: &[B]) -> i32 {
+pub(crate) fn block_dot<A: Scalar, B: Scalar>(a: &[A], b: &[B]) -> i32 {
     let mut sum = 0_i32;
     for (x, y) in a.iter().zip(b) {
         let (x, y) = (x.coarse().to_bits(), y.coarse().to_bits());

@@ -5,8 +5,8 @@
 //! Measured in scalar products: a search of 16 neurons of 16 components is 256 multiply–adds and 16 comparisons.
 
 use crate::fixed::{
-    Fine, Gain, Mask, Scalar, Weight, approach, approach_slowly, dot, high_product, isqrt,
-    quotient, squared_distance, squared_norm,
+    Fine, Gain, Mask, ONE_BITS, Scalar, Weight, approach, approach_slowly, block_dot, dot,
+    high_product, isqrt, quotient, squared_distance, squared_norm,
 };
 
 /// Squared distance of the probe to each code vector less the probe's own squared length:
@@ -147,11 +147,7 @@ pub struct Group {
 /// Bits between the units of ranks, 2⁻¹⁷, and those of squared lengths.
 pub(crate) const RANK_BITS: u32 = 9;
 
-/// Components that a pass over the neurons takes: few enough to keep the probe's in the chip's registers.
-const COLUMNS: usize = 4;
-
-/// Adds −2 w·x of each code vector to its rank, in units of 2⁻¹⁷. Each of the `DIMS` products, at most 31, is rounded
-/// down.
+/// Adds −2 w·x of each code vector, by its upper halves, to its rank, in units of 2⁻¹⁷, rounded up.
 #[inline(always)]
 pub(crate) fn rank_products<const NEURONS: usize, const DIMS: usize>(
     code: &[[Fine; DIMS]; NEURONS],
@@ -159,23 +155,21 @@ pub(crate) fn rank_products<const NEURONS: usize, const DIMS: usize>(
     ranks: &mut [i32; NEURONS],
 ) {
     const { assert!(DIMS <= 31, "a rank has 32 bits") };
-    let (blocks, rest) = probe.as_chunks::<COLUMNS>();
-    for (block, x) in blocks.iter().enumerate() {
-        let x = x.map(|x| rank_factor(x, 1 << 8));
-        for (row, rank) in code.iter().zip(ranks.iter_mut()) {
-            if let Some(row) = row.as_chunks::<COLUMNS>().0.get(block) {
-                *rank = rank_sum(*rank, row, &x);
-            }
-        }
+    for (row, rank) in code.iter().zip(ranks) {
+        *rank = rank.wrapping_sub(row_product(row, probe) >> (RANK_BITS - 1));
     }
-    for (place, x) in (COLUMNS * blocks.len()..).zip(rest) {
-        let x = rank_factor(*x, 1 << 8);
-        for (row, rank) in code.iter().zip(ranks.iter_mut()) {
-            if let Some(w) = row.get(place) {
-                *rank = rank_sum(*rank, &[*w], &[x]);
-            }
-        }
-    }
+}
+
+/// As a function of its own, which compilers do not write out twice: the chip's kernels have no use for it.
+#[inline(never)]
+fn row_product<const DIMS: usize>(row: &[Fine; DIMS], probe: &[Weight; DIMS]) -> i32 {
+    block_dot(row, probe)
+}
+
+/// By how much more the ranks of two neurons may be out of order by [`rank_products`]: the lower halves that are left off
+/// are less than a unit of 2⁻¹³ each, times a probe's component of at most 1, twice.
+pub(crate) const fn halves_margin<const DIMS: usize>() -> i32 {
+    (2 * ONE_BITS as i32 * DIMS as i32) >> RANK_BITS
 }
 
 /// −2 λ x for [`rank_sum`]; λ is `weight_q8` in 1/256.
@@ -361,8 +355,8 @@ pub(crate) fn nearest_of(rivals: Mask, distance: impl Fn(usize) -> u64) -> usize
     best.0
 }
 
-/// The neurons, at most 32, whose ranks are above the least by `margin` at most.
-#[inline(always)]
+/// The neurons, at most 32, whose ranks are above the least by `margin` at most. One copy of it in a program.
+#[inline(never)]
 pub(crate) fn rivals<const NEURONS: usize>(ranks: &[i32; NEURONS], margin: i32) -> Mask {
     const { assert!(NEURONS <= 32, "a mask has 32 bits") };
     let (mut first, mut least, mut second) = (0, i32::MAX, i32::MAX);

@@ -193,10 +193,13 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     /// By how much the ranks of two neurons may be out of order.
     pub(crate) const MARGIN: i32 = kernels::rank_margin::<DIMS>(1 << 8);
 
+    /// By how much more they may be where upper halves are ranked.
+    pub(crate) const HALVES_MARGIN: i32 = kernels::halves_margin::<DIMS>();
+
     /// The neurons that may be nearest.
     #[inline(never)]
     fn rivals(&self, probe: &[Weight; DIMS], mask: Mask) -> Mask {
-        kernels::rivals(&self.ranks(probe, mask), Self::MARGIN)
+        kernels::rivals(&self.ranks(probe, mask), Self::MARGIN + Self::HALVES_MARGIN)
     }
 
     #[inline(never)]

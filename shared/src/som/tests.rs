@@ -529,6 +529,8 @@ fn ranks_leave_the_rivals_within_the_margin() {
         ),
         (1 + 18, 4)
     );
+    // Upper halves: 2 · 2⁻¹³ per component.
+    assert_eq!(kernels::halves_margin::<16>(), 512);
     let rivals = |ranks: [i32; 5]| kernels::rivals(&ranks, 10).to_bits();
     assert_eq!(rivals([20, 9, 19, 21, 10]), 0b1_0110);
     assert_eq!(

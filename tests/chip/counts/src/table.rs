@@ -64,7 +64,7 @@ fn print_maps(watch: &Stopwatch, episode: &Episode<'_>) {
 fn print_episode(episode: &Episode<'_>) {
     let counts = &episode.counts;
     row("echo at rest", counts.echo, 480);
-    row("echo on the way: the guard", counts.guard, 2_050);
+    row("echo on the way: the guard", counts.guard, 2_290);
     row("report of the base", counts.odometry, 1_550);
     row(
         "random move (last echo of the ring)",
