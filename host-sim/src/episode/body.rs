@@ -46,8 +46,6 @@ pub struct Happened {
     pub pose: Pose,
     /// Simulated time, seconds.
     pub time_s: f64,
-    /// Latest ranges by transducer, metres.
-    pub ranges_m: [Option<f64>; 16],
     /// A decision was taken.
     pub decision: Option<Decision<16>>,
     /// The pilot changed its mode.
@@ -221,7 +219,6 @@ impl<'w> Body<'w> {
         Happened {
             pose,
             time_s,
-            ranges_m: self.ranges_m,
             decision: outputs.decision,
             mode_changed: outputs.mode_changed,
             shortened: shortens(&outputs),
@@ -233,7 +230,6 @@ impl<'w> Body<'w> {
         Happened {
             pose,
             time_s: self.time_s,
-            ranges_m: self.ranges_m,
             decision: None,
             mode_changed: false,
             shortened: false,
@@ -241,7 +237,13 @@ impl<'w> Body<'w> {
         }
     }
 
-    /// What a transducer heard last.
+    /// What each transducer heard last, metres.
+    #[must_use]
+    pub fn ranges_m(&self) -> &[Option<f64>; 16] {
+        &self.ranges_m
+    }
+
+    /// The same of one, as the mind hears it.
     fn range(&self, sensor: usize) -> Option<Range> {
         // A range beyond 65 m cannot come from a sonar; the cast saturates.
         self.ranges_m[sensor].map(|m| Range::from_mm((m * 1e3) as u16))

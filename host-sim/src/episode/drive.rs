@@ -96,8 +96,8 @@ impl std::error::Error for Failure {}
 
 /// Looks on while an episode runs. What it does changes nothing.
 pub trait Observer {
-    /// The simulation went on by a turn, which ended its ring at `at`; a second robot is at `leader`.
-    fn happened(&mut self, at: Millis, happened: &Happened, leader: Option<Point>);
+    /// The simulation went on by a turn, which ended its ring at `at` and left the body so.
+    fn happened(&mut self, at: Millis, happened: &Happened, body: &Body<'_>);
 }
 
 /// What came of an episode.
@@ -317,7 +317,7 @@ impl<'w> Driver<'w> {
             self.body.tell_gaps_below(least_m.unwrap_or(f64::INFINITY));
             let happened = self.body.advance(pilot);
             if let Some(observer) = &mut self.observer {
-                observer.happened(milliseconds(happened.time_s), &happened, self.body.leader());
+                observer.happened(milliseconds(happened.time_s), &happened, &self.body);
             }
             pilot.failure().map_or(Ok(()), Err)?;
             if happened.decision.is_some() || happened.mode_changed {
@@ -351,7 +351,7 @@ impl<'w> Driver<'w> {
             touched: false,
         });
         if let Some(recorder) = &mut self.recorder {
-            recorder.open(decision, happened, self.body.leader(), self.part);
+            recorder.open(decision, happened, &self.body, self.part);
         }
     }
 

@@ -1,6 +1,6 @@
 //! Collects the steps of an episode for pictures.
 
-use super::body::{Happened, Moved};
+use super::body::{Body, Happened, Moved};
 use super::drive::Setup;
 use super::tally::Stride;
 use crate::pilot::SimState;
@@ -26,20 +26,20 @@ impl Recorder {
         &mut self,
         decision: &Decision<16>,
         happened: &Happened,
-        leader: Option<Point>,
+        body: &Body<'_>,
         part: usize,
     ) {
         self.open = Some(Step {
             pose: happened.pose,
             time_s: happened.time_s,
-            ranges_m: happened.ranges_m.to_vec(),
+            ranges_m: body.ranges_m().to_vec(),
             situation: values(&decision.situation),
             plan: decision.plan.as_ref().map(plan_record),
             commanded_m: meters(decision.wanted),
             executed_m: [0.0, 0.0],
             touched: false,
             shielded: false,
-            leader,
+            leader: body.leader(),
             part,
         });
     }

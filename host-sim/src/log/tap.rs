@@ -150,11 +150,11 @@ impl<W: Write + Seek> Watcher<W> {
 }
 
 impl<W: Write + Seek> Observer for Watcher<W> {
-    fn happened(&mut self, at: Millis, happened: &Happened, leader: Option<Point>) {
+    fn happened(&mut self, at: Millis, happened: &Happened, body: &Body<'_>) {
         self.log.write(|log| {
-            log.pose(at, happened.pose, leader);
+            log.pose(at, happened.pose, body.leader());
             if happened.decision.is_some() {
-                log.sonar(at, &happened.ranges_m);
+                log.sonar(at, body.ranges_m());
             }
             if let Some(moved) = happened.moved.filter(|moved| moved.touched) {
                 log.contact(at, moved.to);

@@ -221,10 +221,10 @@ impl Simulator {
         self.config.believed = self.mind.inner().config().believed;
         if let Some(watcher) = &mut self.watcher {
             let at = milliseconds(happened.time_s);
-            watcher.happened(at, &happened, self.body.leader());
+            watcher.happened(at, &happened, &self.body);
         }
         self.check_mind();
-        (self.ranges_m, self.heard_at) = (happened.ranges_m, happened.pose);
+        (self.ranges_m, self.heard_at) = (*self.body.ranges_m(), happened.pose);
         self.step_s = self.body.time_s() - began_s;
         let whole = happened.decision.is_some() || happened.mode_changed;
         if whole {
