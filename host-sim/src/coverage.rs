@@ -1,5 +1,7 @@
 //! The area a robot's body has swept, in cells of 0.25 m.
 
+use std::ops::RangeInclusive;
+
 use crate::world::Point;
 
 /// Side of a cell, metres.
@@ -7,6 +9,12 @@ pub const CELL_M: f64 = 0.25;
 
 /// Most cells along one side: a world larger than 2 km is covered with its first 2 km only.
 const MOST_CELLS: usize = 8_192;
+
+/// How far beyond the body is looked for cells that are not covered, m.
+const AHEAD_M: f64 = 0.25;
+
+/// Far above any rounding, far below anything that matters, m.
+const SLACK_M: f64 = 1e-6;
 
 /// Cells whose middle the body has passed over.
 #[derive(Debug, Clone)]
@@ -16,35 +24,8 @@ pub struct Coverage {
     rows: usize,
     words: Vec<u64>,
     radius_m: f64,
-    /// Where the last way ended.
-    last: Option<Point>,
-    known: Known,
-}
-
-/// A rectangle: ways within it sweep covered cells only.
-#[derive(Debug, Clone, Copy)]
-struct Known {
-    least: Point,
-    greatest: Point,
-}
-
-impl Known {
-    const NOTHING: Self = Self {
-        least: Point::new(f64::INFINITY, f64::INFINITY),
-        greatest: Point::new(f64::NEG_INFINITY, f64::NEG_INFINITY),
-    };
-
-    fn contains(&self, place: Point) -> bool {
-        (self.least.x <= place.x && place.x <= self.greatest.x)
-            && (self.least.y <= place.y && place.y <= self.greatest.y)
-    }
-}
-
-/// Columns and rows of cells, first and last.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Cells {
-    columns: (usize, usize),
-    rows: (usize, usize),
+    /// Around this place the body may move so far, m, and its middle reaches no cell that is not covered.
+    clear: (Point, f64),
 }
 
 impl Coverage {
@@ -64,106 +45,98 @@ impl Coverage {
             rows,
             words: vec![0; (columns * rows).div_ceil(64)],
             radius_m,
-            last: None,
-            known: Known::NOTHING,
+            clear: (bounds.0, f64::NEG_INFINITY),
         }
     }
 
     /// The body has moved straight from `from` to `to`.
     #[inline]
     pub fn sweep(&mut self, from: Point, to: Point) {
-        let is_known = self.known.contains(from) && self.known.contains(to);
-        let stands = from == to && self.last == Some(to);
-        if !is_known && !stands {
-            self.last = Some(to);
+        if !(self.is_clear(from) && self.is_clear(to)) {
             self.cover(from, to);
+            self.clear = (to, self.way_to_uncovered(to));
         }
+    }
+
+    #[inline]
+    fn is_clear(&self, place: Point) -> bool {
+        let (middle, room) = self.clear;
+        let apart = place - middle;
+        room >= 0.0 && apart.dot(apart) <= room * room
     }
 
     fn cover(&mut self, from: Point, to: Point) {
-        let cells = self.around(from, to);
-        let Cells { columns, rows } = cells;
-        let mut is_covered = true;
-        for row in rows.0..=rows.1 {
-            let start = row * self.columns;
-            if !self.is_marked(start + columns.0..=start + columns.1) {
-                is_covered = false;
-                self.cover_row(row, columns, from, to);
-            }
-        }
-        if is_covered {
-            self.known = self.within(cells);
-        }
-    }
-
-    /// The cells that the body may touch on a way.
-    fn around(&self, from: Point, to: Point) -> Cells {
-        let cell = |value: f64, most: usize| {
-            ((value / CELL_M).max(0.0) as usize).min(most.saturating_sub(1))
-        };
-        let reach = self.radius_m;
-        let (low_x, high_x) = (
-            from.x.min(to.x) - reach - self.origin.x,
-            from.x.max(to.x) + reach - self.origin.x,
-        );
-        let (low_y, high_y) = (
-            from.y.min(to.y) - reach - self.origin.y,
-            from.y.max(to.y) + reach - self.origin.y,
-        );
-        Cells {
-            columns: (cell(low_x, self.columns), cell(high_x, self.columns)),
-            rows: (cell(low_y, self.rows), cell(high_y, self.rows)),
-        }
-    }
-
-    /// The places from which the body touches none but these cells; nothing where that is not sure.
-    fn within(&self, cells: Cells) -> Known {
-        // More than the roundings of coordinates.
-        const INSET_M: f64 = 1e-6;
-        let inset = self.radius_m + INSET_M;
-        let side = |index: usize, origin: f64| origin + index as f64 * CELL_M;
-        let ((left, right), (low, high)) = (cells.columns, cells.rows);
-        let known = Known {
-            least: Point::new(
-                side(left, self.origin.x) + inset,
-                side(low, self.origin.y) + inset,
-            ),
-            greatest: Point::new(
-                side(right + 1, self.origin.x) - inset,
-                side(high + 1, self.origin.y) - inset,
-            ),
-        };
-        // What holds at the corners holds between them: no step of the reckoning ever falls where a coordinate rises.
-        let is_sure = self.around(known.least, known.greatest) == cells;
-        if is_sure { known } else { Known::NOTHING }
-    }
-
-    fn cover_row(&mut self, row: usize, columns: (usize, usize), from: Point, to: Point) {
-        let start = row * self.columns;
-        let reach = self.radius_m;
+        let (columns, rows) = self.around(from, to, self.radius_m);
         let way = to - from;
         let squared = way.dot(way);
         let scale = if squared > 0.0 { 1.0 / squared } else { 0.0 };
-        for column in columns.0..=columns.1 {
-            let middle = Point::new(
-                self.origin.x + (column as f64 + 0.5) * CELL_M,
-                self.origin.y + (row as f64 + 0.5) * CELL_M,
-            );
-            let offset = middle - from;
-            let along = (offset.dot(way) * scale).clamp(0.0, 1.0);
-            let gap = offset - way * along;
-            if gap.dot(gap) <= reach * reach {
-                self.mark(start + column);
+        for row in rows {
+            if self.is_marked(row, &columns) {
+                continue;
+            }
+            for column in columns.clone() {
+                let offset = self.middle(column, row) - from;
+                let along = (offset.dot(way) * scale).clamp(0.0, 1.0);
+                let gap = offset - way * along;
+                if gap.dot(gap) <= self.radius_m * self.radius_m {
+                    self.mark(row * self.columns + column);
+                }
             }
         }
     }
 
-    /// Whether all these cells are covered already; runs beyond two words count as not.
-    fn is_marked(&self, cells: std::ops::RangeInclusive<usize>) -> bool {
-        let (first, last) = (*cells.start(), *cells.end());
+    /// How far the body may surely move before it comes to the middle of a cell that is not covered, m.
+    fn way_to_uncovered(&self, place: Point) -> f64 {
+        let far = self.radius_m + AHEAD_M;
+        let (columns, rows) = self.around(place, place, far);
+        let mut nearest = far * far;
+        for row in rows {
+            if self.is_marked(row, &columns) {
+                continue;
+            }
+            for column in columns.clone() {
+                if !self.is_marked(row, &(column..=column)) {
+                    let offset = self.middle(column, row) - place;
+                    nearest = nearest.min(offset.dot(offset));
+                }
+            }
+        }
+        nearest.sqrt() - self.radius_m - SLACK_M
+    }
+
+    /// Columns and rows of the cells that come within `reach` m of a way.
+    fn around(
+        &self,
+        from: Point,
+        to: Point,
+        reach: f64,
+    ) -> (RangeInclusive<usize>, RangeInclusive<usize>) {
+        let cell = |value: f64, most: usize| {
+            ((value / CELL_M).max(0.0) as usize).min(most.saturating_sub(1))
+        };
+        let (low, high) = (
+            Point::new(from.x.min(to.x), from.y.min(to.y)) - self.origin,
+            Point::new(from.x.max(to.x), from.y.max(to.y)) - self.origin,
+        );
+        (
+            cell(low.x - reach, self.columns)..=cell(high.x + reach, self.columns),
+            cell(low.y - reach, self.rows)..=cell(high.y + reach, self.rows),
+        )
+    }
+
+    fn middle(&self, column: usize, row: usize) -> Point {
+        Point::new(
+            self.origin.x + (column as f64 + 0.5) * CELL_M,
+            self.origin.y + (row as f64 + 0.5) * CELL_M,
+        )
+    }
+
+    /// Whether all these cells of a row are covered already; runs beyond two words count as not.
+    fn is_marked(&self, row: usize, columns: &RangeInclusive<usize>) -> bool {
+        let first = row * self.columns + columns.start();
+        let count = columns.end() - columns.start() + 1;
         let word = |index: usize| u128::from(self.words.get(index).copied().unwrap_or(0));
         let pair = word(first / 64) | word(first / 64 + 1) << 64;
-        let count = last - first + 1;
         count < 64 && {
             let run = (1_u128 << count) - 1;
             pair >> (first % 64) & run == run
@@ -225,7 +198,7 @@ mod tests {
             let mut step = || noise.uniform_in(-0.05, 0.05);
             let x = (place.x + step()).clamp(-1.0, 1.0);
             let next = Point::new(x, (place.y + step()).clamp(3.2, 5.0));
-            known += u32::from(coverage.known.contains(place) && coverage.known.contains(next));
+            known += u32::from(coverage.is_clear(place) && coverage.is_clear(next));
             coverage.sweep(place, next);
             plain.cover(place, next);
             assert_eq!(coverage.words, plain.words, "{place:?} {next:?}");
