@@ -8,6 +8,8 @@
 //! what is farther hides nothing before it, with one exception: rays aimed at the feet of perpendiculars on hidden faces
 //! meet what is before those, and perhaps better than others do. Such feet are looked up by [direction](super::feet).
 
+use std::ops::Range;
+
 use super::World;
 use super::answer::{Fan, Search, Things};
 use super::faces::{Face, max, min};
@@ -58,8 +60,16 @@ struct Eye {
     world: u64,
     /// Another number whenever one of those is another.
     aim: u64,
-    /// Where among all directions those of faces are that rays of the lobe can meet at right angles.
-    upright: Vec<usize>,
+    /// Of faces that rays of the lobe can meet at right angles.
+    upright: Vec<Upright>,
+}
+
+/// Faces that are met at right angles by rays along a unit vector.
+#[derive(Debug, Clone, PartialEq)]
+struct Upright {
+    inward: Point,
+    /// Their places among all directions.
+    places: Range<usize>,
 }
 
 impl Eye {
@@ -89,12 +99,23 @@ impl Eye {
         let to = self.directions;
         self.upright.clear();
         if let Some(feet) = around.surfaces().map(|surfaces| &surfaces.feet) {
-            let all = feet.between(to.right, to.left);
-            let inside = |place: &usize| {
-                let group = feet.group(*place);
-                group.is_some_and(|group| group.inward.dot(to.axis) >= to.cone.cos)
-            };
-            self.upright.extend(all.filter(inside));
+            for place in feet.between(to.right, to.left) {
+                let Some(group) = feet.group(place) else {
+                    continue;
+                };
+                let inward = group.inward;
+                if inward.dot(to.axis) < to.cone.cos {
+                    continue;
+                }
+                let last = self.upright.last_mut();
+                match last.filter(|last| last.inward == inward && last.places.end == place) {
+                    Some(last) => last.places.end += 1,
+                    None => self.upright.push(Upright {
+                        inward,
+                        places: place..place + 1,
+                    }),
+                }
+            }
         }
     }
 }
@@ -329,22 +350,23 @@ impl LobeView {
     }
 
     /// Asks by rays towards faces farther off, too, which meet something before.
-    #[inline(never)]
     fn ask_upright(&self, eye: &Eye, search: &mut Search) {
         let Some(surfaces) = self.around.surfaces() else {
             return;
         };
-        let mut answer = (Point::default(), f64::INFINITY);
-        for &place in &eye.upright {
-            let group = surfaces.feet.group(place);
-            let Some(group) = group.filter(|group| !search.others.contains(&group.inward)) else {
+        for upright in &eye.upright {
+            if search.others.contains(&upright.inward) {
                 continue;
-            };
-            if group.inward != answer.0 {
-                answer = (group.inward, search.answer_to(group.inward));
             }
-            if answer.1 < search.best && self.lobe.sees_foot(group, surfaces) {
-                search.best = answer.1;
+            let answer = search.answer_to(upright.inward);
+            if answer < search.best {
+                let mut groups = upright
+                    .places
+                    .clone()
+                    .filter_map(|place| surfaces.feet.group(place));
+                if groups.any(|group| self.lobe.sees_foot(group, surfaces)) {
+                    search.best = answer;
+                }
             }
         }
     }

@@ -8,6 +8,8 @@ use super::outline::{Outline, Piece, Points, Sector};
 #[derive(Debug, Clone, Default)]
 pub(super) struct Nearby {
     pub faces: Faces,
+    /// The same one by one.
+    single: Vec<Face>,
     /// Of each block of faces.
     outlines: Vec<Outline>,
     /// Distance from the middle to the nearest face of each block, m.
@@ -23,6 +25,7 @@ impl Nearby {
     /// Forgets all faces.
     pub fn clear_faces(&mut self) {
         self.faces.clear();
+        self.single.clear();
         self.outlines.clear();
         self.faces_m.clear();
     }
@@ -45,6 +48,7 @@ impl Nearby {
             outline.set(lane, &Piece::of(face, middle, reach));
         }
         self.faces.push(*face);
+        self.single.push(*face);
     }
 
     /// Appends a corner `distance` m from the middle.
@@ -63,7 +67,7 @@ impl Nearby {
     /// A face, by its number here.
     #[inline]
     pub fn face(&self, number: usize) -> Option<Face> {
-        self.faces.get(number)
+        self.single.get(number).copied()
     }
 
     /// A corner, by its number here.
