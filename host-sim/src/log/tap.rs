@@ -2,9 +2,9 @@
 
 use super::record::{Answer, EchoRecord, EventRecord, Happening, Setup};
 use super::shared::SharedLog;
-use crate::episode::{Failure, Happened, Observer};
+use crate::episode::{Body, Failure, Happened, Observer};
 use crate::pilot::{Pilot, SimState, Thinker};
-use crate::world::{Point, World};
+use crate::world::World;
 use amp::controller::{Event, Outputs};
 use amp::units::{Millis, Range};
 use std::io::{Seek, Write};
