@@ -71,10 +71,7 @@ impl Coverage {
         let squared = way.dot(way);
         let scale = if squared > 0.0 { 1.0 / squared } else { 0.0 };
         for row in rows {
-            if self.is_marked(row, &columns) {
-                continue;
-            }
-            for column in columns.clone() {
+            for column in self.uncovered(row, &columns) {
                 let offset = self.middle(column, row) - from;
                 let along = (offset.dot(way) * scale).clamp(0.0, 1.0);
                 let gap = offset - way * along;
@@ -91,14 +88,9 @@ impl Coverage {
         let (columns, rows) = self.around(place, place, far);
         let mut nearest = far * far;
         for row in rows {
-            if self.is_marked(row, &columns) {
-                continue;
-            }
-            for column in columns.clone() {
-                if !self.is_marked(row, &(column..=column)) {
-                    let offset = self.middle(column, row) - place;
-                    nearest = nearest.min(offset.dot(offset));
-                }
+            for column in self.uncovered(row, &columns) {
+                let offset = self.middle(column, row) - place;
+                nearest = nearest.min(offset.dot(offset));
             }
         }
         nearest.sqrt() - self.radius_m - SLACK_M
@@ -131,16 +123,27 @@ impl Coverage {
         )
     }
 
-    /// Whether all these cells of a row are covered already; runs beyond two words count as not.
-    fn is_marked(&self, row: usize, columns: &RangeInclusive<usize>) -> bool {
-        let first = row * self.columns + columns.start();
-        let count = columns.end() - columns.start() + 1;
-        let word = |index: usize| u128::from(self.words.get(index).copied().unwrap_or(0));
-        let pair = word(first / 64) | word(first / 64 + 1) << 64;
-        count < 64 && {
-            let run = (1_u128 << count) - 1;
-            pair >> (first % 64) & run == run
-        }
+    /// Which of these cells of a row are not covered yet; of a long run also others.
+    fn uncovered(
+        &self,
+        row: usize,
+        columns: &RangeInclusive<usize>,
+    ) -> impl Iterator<Item = usize> + use<> {
+        let begin = *columns.start();
+        let first = row * self.columns + begin;
+        let count = columns.end() - begin + 1;
+        let word = |index: usize| self.words.get(index).copied().unwrap_or(0);
+        let (index, shift) = (first / 64, first % 64);
+        // Shifted twice, for a shift by all 64 bits is none.
+        let covered = word(index) >> shift | word(index + 1) << 1 << (63 - shift);
+        let most = count.min(64);
+        let mut left = !covered & (u64::MAX >> (64 - most));
+        let near = std::iter::from_fn(move || {
+            let lane = (left != 0).then(|| left.trailing_zeros() as usize);
+            left &= left.wrapping_sub(1);
+            lane
+        });
+        near.chain(most..count).map(move |lane| begin + lane)
     }
 
     fn mark(&mut self, index: usize) {

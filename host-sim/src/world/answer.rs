@@ -68,7 +68,7 @@ impl Fan {
             most.copysign(across)
         };
         let squared = tan * tan;
-        let angle = tan * (1.0 - squared * (1.0 / 3.0 - squared * (0.2 - squared / 7.0)));
+        let angle = tan * (1.0 - squared * (1.0 / 3.0 - squared * (0.2 - squared * (1.0 / 7.0))));
         (angle + self.half_angle) * self.rays_per_rad
     }
 }
