@@ -33,6 +33,8 @@ pub struct Body<'w> {
     motion: Motion,
     /// Where the odometry reported so far puts the base, and the ring's heading as it was reported, rounded to its bearing.
     reported: Point,
+    /// Where the odometry stood when the report before told of no way.
+    stood: Option<Point>,
     reported_heading: f64,
     reported_bearing: Bearing,
     /// The unit vector along that bearing.
@@ -108,6 +110,7 @@ impl<'w> Body<'w> {
                 speed_mm_s: 0,
             },
             reported: start.position,
+            stood: None,
             reported_heading: start.heading,
             reported_bearing: bearing(start.heading),
             reported_axis: Point::unit(angle(bearing(start.heading))),
@@ -252,15 +255,7 @@ impl<'w> Body<'w> {
     /// Reports what the base has done since its last report, in whole millimetres; what rounding
     /// leaves over goes into the next report.
     fn report(&mut self, pilot: &mut impl Pilot, from: Point, done: &Executed) -> Moved {
-        let Point { x: cos, y: sin } = self.reported_axis;
-        let way = self.base.odometry() - self.reported;
-        let (x, y) = (way.x * cos + way.y * sin, way.y * cos - way.x * sin);
-        let moved = Displacement {
-            dx_mm: millimeters(x),
-            dy_mm: millimeters(y),
-        };
-        let [x, y] = meters(moved);
-        self.reported = self.reported + Point::new(x * cos - y * sin, x * sin + y * cos);
+        let moved = self.moved();
         let before = self.reported_bearing;
         self.set_reported_heading(self.base.pose().heading);
         let turned = self.reported_bearing.minus(before);
@@ -287,6 +282,25 @@ impl<'w> Body<'w> {
         }
     }
 
+    /// The way from what was reported so far, in whole millimetres, which is reported now.
+    fn moved(&mut self) -> Displacement {
+        let odometry = self.base.odometry();
+        if self.stood == Some(odometry) {
+            return Displacement::ZERO;
+        }
+        let Point { x: cos, y: sin } = self.reported_axis;
+        let way = odometry - self.reported;
+        let (x, y) = (way.x * cos + way.y * sin, way.y * cos - way.x * sin);
+        let moved = Displacement {
+            dx_mm: millimeters(x),
+            dy_mm: millimeters(y),
+        };
+        let [x, y] = meters(moved);
+        self.reported = self.reported + Point::new(x * cos - y * sin, x * sin + y * cos);
+        self.stood = (moved == Displacement::ZERO).then_some(odometry);
+        moved
+    }
+
     fn set_reported_heading(&mut self, heading: f64) {
         if heading.to_bits() == self.reported_heading.to_bits() {
             return;
@@ -296,6 +310,7 @@ impl<'w> Body<'w> {
         if bearing != self.reported_bearing {
             self.reported_bearing = bearing;
             self.reported_axis = Point::unit(angle(bearing));
+            self.stood = None;
         }
     }
 
@@ -394,6 +409,7 @@ impl<'w> Body<'w> {
     fn set_down(&mut self, start: Pose) {
         self.base = Base::new(start, self.limits, self.turret);
         self.reported = start.position;
+        self.stood = None;
         self.set_reported_heading(start.heading);
     }
 }
