@@ -69,17 +69,19 @@ struct Lie {
     numbers: [u32; LANES],
 }
 
-impl Lie {
-    fn from(from_m: f64) -> Self {
+impl Default for Lie {
+    fn default() -> Self {
         Self {
-            from_m,
+            from_m: f64::INFINITY,
             left: [f32::NAN; LANES],
             right: [f32::NAN; LANES],
             along: [f32::NAN; LANES],
             numbers: [0; LANES],
         }
     }
+}
 
+impl Lie {
     /// Which may lie in the lobe, no farther than `far` m along its axis: bit i for the one at place i.
     #[inline(always)]
     fn inside(&self, station: &Station, far: f64) -> u32 {
@@ -99,14 +101,17 @@ impl Lie {
 /// Things that lie between two points each, from near to far.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Steady {
-    blocks: Vec<Lie>,
+    /// Most often no others are asked for: they are found without a detour.
+    first: Lie,
+    more: Vec<Lie>,
     count: usize,
 }
 
 impl Steady {
     /// Forgets everything.
     pub fn clear(&mut self) {
-        self.blocks.clear();
+        self.first = Lie::default();
+        self.more.clear();
         self.count = 0;
     }
 
@@ -119,28 +124,30 @@ impl Steady {
         to: &Directions,
     ) {
         let lane = self.count % LANES;
-        if lane == 0 {
-            self.blocks.push(Lie::from(distance));
+        if lane == 0 && self.count > 0 {
+            self.more.push(Lie::default());
         }
-        if let Some(block) = self.blocks.last_mut() {
-            block.left[lane] = min(to.left.cross(begin), to.left.cross(end)) as f32;
-            block.right[lane] = max(to.right.cross(begin), to.right.cross(end)) as f32;
-            block.along[lane] = min(to.axis.dot(begin), to.axis.dot(end)) as f32;
-            // There are fewer things than 2³² in a world.
-            block.numbers[lane] = number as u32;
-        }
+        let block = self.more.last_mut().unwrap_or(&mut self.first);
+        block.from_m = min(block.from_m, distance);
+        block.left[lane] = min(to.left.cross(begin), to.left.cross(end)) as f32;
+        block.right[lane] = max(to.right.cross(begin), to.right.cross(end)) as f32;
+        block.along[lane] = min(to.axis.dot(begin), to.axis.dot(end)) as f32;
+        // There are fewer things than 2³² in a world.
+        block.numbers[lane] = number as u32;
         self.count += 1;
     }
 
     /// Shows the things up to `most` m from the middle that may lie in the lobe within `far` m along its axis, and others.
     #[inline]
     pub fn each_in(&self, station: &Station, most: f64, far: f64, mut look: impl FnMut(usize)) {
-        for block in &self.blocks {
-            if block.from_m > most {
-                break;
-            }
+        let (mut block, mut more) = (&self.first, self.more.iter());
+        while block.from_m <= most {
             for lane in lanes(block.inside(station, far)) {
                 look(block.numbers[lane] as usize);
+            }
+            match more.next() {
+                Some(next) => block = next,
+                None => break,
             }
         }
     }
