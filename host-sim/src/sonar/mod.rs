@@ -283,10 +283,23 @@ impl Ring {
         if !self.standing.remains(world) {
             self.echoes.iter_mut().for_each(|echo| echo.from = None);
         }
-        let last = *self.echoes.get(sensor)?;
+        let last = self.echoes.get(sensor)?;
         if last.from.as_ref() == Some(pose) {
             return last.range_m;
         }
+        self.echo_from_here(world, pose, sensor, axis, last.range_m)
+    }
+
+    /// The same from another place than before, where it was heard from `last_m`.
+    #[inline(never)]
+    fn echo_from_here(
+        &mut self,
+        world: &World,
+        pose: &Pose,
+        sensor: usize,
+        axis: Point,
+        last_m: Option<f64>,
+    ) -> Option<f64> {
         let lobe = Lobe {
             middle: pose.position,
             offset_m: self.geometry.face_radius_m,
@@ -294,9 +307,7 @@ impl Ring {
             cone: self.cone,
             reach_m: self.config.max_range_m,
         };
-        let expected = last
-            .range_m
-            .map_or(lobe.reach_m, |range| range + EXPECTED_M);
+        let expected = last_m.map_or(lobe.reach_m, |range| range + EXPECTED_M);
         let view = self.lobe.for_eye(sensor);
         view.aim(world, &lobe);
         let range_m = self.hearing.first_echo(world, view, &self.config, expected);
