@@ -74,13 +74,14 @@ impl Fan {
 }
 
 impl SeenFace {
-    /// Cosine of the angle between a ray from the tip and the face's normal, if the ray meets it.
+    /// Whether a ray from the tip meets the face, and the cosine of the angle between it and the face's normal.
     #[inline]
-    fn met_by(&self, ray: Point) -> Option<f64> {
+    fn met_by(&self, ray: Point) -> (bool, f64) {
         let cos = ray.cross(self.u);
         let along = self.q * ray.dot(self.u);
         let end = self.p + self.length;
-        (cos > 0.0 && along >= self.p * cos && along <= end * cos).then_some(cos)
+        let met = (cos > 0.0) & (along >= self.p * cos) & (along <= end * cos);
+        (met, cos)
     }
 }
 
@@ -115,9 +116,8 @@ impl Things<'_> {
             if face.near > most {
                 break;
             }
-            if let Some(cos) = face.met_by(ray)
-                && before(face.q / cos, face.number)
-            {
+            let (met, cos) = face.met_by(ray);
+            if met && before(face.q / cos, face.number) {
                 return true;
             }
         }
@@ -237,9 +237,10 @@ impl Search<'_> {
         if ray.cross(face.u) < self.least_cos {
             return true;
         }
-        let Some(cos) = face.met_by(ray) else {
+        let (met, cos) = face.met_by(ray);
+        if !met {
             return false;
-        };
+        }
         let way = face.q / cos;
         if way >= self.best {
             return true;

@@ -299,7 +299,11 @@ impl LobeView {
     pub fn nearest_corner(&mut self, least: f64, most: f64) -> Option<f64> {
         let axis = self.lobe.axis;
         let corners = self.corners(least, most);
-        corners.sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
+        match corners {
+            [] => return None,
+            [_] => {}
+            _ => corners.sort_unstable_by(|a, b| a.1.total_cmp(&b.1)),
+        }
         let things = Things {
             faces: &self.faces,
             circles: &self.circles,
