@@ -18,7 +18,7 @@ use super::geometry::Point;
 use super::neighbourhoods::Neighbourhoods;
 use super::outline::Sector;
 use super::rays::{Rays, SeenCircle, SeenFace};
-use super::steady::{Directions, Station};
+use super::steady::{Aim, Station};
 use super::surfaces::{Circle, Surfaces};
 use super::view::{ConeShape, circle_in_cone};
 
@@ -54,12 +54,9 @@ impl Lobe {
 /// One of several eyes, of which each may look along the same axis again and again.
 #[derive(Debug, Clone, Default)]
 struct Eye {
-    offset_m: f64,
-    directions: Directions,
+    aim: Aim,
     /// In which world.
     world: u64,
-    /// Another number whenever one of those is another.
-    aim: u64,
     /// Of faces that rays of the lobe can meet at right angles.
     upright: Vec<Upright>,
 }
@@ -75,11 +72,11 @@ struct Upright {
 impl Eye {
     /// Looks along a lobe. Returns whether it has before: whoever turns looks once.
     #[inline]
-    fn aim(&mut self, lobe: &Lobe, around: &Neighbourhoods) -> bool {
-        let is_steady = self.directions.axis == lobe.axis
+    fn looks(&mut self, lobe: &Lobe, around: &Neighbourhoods) -> bool {
+        let is_steady = self.aim.axis == lobe.axis
             && self.world == around.worlds()
-            && self.offset_m == lobe.offset_m
-            && self.directions.cone == lobe.cone;
+            && self.aim.offset_m == lobe.offset_m
+            && self.aim.cone == lobe.cone;
         if !is_steady {
             self.aim_anew(lobe, around);
         }
@@ -88,15 +85,13 @@ impl Eye {
 
     #[cold]
     fn aim_anew(&mut self, lobe: &Lobe, around: &Neighbourhoods) {
-        self.offset_m = lobe.offset_m;
-        self.directions = Directions::new(lobe.axis, lobe.cone);
+        self.aim = Aim::new(self.aim.number + 1, lobe.offset_m, lobe.axis, lobe.cone);
         self.world = around.worlds();
-        self.aim += 1;
         self.find_upright(around);
     }
 
     fn find_upright(&mut self, around: &Neighbourhoods) {
-        let to = self.directions;
+        let to = self.aim;
         self.upright.clear();
         if let Some(feet) = around.surfaces().map(|surfaces| &surfaces.feet) {
             for place in feet.between(to.right, to.left) {
@@ -208,10 +203,10 @@ impl LobeView {
             return;
         };
         let (tip, here) = (self.tip, &self.around.here);
-        self.first_look = if eye.aim(&self.lobe, &self.around) {
-            FirstLook::Steady(here.station(tip, &eye.directions))
+        self.first_look = if eye.looks(&self.lobe, &self.around) {
+            FirstLook::Steady(here.station(tip, &eye.aim))
         } else {
-            FirstLook::Any(here.sector(tip, &eye.directions))
+            FirstLook::Any(here.sector(tip, &eye.aim))
         };
     }
 
@@ -225,7 +220,7 @@ impl LobeView {
         let (lobe, tip) = (&self.lobe, self.tip);
         let (faces, here) = (&mut self.faces, &mut self.around.here);
         if let (FirstLook::Steady(_), Some(eye)) = (&self.first_look, self.eyes.get(self.eye)) {
-            here.choose(self.eye, eye.aim, eye.offset_m, &eye.directions);
+            here.choose(self.eye, &eye.aim);
         }
         let mut see = |number| {
             if let Some(face) = here.nearby.face(number)

@@ -7,7 +7,7 @@ use wide::f32x8;
 
 use super::faces::{Face, LANES, clamp};
 use super::geometry::Point;
-use super::steady::Directions;
+use super::steady::Aim;
 
 /// [`LANES`] points relative to a middle, m. A place without one is no number and lies nowhere.
 #[derive(Debug, Clone, Copy)]
@@ -96,16 +96,16 @@ pub(super) struct Sector {
 }
 
 impl Sector {
-    /// The cone that points in these directions, whose tip lies at `tip` from a middle, among things within `reach` m of it.
+    /// The cone so aimed, whose tip lies at `tip` from a middle, among things within `reach` m of it.
     #[inline]
-    pub fn new(tip: Point, directions: &Directions, reach: f64) -> Self {
+    pub fn new(tip: Point, aim: &Aim, reach: f64) -> Self {
         let edge = |edge: Point| [edge.x, edge.y, edge.cross(-tip)].map(|part| part as f32);
-        let axis = directions.axis;
+        let axis = aim.axis;
         Self {
             tip: [tip.x as f32, tip.y as f32],
             axis: [axis.x, axis.y, axis.dot(-tip)].map(|part| part as f32),
-            left: edge(directions.left),
-            right: edge(directions.right),
+            left: edge(aim.left),
+            right: edge(aim.right),
             slack: slack(reach),
         }
     }

@@ -11,19 +11,24 @@ use super::nearby::lanes;
 use super::outline::slack;
 use super::view::ConeShape;
 
-/// Where an eye points: its axis and the edges of its cone, unit vectors.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Directions {
+/// How an eye looks from some place: from how far off it, m, along its axis, and within which edges, unit vectors.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Aim {
+    /// Another one for every aim of an eye.
+    pub number: u64,
+    pub offset_m: f64,
     pub axis: Point,
     pub left: Point,
     pub right: Point,
     pub cone: ConeShape,
 }
 
-impl Directions {
-    pub fn new(axis: Point, cone: ConeShape) -> Self {
+impl Aim {
+    pub fn new(number: u64, offset_m: f64, axis: Point, cone: ConeShape) -> Self {
         let edge = |sin: f64| axis.turned(Point::new(cone.cos, sin));
         Self {
+            number,
+            offset_m,
             axis,
             left: edge(cone.sin),
             right: edge(-cone.sin),
@@ -44,11 +49,11 @@ pub(super) struct Station {
 impl Station {
     /// An eye at `tip` from a middle, among things within `reach` m of it.
     #[inline]
-    pub fn new(tip: Point, directions: &Directions, reach: f64) -> Self {
+    pub fn new(tip: Point, aim: &Aim, reach: f64) -> Self {
         Self {
-            left: directions.left.cross(tip) as f32,
-            right: directions.right.cross(tip) as f32,
-            along: directions.axis.dot(tip) as f32,
+            left: aim.left.cross(tip) as f32,
+            right: aim.right.cross(tip) as f32,
+            along: aim.axis.dot(tip) as f32,
             slack: slack(reach),
         }
     }
@@ -116,22 +121,16 @@ impl Steady {
     }
 
     /// Appends thing `number`, `distance` m from the middle, which lies between these points, seen from there.
-    pub fn push(
-        &mut self,
-        distance: f64,
-        number: usize,
-        [begin, end]: [Point; 2],
-        to: &Directions,
-    ) {
+    pub fn push(&mut self, distance: f64, number: usize, [begin, end]: [Point; 2], aim: &Aim) {
         let lane = self.count % LANES;
         if lane == 0 && self.count > 0 {
             self.more.push(Lie::default());
         }
         let block = self.more.last_mut().unwrap_or(&mut self.first);
         block.from_m = min(block.from_m, distance);
-        block.left[lane] = min(to.left.cross(begin), to.left.cross(end)) as f32;
-        block.right[lane] = max(to.right.cross(begin), to.right.cross(end)) as f32;
-        block.along[lane] = min(to.axis.dot(begin), to.axis.dot(end)) as f32;
+        block.left[lane] = min(aim.left.cross(begin), aim.left.cross(end)) as f32;
+        block.right[lane] = max(aim.right.cross(begin), aim.right.cross(end)) as f32;
+        block.along[lane] = min(aim.axis.dot(begin), aim.axis.dot(end)) as f32;
         // There are fewer things than 2³² in a world.
         block.numbers[lane] = number as u32;
         self.count += 1;

@@ -4,7 +4,7 @@ use super::faces::{FaceBlock, LANES, clamp, max, min};
 use super::geometry::Point;
 use super::nearby::Nearby;
 use super::outline::{Piece, Sector};
-use super::steady::{Directions, Station, Steady};
+use super::steady::{Aim, Station, Steady};
 use super::surfaces::{Circle, Surfaces};
 use super::tree::SLACK_M;
 
@@ -184,22 +184,18 @@ impl Surroundings {
         self.chosen.get(eye)
     }
 
-    /// Chooses for eye number `eye`, which looks in these directions `offset_m` from wherever it is; `aim` is another number
-    /// whenever it looks elsewhere.
+    /// Chooses for eye number `eye`.
     #[inline]
-    pub fn choose(&mut self, eye: usize, aim: u64, offset_m: f64, directions: &Directions) {
-        let made = (aim, self.looks);
-        if self
-            .chosen
-            .get(eye)
-            .is_none_or(|chosen| chosen.made != made)
-        {
-            self.choose_anew(eye, made, offset_m, directions);
+    pub fn choose(&mut self, eye: usize, aim: &Aim) {
+        let made = (aim.number, self.looks);
+        let chosen = self.chosen.get(eye);
+        if chosen.is_none_or(|chosen| chosen.made != made) {
+            self.choose_anew(eye, aim);
         }
     }
 
     #[cold]
-    fn choose_anew(&mut self, eye: usize, made: (u64, u64), offset_m: f64, to: &Directions) {
+    fn choose_anew(&mut self, eye: usize, aim: &Aim) {
         let (middle, whole) = (self.middle, self.whole_m());
         if self.chosen.len() <= eye {
             self.chosen.resize_with(eye + 1, Chosen::default);
@@ -207,16 +203,16 @@ impl Surroundings {
         let Some(chosen) = self.chosen.get_mut(eye) else {
             return;
         };
-        chosen.made = made;
+        chosen.made = (aim.number, self.looks);
         chosen.faces.clear();
         chosen.corners.clear();
-        let sector = Sector::new(to.axis * offset_m, to, whole).widened(ROOM_M);
+        let sector = Sector::new(aim.axis * aim.offset_m, aim, whole).widened(ROOM_M);
         let all = f64::INFINITY;
         self.nearby.faces_in(&sector, all, |number, distance| {
             if let Some(face) = self.nearby.face(number) {
                 let piece = Piece::of(&face, middle, whole);
                 let ends = [piece.begin, piece.end];
-                chosen.faces.push(distance, number, ends, to);
+                chosen.faces.push(distance, number, ends, aim);
             }
         });
         self.nearby
@@ -224,7 +220,7 @@ impl Surroundings {
                 if let Some(corner) = self.nearby.corner(number) {
                     chosen
                         .corners
-                        .push(distance, number, [corner - middle; 2], to);
+                        .push(distance, number, [corner - middle; 2], aim);
                 }
             });
     }
@@ -234,16 +230,16 @@ impl Surroundings {
         self.middle.distance(place)
     }
 
-    /// The cone that points in these directions from `tip`, as it lies here.
+    /// The cone that points as aimed from `tip`, as it lies here.
     #[inline]
-    pub fn sector(&self, tip: Point, directions: &Directions) -> Sector {
-        Sector::new(tip - self.middle, directions, self.whole_m())
+    pub fn sector(&self, tip: Point, aim: &Aim) -> Sector {
+        Sector::new(tip - self.middle, aim, self.whole_m())
     }
 
     /// A steady eye at `tip`, as it stands here.
     #[inline]
-    pub fn station(&self, tip: Point, directions: &Directions) -> Station {
-        Station::new(tip - self.middle, directions, self.whole_m())
+    pub fn station(&self, tip: Point, aim: &Aim) -> Station {
+        Station::new(tip - self.middle, aim, self.whole_m())
     }
 }
 
