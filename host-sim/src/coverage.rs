@@ -11,7 +11,7 @@ pub const CELL_M: f64 = 0.25;
 const MOST_CELLS: usize = 8_192;
 
 /// How far beyond the body is looked for cells that are not covered, m.
-const AHEAD_M: f64 = 0.25;
+const AHEAD_M: f64 = 0.12;
 
 /// Far above any rounding, far below anything that matters, m.
 const SLACK_M: f64 = 1e-6;
