@@ -207,7 +207,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 /// Takes one event that happened at `at` and says what to do. Total work is bounded: the dearest event is the echo that
 /// completes a ring while seeking (one decision and one step of learning of both maps), or a tick while learning.
 #[must_use]
-#[inline(always)]
+// Where the event is known, only what it does is left; on a chip one copy serves all, on less stack.
+#[cfg_attr(not(target_os = "none"), inline(always))]
 pub fn handle<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>(
     config: &Config<SENSORS>,
     state: &mut State<SENSORS, NEURONS, SAMPLES>,
@@ -236,7 +237,7 @@ pub fn handle<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>(
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     State<SENSORS, NEURONS, SAMPLES>
 {
-    #[inline(never)]
+    #[cfg_attr(not(target_os = "none"), inline(never))]
     fn echo(&mut self, config: &Config<SENSORS>, sensor: usize, echo: Echo) -> Outputs<SENSORS> {
         self.scan.hear(sensor, echo);
         self.shield.hear(config, sensor, echo);
@@ -270,7 +271,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
     }
 
-    #[inline(never)]
+    #[cfg_attr(not(target_os = "none"), inline(never))]
     fn odometry(
         &mut self,
         at: Millis,

@@ -265,6 +265,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
 
     /// What is left of a motion that was allowed, by what a transducer has just heard and heard before; `None` = all of it.
     #[must_use]
+    #[inline(never)]
     pub fn shorten(
         &self,
         config: &Config<SENSORS>,
