@@ -8,7 +8,7 @@ use super::outline::{Outline, Piece, Points, Sector};
 #[derive(Debug, Clone, Default)]
 pub(super) struct Nearby {
     pub faces: Faces,
-    /// The same one by one.
+    /// The same one by one, once they have been [singled out](Nearby::single_out).
     single: Vec<Face>,
     /// Of each block of faces.
     outlines: Vec<Outline>,
@@ -48,7 +48,12 @@ impl Nearby {
             outline.set(lane, &Piece::of(face, middle, reach));
         }
         self.faces.push(*face);
-        self.single.push(*face);
+    }
+
+    /// Makes the faces ready to be asked for one by one.
+    pub fn single_out(&mut self) {
+        self.single.clear();
+        self.single.extend(self.faces.iter());
     }
 
     /// Appends a corner `distance` m from the middle.

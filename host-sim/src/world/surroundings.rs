@@ -9,7 +9,7 @@ use super::surfaces::{Circle, Surfaces};
 use super::tree::SLACK_M;
 
 /// Places within this distance of where the surroundings were looked at need no new look, m.
-const ROOM_M: f64 = 0.8;
+const ROOM_M: f64 = 0.7;
 
 /// How much farther is looked when it was not far enough.
 const FARTHER: f64 = 1.5;
@@ -121,11 +121,12 @@ impl Surroundings {
         }
     }
 
-    /// Knows the corners as far as the faces afterwards.
+    /// Knows the corners as far as the faces afterwards, and the faces one by one.
     #[inline]
     pub fn know_corners(&mut self, surfaces: &Surfaces) {
         if self.corners_known_m < self.faces_known_m {
             self.corners_known_m = self.faces_known_m;
+            self.nearby.single_out();
             self.find_corners(surfaces);
         }
     }
