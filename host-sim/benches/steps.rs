@@ -17,7 +17,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 const STEPS: u32 = 1_000;
-const ROUNDS: usize = 60;
+const ROUNDS: usize = 600;
 /// Floor per box, m²: as in the random rooms.
 const AREA_PER_BOX_M2: f64 = 64.0 / 12.0;
 
