@@ -8,17 +8,16 @@
 //! what is farther hides nothing before it, with one exception: rays aimed at the feet of perpendiculars on hidden faces
 //! meet what is before those, and perhaps better than others do. Such feet are looked up by [direction](super::feet).
 
-use std::ops::Range;
-
 use super::World;
 use super::answer::{Fan, Search, Things};
+use super::eye::Eye;
 use super::faces::{Face, max, min};
 use super::feet::Parallel;
 use super::geometry::Point;
 use super::neighbourhoods::Neighbourhoods;
 use super::outline::Sector;
 use super::rays::{Rays, SeenCircle, SeenFace};
-use super::steady::{Aim, Station};
+use super::steady::Station;
 use super::surfaces::{Circle, Surfaces};
 use super::view::{ConeShape, circle_in_cone};
 
@@ -48,70 +47,6 @@ impl Lobe {
     #[must_use]
     pub fn tip(&self) -> Point {
         self.middle + self.axis * self.offset_m
-    }
-}
-
-/// One of several eyes, of which each may look along the same axis again and again.
-#[derive(Debug, Clone, Default)]
-struct Eye {
-    aim: Aim,
-    /// In which world.
-    world: u64,
-    /// Of faces that rays of the lobe can meet at right angles.
-    upright: Vec<Upright>,
-}
-
-/// Faces that are met at right angles by rays along a unit vector.
-#[derive(Debug, Clone, PartialEq)]
-struct Upright {
-    inward: Point,
-    /// Their places among all directions.
-    places: Range<usize>,
-}
-
-impl Eye {
-    /// Looks along a lobe. Returns whether it has before: whoever turns looks once.
-    #[inline]
-    fn looks(&mut self, lobe: &Lobe, around: &Neighbourhoods) -> bool {
-        let is_steady = self.aim.axis == lobe.axis
-            && self.world == around.worlds()
-            && self.aim.offset_m == lobe.offset_m
-            && self.aim.cone == lobe.cone;
-        if !is_steady {
-            self.aim_anew(lobe, around);
-        }
-        is_steady
-    }
-
-    #[cold]
-    fn aim_anew(&mut self, lobe: &Lobe, around: &Neighbourhoods) {
-        self.aim = Aim::new(self.aim.number + 1, lobe.offset_m, lobe.axis, lobe.cone);
-        self.world = around.worlds();
-        self.find_upright(around);
-    }
-
-    fn find_upright(&mut self, around: &Neighbourhoods) {
-        let to = self.aim;
-        self.upright.clear();
-        if let Some(feet) = around.surfaces().map(|surfaces| &surfaces.feet) {
-            for place in feet.between(to.right, to.left) {
-                let Some(group) = feet.group(place) else {
-                    continue;
-                };
-                let inward = group.inward;
-                if inward.dot(to.axis) < to.cone.cos {
-                    continue;
-                }
-                let last = self.upright.last_mut();
-                match last.filter(|last| last.inward == inward && last.places.end == place) {
-                    Some(last) => last.places.end += 1,
-                    None => self.upright.push(Upright {
-                        inward,
-                        places: place..place + 1,
-                    }),
-                }
-            }
-        }
     }
 }
 

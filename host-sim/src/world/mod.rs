@@ -20,6 +20,7 @@ mod answer;
 pub mod barn;
 mod builtin;
 mod clearing;
+mod eye;
 mod faces;
 mod feet;
 mod geometry;
