@@ -29,7 +29,7 @@ mod app {
     use crate::flash::Kept;
     use amp::node::{Identity, NomadNode};
     use amp::units::Millis;
-    use amp::wire::message::ResetCause;
+    use amp::wire::message::{Oscillator, ResetCause};
     use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
     use firmware::control::Control;
     use firmware::cortex_m4;
@@ -99,6 +99,7 @@ mod app {
             Identity {
                 build: build(),
                 reset,
+                oscillator: Oscillator::Crystal,
                 ring: HAS_RING,
             },
             Millis::from_ms(0),

@@ -49,6 +49,7 @@ impl Twin {
         let identity = amp::node::Identity {
             build: hello.build,
             reset: hello.reset,
+            oscillator: hello.oscillator,
             ring: false,
         };
         let mut said = Recorded::default();
@@ -57,6 +58,7 @@ impl Twin {
         let message = ToMind::Hello(HostHello {
             dimensions: dimensions(),
             clock: Clock::Host,
+            open_space: false,
         });
         let said = twin.tell_local(&message, 1);
         assert!(matches!(
@@ -240,7 +242,9 @@ impl Pilot for Twin {
                 turned: turned.as_turns(),
                 progress,
             },
-            Event::Command(_) | Event::Tick | Event::Alarm(_) => return Outputs::NONE,
+            Event::Command(_) | Event::Tick | Event::Alarm(_) | Event::Touched => {
+                return Outputs::NONE;
+            }
         };
         let said = self.send(&message);
         self.settle(BEHIND);

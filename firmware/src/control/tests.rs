@@ -4,7 +4,7 @@ use amp::parameters::Parameter;
 use amp::units::Range;
 use amp::wire::frame::{Header, unpack};
 use amp::wire::message::{
-    Clock, Counters, Dimensions, HostHello, ModeReport, Order, Refusal, ResetCause,
+    Clock, Counters, Dimensions, HostHello, ModeReport, Order, Oscillator, Refusal, ResetCause,
 };
 use amp::wire::{Frame, FromMind, PROTOCOL, Report, SCHEMA, ToMind};
 use heapless::spsc::{Producer, Queue};
@@ -55,6 +55,7 @@ impl Bench {
         let identity = Identity {
             build: *b"testtest",
             reset: ResetCause::Panic,
+            oscillator: Oscillator::Unknown,
             ring: false,
         };
         self.control.start(identity, Millis::from_ms(0));
@@ -86,6 +87,7 @@ impl Bench {
         self.ask(&ToMind::Hello(HostHello {
             dimensions,
             clock: Clock::Device,
+            open_space: false,
         }));
     }
 
@@ -297,6 +299,7 @@ fn ringed(bench: Bench) -> (Bench, Producer<'static, Firing>) {
     let identity = Identity {
         build: *b"testtest",
         reset: ResetCause::Panic,
+        oscillator: Oscillator::Unknown,
         ring: true,
     };
     bench.control.start(identity, Millis::from_ms(0));
