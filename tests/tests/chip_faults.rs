@@ -148,6 +148,126 @@ fn a_ring_that_stays_incomplete_stops_the_robot() {
     assert!((1_180..=1_480).contains(&took_ms), "{took_ms} ms");
 }
 
+/// One command from a minute ahead, which once made every later one expire.
+#[test]
+fn no_stop_is_refused_after_a_command_from_the_future() {
+    let mut chip = Chip::linked(Clock::Device);
+    seeking(&mut chip);
+    let at_ms = chip.at_ms() + 60_000;
+    chip.ask(&ToMind::Command {
+        at_ms,
+        ttl_ms: 1_000,
+        order: Order::Resume,
+    });
+    assert!(motion(&chip.ask(&scan(chip.at_ms(), 16, 900))).is_some());
+    let stopped = FromMind::Mode(ModeReport::Stopped(StopReason::Commanded));
+    let is_stopped = |said: &[Report<16>]| said.iter().any(|report| report.said == stopped);
+    let said = chip.order(Order::Stop);
+    assert!(is_stopped(&said), "{said:?}");
+    let order = motion(&said).expect("an order to stand");
+    assert_eq!((order.dx_mm, order.dy_mm), (0, 0));
+    // Whatever its time, and of no session.
+    for (session, ahead_ms) in [(SESSION, 3_600_000_u32.wrapping_neg()), (0, 0)] {
+        chip.order(Order::Resume);
+        assert!(round(&mut chip, 900).is_some());
+        let header = Header {
+            session,
+            seq: 30_000,
+        };
+        let at_ms = chip.at_ms().wrapping_add(ahead_ms);
+        let stop = ToMind::Command {
+            at_ms,
+            ttl_ms: 0,
+            order: Order::Stop,
+        };
+        chip.raw(&packed(header, &stop));
+        chip.wait(|_, report| (report.said == stopped).then_some(()));
+        chip.wait(|_, report| (report.said == FromMind::Done { seq: 30_000 }).then_some(()));
+        if session == SESSION {
+            chip.open(SESSION, Clock::Device);
+        }
+    }
+    assert_eq!(chip.counters().expired, 0);
+}
+
+#[test]
+fn rings_from_long_ago_move_nothing() {
+    let mut chip = Chip::linked(Clock::Device);
+    seeking(&mut chip);
+    for (old_ms, age_ms) in [(0, 5_000), (0, 65_535), (60_000, 0)] {
+        let echoes = (0..16).map(|sensor| Heard {
+            sensor,
+            range_mm: Some(1_500),
+            age_ms,
+        });
+        let at_ms = chip.at_ms().wrapping_sub(old_ms);
+        let said = chip.ask(&ToMind::Scan {
+            at_ms,
+            echoes: echoes.collect(),
+        });
+        assert!(motion(&said).is_none(), "{old_ms} {age_ms}");
+    }
+    assert_eq!(chip.counters().stale_echoes, 48);
+}
+
+/// The base says that it moves, and does not; the ring is heard, and is then silent.
+#[test]
+fn blocked_wheels_and_silence_stop_the_robot() {
+    let mut chip = Chip::linked(Clock::Device);
+    seeking(&mut chip);
+    let said = chip.ask(&scan(chip.at_ms(), 16, 900));
+    let order = motion(&said).expect("a motion");
+    let began_ms = said.last().expect("done").device_ms;
+    let overdue = FromMind::Mode(ModeReport::Stopped(StopReason::Overdue));
+    let stopped_ms = loop {
+        let mut said = chip.ask(&ToMind::Odometry {
+            at_ms: chip.at_ms(),
+            motion: order.id,
+            dx_mm: 0,
+            dy_mm: 0,
+            turned: 0,
+            progress: Progress::Moving,
+        });
+        said.extend(chip.ask(&scan(chip.at_ms(), 16, 900)));
+        if let Some(report) = said.iter().find(|report| report.said == overdue) {
+            break report.device_ms;
+        }
+        let waited_ms = said.last().expect("done").device_ms - began_ms;
+        assert!(waited_ms < 5_000, "it never stopped");
+        std::thread::sleep(Duration::from_millis(50));
+    };
+    // At most 250 mm, at 508 mm/s or somewhat less near an obstacle.
+    let took_ms = stopped_ms - began_ms;
+    assert!((500..2_000).contains(&took_ms), "{took_ms} ms");
+    chip.order(Order::Resume);
+    let nothing = FromMind::Mode(ModeReport::Stopped(StopReason::NothingHeard));
+    let mut moves = 0;
+    let stopped = (0..4).any(|_| {
+        let echoes = (0..16).map(|sensor| Heard {
+            sensor,
+            range_mm: None,
+            age_ms: 0,
+        });
+        let said = chip.ask(&ToMind::Scan {
+            at_ms: chip.at_ms(),
+            echoes: echoes.collect(),
+        });
+        if let Some(order) = motion(&said) {
+            moves += 1;
+            chip.ask(&ToMind::Odometry {
+                at_ms: chip.at_ms(),
+                motion: order.id,
+                dx_mm: order.dx_mm,
+                dy_mm: order.dy_mm,
+                turned: 0,
+                progress: Progress::Ended,
+            });
+        }
+        said.iter().any(|report| report.said == nothing)
+    });
+    assert!(stopped && moves == 2, "{moves} moves");
+}
+
 /// The kinds of damage, and which counter each one raises.
 #[derive(Default)]
 struct Expected {

@@ -48,7 +48,7 @@ pub struct SetupArgs {
     sonar: SonarChoice,
     /// A sonar that is out of order: dead:N, stuck:N:METRES, scaled:N:SHARE, offset:N:METRES, jumping:N:PROBABILITY,
     /// noisy:N:METRES, delayed:N:FIRINGS, intermittent:N:PROBABILITY, crosstalk:N:PROBABILITY or swapped:N:M; may be
-    /// given several times (see --set fault-detection=on)
+    /// given several times (see also --set fault-detection=off)
     #[arg(long = "fault", value_name = "KIND:N", value_parser = parsed::<TransducerFault>)]
     faults: Vec<TransducerFault>,
     /// Whether the ring keeps its bearing in the world or turns with the heading

@@ -53,7 +53,7 @@ impl Setup {
 }
 
 /// Version of the records.
-pub const FORMAT: u32 = 2;
+pub const FORMAT: u32 = 3;
 
 /// Something the mind was told.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,4 +1,4 @@
-//! A way on which frames get lost, come twice and overtake one another.
+//! A way on which frames get lost, come twice, overtake one another, and are held back for a while.
 
 use super::{below, generator, happens};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -13,6 +13,10 @@ pub(super) struct Badness {
     pub(super) twice: usize,
     /// Least and most time on the way, ms.
     pub(super) delay_ms: [u64; 2],
+    /// Of a thousand frames so many find that the way stalls.
+    pub(super) stalls: usize,
+    /// Longest stall, ms: what is sent meanwhile comes at its end.
+    pub(super) stall_ms: u64,
 }
 
 /// A frame that has come.
@@ -45,6 +49,8 @@ impl PartialOrd for Come {
 #[derive(Debug)]
 pub(super) struct Channel {
     badness: Badness,
+    /// The way stalls until then.
+    stalled_until_ms: u64,
     random: Xoshiro256PlusPlus,
     under_way: BinaryHeap<Come>,
     sent: u64,
@@ -56,6 +62,7 @@ impl Channel {
     pub(super) fn new(badness: Badness, seed: u64, part: u64) -> Self {
         Self {
             badness,
+            stalled_until_ms: 0,
             random: generator(seed, part),
             under_way: BinaryHeap::new(),
             sent: 0,
@@ -72,13 +79,17 @@ impl Channel {
             self.lost += 1;
             return number;
         }
+        if below(&mut self.random, 1_000) < self.badness.stalls {
+            let stall_ms = 1 + below(&mut self.random, self.badness.stall_ms as usize) as u64;
+            self.stalled_until_ms = self.stalled_until_ms.max(now_ms + stall_ms);
+        }
         let again = happens(&mut self.random, self.badness.twice);
         self.repeated += u64::from(again);
         for _ in 0..1 + u32::from(again) {
             let [least, most] = self.badness.delay_ms;
             let delay_ms = least + below(&mut self.random, (most - least + 1) as usize) as u64;
             self.under_way.push(Come {
-                at_ms: now_ms + delay_ms,
+                at_ms: (now_ms + delay_ms).max(self.stalled_until_ms),
                 sent_ms: now_ms,
                 number,
                 bytes: bytes.to_vec(),
@@ -127,6 +138,8 @@ mod tests {
             lost: 30,
             twice: 10,
             delay_ms: [2, 60],
+            stalls: 0,
+            stall_ms: 0,
         };
         let mut channel = Channel::new(badness, 1, 0);
         for now_ms in 0..10_000 {
@@ -146,5 +159,24 @@ mod tests {
         assert!((2_800..3_200).contains(&channel.lost()));
         assert!((600..800).contains(&channel.repeated()));
         assert_eq!(channel.come(20_000), None);
+    }
+
+    #[test]
+    fn a_stall_holds_frames_back() {
+        let badness = Badness {
+            lost: 0,
+            twice: 0,
+            delay_ms: [2, 60],
+            stalls: 5,
+            stall_ms: 2_000,
+        };
+        let mut channel = Channel::new(badness, 1, 0);
+        for number in 0..10_000 {
+            channel.send(20 * number, &[1]);
+        }
+        let all: Vec<_> = std::iter::from_fn(|| channel.come(u64::MAX)).collect();
+        let late = all.iter().filter(|come| come.at_ms - come.sent_ms > 520);
+        assert!((500..3_000).contains(&late.count()));
+        assert!(all.iter().all(|come| come.at_ms - come.sent_ms <= 2_060));
     }
 }

@@ -26,6 +26,8 @@ const BAD: Badness = Badness {
     lost: 30,
     twice: 10,
     delay_ms: [0, 60],
+    stalls: 0,
+    stall_ms: 0,
 };
 /// Allowed beyond the protocol's silence: a round of the control task, and what an emulator on a busy machine adds, ms.
 const SLACK_MS: u32 = 100;

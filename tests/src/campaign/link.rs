@@ -1,4 +1,4 @@
-//! A line that loses, repeats and overtakes frames, between a host with a base and a mind.
+//! A line that loses, repeats, overtakes and holds back frames, between a host with a base and a mind.
 //!
 //! The host sends a frame every 20 ms: rings, odometry, signs of life, and orders to seek, stop and go on, in no sensible
 //! order. Both ends judge what comes by [`amp::link`]: the mind in its [`Node`](amp::node::Node), the base by a [`Link`] of
@@ -8,7 +8,7 @@
 use super::bench::{Clocks, Ready, SESSION, coded, command, numbered, scan};
 use super::channel::{Badness, Channel, Come};
 use super::{Progress, Verdict, below, generator, grouped, parts};
-use amp::controller::Progress as Way;
+use amp::controller::{Mode, Progress as Way, StopReason};
 use amp::link::{Link, Verdict as Judged};
 use amp::node::Outbox;
 use amp::units::Millis;
@@ -27,12 +27,17 @@ const EVERY_MS: u64 = 20;
 const TICK_MS: u64 = 10;
 /// The base's speed, mm/s.
 const SPEED_MM_S: u64 = 500;
-/// The lines: of ten frames three are lost, and one comes twice; a fast frame overtakes two slow ones.
+/// The lines: of ten frames three are lost, and one comes twice; a fast frame overtakes two slow ones; every few seconds the
+/// line stalls, for up to 2 s.
 const BAD: Badness = Badness {
     lost: 30,
     twice: 10,
     delay_ms: [2, 60],
+    stalls: 5,
+    stall_ms: 2_000,
 };
+/// Truly older than this no motion may be executed: its time to live of 500 ms, and what the promptest frames take, ms.
+const OLDEST_MS: u64 = 520;
 /// Both clocks come to their ends a few seconds after the mind has learnt.
 const CLOCKS: Clocks = Clocks {
     device: u32::MAX - 10_000,
@@ -60,8 +65,12 @@ struct Book {
     executed: u64,
     /// Motions executed again, after a later one, or after their time.
     stale: u64,
-    /// Motions the base refused as too late or repeated.
+    /// Motions the base refused as late or repeated, by their numbers.
     refused: u64,
+    /// Motions the base refused for their age.
+    aged: u64,
+    /// Stops, whatever their numbers, that did not stop the mind.
+    stops_refused: u64,
     /// Executed while the mind's stop was still on its way, or lost.
     taken_back: u64,
     /// Age of the oldest motion executed, ms.
@@ -81,6 +90,8 @@ impl Book {
             (&mut self.executed, other.executed),
             (&mut self.stale, other.stale),
             (&mut self.refused, other.refused),
+            (&mut self.aged, other.aged),
+            (&mut self.stops_refused, other.stops_refused),
             (&mut self.taken_back, other.taken_back),
         ];
         for (sum, value) in pairs {
@@ -121,6 +132,37 @@ struct Course {
     came: Vec<[bool; 2]>,
     /// Number of the latest frame the mind should have accepted.
     latest: Option<u64>,
+    delays: Delays,
+}
+
+/// The delays of the frames that were accepted: by the protocol's rule, of two in a row the greater one counts, for the rest of
+/// its ten seconds and fifty more.
+#[derive(Debug)]
+struct Delays {
+    latest_ms: u64,
+    /// Number of ten seconds, and delay.
+    counted: Vec<(u64, u64)>,
+}
+
+impl Delays {
+    /// While the mind learnt, frames took no time at all.
+    fn new() -> Self {
+        Self {
+            latest_ms: 0,
+            counted: vec![(0, 0)],
+        }
+    }
+
+    /// Takes a frame; returns its age.
+    fn age_ms(&mut self, come: &Come) -> u64 {
+        let delay_ms = come.at_ms - come.sent_ms;
+        let slot = come.at_ms / 10_000;
+        self.counted.retain(|(counted, _)| slot - counted < 6);
+        self.counted.push((slot, delay_ms.max(self.latest_ms)));
+        self.latest_ms = delay_ms;
+        let least_ms = self.counted.iter().map(|(_, delay_ms)| *delay_ms).min();
+        delay_ms.saturating_sub(least_ms.unwrap_or(0))
+    }
 }
 
 impl Course {
@@ -135,6 +177,7 @@ impl Course {
             size,
             came: vec![[false; 2]; size as usize],
             latest: None,
+            delays: Delays::new(),
         }
     }
 
@@ -209,18 +252,20 @@ impl Course {
     /// Gives a frame to the mind, and holds what it does against what it should.
     fn deliver(&mut self, come: &Come) {
         let is_new = self.latest.is_none_or(|latest| come.number > latest);
-        let delay_ms = come.at_ms - come.sent_ms;
-        let mut may_act = is_new;
+        let message = unpack::<ToMind<16>>(coded(&come.bytes)).map(|(_, message)| message);
+        let (ttl_ms, is_stop) = match message {
+            Ok(ToMind::Command { ttl_ms, order, .. }) => (Some(ttl_ms), order == Order::Stop),
+            _ => (None, false),
+        };
+        let mut may_act = is_new || is_stop;
         let [came, accepted] = &mut self.came[come.number as usize];
         *came = true;
         if is_new {
             *accepted = true;
             self.latest = Some(come.number);
-            if let Ok((_, ToMind::Command { ttl_ms, .. })) =
-                unpack::<ToMind<16>>(coded(&come.bytes))
-            {
-                // The promptest frames, while the mind learnt, took no time at all.
-                may_act = delay_ms <= u64::from(ttl_ms);
+            let age_ms = self.delays.age_ms(come);
+            if let Some(ttl_ms) = ttl_ms.filter(|_| !is_stop) {
+                may_act = age_ms <= u64::from(ttl_ms);
                 self.book.expired[1] += u64::from(!may_act);
             }
         } else {
@@ -232,6 +277,9 @@ impl Course {
         self.mind.node.frame(now, coded(&come.bytes), &mut said);
         let changed = before.is_some_and(|before| before != *self.mind.node.state());
         self.book.late_but_done += u64::from(changed);
+        let stopped = Mode::Stopped(StopReason::Commanded);
+        let obeyed = !is_stop || *self.mind.node.state().mode() == stopped;
+        self.book.stops_refused += u64::from(!obeyed);
     }
 }
 
@@ -276,8 +324,6 @@ struct Base {
     latest_stop: i64,
     /// Number of the latest motion executed.
     latest: Option<i64>,
-    /// Least true time on the way of an accepted frame, ms.
-    promptest_ms: Option<u64>,
 }
 
 impl Base {
@@ -311,21 +357,16 @@ impl Base {
         let here = Millis::from_ms(now.as_ms().wrapping_add(123_456_789));
         link.heard(said, here);
         let age_ms = link.age_ms(said, here);
-        let promptest_ms = self
-            .promptest_ms
-            .map_or(true_age_ms, |least| least.min(true_age_ms));
-        self.promptest_ms = Some(promptest_ms);
         let FromMind::Motion(order) = report.said else {
             return;
         };
         if age_ms > u32::from(order.ttl_ms) {
-            book.refused += 1;
+            book.aged += 1;
             return;
         }
         let number = self.numbers[come.number as usize];
         let is_late = self.latest.is_some_and(|latest| number <= latest);
-        let is_old = true_age_ms > u64::from(order.ttl_ms) + promptest_ms;
-        book.stale += u64::from(is_late || is_old);
+        book.stale += u64::from(is_late || true_age_ms > OLDEST_MS);
         book.executed += 1;
         book.taken_back += u64::from(!is_stop(order) && number < self.latest_stop);
         book.oldest_ms = book.oldest_ms.max(true_age_ms);
@@ -400,13 +441,15 @@ fn opened(first: Header) -> Link {
 fn verdict(book: &Book) -> Verdict {
     let mut verdict = Verdict::default();
     verdict.say(format_args!(
-        "{} frames to the mind and {} from it; {} % lost, {} % of the others twice, {} to {} ms on the way\n",
+        "{} frames to the mind and {} from it; {} % lost, {} % of the others twice, {} to {} ms on the way, {} in 1000 meet a stall of up to {} ms\n",
         grouped(book.sent),
         grouped(book.said),
         BAD.lost,
         BAD.twice,
         BAD.delay_ms[0],
-        BAD.delay_ms[1]
+        BAD.delay_ms[1],
+        BAD.stalls,
+        BAD.stall_ms
     ));
     let row = |what: &str, number| [what.to_owned(), grouped(number)];
     let rows = [
@@ -425,10 +468,9 @@ fn verdict(book: &Book) -> Verdict {
         ),
         row("times the mind held the host for gone", book.losses),
         row("motions and renewals executed by the base", book.executed),
-        row(
-            "refused by the base as late, repeated or expired",
-            book.refused,
-        ),
+        row("refused by the base as late or repeated", book.refused),
+        row("refused by the base for their age", book.aged),
+        row("stops that did not stop the mind", book.stops_refused),
         row("**stale ones executed**", book.stale),
         row("age of the oldest one executed, ms", book.oldest_ms),
         row(
@@ -457,7 +499,8 @@ fn verdict(book: &Book) -> Verdict {
     }
     verdict.require(book.late_but_done == 0, "a late frame was acted upon");
     verdict.require(book.stale == 0, "a stale motion was executed");
-    let enough = book.executed > 0 && book.replayed[1] > 0 && book.expired[1] > 0;
+    verdict.require(book.stops_refused == 0, "a stop was refused");
+    let enough = book.executed > 0 && book.replayed[1] > 0 && book.expired[1] > 0 && book.aged > 0;
     verdict.require(enough, "nothing was tried");
     verdict
 }

@@ -21,6 +21,7 @@ pub mod frames;
 pub mod link;
 pub mod mutate;
 pub mod silence;
+mod wheels;
 
 use rand_core::{Rng as _, SeedableRng as _};
 use rand_xoshiro::{SplitMix64, Xoshiro256PlusPlus};

@@ -2,19 +2,16 @@
 //! nothing for too long?
 //!
 //! The firmware's control task runs as on the chip: every 10 ms and when a frame has come. Bytes take 87 µs on a line of 115 200
-//! baud. The ring is heard echo by echo, every 40 ms; the base reports every 100 ms. It is a slow base that never arrives, so that
-//! nothing but the link ends its motion, and it obeys the times to live. What a real base rolls on while it brakes is not in it.
-//! The device's clock comes to its end of 32 bits during the trials.
+//! baud. The ring is heard echo by echo, every 40 ms; the base reports every 100 ms. The base is the simulated Nomad 200: it
+//! steers, accelerates, brakes, and obeys the times to live. The device's clock comes to its end of 32 bits during the trials.
 
 use super::bench::{Clocks, Ready, SESSION, hello, scan};
+use super::wheels::Wheels;
 use super::{Progress, Verdict, below, generator, grouped, parts};
 use crate::chip::packed;
-use amp::controller::Progress as Way;
-use amp::link::SILENCE_MS;
-use amp::node::MOTION_TTL_MS;
 use amp::wire::Receiver;
 use amp::wire::frame::{Header, unpack};
-use amp::wire::message::{FromMind, Heard, MotionOrder, Report, ToMind};
+use amp::wire::message::{FromMind, Heard, Report, ToMind};
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
 };
@@ -23,6 +20,7 @@ use firmware::line::{Faults, Outbox};
 use firmware::persist::{SLOT_BYTES, Store};
 use heapless::spsc::{Consumer, Producer, Queue};
 use host_sim::sonar::FIRING_ORDER;
+use host_sim::world::World;
 use rayon::prelude::*;
 use std::collections::VecDeque;
 
@@ -37,15 +35,16 @@ const ECHO_MS: u64 = 40;
 const REPORT_MS: u64 = 100;
 /// Bytes on the line per 100 ms: 115 200 baud, ten bits to a byte.
 const BYTES: u32 = 1_152;
-/// The base's speed, mm/s.
-const SPEED_MM_S: u64 = 20;
 /// Longest time from the motion's beginning to the moment, ms; to a host's return, ms.
 const MOST_MS: usize = 2_000;
 const RETURN_MS: usize = 1_000;
+/// A base that goes on for so long is not watched any longer, ms.
+const GIVE_UP_MS: u64 = 20_000;
 /// So long it is watched afterwards, ms.
 const WATCHED_MS: u64 = 1_500;
-/// Allowed beyond what the protocol says, ms: a round of the control task and two frames on the line.
-const SLACK_MS: u64 = 20;
+/// From an order to stand, or the end of an order, a base at 508 mm/s brakes at 762 mm/s²: 667 ms and 169 mm. The wheels may
+/// still have to stop turning: at 45 °/s and 30 °/s² 1.5 s.
+const BRAKING_MS: u64 = 1_510;
 const CLOCKS: Clocks = Clocks {
     // Maps are made in 4.2 s.
     device: u32::MAX - 5_500,
@@ -77,20 +76,33 @@ impl Gone {
         }
     }
 
-    /// Longest time to the end of all motion, ms.
+    /// Longest time until the base has been told to stand or its motion has expired, ms: a silence of 300 ms or a time to
+    /// live of 500 ms, a round of the control task and two frames on the line.
     const fn most_ms(self) -> u64 {
-        SLACK_MS
-            + match self {
-                Self::Host | Self::HostForAWhile => SILENCE_MS as u64,
-                Self::Line | Self::Mind => MOTION_TTL_MS as u64,
-            }
+        match self {
+            Self::Host | Self::HostForAWhile => 320,
+            Self::Line | Self::Mind => 520,
+        }
+    }
+
+    /// Longest way from the moment on, mm: at 508 mm/s for that long, and 169 mm to brake.
+    const fn most_mm(self) -> f64 {
+        match self {
+            Self::Host | Self::HostForAWhile => 340.0,
+            Self::Line | Self::Mind => 440.0,
+        }
     }
 }
 
 /// What came of a trial.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct Stopped {
+    /// Until the base was told to stand, or its motion had ended or expired.
     after_ms: u64,
+    /// Until its wheels stood.
+    stood_ms: u64,
+    /// Way from the moment on.
+    way_mm: f64,
     moved_again: bool,
 }
 
@@ -102,15 +114,17 @@ struct Stopped {
 pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
     let mut verdict = Verdict::default();
     verdict.say(format_args!(
-        "{} moments each; time from the moment to zero motion, ms\n",
+        "{} moments each at which the base moves; time from the moment until it is told to stand or its motion has ended, ms; time until its wheels stand, ms; way until then, mm\n",
         grouped(count)
     ));
+    let room = World::builtin("room").expect("it is built in");
     let mut rows = Vec::new();
     for (kind, gone) in (0..).zip(Gone::ALL) {
         let trials = |(part, size): (u64, u64)| {
             let ready = Ready::new(seed.wrapping_add(part), CLOCKS);
             let first = (kind * count) + part * PART;
-            let trials = (first..first + size).map(|trial| try_it(&ready, gone, seed, trial));
+            let trials =
+                (first..first + size).map(|trial| try_it(&ready, &room, gone, seed, trial));
             let trials: Vec<_> = trials.collect();
             progress(size);
             trials
@@ -127,19 +141,31 @@ pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
         "p99",
         "most",
         "allowed",
+        "wheels stand, most",
+        "way mm, most",
         "moved again",
     ];
     verdict.table(heads, &rows);
     verdict
 }
 
-fn judge(verdict: &mut Verdict, gone: Gone, all: &[Stopped]) -> [String; 6] {
+fn judge(verdict: &mut Verdict, gone: Gone, all: &[Stopped]) -> [String; 8] {
     let mut times: Vec<_> = all.iter().map(|stopped| stopped.after_ms).collect();
     times.sort_unstable();
     let at = |share: usize| times.get((times.len().max(1) - 1) * share / 100).copied();
     let [median, rare, most] = [50, 99, 100].map(|share| at(share).unwrap_or(0));
     let again = all.iter().filter(|stopped| stopped.moved_again).count();
+    let stood = all.iter().map(|stopped| stopped.stood_ms).max();
+    let stood = stood.unwrap_or(0);
+    let way_mm = all.iter().map(|stopped| stopped.way_mm).fold(0.0, f64::max);
     let name = gone.name();
+    let is_short = way_mm <= gone.most_mm();
+    verdict.require(is_short, format!("{name}: {way_mm:.0} mm"));
+    let allowed_ms = gone.most_ms() + BRAKING_MS;
+    verdict.require(
+        stood <= allowed_ms,
+        format!("{name}: stood after {stood} ms"),
+    );
     verdict.require(most <= gone.most_ms(), format!("{name}: {most} ms"));
     verdict.require(again == 0, format!("{name}: moved again"));
     [
@@ -148,11 +174,13 @@ fn judge(verdict: &mut Verdict, gone: Gone, all: &[Stopped]) -> [String; 6] {
         rare.to_string(),
         most.to_string(),
         gone.most_ms().to_string(),
+        stood.to_string(),
+        format!("{way_mm:.0}"),
         again.to_string(),
     ]
 }
 
-fn try_it(ready: &Ready, gone: Gone, seed: u64, trial: u64) -> Stopped {
+fn try_it(ready: &Ready, room: &World, gone: Gone, seed: u64, trial: u64) -> Stopped {
     let mut random = generator(seed, trial);
     let mut node = ready.node.clone();
     let (mut received, mut to_send) = (Queue::<u8, 512>::new(), Queue::<u8, 2_048>::new());
@@ -160,23 +188,33 @@ fn try_it(ready: &Ready, gone: Gone, seed: u64, trial: u64) -> Stopped {
     let (producer, consumer) = received.split();
     let (to_send, outgoing) = to_send.split();
     let control = Control::new(&mut node, consumer, Outbox::new(to_send), &faults, store());
-    let mut scene = Scene::new(ready, control, producer, outgoing);
+    let wheels = Wheels::new(room, trial);
+    let mut scene = Scene::new(ready, control, wheels, producer, outgoing);
     // Somewhere between two rounds, echoes and reports.
     scene.now_ms += below(&mut random, 200) as u64;
     scene.set_off();
     for _ in 0..below(&mut random, MOST_MS) {
         scene.pass();
     }
+    while !scene.wheels.is_ordered() {
+        scene.pass();
+    }
     scene.is_gone(gone);
-    let began_ms = scene.now_ms;
+    let (began_ms, began_mm) = (scene.now_ms, scene.wheels.way_mm());
     let returns_ms = began_ms + below(&mut random, RETURN_MS) as u64;
-    let mut after_ms = None;
+    let (mut after_ms, mut stood_ms) = (None, None);
     let mut moved_again = false;
-    while after_ms.is_none_or(|after| scene.now_ms < began_ms + after + WATCHED_MS) {
-        match (scene.is_moving(), after_ms) {
-            (false, None) => after_ms = Some(scene.now_ms - began_ms),
-            (true, Some(_)) => moved_again = true,
-            _ => {}
+    while stood_ms.is_none_or(|stood| scene.now_ms < began_ms + stood + WATCHED_MS) {
+        let passed_ms = scene.now_ms - began_ms;
+        if passed_ms > GIVE_UP_MS {
+            break;
+        }
+        if !scene.wheels.is_ordered() {
+            after_ms = after_ms.or(Some(passed_ms));
+        }
+        moved_again |= stood_ms.is_some() && scene.wheels.is_moving();
+        if after_ms.is_some() && !scene.wheels.is_moving() {
+            stood_ms = stood_ms.or(Some(passed_ms));
         }
         if gone == Gone::HostForAWhile && scene.now_ms == returns_ms {
             scene.comes_back();
@@ -185,6 +223,8 @@ fn try_it(ready: &Ready, gone: Gone, seed: u64, trial: u64) -> Stopped {
     }
     Stopped {
         after_ms: after_ms.unwrap_or(u64::MAX),
+        stood_ms: stood_ms.unwrap_or(u64::MAX),
+        way_mm: scene.wheels.way_mm() - began_mm,
         moved_again,
     }
 }
@@ -251,14 +291,14 @@ struct Scene<'a> {
     host_is_there: bool,
     chip_is_there: bool,
     base_hears: bool,
-    order: Option<(MotionOrder, u64)>,
-    unreported_um: u64,
+    wheels: Wheels<'a>,
 }
 
 impl<'a> Scene<'a> {
     fn new(
         ready: &Ready,
         control: Control<'a, NoFlash>,
+        wheels: Wheels<'a>,
         incoming: Producer<'a, u8>,
         outgoing: Consumer<'a, u8>,
     ) -> Self {
@@ -276,8 +316,7 @@ impl<'a> Scene<'a> {
             host_is_there: true,
             chip_is_there: true,
             base_hears: true,
-            order: None,
-            unreported_um: 0,
+            wheels,
         }
     }
 
@@ -285,16 +324,10 @@ impl<'a> Scene<'a> {
     fn set_off(&mut self) {
         self.say(|at_ms| scan(at_ms, 900));
         let until_ms = self.now_ms + 1_000;
-        while !self.is_moving() {
+        while !self.wheels.is_ordered() {
             assert!(self.now_ms < until_ms, "no motion");
             self.pass();
         }
-    }
-
-    fn is_moving(&self) -> bool {
-        self.order.is_some_and(|(order, until_ms)| {
-            (order.dx_mm, order.dy_mm) != (0, 0) && self.now_ms < until_ms
-        })
     }
 
     fn is_gone(&mut self, gone: Gone) {
@@ -335,9 +368,7 @@ impl<'a> Scene<'a> {
         if self.chip_is_there && (look || self.now_ms.is_multiple_of(ROUND_MS)) {
             while self.control.run(CLOCKS.device(self.now_ms)) {}
         }
-        if self.is_moving() {
-            self.unreported_um += SPEED_MM_S;
-        }
+        self.wheels.pass(self.now_ms);
     }
 
     fn host(&mut self) {
@@ -353,18 +384,8 @@ impl<'a> Scene<'a> {
             self.say(|at_ms| ToMind::Scan { at_ms, echoes });
         }
         if self.now_ms.is_multiple_of(REPORT_MS) {
-            let order = self.order;
-            let moved_mm = (self.unreported_um / 1_000) as u16;
-            self.unreported_um %= 1_000;
-            let moved = order.map(|(order, _)| order.motion().displacement.with_length(moved_mm));
-            self.say(|at_ms| ToMind::Odometry {
-                at_ms,
-                motion: order.map_or(0, |(order, _)| order.id),
-                dx_mm: moved.map_or(0, |moved| moved.dx_mm),
-                dy_mm: moved.map_or(0, |moved| moved.dy_mm),
-                turned: 0,
-                progress: Way::Moving,
-            });
+            let report = self.wheels.report(CLOCKS.host(self.now_ms));
+            self.say(|_| report);
         }
     }
 
@@ -394,7 +415,7 @@ impl<'a> Scene<'a> {
                 && let Ok((_, report)) = unpack::<Report<16>>(frame)
                 && let FromMind::Motion(order) = report.said
             {
-                self.order = Some((order, self.now_ms + u64::from(order.ttl_ms)));
+                self.wheels.obey(order, self.now_ms);
             }
         }
         look
@@ -414,18 +435,26 @@ mod tests {
         let (producer, consumer) = received.split();
         let (to_send, outgoing) = to_send.split();
         let control = Control::new(&mut node, consumer, Outbox::new(to_send), &faults, store());
-        let mut scene = Scene::new(&ready, control, producer, outgoing);
+        let room = World::builtin("room").expect("it is built in");
+        let wheels = Wheels::new(&room, 1);
+        let mut scene = Scene::new(&ready, control, wheels, producer, outgoing);
         scene.set_off();
-        for _ in 0..3_000 {
+        let mut moving_ms = 0;
+        for _ in 0..20_000 {
             scene.pass();
-            assert!(scene.is_moving());
+            moving_ms += u64::from(scene.wheels.is_ordered());
         }
+        // The rest is spent waiting for whole rings.
+        assert!(moving_ms > 6_000, "{moving_ms} ms");
+        assert!(scene.wheels.way_mm() > 1_500.0);
     }
 
     #[test]
     fn one_trial_that_takes_too_long_is_found() {
         let slow = Stopped {
             after_ms: 321,
+            stood_ms: 900,
+            way_mm: 300.0,
             moved_again: false,
         };
         let mut verdict = Verdict::default();
@@ -433,5 +462,13 @@ mod tests {
         assert!(verdict.broken.is_empty());
         let _ = judge(&mut verdict, Gone::Host, &[slow]);
         assert_eq!(verdict.broken.len(), 1);
+        let far = Stopped {
+            way_mm: 441.0,
+            stood_ms: 2_031,
+            after_ms: 521,
+            ..slow
+        };
+        let _ = judge(&mut verdict, Gone::Mind, &[far]);
+        assert_eq!(verdict.broken.len(), 4);
     }
 }

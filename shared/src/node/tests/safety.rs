@@ -293,3 +293,9 @@ fn the_device_stops_the_robot_and_ends_a_motion() {
     rig.now += 200;
     assert!(motion(&rig.ring(900)).is_some());
 }
+
+/// PROTOCOL.md promises these to every host.
+#[test]
+fn the_times_of_the_protocol_are_what_they_are_said_to_be() {
+    assert_eq!((MOTION_TTL_MS, RENEWAL_MS, SILENCE_MS), (500, 200, 300));
+}

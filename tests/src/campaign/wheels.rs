@@ -1,0 +1,113 @@
+//! The base of the campaigns: the simulated Nomad 200, which steers, accelerates and brakes as the machine does, and obeys
+//! motions with their times to live.
+
+use amp::units::Displacement;
+use amp::wire::message::{MotionOrder, ToMind};
+use amp::{controller::Progress, units::Bearing};
+use host_sim::noise::Noise;
+use host_sim::robot::{Base, BaseLimits, Motion, TurretMode};
+use host_sim::world::{Point, World};
+
+/// Time between two looks at the motors, ms.
+const STRIDE_MS: u64 = 10;
+
+/// The base, in the middle of an empty room.
+pub(super) struct Wheels<'a> {
+    world: &'a World,
+    base: Base,
+    noise: Noise,
+    order: Option<MotionOrder>,
+    /// When the order ends unless it is renewed, ms.
+    until_ms: u64,
+    /// The order has not ended.
+    under_way: bool,
+    reported: Point,
+    way_m: f64,
+}
+
+impl<'a> Wheels<'a> {
+    pub(super) fn new(world: &'a World, seed: u64) -> Self {
+        let base = Base::new(world.start(), BaseLimits::default(), TurretMode::Held);
+        Self {
+            world,
+            reported: base.odometry(),
+            base,
+            noise: Noise::new(seed),
+            order: None,
+            until_ms: 0,
+            under_way: false,
+            way_m: 0.0,
+        }
+    }
+
+    /// Takes a motion: a new one, a shortened one, or the same again, which renews its time to live.
+    pub(super) fn obey(&mut self, order: MotionOrder, now_ms: u64) {
+        self.until_ms = now_ms + u64::from(order.ttl_ms);
+        let mark = |order: MotionOrder| (order.id, order.revision);
+        if self.order.map(mark) == Some(mark(order)) {
+            return;
+        }
+        self.order = Some(order);
+        let meters = |mm: i16| f64::from(mm) / 1e3;
+        self.command(Motion {
+            dx_m: meters(order.dx_mm),
+            dy_m: meters(order.dy_mm),
+            speed_m_s: f64::from(order.speed_mm_s) / 1e3,
+        });
+        self.under_way = true;
+    }
+
+    fn command(&mut self, motion: Motion) {
+        self.base.command(motion, &mut self.noise);
+    }
+
+    /// A millisecond.
+    pub(super) fn pass(&mut self, now_ms: u64) {
+        if self.under_way && now_ms >= self.until_ms {
+            self.command(Motion::default());
+            self.under_way = false;
+        }
+        if now_ms.is_multiple_of(STRIDE_MS) {
+            let done = self.base.advance(STRIDE_MS as f64 / 1e3, self.world);
+            self.way_m += done.travelled_m;
+        }
+    }
+
+    /// Whether it has an order to move that has neither ended nor expired.
+    pub(super) fn is_ordered(&self) -> bool {
+        let moves = |order: MotionOrder| (order.dx_mm, order.dy_mm) != (0, 0);
+        self.under_way && self.order.is_some_and(moves) && self.base.is_moving()
+    }
+
+    /// Whether the wheels turn or roll.
+    pub(super) fn is_moving(&self) -> bool {
+        self.base.is_moving()
+    }
+
+    /// Way rolled so far, mm.
+    pub(super) fn way_mm(&self) -> f64 {
+        self.way_m * 1e3
+    }
+
+    /// What it has done since its last report.
+    pub(super) fn report(&mut self, at_ms: u32) -> ToMind<16> {
+        let way = (self.base.odometry() - self.reported) * 1e3;
+        let moved = Displacement::saturating(libm::rint(way.x) as i32, libm::rint(way.y) as i32);
+        let [dx, dy] = [moved.dx_mm, moved.dy_mm].map(f64::from);
+        self.reported = self.reported + Point::new(dx, dy) * 1e-3;
+        let progress = match (self.base.is_moving(), self.base.is_steering()) {
+            (true, true) => Progress::Steering,
+            (true, false) => Progress::Moving,
+            (false, _) => Progress::Ended,
+        };
+        self.under_way &= progress != Progress::Ended;
+        ToMind::Odometry {
+            at_ms,
+            motion: self.order.map_or(0, |order| order.id),
+            dx_mm: moved.dx_mm,
+            dy_mm: moved.dy_mm,
+            turned: Bearing::ZERO.as_turns(),
+            progress,
+        }
+    }
+}
