@@ -15,17 +15,23 @@ use amp::wire::{CRC, Frame, PROTOCOL, Receiver, SCHEMA, cobs};
 use host_sim::goal_file::GoalFile;
 use host_sim::learn::{Columns, Log};
 use host_sim::link::Knowledge;
+use host_sim::log::{LogFile, Summary, channel, replay};
 use host_sim::nomad::{Line, Protocol, Simulated};
 use host_sim::som::table::Table;
 use host_sim::sonar::SonarModel;
+use host_sim::view::{Recorded, Source as _, Stepped};
 use host_sim::world::World;
+use mcap::records::MessageHeader;
+use mcap::{Compression, McapResult, WriteOptions};
+use std::collections::BTreeMap;
+use std::io::Cursor;
 use std::path::Path;
 
 /// A kind of input and its reader.
 pub type Reader = (&'static str, fn(&[u8]));
 
 /// All of them but [`map`], which takes files.
-pub const READERS: [Reader; 10] = [
+pub const READERS: [Reader; 12] = [
     ("frame", frame),
     ("content", content),
     ("session", session),
@@ -36,7 +42,12 @@ pub const READERS: [Reader; 10] = [
     ("goal", goal),
     ("csv", csv),
     ("nomad", nomad),
+    ("log", log),
+    ("messages", messages),
 ];
+
+/// Steps of a recording that are shown: a log may be long.
+const MAX_STEPS: usize = 2_000;
 
 /// Bytes as they come over the line.
 ///
@@ -288,4 +299,68 @@ pub fn nomad(bytes: &[u8]) {
         line.idle();
         line.advance(50);
     }
+}
+
+/// The file of a log: its summary, a replay, and the page's recording of it.
+pub fn log(bytes: &[u8]) {
+    let Ok(log) = LogFile::of(Path::new("hostile.mcap"), bytes.to_vec()) else {
+        return;
+    };
+    let _ = Summary::of(&log);
+    let _ = replay(&log, |_| {});
+    if let Ok(mut recorded) = Recorded::new(&log) {
+        let mut steps = 0..MAX_STEPS;
+        while steps.next().is_some() && recorded.step() != Stepped::Standing {}
+        let _ = recorded.snapshot();
+    }
+}
+
+/// Messages of a log behind checksums that are right.
+///
+/// # Panics
+/// When they cannot be written.
+pub fn messages(lines: &[u8]) {
+    log(&log_of(lines).expect("a log in memory"));
+}
+
+/// A log with these messages: a line for each, with channel, time in nanoseconds and content. Other lines are left out.
+fn log_of(lines: &[u8]) -> McapResult<Vec<u8>> {
+    let options = WriteOptions::new()
+        .compression(Some(Compression::Lz4))
+        .disable_seeking(true);
+    let mut writer = options.create(Cursor::new(Vec::new()))?;
+    let mut channels = BTreeMap::new();
+    let topics = [
+        channel::SETUP,
+        channel::EVENT,
+        channel::PLAN,
+        channel::POSE,
+        channel::SCENE,
+    ];
+    for topic in topics {
+        let id = writer.add_channel(0, topic, "json", &BTreeMap::new())?;
+        channels.insert(topic.as_bytes(), id);
+    }
+    let mut sequence = 0;
+    for line in lines.split(|byte| *byte == b'\n') {
+        let mut fields = line.splitn(3, |byte| *byte == b' ');
+        let mut field = || fields.next().unwrap_or(&[]);
+        let (topic, time, content) = (field(), field(), field());
+        let time = std::str::from_utf8(time)
+            .ok()
+            .and_then(|time| time.parse().ok());
+        let (Some(&channel_id), Some(log_time)) = (channels.get(topic), time) else {
+            continue;
+        };
+        sequence += 1;
+        let header = MessageHeader {
+            channel_id,
+            sequence,
+            log_time,
+            publish_time: log_time,
+        };
+        writer.write_to_known_channel(&header, content)?;
+    }
+    writer.finish()?;
+    Ok(writer.into_inner().into_inner())
 }

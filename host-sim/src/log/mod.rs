@@ -15,9 +15,11 @@
 //! ([`replay()`]). A log of somebody who steers has a `/setup` for each new start; other choices and knowledge from a file are
 //! events like all others. Fixed-point values are written as the decimal numbers they are, so nothing is lost on the way.
 //!
-//! A file is a series of chunks of up to [`CHUNK_BYTES`], each written at once: a log that was cut off is whole up to its last
-//! chunk ([`read`]).
+//! A file is a series of chunks of about [`CHUNK_BYTES`], each written at once: a log that was cut off is whole up to its last
+//! chunk. [`read`] checks the whole file first and refuses one that is damaged.
 
+mod check;
+mod fields;
 mod logged;
 mod read;
 mod record;
@@ -30,6 +32,7 @@ mod summary;
 mod tap;
 mod write;
 
+pub use check::{Damage, Defect};
 pub use logged::LoggedMind;
 pub use read::{Ending, LogFile, Message, Reading, read};
 pub use record::{

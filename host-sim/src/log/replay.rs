@@ -35,12 +35,11 @@ pub fn replay(log: &LogFile, mut progress: impl FnMut(u64)) -> Result<Replayed, 
             answers: 0,
             decisions: 0,
             last_ms: 0,
-            ending: Ending::Complete,
+            ending: log.ending(),
             difference: None,
         },
     };
-    let mut messages = log.messages();
-    for message in messages.by_ref() {
+    for message in log.messages() {
         replay
             .take(&message)
             .map_err(|why| BadInput::file(log.path(), why))?;
@@ -49,7 +48,6 @@ pub fn replay(log: &LogFile, mut progress: impl FnMut(u64)) -> Result<Replayed, 
             break;
         }
     }
-    replay.done.ending = messages.ending();
     replay.end();
     Ok(replay.done)
 }

@@ -4,7 +4,7 @@ use super::record::{Answer, EventRecord, Happening, Setup};
 use crate::hex::unhex;
 use crate::link::Knowledge;
 use crate::pilot::{Mind, Pilot as _};
-use amp::controller::{Event, Outputs};
+use amp::controller::{Event, Mode, Outputs};
 use amp::units::Millis;
 use std::collections::VecDeque;
 
@@ -66,13 +66,15 @@ impl Retold {
         Ok(())
     }
 
-    /// Ticks that ended learning do so here as well, however many it takes.
+    /// Ticks that ended learning do so here as well, however many it takes. At most one answer comes of them, the last
+    /// one's, and outside learning the second tick of a moment does what the first did: nothing.
     fn tick(&mut self, at: Millis, count: u32, done: bool, heard: &mut impl FnMut(&Outputs<16>)) {
         let most = if done { MOST_TICKS } else { count };
-        for _ in 0..most {
+        for _ in 0..most.min(MOST_TICKS) {
             let outputs = self.mind.handle(at, Event::Tick);
             self.answered(at, &outputs, heard);
-            if done && outputs.mode_changed {
+            let learns = matches!(self.mind.state().mode(), Mode::Learn { .. });
+            if outputs != Outputs::NONE || !learns {
                 break;
             }
         }

@@ -49,10 +49,9 @@ impl Summary {
             shortened: 0,
             contacts: 0,
             distance_m: 0.0,
-            ending: Ending::Complete,
+            ending: log.ending(),
         };
-        let mut messages = log.messages();
-        for message in messages.by_ref() {
+        for message in log.messages() {
             let refuse = |why| BadInput::file(log.path(), why);
             let seconds = message.time_ns as f64 / 1e9;
             summary.last_s = summary.last_s.max(seconds);
@@ -66,7 +65,6 @@ impl Summary {
             }
             *summary.messages.entry(message.topic).or_default() += 1;
         }
-        summary.ending = messages.ending();
         Ok(summary)
     }
 

@@ -100,12 +100,12 @@ fn a_changed_byte_is_noticed() {
     let mut bytes = logged(SonarModel::Ideal);
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;
-    let ending = LogFile::of(Path::new("a.mcap"), bytes).map(|log| {
-        let mut messages = log.messages();
-        messages.by_ref().for_each(drop);
-        messages.ending()
-    });
-    assert!(!matches!(ending, Ok(Ending::Complete)), "{ending:?}");
+    let refused = LogFile::of(Path::new("a.mcap"), bytes).unwrap_err();
+    let sentence = refused.to_string();
+    assert!(
+        sentence.contains("a.mcap: is damaged at byte "),
+        "{sentence}"
+    );
 }
 
 /// The log of an episode in which answer 40 is not what the mind says.
@@ -199,4 +199,32 @@ fn a_full_disk_ends_the_episode_in_words() {
         failure.starts_with("a.mcap: cannot be written: "),
         "{failure}"
     );
+}
+
+#[test]
+fn a_message_that_could_not_be_read_is_not_written() {
+    let mut log = Log::begin(Cursor::new(Vec::new()), "a.mcap").unwrap();
+    let event = Happening::Know("0".repeat(1_048_577));
+    log.event(&EventRecord { at_ms: 0, event });
+    let failure = log.failure().unwrap();
+    assert!(
+        failure.starts_with("a.mcap: cannot be written: a message of /event has 10485"),
+        "{failure}"
+    );
+}
+
+#[test]
+fn ticks_that_change_nothing_are_not_counted_out() {
+    let log = file(logged(SonarModel::Ideal));
+    let mut mind = Retold::new(log.setup());
+    for done in [false, true] {
+        let event = Happening::Ticks {
+            count: u32::MAX,
+            done,
+        };
+        let mut ticks = 0;
+        mind.tell(&EventRecord { at_ms: 0, event }, |_| ticks += 1)
+            .unwrap();
+        assert_eq!(ticks, 1);
+    }
 }

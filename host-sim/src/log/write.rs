@@ -1,6 +1,7 @@
 //! Writing a log: channels, chunks, and what to do when the disk is full.
 
 use super::channel;
+use super::read::max_message_bytes;
 use super::record::{Answer, EventRecord, Setup};
 use super::scene;
 use crate::error::BadInput;
@@ -230,6 +231,11 @@ impl<W: Write + Seek> Log<W> {
             return Ok(());
         };
         let data = serde_json::to_vec(message).map_err(std::io::Error::from)?;
+        // What is written can be read.
+        if data.len() as u64 > max_message_bytes(topic) {
+            let sentence = format!("a message of {topic} has {} bytes", data.len());
+            return Err(std::io::Error::other(sentence).into());
+        }
         self.sequence = self.sequence.wrapping_add(1);
         let header = MessageHeader {
             channel_id,

@@ -120,7 +120,7 @@ impl Recorded {
         };
         let playing = &mut self.playing;
         while let Some((time_ns, item)) = self.tape.items.get(self.at) {
-            let late = *time_ns > began + (LONGEST_STEP_S * 1e9) as u64;
+            let late = *time_ns > began.saturating_add((LONGEST_STEP_S * 1e9) as u64);
             let last = match item {
                 Item::Event(_) | Item::Start(_) if late => break,
                 Item::Pose(_) => true,

@@ -52,8 +52,7 @@ impl Tape {
     /// When a message is not what its channel should hold, or nothing was decided.
     pub fn read(log: &LogFile) -> Result<Self, BadInput> {
         let mut items = Vec::new();
-        let mut messages = log.messages();
-        for message in messages.by_ref() {
+        for message in log.messages() {
             let refuse = |why| BadInput::file(log.path(), why);
             let mut put = |item| items.push((message.time_ns, item));
             match message.topic.as_str() {
@@ -74,7 +73,6 @@ impl Tape {
                 _ => {}
             }
         }
-        let ending = messages.ending();
         let mut marking = Marking::new();
         items
             .iter()
@@ -89,7 +87,7 @@ impl Tape {
             trail: marking.trail,
             decisions: marking.decisions,
             starts: marking.starts,
-            ending,
+            ending: log.ending(),
         })
     }
 }
