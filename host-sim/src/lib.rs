@@ -7,6 +7,7 @@ mod direction;
 pub mod episode;
 pub mod error;
 pub mod experiments;
+mod files;
 pub mod goal_file;
 mod hex;
 pub mod learn;
