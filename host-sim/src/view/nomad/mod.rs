@@ -13,7 +13,7 @@ use super::snapshot::{Part, Scene, Snapshot};
 use super::source::{Abilities, Refused, Source, Stepped};
 use super::trail::{Trail, mark};
 use crate::episode::Stride;
-use crate::log::{LoggedMind, SharedLog};
+use crate::log::{LogOutput, LoggedMind, SharedLog};
 use crate::nomad::Host;
 use crate::nomad::bridge::{About, At, PAUSE, Reins, Thought, Trouble};
 use crate::pilot::SimState;
@@ -22,7 +22,6 @@ use crate::world::{Point, Pose};
 use amp::config::Config;
 use amp::controller::Decision;
 use amp::scan::Situation;
-use std::fs::File;
 use std::sync::Arc;
 
 /// What is watched, and how it is to begin.
@@ -62,7 +61,7 @@ pub struct WatchedNomad {
     /// As it is now.
     config: Config<16>,
     reins: Reins,
-    log: Option<SharedLog<File>>,
+    log: Option<SharedLog<LogOutput>>,
     mind: MindSeen,
     doing: Doing,
     interrupted: Doing,
