@@ -12,6 +12,7 @@ pub mod goal_file;
 mod hex;
 pub mod learn;
 pub mod link;
+mod listen;
 pub mod log;
 pub mod noise;
 pub mod nomad;
