@@ -23,6 +23,7 @@ use amp::config::Config;
 use amp::controller::Decision;
 use amp::scan::Situation;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// What is watched, and how it is to begin.
 #[derive(Debug, Clone)]
@@ -362,6 +363,21 @@ impl Source for WatchedNomad {
 
     fn snapshot(&mut self) -> Snapshot {
         self.parts()
+    }
+
+    fn steering_lost(&mut self, silence: Duration) {
+        if self.failure.is_some() || !matches!(self.doing, Doing::Explore | Doing::Seek) {
+            return;
+        }
+        match self.stop() {
+            Ok(()) => {
+                let seconds = silence.as_secs_f64();
+                self.note = Some(format!(
+                    "It stopped: no page has steered it for {seconds} s"
+                ));
+            }
+            Err(trouble) => self.fail(&trouble),
+        }
     }
 
     fn end(&mut self) -> Result<(), String> {
