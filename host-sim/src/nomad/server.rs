@@ -92,7 +92,7 @@ impl Server {
                     stream.set_nonblocking(false)?;
                     probe_when_idle(&stream)?;
                     let mut host = Tcp::new(stream)?;
-                    // A host that reads no answers is let go.
+                    // A host that reads no answers is disconnected.
                     host.set_send_timeout(SILENCE)?;
                     self.line.renew();
                     self.line.greet();
@@ -135,7 +135,8 @@ impl Server {
     }
 }
 
-/// Has the kernel probe for a host that has vanished without a word; an idle host answers the probes and stays.
+/// Enables TCP keep-alive: a host that vanishes without closing its connection is found out. An idle host answers the
+/// probes and stays.
 fn probe_when_idle(stream: &TcpStream) -> io::Result<()> {
     let socket = SockRef::from(stream);
     let keepalive = TcpKeepalive::new()

@@ -53,7 +53,7 @@ async fn serve_connection(stream: TcpStream, router: Router) {
         .header_read_timeout(HEAD_TIMEOUT)
         .serve_connection(TokioIo::new(stream), TowerToHyperService::new(router))
         .with_upgrades();
-    // How a connection fails concerns its peer only.
+    // A connection that fails affects only its own peer.
     let _ = tokio::time::timeout(MAX_AGE, connection).await;
 }
 

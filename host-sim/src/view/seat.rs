@@ -37,7 +37,7 @@ pub struct Seat {
     /// Viewers that have shown the token.
     trusted: BTreeSet<ViewerId>,
     holder: Option<ViewerId>,
-    /// When the holder was heard last; `None` before the first one, and once the robot has stopped for want of one.
+    /// When the holder was heard last; `None` before the first one, and after [`becomes_unattended`](Self::becomes_unattended).
     attended: Option<Instant>,
     next: ViewerId,
 }
@@ -206,11 +206,11 @@ mod tests {
         let limit = Duration::from_secs(2);
         let mut enter = || seat.enter(9, Some(token.as_str())).unwrap();
         let (one, two) = (enter(), enter());
-        // Nobody has steered yet.
+        // Before the first page has steered, none is lost.
         assert!(!seat.becomes_unattended(at(9_000), limit));
         assert_eq!(seat.take(one, token.as_str(), false, at(10_000)), Ok(()));
         seat.heard(one, at(11_000));
-        // Whoever does not steer attends nothing.
+        // A viewer that does not steer does not count.
         seat.heard(two, at(12_500));
         assert!(!seat.becomes_unattended(at(12_999), limit));
         assert!(seat.becomes_unattended(at(13_000), limit));

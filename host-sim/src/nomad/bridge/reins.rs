@@ -257,7 +257,7 @@ impl Reins {
             if !matches!(result, Err(RobotError::Silent { .. })) {
                 break;
             }
-            // The robot's clock stands still for this program: what is recorded waits for it no longer.
+            // The robot's clock does not advance while it is silent, so the recorded events are written now.
             if let Some(log) = &self.log {
                 log.write(Log::flush);
             }

@@ -174,7 +174,7 @@ fn a_file_without_a_world_is_named() {
     std::fs::write(folder.path().join("scan.png"), "").unwrap();
     assert!(load("scan.png").contains("a world is a .toml world file or a .yaml map"));
     std::fs::create_dir(folder.path().join("folder.toml")).unwrap();
-    assert!(load("folder.toml").contains("cannot be read"));
+    assert!(load("folder.toml").contains("is a folder, not a file"));
 }
 
 #[test]
