@@ -22,7 +22,8 @@
 //! ```
 
 use crate::error::BadInput;
-use crate::world::{MAX_COORDINATE_M, Point, read_text};
+use crate::files::read_text;
+use crate::world::{MAX_COORDINATE_M, Point};
 use amp::fixed::Weight;
 use amp::goal::{Component, Goal};
 use amp::scan::Situation;

@@ -31,7 +31,25 @@ impl Viewed {
     #[must_use]
     pub fn start(program: &Program, flags: &str) -> Self {
         let line = format!("view --listen 127.0.0.1:0 {flags}");
-        let mut command = program.command(&words(&line));
+        Self::spawn(program.command(&words(&line)))
+    }
+
+    /// As [`start`](Self::start), in a process that may have at most `files` files and sockets open.
+    ///
+    /// # Panics
+    /// As [`start`](Self::start).
+    #[must_use]
+    pub fn start_with_files(program: &Program, files: u32, flags: &str) -> Self {
+        let line = format!("view --listen 127.0.0.1:0 {flags}");
+        let own = program.command(&words(&line));
+        let mut shell = Command::new("sh");
+        let limited = format!("ulimit -n {files} && exec \"$0\" \"$@\"");
+        shell.args(["-c", &limited]).arg(own.get_program());
+        shell.args(own.get_args()).current_dir(program.folder());
+        Self::spawn(shell)
+    }
+
+    fn spawn(mut command: Command) -> Self {
         let mut child = command.stdout(Stdio::piped()).spawn().expect("it starts");
         let mut lines = BufReader::new(child.stdout.take().expect("its output")).lines();
         let mut address = || {
@@ -98,7 +116,15 @@ impl Viewed {
     /// # Panics
     /// When there is no answer.
     pub fn knock(&self, headers: &[(&'static str, &str)]) -> Result<Viewer, u16> {
-        let mut request = format!("ws://{}/socket", self.host())
+        self.knock_at("/socket", headers)
+    }
+
+    /// As [`knock`](Self::knock), at another path.
+    ///
+    /// # Panics
+    /// When there is no answer.
+    pub fn knock_at(&self, path: &str, headers: &[(&'static str, &str)]) -> Result<Viewer, u16> {
+        let mut request = format!("ws://{}{path}", self.host())
             .into_client_request()
             .expect("an address");
         for (name, value) in headers {
@@ -123,13 +149,21 @@ impl Viewed {
         self.knock(&[]).expect("a viewer is let in")
     }
 
+    /// A page that was opened with the token, before it steers.
+    ///
+    /// # Errors
+    /// The status of the answer when it is refused.
+    pub fn owner(&self) -> Result<Viewer, u16> {
+        self.knock_at(&format!("/socket?token={}", self.token()), &[])
+    }
+
     /// Somebody who steers.
     ///
     /// # Panics
     /// When he is refused.
     #[must_use]
     pub fn steerer(&self) -> Viewer {
-        let mut viewer = self.viewer();
+        let mut viewer = self.owner().expect("an owner is let in");
         let order = json!({"do": "steer", "token": self.token()});
         viewer.order(order).expect("the seat");
         viewer

@@ -41,6 +41,10 @@ const WORLDS: &[(&str, &[u8])] = &[
     ("wish.toml", b"[[sonar]]\nnumbers = [0]\nnearer = 1\n"),
     ("map.yaml", b"image: gone.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.2\n"),
     ("world.txt", b"a wall"),
+    (
+        "outside.toml",
+        b"[start]\nposition_m = [9, 0]\n[[wall]]\npoints_m = [[-2, -2], [2, -2], [2, 2], [-2, 2], [-2, -2]]\n",
+    ),
 ];
 
 const TABLES: &[(&str, &[u8])] = &[
@@ -53,6 +57,8 @@ const TABLES: &[(&str, &[u8])] = &[
     ("binary.csv", b"\x89PNG\0\xff"),
     ("file", b"no folder"),
     ("log.csv", b"1,2,left\n3,4,right\n1,x,left\n"),
+    ("far_log.csv", b"1,2,left\n1e7,4,right\n1,1,left\n"),
+    ("fast_log.csv", b"1,2,0.5\n1,4,0.5\n1,1,-1000001\n"),
     ("short_log.csv", b"1,2,left\n3,4,right\n"),
     ("cells.csv", b"world,ix,iy\n3,0,0\n3,1,0\n"),
     ("key_sweep.toml", b"[grid]\n\nfarr = [1]\n"),
@@ -95,6 +101,10 @@ const CASES: &[Case] = &[
     ),
     ("run --world zero.toml", &["zero.toml, line 3", "positive"]),
     ("run --world inside.toml", &["inside.toml", "start inside"]),
+    (
+        "run --world outside.toml",
+        &["outside.toml, line 2", "position_m", "(9, 0)", "outside"],
+    ),
     (
         "run --world nothing.toml",
         &["nothing.toml", "at least one"],
@@ -203,6 +213,14 @@ const CASES: &[Case] = &[
     (
         "learn --log log.csv",
         &["log.csv, line 3, column 2", "\"x\" is not a number"],
+    ),
+    (
+        "learn --log far_log.csv",
+        &["far_log.csv, line 2, column 1", "\"1e7\"", "1000000"],
+    ),
+    (
+        "learn --log fast_log.csv --velocities 3",
+        &["fast_log.csv, line 3, column 3", "\"-1000001\"", "1000000"],
     ),
     ("learn --log short_log.csv", &["short_log.csv", "--stride"]),
     (

@@ -6,10 +6,11 @@ use super::{Failure, table};
 use crate::barn::{self, CHALLENGE_M_S, End, Method, Rules, Run, Tuning, length, score, shortest};
 use crate::error::BadInput;
 use crate::experiments::statistics::bootstrap;
+use crate::files::{MAX_INPUT_BYTES, read_text};
 use crate::pilot::MOST_MOVES;
 use crate::plot::{self, RoutePanel, demo::save};
 use crate::settings;
-use crate::som::table::{Records, Table, read_text};
+use crate::som::table::{Records, Table};
 use crate::world::barn::{range, sources};
 use crate::world::{Point, World};
 use clap::Args;
@@ -203,7 +204,7 @@ fn drive(
 /// Reads lengths of the ways by world.
 fn lengths(path: &Path) -> Result<BTreeMap<u32, f64>, BadInput> {
     let source = path.display().to_string();
-    let text = read_text(path)?;
+    let text = read_text(path, MAX_INPUT_BYTES)?;
     let records = Records::parse(&source, &text, None)?;
     let column = |name: &str| {
         let place = records.heading.iter().position(|head| *head == name);

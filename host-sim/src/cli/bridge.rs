@@ -20,12 +20,17 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 /// Speed of the robot's serial port unless another is asked for, baud.
 const BAUD: u32 = 38_400;
 
 /// Sonars in one answer over a serial line: with the position of each reading, 16 would take it a sixth of a second.
 const SERIAL_SONARS: u32 = 4;
+
+/// Longest time of a real robot in one chunk of its log. With the second that a silent robot is waited for, a crash takes at
+/// most 2 s.
+const CHUNK_DURATION: Duration = Duration::from_secs(1);
 
 const EXAMPLES: &str = "\
 Examples:
@@ -177,7 +182,10 @@ pub(super) fn mind(
             replaced.join(", another ")
         );
     }
-    let log = log.map(Log::create).transpose()?;
+    let mut log = log.map(Log::create).transpose()?;
+    if let Some(log) = &mut log {
+        log.set_chunk_duration(CHUNK_DURATION);
+    }
     let mut mind = LoggedMind::new(mind, log.map(SharedLog::new));
     let setup = log::Setup {
         format: log::FORMAT,

@@ -4,8 +4,8 @@ use super::Failure;
 use super::run::{Preset, SonarChoice};
 use crate::episode::perceive;
 use crate::error::BadInput;
+use crate::files;
 use crate::goal_file;
-use crate::plot::demo::save;
 use crate::robot::COLLISION_RADIUS_M;
 use crate::settings;
 use crate::world::{MAX_COORDINATE_M, Point, Pose, World, parse_worlds};
@@ -133,15 +133,8 @@ fn pose(world: &World, at: Option<At>) -> Result<Pose, BadInput> {
 }
 
 fn write(path: &Path, text: &str) -> Result<(), BadInput> {
-    let Some(name) = path.file_name().and_then(|name| name.to_str()) else {
-        return Err(BadInput::file(path, "is not the name of a file"));
-    };
-    save(
-        path.parent().unwrap_or(Path::new("")),
-        name,
-        text.as_bytes(),
-    )?;
-    Ok(())
+    let written = files::write(path, text.as_bytes());
+    written.map_err(|error| BadInput::file(path, format!("cannot be written: {error}")))
 }
 
 #[cfg(test)]

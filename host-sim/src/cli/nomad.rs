@@ -3,11 +3,12 @@
 use super::Failure;
 use super::run::SonarChoice;
 use crate::error::BadInput;
+use crate::listen::check_reach;
 use crate::nomad::{Line, Protocol, Server, Simulated};
 use crate::world::{World, parse_worlds};
 use clap::{Args, Subcommand, ValueEnum};
 use std::io::Write;
-use std::net::TcpListener;
+use std::net::{TcpListener, ToSocketAddrs as _};
 
 /// Where the robot's own server listens.
 const DIRECT: &str = "127.0.0.1:65001";
@@ -45,6 +46,9 @@ struct ServeArgs {
     /// Address to listen at; port 0 takes any free one [default: 127.0.0.1:65001; 127.0.0.1:7019 as nserver]
     #[arg(long, value_name = "HOST:PORT")]
     listen: Option<String>,
+    /// Let others reach it: needed for any address but this machine's own
+    #[arg(long)]
+    allow_remote: bool,
     /// Be at a serial port (a pseudo terminal) instead
     #[arg(long, conflicts_with_all = ["listen", "protocol"])]
     pty: bool,
@@ -118,7 +122,10 @@ fn serve_tcp(robot: Simulated, args: &ServeArgs, out: &mut impl Write) -> Result
     };
     let address = args.listen.as_deref().unwrap_or(usual);
     let refuse = |error: std::io::Error| BadInput::new(format!("--listen {address}: {error}"));
-    let listener = TcpListener::bind(address).map_err(refuse)?;
+    let addresses: Vec<_> = address.to_socket_addrs().map_err(refuse)?.collect();
+    let risk = "whoever connects drives";
+    check_reach(address, &addresses, args.allow_remote, risk)?;
+    let listener = TcpListener::bind(&addresses[..]).map_err(refuse)?;
     let place = listener.local_addr().map_err(refuse)?;
     let protocol = match args.protocol {
         Spoken::Direct => Protocol::Direct,

@@ -10,13 +10,15 @@ use crate::link::Address;
 use crate::log;
 use crate::view::pace::SPEEDS;
 use crate::view::{
-    Board, Door, NomadStart, PresetChoice, Recorded, Simulator, Source, Start, WatchedNomad, serve,
+    Board, Door, NomadStart, PresetChoice, Recorded, ServeOptions, Simulator, Source, Start,
+    WatchedNomad, serve,
 };
 use amp::wire::message::Clock;
 use clap::{Args, ValueEnum as _};
 use std::io::Write;
 use std::net::SocketAddr;
 use std::path::PathBuf;
+use std::time::Duration;
 
 const EXAMPLES: &str = "\
 Opens no browser by itself: open the printed address. It ends with Ctrl-C.
@@ -63,6 +65,9 @@ pub struct ViewArgs {
     /// Let others reach it: needed for any address but this machine's own
     #[arg(long)]
     allow_remote: bool,
+    /// A real robot or board stops when no page has steered for so long: 1 to 3600 seconds, or off
+    #[arg(long, value_name = "SECONDS", default_value = "2", value_parser = steering_timeout)]
+    steering_timeout: SteeringTimeout,
     /// Write everything the mind is told and answers into a new FILE in the MCAP format, for `replay`, `view`, `log`
     /// and other tools
     #[arg(long, value_name = "FILE")]
@@ -83,6 +88,21 @@ fn speed(text: &str) -> Result<Speed, String> {
     }
 }
 
+/// Longest time without a steering page; `None` = any.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct SteeringTimeout(Option<Duration>);
+
+fn steering_timeout(text: &str) -> Result<SteeringTimeout, String> {
+    if text == "off" {
+        return Ok(SteeringTimeout(None));
+    }
+    let seconds = text.parse().ok();
+    match seconds.filter(|seconds| (1.0..=3_600.0).contains(seconds)) {
+        Some(seconds) => Ok(SteeringTimeout(Some(Duration::from_secs_f64(seconds)))),
+        None => Err("it must be 1 to 3600 seconds, or off".to_owned()),
+    }
+}
+
 /// Serves the view until the process ends.
 ///
 /// # Errors
@@ -94,7 +114,11 @@ pub fn view(args: &ViewArgs, out: &mut impl Write) -> Result<(), Failure> {
     let [watch, steer] = door.addresses();
     writeln!(out, "watch and steer: {steer}\nonly watch:      {watch}")?;
     out.flush()?;
-    Ok(serve(door, source, args.speed.0, ended)?)
+    let options = ServeOptions {
+        speed: args.speed.0,
+        steering_timeout: args.steering_timeout.0,
+    };
+    Ok(serve(door, source, options, ended)?)
 }
 
 fn source(args: &ViewArgs) -> Result<Box<dyn Source>, BadInput> {

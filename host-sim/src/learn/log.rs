@@ -1,11 +1,14 @@
 //! Logged runs from text files: ranges and what the robot did, row by row.
 
 use crate::error::{BadInput, suggestion};
-use crate::som::table::{MAX_COLUMNS, Record, Records, Table, number, read_text};
+use crate::files::{MAX_INPUT_BYTES, read_text};
+use crate::som::table::{MAX_COLUMNS, Record, Records, Table, number};
 use std::path::Path;
 
 /// Rows a log may have.
 pub const MAX_ROWS: usize = 65_535;
+/// Largest size of a finite range or velocity, in the log's unit: beyond it, squared differences lose their last digits.
+pub const MAX_VALUE: f64 = 1e6;
 /// Different labels a log may have.
 pub const MAX_LABELS: usize = 64;
 
@@ -62,7 +65,8 @@ impl Log {
     /// A sentence naming the file, and line and column where it is about them: a file that cannot be read or is not text,
     /// unknown columns, fields that are no ranges or velocities, no label, too many rows or labels.
     pub fn load(path: &Path, columns: &Columns) -> Result<Self, BadInput> {
-        Self::parse(&path.display().to_string(), &read_text(path)?, columns)
+        let text = read_text(path, MAX_INPUT_BYTES)?;
+        Self::parse(&path.display().to_string(), &text, columns)
     }
 
     /// Reads the log in a text; `source` names it in messages.
@@ -104,6 +108,8 @@ impl Log {
 
 fn range(field: &str) -> Result<f64, String> {
     match number(field) {
+        // An infinite range: nothing was heard.
+        Some(value) if value > MAX_VALUE && value.is_finite() => Err(too_large(field)),
         Some(value) if value >= 0.0 => Ok(value),
         Some(_) => Err(format!("\"{field}\" is no range: it must not be negative")),
         None => Err(no_number(field)),
@@ -112,10 +118,15 @@ fn range(field: &str) -> Result<f64, String> {
 
 fn velocity(field: &str) -> Result<f64, String> {
     match number(field) {
-        Some(value) if value.is_finite() => Ok(value),
+        Some(value) if value.abs() <= MAX_VALUE => Ok(value),
+        Some(value) if value.is_finite() => Err(too_large(field)),
         Some(_) => Err(format!("\"{field}\" is not a finite number")),
         None => Err(no_number(field)),
     }
+}
+
+fn too_large(field: &str) -> String {
+    format!("\"{field}\" lies beyond ±{MAX_VALUE}")
 }
 
 fn no_number(field: &str) -> String {

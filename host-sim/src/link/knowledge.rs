@@ -2,8 +2,8 @@
 
 use super::{Fingerprint, LinkError, Session, next_number};
 use crate::error::BadInput;
+use crate::files;
 use crate::pilot::SimState;
-use crate::plot::demo::save;
 use amp::config::Config;
 use amp::controller::Part as StatePart;
 use amp::goal::{Goal, KeptGoal, KeptGoals, Name};
@@ -21,6 +21,9 @@ const PARTS: [(Part, StatePart); 4] = [
     (Part::Actions, StatePart::Actions),
     (Part::Memory, StatePart::Memory),
 ];
+
+/// Largest file, bytes: an image takes at most 117 KiB of a flash.
+const MAX_FILE_BYTES: u64 = 1 << 20;
 
 /// Generation of an image in a file, where there is one only.
 const GENERATION: u32 = 1;
@@ -234,14 +237,8 @@ impl Knowledge {
     /// # Errors
     /// When it cannot be written.
     pub fn save(&self, path: &Path) -> Result<(), BadInput> {
-        let name = path.file_name().and_then(|name| name.to_str());
-        let name = name.ok_or_else(|| BadInput::file(path, "is no name of a file"))?;
-        let folder = match path.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder,
-            _ => Path::new("."),
-        };
-        save(folder, name, &self.to_bytes())?;
-        Ok(())
+        let written = files::write(path, &self.to_bytes());
+        written.map_err(|error| BadInput::file(path, format!("cannot be written: {error}")))
     }
 
     /// Reads a file.
@@ -249,7 +246,7 @@ impl Knowledge {
     /// # Errors
     /// When it cannot be read or holds no mind.
     pub fn load(path: &Path) -> Result<Self, BadInput> {
-        let file = std::fs::read(path).map_err(|error| BadInput::file(path, error))?;
+        let file = files::read(path, MAX_FILE_BYTES)?;
         Self::from_bytes(&file).map_err(|why| BadInput::file(path, why))
     }
 }

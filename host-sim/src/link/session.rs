@@ -13,6 +13,9 @@ pub(super) const ORDER_TTL_MS: u16 = 1_000;
 /// The longest pause of a mind that is waited for, however long it says.
 const MOST_PAUSE: Duration = Duration::from_secs(30);
 
+/// All pauses of a mind during one attempt together.
+const MAX_PAUSES: Duration = Duration::from_secs(120);
+
 /// How long an answer is waited for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Patience {
@@ -207,6 +210,7 @@ impl Session {
         mut until: Instant,
         reports: &mut Vec<(u16, Report<16>)>,
     ) -> Result<bool, LinkError> {
+        let latest = until + MAX_PAUSES;
         while let Some((number, report)) = self.next_numbered(until)? {
             match report.said {
                 FromMind::Done { seq: done } if done == seq => return Ok(true),
@@ -216,6 +220,7 @@ impl Session {
                 FromMind::Busy { ms } => {
                     let pause = Duration::from_millis(ms.into());
                     until = Instant::now() + pause.min(MOST_PAUSE) + self.patience.attempt;
+                    until = until.min(latest);
                 }
                 _ => reports.push((number, report)),
             }
@@ -322,10 +327,16 @@ impl Session {
         until: Instant,
     ) -> Result<Option<(Header, Report<16>)>, LinkError> {
         let mut buffer = [0; 1_024];
+        let mut received_any = false;
         loop {
             if let Some(heard) = self.heard.pop_front() {
                 return Ok(Some(heard));
             }
+            // The deadline holds for a peer that never pauses, too. What has arrived already is read first.
+            if received_any && Instant::now() >= until {
+                return Ok(None);
+            }
+            received_any = true;
             let patience = until.saturating_duration_since(Instant::now());
             let received = self.transport.receive(&mut buffer, patience);
             let count = received.map_err(|error| self.broken(&error))?;

@@ -8,6 +8,9 @@ use std::time::Duration;
 /// How long opening a socket may take.
 const OPENING: Duration = Duration::from_secs(5);
 
+/// A peer that takes no byte for so long is given up.
+const MAX_SEND: Duration = Duration::from_secs(10);
+
 /// Carries bytes, in order; what is lost or damaged on the way is the frames' affair.
 pub trait Transport: Send {
     /// Sends all bytes.
@@ -75,16 +78,31 @@ impl Tcp {
     pub fn new(stream: TcpStream) -> io::Result<Self> {
         // A small frame must not wait for the acknowledgement of the one before: 40 ms.
         stream.set_nodelay(true)?;
+        stream.set_write_timeout(Some(MAX_SEND))?;
         Ok(Self {
             stream,
             patience: Duration::ZERO,
         })
     }
+
+    /// Gives the peer up when it takes no byte for this time, instead of 10 s.
+    ///
+    /// # Errors
+    /// When the system refuses.
+    pub fn set_send_timeout(&mut self, timeout: Duration) -> io::Result<()> {
+        self.stream.set_write_timeout(Some(timeout))
+    }
 }
 
 impl Transport for Tcp {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.stream.write_all(bytes)
+        let sent = self.stream.write_all(bytes);
+        sent.map_err(|error| match error.kind() {
+            ErrorKind::WouldBlock | ErrorKind::TimedOut => {
+                io::Error::new(ErrorKind::TimedOut, "the other end takes no bytes")
+            }
+            _ => error,
+        })
     }
 
     fn receive(&mut self, buffer: &mut [u8], patience: Duration) -> io::Result<usize> {

@@ -2,15 +2,15 @@
 
 use super::record::{Happening, Setup};
 use super::tap::Tap;
+use super::write::LogOutput;
 use crate::hex::hex;
 use crate::link::{AnyMind, Knowledge, LinkError};
 use crate::world::World;
 use amp::config::Config;
 use amp::units::Millis;
-use std::fs::File;
 
 /// Such a mind.
-pub type LoggedMind = Tap<AnyMind, File>;
+pub type LoggedMind = Tap<AnyMind, LogOutput>;
 
 impl LoggedMind {
     /// Tells it other open choices.

@@ -46,7 +46,7 @@ pub use scene::{SceneChange, pose_of, scene_changes};
 pub use shared::SharedLog;
 pub use summary::Summary;
 pub use tap::{Tap, Watcher};
-pub use write::{CHUNK_BYTES, Log};
+pub use write::{CHUNK_BYTES, Log, LogOutput};
 
 #[cfg(test)]
 pub(crate) mod tests;

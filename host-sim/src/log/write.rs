@@ -5,15 +5,18 @@ use super::read::max_message_bytes;
 use super::record::{Answer, EventRecord, Setup};
 use super::scene;
 use crate::error::BadInput;
+use crate::files;
 use crate::world::{Point, Pose, World};
 use amp::units::Millis;
 use mcap::records::MessageHeader;
+use mcap::write::NoSeek;
 use mcap::{Compression, McapError, WriteOptions, Writer};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{Seek, Write};
 use std::path::Path;
+use std::time::Duration;
 
 /// Uncompressed bytes per chunk: an interrupted log lacks less than this, a minute or so of the robot's life.
 pub const CHUNK_BYTES: u64 = 128 * 1_024;
@@ -67,22 +70,28 @@ pub struct Log<W: Write + Seek> {
     began: u64,
     latest: u64,
     starts: u32,
+    /// Longest time of the log in one chunk, and when the present chunk began, nanoseconds.
+    chunk_ns: u64,
+    chunk_began: Option<u64>,
 }
 
-impl Log<File> {
+/// Where the log of a command goes: a file, a device or a FIFO, none of which is sought in.
+pub type LogOutput = NoSeek<File>;
+
+impl Log<LogOutput> {
     /// Begins a log in a new file.
     ///
     /// # Errors
     /// When there is a file of this name already, or it cannot be written.
     pub fn create(path: &Path) -> Result<Self, BadInput> {
-        let file = File::create_new(path).map_err(|error| match error.kind() {
+        let file = files::create_new(path).map_err(|error| match error.kind() {
             std::io::ErrorKind::AlreadyExists => BadInput::file(
                 path,
                 "is there already: a log is not overwritten, give another name",
             ),
             _ => BadInput::file(path, format!("cannot be written: {error}")),
         })?;
-        Self::begin(file, &path.display().to_string()).map_err(BadInput::new)
+        Self::begin(NoSeek::new(file), &path.display().to_string()).map_err(BadInput::new)
     }
 }
 
@@ -118,7 +127,36 @@ impl<W: Write + Seek> Log<W> {
             began: 0,
             latest: 0,
             starts: 0,
+            chunk_ns: u64::MAX,
+            chunk_began: None,
         })
+    }
+
+    /// From now on writes a chunk at least this often, by the log's time: an interruption loses no more.
+    pub fn set_chunk_duration(&mut self, duration: Duration) {
+        self.chunk_ns = duration.as_nanos().try_into().unwrap_or(u64::MAX);
+    }
+
+    /// The mind's clock has come to `at`, though nothing may have happened.
+    pub fn pass_time(&mut self, at: Millis) {
+        self.write_old_chunk(self.time(at.as_ms()));
+    }
+
+    /// Writes what has been recorded so far.
+    pub fn flush(&mut self) {
+        if self.failure.is_some() || self.finished || self.chunk_began.take().is_none() {
+            return;
+        }
+        if let Err(error) = self.writer.flush() {
+            self.failure = Some(said(&self.name, &error));
+        }
+    }
+
+    fn write_old_chunk(&mut self, now: u64) {
+        let age = self.chunk_began.map(|began| now.saturating_sub(began));
+        if age.is_some_and(|age| age >= self.chunk_ns) {
+            self.flush();
+        }
     }
 
     /// A mind that knows nothing starts, under these conditions, in this world if it is known. The mind's clock begins
@@ -215,9 +253,11 @@ impl<W: Write + Seek> Log<W> {
             return;
         }
         self.latest = self.latest.max(time);
+        self.chunk_began.get_or_insert(time);
         if let Err(error) = self.try_put(topic, time, message) {
             self.failure = Some(said(&self.name, &error));
         }
+        self.write_old_chunk(time);
     }
 
     fn try_put(
@@ -252,5 +292,46 @@ fn said(name: &str, error: &McapError) -> String {
     match error {
         McapError::Io(error) => format!("{name}: cannot be written: {error}"),
         _ => format!("{name}: cannot be written: {error}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Messages in the whole chunks of a file.
+    fn written(path: &Path) -> usize {
+        let bytes = std::fs::read(path).unwrap();
+        let options = mcap::read::Options::IgnoreEndMagic.into();
+        let messages = mcap::MessageStream::new_with_options(&bytes, options).unwrap();
+        messages.map_while(Result::ok).count()
+    }
+
+    #[test]
+    fn a_chunk_is_written_when_it_is_old_and_on_request() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("log.mcap");
+        let mut log = Log::create(&path).unwrap();
+        log.set_chunk_duration(Duration::from_secs(1));
+        let at = Millis::from_ms;
+        let mut heard = |at_ms| log.sonar(at(at_ms), &[None; 16]);
+        heard(0);
+        heard(999);
+        assert_eq!(written(&path), 0);
+        heard(1_000);
+        assert_eq!(written(&path), 3);
+        heard(1_200);
+        // Time passes though nothing happens.
+        log.pass_time(at(2_199));
+        assert_eq!(written(&path), 3);
+        log.pass_time(at(2_200));
+        assert_eq!(written(&path), 4);
+        log.sonar(at(2_300), &[None; 16]);
+        log.flush();
+        log.flush();
+        assert_eq!(written(&path), 5);
+        assert_eq!(log.failure(), None);
+        log.finish().unwrap();
+        assert_eq!(written(&path), 5);
     }
 }

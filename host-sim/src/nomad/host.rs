@@ -170,10 +170,16 @@ impl Host {
     /// A broken line.
     pub fn next(&mut self, until: Instant) -> Result<Option<Packet>, RobotError> {
         let mut buffer = [0; 1_024];
+        let mut received_any = false;
         loop {
             if let Some(packet) = self.found.pop_front() {
                 return Ok(Some(packet));
             }
+            // The deadline holds for a robot that never pauses, too. What has arrived already is read first.
+            if received_any && Instant::now() >= until {
+                return Ok(None);
+            }
+            received_any = true;
             let count = match receive(&mut *self.line, &mut buffer, until) {
                 Ok(count) => count,
                 Err(RobotError::Silent { .. }) => return Ok(None),

@@ -2,8 +2,9 @@
 
 use super::Line;
 use crate::link::{Tcp, Transport};
+use socket2::{SockRef, TcpKeepalive};
 use std::io;
-use std::net::TcpListener;
+use std::net::{TcpListener, TcpStream};
 use std::time::{Duration, Instant};
 
 /// Longest wait for a byte: the robot's time goes on in between.
@@ -11,6 +12,14 @@ const GLANCE: Duration = Duration::from_millis(2);
 
 /// After so long a silence an unfinished packet is given up: half of what the client library waits for an answer.
 const SILENCE: Duration = Duration::from_millis(500);
+
+/// Idle time before the first keep-alive probe, and between the next ones.
+const PROBE_AFTER: Duration = Duration::from_secs(10);
+const PROBE_EVERY: Duration = Duration::from_secs(5);
+
+/// A host that acknowledges neither an answer nor a probe for so long is gone.
+#[cfg(target_os = "linux")]
+const MAX_UNACKNOWLEDGED: Duration = Duration::from_secs(20);
 
 /// A robot that has fallen behind the clock by more than this catches up no more, s.
 const MOST_LAG_S: u128 = 1;
@@ -81,9 +90,10 @@ impl Server {
             match listener.accept() {
                 Ok((stream, _)) => {
                     stream.set_nonblocking(false)?;
-                    // Whoever reads no answers is let go.
-                    stream.set_write_timeout(Some(SILENCE))?;
+                    probe_when_idle(&stream)?;
                     let mut host = Tcp::new(stream)?;
+                    // A host that reads no answers is disconnected.
+                    host.set_send_timeout(SILENCE)?;
                     self.line.renew();
                     self.line.greet();
                     return host.send(&self.line.take()).map(|()| host);
@@ -123,6 +133,19 @@ impl Server {
         let due_ms = self.pace.due_ms(Instant::now());
         self.line.advance(due_ms);
     }
+}
+
+/// Enables TCP keep-alive: a host that vanishes without closing its connection is found out. An idle host answers the
+/// probes and stays.
+fn probe_when_idle(stream: &TcpStream) -> io::Result<()> {
+    let socket = SockRef::from(stream);
+    let keepalive = TcpKeepalive::new()
+        .with_time(PROBE_AFTER)
+        .with_interval(PROBE_EVERY);
+    // Probes are not sent while an answer is not acknowledged: this bounds that, and the probes as well.
+    #[cfg(target_os = "linux")]
+    socket.set_tcp_user_timeout(Some(MAX_UNACKNOWLEDGED))?;
+    socket.set_tcp_keepalive(&keepalive)
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::files;
 use crate::recording::Recording;
 
 use super::page::{Figure, index_html};
@@ -91,15 +92,9 @@ pub fn write(
 /// When the file or its temporary neighbour cannot be written; an older file of that name stays as it was.
 pub fn save(dir: &Path, name: &str, content: &[u8]) -> Result<PathBuf, WriteError> {
     let path = dir.join(name);
-    let temporary = dir.join(format!(".{name}.{}.tmp", std::process::id()));
-    let outcome = fs::write(&temporary, content).and_then(|()| fs::rename(&temporary, &path));
-    match outcome {
+    match files::write(&path, content) {
         Ok(()) => Ok(path),
-        Err(reason) => {
-            // Nothing better can be done about a leftover than to report the first error.
-            let _ = fs::remove_file(&temporary);
-            Err(WriteError { path, reason })
-        }
+        Err(reason) => Err(WriteError { path, reason }),
     }
 }
 

@@ -4,6 +4,7 @@ use super::map::{DynSom, Measures};
 use super::scale::Scale;
 use super::table::Table;
 use crate::error::BadInput;
+use crate::files;
 use crate::plot;
 use crate::recording::MapRecord;
 use serde::Serialize;
@@ -118,16 +119,11 @@ pub fn pictures(map: &MapRecord, data: &Table) -> Vec<(&'static str, String)> {
 ///
 /// # Errors
 /// A sentence naming the folder or file that cannot be written.
-pub fn write_files(folder: &Path, files: &[(&str, String)]) -> Result<(), BadInput> {
+pub fn write_files(folder: &Path, contents: &[(&str, String)]) -> Result<(), BadInput> {
     std::fs::create_dir_all(folder).map_err(|error| BadInput::file(folder, error))?;
-    for (name, content) in files {
-        let (path, part) = (folder.join(name), folder.join(format!(".{name}.part")));
-        let written = std::fs::write(&part, content).and_then(|()| std::fs::rename(&part, &path));
-        written.map_err(|error| {
-            // Best effort: the reader needs the first error, not a second one.
-            let _ = std::fs::remove_file(&part);
-            BadInput::file(&path, error)
-        })?;
+    for (name, content) in contents {
+        let path = folder.join(name);
+        files::write(&path, content.as_bytes()).map_err(|error| BadInput::file(&path, error))?;
     }
     Ok(())
 }

@@ -5,6 +5,7 @@
 //! fields is a number; the last column holds labels, and is left out, when none of its fields is a number.
 
 use crate::error::BadInput;
+use crate::files::{MAX_INPUT_BYTES, read_text};
 use std::fmt::Display;
 use std::path::Path;
 
@@ -31,7 +32,8 @@ impl Table {
     /// A sentence naming the file, and line and column where it is about them: a file that cannot be read or is not
     /// text, no samples, rows of different lengths, text or something infinite where a number should be.
     pub fn load(path: &Path) -> Result<Self, BadInput> {
-        Self::parse(&path.display().to_string(), &read_text(path)?)
+        let text = read_text(path, MAX_INPUT_BYTES)?;
+        Self::parse(&path.display().to_string(), &text)
     }
 
     /// Reads the table in a text; `source` names it in messages.
@@ -121,18 +123,6 @@ impl<'a> Records<'a> {
         }
         same_length(source, &heading, &rows)?;
         Ok(Self { heading, rows })
-    }
-}
-
-/// The text in a file.
-///
-/// # Errors
-/// A sentence naming a file that cannot be read or is not text.
-pub fn read_text(path: &Path) -> Result<String, BadInput> {
-    let bytes = std::fs::read(path).map_err(|error| BadInput::file(path, error))?;
-    match String::from_utf8(bytes) {
-        Ok(text) if !text.contains('\0') => Ok(text),
-        _ => Err(BadInput::file(path, "it is not a text file")),
     }
 }
 
@@ -247,9 +237,9 @@ mod tests {
         let say = || Table::load(&path).unwrap_err().to_string();
         assert!(say().starts_with(&path.display().to_string()));
         std::fs::write(&path, [0x89, 0x50, 0xff, 0x00]).unwrap();
-        assert!(say().ends_with("it is not a text file"));
+        assert!(say().ends_with("is not a text file"));
         std::fs::write(&path, "1,2\n\0,3\n").unwrap();
-        assert!(say().ends_with("it is not a text file"));
+        assert!(say().ends_with("is not a text file"));
         std::fs::write(&path, "1,2\n").unwrap();
         assert_eq!(Table::load(&path).unwrap().rows, [[1.0, 2.0]]);
     }

@@ -1,7 +1,8 @@
 //! The results of shards as those of the whole sweep.
 
-use super::results::{Header, number_of, read_row, unreadable};
+use super::results::{Header, number_of, read_row};
 use crate::error::BadInput;
+use crate::files::{open_regular, unreadable};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::fs::File;
@@ -145,7 +146,7 @@ impl Merged {
 
 impl Part {
     fn open(path: &Path) -> Result<(Header, Self), BadInput> {
-        let file = File::open(path).map_err(|error| unreadable(path, &error))?;
+        let file = open_regular(path)?;
         if let Err(std::fs::TryLockError::WouldBlock) = file.try_lock_shared() {
             let what = "a sweep is still adding results to it";
             return Err(BadInput::file(path, what));

@@ -7,6 +7,7 @@ use super::merge::Merged;
 use super::results::Header;
 use super::table::{Kind, Table, fields};
 use crate::error::BadInput;
+use crate::files;
 use parquet::basic::{LogicalType, Repetition, Type as Physical};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
@@ -30,27 +31,21 @@ const HEAD: &str = "host-sim.head";
 /// # Errors
 /// When it cannot be written, or a file of results cannot be read any more.
 pub fn write_parquet(merged: &mut Merged, path: &Path) -> Result<(), BadInput> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let temporary = path.with_file_name(format!(".{name}.{}.tmp", std::process::id()));
     let refused =
         |error: &dyn std::fmt::Display| BadInput::file(path, format!("cannot be written: {error}"));
     if let Some(folder) = path.parent() {
         fs::create_dir_all(folder).map_err(|error| refused(&error))?;
     }
-    let done = File::create(&temporary)
-        .map_err(|error| refused(&error))
-        .and_then(|file| fill(merged, file, &refused))
-        .and_then(|()| fs::rename(&temporary, path).map_err(|error| refused(&error)));
-    if done.is_err() {
-        // Nothing better can be done about a leftover than to report the first error.
-        let _ = fs::remove_file(&temporary);
-    }
-    done
+    files::write_with(
+        path,
+        |error| refused(&error),
+        |file| fill(merged, file, &refused),
+    )
 }
 
 fn fill(
     merged: &mut Merged,
-    file: File,
+    file: &File,
     refused: &dyn Fn(&dyn std::fmt::Display) -> BadInput,
 ) -> Result<(), BadInput> {
     let header = merged.header().clone();
@@ -88,8 +83,8 @@ fn fill(
     if held > 0 {
         flush(&mut writer, &mut columns).map_err(|error| refused(&error))?;
     }
-    let file = writer.into_inner().map_err(|error| refused(&error))?;
-    file.sync_all().map_err(|error| refused(&error))
+    writer.close().map_err(|error| refused(&error))?;
+    Ok(())
 }
 
 /// The values of one column that are not yet written.
@@ -235,7 +230,7 @@ fn schema(header: &Header, columns: &[Values]) -> Result<TypePtr, ParquetError> 
 }
 
 fn flush(
-    writer: &mut SerializedFileWriter<File>,
+    writer: &mut SerializedFileWriter<&File>,
     columns: &mut [Values],
 ) -> Result<(), ParquetError> {
     let mut group = writer.next_row_group()?;
@@ -255,7 +250,7 @@ fn flush(
 /// When the file cannot be read or does not come from [`write_parquet`].
 pub(super) fn load_parquet(path: &Path) -> Result<Table, BadInput> {
     let unreadable = |error: ParquetError| BadInput::file(path, format!("cannot be read: {error}"));
-    let file = File::open(path).map_err(|error| super::results::unreadable(path, &error))?;
+    let file = files::open_regular(path)?;
     let reader = SerializedFileReader::new(file).map_err(unreadable)?;
     let kept = reader.metadata().file_metadata().key_value_metadata();
     let head = kept.and_then(|pairs| pairs.iter().find(|pair| pair.key == HEAD)?.value.as_deref());

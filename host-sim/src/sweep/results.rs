@@ -7,6 +7,7 @@
 use super::Shard;
 use crate::episode::Report;
 use crate::error::BadInput;
+use crate::files::unreadable;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, BufRead, BufReader, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
@@ -99,14 +100,6 @@ impl Header {
             episodes: episodes.ok_or_else(stranger)?,
             text,
         })
-    }
-}
-
-/// An error of reading `path`.
-pub fn unreadable(path: &Path, error: &io::Error) -> BadInput {
-    match error.kind() {
-        io::ErrorKind::NotFound => BadInput::file(path, "there is no such file"),
-        _ => BadInput::file(path, format!("cannot be read: {error}")),
     }
 }
 

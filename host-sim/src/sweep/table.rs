@@ -1,10 +1,10 @@
 //! The results of a sweep, or of a part of it, as columns.
 
 use super::CHOICE_PREFIX;
-use super::results::{Header, read_row, unreadable};
+use super::results::{Header, read_row};
 use crate::error::BadInput;
+use crate::files::{open_regular, unreadable};
 use std::collections::HashMap;
-use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
@@ -71,7 +71,7 @@ impl Table {
         if is_parquet {
             return load_parquet(path);
         }
-        let file = File::open(path).map_err(|error| unreadable(path, &error))?;
+        let file = open_regular(path)?;
         let mut input = BufReader::new(file);
         let mut table = Self::new(Header::read(path, &mut input)?);
         let mut row = Vec::new();

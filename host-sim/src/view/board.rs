@@ -372,6 +372,16 @@ impl Source for Board {
         }
     }
 
+    fn steering_lost(&mut self, _silence: Duration) {
+        let drives = matches!(self.mode, ModeReport::Explore { .. } | ModeReport::Seek);
+        if self.failure.is_some() || !drives {
+            return;
+        }
+        if let Err(error) = self.order(message::Order::Stop) {
+            self.failure = Some(format!("{}: {error}", self.name));
+        }
+    }
+
     /// The robot stands.
     fn end(&mut self) -> Result<(), String> {
         if self.failure.is_some() || !self.moves() {

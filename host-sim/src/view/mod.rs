@@ -44,10 +44,13 @@
 //!
 //! A request must name this machine in its `Host` header and come from this very page ([`guard`]). To steer, a viewer
 //! shows the token of the printed address and takes the one seat ([`seat`]); whoever has shown the token may stop the
-//! robot at any time.
+//! robot at any time. A socket opened at `/socket?token=TOKEN` has shown it already, and takes no watcher's place.
+//!
+//! The server pings the viewer that steers. A real robot stops when that viewer has been silent for the steering time-out.
 
 mod board;
 mod choices;
+mod connections;
 mod goal;
 pub mod guard;
 mod heard;
@@ -70,7 +73,7 @@ pub use board::Board;
 pub use guard::Token;
 pub use nomad::{NomadStart, WatchedNomad};
 pub use recorded::Recorded;
-pub use server::{Door, serve};
+pub use server::{Door, ServeOptions, serve};
 pub use sim::{PresetChoice, Simulator, Start};
 pub use snapshot::Snapshot;
 pub use source::{Abilities, Refused, Source, Stepped};

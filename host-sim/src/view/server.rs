@@ -1,5 +1,6 @@
 //! The server: the page, the socket, the robot's thread.
 
+use super::connections;
 use super::guard::{TOKEN_BYTES, Token, admits};
 use super::order::{Done, Order};
 use super::page::{PAGE, POLICY};
@@ -9,6 +10,7 @@ use super::source::{Refused, Source};
 use super::stage::Stage;
 use super::viewer;
 use crate::error::BadInput;
+use crate::listen::check_reach;
 use axum::Router;
 use axum::extract::ws::WebSocketUpgrade;
 use axum::extract::{FromRequestParts, Request, State};
@@ -22,8 +24,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use tokio::sync::{oneshot, watch};
 
-/// Most viewers at a time.
-const MOST_VIEWERS: usize = 100;
+/// Most viewers without the token at a time.
+const MAX_WATCHERS: usize = 100;
 /// Orders that may wait for the robot's thread.
 const MOST_ORDERS: usize = 64;
 /// Longest message of a viewer, bytes: a mind's file with a thousand samples, in hexadecimal, and room to spare.
@@ -45,14 +47,18 @@ pub(super) struct Shared {
     /// Counts the changes of the seat.
     pub seating: watch::Sender<u64>,
     listening: SocketAddr,
-    seat: Mutex<Seat>,
+    seat: Arc<Mutex<Seat>>,
 }
 
 impl Shared {
     pub fn seat(&self) -> MutexGuard<'_, Seat> {
-        // A seat is whole between any two of its methods.
-        self.seat.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.seat)
     }
+}
+
+fn lock(seat: &Mutex<Seat>) -> MutexGuard<'_, Seat> {
+    // A seat is whole between any two of its methods.
+    seat.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// An open door: the address is taken, nobody is let in yet.
@@ -70,10 +76,8 @@ impl Door {
     /// randomness for the token.
     pub fn open(address: SocketAddr, remote: bool) -> Result<Self, BadInput> {
         let refuse = |why: String| BadInput::new(format!("--listen {address}: {why}"));
-        if !remote && !address.ip().is_loopback() {
-            let why = "others could reach it: say --allow-remote if they may (whoever has the token steers)";
-            return Err(refuse(why.to_owned()));
-        }
+        let risk = "whoever has the token steers";
+        check_reach(&address.to_string(), &[address], remote, risk)?;
         let mut bytes = [0; TOKEN_BYTES];
         getrandom::fill(&mut bytes).map_err(|error| refuse(format!("no token: {error}")))?;
         let listener = std::net::TcpListener::bind(address)
@@ -99,26 +103,39 @@ impl Door {
     }
 }
 
-/// Shows a source to whoever comes, at a speed in its own seconds per second (`None` = as fast as it goes), until `ended`
-/// is raised.
+/// How a source is served.
+#[derive(Debug, Clone, Copy)]
+pub struct ServeOptions {
+    /// Simulated seconds per second; `None` = as fast as it goes.
+    pub speed: Option<f64>,
+    /// A real robot stops when no page has steered for so long; `None` = never.
+    pub steering_timeout: Option<Duration>,
+}
+
+/// Shows a source to whoever comes, until `ended` is raised.
 ///
 /// # Errors
 /// When the system gives neither threads nor sockets, or the source cannot be brought to an end.
 pub fn serve(
     door: Door,
     source: Box<dyn Source>,
-    speed: Option<f64>,
+    options: ServeOptions,
     ended: Arc<AtomicBool>,
 ) -> Result<(), BadInput> {
     let refuse =
         |error: std::io::Error| BadInput::new(format!("the view cannot be served: {error}"));
     let (orders, asked) = sync_channel(MOST_ORDERS);
     let (show, latest) = watch::channel(Parts::default());
-    let stage = Stage::new(source, speed);
+    let stage = Stage::new(source, options.speed);
+    let seat = Arc::new(Mutex::new(Seat::new(door.token)));
+    let steering = Steering {
+        seat: Arc::clone(&seat),
+        timeout: options.steering_timeout,
+    };
     let (done, over) = oneshot::channel();
     let robot = std::thread::Builder::new().name("robot".to_owned());
     let robot = robot.spawn(move || {
-        let end = run(stage, &asked, &show, &ended);
+        let end = run(stage, &steering, &asked, &show, &ended);
         // Whoever waits for it may be gone.
         let _ = done.send(());
         end
@@ -129,7 +146,7 @@ pub fn serve(
         orders,
         seating: watch::channel(0).0,
         listening: door.address,
-        seat: Mutex::new(Seat::new(door.token)),
+        seat,
     });
     let router = Router::new()
         .route("/", get(page))
@@ -140,17 +157,34 @@ pub fn serve(
     runtime.block_on(async {
         let listener = tokio::net::TcpListener::from_std(door.listener).map_err(refuse)?;
         tokio::select! {
-            served = axum::serve(listener, router) => served.map_err(refuse),
-            _ = over => Ok(()),
+            () = connections::serve(listener, router) => {}
+            _ = over => {}
         }
+        Ok::<_, BadInput>(())
     })?;
     // It cannot panic but by a mistake of its own, which has been said then.
     robot.join().unwrap_or(Ok(())).map_err(BadInput::new)
 }
 
+/// The seat as the robot's thread sees it.
+struct Steering {
+    seat: Arc<Mutex<Seat>>,
+    timeout: Option<Duration>,
+}
+
+impl Steering {
+    /// The time-out, once after each time it has passed.
+    fn lost(&self) -> Option<Duration> {
+        let timeout = self.timeout?;
+        let lost = lock(&self.seat).becomes_unattended(Instant::now(), timeout);
+        lost.then_some(timeout)
+    }
+}
+
 /// The robot's loop: the only place that looks at the clock.
 fn run(
     mut stage: Stage,
+    steering: &Steering,
     asked: &Receiver<Asked>,
     show: &watch::Sender<Parts>,
     ended: &AtomicBool,
@@ -160,6 +194,9 @@ fn run(
     loop {
         if ended.load(Ordering::Relaxed) {
             return stage.end();
+        }
+        if let Some(timeout) = steering.lost() {
+            stage.steering_lost(timeout);
         }
         let next = stage.advance(began.elapsed());
         let viewers = show.receiver_count() - 1;
@@ -232,12 +269,13 @@ async fn socket(State(shared): State<Arc<Shared>>, request: Request) -> Response
         Ok(upgrade) => upgrade,
         Err(refusal) => return refusal.into_response(),
     };
-    let Some(id) = shared.seat().enter(MOST_VIEWERS) else {
-        return (
-            StatusCode::SERVICE_UNAVAILABLE,
-            "there are enough viewers\n",
-        )
-            .into_response();
+    let query = parts.uri.query().unwrap_or_default();
+    let token = query
+        .split('&')
+        .find_map(|pair| pair.strip_prefix("token="));
+    let Some(id) = shared.seat().enter(MAX_WATCHERS, token) else {
+        let why = "there are enough watchers: open the address with the token\n";
+        return (StatusCode::SERVICE_UNAVAILABLE, why).into_response();
     };
     let leaving = viewer::Leaving::new(Arc::clone(&shared), id);
     upgrade

@@ -3,6 +3,7 @@
 use super::Snapshot;
 use super::order::{Done, Order};
 use serde::Serialize;
+use std::time::Duration;
 
 /// What can be asked of a source; the page leaves out the rest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
@@ -67,6 +68,9 @@ pub trait Source: Send {
 
     /// What there is to see.
     fn snapshot(&mut self) -> Snapshot;
+
+    /// No page has steered for `silence`: a real robot stops.
+    fn steering_lost(&mut self, _silence: Duration) {}
 
     /// The program is about to end: a robot is told to stand, a log is closed.
     ///

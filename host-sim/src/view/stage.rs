@@ -92,6 +92,12 @@ impl Stage {
         Ok(Done::Well)
     }
 
+    /// No page has steered for `silence`.
+    pub fn steering_lost(&mut self, silence: Duration) {
+        (self.changed, self.standing) = (true, false);
+        self.source.steering_lost(silence);
+    }
+
     /// A snapshot, when something has changed and the last one is old enough.
     pub fn show(&mut self, now: Duration) -> Option<Snapshot> {
         let early = self.shown.is_some_and(|shown| now < shown + FRAME);

@@ -11,11 +11,15 @@ use serde::Serialize;
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::sync::mpsc::TrySendError;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tokio::sync::{mpsc, oneshot, watch};
+use tokio::time::MissedTickBehavior;
 
 /// A viewer that takes nothing for so long is dropped.
 const PATIENCE: Duration = Duration::from_secs(5);
+
+/// Time between two pings of the viewer that steers: a quarter of the shortest steering time-out.
+const PING_EVERY: Duration = Duration::from_millis(250);
 
 /// Replies that may wait for a viewer.
 const MOST_REPLIES: usize = 64;
@@ -85,20 +89,26 @@ async fn tell(
     mut replies: mpsc::Receiver<Reply>,
 ) {
     let mut sent = HashMap::new();
+    let mut pings = tokio::time::interval(PING_EVERY);
+    pings.set_missed_tick_behavior(MissedTickBehavior::Delay);
     latest.mark_changed();
     seating.mark_changed();
     loop {
-        let mut texts: Vec<String> = Vec::new();
+        let mut messages: Vec<Message> = Vec::new();
+        let text = |text: String| Message::Text(text.into());
         tokio::select! {
             biased;
             reply = replies.recv() => match reply {
-                Some(reply) => texts.push(serde_json::to_string(&reply).unwrap_or_default()),
+                Some(reply) => messages.push(text(serde_json::to_string(&reply).unwrap_or_default())),
                 None => return,
             },
             changed = seating.changed() => match changed {
-                Ok(()) => texts.push(seat_seen(shared, viewer)),
+                Ok(()) => messages.push(text(seat_seen(shared, viewer))),
                 Err(_) => return,
             },
+            _ = pings.tick(), if shared.seat().steers(viewer) => {
+                messages.push(Message::Ping(Default::default()));
+            }
             changed = latest.changed() => {
                 if changed.is_err() {
                     return;
@@ -107,12 +117,12 @@ async fn tell(
                 let news = parts.iter().filter(|part| {
                     sent.insert(part.key(), part.revision()) != Some(part.revision())
                 });
-                texts.extend(news.map(|part| part.text().to_string()));
+                messages.extend(news.map(|part| text(part.text().to_string())));
                 sent.retain(|key, _| parts.iter().any(|part| part.key() == *key));
             }
         }
-        for text in texts {
-            let sending = outgoing.send(Message::Text(text.into()));
+        for message in messages {
+            let sending = outgoing.send(message);
             if !matches!(tokio::time::timeout(PATIENCE, sending).await, Ok(Ok(()))) {
                 return;
             }
@@ -128,6 +138,7 @@ async fn hear(
     reply: mpsc::Sender<Reply>,
 ) {
     while let Some(Ok(heard)) = incoming.next().await {
+        shared.seat().heard(leaving.id, Instant::now());
         let text = match heard {
             Message::Text(text) => text,
             Message::Close(_) => return,
@@ -148,7 +159,7 @@ async fn obey(shared: &Shared, leaving: &Leaving, order: Order) -> Result<Done, 
     let viewer = leaving.id;
     match &order {
         Order::Steer { token, over } => {
-            let taken = shared.seat().take(viewer, token, *over);
+            let taken = shared.seat().take(viewer, token, *over, Instant::now());
             leaving.tell_all();
             return taken.map(|()| Done::Well).map_err(|why| why.to_string());
         }

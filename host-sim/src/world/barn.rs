@@ -16,7 +16,8 @@ use super::geometry::{Point, Pose};
 use super::shapes::Shape;
 use super::{World, sdf};
 use crate::error::BadInput;
-use crate::som::table::{Records, Table, read_text};
+use crate::files::{MAX_INPUT_BYTES, read_text};
+use crate::som::table::{Records, Table};
 
 /// Side of a cell, m; half of it is a cylinder's radius.
 const CELL_M: f64 = 0.15;
@@ -178,7 +179,7 @@ type Row = (u32, [u16; 2]);
 
 fn cells(path: &Path) -> Result<Vec<Row>, BadInput> {
     let source = path.display().to_string();
-    let text = read_text(path)?;
+    let text = read_text(path, MAX_INPUT_BYTES)?;
     let records = Records::parse(&source, &text, None)?;
     if records.heading != ["world", "ix", "iy"] {
         let what = "a table of filled cells has the heading world,ix,iy";

@@ -55,7 +55,6 @@ pub use rays::Rays;
 pub use shapes::Shape;
 pub use spec::{WorldSource, parse_worlds};
 pub use sweep::{Sweep, TOUCH_SLACK_M};
-pub(crate) use toml_file::read_text;
 pub use view::{ConeShape, View};
 
 use surfaces::{Circle, FIRST_CIRCLE, Surfaces};

@@ -15,15 +15,12 @@ use super::geometry::{Point, Pose};
 use super::occupancy::{Cell, Occupancy};
 use super::pgm::{self, Graymap};
 use super::shapes::Shape;
-use super::toml_file::read_bytes;
 use super::{MAX_COORDINATE_M, MAX_SHAPES, World};
 use crate::error::BadInput;
+use crate::files::{self, MAX_INPUT_BYTES};
 
 /// Room wanted around the start, m.
 const START_CLEARANCE_M: f64 = 0.5;
-
-/// Larger files are refused, bytes.
-const MAX_FILE_BYTES: u64 = 256 << 20;
 
 /// The keys of the YAML file as they stand there; keys of other tools are ignored.
 #[derive(Debug, Deserialize)]
@@ -58,11 +55,10 @@ struct MapInfo {
 
 /// Loads the map described by the YAML file at `path`; the world is called after the file.
 pub(super) fn load(path: &Path) -> Result<World, BadInput> {
-    let text = String::from_utf8(read_bytes(path, MAX_FILE_BYTES)?)
-        .map_err(|_| BadInput::file(path, "is not a text file (it is not UTF-8)"))?;
+    let text = files::read_text(path, MAX_INPUT_BYTES)?;
     let info = parse_info(&text).map_err(|what| BadInput::file(path, what))?;
     let image_path = path.parent().unwrap_or(Path::new("")).join(&info.image);
-    let image = pgm::parse(&read_bytes(&image_path, MAX_FILE_BYTES)?)
+    let image = pgm::parse(&files::read(&image_path, MAX_INPUT_BYTES)?)
         .map_err(|what| BadInput::file(&image_path, what))?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     build(&name, &info, &image).map_err(|error| BadInput::file(path, error))

@@ -10,14 +10,17 @@ use roxmltree::{Document, Node};
 use super::geometry::{Point, Pose};
 use super::shapes::Shape;
 use crate::error::BadInput;
-use crate::som::table::read_text;
+use crate::files::{MAX_INPUT_BYTES, read_text};
 
 /// The bodies of the world file at `path`.
 ///
 /// # Errors
 /// A file that cannot be read or is no SDF world, a body that cannot be taken: file and line.
 pub(super) fn load(path: &Path) -> Result<Vec<Shape>, BadInput> {
-    parse(&path.display().to_string(), &read_text(path)?)
+    parse(
+        &path.display().to_string(),
+        &read_text(path, MAX_INPUT_BYTES)?,
+    )
 }
 
 fn parse(source: &str, text: &str) -> Result<Vec<Shape>, BadInput> {

@@ -28,35 +28,17 @@ use super::geometry::{Point, Pose};
 use super::shapes::Shape;
 use super::{MAX_COORDINATE_M, World};
 use crate::error::BadInput;
+use crate::files::{MAX_INPUT_BYTES, read_text};
 use crate::toml_reader::{Reader, Table, Value};
 
-/// Larger files are refused, bytes: a million shapes need less.
-const MAX_FILE_BYTES: u64 = 256 << 20;
+/// Longest range of a sonar, 255 in, m.
+const SONAR_RANGE_M: f64 = 6.477;
 
 /// Loads the world file at `path`; without a `name` of its own the world is called after the file.
 pub(super) fn load(path: &Path) -> Result<World, BadInput> {
-    let text = read_text(path, MAX_FILE_BYTES)?;
+    let text = read_text(path, MAX_INPUT_BYTES)?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     parse(&text, &path.display().to_string(), &stem)
-}
-
-/// The text of a file of at most `limit` bytes.
-pub(crate) fn read_text(path: &Path, limit: u64) -> Result<String, BadInput> {
-    String::from_utf8(read_bytes(path, limit)?)
-        .map_err(|_| BadInput::file(path, "is not a text file (it is not UTF-8)"))
-}
-
-/// The bytes of a file of at most `limit` bytes.
-pub(super) fn read_bytes(path: &Path, limit: u64) -> Result<Vec<u8>, BadInput> {
-    let length = std::fs::metadata(path).map(|about| about.len());
-    if length.is_ok_and(|length| length > limit) {
-        let what = format!("is larger than {} MiB", limit >> 20);
-        return Err(BadInput::file(path, what));
-    }
-    std::fs::read(path).map_err(|error| match error.kind() {
-        std::io::ErrorKind::NotFound => BadInput::file(path, "there is no such file"),
-        _ => BadInput::file(path, format!("cannot be read: {error}")),
-    })
 }
 
 /// Reads a world from `text`; `source` names it in errors.
@@ -77,7 +59,10 @@ pub(super) fn parse(text: &str, source: &str, default_name: &str) -> Result<Worl
     let mut shapes = reader.each(top, "wall", Reader::wall)?;
     shapes.extend(reader.each(top, "box", Reader::rectangle)?);
     shapes.extend(reader.each(top, "circle", Reader::circle)?);
-    World::new(name, start, shapes).map_err(|error| BadInput::new(format!("{source}: {error}")))
+    let world = World::new(name, start, shapes)
+        .map_err(|error| BadInput::new(format!("{source}: {error}")))?;
+    reader.check_start_is_within(&world, top)?;
+    Ok(world)
 }
 
 impl Reader<'_> {
@@ -94,6 +79,35 @@ impl Reader<'_> {
             None => Point::default(),
         };
         Ok(Pose::new(position, self.angle(table, "heading_deg")?))
+    }
+
+    /// Refuses a start outside the walls: the robot would drive around the world, not in it. Where a wall closes, the start
+    /// must lie in the bounding box of all shapes; where walls stay open, at most a sonar's range outside it. Without any
+    /// wall there is no outside.
+    fn check_start_is_within(&self, world: &World, top: &Table<'_>) -> Result<(), BadInput> {
+        let walls = world.shapes().iter().filter_map(|shape| match shape {
+            Shape::Wall { points } => Some(points.first() == points.last()),
+            _ => None,
+        });
+        let Some(closed) = walls.reduce(|some, this| some | this) else {
+            return Ok(());
+        };
+        let margin = if closed { 0.0 } else { SONAR_RANGE_M };
+        let Point { x, y } = world.start().position;
+        let (low, high) = world.bounds();
+        let within = |at: f64, low: f64, high: f64| (low - margin..=high + margin).contains(&at);
+        if within(x, low.x, high.x) && within(y, low.y, high.y) {
+            return Ok(());
+        }
+        let what = format!(
+            "position_m: the start ({x}, {y}) lies outside the world, which spans ({}, {}) to ({}, {})",
+            low.x, low.y, high.x, high.y
+        );
+        let start = top.get("start").map(|start| match start.get_ref() {
+            DeValue::Table(table) => table.get("position_m").unwrap_or(start).span(),
+            _ => start.span(),
+        });
+        Err(self.error(start.unwrap_or_default(), what))
     }
 
     /// The shapes of the array `[[key]]`, each read from its table; none if the key is not there.

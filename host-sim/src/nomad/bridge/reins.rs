@@ -5,14 +5,13 @@ use super::feed::{self, Feed};
 use super::thinking::{Mind, Task, Thought};
 use super::{Trouble, mask};
 use crate::episode::Failure;
-use crate::log::{LoggedMind, SharedLog};
+use crate::log::{Log, LogOutput, LoggedMind, SharedLog};
 use crate::nomad::{Command, Host, RobotError, State};
 use crate::sonar::{FIRING_ORDER, FIRING_SLOT_S};
 use crate::world::{Point, Pose};
 use amp::config::Config;
 use amp::controller::{self, Outputs, Progress};
 use amp::node::MOTION_TTL_MS;
-use std::fs::File;
 use std::time::Duration;
 
 /// The base's own time-out, s: the shortest there is.
@@ -67,7 +66,7 @@ pub(crate) struct Reins {
     began_ms: u32,
     decided_ms: u32,
     expired: u32,
-    log: Option<SharedLog<File>>,
+    log: Option<SharedLog<LogOutput>>,
     /// Where the base was by the log.
     logged: Option<Point>,
 }
@@ -260,6 +259,10 @@ impl Reins {
             if !matches!(result, Err(RobotError::Silent { .. })) {
                 break;
             }
+            // The robot's clock does not advance while it is silent, so the recorded events are written now.
+            if let Some(log) = &self.log {
+                log.write(Log::flush);
+            }
         }
         Ok(result?)
     }
@@ -294,6 +297,7 @@ impl Reins {
             if touched {
                 log.contact(now, pose.position);
             }
+            log.pass_time(now);
         });
         if !stood || decided || touched {
             self.logged = Some(pose.position);

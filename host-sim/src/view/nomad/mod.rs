@@ -13,7 +13,7 @@ use super::snapshot::{Part, Scene, Snapshot};
 use super::source::{Abilities, Refused, Source, Stepped};
 use super::trail::{Trail, mark};
 use crate::episode::{Failure, Stride};
-use crate::log::{LoggedMind, SharedLog};
+use crate::log::{LogOutput, LoggedMind, SharedLog};
 use crate::nomad::Host;
 use crate::nomad::bridge::{About, At, PAUSE, Reins, Thought, Trouble};
 use crate::pilot::SimState;
@@ -22,8 +22,8 @@ use crate::world::{Point, Pose};
 use amp::config::Config;
 use amp::controller::Decision;
 use amp::scan::Situation;
-use std::fs::File;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// What is watched, and how it is to begin.
 #[derive(Debug, Clone)]
@@ -62,7 +62,7 @@ pub struct WatchedNomad {
     /// As it is now.
     config: Config<16>,
     reins: Reins,
-    log: Option<SharedLog<File>>,
+    log: Option<SharedLog<LogOutput>>,
     mind: MindSeen,
     doing: Doing,
     interrupted: Doing,
@@ -364,6 +364,21 @@ impl Source for WatchedNomad {
 
     fn snapshot(&mut self) -> Snapshot {
         self.parts()
+    }
+
+    fn steering_lost(&mut self, silence: Duration) {
+        if self.failure.is_some() || !matches!(self.doing, Doing::Explore | Doing::Seek) {
+            return;
+        }
+        match self.stop() {
+            Ok(()) => {
+                let seconds = silence.as_secs_f64();
+                self.note = Some(format!(
+                    "It stopped: no page has steered it for {seconds} s"
+                ));
+            }
+            Err(trouble) => self.fail(&trouble),
+        }
     }
 
     fn end(&mut self) -> Result<(), String> {

@@ -42,7 +42,8 @@ function receive(message) {
 }
 
 function connect(pause) {
-  socket = new WebSocket(`ws://${location.host}/socket`);
+  const shown = token ? `?token=${token}` : "";
+  socket = new WebSocket(`ws://${location.host}/socket${shown}`);
   let next = Math.min(pause * 2, 5000);
   socket.onopen = () => {
     next = 250;

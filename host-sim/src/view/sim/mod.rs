@@ -17,7 +17,7 @@ use crate::episode::{
 };
 use crate::error::BadInput;
 use crate::link::{AnyMind, MindPlace};
-use crate::log::{Log, LoggedMind, Setup as SetupRecord, SharedLog, Watcher};
+use crate::log::{Log, LogOutput, LoggedMind, Setup as SetupRecord, SharedLog, Watcher};
 use crate::pilot::Pilot as _;
 use crate::robot::TurretMode;
 use crate::world::{Point, Pose, World};
@@ -25,7 +25,6 @@ use amp::config::Config;
 use amp::controller::{Command, Decision, Event};
 use amp::scan::Situation;
 use std::borrow::Cow;
-use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -86,7 +85,7 @@ pub struct Simulator {
     body: Body<'static>,
     mind: LoggedMind,
     /// Writes down where the robot really is.
-    watcher: Option<Watcher<File>>,
+    watcher: Option<Watcher<LogOutput>>,
     doing: Doing,
     /// What a stop interrupted.
     interrupted: Doing,

@@ -170,11 +170,11 @@ fn a_file_without_a_world_is_named() {
     };
     assert!(load("gone.toml").ends_with("gone.toml: there is no such file"));
     std::fs::write(folder.path().join("binary.toml"), [0xff, 0xfe, 0, 1]).unwrap();
-    assert!(load("binary.toml").ends_with("binary.toml: is not a text file (it is not UTF-8)"));
+    assert!(load("binary.toml").ends_with("binary.toml: is not a text file"));
     std::fs::write(folder.path().join("scan.png"), "").unwrap();
     assert!(load("scan.png").contains("a world is a .toml world file or a .yaml map"));
     std::fs::create_dir(folder.path().join("folder.toml")).unwrap();
-    assert!(load("folder.toml").contains("cannot be read"));
+    assert!(load("folder.toml").contains("is a folder, not a file"));
 }
 
 #[test]
@@ -185,5 +185,27 @@ fn a_damaged_file_is_an_error_or_a_world_but_never_a_panic() {
             let text = format!("{}{damage}{}", &GOOD[..cut], &GOOD[cut + 1..]);
             let _ = World::from_toml(&text, "w.toml");
         }
+    }
+}
+
+#[test]
+fn a_start_outside_the_walls_is_refused() {
+    let closed = "[[wall]]\npoints_m = [[-2, -2], [2, -2], [2, 2], [-2, 2], [-2, -2]]\n";
+    let open = "[[wall]]\npoints_m = [[-2, -2], [2, -2]]\n";
+    let post = "[[circle]]\ncenter_m = [0, -3]\nradius_m = 0.1\n";
+    let starts_at = |[x, y]: [f64; 2], shapes: &str| {
+        let text = format!("[start]\nposition_m = [{x}, {y}]\n{shapes}");
+        parse(&text, "w.toml", "w").map_err(|error| error.to_string())
+    };
+    for (place, shapes) in [
+        ([1.0, 1.0], closed),
+        ([1.0, 4.4], open),
+        ([99.0, 99.0], post),
+    ] {
+        assert!(starts_at(place, shapes).is_ok(), "{place:?} {shapes}");
+    }
+    for (place, shapes) in [([0.0, 2.5], closed), ([9.0, 0.0], open)] {
+        let why = starts_at(place, shapes).unwrap_err();
+        assert!(why.starts_with("w.toml, line 2: position_m"), "{why}");
     }
 }

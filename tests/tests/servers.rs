@@ -1,0 +1,280 @@
+//! The servers and their peers: half-open connections, too many watchers, peers that vanish, pages that close while a
+//! robot moves, and peers that never stop sending.
+
+use host_sim::log;
+use host_sim::nomad::Command;
+use serde_json::{Value, json};
+use std::io::{Read as _, Write as _};
+use std::net::{TcpListener, TcpStream};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+use tests::nomad::{PATIENCE, Robot, Running};
+use tests::viewed::{Viewed, Viewer};
+use tests::{host_sim, words};
+
+/// Half a request.
+const HALF: &[u8] = b"GET / HTTP/1.1\r\nHost: 127.0.0.1";
+
+/// The page, fetched on a connection of its own.
+fn page(host: &str) -> String {
+    let mut stream = TcpStream::connect(host).expect("it listens");
+    stream.set_read_timeout(Some(PATIENCE)).expect("a timeout");
+    let request = format!("GET / HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n");
+    stream.write_all(request.as_bytes()).expect("a request");
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).expect("an answer");
+    answer
+}
+
+/// Twice as many half-open connections as the process may have files.
+#[test]
+fn half_open_connections_keep_no_page_out_and_are_closed() {
+    let program = host_sim!();
+    let viewed = Viewed::start_with_files(&program, 256, "--explore 5");
+    let mut half_open = Vec::new();
+    for number in 0..512 {
+        let mut stream = TcpStream::connect(viewed.host()).expect("it listens");
+        if number % 2 == 0 {
+            // It may have been closed already to make room.
+            let _ = stream.write_all(HALF);
+        }
+        half_open.push(stream);
+        if number % 64 == 63 {
+            assert!(page(viewed.host()).starts_with("HTTP/1.1 200"), "{number}");
+        }
+    }
+    assert!(page(viewed.host()).starts_with("HTTP/1.1 200"));
+    for mut stream in half_open {
+        stream.set_read_timeout(Some(PATIENCE)).expect("a timeout");
+        let mut rest = Vec::new();
+        // A reset is an end as well; a time-out is none.
+        if let Err(error) = stream.read_to_end(&mut rest) {
+            assert_eq!(error.kind(), std::io::ErrorKind::ConnectionReset);
+        }
+    }
+    // What is open already stays open.
+    viewed.viewer().wait("now", |now| now["mode"] == "idle");
+}
+
+#[test]
+fn watchers_without_the_token_keep_no_owner_out() {
+    let program = host_sim!();
+    let viewed = Viewed::start(&program, "--explore 5");
+    let mut watchers: Vec<_> = (0..100).map(|_| viewed.viewer()).collect();
+    assert_eq!(viewed.knock(&[]).err(), Some(503));
+    let wrong = format!("/socket?token={}", "0".repeat(32));
+    assert_eq!(viewed.knock_at(&wrong, &[]).err(), Some(503));
+    let mut owner = viewed.owner().expect("an owner is let in");
+    // It may stop the robot before it steers.
+    owner.order(json!({"do": "stop"})).expect("it stops");
+    let steer = json!({"do": "steer", "token": viewed.token()});
+    owner.order(steer).expect("the seat");
+    owner.order(json!({"do": "explore"})).expect("it explores");
+    // Owners take none of the watchers' places.
+    drop(watchers.pop());
+    let _second = viewed.owner().expect("another owner");
+    let began = Instant::now();
+    while viewed.knock(&[]).is_err() {
+        assert!(began.elapsed() < PATIENCE, "the free place is not given");
+        sleep(Duration::from_millis(20));
+    }
+}
+
+/// A robot that explores, steered by the first viewer and watched by the second.
+fn exploring(viewed: &Viewed) -> (Viewer, Viewer) {
+    let mut watcher = viewed.viewer();
+    let mut steerer = viewed.steerer();
+    steerer
+        .order(json!({"do": "explore"}))
+        .expect("it explores");
+    watcher.wait("now", |now| now["mode"] == "explore");
+    (steerer, watcher)
+}
+
+fn stopped_unattended(now: &Value) -> bool {
+    let note = now["note"].as_str().unwrap_or_default();
+    now["mode"] == "stopped" && note.contains("no page")
+}
+
+#[test]
+fn a_robot_whose_steering_page_is_gone_stops() {
+    let program = host_sim!();
+    let robot = Robot::at_a_port(&program, "--speed 5 --world room");
+    let flags = format!("--nomad tcp:{} --explore 1000", robot.place);
+    let viewed = Viewed::start(&program, &flags);
+    // Closed.
+    let (steerer, mut watcher) = exploring(&viewed);
+    drop(steerer);
+    watcher.wait("now", stopped_unattended);
+    assert_eq!(watcher.latest("now")["resumes"], true);
+    // Open, and silent: it answers no ping, because nothing reads its socket.
+    let (_silent, _) = exploring(&viewed);
+    let moment = watcher.moment();
+    watcher.wait_after(moment, "now", |now| now["mode"] == "explore");
+    watcher.wait("now", stopped_unattended);
+    // A page that answers may let it explore for longer than the time-out.
+    let over = json!({"do": "steer", "token": viewed.token(), "over": true});
+    let mut steerer = viewed.owner().expect("an owner");
+    steerer.order(over).expect("the seat");
+    steerer.order(json!({"do": "resume"})).expect("it goes on");
+    let began = Instant::now();
+    let moment = steerer.moment();
+    steerer.wait_after(moment, "now", |now| {
+        now["mode"] == "explore" && began.elapsed() > Duration::from_secs(4)
+    });
+    drop(viewed);
+    sleep(Duration::from_millis(500));
+    let mut host = robot.connect();
+    let state = host.ask(&Command::GetState).expect("an answer");
+    assert!(tests::nomad::stands(state), "{state:?}");
+}
+
+#[test]
+fn a_robot_may_be_left_alone_on_request() {
+    let program = host_sim!();
+    let robot = Robot::at_a_port(&program, "--speed 5 --world room");
+    let flags = format!(
+        "--nomad tcp:{} --explore 1000 --steering-timeout off",
+        robot.place
+    );
+    let viewed = Viewed::start(&program, &flags);
+    let (steerer, mut watcher) = exploring(&viewed);
+    drop(steerer);
+    let left = Instant::now();
+    watcher.wait("seat", |seat| seat["taken"] == false);
+    let moment = watcher.moment();
+    watcher.wait_after(moment, "now", |now| {
+        assert_eq!(now["mode"], "explore");
+        left.elapsed() > Duration::from_secs(5)
+    });
+}
+
+/// The kernel's timer of the server's end of a connection, from /proc/net/tcp: what runs, and ticks of 1/100 s until then.
+#[cfg(target_os = "linux")]
+fn timer(server: u16, client: u16) -> Option<(String, u64)> {
+    let table = std::fs::read_to_string("/proc/net/tcp").expect("the kernel's table");
+    let ends_with = |field: &str, port: u16| field.ends_with(&format!(":{port:04X}"));
+    let row = table.lines().find_map(|line| {
+        let fields: Vec<_> = line.split_whitespace().collect();
+        let ends = ends_with(fields.get(1)?, server) && ends_with(fields.get(2)?, client);
+        ends.then(|| fields.get(5).map(|field| (*field).to_owned()))?
+    })?;
+    let (kind, ticks) = row.split_once(':')?;
+    Some((kind.to_owned(), u64::from_str_radix(ticks, 16).ok()?))
+}
+
+/// A peer that vanishes says nothing; the kernel finds out by keep-alive probes.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_program_that_vanishes_is_probed_for() {
+    let program = host_sim!();
+    let robot = Robot::at_a_port(&program, "");
+    let mut idle = TcpStream::connect(&robot.place).expect("a robot");
+    idle.read_exact(&mut [0; 11]).expect("a greeting");
+    let port = |address: std::io::Result<std::net::SocketAddr>| address.expect("a port").port();
+    let (server, client) = (port(idle.peer_addr()), port(idle.local_addr()));
+    let began = Instant::now();
+    loop {
+        // "02" is the keep-alive timer; others run while the greeting is acknowledged.
+        match timer(server, client) {
+            Some((kind, ticks)) if kind == "02" => {
+                assert!(ticks <= 1_100, "a probe after {ticks} ticks");
+                return;
+            }
+            seen => assert!(began.elapsed() < Duration::from_secs(5), "{seen:?}"),
+        }
+        sleep(Duration::from_millis(20));
+    }
+}
+
+#[test]
+fn a_robot_is_served_to_other_machines_only_on_request() {
+    let program = host_sim!();
+    for (address, named) in [("0.0.0.0:0", "0.0.0.0:0"), ("[::]:0", "[::]:0")] {
+        let mut served = Running::start(&program, &format!("nomad serve --listen {address}"));
+        let (code, stdout, stderr) = served.end(PATIENCE);
+        assert_eq!((code, stdout.as_str()), (Some(2), ""), "{stderr}");
+        assert!(stderr.contains(&format!(
+            "--listen {named}: others could reach it: say --allow-remote"
+        )));
+    }
+    let served = Running::start(&program, "nomad serve --listen 0.0.0.0:0 --allow-remote");
+    assert!(served.line().starts_with("listening on 0.0.0.0:"));
+}
+
+/// A peer that sends `bytes` for ever to everyone who connects, and reads nothing.
+fn flood(bytes: &'static [u8]) -> String {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a socket");
+    let place = listener.local_addr().expect("its address").to_string();
+    std::thread::spawn(move || {
+        for stream in listener.incoming() {
+            let mut stream = stream.expect("a peer");
+            std::thread::spawn(move || while stream.write_all(bytes).is_ok() {});
+        }
+    });
+    place
+}
+
+#[test]
+fn a_peer_that_sends_garbage_without_end_is_given_up() {
+    let program = host_sim!();
+    let robot = Robot::at_a_port(&program, "--speed 5");
+    for bytes in [&[0x55; 997][..], &[0; 1_000], b"\x01\x02\x00\x07\x0a\x5c"] {
+        let place = flood(bytes);
+        for line in [
+            format!("link --to tcp:{place} hello"),
+            format!("bridge --nomad tcp:{place}"),
+            format!("bridge --nomad tcp:{} --mind tcp:{place}", robot.place),
+            format!("run --steps 1 --mind tcp:{place}"),
+        ] {
+            let mut running = Running::start(&program, &line);
+            let (code, stdout, stderr) = running.end(PATIENCE);
+            assert_eq!(code, Some(2), "{line}: {stderr}");
+            // The bridge says what was driven until then.
+            assert!(stdout.is_empty() || line.starts_with("bridge"), "{stdout}");
+            assert_eq!(stderr.lines().count(), 1, "{line}: {stderr}");
+            assert!(stderr.contains(&place), "{line}: {stderr}");
+        }
+    }
+}
+
+/// The time of a log's latest message that can be read, s.
+fn logged_s(path: &std::path::Path) -> f64 {
+    let log = log::read(path).expect("a log");
+    let latest = log.messages().map(|message| message.time_ns).max();
+    latest.unwrap_or(0) as f64 / 1e9
+}
+
+#[test]
+fn a_drive_that_is_killed_is_logged_but_for_two_seconds() {
+    let program = host_sim!();
+    let robot = Robot::at_a_port(&program, "--world room");
+    let at = format!("tcp:{}", robot.place);
+    let line = format!("bridge --nomad {at} --explore 100 --log drive.mcap");
+    let mut bridge = Running::start(&program, &line);
+    // Six seconds of the robot's own time, which is real time.
+    let path = program.folder().join("drive.mcap");
+    let began = Instant::now();
+    while !path.exists() {
+        assert!(began.elapsed() < PATIENCE, "no log");
+        sleep(Duration::from_millis(10));
+    }
+    sleep(Duration::from_secs(6));
+    bridge.kill();
+    let logged = logged_s(&path);
+    assert!(logged >= 3.5, "{logged} s");
+    let output = program.run(&words("log drive.mcap"));
+    assert_eq!(output.code, Some(0), "{}", output.stderr);
+
+    // As much over the page.
+    drop(robot);
+    let robot = Robot::at_a_port(&program, "--world room");
+    let flags = format!("--nomad tcp:{} --log page.mcap", robot.place);
+    let viewed = Viewed::start(&program, &flags);
+    let (mut steerer, _) = exploring(&viewed);
+    let began = Instant::now();
+    steerer.wait("now", |_| began.elapsed() > Duration::from_secs(6));
+    viewed.kill();
+    let logged = logged_s(&program.folder().join("page.mcap"));
+    assert!(logged >= 3.5, "{logged} s");
+}
