@@ -4,7 +4,7 @@
 //! is more to do. Learning is done in slices between events, so that an event waits for one slice at most.
 
 use crate::line::{Faults, Outbox};
-use crate::persist::Store;
+use crate::persist::{NoFlash, Store};
 use crate::sonar_ring::Firing;
 use amp::config::Config;
 use amp::node::{Identity, NomadNode};
@@ -42,7 +42,7 @@ pub enum News {
     BytesLost(u32),
 }
 
-#[cfg(target_os = "none")]
+#[cfg(all(feature = "defmt", target_os = "none"))]
 impl News {
     /// Writes it to the log, which holds off every interrupt for as long as a line takes.
     pub fn log(self) {
@@ -54,15 +54,15 @@ impl News {
     }
 }
 
-/// Everything the control task works with; what outlives a loss of power lies in the flash `F`.
-pub struct Control<'parts, F> {
+/// Everything the control task works with; what outlives a loss of power lies in the flash `F`, if there is one.
+pub struct Control<'parts, F = NoFlash> {
     mind: &'parts mut NomadNode,
     receiver: Receiver,
     received: Consumer<'parts, u8>,
     ring: Option<Consumer<'parts, Firing>>,
     outbox: Outbox<'parts>,
     faults: &'parts Faults,
-    store: Store<F>,
+    store: Option<Store<F>>,
     /// Whether a request for the flash will bring a pause, once it has been announced.
     announced: Option<bool>,
     is_watchdog_patient: bool,
@@ -72,14 +72,14 @@ pub struct Control<'parts, F> {
 }
 
 impl<'parts, F: NorFlash> Control<'parts, F> {
-    /// A mind that is yet to be started, between two queues.
+    /// A mind that is yet to be started, between two queues. Without a `store` nothing outlives a loss of power.
     #[must_use]
     pub fn new(
         mind: &'parts mut NomadNode,
         received: Consumer<'parts, u8>,
         outbox: Outbox<'parts>,
         faults: &'parts Faults,
-        store: Store<F>,
+        store: Option<Store<F>>,
     ) -> Self {
         Self {
             mind,
@@ -112,19 +112,18 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
 
     /// Starts the mind at the time `now` with what was saved last, if anything was. May erase a sector of flash before, for
     /// seconds.
+    // Not a part of the caller's stack for good.
+    #[inline(never)]
     pub fn start(&mut self, identity: Identity, now: Millis) {
         self.last_run = now;
         prepare(self.mind, identity);
         // A flash that fails does so again, and says so, when something is to be saved; what cannot be recalled is told by
         // the hello's checksums.
-        let _ = self.store.tidy();
-        let _ = self.recall();
+        if let Some(store) = &mut self.store {
+            let _ = store.tidy();
+            let _ = recall(self.mind, store);
+        }
         self.mind.hello(now, &mut self.outbox);
-    }
-
-    fn recall(&mut self) -> Result<(), FlashError> {
-        let mind = &mut *self.mind;
-        self.store.recall(|read, most| mind.recall(read, most))
     }
 
     /// Whether a host is there.
@@ -134,6 +133,8 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
     }
 
     /// Deals with what was received and with the time that has passed. True: there is more to do at once.
+    // Not a part of the caller's stack, where it would add to that of each task it calls.
+    #[inline(never)]
     #[must_use]
     pub fn run(&mut self, now: Millis) -> bool {
         self.count(now);
@@ -161,8 +162,13 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
     // Not a part of every run's stack.
     #[inline(never)]
     fn serve_flash(&mut self, task: Flash, now: Millis) -> bool {
+        let Some(store) = &mut self.store else {
+            let absent = Err(FlashError::Absent);
+            self.mind.flash_done(absent, now, &mut self.outbox);
+            return true;
+        };
         let Some(pauses) = self.announced else {
-            let pause_ms = self.store.pause_ms(task);
+            let pause_ms = store.pause_ms(task);
             self.announced = Some(pause_ms > 0);
             if pause_ms > 0 {
                 self.mind.announce_pause(pause_ms, now, &mut self.outbox);
@@ -173,9 +179,9 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
             return false;
         }
         let result = match task {
-            Flash::Save => self.store.save(&self.mind.contents()),
-            Flash::Recall => self.recall(),
-            Flash::Erase => self.store.erase(),
+            Flash::Save => store.save(&self.mind.contents()),
+            Flash::Recall => recall(self.mind, store),
+            Flash::Erase => store.erase(),
         };
         self.announced = None;
         self.mind.flash_done(result, now, &mut self.outbox);
@@ -217,8 +223,8 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
                 return false;
             };
             if let Some(frame) = self.receiver.push(byte) {
-                #[cfg(feature = "qemu")]
-                crate::provoke::heed(frame);
+                #[cfg(feature = "crash-test")]
+                crate::crash_test::run_if_requested(frame);
                 self.mind.frame(now, frame, &mut self.outbox);
                 if self.mind.flash_task().is_some() {
                     return true;
@@ -252,6 +258,11 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
         counters.ticks = counters.ticks.wrapping_add(1);
         counters.longest_tick_ms = counters.longest_tick_ms.max(waited_ms);
     }
+}
+
+/// Replaces what the mind knows by what was saved last.
+fn recall<F: NorFlash>(mind: &mut NomadNode, store: &mut Store<F>) -> Result<(), FlashError> {
+    store.recall(|read, most| mind.recall(read, most))
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! What the firmware decides, apart from the chip: everything here builds and is tested on a desktop machine.
+//! The portable firmware: what it decides, apart from any chip. Everything here builds and is tested on a desktop machine.
 //!
 //! ```text
 //!            serial interrupt              control                       serial interrupt
@@ -8,18 +8,15 @@
 //! | module | what it decides |
 //! |---|---|
 //! | [`control`] | what is done with received bytes and with passing time |
-//! | `cortex_m4` | kernels of the maps written for the processor |
 //! | [`crash`] | what is kept over a reset, whether to believe it, and what to call the reset |
 //! | [`lamp`] | when the lamp is lit |
 //! | [`line`](mod@line) | how the serial interrupt moves bytes |
 //! | [`persist`] | where in flash an image of the mind goes, and which one is the newest |
-//! | [`pinout`] | which pin does what, and which pins must be left alone |
 //! | [`sonar_ring`] | when which sonar fires, and what its echo means |
 //! | [`stack`] | how deep the stack has been |
 //! | [`vigil`] | whether the watchdog may be fed |
 //!
-//! The binary beside this library owns the chip: `main.rs` says which task runs when, `board.rs` is the only file that
-//! touches pins and clocks.
+//! The packages in `boards/` own the chips: each says what runs when, and is the only place that touches pins and clocks.
 #![no_std]
 #![deny(unsafe_code)]
 #![deny(missing_docs)]
@@ -28,15 +25,18 @@
 extern crate std;
 
 pub mod control;
-#[cfg(all(target_arch = "arm", target_os = "none"))]
-pub mod cortex_m4;
 pub mod crash;
+#[cfg(feature = "crash-test")]
+pub mod crash_test;
 pub mod lamp;
 pub mod line;
 pub mod persist;
-pub mod pinout;
-#[cfg(feature = "qemu")]
-pub mod provoke;
 pub mod sonar_ring;
 pub mod stack;
 pub mod vigil;
+
+/// The commit this was built from, as eight characters; the version where there is no commit.
+pub const BUILD: [u8; 8] = match env!("FIRMWARE_BUILD").as_bytes().first_chunk() {
+    Some(name) => *name,
+    None => panic!("build.rs writes eight characters"),
+};

@@ -20,7 +20,8 @@
 use amp::store::{Contents, Fault, Found, WORD, check};
 use amp::wire::checksum;
 use amp::wire::message::{Flash, FlashError};
-use embedded_storage::nor_flash::NorFlash;
+use core::convert::Infallible;
+use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 
 /// Bytes of a slot for the Nomad's mind.
 pub const SLOT_BYTES: u32 = amp::store::MOST_NOMAD as u32;
@@ -37,6 +38,39 @@ const MARK_BYTES: u32 = 12;
 
 /// How a mark begins.
 const MARK: [u8; 4] = *b"ERAS";
+
+/// The flash of a board that has none: no value of this type exists.
+#[derive(Debug)]
+pub enum NoFlash {}
+
+impl ErrorType for NoFlash {
+    type Error = Infallible;
+}
+
+impl ReadNorFlash for NoFlash {
+    const READ_SIZE: usize = 1;
+
+    fn read(&mut self, _: u32, _: &mut [u8]) -> Result<(), Infallible> {
+        match *self {}
+    }
+
+    fn capacity(&self) -> usize {
+        match *self {}
+    }
+}
+
+impl NorFlash for NoFlash {
+    const WRITE_SIZE: usize = 1;
+    const ERASE_SIZE: usize = 1;
+
+    fn erase(&mut self, _: u32, _: u32) -> Result<(), Infallible> {
+        match *self {}
+    }
+
+    fn write(&mut self, _: u32, _: &[u8]) -> Result<(), Infallible> {
+        match *self {}
+    }
+}
 
 /// Where an image lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 //! A watchdog fed from a timer interrupt alone would be content with a control task that hangs. Here each task leaves its
 //! mark, and one task that stays away is enough to let the watchdog bite.
 
-use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use portable_atomic::{AtomicBool, AtomicU32, Ordering};
 
 /// A task that has to show itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -202,7 +202,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     pub fn frame(&mut self, now: Millis, frame: &[u8], out: &mut impl Outbox) {
         let counters = &mut self.counters;
         match frame::unpack::<ToMind<SENSORS>>(frame) {
-            Ok((header, message)) => self.message(header, message, now, out),
+            Ok((header, ref message)) => self.message(header, message, now, out),
             Err(FrameError::Shape | FrameError::TooLong) => add(&mut counters.misshapen),
             Err(FrameError::Crc) => add(&mut counters.damaged),
             Err(FrameError::Content { .. }) => add(&mut counters.unknown),
@@ -212,11 +212,11 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     fn message(
         &mut self,
         header: Header,
-        message: ToMind<SENSORS>,
+        message: &ToMind<SENSORS>,
         now: Millis,
         out: &mut impl Outbox,
     ) {
-        if let ToMind::Hello(hello) = message {
+        if let ToMind::Hello(hello) = *message {
             return self.open(header, hello, now, out);
         }
         // A stop acts whatever its session, number and time.

@@ -8,7 +8,7 @@ use amp::wire::message::{
     Clock, Counters, Dimensions, FromMind, HostHello, MindHello, Order, Refusal, Report, ToMind,
 };
 use amp::wire::{Frame, PROTOCOL, Receiver, SCHEMA};
-use host_sim::link::{Qemu, Tcp, Transport, build_image};
+use host_sim::link::{Machine, Qemu, Tcp, Transport, build_image};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
@@ -28,7 +28,9 @@ pub type Said = FromMind<16>;
 #[must_use]
 pub fn image() -> &'static Path {
     static IMAGE: OnceLock<PathBuf> = OnceLock::new();
-    IMAGE.get_or_init(|| build_image().unwrap_or_else(|error| panic!("{error}")))
+    IMAGE.get_or_init(|| {
+        build_image(&Machine::OLIMEX_H405).unwrap_or_else(|error| panic!("{error}"))
+    })
 }
 
 /// What both ends have to agree on.
@@ -60,7 +62,16 @@ impl Chip {
     /// When QEMU is missing or does not start.
     #[must_use]
     pub fn start() -> Self {
-        let qemu = Qemu::start(image(), false).unwrap_or_else(|error| panic!("{error}"));
+        Self::start_on(&Machine::OLIMEX_H405, image())
+    }
+
+    /// As [`start`](Self::start), on another machine and with its image.
+    ///
+    /// # Panics
+    /// When QEMU is missing or does not start.
+    #[must_use]
+    pub fn start_on(machine: &Machine, image: &Path) -> Self {
+        let qemu = Qemu::start(machine, image, false).unwrap_or_else(|error| panic!("{error}"));
         let mut chip = Self::at_the_end_of(Box::new(qemu));
         chip.wait(|_, report| matches!(report.said, FromMind::Hello(_)).then_some(()));
         chip
@@ -242,7 +253,10 @@ impl Chip {
     fn read(&mut self, patience: Duration) {
         let mut buffer = [0; 4_096];
         let count = self.line.receive(&mut buffer, patience);
-        let count = count.expect("the line from the chip");
+        let count = count.unwrap_or_else(|error| {
+            let words = self.line.last_words().unwrap_or_default();
+            panic!("the line from the chip: {error}; {words}")
+        });
         self.left.extend_from_slice(&buffer[..count]);
     }
 

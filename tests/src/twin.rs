@@ -14,7 +14,7 @@ use std::time::Instant;
 
 /// Simulated time between two signs of life.
 const ALIVE_MS: u32 = 250;
-/// Bytes the chip may be behind: its receive queue takes twice as many.
+/// Bytes the F405 may be behind: its receive queue takes twice as many.
 const BEHIND: usize = 256;
 
 /// The two minds.
@@ -26,6 +26,8 @@ pub struct Twin {
     /// Said by the one here and not yet by the chip.
     awaited: Vec<u8>,
     compared: usize,
+    /// Bytes the chip may be behind.
+    behind: usize,
     /// Echoes are sent by whole rings, as they come from sonars that are heard all at once.
     rings: bool,
     echoes: heapless::Vec<Heard, 16>,
@@ -35,8 +37,18 @@ impl Twin {
     /// A chip and a node as new.
     #[must_use]
     pub fn new(rings: bool) -> Self {
+        Self::with(Chip::start(), BEHIND, rings)
+    }
+
+    /// A given chip that has just been started, and a node as new. The chip may be `behind` bytes behind.
+    ///
+    /// # Panics
+    /// When the chip does not answer.
+    #[must_use]
+    pub fn with(chip: Chip, behind: usize, rings: bool) -> Self {
         let mut twin = Self {
-            chip: Chip::start(),
+            chip,
+            behind,
             local: Box::new(NomadNode::new()),
             seq: 0,
             at_ms: 0,
@@ -131,7 +143,7 @@ impl Twin {
                     panic!("{said:?}");
                 };
                 offset += bytes.len() as u16;
-                self.settle(BEHIND);
+                self.settle(self.behind);
                 if offset >= *total {
                     break;
                 }
@@ -139,6 +151,23 @@ impl Twin {
         }
         self.settle(0);
         self.compared - before
+    }
+
+    /// The checksums of maps and memory, which both say in a hello. The session begins anew.
+    ///
+    /// # Panics
+    /// When they differ.
+    pub fn checksums(&mut self) -> [u32; 2] {
+        let said = self.send(&ToMind::Hello(HostHello {
+            dimensions: dimensions(),
+            clock: Clock::Host,
+        }));
+        self.settle(0);
+        let hello = said.iter().find_map(|report| match report.said {
+            FromMind::Hello(hello) => Some([hello.maps_crc, hello.memory_crc]),
+            _ => None,
+        });
+        hello.expect("a hello")
     }
 
     /// Peak of the chip's stack, bytes.
@@ -247,7 +276,7 @@ impl Pilot for Twin {
             }
         };
         let said = self.send(&message);
-        self.settle(BEHIND);
+        self.settle(self.behind);
         outputs(&said)
     }
 }

@@ -12,8 +12,8 @@ use std::boxed::Box;
 use std::vec::Vec;
 
 /// A control task between two queues whose far ends the test holds.
-struct Bench {
-    control: Control<'static, Sectors>,
+struct Bench<F = Sectors> {
+    control: Control<'static, F>,
     incoming: Producer<'static, u8>,
     outgoing: Consumer<'static, u8>,
     seq: u16,
@@ -30,6 +30,10 @@ fn bench() -> Bench {
 }
 
 fn bench_with(flash: Sectors) -> Bench {
+    bench_on(Some(Store::mount(flash, persist::SLOT_BYTES)))
+}
+
+fn bench_on<F: NorFlash>(store: Option<Store<F>>) -> Bench<F> {
     let received = forever(Queue::<u8, 512>::new());
     let to_send = forever(Queue::<u8, 2048>::new());
     let mind = forever(NomadNode::new());
@@ -37,20 +41,14 @@ fn bench_with(flash: Sectors) -> Bench {
     let (incoming, received) = received.split();
     let (to_send, outgoing) = to_send.split();
     Bench {
-        control: Control::new(
-            mind,
-            received,
-            Outbox::new(to_send),
-            faults,
-            Store::mount(flash, persist::SLOT_BYTES),
-        ),
+        control: Control::new(mind, received, Outbox::new(to_send), faults, store),
         incoming,
         outgoing,
         seq: 0,
     }
 }
 
-impl Bench {
+impl<F: NorFlash> Bench<F> {
     fn start(&mut self) {
         let identity = Identity {
             build: *b"testtest",
@@ -59,6 +57,12 @@ impl Bench {
             ring: false,
         };
         self.control.start(identity, Millis::from_ms(0));
+    }
+
+    /// Generation of the newest image.
+    fn generation(&self) -> u32 {
+        let store = self.control.store.as_ref().expect("a store");
+        store.generation()
     }
 
     fn receive(&mut self, bytes: &[u8]) {
@@ -233,7 +237,7 @@ fn what_was_saved_is_there_after_the_next_start() {
             FromMind::Done { seq: 4 },
         ]
     );
-    let mut next = bench_with(bench.control.store.into_flash());
+    let mut next = bench_with(bench.control.store.expect("a store").into_flash());
     let saved = config_crc(&mut next);
     assert_ne!(saved, fresh);
     // Erased, and recalled: there is nothing.
@@ -249,7 +253,7 @@ fn what_was_saved_is_there_after_the_next_start() {
         said.contains(&FromMind::Refusal { seq: 3, why }),
         "{said:?}"
     );
-    let mut last = bench_with(next.control.store.into_flash());
+    let mut last = bench_with(next.control.store.expect("a store").into_flash());
     assert_eq!(config_crc(&mut last), fresh);
 }
 
@@ -264,9 +268,9 @@ fn a_pause_waits_for_its_announcement_and_for_the_watchdog() {
     let _ = bench.said();
     // Writing alone may take longer than an impatient watchdog bears.
     assert!(!bench.control.run(Millis::from_ms(0)));
-    assert_eq!(bench.control.store.generation(), 0);
+    assert_eq!(bench.generation(), 0);
     let _ = settle(&mut bench, 1);
-    assert_eq!(bench.control.store.generation(), 1);
+    assert_eq!(bench.generation(), 1);
     // The sector takes one image: the next one goes into the other, which has to be erased.
     bench.ask(&ToMind::Flash(Flash::Save));
     assert!(bench.control.run(Millis::from_ms(2)) && !bench.control.wants_patience());
@@ -281,11 +285,11 @@ fn a_pause_waits_for_its_announcement_and_for_the_watchdog() {
     assert_eq!(said.last(), Some(&FromMind::Busy { ms: pause_ms }));
     bench.control.note_patience(false);
     assert!(!bench.control.run(Millis::from_ms(4)));
-    assert_eq!(bench.control.store.generation(), 1);
+    assert_eq!(bench.generation(), 1);
     bench.control.note_patience(true);
     assert!(bench.control.run(Millis::from_ms(5)));
     assert_eq!(bench.said(), [FromMind::Done { seq: 3 }]);
-    assert!(bench.control.store.generation() == 2 && !bench.control.wants_patience());
+    assert!(bench.generation() == 2 && !bench.control.wants_patience());
 }
 
 /// The ring's queue, whose near end the control task holds; the session takes its scans from there.
@@ -376,4 +380,23 @@ fn the_ring_rests_while_flash_is_in_use() {
         let _ = bench.control.run(Millis::from_ms(ms));
     }
     assert!(bench.control.wants_ring());
+}
+
+#[test]
+fn a_board_without_flash_refuses_at_once_and_goes_on() {
+    let mut bench = bench_on::<NoFlash>(None);
+    bench.start();
+    bench.open();
+    assert!(!bench.control.run(Millis::from_ms(1)));
+    let _ = bench.said();
+    for task in [Flash::Save, Flash::Recall, Flash::Erase] {
+        bench.ask(&ToMind::Flash(task));
+        while bench.control.run(Millis::from_ms(2)) {}
+        let said = bench.said();
+        let absent = Refusal::Flash(FlashError::Absent);
+        assert!(
+            matches!(said[..], [FromMind::Refusal { why, .. }, FromMind::Done { .. }] if why == absent),
+            "{task:?}: {said:?}"
+        );
+    }
 }

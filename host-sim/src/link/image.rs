@@ -1,19 +1,18 @@
 //! The firmware's image for the emulator, built from the project's sources.
 
-use super::LinkError;
+use super::{LinkError, Machine};
 use std::ffi::OsString;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-const TARGET: &str = "thumbv7em-none-eabihf";
 const PROFILE: &str = "chip";
 
-/// Builds the image and returns its path. Into a folder of its own: the board's image elsewhere stays the board's.
+/// Builds the image for a machine and returns its path. Into a folder of its own: the board's image elsewhere stays the board's.
 ///
 /// # Errors
 /// [`LinkError::Open`] without the sources, without cargo, or when the build fails.
-pub fn build() -> Result<PathBuf, LinkError> {
+pub fn build(machine: &Machine) -> Result<PathBuf, LinkError> {
     let root = project().ok_or_else(|| {
         refused("the firmware's sources are not here: start this in the project's folder, or give an image with --firmware ELF")
     })?;
@@ -21,17 +20,23 @@ pub fn build() -> Result<PathBuf, LinkError> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"));
     let built = Command::new(&cargo)
         .current_dir(&root)
-        .args(["build", "--quiet", "-p", "firmware", "--features", "qemu"])
-        .args(["--profile", PROFILE, "--target", TARGET, "--target-dir"])
+        .args(["build", "--quiet", "-p", machine.package])
+        .args(["--bin", machine.program, "--features", machine.features])
+        .args(["--profile", PROFILE, "--target", machine.target])
+        .arg("--target-dir")
         .arg(&folder)
         .stdin(Stdio::null())
         // The compiler's messages are for the person; standard output is for results.
         .stdout(Stdio::null())
         .status();
     match built {
-        Ok(status) if status.success() => Ok(folder.join(TARGET).join(PROFILE).join("firmware")),
+        Ok(status) if status.success() => {
+            let folder = folder.join(machine.target).join(PROFILE);
+            Ok(folder.join(machine.program))
+        }
         Ok(_) => Err(refused(&format!(
-            "the firmware could not be built, see above (once: `rustup target add {TARGET}`)"
+            "the firmware could not be built, see above (once: `rustup target add {}`)",
+            machine.target
         ))),
         Err(error) if error.kind() == ErrorKind::NotFound => Err(refused(
             "there is no cargo to build the firmware with: install Rust (https://rustup.rs), or give an image with --firmware ELF",

@@ -21,6 +21,7 @@ mod error;
 mod image;
 mod knowledge;
 mod lossy;
+mod machine;
 mod opening;
 mod parts;
 mod qemu;
@@ -36,6 +37,7 @@ pub use error::LinkError;
 pub use image::build as build_image;
 pub use knowledge::Knowledge;
 pub use lossy::{Lossy, Silent};
+pub use machine::Machine;
 pub use opening::{fresh_number, next_number};
 pub use qemu::Qemu;
 pub use remote::{Fingerprint, RemoteMind};
@@ -64,11 +66,12 @@ pub fn connect(address: &Address, emulation: &Emulation) -> Result<Box<dyn Trans
         Address::Serial { path, baud } => Box::new(Serial::open(path, *baud)?),
         Address::Tcp(host) => Box::new(Tcp::open(host)?),
         Address::Qemu => {
+            let machine = &Machine::OLIMEX_H405;
             let image = match &emulation.firmware {
                 Some(image) => image.clone(),
-                None => image::build()?,
+                None => image::build(machine)?,
             };
-            Box::new(Qemu::start(&image, emulation.verbose)?)
+            Box::new(Qemu::start(machine, &image, emulation.verbose)?)
         }
     })
 }

@@ -1,17 +1,12 @@
 //! The firmware in an emulated chip, as a child of this process.
 
-use super::{LinkError, Tcp, Transport};
+use super::{LinkError, Machine, Tcp, Transport};
 use std::io::{self, BufRead, BufReader, ErrorKind, Read};
 use std::net::{TcpListener, TcpStream};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
-
-const PROGRAM: &str = "qemu-system-arm";
-
-/// The emulated board with the firmware's chip.
-const MACHINE: &str = "netduinoplus2";
 
 /// How long the emulator may take to start.
 const STARTING: Duration = Duration::from_secs(10);
@@ -42,30 +37,24 @@ type Said = Arc<Mutex<String>>;
 struct KillOnDrop {
     child: Child,
     watcher: Option<Child>,
+    emulator: &'static str,
 }
 
 impl Qemu {
-    /// Starts the image; with `verbose`, what the emulator says goes to standard error as well.
+    /// Starts the image on a machine; with `verbose`, what the emulator says goes to standard error as well.
     ///
     /// # Errors
     /// [`LinkError::Open`] without the image or the emulator, or when it ends at once.
-    pub fn start(image: &Path, verbose: bool) -> Result<Self, LinkError> {
-        Self::start_with(image, verbose, &[])
-    }
-
-    /// As [`start`](Self::start), with further arguments for the emulator.
-    ///
-    /// # Errors
-    /// As there.
-    pub fn start_with(image: &Path, verbose: bool, more: &[&str]) -> Result<Self, LinkError> {
+    pub fn start(machine: &Machine, image: &Path, verbose: bool) -> Result<Self, LinkError> {
         if !image.is_file() {
             let image = image.display();
             return Err(refused(format!("{image}: there is no such image")));
         }
-        let no_socket = |error: io::Error| refused(format!("no socket for {PROGRAM}: {error}"));
+        let emulator = machine.emulator;
+        let no_socket = |error: io::Error| refused(format!("no socket for {emulator}: {error}"));
         let listener = TcpListener::bind(("127.0.0.1", 0)).map_err(no_socket)?;
         let port = listener.local_addr().map_err(no_socket)?.port();
-        let mut process = KillOnDrop::spawn(image, port, more)?;
+        let mut process = KillOnDrop::spawn(machine, image, port)?;
         let said = process.overhear(verbose);
         let stream = process.accept(&listener, &said)?;
         let line = Tcp::new(stream).map_err(no_socket)?;
@@ -102,7 +91,7 @@ impl Transport for Qemu {
         let until = Instant::now() + ENDING;
         loop {
             if let Some(status) = self.process.child.try_wait().ok()? {
-                return Some(ended(status, &text(&self.said)));
+                return Some(ended(self.process.emulator, status, &text(&self.said)));
             }
             if Instant::now() >= until {
                 return None;
@@ -113,9 +102,11 @@ impl Transport for Qemu {
 }
 
 impl KillOnDrop {
-    fn spawn(image: &Path, port: u16, more: &[&str]) -> Result<Self, LinkError> {
-        let spawned = Command::new(PROGRAM)
-            .args(["-M", MACHINE, "-nographic", "-monitor", "none", "-kernel"])
+    fn spawn(machine: &Machine, image: &Path, port: u16) -> Result<Self, LinkError> {
+        let emulator = machine.emulator;
+        let spawned = Command::new(emulator)
+            .args(machine.arguments)
+            .args(["-nographic", "-monitor", "none", "-kernel"])
             .arg(image)
             .arg("-chardev")
             .arg(format!(
@@ -123,7 +114,6 @@ impl KillOnDrop {
             ))
             .args(["-serial", "chardev:link"])
             .args(["-semihosting-config", "enable=on,target=native"])
-            .args(more)
             .stdin(Stdio::null())
             // Standard output is for results.
             .stdout(Stdio::null())
@@ -133,11 +123,13 @@ impl KillOnDrop {
             Ok(child) => Ok(Self {
                 watcher: watch(child.id()),
                 child,
+                emulator,
             }),
             Err(error) if error.kind() == ErrorKind::NotFound => Err(refused(format!(
-                "{PROGRAM} is not installed: apt-get install {PROGRAM}"
+                "{emulator} is not installed: apt-get install {}",
+                machine.install
             ))),
-            Err(error) => Err(refused(format!("{PROGRAM} cannot be started: {error}"))),
+            Err(error) => Err(refused(format!("{emulator} cannot be started: {error}"))),
         }
     }
 
@@ -153,7 +145,8 @@ impl KillOnDrop {
 
     /// Waits until the emulator has connected to its end of the line.
     fn accept(&mut self, listener: &TcpListener, said: &Said) -> Result<TcpStream, LinkError> {
-        let failed = |error: io::Error| refused(format!("{PROGRAM} cannot be reached: {error}"));
+        let emulator = self.emulator;
+        let failed = |error: io::Error| refused(format!("{emulator} cannot be reached: {error}"));
         listener.set_nonblocking(true).map_err(failed)?;
         let until = Instant::now() + STARTING;
         while Instant::now() < until {
@@ -166,12 +159,12 @@ impl KillOnDrop {
                 Err(error) => return Err(failed(error)),
             }
             if let Some(status) = self.child.try_wait().map_err(failed)? {
-                return Err(refused(ended(status, &text(said))));
+                return Err(refused(ended(emulator, status, &text(said))));
             }
             std::thread::sleep(GLANCE);
         }
         Err(refused(format!(
-            "{PROGRAM} has not started within {} s",
+            "{emulator} has not started within {} s",
             STARTING.as_secs()
         )))
     }
@@ -230,12 +223,12 @@ fn text(said: &Said) -> String {
         .to_owned()
 }
 
-fn ended(status: std::process::ExitStatus, said: &str) -> String {
+fn ended(emulator: &str, status: std::process::ExitStatus, said: &str) -> String {
     // After a complaint of its own come the processor's registers.
     let own = said.lines().rfind(|line| line.starts_with("qemu"));
     let last = own.or_else(|| said.lines().last());
     format!(
-        "{PROGRAM} has ended ({status}): {}",
+        "{emulator} has ended ({status}): {}",
         last.unwrap_or("it said nothing")
     )
 }

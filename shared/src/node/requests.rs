@@ -17,20 +17,20 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     pub(super) fn request(
         &mut self,
         seq: u16,
-        message: ToMind<SENSORS>,
+        message: &ToMind<SENSORS>,
         now: Millis,
         out: &mut impl Outbox,
     ) {
         let answered = !matches!(message, ToMind::Alive { .. });
-        let result = match message {
+        let result = match *message {
             ToMind::Hello(_) => Ok(()),
             ToMind::Alive { at_ms } => {
                 self.hear_of(at_ms, now, out);
                 Ok(())
             }
-            ToMind::Scan { at_ms, echoes } => {
+            ToMind::Scan { at_ms, ref echoes } => {
                 let at = self.hear_of(at_ms, now, out);
-                self.scan(at, &echoes, now, out);
+                self.scan(at, echoes, now, out);
                 Ok(())
             }
             ToMind::Odometry {
@@ -54,7 +54,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             ToMind::Command {
                 at_ms,
                 ttl_ms,
-                order,
+                ref order,
             } => {
                 let at = self.hear_of(at_ms, now, out);
                 self.command(at_ms, at, ttl_ms, order, now, out)
@@ -67,11 +67,11 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             ToMind::Write {
                 part,
                 offset,
-                bytes,
+                ref bytes,
                 last,
             } => {
                 self.link.heard_timeless(now);
-                self.write_piece(part, offset, &bytes, last)
+                self.write_piece(part, offset, bytes, last)
             }
             ToMind::Counters => {
                 self.link.heard_timeless(now);
@@ -147,12 +147,14 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
     }
 
+    // Not a part of every request's stack.
+    #[inline(never)]
     fn command(
         &mut self,
         at_ms: u32,
         at: Millis,
         ttl_ms: u16,
-        order: Order<SENSORS>,
+        order: &Order<SENSORS>,
         now: Millis,
         out: &mut impl Outbox,
     ) -> Result<(), Refusal> {
@@ -161,8 +163,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             super::add(&mut self.counters.expired);
             return Err(Refusal::Expired { age_ms });
         }
-        let command = match order {
-            Order::Goal(by) => {
+        let command = match *order {
+            Order::Goal(ref by) => {
                 self.goal = self.goal_of(by)?;
                 if !matches!(self.state.mode(), Mode::Seek { .. }) {
                     return Ok(());
@@ -185,8 +187,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             .map_or(Ok(()), |why| Err(Refusal::Command(why)))
     }
 
-    fn goal_of(&self, by: GoalBy<SENSORS>) -> Result<Goal<SENSORS>, Refusal> {
-        match by {
+    fn goal_of(&self, by: &GoalBy<SENSORS>) -> Result<Goal<SENSORS>, Refusal> {
+        match *by {
             GoalBy::Avoid => Ok(Goal::avoiding(&self.config)),
             GoalBy::Components(goal) => Ok(goal),
             GoalBy::Kept(name) => self.goals.find(name).copied().ok_or(Refusal::NoSuchGoal),

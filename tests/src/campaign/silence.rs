@@ -12,12 +12,8 @@ use crate::chip::packed;
 use amp::wire::Receiver;
 use amp::wire::frame::{Header, unpack};
 use amp::wire::message::{FromMind, Heard, Report, ToMind};
-use embedded_storage::nor_flash::{
-    ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
-};
 use firmware::control::Control;
 use firmware::line::{Faults, Outbox};
-use firmware::persist::{SLOT_BYTES, Store};
 use heapless::spsc::{Consumer, Producer, Queue};
 use host_sim::sonar::FIRING_ORDER;
 use host_sim::world::World;
@@ -187,7 +183,7 @@ fn try_it(ready: &Ready, room: &World, gone: Gone, seed: u64, trial: u64) -> Sto
     let faults = Faults::new();
     let (producer, consumer) = received.split();
     let (to_send, outgoing) = to_send.split();
-    let control = Control::new(&mut node, consumer, Outbox::new(to_send), &faults, store());
+    let control = Control::new(&mut node, consumer, Outbox::new(to_send), &faults, None);
     let wheels = Wheels::new(room, trial);
     let mut scene = Scene::new(ready, control, wheels, producer, outgoing);
     // Somewhere between two rounds, echoes and reports.
@@ -229,55 +225,9 @@ fn try_it(ready: &Ready, room: &World, gone: Gone, seed: u64, trial: u64) -> Sto
     }
 }
 
-/// A chip whose flash is broken: nothing is saved here.
-struct NoFlash;
-
-/// It cannot be read either.
-#[derive(Debug)]
-struct Broken;
-
-impl NorFlashError for Broken {
-    fn kind(&self) -> NorFlashErrorKind {
-        NorFlashErrorKind::Other
-    }
-}
-
-impl ErrorType for NoFlash {
-    type Error = Broken;
-}
-
-impl ReadNorFlash for NoFlash {
-    const READ_SIZE: usize = 1;
-
-    fn read(&mut self, _: u32, _: &mut [u8]) -> Result<(), Broken> {
-        Err(Broken)
-    }
-
-    fn capacity(&self) -> usize {
-        2 * Self::ERASE_SIZE
-    }
-}
-
-impl NorFlash for NoFlash {
-    const WRITE_SIZE: usize = 4;
-    const ERASE_SIZE: usize = 128 * 1_024;
-
-    fn erase(&mut self, _: u32, _: u32) -> Result<(), Broken> {
-        Err(Broken)
-    }
-
-    fn write(&mut self, _: u32, _: &[u8]) -> Result<(), Broken> {
-        Err(Broken)
-    }
-}
-
-fn store() -> Store<NoFlash> {
-    Store::mount(NoFlash, SLOT_BYTES)
-}
-
 /// A chip, a host and a base with a line between them.
 struct Scene<'a> {
-    control: Control<'a, NoFlash>,
+    control: Control<'a>,
     incoming: Producer<'a, u8>,
     outgoing: Consumer<'a, u8>,
     /// On the line to the chip, and the line's spare time both ways, hundredths of bytes.
@@ -297,7 +247,7 @@ struct Scene<'a> {
 impl<'a> Scene<'a> {
     fn new(
         ready: &Ready,
-        control: Control<'a, NoFlash>,
+        control: Control<'a>,
         wheels: Wheels<'a>,
         incoming: Producer<'a, u8>,
         outgoing: Consumer<'a, u8>,
@@ -434,7 +384,7 @@ mod tests {
         let faults = Faults::new();
         let (producer, consumer) = received.split();
         let (to_send, outgoing) = to_send.split();
-        let control = Control::new(&mut node, consumer, Outbox::new(to_send), &faults, store());
+        let control = Control::new(&mut node, consumer, Outbox::new(to_send), &faults, None);
         let room = World::builtin("room").expect("it is built in");
         let wheels = Wheels::new(&room, 1);
         let mut scene = Scene::new(&ready, control, wheels, producer, outgoing);

@@ -9,6 +9,9 @@ use std::process::{Command, Output};
 /// The chip.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
 
+/// The board whose image is looked at; the other one's differs by its pins.
+pub const BOARD: &str = "olimex_h405";
+
 /// The chip's memory.
 const SRAM: std::ops::Range<u64> = 0x2000_0000..0x2002_0000;
 
@@ -67,11 +70,13 @@ pub fn board_image() -> PathBuf {
     if let Some(path) = std::env::var_os("FIRMWARE_ELF") {
         return project().join(path);
     }
-    let line = format!("build --locked --package firmware --profile chip --target {TARGET}");
+    let line = format!(
+        "build --locked --package stm32f405 --bin {BOARD} --profile chip --target {TARGET}"
+    );
     let output = cargo(&project(), &line);
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{said}");
-    target_folder().join(TARGET).join("chip/firmware")
+    target_folder().join(TARGET).join("chip").join(BOARD)
 }
 
 /// What an image takes, by the sections of its ELF file.

@@ -26,7 +26,7 @@ fn the_deepest_stack_stays_within_its_region() {
     // fits is seen to by the region's lower end.
     calls.leave_out("core9panicking");
     // In the emulator's image alone, and without a bound on purpose.
-    calls.leave_out("firmware7provoke");
+    calls.leave_out("firmware10crash_test");
     let deepest = |name: &str| {
         let address = calls.address(name).unwrap_or_else(|| panic!("no {name}"));
         let found = calls.deepest(address);

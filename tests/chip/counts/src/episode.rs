@@ -8,7 +8,7 @@ use amp::goal::{Goal, Side};
 use amp::som::Grid;
 use amp::units::{Bearing, Displacement, Millis, Range};
 use core::hint::black_box;
-use firmware::cortex_m4::KERNELS;
+use cortex_m4::KERNELS;
 use heapless::Vec;
 
 /// Decisions towards the goal.

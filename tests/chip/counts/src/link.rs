@@ -13,7 +13,7 @@ use amp::wire::message::{
 };
 use amp::wire::{Frame, Header, PROTOCOL, Report, SCHEMA, frame};
 use core::hint::black_box;
-use firmware::cortex_m4::KERNELS;
+use cortex_m4::KERNELS;
 use heapless::Vec;
 
 /// Decisions by frames.

@@ -5,7 +5,7 @@ use amp::fixed::{Mask, Weight};
 use amp::som::neighbourhood::Pull;
 use amp::som::{Edges, Grid, Neighbourhood, Som};
 use core::array::from_fn;
-use firmware::cortex_m4::KERNELS;
+use cortex_m4::KERNELS;
 
 /// Maps that are compared, and steps of learning on each.
 const MAPS: u32 = 24;

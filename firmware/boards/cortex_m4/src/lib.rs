@@ -12,6 +12,10 @@
 //! | search | 1345 | 455 |
 //! | pull of a winner and its four neighbours | 783 | 438 |
 
+//!
+//! The crate is empty on every other processor.
+#![no_std]
+#![cfg(all(target_arch = "arm", target_os = "none"))]
 #![allow(unsafe_code)]
 
 use amp::fixed::{Fine, Weight};

@@ -1,0 +1,16 @@
+//! Tells the linker where the memory of the machine is.
+
+use std::env;
+
+fn main() {
+    println!("cargo:rerun-if-changed=build.rs");
+    println!("cargo:rerun-if-changed=riscv32_virt.x");
+    if env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
+        return;
+    }
+    let package = env::var("CARGO_MANIFEST_DIR").expect("cargo names the package's folder");
+    println!("cargo:rustc-link-search={package}");
+    for argument in ["--nmagic", "-Triscv32_virt.x", "-Tlink.x"] {
+        println!("cargo:rustc-link-arg-bins={argument}");
+    }
+}

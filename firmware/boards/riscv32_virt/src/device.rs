@@ -1,0 +1,134 @@
+//! The machine: a 16550 serial port, the core's timer, and a device that resets everything. The only file that touches
+//! registers. Addresses are those of `hw/riscv/virt.c` in QEMU.
+
+#![allow(unsafe_code)]
+
+use amp::units::Millis;
+use core::ptr::with_exposed_provenance_mut;
+use firmware::line::{Port, Status};
+
+/// The 16550 compatible serial port.
+const UART: usize = 0x1000_0000;
+/// Its registers: data, FIFO control, line control, line status.
+const DATA: usize = 0;
+const FIFO_CONTROL: usize = 2;
+const LINE_CONTROL: usize = 3;
+const LINE_STATUS: usize = 5;
+/// The core-local interruptor: time at which its interrupt is pending, and time; 64 bits each.
+const COMPARE: usize = 0x0200_4000;
+const TIME: usize = 0x0200_bff8;
+/// Ticks of the core's timer per millisecond.
+const TICKS_PER_MS: u64 = 10_000;
+/// Takes orders for the whole machine.
+const TEST_DEVICE: usize = 0x10_0000;
+/// Resets it.
+const RESET: u32 = 0x7777;
+
+/// The serial port; an emulated one has no rate.
+pub struct Uart {
+    moved: bool,
+}
+
+impl Uart {
+    /// Eight data bits, no parity, one stop bit; queues of 16 bytes.
+    pub fn start() -> Self {
+        write8(LINE_CONTROL, 0b011);
+        write8(FIFO_CONTROL, 0b111);
+        Self { moved: false }
+    }
+
+    /// Whether a byte was moved since the last call.
+    pub fn take_moved(&mut self) -> bool {
+        core::mem::take(&mut self.moved)
+    }
+}
+
+impl Port for Uart {
+    fn status(&mut self) -> Status {
+        let status = read8(LINE_STATUS);
+        Status {
+            received: status & 1 != 0,
+            overrun: status & 1 << 1 != 0,
+            can_send: status & 1 << 5 != 0,
+        }
+    }
+
+    fn receive(&mut self) -> u8 {
+        self.moved = true;
+        read8(DATA)
+    }
+
+    fn send(&mut self, byte: u8) {
+        self.moved = true;
+        write8(DATA, byte);
+    }
+
+    // The loop polls the port.
+    fn call_to_send(&mut self, _: bool) {}
+}
+
+/// The core's timer.
+pub struct Timer {}
+
+impl Timer {
+    /// Lets its interrupt wake the core; it is never taken, because interrupts stay off.
+    pub fn start() -> Self {
+        // SAFETY: only whether the core wakes depends on this bit while interrupts are off.
+        unsafe { riscv::register::mie::set_mtimer() };
+        Self {}
+    }
+
+    /// Time since the start, whole milliseconds; begins anew after 49.7 days.
+    pub fn now(&self) -> Millis {
+        Millis::from_ms((ticks() / TICKS_PER_MS) as u32)
+    }
+
+    /// Sleeps for a millisecond.
+    pub fn sleep_1_ms(&mut self) {
+        let then = ticks() + TICKS_PER_MS;
+        // The upper half last, and nothing earlier than `then` meanwhile.
+        write32(COMPARE + 4, u32::MAX);
+        write32(COMPARE, then as u32);
+        write32(COMPARE + 4, (then >> 32) as u32);
+        riscv::asm::wfi();
+    }
+}
+
+/// Resets the machine.
+pub fn reset() -> ! {
+    write32(TEST_DEVICE, RESET);
+    loop {
+        riscv::asm::wfi();
+    }
+}
+
+/// The timer's ticks since the start.
+fn ticks() -> u64 {
+    loop {
+        let (high, low) = (read32(TIME + 4), read32(TIME));
+        // The lower half may have come round in between.
+        if read32(TIME + 4) == high {
+            return u64::from(high) << 32 | u64::from(low);
+        }
+    }
+}
+
+fn read8(register: usize) -> u8 {
+    // SAFETY: the address is a register of the port; reading it has no effect on memory.
+    unsafe { with_exposed_provenance_mut::<u8>(UART + register).read_volatile() }
+}
+
+fn write8(register: usize, value: u8) {
+    // SAFETY: as in `read8`.
+    unsafe { with_exposed_provenance_mut::<u8>(UART + register).write_volatile(value) }
+}
+
+fn read32(address: usize) -> u32 {
+    // SAFETY: the address is a register of the timer; reading it has no effect on memory.
+    unsafe { with_exposed_provenance_mut::<u32>(address).read_volatile() }
+}
+
+fn write32(address: usize, value: u32) {
+    // SAFETY: the address is a register of the timer or the test device; writing it has no effect on memory.
+    unsafe { with_exposed_provenance_mut::<u32>(address).write_volatile(value) }
+}

@@ -1,0 +1,17 @@
+//! The firmware on the emulated RISC-V machine `virt` of QEMU.
+//!
+//! One loop without interrupts: each millisecond it moves the bytes that have come and runs the control task. There is
+//! neither flash nor a ring.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod application;
+#[cfg(target_os = "none")]
+mod device;
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    println!(
+        "This program is for an emulated machine: firmware/README.md says how to build and start it there."
+    );
+}

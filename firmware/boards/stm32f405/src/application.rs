@@ -1,0 +1,235 @@
+//! The tasks: who runs when.
+//!
+//! | task | runs | priority | does |
+//! |---|---|---|---|
+//! | `serial` | when a byte has come or can go | 3 | moves it between the port and a queue |
+//! | `ring` | when a sonar's time has come or its echo | 2 | fires, listens, queues what was heard |
+//! | `clock` | each millisecond | 2 | counts, lights the LED, feeds the watchdog, wakes `control` |
+//! | `control` | when a frame has come, each 10 ms, and while there is more to do | 1 | owns the mind |
+//! | `idle` | otherwise | 0 | sleeps |
+//!
+//! Tasks share queues and atomic numbers, never a lock: nothing but a line of the log holds off the receiver, for at most
+//! 350 instructions (counted in an emulated chip with the board's logger), 2 µs of the 87 µs a byte takes.
+
+/// The program of a board: `$board` is its module in this crate, `$link` the interrupt of its link's port.
+///
+/// A macro, because RTIC takes the names of interrupts literally, and boards use different ports.
+#[macro_export]
+macro_rules! application {
+    ($board:ident, $link:ident) => {
+        #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
+        mod app {
+            use $crate::chip::{Devices, RingPin, StatusLed, Watchdog};
+            use $crate::fault;
+            use $crate::flash::Kept;
+            use $crate::ring_timer::RingTimer;
+            use $crate::serial::SerialPort;
+            use $crate::$board as board;
+            use amp::node::{Identity, NomadNode};
+            use amp::units::Millis;
+            use amp::wire::message::{Oscillator, ResetCause};
+            use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+            use firmware::BUILD;
+            use firmware::control::Control;
+            use firmware::crash::{Flags, name, reset_cause};
+            use firmware::lamp;
+            use firmware::line::{Faults, Line, Outbox};
+            use firmware::persist::{SLOT_BYTES, Store};
+            use firmware::sonar_ring::{Capture, Driver, Firing, FiringOrder, Ring, Sound, Timing};
+            use firmware::vigil::{Task, Vigil};
+            use heapless::spsc::Queue;
+            use stm32f4xx_hal::pac::Interrupt;
+
+            /// How often control runs though nothing has come, and the watchdog may be fed.
+            const ROUND_MS: u32 = 10;
+            /// How often the stack is looked at, and whether there is news for the log.
+            const LOOK_MS: u32 = 1_000;
+            /// The interrupt whose vector control borrows: the 64-pin package has no external memory.
+            const CONTROL: Interrupt = Interrupt::FSMC;
+            /// An emulated chip has no pins.
+            const HAS_RING: bool = cfg!(not(feature = "qemu"));
+            /// Of the air around the ring, tenths of a degree Celsius.
+            const AIR: i16 = 200;
+
+            #[shared]
+            struct Shared {
+                now_ms: AtomicU32,
+                linked: AtomicBool,
+                ring_wanted: AtomicBool,
+                reset: ResetCause,
+                vigil: Vigil,
+                faults: &'static Faults,
+            }
+
+            #[local]
+            struct Local {
+                line: Line<'static>,
+                port: SerialPort<board::Link>,
+                led: StatusLed,
+                watchdog: Watchdog,
+                ring: Ring<'static, RingPin>,
+                timer: RingTimer,
+                control: Control<'static, Kept>,
+            }
+
+            #[init(local = [
+                mind: NomadNode = NomadNode::new(),
+                received: Queue<u8, 512> = Queue::new(),
+                to_send: Queue<u8, 2048> = Queue::new(),
+                faults: Faults = Faults::new(),
+                firings: Queue<Firing, 16> = Queue::new(),
+            ])]
+            fn init(cx: init::Context) -> (Shared, Local) {
+                let mut devices: Devices<board::Link> = board::init(cx.device, cx.core);
+                let reset = reset_reason(devices.flags);
+                let faults: &'static Faults = cx.local.faults;
+                let (received_in, received_out) = cx.local.received.split();
+                let (to_send_in, to_send_out) = cx.local.to_send.split();
+                let outbox = Outbox::new(to_send_in);
+                cx.local.mind.use_kernels(&cortex_m4::KERNELS);
+                let (firings_in, firings_out) = cx.local.firings.split();
+                let store = Store::mount(devices.kept, SLOT_BYTES);
+                let control = Control::new(cx.local.mind, received_out, outbox, faults, Some(store));
+                let mut control = control.with_ring(firings_out);
+                // A sector of flash may have to be erased.
+                devices.watchdog.be_patient(true);
+                control.start(
+                    Identity {
+                        build: BUILD,
+                        reset,
+                        oscillator: Oscillator::Crystal,
+                        ring: HAS_RING,
+                    },
+                    Millis::from_ms(0),
+                );
+                devices.watchdog.be_patient(false);
+                // The hello waits in its queue.
+                rtic::pend(Interrupt::$link);
+                let shared = Shared {
+                    now_ms: AtomicU32::new(0),
+                    linked: AtomicBool::new(false),
+                    ring_wanted: AtomicBool::new(false),
+                    reset,
+                    vigil: Vigil::new(),
+                    faults,
+                };
+                let (timing, mut timer) = (Timing::relays(), devices.ring_timer);
+                let now_us = timer.now_us();
+                let Ok(driver) = Driver::new(devices.ring_pins, timing, FiringOrder::NOMAD, now_us);
+                let ring = Ring::new(driver, timing, Sound::at(AIR), firings_in, faults);
+                let local = Local {
+                    line: Line::new(received_in, to_send_out),
+                    port: devices.port,
+                    led: devices.led,
+                    watchdog: devices.watchdog,
+                    ring,
+                    timer,
+                    control,
+                };
+                (shared, local)
+            }
+
+            #[idle]
+            fn idle(_: idle::Context) -> ! {
+                loop {
+                    cortex_m::asm::wfi();
+                }
+            }
+
+            #[task(binds = $link, priority = 3, local = [line, port], shared = [&faults, &vigil])]
+            fn serial(cx: serial::Context) {
+                if cx.local.line.serve(cx.local.port, cx.shared.faults) {
+                    rtic::pend(CONTROL);
+                }
+                cx.shared.vigil.seen(Task::Serial);
+            }
+
+            #[task(binds = SysTick, priority = 2, local = [led, watchdog], shared = [&now_ms, &linked, &reset, &vigil])]
+            fn clock(cx: clock::Context) {
+                let shared = cx.shared;
+                let now_ms = shared
+                    .now_ms
+                    .fetch_add(1, Ordering::Relaxed)
+                    .wrapping_add(1);
+                shared.vigil.seen(Task::Clock);
+                let watchdog = &mut *cx.local.watchdog;
+                shared
+                    .vigil
+                    .change_patience(|patient| watchdog.be_patient(patient));
+                if now_ms.is_multiple_of(ROUND_MS) {
+                    if shared.vigil.relieve() {
+                        watchdog.feed();
+                    }
+                    // Both have to show themselves until the next round.
+                    rtic::pend(CONTROL);
+                    rtic::pend(Interrupt::$link);
+                }
+                let linked = shared.linked.load(Ordering::Relaxed);
+                let lit = lamp::is_lit(Millis::from_ms(now_ms), linked, *shared.reset);
+                cx.local.led.set(lit);
+            }
+
+            #[task(binds = TIM3, priority = 2, local = [ring, timer], shared = [&now_ms, &ring_wanted])]
+            fn ring(cx: ring::Context) {
+                let (timer, shared) = (cx.local.timer, cx.shared);
+                timer.clear();
+                let now = Millis::from_ms(shared.now_ms.load(Ordering::Relaxed));
+                let wanted = shared.ring_wanted.load(Ordering::Relaxed);
+                let Ok(next_us) = cx.local.ring.serve(timer, now, wanted);
+                timer.wake_at(next_us, cx.local.ring.listens());
+            }
+
+            #[task(binds = FSMC, priority = 1, local = [control, looked_ms: u32 = 0], shared = [&now_ms, &linked, &ring_wanted, &vigil])]
+            fn control(cx: control::Context) {
+                let (control, shared) = (cx.local.control, cx.shared);
+                let now_ms = shared.now_ms.load(Ordering::Relaxed);
+                control.note_patience(shared.vigil.is_patient());
+                let more = control.run(Millis::from_ms(now_ms));
+                shared.vigil.want_patience(control.wants_patience());
+                if control.take_sent() {
+                    rtic::pend(Interrupt::$link);
+                }
+                let wanted = HAS_RING && control.wants_ring();
+                if shared.ring_wanted.swap(wanted, Ordering::Relaxed) != wanted {
+                    rtic::pend(Interrupt::TIM3);
+                }
+                shared.linked.store(control.is_linked(), Ordering::Relaxed);
+                if now_ms.wrapping_sub(*cx.local.looked_ms) >= LOOK_MS {
+                    *cx.local.looked_ms = now_ms;
+                    look_after(control);
+                }
+                shared.vigil.seen(Task::Control);
+                if more {
+                    rtic::pend(CONTROL);
+                }
+            }
+
+            /// What need not be looked at often: how deep the stack has been, and what the log should know.
+            fn look_after(control: &mut Control<'static, Kept>) {
+                control.note_stack(fault::stack_peak_bytes());
+                if let Some(news) = control.news() {
+                    news.log();
+                }
+            }
+
+            /// Why the program started, for the hello and for the log.
+            fn reset_reason(flags: Flags) -> ResetCause {
+                let crash = fault::take();
+                let reset = reset_cause(flags, crash.as_ref());
+                defmt::info!(
+                    "build {=str} starts {=str}",
+                    str::from_utf8(&BUILD).unwrap_or_default(),
+                    name(reset)
+                );
+                match crash {
+                    Some(crash) if crash.program_counter != 0 => {
+                        defmt::error!("the run before faulted at {=u32:#x}", crash.program_counter);
+                    }
+                    Some(crash) => defmt::error!("the run before said: {=str}", crash.text.as_str()),
+                    None => {}
+                }
+                reset
+            }
+        }
+    };
+}

@@ -1,0 +1,12 @@
+//! The firmware for the Olimex STM32-H405.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+stm32f405::application!(olimex_h405, USART1);
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    println!(
+        "This program is for the chip: firmware/README.md says how to build and start it there or in an emulator."
+    );
+}

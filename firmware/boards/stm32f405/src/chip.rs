@@ -1,0 +1,157 @@
+//! The chip: clocks, watchdog, reset flags, and what a board hands to the tasks.
+//!
+//! An emulated chip differs in three points: its oscillators are never ready, so it stays on the internal one; its port
+//! raises no interrupt when it takes a byte, so this is done by software; watchdog and reset flags do nothing.
+
+use crate::flash::Kept;
+use crate::ring_timer::RingTimer;
+use crate::serial::SerialPort;
+use cortex_m::peripheral::SYST;
+use cortex_m::peripheral::syst::SystClkSource;
+use firmware::crash::Flags;
+use firmware::sonar_ring::Pins;
+use stm32f4xx_hal::gpio::{ErasedPin, Output, PinState};
+use stm32f4xx_hal::pac;
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::rcc::{Config, Rcc};
+use stm32f4xx_hal::watchdog::IndependentWatchdog;
+
+/// Clock of the processor. An emulated chip counts its clock at this rate too, whatever its oscillator is.
+pub const CORE_HZ: u32 = 168_000_000;
+
+/// The watchdog bites after this time. Its oscillator (17 to 47 kHz, STM32F405 data sheet DS8626, LSI) makes it 340 to 940
+/// ms; every task shows itself each 10 ms.
+const WATCHDOG_MS: u32 = 500;
+
+/// The watchdog bites after this time while flash is erased or written: 10.9 to 30.1 s, and two sectors take 8 s at most, an
+/// image less than a second.
+const PATIENT_MS: u32 = 16_000;
+
+/// The devices the tasks work with; the link's port is `U`.
+pub struct Devices<U> {
+    /// The serial port of the link.
+    pub port: SerialPort<U>,
+    /// The status LED.
+    pub led: StatusLed,
+    /// The watchdog, running.
+    pub watchdog: Watchdog,
+    /// The pins of the ring, all low.
+    pub ring_pins: Pins<RingPin>,
+    /// The clock of the ring.
+    pub ring_timer: RingTimer,
+    /// What the chip remembers of the last reset.
+    pub flags: Flags,
+    /// What outlives a loss of power.
+    pub kept: Kept,
+}
+
+/// The chip as started, before a board's pins are taken.
+pub struct Chip {
+    /// Clocks, running.
+    pub rcc: Rcc,
+    /// The watchdog, running.
+    pub watchdog: Watchdog,
+    /// What the chip remembers of the last reset.
+    pub flags: Flags,
+}
+
+impl Chip {
+    /// Starts the watchdog, then the clocks from a crystal of `crystal_hz`.
+    pub fn start(
+        (iwdg, dbgmcu): (pac::IWDG, &pac::DBGMCU),
+        rcc: pac::RCC,
+        mut systick: SYST,
+        crystal_hz: u32,
+    ) -> Self {
+        let mut watchdog = IndependentWatchdog::new(iwdg);
+        watchdog.stop_on_debug(dbgmcu, true);
+        watchdog.start(WATCHDOG_MS.millis());
+        let flags = take_flags(&rcc);
+        let rcc = rcc.freeze(clocks(crystal_hz));
+        count_milliseconds(&mut systick);
+        Self {
+            rcc,
+            watchdog: Watchdog(watchdog),
+            flags,
+        }
+    }
+}
+
+/// The crystal, multiplied to the chip's highest clock.
+#[cfg(not(feature = "qemu"))]
+fn clocks(crystal_hz: u32) -> Config {
+    Config::hse(crystal_hz.Hz()).sysclk(CORE_HZ.Hz())
+}
+
+/// The internal oscillator, as it is after a reset.
+#[cfg(feature = "qemu")]
+fn clocks(_: u32) -> Config {
+    Config::hsi()
+}
+
+/// Lets the core's timer raise an interrupt each millisecond.
+fn count_milliseconds(timer: &mut SYST) {
+    timer.set_clock_source(SystClkSource::Core);
+    timer.set_reload(CORE_HZ / 1_000 - 1);
+    timer.clear_current();
+    timer.enable_interrupt();
+    timer.enable_counter();
+}
+
+/// Reads and clears what the chip remembers of the last reset.
+fn take_flags(rcc: &pac::RCC) -> Flags {
+    let register = rcc.csr().read();
+    let flags = Flags {
+        power: register.porrstf().bit_is_set() || register.borrstf().bit_is_set(),
+        watchdog: register.wdgrstf().bit_is_set() || register.wwdgrstf().bit_is_set(),
+        software: register.sftrstf().bit_is_set(),
+        pin: register.padrstf().bit_is_set(),
+    };
+    rcc.csr().modify(|_, w| w.rmvf().set_bit());
+    flags
+}
+
+/// The status LED, wherever it is and whatever level lights it.
+pub struct StatusLed {
+    pin: ErasedPin<Output>,
+    lit: PinState,
+}
+
+impl StatusLed {
+    /// An LED that is lit while its pin has the level `lit`.
+    #[must_use]
+    pub const fn new(pin: ErasedPin<Output>, lit: PinState) -> Self {
+        Self { pin, lit }
+    }
+
+    /// Lights it or puts it out.
+    pub fn set(&mut self, lit: bool) {
+        self.pin.set_state(if lit { self.lit } else { !self.lit });
+    }
+}
+
+/// A pin of the ring.
+pub type RingPin = ErasedPin<Output>;
+
+/// The watchdog.
+pub struct Watchdog(IndependentWatchdog);
+
+impl Watchdog {
+    /// Gives it as much time again.
+    pub fn feed(&mut self) {
+        self.0.feed();
+    }
+
+    /// Makes it bite after [`PATIENT_MS`] from now on, or after [`WATCHDOG_MS`] again.
+    // One copy of it in the program.
+    #[inline(never)]
+    pub fn be_patient(&mut self, patient: bool) {
+        let bite_ms = if patient { PATIENT_MS } else { WATCHDOG_MS };
+        // A change takes the watchdog some cycles of its own clock, 0.3 ms, during which it takes no other: it is waited for,
+        // and then it is fed, so that it counts from the new time.
+        let _ = self.0.interval();
+        self.0.start(bite_ms.millis());
+        let _ = self.0.interval();
+        self.0.feed();
+    }
+}

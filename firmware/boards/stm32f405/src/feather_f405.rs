@@ -1,0 +1,116 @@
+//! Adafruit Feather STM32F405 Express: a 12 MHz crystal, a red LED, and the link at USART3, the pads TX and RX.
+//!
+//! The ring keeps clear of the pins of the SD socket, the flash chip, the NeoPixel, the battery and the I2C connector.
+
+use crate::pinout::Pinout;
+
+/// What the pins are used for.
+pub const PINOUT: Pinout = Pinout {
+    board: "feather_f405",
+    used: &[
+        ("PB10", "link: USART3 transmits (pad TX)"),
+        ("PB11", "link: USART3 receives (pad RX)"),
+        ("PC1", "status LED, lit when high"),
+        ("PA4", "ring: address bit 0 (pad A0)"),
+        ("PA5", "ring: address bit 1 (pad A1)"),
+        ("PA6", "ring: address bit 2 (pad A2)"),
+        ("PA7", "ring: address bit 3 (pad A3)"),
+        ("PC6", "ring: ECHO, captured by timer 3 (pad D6)"),
+        ("PC7", "ring: INIT (pad D5)"),
+        ("PC2", "ring: BINH (pad D12)"),
+        ("PC3", "ring: BLNK (pad D11)"),
+    ],
+    reserved: &[
+        ("PA3", "half of the battery's voltage"),
+        ("PA9", "USB supply sense"),
+        ("PA10", "USB identification"),
+        ("PA11", "USB data -"),
+        ("PA12", "USB data +"),
+        ("PA13", "debugger: SWDIO"),
+        ("PA14", "debugger: SWCLK"),
+        ("PA15", "flash chip: select"),
+        ("PB2", "BOOT1"),
+        ("PB3", "flash chip: clock"),
+        ("PB4", "flash chip: data out"),
+        ("PB5", "flash chip: data in"),
+        ("PB6", "I2C connector: SCL, with pull-up"),
+        ("PB7", "I2C connector: SDA, with pull-up"),
+        ("PB12", "SD socket: card detect"),
+        ("PC0", "NeoPixel"),
+        ("PC8", "SD socket: data 0"),
+        ("PC9", "SD socket: data 1"),
+        ("PC10", "SD socket: data 2"),
+        ("PC11", "SD socket: data 3"),
+        ("PC12", "SD socket: clock"),
+        ("PC14", "32 kHz crystal"),
+        ("PC15", "32 kHz crystal"),
+        ("PD2", "SD socket: command"),
+        ("PH0", "12 MHz crystal"),
+        ("PH1", "12 MHz crystal"),
+    ],
+};
+
+#[cfg(target_os = "none")]
+pub use device::{Link, init};
+
+#[cfg(target_os = "none")]
+mod device {
+    use crate::chip::{Chip, Devices, StatusLed};
+    use crate::flash::Kept;
+    use crate::ring_timer::RingTimer;
+    use crate::serial::{SerialPort, settings};
+    use firmware::sonar_ring::Pins;
+    use stm32f4xx_hal::gpio::{PinState, Pull};
+    use stm32f4xx_hal::pac;
+    use stm32f4xx_hal::prelude::*;
+
+    /// The crystal's frequency.
+    const CRYSTAL_HZ: u32 = 12_000_000;
+
+    /// The port of the link.
+    pub type Link = pac::USART3;
+
+    /// Starts the chip and takes the pins.
+    ///
+    /// # Panics
+    /// When the clocks cannot make the link's rate, which they can.
+    pub fn init(device: pac::Peripherals, core: cortex_m::Peripherals) -> Devices<Link> {
+        let guards = (device.IWDG, &device.DBGMCU);
+        let Chip {
+            mut rcc,
+            watchdog,
+            flags,
+        } = Chip::start(guards, device.RCC, core.SYST, CRYSTAL_HZ);
+        let gpioa = device.GPIOA.split(&mut rcc);
+        let gpiob = device.GPIOB.split(&mut rcc);
+        let gpioc = device.GPIOC.split(&mut rcc);
+        let led = gpioc.pc1.into_push_pull_output_in_state(PinState::Low);
+        // An open wire would be noise; the idle line is high.
+        let receive = gpiob.pb11.into_alternate().internal_resistor(Pull::Up);
+        let ring_pins = Pins {
+            address: [
+                gpioa.pa4.into_push_pull_output().erase(),
+                gpioa.pa5.into_push_pull_output().erase(),
+                gpioa.pa6.into_push_pull_output().erase(),
+                gpioa.pa7.into_push_pull_output().erase(),
+            ],
+            init: gpioc.pc7.into_push_pull_output().erase(),
+            binh: gpioc.pc2.into_push_pull_output().erase(),
+            blnk: gpioc.pc3.into_push_pull_output().erase(),
+        };
+        let ring_timer = RingTimer::start(device.TIM3, gpioc.pc6.into_alternate(), &mut rcc);
+        let serial = device
+            .USART3
+            .serial::<u8>((gpiob.pb10, receive), settings(), &mut rcc)
+            .expect("every clock used here can make this rate");
+        Devices {
+            port: SerialPort::listen(serial.release().0, pac::Interrupt::USART3),
+            led: StatusLed::new(led.erase(), PinState::High),
+            watchdog,
+            ring_pins,
+            ring_timer,
+            flags,
+            kept: Kept::new(device.FLASH),
+        }
+    }
+}

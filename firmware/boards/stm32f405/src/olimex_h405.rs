@@ -1,0 +1,105 @@
+//! Olimex STM32-H405: an 8 MHz crystal, a green LED, and the link at USART1.
+
+use crate::pinout::Pinout;
+
+/// What the pins are used for.
+pub const PINOUT: Pinout = Pinout {
+    board: "olimex_h405",
+    used: &[
+        ("PA9", "link: USART1 transmits"),
+        ("PA10", "link: USART1 receives"),
+        ("PC12", "status LED, lit when low"),
+        // One ranging module serves sixteen transducers, chosen by a four-bit address.
+        ("PC0", "ring: address bit 0"),
+        ("PC1", "ring: address bit 1"),
+        ("PC2", "ring: address bit 2"),
+        ("PC3", "ring: address bit 3"),
+        // Timer 3, channel 1 captures the edge. The module's output is an open collector pulled up to 5 V, which the pin
+        // tolerates.
+        ("PC6", "ring: ECHO, captured by timer 3"),
+        ("PC7", "ring: INIT"),
+        ("PC8", "ring: BINH"),
+        ("PC9", "ring: BLNK"),
+    ],
+    reserved: &[
+        ("PA0", "button"),
+        ("PA11", "USB data -"),
+        ("PA12", "USB data +"),
+        ("PA13", "debugger: SWDIO"),
+        ("PA14", "debugger: SWCLK"),
+        ("PA15", "debugger: JTAG TDI"),
+        ("PB2", "BOOT1"),
+        ("PB3", "debugger: JTAG TDO, trace"),
+        ("PB4", "debugger: JTAG reset"),
+        ("PC4", "USB supply sense"),
+        ("PC11", "USB pull-up"),
+        ("PC14", "32 kHz crystal"),
+        ("PC15", "32 kHz crystal"),
+        ("PH0", "8 MHz crystal"),
+        ("PH1", "8 MHz crystal"),
+    ],
+};
+
+#[cfg(target_os = "none")]
+pub use device::{Link, init};
+
+#[cfg(target_os = "none")]
+mod device {
+    use crate::chip::{Chip, Devices, StatusLed};
+    use crate::flash::Kept;
+    use crate::ring_timer::RingTimer;
+    use crate::serial::{SerialPort, settings};
+    use firmware::sonar_ring::Pins;
+    use stm32f4xx_hal::gpio::{PinState, Pull};
+    use stm32f4xx_hal::pac;
+    use stm32f4xx_hal::prelude::*;
+
+    /// The crystal's frequency.
+    const CRYSTAL_HZ: u32 = 8_000_000;
+
+    /// The port of the link.
+    pub type Link = pac::USART1;
+
+    /// Starts the chip and takes the pins.
+    ///
+    /// # Panics
+    /// When the clocks cannot make the link's rate, which they can.
+    pub fn init(device: pac::Peripherals, core: cortex_m::Peripherals) -> Devices<Link> {
+        let guards = (device.IWDG, &device.DBGMCU);
+        let Chip {
+            mut rcc,
+            watchdog,
+            flags,
+        } = Chip::start(guards, device.RCC, core.SYST, CRYSTAL_HZ);
+        let gpioa = device.GPIOA.split(&mut rcc);
+        let gpioc = device.GPIOC.split(&mut rcc);
+        let led = gpioc.pc12.into_push_pull_output_in_state(PinState::High);
+        // An open wire would be noise; the idle line is high.
+        let receive = gpioa.pa10.into_alternate().internal_resistor(Pull::Up);
+        let ring_pins = Pins {
+            address: [
+                gpioc.pc0.into_push_pull_output().erase(),
+                gpioc.pc1.into_push_pull_output().erase(),
+                gpioc.pc2.into_push_pull_output().erase(),
+                gpioc.pc3.into_push_pull_output().erase(),
+            ],
+            init: gpioc.pc7.into_push_pull_output().erase(),
+            binh: gpioc.pc8.into_push_pull_output().erase(),
+            blnk: gpioc.pc9.into_push_pull_output().erase(),
+        };
+        let ring_timer = RingTimer::start(device.TIM3, gpioc.pc6.into_alternate(), &mut rcc);
+        let serial = device
+            .USART1
+            .serial::<u8>((gpioa.pa9, receive), settings(), &mut rcc)
+            .expect("every clock used here can make this rate");
+        Devices {
+            port: SerialPort::listen(serial.release().0, pac::Interrupt::USART1),
+            led: StatusLed::new(led.erase(), PinState::Low),
+            watchdog,
+            ring_pins,
+            ring_timer,
+            flags,
+            kept: Kept::new(device.FLASH),
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! The clock of the ring of sonars: timer 3, whose first channel captures the rise of ECHO at PC6.
+
+use crate::chip::CORE_HZ;
+use firmware::sonar_ring::{Capture, Line};
+use stm32f4xx_hal::gpio::{Alternate, PC6};
+use stm32f4xx_hal::pac;
+use stm32f4xx_hal::rcc::{Enable, Rcc};
+
+/// Timer 3 counts microseconds and catches the rise of ECHO.
+pub struct RingTimer {
+    timer: pac::TIM3,
+    echo: PC6<Alternate<2>>,
+    /// Microseconds counted before the timer's present turn of 65 536.
+    turns_us: u32,
+}
+
+impl RingTimer {
+    /// The timer's clock, twice that of its bus.
+    const CLOCK_HZ: u32 = CORE_HZ / 2;
+    /// The longest time to the next look, microseconds: half a turn, so that none is missed.
+    const LONGEST_US: u32 = 32_768;
+
+    /// Starts to count.
+    pub fn start(timer: pac::TIM3, echo: PC6<Alternate<2>>, rcc: &mut Rcc) -> Self {
+        pac::TIM3::enable(rcc);
+        timer
+            .psc()
+            .write(|w| w.psc().set((Self::CLOCK_HZ / 1_000_000 - 1) as u16));
+        timer.egr().write(|w| w.ug().set_bit());
+        // Eight samples of the clock that agree make an edge.
+        timer
+            .ccmr1_input()
+            .modify(|_, w| w.cc1s().ti1().ic1f().fck_int_n8());
+        timer.ccer().modify(|_, w| w.cc1e().set_bit());
+        timer.cr1().modify(|_, w| w.cen().set_bit());
+        Self {
+            timer,
+            echo,
+            turns_us: 0,
+        }
+    }
+
+    /// Forgets why it has called.
+    pub fn clear(&mut self) {
+        self.timer.sr().modify(|_, w| w.cc2if().clear_bit());
+    }
+
+    /// Calls at this time, or when ECHO rises if that `listens`; `None` = not at all.
+    pub fn wake_at(&mut self, at_us: Option<u32>, listens: bool) {
+        let Some(at_us) = at_us else {
+            self.timer.dier().reset();
+            return;
+        };
+        let now_us = self.now_us();
+        let wait_us = at_us.wrapping_sub(now_us);
+        // What has passed meanwhile comes at once; one microsecond ahead might pass unnoticed.
+        let wait_us = if wait_us > 1 << 31 { 0 } else { wait_us };
+        let wait_us = wait_us.clamp(5, Self::LONGEST_US);
+        let then = now_us.wrapping_add(wait_us) as u16;
+        self.timer.ccr2().write(|w| w.ccr().set(then));
+        self.timer
+            .dier()
+            .write(|w| w.cc1ie().bit(listens).cc2ie().set_bit());
+    }
+}
+
+impl Capture for RingTimer {
+    fn now_us(&mut self) -> u32 {
+        let count = |timer: &pac::TIM3| u32::from(timer.cnt().read().cnt().bits());
+        let mut now = count(&self.timer);
+        if self.timer.sr().read().uif().bit_is_set() {
+            self.timer.sr().modify(|_, w| w.uif().clear_bit());
+            self.turns_us = self.turns_us.wrapping_add(1 << 16);
+            // Whether the turn came before or after the count was read: it has come by now.
+            now = count(&self.timer);
+        }
+        self.turns_us.wrapping_add(now)
+    }
+
+    fn arm(&mut self) {
+        // Reading the captured time clears its flag.
+        let _ = self.timer.ccr1().read();
+        self.timer.sr().modify(|_, w| w.cc1of().clear_bit());
+    }
+
+    fn line(&mut self) -> Line {
+        // The level first: a rise in between is then one that was caught.
+        let high = self.echo.is_high();
+        let rose = self.timer.sr().read().cc1if().bit_is_set();
+        let now_us = self.now_us();
+        let rose_us = rose.then(|| {
+            let caught = self.timer.ccr1().read().ccr().bits();
+            now_us.wrapping_sub(u32::from((now_us as u16).wrapping_sub(caught)))
+        });
+        Line { high, rose_us }
+    }
+}

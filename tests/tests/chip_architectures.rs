@@ -1,0 +1,90 @@
+//! One episode on three architectures, each emulated: everything a chip sends is what the same crate sends on this machine,
+//! and so are its maps and its memory.
+
+use host_sim::episode::Body;
+use host_sim::link::{Machine, build_image};
+use host_sim::robot::TurretMode;
+use host_sim::sonar::SonarModel;
+use host_sim::world::World;
+use tests::chip::{Chip, SESSION};
+use tests::twin::Twin;
+
+use amp::wire::message::{Clock, GoalBy, Order};
+
+/// The room, and the seed of the exploration.
+const ROOM: u64 = 3;
+/// Random moves.
+const MOVES: u16 = 100;
+/// Decisions towards the goal.
+const STEPS: usize = 60;
+/// The stack's region on the micro:bit: see `microbit.x`.
+const MICROBIT_STACK_BYTES: u32 = 4_608;
+
+/// What is left of an episode.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Outcome {
+    maps_crc: u32,
+    memory_crc: u32,
+}
+
+fn start(machine: &Machine) -> Chip {
+    let image = build_image(machine).unwrap_or_else(|error| panic!("{error}"));
+    Chip::start_on(machine, &image)
+}
+
+/// Explores, learns, seeks; compares every byte with the node here. Returns the peak of the stack as well.
+fn episode(machine: &Machine) -> (Outcome, u32) {
+    let world = World::random(ROOM);
+    let mut body = Body::new(&world, SonarModel::Ideal, TurretMode::Held, ROOM);
+    // In step, because small chips have short queues.
+    let mut twin = Twin::with(start(machine), 0, true);
+    twin.order(Order::Explore {
+        moves: MOVES,
+        seed: ROOM,
+    });
+    while !body.advance(&mut twin).mode_changed {}
+    twin.learn();
+    twin.seek(GoalBy::Avoid);
+    let mut decisions = 0;
+    while decisions < STEPS {
+        let result = body.advance(&mut twin);
+        decisions += usize::from(result.decision.is_some());
+        assert!(!result.mode_changed, "it stopped");
+    }
+    let knowledge = twin.compare_knowledge();
+    assert!(knowledge >= 6_000, "{knowledge} bytes of knowledge");
+    assert!(twin.compared() >= 25_000, "{} bytes", twin.compared());
+    let [maps_crc, memory_crc] = twin.checksums();
+    let bytes = twin.compared();
+    let stack_peak_bytes = twin.stack_peak_bytes();
+    println!(
+        "{}: {bytes} bytes the same; maps {maps_crc:08x}, memory {memory_crc:08x}; peak of the stack {stack_peak_bytes} bytes",
+        machine.target
+    );
+    let outcome = Outcome {
+        maps_crc,
+        memory_crc,
+    };
+    (outcome, stack_peak_bytes)
+}
+
+#[test]
+fn three_architectures_send_the_same_bytes() {
+    let (cortex_m4, _) = episode(&Machine::OLIMEX_H405);
+    let (cortex_m0, stack_peak_bytes) = episode(&Machine::MICROBIT);
+    let (riscv32, _) = episode(&Machine::RISCV32_VIRT);
+    assert_eq!(cortex_m0, cortex_m4);
+    assert_eq!(riscv32, cortex_m4);
+    assert!(
+        (500..MICROBIT_STACK_BYTES).contains(&stack_peak_bytes),
+        "{stack_peak_bytes} bytes of stack on the micro:bit"
+    );
+}
+
+/// Its link is at another port of the chip.
+#[test]
+fn the_feather_answers_at_its_own_port() {
+    let mut chip = start(&Machine::FEATHER_F405);
+    let hello = chip.open(SESSION, Clock::Device);
+    assert_eq!(hello.dimensions, tests::chip::dimensions());
+}
