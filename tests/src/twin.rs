@@ -161,6 +161,7 @@ impl Twin {
         let said = self.send(&ToMind::Hello(HostHello {
             dimensions: dimensions(),
             clock: Clock::Host,
+            open_space: false,
         }));
         self.settle(0);
         let hello = said.iter().find_map(|report| match report.said {

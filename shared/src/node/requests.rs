@@ -159,7 +159,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         out: &mut impl Outbox,
     ) -> Result<(), Refusal> {
         let age_ms = self.link.age_ms(Millis::from_ms(at_ms), now);
-        if age_ms > u32::from(ttl_ms) && order != Order::Stop {
+        if age_ms > u32::from(ttl_ms) && *order != Order::Stop {
             super::add(&mut self.counters.expired);
             return Err(Refusal::Expired { age_ms });
         }
