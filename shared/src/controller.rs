@@ -35,7 +35,7 @@ mod learn;
 mod message;
 mod parts;
 mod search;
-mod supervise;
+pub(crate) mod supervise;
 
 pub use message::{Command, Decision, Event, Mode, Motion, Outputs, Progress, Refusal, StopReason};
 pub use parts::{Part, PartError};

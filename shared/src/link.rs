@@ -11,7 +11,7 @@ use crate::wire::Header;
 use crate::wire::message::Clock;
 use offset::OffsetWindow;
 
-mod offset;
+pub(crate) mod offset;
 
 /// A silence longer than this means that the other end is gone, milliseconds.
 pub const SILENCE_MS: u32 = 300;

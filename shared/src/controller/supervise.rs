@@ -5,9 +5,9 @@ use crate::config::Config;
 use crate::units::{Displacement, Millis};
 
 /// Rings in a row without any echo after which the robot stops.
-const SILENT_RINGS: u8 = 3;
+pub(crate) const SILENT_RINGS: u8 = 3;
 /// Time a motion may take beyond twice its distance over its speed, milliseconds.
-const SLACK_MS: u32 = 500;
+pub(crate) const SLACK_MS: u32 = 500;
 
 /// Milliseconds from one moment to another; 0 if the other one is the earlier.
 fn elapsed_ms(from: Millis, to: Millis) -> u32 {

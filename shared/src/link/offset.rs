@@ -10,9 +10,9 @@
 use crate::units::Millis;
 
 /// The window has this many slots.
-const SLOTS: usize = 6;
+pub(crate) const SLOTS: usize = 6;
 /// Length of a slot, milliseconds.
-const SLOT_MS: u32 = 10_000;
+pub(crate) const SLOT_MS: u32 = 10_000;
 
 /// The least differences of the window's slots; all zeros when new.
 #[derive(Debug, Clone, PartialEq, Eq)]

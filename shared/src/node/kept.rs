@@ -3,7 +3,7 @@
 use heapless::Vec;
 
 /// Most bytes of frames kept: a decision with everything that may come with it takes half of them.
-const MOST: usize = 512;
+pub(super) const MOST: usize = 512;
 
 /// The frames of the latest answer, from the first to its *Done*.
 #[derive(Debug, Clone)]

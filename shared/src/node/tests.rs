@@ -9,6 +9,7 @@ use crate::wire::message::{Clock, Flash, FlashError, GoalBy, Heard, Notice, Orde
 use std::vec::Vec;
 
 mod again;
+mod document;
 mod safety;
 
 type Small = Node<16, 16, 20>;

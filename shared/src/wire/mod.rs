@@ -51,4 +51,4 @@ pub fn checksum(bytes: &[u8]) -> u32 {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -20,6 +20,8 @@ use serde::{Serialize, de::DeserializeOwned};
 use std::format;
 use std::string::String;
 
+pub(crate) mod document;
+
 const HEADER: Header = Header {
     session: 300,
     seq: 7,
@@ -312,15 +314,7 @@ fn the_documented_examples_are_what_is_sent() {
         format!("from mind, {name}\n{}\n", there_and_back(&report))
     });
     let examples: String = to.chain(from).collect();
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/PROTOCOL.md");
-    let text = std::fs::read_to_string(path).unwrap();
-    let (before, rest) = text.split_once("```hex\n").expect("a block of examples");
-    let (documented, after) = rest.split_once("```").expect("the block's end");
-    if std::env::var_os("UPDATE_GOLDEN").is_some() {
-        std::fs::write(path, format!("{before}```hex\n{examples}```{after}")).unwrap();
-        return;
-    }
-    assert_eq!(documented, examples, "UPDATE_GOLDEN=1 writes them anew");
+    document::check_block("hex", &examples);
 }
 
 /// PROTOCOL.md holds the grammar that both ends compare, and names version and checksum.

@@ -212,7 +212,7 @@ fn a_motion_with_blocked_wheels_is_not_renewed_for_ever() {
     let stopped = loop {
         rig.now += 10;
         assert!(rig.now - began < 12_000, "it never stops");
-        if rig.now % 100 == 0 {
+        if rig.now.is_multiple_of(100) {
             rig.ring(900);
         }
         let at_ms = rig.at_ms();

@@ -1,0 +1,253 @@
+//! The constants and the example session of PROTOCOL.md are those of the program.
+
+use super::*;
+use crate::controller::supervise::{SILENT_RINGS, SLACK_MS};
+use crate::goal::MOST_KEPT;
+use crate::link::offset::{SLOT_MS, SLOTS};
+use crate::node::kept;
+use crate::wire::frame::MOST_FRAME;
+use crate::wire::message::{MOST_ECHOES, MOST_PIECE};
+use crate::wire::tests::document::{DOCUMENT, check_block};
+use std::format;
+use std::string::String;
+
+/// Samples that a node's memory holds.
+const fn samples<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>(
+    _: &Node<SENSORS, NEURONS, SAMPLES>,
+) -> usize {
+    SAMPLES
+}
+
+#[test]
+fn documented_constants_are_those_of_the_program() {
+    let config = Config::recommended();
+    let (_, section) = DOCUMENT.split_once("\n## Constants\n").unwrap();
+    let (section, _) = section.split_once("\n## ").unwrap();
+    let found: Vec<_> = section
+        .lines()
+        .filter(|line| line.starts_with("| ") && !line.starts_with("| value"))
+        .filter_map(|line| line.trim_matches(['|', ' ']).split_once(" | "))
+        .map(|(value, _)| value.replace(' ', ""))
+        .collect();
+    let wanted = [
+        format!("{MOST_FRAME}bytes"),
+        format!("{MOST_PIECE}bytes"),
+        format!("{MOST_ECHOES}echoes"),
+        format!("{MOST_CONFIG}bytes"),
+        format!("{}bytes", kept::MOST),
+        format!("{MOST_KEPT}goals"),
+        format!("{SILENCE_MS}ms"),
+        format!("{MOTION_TTL_MS}ms"),
+        format!("{RENEWAL_MS}ms"),
+        format!("{SLACK_MS}ms"),
+        format!("{}ms", SLOTS as u32 * SLOT_MS),
+        format!("{SILENT_RINGS}rings"),
+        format!("{}ms", 2 * config.robot.ring_period_ms),
+        format!("{}ms", config.robot.steer_ms),
+        format!("{}mm", config.robot.step_mm),
+        format!("{}mm", config.robot.face_radius_mm),
+        format!("{}samples", samples(&NomadNode::new())),
+    ];
+    assert_eq!(found, wanted);
+    let sentences = [
+        format!("has at most {MOST_FRAME} bytes"),
+        format!("of more than {MOST_PIECE} bytes"),
+        format!("of more than {MOST_ECHOES} echoes"),
+        format!("keeps {} bytes of its latest answer", kept::MOST),
+        format!("at least every {SILENCE_MS} ms"),
+        format!("time to live of {MOTION_TTL_MS} ms"),
+        format!("under way every {RENEWAL_MS} ms"),
+        format!("÷ speed + {SLACK_MS} ms"),
+        format!("at most {MOST_KEPT}\ngoals"),
+    ];
+    for sentence in sentences {
+        assert!(DOCUMENT.contains(&sentence), "{sentence}");
+    }
+}
+
+/// A host and a node, with a record of every frame.
+struct Session {
+    node: NomadNode,
+    seq: u16,
+    at_ms: u32,
+    record: String,
+}
+
+/// Frames that are recorded as they are sent.
+struct Recorder<'a> {
+    record: &'a mut String,
+    reports: Vec<FromMind<16>>,
+}
+
+impl Outbox for Recorder<'_> {
+    fn send(&mut self, bytes: &[u8]) -> bool {
+        let (_, coded) = bytes.split_last().unwrap();
+        let (header, report) = frame::unpack::<Report<16>>(coded).unwrap();
+        let (device_ms, said) = (report.device_ms, report.said);
+        let words = format!("{device_ms} ms {said:?}");
+        record(self.record, "device", bytes, header, &words);
+        self.reports.push(said);
+        true
+    }
+}
+
+fn record(record: &mut String, from: &str, bytes: &[u8], header: Header, words: &str) {
+    let hex: Vec<_> = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
+    let Header { session, seq } = header;
+    *record += &format!(
+        "{from:6} {}\n       {session}, {seq}: {words}\n",
+        hex.join(" ")
+    );
+}
+
+impl Session {
+    fn new() -> Self {
+        let mut session = Self {
+            node: NomadNode::new(),
+            seq: 0,
+            at_ms: 1_000,
+            record: String::new(),
+        };
+        session.title("The device starts.");
+        let mut out = Recorder {
+            record: &mut session.record,
+            reports: Vec::new(),
+        };
+        let identity = Identity {
+            build: *b"1a2b3c4d",
+            reset: ResetCause::PowerOn,
+            ..Identity::default()
+        };
+        let grid = Grid::rectangle(4, 4);
+        let config = Config::recommended();
+        session
+            .node
+            .start(&config, grid, identity, Millis::from_ms(0), &mut out);
+        session
+    }
+
+    fn title(&mut self, title: &str) {
+        self.record += &format!(
+            "{}# {title}\n",
+            if self.record.is_empty() { "" } else { "\n" }
+        );
+    }
+
+    fn send(&mut self, message: &ToMind<16>) -> Vec<FromMind<16>> {
+        self.seq += 1;
+        let header = Header {
+            session: 300,
+            seq: self.seq,
+        };
+        let frame = Frame::pack(header, message).unwrap();
+        record(
+            &mut self.record,
+            "host",
+            frame.as_bytes(),
+            header,
+            &format!("{message:?}"),
+        );
+        let mut out = Recorder {
+            record: &mut self.record,
+            reports: Vec::new(),
+        };
+        let (_, coded) = frame.as_bytes().split_last().unwrap();
+        self.node.frame(Millis::from_ms(0), coded, &mut out);
+        out.reports
+    }
+
+    fn order(&mut self, order: Order<16>) -> Vec<FromMind<16>> {
+        self.at_ms += 100;
+        let (at_ms, ttl_ms) = (self.at_ms, 1_000);
+        self.send(&ToMind::Command {
+            at_ms,
+            ttl_ms,
+            order,
+        })
+    }
+
+    /// A whole ring in one frame; transducer 5 hears nothing.
+    fn scan(&mut self, nearest_mm: u16) -> MotionOrder {
+        self.at_ms += 100;
+        let echoes = (0..16_u8).map(|sensor| Heard {
+            sensor,
+            range_mm: (sensor != 5).then(|| nearest_mm + 90 * u16::from(sensor)),
+            age_ms: 0,
+        });
+        let said = self.send(&ToMind::Scan {
+            at_ms: self.at_ms,
+            echoes: echoes.collect(),
+        });
+        motion(&said).unwrap_or(MotionOrder {
+            id: 0,
+            revision: 0,
+            dx_mm: 0,
+            dy_mm: 0,
+            speed_mm_s: 0,
+            ttl_ms: 0,
+        })
+    }
+
+    fn odometry(&mut self, motion: u16, dx_mm: i16, dy_mm: i16, progress: Progress) {
+        self.at_ms += 150;
+        self.send(&ToMind::Odometry {
+            at_ms: self.at_ms,
+            motion,
+            dx_mm,
+            dy_mm,
+            turned: 0,
+            progress,
+        });
+    }
+}
+
+fn session() -> String {
+    let mut s = Session::new();
+    s.title("The host opens a session. No Done.");
+    s.send(&ToMind::Hello(HostHello {
+        dimensions: NomadNode::dimensions(),
+        clock: Clock::Host,
+        open_space: false,
+    }));
+    s.title("One random move.");
+    s.order(Order::Explore { moves: 1, seed: 9 });
+    s.title("A whole ring: the decision, the motion, Done.");
+    let order = s.scan(700);
+    assert_ne!((order.dx_mm, order.dy_mm), (0, 0));
+    s.title("Halfway.");
+    let (dx, dy) = (order.dx_mm / 2, order.dy_mm / 2);
+    s.odometry(order.id, dx, dy, Progress::Moving);
+    s.title("A sign of life without an answer of its own: the motion is renewed after 200 ms.");
+    s.at_ms += 100;
+    s.send(&ToMind::Alive { at_ms: s.at_ms });
+    s.title("The rest of the way. The motion has ended.");
+    s.odometry(
+        order.id,
+        order.dx_mm - dx,
+        order.dy_mm - dy,
+        Progress::Ended,
+    );
+    s.title("The ring after the move completes the sample.");
+    s.scan(650);
+    s.title("The maps are made. The mode becomes Idle when they are.");
+    s.order(Order::Learn);
+    let mut out = Recorder {
+        record: &mut s.record,
+        reports: Vec::new(),
+    };
+    let mut ticks = 0..10_000;
+    assert!(ticks.any(|_| !s.node.tick(Millis::from_ms(0), &mut out)));
+    s.title("A goal, and towards it.");
+    s.order(Order::Goal(GoalBy::Avoid));
+    s.order(Order::Seek);
+    s.scan(500);
+    s.title("Stop: the base stands, the mode says why.");
+    s.order(Order::Stop);
+    s.record
+}
+
+#[test]
+#[cfg_attr(miri, ignore = "it writes or compares a file, after a hundred epochs")]
+fn the_documented_session_is_what_is_sent() {
+    check_block("session", &session());
+}
