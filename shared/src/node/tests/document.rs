@@ -251,3 +251,52 @@ fn session() -> String {
 fn the_documented_session_is_what_is_sent() {
     check_block("session", &session());
 }
+
+/// The device takes 160 bytes and answers; 161 are no message, and their number is not used.
+#[test]
+fn a_write_beyond_the_limit_gets_no_answer() {
+    let mut rig = Rig::new(Clock::Device);
+    let mut write = |seq: u16, bytes: &[u8]| {
+        let header = Header {
+            session: SESSION,
+            seq,
+        };
+        let (write, actions, offset, last) = (6_u8, 3_u8, 0_u16, false);
+        let frame = Frame::pack(header, &(write, actions, offset, bytes, last)).unwrap();
+        rig.raw(frame.as_bytes().split_last().unwrap().1)
+    };
+    assert!(write(2, &[0; 161]).is_empty());
+    let said = write(2, &[0; 160]);
+    // Sound, though it reaches beyond the part's 128 bytes.
+    assert!(matches!(
+        said[..],
+        [FromMind::Refusal { seq: 2, .. }, FromMind::Done { seq: 2 }]
+    ));
+    assert_eq!(
+        (rig.node.counters().unknown, rig.node.counters().replayed),
+        (1, 0)
+    );
+}
+
+/// The next round waits for the end of a motion to where the base stands.
+#[test]
+fn a_motion_of_no_length_has_to_be_reported_as_well() {
+    for is_reported in [true, false] {
+        let mut rig = Rig::ready(Clock::Device);
+        rig.order(Order::Seek);
+        rig.now += 200;
+        // So near that the shield allows no way at all.
+        let order = motion(&rig.ring(100)).unwrap();
+        assert_eq!((order.dx_mm, order.dy_mm), (0, 0));
+        if is_reported {
+            rig.carried_out(order);
+        }
+        rig.now += 200;
+        assert_eq!(motion(&rig.ring(100)).is_some(), is_reported);
+        rig.now += 301;
+        let at_ms = rig.at_ms();
+        rig.send(ToMind::Alive { at_ms });
+        let stopped = is_stopped(&rig.tick().1, StopReason::Overdue);
+        assert_eq!(stopped, !is_reported);
+    }
+}
