@@ -3,7 +3,8 @@
 use crate::episode::Failure;
 use amp::config::Config;
 use amp::controller::{self, Event, Outputs, State};
-use amp::faults::{Detector, Verdict};
+use amp::faults::Verdict;
+use amp::fixed::Mask;
 use amp::som::Grid;
 use amp::units::{Millis, Range};
 
@@ -26,6 +27,8 @@ pub trait Pilot {
             let outputs = self.handle(at, Event::Echo { sensor, range });
             all.decision = all.decision.or(outputs.decision);
             all.mode_changed |= outputs.mode_changed;
+            all.stopped = all.stopped.or(outputs.stopped);
+            all.verdict = all.verdict.or(outputs.verdict);
             if outputs.motion.is_some() {
                 all.motion = outputs.motion;
                 return (taken, all);
@@ -73,7 +76,6 @@ impl<P: Thinker> Thinker for &mut P {
 pub struct Mind {
     config: Config<16>,
     state: Box<SimState>,
-    detector: Detector<16>,
     verdicts: Vec<Verdict>,
 }
 
@@ -90,13 +92,13 @@ impl Mind {
         Self {
             config,
             state: Box::new(state),
-            detector: Detector::new(),
             verdicts: Vec::new(),
         }
     }
 
-    /// Tells it something else; what it knows stays.
+    /// Tells it something else; what it knows stays. Its fault detector starts anew with the transducers it has disabled.
     pub fn configure(&mut self, config: Config<16>) {
+        self.state.trust(config.believed);
         self.config = config;
     }
 
@@ -106,16 +108,16 @@ impl Mind {
         &self.config
     }
 
-    /// Which transducers it has ceased to believe, or believes again, in order.
+    /// Transducers it uses.
+    #[must_use]
+    pub fn enabled(&self) -> Mask {
+        self.state.enabled(&self.config)
+    }
+
+    /// Which transducers its fault detector has disabled, or enabled again, in order.
     #[must_use]
     pub fn verdicts(&self) -> &[Verdict] {
         &self.verdicts
-    }
-
-    /// What keeps watch over its transducers.
-    #[must_use]
-    pub fn detector(&self) -> &Detector<16> {
-        &self.detector
     }
 
     /// What it knows.
@@ -123,22 +125,17 @@ impl Mind {
     pub fn state(&self) -> &SimState {
         &self.state
     }
-
-    #[inline(never)]
-    fn watch(&mut self, event: Event<16>) {
-        let verdict = self.detector.heed(&mut self.config, &event);
-        self.verdicts.extend(verdict);
-    }
 }
 
 impl Pilot for Mind {
     // Who calls it says which event it is: there it is only a call of what that event does.
     #[inline(always)]
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
-        if self.config.fault_detection {
-            self.watch(event);
+        let outputs = controller::handle(&self.config, &mut self.state, at, event);
+        if let Some(verdict) = outputs.verdict {
+            self.verdicts.push(verdict);
         }
-        controller::handle(&self.config, &mut self.state, at, event)
+        outputs
     }
 }
 

@@ -231,6 +231,12 @@ impl Base {
         self.drive != Drive::Still
     }
 
+    /// Whether the base brakes or turns its wheels before it rolls to its goal.
+    #[must_use]
+    pub fn is_steering(&self) -> bool {
+        matches!(self.drive, Drive::Brake(Some(_)) | Drive::Steer(..))
+    }
+
     /// From now on gaps between disc and surfaces of so much or more, m, need not be told: they may be told as infinite.
     pub fn tell_gaps_below(&mut self, gap_m: f64) {
         self.chassis.tell_gaps_below(gap_m);

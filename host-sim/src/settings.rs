@@ -111,6 +111,12 @@ pub static SETTINGS: Table = &[
         |c: &mut Config<16>, t| put(&mut c.fault_detection, switch(t))
     ),
     setting!(
+        "open-space",
+        "whether rings without any echo are expected; otherwise three in a row stop the robot: on | off",
+        |c| on_off(c.open_space),
+        |c: &mut Config<16>, t| put(&mut c.open_space, switch(t))
+    ),
+    setting!(
         "step",
         "longest displacement per decision, metres",
         |c| meters(c.robot.step_mm),

@@ -45,6 +45,9 @@ pub struct Config<const SENSORS: usize> {
     pub shield: Option<Shielding>,
     /// Whether a transducer that behaves as none in good order does is no longer believed: see [`faults`](crate::faults).
     pub fault_detection: bool,
+    /// Rings without any echo are expected: they do not stop the robot with
+    /// [`StopReason::NothingHeard`](crate::controller::StopReason::NothingHeard).
+    pub open_space: bool,
 }
 
 impl<const SENSORS: usize> Config<SENSORS> {
@@ -248,6 +251,7 @@ impl<const SENSORS: usize> Config<SENSORS> {
             clearance_mm: self.clearance_mm,
             shield: self.shield,
             fault_detection: self.fault_detection,
+            open_space: self.open_space,
         }
     }
 }
@@ -310,7 +314,8 @@ impl Config<16> {
             },
             clearance_mm: 1_000,
             shield: Some(Shielding::nomad200()),
-            fault_detection: false,
+            fault_detection: true,
+            open_space: false,
         }
     }
 
@@ -403,7 +408,7 @@ mod tests {
         let sum =
             |config: &Config<16>| crate::wire::checksum(config.to_bytes(&mut [0; MOST_CONFIG]));
         let sums = [literal, Config::probing(), best].map(|config| sum(&config));
-        assert_eq!(sums, [0x57b2_0996, 0x3d42_389b, 0xdb3b_ea48]);
+        assert_eq!(sums, [0x372d_7fd7, 0xaea8_d867, 0x695e_4249]);
     }
 
     #[test]

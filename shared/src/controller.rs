@@ -8,12 +8,18 @@
 //! | *Seek* | each complete ring becomes a decision towards the goal |
 //! | *Stopped* | nothing moves until the next command, and the reason is kept |
 //!
-//! A *decision* is taken when every believed transducer has been heard since the last motion ended. Between decisions
+//! A *decision* is taken when every enabled transducer has been heard since the last motion ended. Between decisions
 //! each echo passes the shield, which may shorten the motion under way. Time comes with the events; the only randomness is
 //! the generator in the state, seeded by the command.
+//!
+//! A robot that explores or seeks stops by itself ([`StopReason`]) when an enabled transducer is not heard for two ring
+//! periods, when three rings in a row hear nothing at all, and when a motion passes its deadline. The state also holds the
+//! fault detector: a transducer that misbehaves is disabled.
 
 use crate::action_map::ActionMap;
 use crate::config::Config;
+use crate::faults::Detector;
+use crate::fixed::Mask;
 use crate::memory::Memory;
 use crate::planner::GoalNeuron;
 use crate::scan::{Aligned, Echo, Scan};
@@ -29,6 +35,7 @@ mod learn;
 mod message;
 mod parts;
 mod search;
+mod supervise;
 
 pub use message::{Command, Decision, Event, Mode, Motion, Outputs, Progress, Refusal, StopReason};
 pub use parts::{Part, PartError};
@@ -63,8 +70,17 @@ pub struct State<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usiz
     /// What a stop interrupted: exploring or seeking; idle if nothing.
     interrupted: Mode<SENSORS>,
     scan: Scan<SENSORS>,
-    /// Since when the ring has been awaited.
+    /// The latest time heard of.
+    now: Millis,
+    /// Since when the ring has been awaited; while moving, when the motion began.
     waiting_since: Millis,
+    /// The motion under way has to end before.
+    deadline: Millis,
+    /// Something was heard since the last decision.
+    heard_any: bool,
+    /// Rings in a row that heard nothing.
+    silent_rings: u8,
+    detector: Detector<SENSORS>,
     shield: Shield<SENSORS>,
     memory: Memory<SENSORS, SAMPLES>,
     situations: Som<NEURONS, SENSORS>,
@@ -105,7 +121,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             mode: Mode::Idle,
             interrupted: Mode::Idle,
             scan: Scan::new(),
+            now: Millis::from_ms(0),
             waiting_since: Millis::from_ms(0),
+            deadline: Millis::from_ms(0),
+            heard_any: false,
+            silent_rings: 0,
+            detector: Detector::new(),
             shield: Shield::new(),
             memory: Memory::new(),
             situations: Som::zeroed(grid),
@@ -215,22 +236,22 @@ pub fn handle<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>(
     at: Millis,
     event: Event<SENSORS>,
 ) -> Outputs<SENSORS> {
+    state.pass_time(config, at, event == Event::Tick);
     match event {
-        Event::Echo { sensor, range } => {
-            state.echo(config, usize::from(sensor), Echo { range, at })
-        }
+        Event::Echo { sensor, range } => state.echo(config, sensor, Echo { range, at }),
         Event::Odometry {
             motion,
             moved,
             turned,
             progress,
         } => {
-            state.odometry(at, motion, moved, turned, progress);
+            state.odometry(config, at, motion, moved, turned, progress);
             Outputs::none()
         }
         Event::Command(command) => state.command(config, at, command),
         Event::Tick => state.tick(config, at),
         Event::Alarm(reason) => state.alarm(at, reason),
+        Event::Touched => state.touched(config, at),
     }
 }
 
@@ -238,16 +259,45 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     State<SENSORS, NEURONS, SAMPLES>
 {
     #[cfg_attr(not(target_os = "none"), inline(never))]
-    fn echo(&mut self, config: &Config<SENSORS>, sensor: usize, echo: Echo) -> Outputs<SENSORS> {
-        self.scan.hear(sensor, echo);
-        self.shield.hear(config, sensor, echo);
-        if self.moving {
-            self.guard(config, sensor, echo.at)
-        } else if self.scan.is_complete(config.believed) {
+    fn echo(&mut self, config: &Config<SENSORS>, sensor: u8, echo: Echo) -> Outputs<SENSORS> {
+        let age_ms = self.now.since(echo.at);
+        if age_ms > patience_ms(config) {
+            return stale(age_ms);
+        }
+        let index = usize::from(sensor);
+        self.shield.hear(config, index, echo);
+        if !self.moving && echo.at.is_before(self.waiting_since) {
+            return stale(age_ms);
+        }
+        let verdict = self.detector.hear(config, sensor, echo.range);
+        self.scan.hear(index, echo);
+        self.heard_any |= echo.range.is_some();
+        let mut outputs = if self.moving {
+            self.guard(config, index, echo.at)
+        } else if self.scan.is_complete(self.enabled(config)) {
             self.decide(config, echo.at)
         } else {
             Outputs::none()
-        }
+        };
+        outputs.verdict = verdict;
+        outputs
+    }
+
+    /// Transducers that are used: those configured, less those the fault detector has disabled.
+    #[must_use]
+    pub fn enabled(&self, config: &Config<SENSORS>) -> Mask {
+        self.detector.enabled(config)
+    }
+
+    /// The fault detector.
+    #[must_use]
+    pub const fn detector(&self) -> &Detector<SENSORS> {
+        &self.detector
+    }
+
+    /// Enables transducers that the fault detector has disabled; it starts anew with them.
+    pub fn trust(&mut self, sensors: Mask) {
+        self.detector.trust(sensors);
     }
 
     /// Shortens the motion under way where the newest echo asks for it.
@@ -256,17 +306,20 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             return Outputs::none();
         };
         let remaining = pending.remaining;
-        let Some(allowed) = self.shield.shorten(config, remaining, now, sensor) else {
+        let enabled = self.detector.enabled(config);
+        let Some(allowed) = self.shield.shorten(config, enabled, remaining, now, sensor) else {
             return Outputs::none();
         };
         pending.remaining = remaining.with_length(allowed.distance_mm);
         pending.speed_mm_s = allowed.speed_mm_s.min(pending.speed_mm_s);
+        let motion = Motion {
+            id: self.motion_id,
+            displacement: pending.remaining,
+            speed_mm_s: pending.speed_mm_s,
+        };
+        self.deadline = self.now.plus_ms(motion.longest_ms());
         Outputs {
-            motion: Some(Motion {
-                id: self.motion_id,
-                displacement: pending.remaining,
-                speed_mm_s: pending.speed_mm_s,
-            }),
+            motion: Some(motion),
             ..Outputs::none()
         }
     }
@@ -274,12 +327,17 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     #[cfg_attr(not(target_os = "none"), inline(never))]
     fn odometry(
         &mut self,
+        config: &Config<SENSORS>,
         at: Millis,
         motion: u16,
         moved: Displacement,
         turned: Bearing,
         progress: Progress,
     ) {
+        if progress == Progress::Touched {
+            self.detector.touched(config, moved);
+        }
+        self.detector.moved(config, moved, turned);
         self.shield.moved(moved, turned);
         let back = (turned != Bearing::ZERO).then(|| Bearing::ZERO.minus(turned).direction());
         let into_present = |d: Displacement| back.map_or(d, |back| d.rotated(back));
@@ -295,9 +353,16 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         pending.executed = pending.executed.plus(since_decision);
         pending.remaining = into_present(pending.remaining.minus(moved));
         pending.turned = pending.turned.plus(turned);
-        if motion == self.motion_id && progress != Progress::Moving && self.moving {
-            self.moving = false;
-            self.await_ring(at);
+        if motion != self.motion_id || !self.moving {
+            return;
+        }
+        match progress {
+            Progress::Moving => {}
+            Progress::Steering => self.allow_steering(config, at),
+            Progress::Ended | Progress::Touched => {
+                self.moving = false;
+                self.await_ring(at);
+            }
         }
     }
 
@@ -370,6 +435,10 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     #[inline(never)]
     fn enter(&mut self, at: Millis, mode: Mode<SENSORS>) -> Outputs<SENSORS> {
         let goes_on = matches!((&self.mode, &mode), (Mode::Seek { .. }, Mode::Seek { .. }));
+        let stopped = match mode {
+            Mode::Stopped(reason) => Some(reason),
+            _ => None,
+        };
         self.mode = mode;
         let motion = (self.moving && !goes_on).then(|| {
             self.motion_id = self.motion_id.wrapping_add(1);
@@ -382,18 +451,20 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         if !goes_on {
             self.pending = None;
             self.moving = false;
+            self.silent_rings = 0;
             self.await_ring(at);
         }
         Outputs {
             motion,
             mode_changed: true,
+            stopped,
             ..Outputs::none()
         }
     }
 
     fn tick(&mut self, config: &Config<SENSORS>, at: Millis) -> Outputs<SENSORS> {
         let Mode::Learn { step } = self.mode else {
-            return self.watch_ring(config, at);
+            return self.supervise(config, at);
         };
         let steps = self.learning_steps(config);
         let step = self.learn_slice(config, step, steps);
@@ -404,14 +475,17 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.learnt = true;
         self.enter(at, Mode::Idle)
     }
+}
 
-    /// A ring that is still incomplete two periods after the base came to rest stops the robot.
-    fn watch_ring(&mut self, config: &Config<SENSORS>, at: Millis) -> Outputs<SENSORS> {
-        let patience = u32::from(config.robot.ring_period_ms).saturating_mul(2);
-        if self.moving || at.since(self.waiting_since) <= patience {
-            return Outputs::none();
-        }
-        self.alarm(at, StopReason::RingIncomplete)
+/// The longest time a whole ring may take, milliseconds; an older echo is stale.
+fn patience_ms<const SENSORS: usize>(config: &Config<SENSORS>) -> u32 {
+    u32::from(config.robot.ring_period_ms).saturating_mul(2)
+}
+
+fn stale<const SENSORS: usize>(age_ms: u32) -> Outputs<SENSORS> {
+    Outputs {
+        stale_ms: Some(age_ms),
+        ..Outputs::none()
     }
 }
 

@@ -12,7 +12,7 @@
 //! Each rule has a score per transducer, a one-sided cumulative sum (E. S. Page, "Continuous Inspection Schemes",
 //! Biometrika 41, 1954): what speaks for the fault adds to it, what speaks against it takes away or, where a faulty one
 //! could not have done it, brings it back to zero. At its limit the transducer is no longer believed
-//! ([`Config::believed`]); when all its scores have come back to zero it is believed again.
+//! ([`Detector::enabled`]); when all its scores have come back to zero it is believed again.
 //!
 //! Such a sum counts on looks that are independent. A robot that goes to and fro sees the same again and again, so a look
 //! speaks *for* a fault only where the robot has not been before: in a cell of a quarter of a metre that is new to it. What
@@ -25,10 +25,9 @@
 //! What the detector cannot tell: a dead transducer from one before which there is nothing, until the neighbours or a touch
 //! disagree; ranges that are wrong by less than [`SHORT_MM`] or a fifth; two faulty neighbours; and while the ring turns
 //! with the heading, *stuck* and *jumping*. How often it is wrong and how long it takes is measured in the project's
-//! documentation; it is off unless asked for.
+//! documentation; it is on by default.
 
 use crate::config::Config;
-use crate::controller::{Event, Progress};
 use crate::fixed::{Mask, isqrt};
 use crate::units::{Bearing, Displacement, Range};
 use serde::{Deserialize, Serialize};
@@ -215,7 +214,7 @@ pub struct Detector<const SENSORS: usize> {
     x_mm: i16,
     y_mm: i16,
     turned: Bearing,
-    /// Whom this detector has made the configuration disbelieve.
+    /// Transducers disabled here.
     disbelieved: u32,
     /// Who has been heard.
     heard: u32,
@@ -254,43 +253,52 @@ impl<const SENSORS: usize> Detector<SENSORS> {
             .map_or(Scores::default(), |record| record.scores)
     }
 
-    /// Takes an event before the controller does, and changes whom the configuration believes. Does nothing unless
-    /// [`Config::fault_detection`] is set. A transducer that somebody else believes again starts anew; one that somebody
-    /// else disbelieves stays so.
-    pub fn heed(
+    /// Transducers that are used: those configured, less those disabled here.
+    #[must_use]
+    pub fn enabled(&self, config: &Config<SENSORS>) -> Mask {
+        let disabled = if config.fault_detection {
+            self.disbelieved
+        } else {
+            0
+        };
+        Mask::from_bits(config.believed.to_bits() & !disabled)
+    }
+
+    /// Enables transducers again and starts anew with them.
+    pub fn trust(&mut self, sensors: Mask) {
+        for (sensor, record) in self.records.iter_mut().enumerate() {
+            if sensors.contains(sensor) && self.disbelieved & bit(sensor) != 0 {
+                self.disbelieved &= !bit(sensor);
+                self.heard &= !bit(sensor);
+                *record = Record::NEW;
+            }
+        }
+    }
+
+    /// Takes a report of the base. Does nothing unless [`Config::fault_detection`] is set.
+    pub fn moved(&mut self, config: &Config<SENSORS>, moved: Displacement, turned: Bearing) {
+        if config.fault_detection {
+            self.follow(moved, turned);
+        }
+    }
+
+    /// Takes an echo; returns a change of what is enabled. Does nothing unless [`Config::fault_detection`] is set.
+    // Not a part of every echo's stack.
+    #[inline(never)]
+    pub fn hear(
         &mut self,
-        config: &mut Config<SENSORS>,
-        event: &Event<SENSORS>,
+        config: &Config<SENSORS>,
+        sensor: u8,
+        range: Option<Range>,
     ) -> Option<Verdict> {
         if config.fault_detection {
-            self.watch(config, event)
+            self.judge_echo(config, sensor, range)
         } else {
             None
         }
     }
 
-    // Not a part of every event's stack.
-    #[inline(never)]
-    fn watch(&mut self, config: &mut Config<SENSORS>, event: &Event<SENSORS>) -> Option<Verdict> {
-        match *event {
-            Event::Odometry {
-                moved,
-                turned,
-                progress,
-                ..
-            } => {
-                if progress == Progress::Touched {
-                    self.touched(config, moved);
-                }
-                self.moved(moved, turned);
-                None
-            }
-            Event::Echo { sensor, range } => self.hear(config, sensor, range),
-            Event::Command(_) | Event::Tick | Event::Alarm(_) => None,
-        }
-    }
-
-    fn moved(&mut self, moved: Displacement, turned: Bearing) {
+    fn follow(&mut self, moved: Displacement, turned: Bearing) {
         let moved = match self.turned {
             Bearing::ZERO => moved,
             turned => moved.rotated(turned.direction()),
@@ -307,8 +315,12 @@ impl<const SENSORS: usize> Detector<SENSORS> {
         }
     }
 
-    /// Who looks where the robot has touched something and hears nothing is under suspicion.
-    fn touched(&mut self, config: &Config<SENSORS>, moved: Displacement) {
+    /// A transducer that hears nothing where the robot touches something is under suspicion. `moved` is the way towards the
+    /// touch. Does nothing unless [`Config::fault_detection`] is set.
+    pub fn touched(&mut self, config: &Config<SENSORS>, moved: Displacement) {
+        if !config.fault_detection {
+            return;
+        }
         const COS_34_Q14: i32 = 13_583;
         let (dx, dy) = (i32::from(moved.dx_mm), i32::from(moved.dy_mm));
         let least = i32::from(moved.length_mm()).wrapping_mul(COS_34_Q14) >> 14;
@@ -319,9 +331,9 @@ impl<const SENSORS: usize> Detector<SENSORS> {
         }
     }
 
-    fn hear(
+    fn judge_echo(
         &mut self,
-        config: &mut Config<SENSORS>,
+        config: &Config<SENSORS>,
         sensor: u8,
         range: Option<Range>,
     ) -> Option<Verdict> {
@@ -329,13 +341,8 @@ impl<const SENSORS: usize> Detector<SENSORS> {
         if index >= SENSORS.min(32) {
             return None;
         }
-        if config.believed.contains(index) && self.disbelieved & bit(index) != 0 {
-            self.disbelieved &= !bit(index);
-            self.heard &= !bit(index);
-            *self.records.get_mut(index)? = Record::NEW;
-        }
         let is_first = range.is_some() && self.heard & bit(index) == 0;
-        let sides = self.sides(config.believed, index);
+        let sides = self.sides(self.enabled(config), index);
         let (x_mm, y_mm, is_new) = (self.x_mm, self.y_mm, !self.places.is_known);
         let doubted = self.disbelieved & bit(index) != 0;
         let record = self.records.get_mut(index)?;
@@ -383,7 +390,7 @@ impl<const SENSORS: usize> Detector<SENSORS> {
     /// and half of all: with more the robot had better be looked after.
     fn judge(
         &mut self,
-        config: &mut Config<SENSORS>,
+        config: &Config<SENSORS>,
         sensor: u8,
         before: Scores,
         now: Scores,
@@ -393,7 +400,6 @@ impl<const SENSORS: usize> Detector<SENSORS> {
         if self.disbelieved & bit(index) != 0 {
             return if now.worst() == 0 {
                 self.disbelieved &= !bit(index);
-                config.believed = config.believed.with(index);
                 Some(Verdict {
                     sensor,
                     fault: None,
@@ -415,7 +421,6 @@ impl<const SENSORS: usize> Detector<SENSORS> {
             return None;
         }
         self.disbelieved |= bit(index);
-        config.believed = config.believed.without(index);
         Some(Verdict {
             sensor,
             fault: Some(fault),

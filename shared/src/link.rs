@@ -3,12 +3,15 @@
 //!
 //! A host opens a *session* with a number of its own choice; frames of other sessions are strangers. Within a session
 //! frames are numbered; a frame whose number is not newer than the last one accepted came again or too late. A command
-//! carries the host's time and a time to live. How old it is, seen from here, is how much later it came than the promptest
-//! frame of the session did: the two clocks need not agree, only run alike.
+//! carries the host's time and a time to live. Its *age* is its arrival time minus its send time, less the least such
+//! difference of about the last minute. The two clocks need equal rates, not a common epoch.
 
 use crate::units::Millis;
 use crate::wire::Header;
 use crate::wire::message::Clock;
+use offset::OffsetWindow;
+
+mod offset;
 
 /// A silence longer than this means that the other end is gone, milliseconds.
 pub const SILENCE_MS: u32 = 300;
@@ -42,8 +45,7 @@ pub struct Link {
     heard: Option<Millis>,
     /// The latest time of the host.
     host: Millis,
-    /// Least difference so far between the time here and the host's.
-    offset: Option<u32>,
+    offset: OffsetWindow,
     alive: bool,
 }
 
@@ -63,7 +65,7 @@ impl Link {
             by_host: false,
             heard: None,
             host: Millis::from_ms(0),
-            offset: None,
+            offset: OffsetWindow::new(),
             alive: false,
         }
     }
@@ -79,7 +81,7 @@ impl Link {
                 Clock::Device => Some(now),
             },
             host: Millis::from_ms(0),
-            offset: None,
+            offset: OffsetWindow::new(),
             alive: true,
         };
     }
@@ -88,6 +90,12 @@ impl Link {
     #[must_use]
     pub const fn session(&self) -> u16 {
         self.session
+    }
+
+    /// Number of the last frame accepted.
+    #[must_use]
+    pub const fn seq(&self) -> u16 {
+        self.seq
     }
 
     /// Whose time counts.
@@ -123,27 +131,22 @@ impl Link {
     }
 
     /// Takes the time of an accepted frame, `at` by the host's clock and `now` by the one here; returns the moment it speaks
-    /// of by the session's clock.
+    /// of by the session's clock, never later than now.
     pub fn heard(&mut self, at: Millis, now: Millis) -> Millis {
         self.alive = true;
-        let late = now.since(at);
-        let offset = match self.offset {
-            // The difference is a number modulo 2³²; the lesser one is the prompter one.
-            Some(offset) if (late.wrapping_sub(offset) as i32) >= 0 => offset,
-            _ => late,
-        };
-        self.offset = Some(offset);
-        if self.host.since(at) as i32 <= 0 {
-            self.host = at;
-        }
         match self.clock() {
             Clock::Host => {
+                // A host whose clock was set back goes on from there.
+                if self.host.is_before(at) || self.host.since(at) > SILENCE_MS {
+                    self.host = at;
+                }
                 self.heard = Some(self.host);
                 at
             }
             Clock::Device => {
+                self.offset.add(now.since(at), now);
                 self.heard = Some(now);
-                Millis::from_ms(at.as_ms().wrapping_add(offset))
+                now.minus_ms(self.age_ms(at, now))
             }
         }
     }
@@ -172,13 +175,21 @@ impl Link {
         }
     }
 
-    /// Age of a frame of the host's time `at`, milliseconds: how much later than the promptest one it came.
+    /// Age of a frame of the host's time `at`, milliseconds: how much later than the promptest one it came. By the host's
+    /// clock no frame is late.
     #[must_use]
     pub fn age_ms(&self, at: Millis, now: Millis) -> u32 {
         match self.clock() {
-            Clock::Host => self.host.since(at),
-            Clock::Device => now.since(at).wrapping_sub(self.offset.unwrap_or(0)),
+            Clock::Host => 0,
+            Clock::Device => self.offset.excess_ms(now.since(at)),
         }
+    }
+
+    /// How far the host's clock has fallen behind the one here since the session began, milliseconds; negative: it is
+    /// ahead. 0 by the host's clock.
+    #[must_use]
+    pub fn drift_ms(&self) -> i32 {
+        self.offset.drift_ms()
     }
 
     /// Whether the host has just fallen silent, at `time` by the session's clock; true once for each silence.
@@ -186,7 +197,9 @@ impl Link {
         let Some(heard) = self.heard else {
             return false;
         };
-        let gone = self.alive && time.since(heard) > SILENCE_MS;
+        // By the host's clock a frame may be a little older than the one before.
+        let is_silent = time.since(heard) > SILENCE_MS && heard.since(time) > SILENCE_MS;
+        let gone = self.alive && is_silent;
         self.alive &= !gone;
         gone
     }
@@ -235,7 +248,8 @@ mod tests {
         let mut link = opened(Clock::Device);
         assert_eq!(link.heard(ms(50_020), ms(1_025)), ms(1_025));
         assert_eq!(link.heard(ms(50_040), ms(1_040)), ms(1_040));
-        // The promptest one had no delay: this one was sent at 1 060 and came at 1 500.
+        assert_eq!(link.heard(ms(50_050), ms(1_050)), ms(1_050));
+        // The promptest ones had no delay: this one was sent at 1 060 and came at 1 500.
         assert_eq!(link.heard(ms(50_060), ms(1_500)), ms(1_060));
         assert_eq!(link.age_ms(ms(50_060), ms(1_500)), 440);
     }
@@ -247,13 +261,13 @@ mod tests {
         assert!(!link.falls_silent(ms(90)));
         assert_eq!(link.heard(ms(100), ms(1_000)), ms(100));
         assert_eq!(link.heard(ms(200), ms(9_000)), ms(200));
-        assert_eq!(
-            (
-                link.age_ms(ms(200), ms(9_000)),
-                link.age_ms(ms(150), ms(9_000))
-            ),
-            (0, 50)
-        );
+        assert_eq!(link.age_ms(ms(150), ms(9_000)), 0);
+        // A frame that is a little older does not turn time back; a clock that was set back does.
+        assert_eq!(link.heard(ms(190), ms(9_010)), ms(190));
+        assert_eq!(link.time(ms(9_010)), ms(200));
+        link.heard(ms(60_000), ms(9_020));
+        link.heard(ms(200), ms(9_030));
+        assert_eq!(link.time(ms(9_030)), ms(200));
         assert!(!link.falls_silent(link.time(ms(60_000))));
         assert!(link.falls_silent(ms(501)));
     }

@@ -10,8 +10,7 @@
 //! [`StopReason::LinkLost`] and stays so until it is told to resume.
 
 use crate::config::Config;
-use crate::controller::{self, Event, Mode, NomadState, Outputs, State, StopReason};
-use crate::faults::Detector;
+use crate::controller::{self, Command, Event, Mode, NomadState, Outputs, State, StopReason};
 use crate::goal::{Goal, KeptGoals};
 use crate::link::{Link, Verdict};
 use crate::som::Grid;
@@ -20,7 +19,7 @@ use crate::units::{Millis, Range};
 use crate::wire::frame::{self, Frame, FrameError, Header};
 use crate::wire::message::{
     Counters, DeviceCounters, Dimensions, FromMind, HostHello, MindHello, ModeReport, MotionOrder,
-    Notice, Refusal, Report, ResetCause, Source, ToMind,
+    Notice, Order, Oscillator, Refusal, Report, ResetCause, Source, ToMind,
 };
 use crate::wire::{PROTOCOL, SCHEMA};
 use heapless::Vec;
@@ -52,6 +51,8 @@ pub struct Identity {
     pub build: [u8; 8],
     /// Why it started.
     pub reset: ResetCause,
+    /// What clocks the processor.
+    pub oscillator: Oscillator,
     /// Whether the program has a ring of its own.
     pub ring: bool,
 }
@@ -74,11 +75,14 @@ pub struct Node<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize
     identity: Identity,
     source: Source,
     link: Link,
+    /// Header of the hello that opened the session.
+    opened_by: Header,
     seq: u16,
     underway: Option<Underway>,
     counters: Counters,
     kept: Kept,
-    detector: Detector<SENSORS>,
+    /// A stale echo was reported since the last decision.
+    stale_reported: bool,
     /// A configuration on its way in.
     staged: Vec<u8, MOST_CONFIG>,
 }
@@ -86,7 +90,7 @@ pub struct Node<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize
 /// The node of the Nomad 200 with the paper's sizes.
 pub type NomadNode = Node<16, 16, 100>;
 
-const _: () = assert!(size_of::<NomadState>() <= 8 * 1_024);
+const _: () = assert!(size_of::<NomadState>() <= 8_704);
 
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize> Default
     for Node<SENSORS, NEURONS, SAMPLES>
@@ -112,15 +116,17 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             identity: Identity {
                 build: [0; 8],
                 reset: ResetCause::Unknown,
+                oscillator: Oscillator::Unknown,
                 ring: false,
             },
             source: Source::Link,
             link: Link::new(),
+            opened_by: Header { session: 0, seq: 0 },
             seq: 0,
             underway: None,
             counters: Counters::NONE,
             kept: Kept::new(),
-            detector: Detector::new(),
+            stale_reported: false,
             staged: Vec::new(),
         }
     }
@@ -213,6 +219,17 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         if let ToMind::Hello(hello) = *message {
             return self.open(header, hello, now, out);
         }
+        // A stop acts whatever its session, number and time.
+        let is_stop = matches!(
+            message,
+            ToMind::Command {
+                order: Order::Stop,
+                ..
+            }
+        );
+        if is_stop {
+            self.stop(now, out);
+        }
         match self.link.accept(header) {
             Verdict::Accept => {
                 add(&mut self.counters.accepted);
@@ -221,9 +238,15 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             }
             Verdict::Replayed { last } => {
                 add(&mut self.counters.replayed);
-                if last && !matches!(message, ToMind::Alive { .. }) {
+                if is_stop {
+                    self.say(FromMind::Done { seq: header.seq }, now, out);
+                } else if last && !matches!(message, ToMind::Alive { .. }) {
                     self.say_again(header.seq, now, out);
                 }
+            }
+            Verdict::NoSession | Verdict::Stranger if is_stop => {
+                add(&mut self.counters.strangers);
+                self.say(FromMind::Done { seq: header.seq }, now, out);
             }
             Verdict::NoSession => {
                 add(&mut self.counters.strangers);
@@ -233,13 +256,23 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
     }
 
+    /// Stops the robot, by the time of the session's clock.
+    fn stop(&mut self, now: Millis, out: &mut impl Outbox) {
+        let stop = Event::Command(Command::Stop);
+        self.happen(self.link.time(now), stop, now, out);
+    }
+
     fn open(&mut self, header: Header, hello: HostHello, now: Millis, out: &mut impl Outbox) {
         let ours = Self::dimensions();
         if hello.dimensions != ours || header.session == 0 {
             return self.refuse(header.seq, Refusal::Incompatible(ours), now, out);
         }
-        if header.session == self.link.session() {
-            // The hello came again: its answer was lost.
+        let is_repeated = header == self.opened_by
+            && header.seq == self.link.seq()
+            && hello.clock == self.link.clock()
+            && hello.open_space == self.config.open_space;
+        if is_repeated {
+            // Its answer was lost.
             return self.hello(now, out);
         }
         // Whatever moves does so for a host that is gone.
@@ -247,6 +280,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.happen(self.link.time(now), gone, now, out);
         add(&mut self.counters.accepted);
         self.link.open(header, hello.clock, now);
+        self.opened_by = header;
+        self.config.open_space = hello.open_space;
         self.source = Source::Link;
         self.seq = 0;
         self.kept.clear();
@@ -269,6 +304,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             samples: SAMPLES as u16,
             build: self.identity.build,
             reset: self.identity.reset,
+            oscillator: self.identity.oscillator,
             config_crc: self.config_crc(),
             maps_crc: self.maps_crc(),
             memory_crc: self.memory_crc(),
@@ -316,6 +352,16 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
     }
 
+    /// Stops a robot that may move, for a reason the device has found.
+    pub fn alarm(&mut self, reason: StopReason, now: Millis, out: &mut impl Outbox) {
+        self.happen(self.link.time(now), Event::Alarm(reason), now, out);
+    }
+
+    /// Ends the motion under way: a bumper of the device touched something.
+    pub fn touched(&mut self, now: Millis, out: &mut impl Outbox) {
+        self.happen(self.link.time(now), Event::Touched, now, out);
+    }
+
     fn renew_motion(&mut self, time: Millis, now: Millis, out: &mut impl Outbox) {
         let moving = self.state.is_moving();
         if let Some(underway) = self.underway.filter(|_| moving)
@@ -331,9 +377,6 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 
     /// Hands an event to the mind and says what comes of it.
     fn happen(&mut self, at: Millis, event: Event<SENSORS>, now: Millis, out: &mut impl Outbox) {
-        if let Some(verdict) = self.detector.heed(&mut self.config, &event) {
-            self.say(FromMind::Log(verdict.into()), now, out);
-        }
         let outputs = controller::handle(&self.config, &mut self.state, at, event);
         self.tell(&outputs, at, now, out);
     }
@@ -342,7 +385,14 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         if outputs.motion.is_some() || outputs.mode_changed {
             self.kept.overtake();
         }
+        if let Some(verdict) = outputs.verdict {
+            self.say(FromMind::Log(verdict.into()), now, out);
+        }
+        if let Some(age_ms) = outputs.stale_ms {
+            self.count_stale(age_ms, now, out);
+        }
         if let Some(decision) = outputs.decision {
+            self.stale_reported = false;
             self.say(FromMind::Decision(decision), now, out);
         }
         if let Some(motion) = outputs.motion {
@@ -366,6 +416,14 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         if outputs.mode_changed {
             let mode = ModeReport::from(self.state.mode());
             self.say(FromMind::Mode(mode), now, out);
+        }
+    }
+
+    /// Counts a stale echo; reports the first one since the last decision.
+    fn count_stale(&mut self, age_ms: u32, now: Millis, out: &mut impl Outbox) {
+        add(&mut self.counters.stale_echoes);
+        if !core::mem::replace(&mut self.stale_reported, true) {
+            self.say(FromMind::Log(Notice::StaleEcho { age_ms }), now, out);
         }
     }
 

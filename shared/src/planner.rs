@@ -125,6 +125,8 @@ pub struct Planner<'a, const SENSORS: usize, const NEURONS: usize> {
     pub situations: &'a Som<NEURONS, SENSORS>,
     /// The map of changes and actions.
     pub actions: &'a ActionMap<NEURONS, SENSORS>,
+    /// Transducers that are used.
+    pub enabled: Mask,
     /// Action neurons that may answer.
     pub allowed: Mask,
     /// Best-matching unit of the situation, if it is known already.
@@ -154,7 +156,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         way: usize,
     ) -> (Plan<SENSORS>, GoalNeuron) {
         let first = self.heaviest(goal);
-        let heaviest = Heaviest::from(&goal.components, way, self.config.believed, first);
+        let heaviest = Heaviest::from(&goal.components, way, self.enabled, first);
         let planning = &self.config.planning;
         let own = (planning.choice == Choice::Recall
             && planning.intermediate == Intermediate::NearestCode)
@@ -166,7 +168,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             neuron: neuron as u8,
             place: way as u8,
             heaviest: first as u8,
-            believed: self.config.believed,
+            believed: self.enabled,
             deviation: Some(deviation),
         };
         let plan = match planning.choice {
@@ -196,7 +198,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         own: Option<i64>,
     ) -> Plan<SENSORS> {
         let planning = &self.config.planning;
-        let mask = self.config.believed;
+        let mask = self.enabled;
         let current = self.current(situation);
         let (aim, why) = self.aim(current, goal_neuron, asked, own);
         let aimed = match why {
@@ -270,7 +272,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
 
     /// Best-matching unit of the situation.
     fn current(&self, situation: &Situation<SENSORS>) -> usize {
-        let search = || self.situations.winner(situation, self.config.believed);
+        let search = || self.situations.winner(situation, self.enabled);
         self.current.unwrap_or_else(search)
     }
 
@@ -286,7 +288,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         let code = self.situations.code();
         let likely = self.likely;
         let mut nearest = usize::from(likely.neuron);
-        let same = usize::from(likely.place) == place && likely.believed == self.config.believed;
+        let same = usize::from(likely.place) == place && likely.believed == self.enabled;
         if let Some(least) = likely.deviation.filter(|_| same) {
             let Some(changed) = self.current else {
                 return (nearest, least);

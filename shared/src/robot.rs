@@ -27,6 +27,8 @@ pub struct RobotSpec<const SENSORS: usize> {
     pub braking_mm_s2: u16,
     /// Time the ring takes to hear every transducer once, milliseconds.
     pub ring_period_ms: u16,
+    /// Longest time the base turns its wheels before it rolls, milliseconds; 0 for a base that rolls any way at once.
+    pub steer_ms: u16,
 }
 
 /// [`evenly_spaced`] for 16 transducers, as a constant.
@@ -62,6 +64,8 @@ impl RobotSpec<16> {
             speed_mm_s: 508,
             braking_mm_s2: 762,
             ring_period_ms: 640,
+            // Half a turn at 45 °/s and 30 °/s² takes 5.5 s.
+            steer_ms: 6_000,
         }
     }
 }
@@ -82,6 +86,7 @@ impl RobotSpec<8> {
             speed_mm_s: 100,
             braking_mm_s2: 1_000,
             ring_period_ms: 40,
+            steer_ms: 1_000,
         }
     }
 }

@@ -67,6 +67,13 @@ impl<const SENSORS: usize> Scan<SENSORS> {
         self.fresh = 0;
     }
 
+    /// When a transducer was heard last, if it was since the last [`renew`](Self::renew).
+    #[must_use]
+    pub fn heard_at(&self, sensor: usize) -> Option<Millis> {
+        let echo = self.echoes.get(sensor)?;
+        (self.fresh & 1_u32.wrapping_shl(sensor as u32) != 0).then_some(echo.at)
+    }
+
     /// Whether every transducer that `believed` counts has been heard since the last [`renew`](Self::renew).
     #[must_use]
     pub fn is_complete(&self, believed: Mask) -> bool {

@@ -246,8 +246,14 @@ impl<const SENSORS: usize> Shield<SENSORS> {
 
     /// How far and how fast the robot may go along `wanted`, by everything heard lately.
     #[must_use]
-    pub fn allow(&self, config: &Config<SENSORS>, wanted: Displacement, now: Millis) -> Allowed {
-        self.allow_by(config, wanted, now, Mask::ALL)
+    pub fn allow(
+        &self,
+        config: &Config<SENSORS>,
+        enabled: Mask,
+        wanted: Displacement,
+        now: Millis,
+    ) -> Allowed {
+        self.allow_by(config, enabled, wanted, now, Mask::ALL)
     }
 
     /// As [`allow`](Self::allow), by what the transducers in `among` heard: enough for a motion that the others have
@@ -256,11 +262,12 @@ impl<const SENSORS: usize> Shield<SENSORS> {
     pub fn allow_by(
         &self,
         config: &Config<SENSORS>,
+        enabled: Mask,
         wanted: Displacement,
         now: Millis,
         among: Mask,
     ) -> Allowed {
-        self.allow_along(config, wanted, wanted.length_mm(), now, among)
+        self.allow_along(config, enabled, wanted, wanted.length_mm(), now, among)
     }
 
     /// What is left of a motion that was allowed, by what a transducer has just heard and heard before; `None` = all of it.
@@ -269,6 +276,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
     pub fn shorten(
         &self,
         config: &Config<SENSORS>,
+        enabled: Mask,
         wanted: Displacement,
         now: Millis,
         sensor: usize,
@@ -278,7 +286,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         }
         let length = wanted.length_mm();
         let heard = Mask::NONE.with(sensor);
-        let allowed = self.allow_along(config, wanted, length, now, heard);
+        let allowed = self.allow_along(config, enabled, wanted, length, now, heard);
         (allowed.distance_mm < length).then_some(allowed)
     }
 
@@ -286,6 +294,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
     fn allow_along(
         &self,
         config: &Config<SENSORS>,
+        enabled: Mask,
         wanted: Displacement,
         length: u16,
         now: Millis,
@@ -303,6 +312,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         let way = Way::new(config, shielding, lobe, wanted, length, now);
         let free = self.free_distance(
             config,
+            enabled,
             &way,
             length.saturating_add(braking_distance(config)),
             among,
@@ -319,6 +329,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
     fn free_distance(
         &self,
         config: &Config<SENSORS>,
+        enabled: Mask,
         way: &Way<'_>,
         limit: i32,
         among: Mask,
@@ -327,8 +338,8 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         if way.direction == Direction::default() {
             return limit;
         }
-        if !config.believed.and(among).covers(SENSORS) {
-            return self.free_by_some(config, way, limit, among);
+        if !enabled.and(among).covers(SENSORS) {
+            return self.free_by_some(config, enabled, way, limit, among);
         }
         let mut axes = config.robot.directions.iter().enumerate();
         if axes.any(|(sensor, axis)| self.is_stale(way, sensor, *axis)) {
@@ -348,14 +359,15 @@ impl<const SENSORS: usize> Shield<SENSORS> {
     fn free_by_some(
         &self,
         config: &Config<SENSORS>,
+        enabled: Mask,
         way: &Way<'_>,
         limit: i32,
         among: Mask,
     ) -> i32 {
-        if among == Mask::ALL && way.is_blind(config) {
+        if among == Mask::ALL && way.is_blind(config, enabled) {
             return 0;
         }
-        let asked = config.believed.and(among);
+        let asked = enabled.and(among);
         let axis = |sensor: usize| config.robot.directions.get(sensor);
         let is_stale =
             |sensor: usize| axis(sensor).is_some_and(|axis| self.is_stale(way, sensor, *axis));
@@ -527,12 +539,12 @@ impl<'a> Way<'a> {
 
     /// Whether the way leads along the gap of a transducer that is not believed: a post there stays unheard all the way. It
     /// reaches to 30° from its axis, somewhat beyond those of the neighbours of 16: the robot is wider than the gap.
-    fn is_blind<const SENSORS: usize>(&self, config: &Config<SENSORS>) -> bool {
+    fn is_blind<const SENSORS: usize>(&self, config: &Config<SENSORS>, enabled: Mask) -> bool {
         const COS_30_Q14: i32 = 14_189;
         let mut ring = config.robot.directions.iter().enumerate();
         ring.any(|(sensor, axis)| {
             let (x, y) = (i32::from(axis.x_q14), i32::from(axis.y_q14));
-            !config.believed.contains(sensor) && self.direction.along(x, y) > COS_30_Q14
+            !enabled.contains(sensor) && self.direction.along(x, y) > COS_30_Q14
         })
     }
 

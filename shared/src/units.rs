@@ -75,6 +75,24 @@ impl Millis {
     pub const fn since(self, earlier: Self) -> u32 {
         self.0.wrapping_sub(earlier.0)
     }
+
+    /// Whether this moment comes before `other`; right across the wrap while the two are less than 24.8 days apart.
+    #[must_use]
+    pub const fn is_before(self, other: Self) -> bool {
+        (self.0.wrapping_sub(other.0) as i32) < 0
+    }
+
+    /// The moment `ms` milliseconds before this one.
+    #[must_use]
+    pub const fn minus_ms(self, ms: u32) -> Self {
+        Self(self.0.wrapping_sub(ms))
+    }
+
+    /// The moment `ms` milliseconds after this one.
+    #[must_use]
+    pub const fn plus_ms(self, ms: u32) -> Self {
+        Self(self.0.wrapping_add(ms))
+    }
 }
 
 /// A direction as a binary turn: 65 536 units are one full turn, counter-clockwise from the frame's x axis; wraps for free.

@@ -118,6 +118,7 @@ impl Chip {
         let hello = self.packed(&ToMind::Hello(HostHello {
             dimensions: dimensions(),
             clock,
+            open_space: false,
         }));
         let until = Instant::now() + PATIENCE;
         while Instant::now() < until {

@@ -106,7 +106,11 @@ pub fn session(bytes: &[u8]) {
         sensors: 16,
         neurons: 16,
     };
-    let hello = ToMind::Hello(HostHello { dimensions, clock });
+    let hello = ToMind::Hello(HostHello {
+        dimensions,
+        clock,
+        open_space: false,
+    });
     tell(&mut node, seq, &hello, now, &mut said);
     let mut left = bytes.get(1..).unwrap_or(&[]);
     while let Ok(((passed, message), rest)) = postcard::take_from_bytes::<(u8, ToMind<16>)>(left) {

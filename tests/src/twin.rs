@@ -61,6 +61,7 @@ impl Twin {
         let identity = amp::node::Identity {
             build: hello.build,
             reset: hello.reset,
+            oscillator: hello.oscillator,
             ring: false,
         };
         let mut said = Recorded::default();
@@ -69,6 +70,7 @@ impl Twin {
         let message = ToMind::Hello(HostHello {
             dimensions: dimensions(),
             clock: Clock::Host,
+            open_space: false,
         });
         let said = twin.tell_local(&message, 1);
         assert!(matches!(
@@ -159,6 +161,7 @@ impl Twin {
         let said = self.send(&ToMind::Hello(HostHello {
             dimensions: dimensions(),
             clock: Clock::Host,
+            open_space: false,
         }));
         self.settle(0);
         let hello = said.iter().find_map(|report| match report.said {
@@ -269,7 +272,9 @@ impl Pilot for Twin {
                 turned: turned.as_turns(),
                 progress,
             },
-            Event::Command(_) | Event::Tick | Event::Alarm(_) => return Outputs::NONE,
+            Event::Command(_) | Event::Tick | Event::Alarm(_) | Event::Touched => {
+                return Outputs::NONE;
+            }
         };
         let said = self.send(&message);
         self.settle(self.behind);

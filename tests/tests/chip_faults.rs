@@ -307,6 +307,7 @@ fn another_protocol_is_refused_by_the_chip() {
     chip.send(&ToMind::Hello(HostHello {
         dimensions: theirs,
         clock: Clock::Device,
+        open_space: false,
     }));
     let why = chip.wait(|_, report| match report.said {
         FromMind::Refusal { why, .. } => Some(why),

@@ -4,7 +4,7 @@ use amp::parameters::Parameter;
 use amp::units::Range;
 use amp::wire::frame::{Header, unpack};
 use amp::wire::message::{
-    Clock, Counters, Dimensions, HostHello, ModeReport, Order, Refusal, ResetCause,
+    Clock, Counters, Dimensions, HostHello, ModeReport, Order, Oscillator, Refusal, ResetCause,
 };
 use amp::wire::{Frame, FromMind, PROTOCOL, Report, SCHEMA, ToMind};
 use heapless::spsc::{Producer, Queue};
@@ -53,6 +53,7 @@ impl<F: NorFlash> Bench<F> {
         let identity = Identity {
             build: *b"testtest",
             reset: ResetCause::Panic,
+            oscillator: Oscillator::Unknown,
             ring: false,
         };
         self.control.start(identity, Millis::from_ms(0));
@@ -90,6 +91,7 @@ impl<F: NorFlash> Bench<F> {
         self.ask(&ToMind::Hello(HostHello {
             dimensions,
             clock: Clock::Device,
+            open_space: false,
         }));
     }
 
@@ -301,6 +303,7 @@ fn ringed(bench: Bench) -> (Bench, Producer<'static, Firing>) {
     let identity = Identity {
         build: *b"testtest",
         reset: ResetCause::Panic,
+        oscillator: Oscillator::Unknown,
         ring: true,
     };
     bench.control.start(identity, Millis::from_ms(0));
@@ -395,5 +398,45 @@ fn a_board_without_flash_refuses_at_once_and_goes_on() {
             matches!(said[..], [FromMind::Refusal { why, .. }, FromMind::Done { .. }] if why == absent),
             "{task:?}: {said:?}"
         );
+    }
+}
+
+/// A bench that explores for a linked host.
+fn exploring() -> Bench {
+    let mut bench = bench();
+    bench.start();
+    bench.open();
+    let _ = bench.control.run(Millis::from_ms(1));
+    assert!(bench.control.is_linked() && !bench.control.may_move());
+    bench.ask(&ToMind::Command {
+        at_ms: 1,
+        ttl_ms: 1_000,
+        order: Order::Explore { moves: 10, seed: 1 },
+    });
+    let _ = bench.control.run(Millis::from_ms(2));
+    assert!(bench.control.may_move());
+    let _ = bench.said();
+    bench
+}
+
+#[test]
+fn alarms_of_the_lines_stop_the_robot_and_say_why() {
+    let stop = Alarms {
+        emergency_stop: true,
+        touched: false,
+    };
+    for (alarms, low_voltage, reason) in [
+        (stop, false, StopReason::EmergencyStop),
+        (Alarms::default(), true, StopReason::LowVoltage),
+    ] {
+        let mut bench = exploring();
+        let now = Millis::from_ms(10);
+        bench.control.apply_alarms(Alarms::default(), false, now);
+        assert!(bench.control.may_move());
+        bench.control.apply_alarms(alarms, low_voltage, now);
+        assert!(!bench.control.may_move());
+        let said = bench.said();
+        let mode = FromMind::Mode(ModeReport::Stopped(reason));
+        assert!(said.contains(&mode), "{said:?}");
     }
 }

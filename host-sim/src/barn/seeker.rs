@@ -80,6 +80,7 @@ impl Policy for Seeker {
             config: &self.config,
             situations: self.state.situations(),
             actions: self.state.actions(),
+            enabled: Mask::ALL,
             allowed: Mask::ALL,
             current: None,
             likely: GoalNeuron::UNKNOWN,

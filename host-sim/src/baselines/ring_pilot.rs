@@ -155,7 +155,9 @@ impl<P: Policy> RingPilot<P> {
         };
         let remaining = under_way.remaining;
         let heard = Mask::NONE.with(sensor);
-        let allowed = self.shield.allow_by(&self.config, remaining, now, heard);
+        let allowed = self
+            .shield
+            .allow_by(&self.config, Mask::ALL, remaining, now, heard);
         if allowed.distance_mm >= remaining.length_mm() {
             return Outputs::NONE;
         }
@@ -187,7 +189,7 @@ impl<P: Policy> RingPilot<P> {
         let asked = self.policy.decide(&perceived);
         let millimeters = |meters: f64| libm::round(meters * 1e3) as i32;
         let wanted = Displacement::saturating(millimeters(asked.x), millimeters(asked.y));
-        let limit = self.shield.allow(&self.config, wanted, now);
+        let limit = self.shield.allow(&self.config, Mask::ALL, wanted, now);
         let allowed = if limit.distance_mm >= wanted.length_mm() {
             wanted
         } else {
@@ -259,7 +261,7 @@ impl<P: Policy> Pilot for RingPilot<P> {
                 self.odometry(motion, moved, turned, progress);
                 Outputs::NONE
             }
-            Event::Command(_) | Event::Tick | Event::Alarm(_) => Outputs::NONE,
+            Event::Command(_) | Event::Tick | Event::Alarm(_) | Event::Touched => Outputs::NONE,
         }
     }
 }

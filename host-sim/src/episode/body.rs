@@ -13,7 +13,7 @@ use crate::robot::{
 };
 use crate::sonar::{FIRING_ORDER, FIRING_SLOT_S, RING_PERIOD_S, Ring, SonarModel, TransducerFault};
 use crate::world::{Point, Pose, World};
-use amp::controller::{Decision, Event, Motion, Outputs, Progress};
+use amp::controller::{Decision, Event, Motion, Outputs, Progress, StopReason};
 use amp::units::{Bearing, Displacement, Millis, Range};
 use std::borrow::Cow;
 
@@ -52,6 +52,8 @@ pub struct Happened {
     pub decision: Option<Decision<16>>,
     /// The pilot changed its mode.
     pub mode_changed: bool,
+    /// The pilot stopped the robot, for this reason.
+    pub stopped: Option<StopReason>,
     /// A motion under way was shortened.
     pub shortened: bool,
     /// The base moved (after the decision, if there was one).
@@ -224,6 +226,7 @@ impl<'w> Body<'w> {
             time_s,
             decision: outputs.decision,
             mode_changed: outputs.mode_changed,
+            stopped: outputs.stopped,
             shortened: shortens(&outputs),
             moved,
         }
@@ -235,6 +238,7 @@ impl<'w> Body<'w> {
             time_s: self.time_s,
             decision: None,
             mode_changed: false,
+            stopped: None,
             shortened: false,
             moved: None,
         }
@@ -261,6 +265,7 @@ impl<'w> Body<'w> {
         let turned = self.reported_bearing.minus(before);
         let progress = match (done.touched, done.moving) {
             (true, _) => Progress::Touched,
+            (false, true) if self.base.is_steering() => Progress::Steering,
             (false, true) => Progress::Moving,
             (false, false) => Progress::Ended,
         };
@@ -418,6 +423,7 @@ impl Happened {
     fn take(&mut self, outputs: &Outputs<16>) {
         self.decision = self.decision.or(outputs.decision);
         self.mode_changed |= outputs.mode_changed;
+        self.stopped = self.stopped.or(outputs.stopped);
         self.shortened |= shortens(outputs);
     }
 }

@@ -5,7 +5,7 @@ use super::body::{Body, Happened, milliseconds};
 use super::measure::Measure;
 use super::record::Recorder;
 use super::tally::{Report, Stride, Tally, rounded};
-use crate::link::LinkError;
+use crate::link::{LinkError, words};
 use crate::pilot::{Mind, Pilot, Thinker};
 use crate::recording::Recording;
 use crate::robot::TurretMode;
@@ -13,7 +13,7 @@ use crate::scenes::Behavior;
 use crate::sonar::{SonarModel, TransducerFault};
 use crate::world::{Point, World};
 use amp::config::Config;
-use amp::controller::{Command, Decision, Event, Refusal};
+use amp::controller::{Command, Decision, Event, Refusal, StopReason};
 use amp::fixed::Weight;
 use amp::scan::Situation;
 use amp::units::Millis;
@@ -75,6 +75,8 @@ pub enum Failure {
     Refused(Refusal),
     /// The mind has not decided anything for a hundred rings.
     Silent,
+    /// The robot stopped by itself.
+    Stopped(StopReason),
     /// The mind is elsewhere, and the way to it failed.
     Link(LinkError),
     /// The log could not be written on.
@@ -86,6 +88,10 @@ impl std::fmt::Display for Failure {
         match self {
             Self::Refused(why) => write!(f, "the mind refused a command: {why:?}"),
             Self::Silent => f.write_str("the mind has decided nothing for a hundred rings"),
+            Self::Stopped(StopReason::NothingHeard) => f.write_str(
+                "the robot stopped: no sonar heard any echo in three rings (--set open-space=on where that is expected)",
+            ),
+            Self::Stopped(reason) => write!(f, "the robot stopped: {}", words::stop(*reason)),
             Self::Link(error) => error.fmt(f),
             Self::Log(why) => f.write_str(why),
         }
@@ -320,6 +326,9 @@ impl<'w> Driver<'w> {
                 observer.happened(milliseconds(happened.time_s), &happened, &self.body);
             }
             pilot.failure().map_or(Ok(()), Err)?;
+            if let Some(reason) = happened.stopped {
+                return Err(Failure::Stopped(reason));
+            }
             if happened.decision.is_some() || happened.mode_changed {
                 self.close();
                 progress(self.tally.steps);

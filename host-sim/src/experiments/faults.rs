@@ -171,7 +171,7 @@ impl Witness {
         if std::mem::replace(&mut self.touched, true) {
             return;
         }
-        let believed = |sensor: u8| self.mind.config().believed.contains(sensor.into());
+        let believed = |sensor: u8| self.mind.enabled().contains(sensor.into());
         if self.faulty.is_none_or(believed) {
             self.course.contacts_before += 1;
         } else {

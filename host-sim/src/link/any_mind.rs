@@ -6,6 +6,7 @@ use crate::error::BadInput;
 use crate::pilot::{Mind, Pilot, SimState, Thinker as _};
 use amp::config::Config;
 use amp::controller::{Event, Outputs};
+use amp::fixed::Mask;
 use amp::units::{Millis, Range};
 
 /// Where a mind is.
@@ -129,7 +130,16 @@ impl AnyMind {
         }
     }
 
-    /// What it was told, and whom it believes by now.
+    /// Transducers it uses.
+    #[must_use]
+    pub fn enabled(&self) -> Mask {
+        match self {
+            Self::Host(mind) => mind.enabled(),
+            Self::Link(elsewhere) => elsewhere.mind.enabled(),
+        }
+    }
+
+    /// What it was told.
     pub fn config(&self) -> &Config<16> {
         match self {
             Self::Host(mind) => mind.config(),

@@ -29,7 +29,7 @@ mod remote;
 mod served;
 mod session;
 mod transport;
-mod words;
+pub mod words;
 
 pub use address::{Address, BAUD};
 pub use any_mind::{AnyMind, Elsewhere, MindPlace};

@@ -73,6 +73,7 @@ impl Session {
         self.put(&ToMind::Hello(HostHello {
             dimensions: OURS,
             clock,
+            open_space: self.open_space,
         }))?;
         Ok(std::mem::take(&mut self.burst))
     }

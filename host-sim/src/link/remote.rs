@@ -54,6 +54,7 @@ impl Fingerprint {
     /// When the configuration is none a mind can send.
     pub fn fresh(config: &Config<16>) -> Result<Self, LinkError> {
         let mut session = Session::new(Local::new(config.clone()));
+        session.expect_open_space(config.open_space);
         Ok(Self::from(&session.open(1, Clock::Host)?))
     }
 
@@ -74,6 +75,8 @@ impl Fingerprint {
 pub struct RemoteMind<S> {
     session: S,
     config: Config<16>,
+    /// Transducers that its fault detector has disabled.
+    disabled: Mask,
     found: Fingerprint,
     fresh: Fingerprint,
     /// Time of the latest message.
@@ -97,6 +100,7 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
         Ok(Self {
             session,
             config: config.clone(),
+            disabled: Mask::NONE,
             found,
             fresh,
             told: Millis::from_ms(0),
@@ -115,7 +119,7 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
         let session = self.session.borrow_mut();
         let number = next_number(session.number());
         (self.found, self.fresh) = begin(session, number, config)?;
-        self.config = config.clone();
+        (self.config, self.disabled) = (config.clone(), Mask::NONE);
         (self.told, self.motion, self.error) = (Millis::from_ms(0), None, None);
         Ok(())
     }
@@ -128,14 +132,20 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
         let bytes = Knowledge::of_config(config)?;
         let session = self.session.borrow_mut();
         session.write_part(Part::Config, &bytes)?;
-        self.config = config.clone();
+        (self.config, self.disabled) = (config.clone(), Mask::NONE);
         Ok(())
     }
 
-    /// What the mind was told, and whom it believes by now.
+    /// What the mind was told.
     #[must_use]
     pub fn config(&self) -> &Config<16> {
         &self.config
+    }
+
+    /// Transducers it uses.
+    #[must_use]
+    pub fn enabled(&self) -> Mask {
+        Mask::from_bits(self.config.believed.to_bits() & !self.disabled.to_bits())
     }
 
     /// What the mind had instead of this configuration, empty maps and an empty memory before it was told; in words.
@@ -167,7 +177,7 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
             Event::Command(command) => self.command(at, command),
             Event::Tick => self.let_learn(),
             // Whoever is in charge of the link raises alarms, not whoever is at its end.
-            Event::Alarm(_) => Ok(Outputs::NONE),
+            Event::Alarm(_) | Event::Touched => Ok(Outputs::NONE),
         }
     }
 
@@ -265,10 +275,10 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
             }
             FromMind::Mode(_) => outputs.mode_changed = true,
             FromMind::Log(Notice::Disbelieved { sensor, .. }) => {
-                self.config.believed = self.config.believed.without((*sensor).into());
+                self.disabled = self.disabled.with((*sensor).into());
             }
             FromMind::Log(Notice::Believed { sensor }) => {
-                self.config.believed = self.config.believed.with((*sensor).into());
+                self.disabled = self.disabled.without((*sensor).into());
             }
             _ => {}
         }
@@ -321,12 +331,12 @@ impl<S: BorrowMut<Session>> Pilot for RemoteMind<S> {
     }
 
     /// Sends in one frame what cannot bring about a motion before its end: everything up to the last transducer that is
-    /// believed, for a ring is complete no sooner.
+    /// enabled, for a ring is complete no sooner.
     fn echoes(&mut self, at: Millis, echoes: &[(u8, Option<Range>)]) -> (usize, Outputs<16>) {
         if self.error.is_some() {
             return (echoes.len(), Outputs::NONE);
         }
-        let count = batch(echoes, self.config.believed);
+        let count = batch(echoes, self.enabled());
         let result = self.hear(at, echoes.get(..count).unwrap_or(echoes));
         (count, self.keep(result))
     }
@@ -352,6 +362,7 @@ fn begin(
     config: &Config<16>,
 ) -> Result<(Fingerprint, Fingerprint), LinkError> {
     let fresh = Fingerprint::fresh(config)?;
+    session.expect_open_space(config.open_space);
     let found = Fingerprint::from(&session.open(number, Clock::Host)?);
     // A mind that learns takes no configuration.
     session.order(0, Order::Stop)?;

@@ -66,6 +66,8 @@ pub struct Session {
     pub(super) began: Instant,
     pub(super) patience: Patience,
     pub(super) hello: Option<MindHello>,
+    /// The sessions it opens say that open space is expected.
+    pub(super) open_space: bool,
     /// Sound frames without a known message.
     pub(super) foreign: u32,
 }
@@ -86,8 +88,14 @@ impl Session {
             began: Instant::now(),
             patience: Patience::default(),
             hello: None,
+            open_space: false,
             foreign: 0,
         }
+    }
+
+    /// Says of the sessions to come whether rings without any echo are expected in them.
+    pub fn expect_open_space(&mut self, expected: bool) {
+        self.open_space = expected;
     }
 
     /// Waits for answers so long from now on.

@@ -29,6 +29,10 @@ pub fn stop(reason: StopReason) -> &'static str {
         StopReason::Commanded => "it was told to",
         StopReason::RingIncomplete => "not every sonar was heard in time",
         StopReason::LinkLost => "it heard nothing from here for too long",
+        StopReason::NothingHeard => "no sonar heard any echo in three rings",
+        StopReason::Overdue => "its motion did not end in time: the wheels may be blocked",
+        StopReason::EmergencyStop => "the emergency stop was pressed, or its wire is broken",
+        StopReason::LowVoltage => "its supply voltage is too low",
     }
 }
 
@@ -111,6 +115,10 @@ pub fn describe(report: &Report<16>) -> String {
         FromMind::Log(Notice::Believed { sensor }) => {
             ("log", format!("sonar {sensor} is believed again"))
         }
+        FromMind::Log(Notice::StaleEcho { age_ms }) => (
+            "log",
+            format!("an echo was {age_ms} ms old and was not used"),
+        ),
         FromMind::Done { seq } => ("done", format!("frame {seq}")),
         FromMind::Busy { ms } => ("busy", format!("for at most {ms} ms")),
         FromMind::Goal { name, .. } if *name == Name::NONE => ("goal", "the present one".into()),

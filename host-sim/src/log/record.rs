@@ -106,6 +106,8 @@ pub enum Happening {
     },
     /// Something outside the mind is wrong.
     Alarm(StopReason),
+    /// A bumper touched something.
+    Touched,
     /// Other open choices; what the mind knows stays.
     Configure(Box<Config<16>>),
     /// Somebody else's knowledge instead of its own: the bytes of a mind's file, in hexadecimal.
@@ -165,6 +167,7 @@ impl Happening {
                 done: false,
             },
             Event::Alarm(reason) => Self::Alarm(reason),
+            Event::Touched => Self::Touched,
         }
     }
 
@@ -192,6 +195,7 @@ impl Happening {
             Self::Stop => Event::Command(Command::Stop),
             Self::Resume => Event::Command(Command::Resume),
             Self::Alarm(reason) => Event::Alarm(reason),
+            Self::Touched => Event::Touched,
         })
     }
 }
@@ -215,7 +219,11 @@ impl Answer {
     /// What an event brought about; `None` if nothing.
     #[must_use]
     pub fn of(at_ms: u32, outputs: &Outputs<16>) -> Option<Self> {
-        (*outputs != Outputs::NONE).then(|| Self {
+        let is_answer = outputs.motion.is_some()
+            || outputs.decision.is_some()
+            || outputs.mode_changed
+            || outputs.refusal.is_some();
+        is_answer.then(|| Self {
             at_ms,
             motion: outputs.motion.map(MotionRecord::from),
             decision: outputs.decision.as_ref().map(DecisionRecord::from),
@@ -349,6 +357,7 @@ mod tests {
             Event::Command(Command::Stop),
             Event::Command(Command::Resume),
             Event::Alarm(StopReason::LinkLost),
+            Event::Touched,
         ];
         for event in events {
             let record = EventRecord {

@@ -91,6 +91,7 @@ impl Summary {
             Happening::Stop => "stop",
             Happening::Resume => "resume",
             Happening::Alarm(_) => "alarm",
+            Happening::Touched => "bumper",
             Happening::Configure(_) => "other choices",
             Happening::Know(_) => "knowledge from a file",
             Happening::Echoes(_) | Happening::Ticks { .. } => return,

@@ -31,6 +31,7 @@ impl<const SENSORS: usize> Config<SENSORS> {
                 speed_mm_s: 0,
                 braking_mm_s2: 0,
                 ring_period_ms: 0,
+                steer_ms: 0,
             },
             believed: Mask::NONE,
             encoding: Encoding {
@@ -79,6 +80,7 @@ impl<const SENSORS: usize> Config<SENSORS> {
             clearance_mm: 0,
             shield: None,
             fault_detection: false,
+            open_space: false,
         }
     }
 }

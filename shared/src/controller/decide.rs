@@ -1,7 +1,7 @@
 //! A ring is complete and the base stands: what now?
 
 use super::search::Search;
-use super::{Decision, Mode, Motion, Outputs, Pending, State};
+use super::{Decision, Mode, Motion, Outputs, Pending, State, StopReason};
 use crate::action_map::Effect;
 use crate::config::{Choice, Config, Taught};
 use crate::fixed::Mask;
@@ -19,6 +19,9 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     /// A ring is complete and the base stands. Apart from the echoes that bring about nothing.
     #[inline(never)]
     pub(super) fn decide(&mut self, config: &Config<SENSORS>, now: Millis) -> Outputs<SENSORS> {
+        if self.hears_nothing(config) {
+            return self.alarm(now, StopReason::NothingHeard);
+        }
         let situation = &Aligned(config.encoding.situation(&self.scan));
         match self.mode {
             Mode::Explore { left } => self.explore(config, now, situation, left),
@@ -38,11 +41,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         left: u16,
     ) -> Outputs<SENSORS> {
         let mut left = left;
+        let enabled = self.enabled(config);
         if let Some(pending) = self.pending.take() {
             // The command was refused unless the memory holds all the samples.
             let _ = self.memory.keep(Sample {
-                before: memory::to_bytes(&pending.before.0, config.believed),
-                after: memory::to_bytes(&situation.0, config.believed),
+                before: memory::to_bytes(&pending.before.0, enabled),
+                after: memory::to_bytes(&situation.0, enabled),
                 commanded: pending.commanded,
                 executed: pending.executed,
             });
@@ -65,7 +69,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             let bearing = Bearing::from_turns((self.random() >> 16) as u16);
             let length = u32::from(shortest).saturating_add(self.below(span.saturating_add(1)));
             wanted = Displacement::along(bearing, length as i32);
-            let allowed = self.shield.allow(config, wanted, now);
+            let allowed = self.shield.allow(config, self.enabled(config), wanted, now);
             if allowed.distance_mm >= wanted.length_mm() / 2 {
                 break;
             }
@@ -82,9 +86,10 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         for left in self.inhibited_mut() {
             *left = left.saturating_sub(1);
         }
+        let enabled = self.enabled(config);
         // Stays where it is until the next one takes its place: it is much to copy.
         let cut = self.pending.as_ref().is_some_and(Pending::was_cut);
-        let current = self.learn_online(config, &situation.0);
+        let current = self.learn_online(config, enabled, &situation.0);
         self.inhibit(config, cut);
         if config.planning.choice != Choice::Recall {
             self.actions.keep_products();
@@ -102,6 +107,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         };
         let pursued = pursued(
             config,
+            enabled,
             &situation.0,
             goal,
             &mut self.search,
@@ -116,6 +122,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             config,
             situations: &self.situations,
             actions: &self.actions,
+            enabled,
             allowed,
             current,
             likely,
@@ -169,6 +176,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     fn learn_online(
         &mut self,
         config: &Config<SENSORS>,
+        enabled: Mask,
         after: &Situation<SENSORS>,
     ) -> Option<usize> {
         let online = config.online?;
@@ -186,7 +194,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         // direction, as the random moves did.
         let turns = config.learning.turned
             && config.robot.symmetric
-            && config.believed.covers(SENSORS)
+            && enabled.covers(SENSORS)
             && config.planning.choice != Choice::Recall;
         let places = if turns { self.below(SENSORS as u32) } else { 0 } as usize;
         let turned = match config.robot.directions.get(places) {
@@ -199,7 +207,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let effect = Effect {
             change,
             action: config.action_code.encode(turned, config.robot.step_mm),
-            mask: config.believed,
+            mask: enabled,
         };
         let halvings = self.halvings();
         let pull = |rate: u32| Pull::new(Neighbourhood::Direct, rate >> halvings, online.share_q16);
@@ -216,9 +224,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             self.actions.learn_on(winner, &effect, &action_pull);
         }
         let situation_pull = pull(online.situation_rate_q16);
-        let winner = self
-            .situations
-            .teach(after, config.believed, &situation_pull);
+        let winner = self.situations.teach(after, enabled, &situation_pull);
         if online.share_q16 != 0 {
             self.goal_neuron.deviation = None;
         }
@@ -235,7 +241,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         wanted: Displacement,
         plan: Option<&Plan<SENSORS>>,
     ) -> Outputs<SENSORS> {
-        let limit = self.shield.allow(config, wanted, now);
+        let limit = self.shield.allow(config, self.enabled(config), wanted, now);
         let allowed = if wanted.is_shorter_than(u32::from(limit.distance_mm).wrapping_add(1)) {
             wanted
         } else {
@@ -256,12 +262,14 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         });
         self.moving = true;
         self.asked_by = plan.and_then(|plan| plan.recalled.then_some(plan.action_neuron));
+        let motion = Motion {
+            id: self.motion_id,
+            displacement: allowed,
+            speed_mm_s: limit.speed_mm_s,
+        };
+        self.deadline = self.now.plus_ms(motion.longest_ms());
         Outputs {
-            motion: Some(Motion {
-                id: self.motion_id,
-                displacement: allowed,
-                speed_mm_s: limit.speed_mm_s,
-            }),
+            motion: Some(motion),
             decision: Some(Decision {
                 situation: situation.0,
                 plan: plan.copied(),
@@ -277,6 +285,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 /// What is pursued instead of the goal while the robot wanders: obstacle avoidance on another course.
 fn pursued<const SENSORS: usize>(
     config: &Config<SENSORS>,
+    enabled: Mask,
     situation: &Situation<SENSORS>,
     goal: &Goal<SENSORS>,
     search: &mut Search,
@@ -288,7 +297,7 @@ fn pursued<const SENSORS: usize>(
     }
     let values = situation.map(|value| i32::from(value.to_bits()));
     let mut asked = [Asked::ANYTHING; SENSORS];
-    goal.ask(0, config.believed, &mut asked);
+    goal.ask(0, enabled, &mut asked);
     let deviation = missed(&asked, &values, goal.cap_bits(), i64::MAX);
     if goal.is_met_by(deviation, &asked) {
         *search = Search::NEW;

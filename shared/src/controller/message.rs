@@ -1,5 +1,6 @@
 //! What goes into the controller and what comes out of it.
 
+use crate::faults::Verdict;
 use crate::goal::Goal;
 use crate::planner::Plan;
 use crate::scan::Situation;
@@ -40,6 +41,15 @@ pub enum StopReason {
     RingIncomplete,
     /// Nothing was heard from the other end of the link.
     LinkLost,
+    /// Three rings in a row heard no echo at all, and no open space is expected
+    /// ([`Config::open_space`](crate::config::Config::open_space)).
+    NothingHeard,
+    /// A motion had not ended at its deadline: twice its distance over its speed, plus 0.5 s.
+    Overdue,
+    /// The emergency stop was pressed, or its wire is broken.
+    EmergencyStop,
+    /// The supply voltage is too low.
+    LowVoltage,
 }
 
 /// Why a command was not carried out.
@@ -87,6 +97,8 @@ pub enum Progress {
     Ended,
     /// The base stands because something was touched.
     Touched,
+    /// The base turns its wheels and has not begun to roll.
+    Steering,
 }
 
 /// Something that happened.
@@ -116,6 +128,8 @@ pub enum Event<const SENSORS: usize> {
     Tick,
     /// Something outside the mind is wrong: a robot that may move stops.
     Alarm(StopReason),
+    /// A bumper touched something: the motion under way ends here.
+    Touched,
 }
 
 /// What the base is asked to do: a straight displacement in the ring's present frame. A newer motion replaces an older
@@ -139,8 +153,14 @@ pub struct Outputs<const SENSORS: usize> {
     pub decision: Option<Decision<SENSORS>>,
     /// The mode changed.
     pub mode_changed: bool,
+    /// The robot stopped, for this reason.
+    pub stopped: Option<StopReason>,
     /// A command was refused.
     pub refusal: Option<Refusal>,
+    /// A transducer is no longer enabled, or is enabled again.
+    pub verdict: Option<Verdict>,
+    /// The echo was not used: its age in milliseconds.
+    pub stale_ms: Option<u32>,
 }
 
 impl<const SENSORS: usize> Outputs<SENSORS> {
@@ -154,7 +174,10 @@ impl<const SENSORS: usize> Outputs<SENSORS> {
             motion: None,
             decision: None,
             mode_changed: false,
+            stopped: None,
             refusal: None,
+            verdict: None,
+            stale_ms: None,
         }
     }
 }

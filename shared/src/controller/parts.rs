@@ -8,6 +8,7 @@
 //! | [`Part::Memory`] | samples in the order they came: before and after, a byte per transducer (see [`memory`](crate::memory)); commanded dx, dy, executed dx, dy as `i16` millimetres |
 
 use super::{Mode, State};
+use crate::faults::Detector;
 use crate::fixed::Fine;
 use crate::memory::Sample;
 use crate::planner::GoalNeuron;
@@ -147,6 +148,9 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.mode = Mode::Idle;
         self.interrupted = Mode::Idle;
         self.scan.renew();
+        self.heard_any = false;
+        self.silent_rings = 0;
+        self.detector = Detector::new();
         self.shield.forget();
         self.memory.clear();
         self.situations.clear();

@@ -1,4 +1,5 @@
 use super::*;
+use crate::controller::Progress;
 use std::vec::Vec;
 
 /// Steps of a long way. Miri takes some thousand times as long.
@@ -37,13 +38,11 @@ impl Walk {
     }
 
     fn moved(&mut self, dx_mm: i32, dy_mm: i32, progress: Progress) {
-        let moved = Event::Odometry {
-            motion: 1,
-            moved: Displacement::saturating(dx_mm, dy_mm),
-            turned: Bearing::ZERO,
-            progress,
-        };
-        assert_eq!(self.detector.heed(&mut self.config, &moved), None);
+        let moved = Displacement::saturating(dx_mm, dy_mm);
+        if progress == Progress::Touched {
+            self.detector.touched(&self.config, moved);
+        }
+        self.detector.moved(&self.config, moved, Bearing::ZERO);
     }
 
     /// Steps with a ring after each; `says` gives what each transducer says, told what it should.
@@ -63,11 +62,8 @@ impl Walk {
             );
             for sensor in 0..16 {
                 let range = heard(sensor.into(), self.step);
-                let echo = Event::Echo {
-                    sensor,
-                    range: says(sensor, self.step, range),
-                };
-                let verdict = self.detector.heed(&mut self.config, &echo);
+                let said = says(sensor, self.step, range);
+                let verdict = self.detector.hear(&self.config, sensor, said);
                 verdicts.extend(verdict.map(|verdict| (self.step, verdict)));
             }
         }
@@ -84,6 +80,10 @@ impl Walk {
             3 => says(step, range),
             _ => range,
         })
+    }
+
+    fn enabled(&self) -> Mask {
+        self.detector.enabled(&self.config)
     }
 
     fn in_order(&mut self, steps: u32) -> Vec<(u32, Verdict)> {
@@ -112,7 +112,7 @@ fn found(says: impl Fn(u32, Option<Range>) -> Option<Range>) -> Option<Fault> {
         panic!("{verdicts:?}");
     };
     assert_eq!(verdict.sensor, 3);
-    assert!(!walk.config.believed.contains(3) && walk.config.believed.contains(4));
+    assert!(!walk.enabled().contains(3) && walk.enabled().contains(4));
     verdict.fault
 }
 
@@ -132,7 +132,7 @@ fn every_kind_of_fault_is_found_and_named() {
 fn a_ring_in_order_is_believed() {
     let mut walk = Walk::new();
     assert_eq!(walk.in_order(LONG), []);
-    assert_eq!(walk.config.believed, Mask::ALL);
+    assert_eq!(walk.enabled(), Mask::ALL);
 }
 
 /// A thing in the lobe's way half of the time, and nothing the other half.
@@ -172,7 +172,7 @@ fn who_was_never_heard_is_not_believed_before_the_first_echo() {
     );
     assert!(first <= 2 && later > 60, "{first} {later}");
     assert_eq!(walk.in_order(1), [(301, BELIEVED)]);
-    assert_eq!(walk.config.believed, Mask::ALL);
+    assert_eq!(walk.enabled(), Mask::ALL);
 }
 
 /// In a wide place where only the nearer half of the ring hears anything, everybody is believed but those at its edge.
@@ -215,19 +215,12 @@ fn without_detection_and_without_moves_nothing_is_found() {
     let mut walk = Walk::new();
     for step in 0..LONG {
         for sensor in 0..16 {
-            let echo = Event::Echo {
-                sensor,
-                range: heard(sensor.into(), step).filter(|_| sensor != 3 || step == 0),
-            };
-            assert_eq!(walk.detector.heed(&mut walk.config, &echo), None);
+            let range = heard(sensor.into(), step).filter(|_| sensor != 3 || step == 0);
+            assert_eq!(walk.detector.hear(&walk.config, sensor, range), None);
         }
     }
     assert_eq!(walk.detector.scores(3), Scores::default());
-    let beyond = Event::Echo {
-        sensor: 99,
-        range: None,
-    };
-    assert_eq!(walk.detector.heed(&mut walk.config, &beyond), None);
+    assert_eq!(walk.detector.hear(&walk.config, 99, None), None);
 }
 
 #[test]
@@ -242,7 +235,7 @@ fn one_that_behaves_again_is_believed_again() {
             matches!(back[..], [(_, verdict)] if verdict == BELIEVED),
             "{says:?}: {back:?}"
         );
-        assert_eq!(walk.config.believed, Mask::ALL);
+        assert_eq!(walk.enabled(), Mask::ALL);
     }
 }
 
@@ -256,12 +249,18 @@ fn somebody_elses_word_counts_more() {
         [],
         "disbelieved already"
     );
-    assert!(!walk.config.believed.contains(3), "and not believed again");
+    assert!(!walk.enabled().contains(3), "and not enabled again");
     let mut walk = Walk::new();
     assert!(!walk.walk_with(300, |_, _| mm(700)).is_empty());
-    walk.config.believed = Mask::ALL;
+    walk.detector.trust(Mask::ALL.without(3));
+    assert!(!walk.enabled().contains(3));
+    walk.detector.trust(Mask::NONE.with(3));
     assert_eq!(walk.walk_with(2, |_, _| mm(700)), [], "it starts anew");
-    assert!(walk.config.believed.contains(3));
+    assert!(walk.enabled().contains(3));
+    // Without detection the mask is what was configured.
+    assert!(!walk.walk_with(300, |_, _| mm(700)).is_empty() && walk.enabled() != Mask::ALL);
+    walk.config.fault_detection = false;
+    assert_eq!(walk.enabled(), Mask::ALL);
 }
 
 #[test]
@@ -273,7 +272,7 @@ fn no_more_than_a_quarter_of_the_ring_is_disbelieved() {
         _ => range,
     };
     assert_eq!(walk.walk(400, stuck).len(), 4);
-    let off = (0..16).filter(|&sensor| !walk.config.believed.contains(sensor));
+    let off = (0..16).filter(|&sensor| !walk.enabled().contains(sensor));
     assert_eq!(off.count(), 4);
 }
 
@@ -299,13 +298,9 @@ fn turns_keep_the_places_and_forget_the_ranges() {
     assert_eq!(walk.in_order(20), []);
     let mut turned = 0;
     for quarter in 0..400_u16 {
-        let moved = Event::Odometry {
-            motion: 1,
-            moved: Displacement::saturating(250, 0),
-            turned: Bearing::from_turns(16_384),
-            progress: Progress::Ended,
-        };
-        let _ = walk.detector.heed(&mut walk.config, &moved);
+        let moved = Displacement::saturating(250, 0);
+        walk.detector
+            .moved(&walk.config, moved, Bearing::from_turns(16_384));
         turned += 1;
         for sensor in 0..16 {
             let range = if sensor == 3 {
@@ -313,12 +308,8 @@ fn turns_keep_the_places_and_forget_the_ranges() {
             } else {
                 heard(sensor.into(), quarter.into())
             };
-            let echo = Event::Echo { sensor, range };
-            assert_eq!(
-                walk.detector.heed(&mut walk.config, &echo),
-                None,
-                "{turned}"
-            );
+            let verdict = walk.detector.hear(&walk.config, sensor, range);
+            assert_eq!(verdict, None, "{turned}");
         }
     }
     // Round and round the same four places.
@@ -591,18 +582,9 @@ fn cells_are_known_when_they_have_been_left_and_on_a_torus_of_four_metres() {
 #[test]
 fn a_touch_asks_those_who_look_there() {
     let mut walk = Walk::new();
-    let dumb = |detector: &mut Detector<16>, config: &mut Config<16>| {
-        for sensor in 0..16 {
-            let _ = detector.heed(
-                config,
-                &Event::Echo {
-                    sensor,
-                    range: None,
-                },
-            );
-        }
-    };
-    dumb(&mut walk.detector, &mut walk.config);
+    for sensor in 0..16 {
+        let _ = walk.detector.hear(&walk.config, sensor, None);
+    }
     walk.moved(100, 0, Progress::Touched);
     let silent = |walk: &Walk| {
         (0..16)

@@ -54,7 +54,10 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             goal: &mut self.goal,
             kept: &mut self.goals,
         };
+        let open_space = contents.config.open_space;
         contents.read(read, most)?;
+        // Whether open space is expected is up to the session.
+        self.config.open_space = open_space;
         self.underway = None;
         Ok(())
     }

@@ -67,6 +67,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
         if last {
             self.config = Config::from_bytes(&self.staged).ok_or(Refusal::Config)?;
+            self.state.trust(self.config.believed);
         }
         Ok(())
     }

@@ -75,6 +75,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             }
             ToMind::Counters => {
                 self.link.heard_timeless(now);
+                self.counters.clock_drift_ms = self.link.drift_ms();
                 self.say(FromMind::Counters(self.counters), now, out);
                 Ok(())
             }
@@ -158,7 +159,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         out: &mut impl Outbox,
     ) -> Result<(), Refusal> {
         let age_ms = self.link.age_ms(Millis::from_ms(at_ms), now);
-        if age_ms > u32::from(ttl_ms) {
+        if age_ms > u32::from(ttl_ms) && *order != Order::Stop {
             super::add(&mut self.counters.expired);
             return Err(Refusal::Expired { age_ms });
         }
@@ -173,7 +174,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             Order::Seek => Command::Seek(self.goal),
             Order::Explore { moves, seed } => Command::Explore { moves, seed },
             Order::Learn => Command::Learn,
-            Order::Stop => Command::Stop,
+            // Done before it was looked at any closer.
+            Order::Stop => return Ok(()),
             Order::Resume => Command::Resume,
             Order::Forget => return self.forget(),
         };
@@ -192,7 +194,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             GoalBy::Kept(name) => self.goals.find(name).copied().ok_or(Refusal::NoSuchGoal),
             GoalBy::Perceived => {
                 let scan = self.state.scan();
-                if !scan.has_heard_all(self.config.believed) {
+                if !scan.has_heard_all(self.state.enabled(&self.config)) {
                     return Err(Refusal::NothingPerceived);
                 }
                 Ok(Goal::perceived(&self.config.encoding.situation(scan)))
@@ -239,6 +241,9 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             parameter
                 .set(&mut self.config, value)
                 .map_err(Refusal::Parameter)?;
+            if parameter == Parameter::Believed {
+                self.state.trust(self.config.believed);
+            }
         }
         let said = FromMind::Parameter {
             parameter,

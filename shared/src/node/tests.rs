@@ -9,6 +9,7 @@ use crate::wire::message::{Clock, Flash, FlashError, GoalBy, Heard, Notice, Orde
 use std::vec::Vec;
 
 mod again;
+mod safety;
 
 type Small = Node<16, 16, 20>;
 
@@ -64,7 +65,11 @@ impl Rig {
         );
         assert_eq!(said.0.len(), 1);
         let dimensions = Small::dimensions();
-        let said = rig.send(ToMind::Hello(HostHello { dimensions, clock }));
+        let said = rig.send(ToMind::Hello(HostHello {
+            dimensions,
+            clock,
+            open_space: false,
+        }));
         assert!(matches!(said[..], [FromMind::Hello(_)]));
         rig
     }
@@ -76,7 +81,7 @@ impl Rig {
     }
 
     fn packed(&mut self, message: &ToMind<16>) -> Vec<u8> {
-        self.seq += 1;
+        self.seq = self.seq.wrapping_add(1);
         let header = Header {
             session: SESSION,
             seq: self.seq,
@@ -114,7 +119,7 @@ impl Rig {
         let echoes = (0..16_u8).map(|sensor| Heard {
             sensor,
             range_mm: Some(range_mm + 10 * u16::from(sensor)),
-            age_ms: 40 * (15 - u16::from(sensor)),
+            age_ms: 10 * (15 - u16::from(sensor)),
         });
         let at_ms = self.at_ms();
         self.send(ToMind::Scan {
@@ -213,7 +218,7 @@ fn a_mind_behind_the_link_is_the_mind() {
             for sensor in 0..16_u8 {
                 let mm = 600 + 100 * (round as u16 % 7) + 10 * u16::from(sensor);
                 let range = Some(Range::from_mm(mm));
-                let heard = *now - 40 * (15 - u32::from(sensor));
+                let heard = *now - 10 * (15 - u32::from(sensor));
                 let out = at(Event::Echo { sensor, range }, heard);
                 all.extend(out.decision);
                 motion = motion.or(out.motion);
@@ -272,6 +277,7 @@ fn a_silent_host_stops_the_robot_until_it_resumes() {
     assert!(motion(&rig.ring(900)).is_none(), "it stays stopped");
     let said = rig.order(Order::Resume);
     assert!(said.contains(&FromMind::Mode(ModeReport::Seek)));
+    rig.now += 200;
     assert!(motion(&rig.ring(900)).is_some());
     let again = refusal(&rig.order(Order::Resume));
     assert_eq!(
@@ -383,6 +389,7 @@ fn another_protocol_is_refused_and_the_session_stays() {
     let hello: ToMind<16> = ToMind::Hello(HostHello {
         dimensions,
         clock: Clock::Device,
+        open_space: false,
     });
     let header = Header {
         session: 99,
@@ -413,6 +420,7 @@ fn a_new_host_stops_what_the_old_one_started() {
     let hello: ToMind<16> = ToMind::Hello(HostHello {
         dimensions,
         clock: Clock::Host,
+        open_space: false,
     });
     let header = Header {
         session: SESSION + 1,
@@ -591,6 +599,7 @@ fn echoes_come_from_the_source_that_was_chosen() {
     rig.order(Order::Stop);
     assert_eq!(choose(&mut rig, Source::Link), None);
     rig.order(Order::Seek);
+    rig.now += 200;
     assert!(motion(&rig.ring(900)).is_some());
 }
 
@@ -767,7 +776,11 @@ impl Rig {
         );
         let dimensions = Small::dimensions();
         let clock = Clock::Device;
-        let said = rig.send(ToMind::Hello(HostHello { dimensions, clock }));
+        let said = rig.send(ToMind::Hello(HostHello {
+            dimensions,
+            clock,
+            open_space: false,
+        }));
         assert!(matches!(said[..], [FromMind::Hello(_)]), "{said:?}");
         rig
     }
@@ -789,11 +802,13 @@ fn echoes_come_from_where_the_session_listens() {
     rig.ahead = 0;
     let explore = Order::Explore { moves: 5, seed: 1 };
     rig.order(explore.clone());
+    rig.now += 200;
     assert_eq!(rig.own_ring(2_000), [], "it listens to the link");
     assert!(motion(&rig.ring(2_000)).is_some());
     rig.order(Order::Stop);
     rig.send(ToMind::Source(Source::Ring));
     rig.order(explore);
+    rig.now += 200;
     assert!(motion(&rig.ring(2_000)).is_none(), "it listens to its ring");
     assert!(motion(&rig.own_ring(2_000)).is_some());
 }

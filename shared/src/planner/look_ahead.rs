@@ -118,7 +118,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         }
         let course = unit(self.course);
         let values = situation.map(|value| i32::from(value.to_bits()));
-        let whole = self.config.believed.covers(SENSORS);
+        let whole = self.enabled.covers(SENSORS);
         // Twice around, so that each place is the beginning of a ring.
         let values = [values; 2];
         let mut asked = [Asked::ANYTHING; SENSORS];
@@ -134,7 +134,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
                 missed_from(&asked, first, values.as_flattened(), place, cap, limit)
             } else {
                 let mut asked = [Asked::ANYTHING; SENSORS];
-                goal.ask(place, self.config.believed, &mut asked);
+                goal.ask(place, self.enabled, &mut asked);
                 missed(&asked, values.as_flattened(), cap, limit)
             };
             deviation.wrapping_sub(steady)
@@ -164,7 +164,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         goal_neuron: usize,
     ) -> Plan<SENSORS> {
         let config = self.config;
-        let mask = config.believed;
+        let mask = self.enabled;
         let mut asked = [Asked::ANYTHING; SENSORS];
         goal.ask(place, mask, &mut asked);
         let asked = &asked;
@@ -408,6 +408,7 @@ mod tests {
                 config: &self.config,
                 situations: &self.situations,
                 actions: &self.actions,
+                enabled: self.config.believed,
                 allowed,
                 current: None,
                 likely: GoalNeuron {

@@ -36,6 +36,7 @@ proptest! {
                 config: &config,
                 situations,
                 actions: &actions,
+                enabled: Mask::ALL,
                 allowed: Mask::ALL,
                 current,
                 likely,
@@ -75,6 +76,7 @@ fn four() -> Config<4> {
         speed_mm_s: 508,
         braking_mm_s2: 762,
         ring_period_ms: 640,
+        steer_ms: 0,
     };
     let mut config = Config::recommended().for_robot(robot);
     config.planning = Planning {
@@ -139,6 +141,7 @@ impl Bench {
             config: &self.config,
             situations: &self.situations,
             actions: &self.actions,
+            enabled: self.config.believed,
             allowed: self.allowed,
             current: None,
             likely: GoalNeuron::UNKNOWN,
@@ -368,6 +371,7 @@ fn the_way_of_a_goal_in_the_frame_of_travel_fits_the_situation() {
             config: &bench.config,
             situations: &bench.situations,
             actions: &bench.actions,
+            enabled: bench.config.believed,
             allowed: Mask::ALL,
             current: None,
             likely: GoalNeuron::UNKNOWN,
@@ -427,6 +431,7 @@ fn a_goal_in_the_frame_of_travel_is_recalled_along_its_way() {
         config: &bench.config,
         situations: &bench.situations,
         actions: &bench.actions,
+        enabled: Mask::ALL,
         allowed: Mask::ALL,
         current: None,
         likely: GoalNeuron::UNKNOWN,

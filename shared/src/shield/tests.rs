@@ -80,9 +80,9 @@ proptest! {
             shield.arcs[3][0].at = now;
         }
         let wanted = mm(wanted.0, wanted.1);
-        let allowed = shield.allow_by(&config, wanted, now, Mask::NONE.with(3));
+        let allowed = shield.allow_by(&config, config.believed, wanted, now, Mask::NONE.with(3));
         let cut = (allowed.distance_mm < wanted.length_mm()).then_some(allowed);
-        prop_assert_eq!(shield.shorten(&config, wanted, now, 3), cut);
+        prop_assert_eq!(shield.shorten(&config, config.believed, wanted, now, 3), cut);
     }
 }
 
@@ -97,7 +97,7 @@ fn who_stands_meets_nothing() {
         };
         shield.hear(&config, sensor, echo);
     }
-    let allowed = |wanted| shield.allow(&config, wanted, Millis::from_ms(6));
+    let allowed = |wanted| shield.allow(&config, config.believed, wanted, Millis::from_ms(6));
     let standing = allowed(Displacement::ZERO);
     assert_eq!((standing.distance_mm, standing.speed_mm_s), (0, 507));
     assert_eq!(
@@ -127,8 +127,11 @@ fn the_ways_along_a_blind_gap_are_closed() {
         let turns = (degrees * 65_536 / 360).rem_euclid(65_536) as u16;
         Displacement::along(Bearing::from_turns(turns), 250)
     };
-    let distance =
-        |config: &Config<16>, degrees| shield.allow(config, to(degrees), now).distance_mm;
+    let distance = |config: &Config<16>, degrees| {
+        shield
+            .allow(config, config.believed, to(degrees), now)
+            .distance_mm
+    };
     let open = [0, 61, 90, 119, 270].map(|degrees| distance(&config, degrees));
     assert!(open.iter().all(|mm| *mm >= 249), "{open:?}");
     config.believed = Mask::ALL.without(4);
@@ -139,7 +142,7 @@ fn the_ways_along_a_blind_gap_are_closed() {
         assert!(distance(&config, degrees) >= 249, "{degrees}");
     }
     // A motion that was allowed before is asked about by those who hear something new.
-    let guard = shield.allow_by(&config, to(90), now, Mask::NONE.with(3));
+    let guard = shield.allow_by(&config, config.believed, to(90), now, Mask::NONE.with(3));
     assert!(guard.distance_mm >= 249);
 }
 
@@ -167,7 +170,7 @@ fn mm(dx_mm: i16, dy_mm: i16) -> Displacement {
 
 /// How far towards a place, and how fast, at a time.
 fn way(shield: &Shield<16>, config: &Config<16>, wanted: Displacement, now: u32) -> (u16, u16) {
-    let allowed = shield.allow(config, wanted, Millis::from_ms(now));
+    let allowed = shield.allow(config, config.believed, wanted, Millis::from_ms(now));
     (allowed.distance_mm, allowed.speed_mm_s)
 }
 
@@ -446,7 +449,7 @@ fn a_small_robot_keeps_its_first_echo() {
     for sensor in 0..8 {
         shield.hear(&config, sensor, echo(None, 5));
     }
-    let allowed = shield.allow(&config, mm(20, 0), Millis::from_ms(6));
+    let allowed = shield.allow(&config, config.believed, mm(20, 0), Millis::from_ms(6));
     assert_eq!(allowed.distance_mm, 20);
 }
 

@@ -48,7 +48,7 @@ pub enum ToMind<const SENSORS: usize> {
         /// What became of the motion.
         progress: Progress,
     },
-    /// Something to do. Not done when older than its time to live.
+    /// Something to do. Not done when older than its time to live; [`Order::Stop`] is always done.
     Command {
         /// Host's time.
         at_ms: u32,
@@ -244,6 +244,9 @@ pub struct HostHello {
     pub dimensions: Dimensions,
     /// Whose time counts in this session.
     pub clock: Clock,
+    /// Rings without any echo are expected in this session: they do not stop the robot. Sets
+    /// [`Config::open_space`](crate::config::Config::open_space).
+    pub open_space: bool,
 }
 
 /// The mind's hello.
@@ -257,12 +260,26 @@ pub struct MindHello {
     pub build: [u8; 8],
     /// Why it started last.
     pub reset: ResetCause,
+    /// What clocks the processor.
+    pub oscillator: Oscillator,
     /// CRC-32 of the configuration.
     pub config_crc: u32,
     /// CRC-32 of the three maps, and of the memory.
     pub maps_crc: u32,
     /// As above.
     pub memory_crc: u32,
+}
+
+/// What clocks the processor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Oscillator {
+    /// Not known: a simulator, or a board with one oscillator.
+    #[default]
+    Unknown,
+    /// The crystal.
+    Crystal,
+    /// The internal oscillator, because the crystal failed or has an unexpected frequency. It is accurate to 1 % at 25 °C.
+    Internal,
 }
 
 /// Why the program started.
@@ -441,6 +458,11 @@ pub enum Notice {
         /// Transducer.
         sensor: u8,
     },
+    /// An echo was too old to be used. Sent for the first one since the last decision.
+    StaleEcho {
+        /// Age of the echo, milliseconds.
+        age_ms: u32,
+    },
 }
 
 impl From<Verdict> for Notice {
@@ -513,6 +535,10 @@ pub struct Counters {
     pub dropped: u32,
     /// Times the host was lost.
     pub link_losses: u32,
+    /// Echoes that were too old to be used.
+    pub stale_echoes: u32,
+    /// How far the host's clock has fallen behind the device's in this session, milliseconds; negative: it is ahead.
+    pub clock_drift_ms: i32,
     /// What the device counted.
     pub device: DeviceCounters,
 }
@@ -532,6 +558,8 @@ impl Counters {
         sent: 0,
         dropped: 0,
         link_losses: 0,
+        stale_echoes: 0,
+        clock_drift_ms: 0,
         device: DeviceCounters {
             overruns: 0,
             queue_losses: 0,

@@ -1,7 +1,8 @@
 use super::frame::{MOST_FRAME, unpack};
 use super::message::{
     Clock, Counters, DeviceCounters, Dimensions, Flash, FlashError, GoalBy, Heard, HostHello,
-    MindHello, ModeReport, MotionOrder, Notice, Order, Part, Refusal, ResetCause, Source,
+    MindHello, ModeReport, MotionOrder, Notice, Order, Oscillator, Part, Refusal, ResetCause,
+    Source,
 };
 use super::*;
 use crate::config::Config;
@@ -66,7 +67,8 @@ fn to_mind() -> std::vec::Vec<(&'static str, ToMind<16>)> {
             "hello",
             ToMind::Hello(HostHello {
                 dimensions: dimensions(),
-                clock: Clock::Device
+                clock: Clock::Device,
+                open_space: false,
             })
         ),
         ("alive", ToMind::Alive { at_ms: 1_400 }),
@@ -198,6 +200,7 @@ fn from_mind() -> std::vec::Vec<(&'static str, FromMind<16>)> {
                 samples: 100,
                 build: *b"1a2b3c4d",
                 reset: ResetCause::StackOverflow,
+                oscillator: Oscillator::Internal,
                 config_crc: 1,
                 maps_crc: 0xffff_ffff,
                 memory_crc: 0,

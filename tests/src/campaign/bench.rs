@@ -137,6 +137,7 @@ pub(super) fn hello() -> ToMind<16> {
     ToMind::Hello(HostHello {
         dimensions: dimensions(),
         clock: Clock::Device,
+        open_space: false,
     })
 }
 

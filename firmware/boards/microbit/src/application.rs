@@ -5,7 +5,7 @@
 use crate::device::{Device, MillisecondTimer, Uart};
 use amp::node::{Identity, NomadNode};
 use amp::units::Millis;
-use amp::wire::message::ResetCause;
+use amp::wire::message::{Oscillator, ResetCause};
 use core::cell::RefCell;
 use core::panic::PanicInfo;
 use core::ptr::addr_of;
@@ -60,6 +60,7 @@ fn main() -> ! {
         Identity {
             build: BUILD,
             reset: ResetCause::Unknown,
+            oscillator: Oscillator::Crystal,
             ring: false,
         },
         Millis::from_ms(0),

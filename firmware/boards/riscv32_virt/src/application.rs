@@ -2,7 +2,7 @@
 
 use crate::device::{Timer, Uart, reset};
 use amp::node::{Identity, NomadNode};
-use amp::wire::message::ResetCause;
+use amp::wire::message::{Oscillator, ResetCause};
 use core::panic::PanicInfo;
 use firmware::BUILD;
 use firmware::control::Control;
@@ -25,6 +25,7 @@ fn main() -> ! {
     let identity = Identity {
         build: BUILD,
         reset: ResetCause::Unknown,
+        oscillator: Oscillator::Unknown,
         ring: false,
     };
     control.start(identity, timer.now());

@@ -375,6 +375,7 @@ fn ring<const SENSORS: usize>(size: Size, reading: &Reading) -> Vec<Count> {
         speed_mm_s: nomad.speed_mm_s,
         braking_mm_s2: nomad.braking_mm_s2,
         ring_period_ms: nomad.ring_period_ms,
+        steer_ms: nomad.steer_ms,
     };
     let config: Config<SENSORS> = reading.config.for_robot(robot);
     let sight = Sight {

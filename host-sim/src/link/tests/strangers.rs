@@ -112,6 +112,7 @@ fn robot_of_eight() -> Config<8> {
         clearance_mm: sixteen.clearance_mm,
         shield: sixteen.shield,
         fault_detection: sixteen.fault_detection,
+        open_space: sixteen.open_space,
     }
 }
 

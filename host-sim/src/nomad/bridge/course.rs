@@ -49,6 +49,11 @@ impl Course {
         self.id
     }
 
+    /// Whether the base has a goal and does not roll to it yet.
+    pub(super) fn is_steering(&self) -> bool {
+        matches!(self.leg, Leg::Steering(_) | Leg::Braking(Some(_)))
+    }
+
     /// Begins a motion to `goal` (in the robot's frame, m), or changes the one under way; no displacement stops.
     pub(super) fn begin(
         &mut self,

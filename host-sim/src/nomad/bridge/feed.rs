@@ -66,8 +66,8 @@ impl Feed {
     }
 
     /// Takes a state packet: each new echo, with the way to where it was heard, and at the end the way to where the robot
-    /// is now. `motion` is the motion it carries out or carried out last, `ended` how that ended if it just did.
-    pub(super) fn take(&mut self, state: &State, motion: Option<u16>, ended: Option<Progress>) {
+    /// is now. `motion` is the motion it carries out or carried out last, `news` what became of it, unless it just moves.
+    pub(super) fn take(&mut self, state: &State, motion: Option<u16>, news: Option<Progress>) {
         let gap_ms = state.time_ms.wrapping_sub(self.board_ms);
         self.board_ms = state.time_ms;
         let before = self.now;
@@ -91,12 +91,12 @@ impl Feed {
         };
         let (moved, turned) = self.way(&here);
         let still = moved == Displacement::ZERO && turned == Bearing::ZERO;
-        if let Some(motion) = motion.filter(|_| !still || ended.is_some()) {
+        if let Some(motion) = motion.filter(|_| !still || news.is_some()) {
             self.report(
                 self.now,
                 motion,
                 (moved, turned),
-                ended.unwrap_or(Progress::Moving),
+                news.unwrap_or(Progress::Moving),
             );
         }
     }

@@ -22,7 +22,7 @@ pub(crate) use reins::{At, Reins};
 pub(crate) use thinking::{About, Thought};
 
 use super::{Host, Mask, WITH_SONAR};
-use crate::episode::{Seeds, rounded};
+use crate::episode::{Failure, Seeds, rounded};
 use crate::log::LoggedMind;
 use crate::scenes::is_reached;
 use amp::controller::{self, Outputs, Progress};
@@ -126,7 +126,7 @@ impl<'p> Bridge<'p> {
         }
         if let Some(thought) = turn.thought {
             refused(&thought.outputs)?;
-            self.conclude(&thought);
+            self.conclude(&thought)?;
         }
         match self.phase {
             Phase::Over => Ok(()),
@@ -136,8 +136,11 @@ impl<'p> Bridge<'p> {
     }
 
     /// Counts, and goes on to the next phase when one is done.
-    fn conclude(&mut self, thought: &Thought) {
+    fn conclude(&mut self, thought: &Thought) -> Result<(), Trouble> {
         let outputs = &thought.outputs;
+        if let Some(reason) = outputs.stopped.filter(|_| thought.about != About::Command) {
+            return Err(Trouble::Mind(Failure::Stopped(reason)));
+        }
         if outputs.decision.is_some() || outputs.mode_changed {
             self.close();
         } else if outputs.motion.is_some()
@@ -165,6 +168,7 @@ impl<'p> Bridge<'p> {
             _ => {}
         }
         self.open_step(outputs);
+        Ok(())
     }
 
     fn part_is_reached(&self) -> bool {

@@ -10,7 +10,7 @@ use crate::nomad::{Command, Host, RobotError, State};
 use crate::sonar::{FIRING_ORDER, FIRING_SLOT_S};
 use crate::world::{Point, Pose};
 use amp::config::Config;
-use amp::controller::{self, Outputs};
+use amp::controller::{self, Outputs, Progress};
 use amp::node::MOTION_TTL_MS;
 use std::fs::File;
 use std::time::Duration;
@@ -126,7 +126,9 @@ impl Reins {
         let way_m = feed::position(&self.state.pose).distance(feed::position(&before.pose));
         let touched = self.feel()?;
         let ended = self.course.follow(&mut self.host, &self.state)?;
-        self.feed.take(&self.state, self.course.id(), ended);
+        let steering = self.course.is_steering().then_some(Progress::Steering);
+        self.feed
+            .take(&self.state, self.course.id(), ended.or(steering));
         let thought = self.mind.thought();
         let thought = thought.transpose().map_err(Trouble::Mind)?;
         if let Some(thought) = &thought {

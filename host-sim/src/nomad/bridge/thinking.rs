@@ -222,6 +222,7 @@ impl Thought {
     fn add(&mut self, happening: &Happening, outputs: Outputs<16>) {
         self.outputs.decision = self.outputs.decision.or(outputs.decision);
         self.outputs.mode_changed |= outputs.mode_changed;
+        self.outputs.stopped = self.outputs.stopped.or(outputs.stopped);
         self.outputs.refusal = self.outputs.refusal.or(outputs.refusal);
         if let Some(motion) = outputs.motion {
             let [x, y] = [motion.displacement.dx_mm, motion.displacement.dy_mm];

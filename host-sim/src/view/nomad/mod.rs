@@ -12,7 +12,7 @@ use super::seen::Knowing;
 use super::snapshot::{Part, Scene, Snapshot};
 use super::source::{Abilities, Refused, Source, Stepped};
 use super::trail::{Trail, mark};
-use crate::episode::Stride;
+use crate::episode::{Failure, Stride};
 use crate::log::{LoggedMind, SharedLog};
 use crate::nomad::Host;
 use crate::nomad::bridge::{About, At, PAUSE, Reins, Thought, Trouble};
@@ -204,15 +204,16 @@ impl WatchedNomad {
         }
         let happened = thought.about == About::Happenings;
         match self.doing {
+            Doing::Explore | Doing::Seek if outputs.stopped.is_some() && happened => {
+                let why = outputs.stopped.map(Failure::Stopped);
+                self.note = why.map(|why| why.to_string());
+                self.interrupted = self.doing;
+                self.rest(Doing::Stopped);
+            }
             Doing::Explore if outputs.mode_changed && happened => self.rest(Doing::Idle),
             Doing::Learn if thought.about == About::Learning => {
                 self.reins.forget_heard();
                 self.rest(Doing::Idle);
-            }
-            // It has stopped by itself.
-            Doing::Seek if outputs.mode_changed && happened => {
-                self.note = Some("the mind has stopped: its ring was not complete".to_owned());
-                self.rest(Doing::Stopped);
             }
             _ => {}
         }

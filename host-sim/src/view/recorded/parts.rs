@@ -114,7 +114,7 @@ impl Recorded {
             resumes: false,
             done: Short(done),
             ranges_m: playing.ranges_m.map(|range| range.map(Short)),
-            on: std::array::from_fn(|sensor| config.believed.contains(sensor)),
+            on: std::array::from_fn(|sensor| mind.enabled().contains(sensor)),
             situation: ring(&situation),
             changed: self.changed(),
             plan: plan.map(|plan| plan_seen(&plan, state)),

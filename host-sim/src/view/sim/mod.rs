@@ -12,7 +12,9 @@ use super::seen::Knowing;
 use super::snapshot::{Part, Scene, Snapshot};
 use super::source::{Abilities, Refused, Source, Stepped};
 use super::trail::{Trail, mark};
-use crate::episode::{Body, Happened, Observer as _, Seeds, Setup, Stride, Tally, milliseconds};
+use crate::episode::{
+    Body, Failure, Happened, Observer as _, Seeds, Setup, Stride, Tally, milliseconds,
+};
 use crate::error::BadInput;
 use crate::link::{AnyMind, MindPlace};
 use crate::log::{Log, LoggedMind, Setup as SetupRecord, SharedLog, Watcher};
@@ -175,7 +177,7 @@ impl Simulator {
 
     fn command(&mut self, command: Command<16>) -> Result<(), Refused> {
         let outputs = self.mind.handle(self.body.now(), Event::Command(command));
-        let refused = outputs.refusal.map(crate::episode::Failure::Refused);
+        let refused = outputs.refusal.map(Failure::Refused);
         self.check_mind();
         match refused {
             Some(why) => Err(why.into()),
@@ -218,7 +220,6 @@ impl Simulator {
     fn drive(&mut self) -> Stepped {
         let began_s = self.body.time_s();
         let happened = self.body.advance(&mut self.mind);
-        self.config.believed = self.mind.inner().config().believed;
         if let Some(watcher) = &mut self.watcher {
             let at = milliseconds(happened.time_s);
             watcher.happened(at, &happened, &self.body);
@@ -231,7 +232,10 @@ impl Simulator {
             self.close();
             self.last_decision_s = self.body.time_s();
         }
-        if happened.mode_changed && self.doing == Doing::Explore {
+        if let Some(reason) = happened.stopped {
+            self.interrupted = std::mem::replace(&mut self.doing, Doing::Stopped);
+            self.note = Some(Failure::Stopped(reason).to_string());
+        } else if happened.mode_changed && self.doing == Doing::Explore {
             self.doing = Doing::Idle;
             self.mind.pilot().forget_known(true);
         }
@@ -244,7 +248,7 @@ impl Simulator {
         }
         let silent = self.body.time_s() - self.last_decision_s > PATIENCE * self.body.ring_s();
         if silent && matches!(self.doing, Doing::Explore | Doing::Seek) {
-            self.fail(crate::episode::Failure::Silent.to_string());
+            self.fail(Failure::Silent.to_string());
         }
         Stepped::Took {
             took_s: self.step_s,

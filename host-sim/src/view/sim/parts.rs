@@ -79,7 +79,7 @@ impl Simulator {
             resumes: self.doing == Doing::Stopped && self.interrupted != Doing::Idle,
             done: Short(done),
             ranges_m: ranges_m.map(|range| range.map(Short)),
-            on: std::array::from_fn(|sensor| self.config.believed.contains(sensor)),
+            on: std::array::from_fn(|sensor| self.mind.inner().enabled().contains(sensor)),
             situation: ring(&situation),
             changed: self.changed(),
             plan,

@@ -33,23 +33,25 @@ fn the_latest_answer_is_said_again_byte_for_byte() {
     assert!(rig.node.state == state);
     // Not what was said before.
     assert!(say(&mut rig, &[&counters]).is_empty());
-    // Renewals of the motion belong to the next answer, until they are too many to be kept.
-    for (signs, kept) in [(3, true), (40, false)] {
-        let mut burst = Vec::new();
-        for _ in 0..signs {
-            at_ms += 200;
-            burst.push(rig.packed(&ToMind::Alive { at_ms }));
-        }
-        burst.push(rig.packed(&ToMind::Counters));
-        let burst: Vec<_> = burst.iter().collect();
-        let first = say(&mut rig, &burst);
-        assert_eq!(first.len(), signs + 2);
-        let again = say(&mut rig, &burst);
-        assert_eq!(again == first, kept);
-        let said = read(&Said(again));
-        assert!(matches!(said.last(), Some(FromMind::Done { .. })));
-        assert!(kept || said.len() == 1);
+    // Renewals of the motion belong to the next answer.
+    let mut burst = Vec::new();
+    for _ in 0..3 {
+        at_ms += 200;
+        burst.push(rig.packed(&ToMind::Alive { at_ms }));
     }
+    burst.push(rig.packed(&ToMind::Counters));
+    let burst: Vec<_> = burst.iter().collect();
+    let first = say(&mut rig, &burst);
+    assert_eq!(first.len(), 5);
+    assert_eq!(say(&mut rig, &burst), first);
+    // An answer that is too long to be kept is only confirmed.
+    for name in ["a", "b", "c", "d", "e", "f"] {
+        let name = crate::goal::Name::new(name).unwrap();
+        rig.send(ToMind::Keep { name });
+    }
+    let goals = rig.packed(&ToMind::Goals);
+    assert_eq!(rig.raw(&goals).len(), 8);
+    assert!(matches!(rig.raw(&goals)[..], [FromMind::Done { .. }]));
 }
 
 #[test]
@@ -91,6 +93,7 @@ fn an_answer_that_something_has_overtaken_is_only_confirmed() {
     let exploring = FromMind::Mode(ModeReport::Explore { left: 5 });
     assert!(first.contains(&exploring), "{first:?}");
     assert_eq!(rig.raw(&explore), first);
+    rig.now += 200;
     let said = rig.own_ring(2_000);
     assert!(motion(&said).is_some() && !said.iter().any(|said| matches!(said, FromMind::Mode(_))));
     assert!(matches!(rig.raw(&explore)[..], [FromMind::Done { .. }]));
@@ -113,23 +116,43 @@ fn an_answer_that_something_has_overtaken_is_only_confirmed() {
 
 #[test]
 fn a_hello_that_comes_again_is_answered_and_changes_nothing() {
-    let mut rig = Rig::ready(Clock::Device);
-    rig.order(Order::Seek);
-    rig.now += 200;
-    assert!(motion(&rig.ring(900)).is_some());
-    let state = rig.node.state.clone();
+    let mut rig = Rig::new(Clock::Device);
+    let before = rig.node.state.clone();
     let dimensions = Small::dimensions();
-    let again = rig.send(ToMind::Hello(HostHello {
+    let hello = ToMind::<16>::Hello(HostHello {
         dimensions,
         clock: Clock::Device,
-    }));
+        open_space: false,
+    });
+    let header = Header {
+        session: SESSION,
+        seq: 1,
+    };
+    let frame = Frame::pack(header, &hello).unwrap();
+    let hello = frame.as_bytes().split_last().unwrap().1;
+    let again = rig.raw(hello);
     assert!(matches!(again[..], [FromMind::Hello(_)]), "{again:?}");
-    assert!(rig.node.state == state && rig.node.state.is_moving());
+    assert!(rig.node.state == before);
+    assert_eq!(rig.node.counters().accepted, 1);
+    // With another frame between them it is a new host, though session and number are the old ones.
+    rig.order(Order::Explore { moves: 5, seed: 1 });
+    rig.now += 200;
+    assert!(motion(&rig.ring(900)).is_some());
+    let said = rig.raw(hello);
+    assert!(is_stopped(&said, StopReason::LinkLost));
+    assert!(matches!(said.last(), Some(FromMind::Hello(_))));
+    // It is heard from its second frame on.
+    rig.seq = 1;
+    assert!(rig.send(ToMind::Mode).contains(&FromMind::Done { seq: 2 }));
+    let stopped = rig.order(Order::Stop);
+    assert!(stopped.contains(&FromMind::Done { seq: 3 }));
+    assert!(is_stopped(&stopped, StopReason::Commanded));
     // Session 0 is nobody's.
     let header = Header { session: 0, seq: 1 };
     let hello = ToMind::<16>::Hello(HostHello {
         dimensions,
         clock: Clock::Device,
+        open_space: false,
     });
     let frame = Frame::pack(header, &hello).unwrap();
     let said = rig.raw(frame.as_bytes().split_last().unwrap().1);

@@ -102,6 +102,7 @@ impl Base {
                 neurons: 16,
             },
             clock: Clock::Host,
+            open_space: false,
         }));
         base.teach(episode, Part::Situations, controller::Part::Situations);
         base.teach(episode, Part::Changes, controller::Part::Changes);

@@ -60,6 +60,7 @@ fn plans() {
         config: &config,
         situations: &situations,
         actions: &actions,
+        enabled: mask(),
         allowed: mask(),
         current: any(Some(1)),
         likely: any(GoalNeuron::UNKNOWN),
@@ -75,8 +76,8 @@ fn shields() {
     let mut shield = any(Shield::<16>::new());
     shield.hear(&config(), any(1), echo());
     shield.moved(displacement(), bearing());
-    sink(shield.allow(&config(), displacement(), now()));
-    sink(shield.allow_by(&config(), displacement(), now(), mask()));
+    sink(shield.allow(&config(), mask(), displacement(), now()));
+    sink(shield.allow_by(&config(), mask(), displacement(), now(), mask()));
     shield.forget();
     sink(shield);
 }
@@ -124,6 +125,7 @@ fn event() -> Event<16> {
         },
         2 => Event::Command(any(Command::Seek(goal()))),
         3 => Event::Alarm(any(StopReason::LinkLost)),
+        4 => Event::Touched,
         _ => Event::Tick,
     }
 }

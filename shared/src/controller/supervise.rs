@@ -1,0 +1,107 @@
+//! What stops a robot that explores or seeks, though nobody has asked for it.
+
+use super::{Motion, Outputs, State, StopReason, patience_ms};
+use crate::config::Config;
+use crate::units::{Displacement, Millis};
+
+/// Rings in a row without any echo after which the robot stops.
+const SILENT_RINGS: u8 = 3;
+/// Time a motion may take beyond twice its distance over its speed, milliseconds.
+const SLACK_MS: u32 = 500;
+
+/// Milliseconds from one moment to another; 0 if the other one is the earlier.
+fn elapsed_ms(from: Millis, to: Millis) -> u32 {
+    if to.is_before(from) {
+        0
+    } else {
+        to.since(from)
+    }
+}
+
+impl Motion {
+    /// The longest time it may take once the base rolls, milliseconds.
+    pub(super) fn longest_ms(&self) -> u32 {
+        let distance_mm = u32::from(self.displacement.length_mm());
+        let speed_mm_s = u32::from(self.speed_mm_s.max(1));
+        (2_000 * distance_mm / speed_mm_s).wrapping_add(SLACK_MS)
+    }
+}
+
+impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
+    State<SENSORS, NEURONS, SAMPLES>
+{
+    /// Keeps the latest time. Ticks tell it in order: one that lies far back means that the clock was set back.
+    pub(super) fn pass_time(&mut self, config: &Config<SENSORS>, at: Millis, is_tick: bool) {
+        if self.now.is_before(at) {
+            self.now = at;
+        } else if is_tick && self.now.since(at) > patience_ms(config) {
+            self.now = at;
+            self.deadline = at.plus_ms(SLACK_MS);
+            self.await_ring(at);
+        }
+    }
+
+    /// Stops a robot whose motion is overdue, or one of whose transducers has not been heard for two ring periods.
+    pub(super) fn supervise(&mut self, config: &Config<SENSORS>, at: Millis) -> Outputs<SENSORS> {
+        if self.moving && self.deadline.is_before(at) {
+            return self.alarm(at, StopReason::Overdue);
+        }
+        if elapsed_ms(self.waiting_since, at) > patience_ms(config) && self.lacks_echo(config, at) {
+            return self.alarm(at, StopReason::RingIncomplete);
+        }
+        Outputs::none()
+    }
+
+    /// A ring that is still awaited lacks an echo. During a motion each transducer has to be heard again and again.
+    fn lacks_echo(&self, config: &Config<SENSORS>, at: Millis) -> bool {
+        let is_late = |sensor: usize| {
+            let heard = self.scan.heard_at(sensor);
+            heard.is_none_or(|heard| elapsed_ms(heard, at) > patience_ms(config))
+        };
+        !self.moving || self.enabled(config).indices(SENSORS).any(is_late)
+    }
+
+    /// The base turns its wheels: the motion's time counts from now, unless this takes longer than it can.
+    pub(super) fn allow_steering(&mut self, config: &Config<SENSORS>, at: Millis) {
+        let is_possible = elapsed_ms(self.waiting_since, at) <= u32::from(config.robot.steer_ms);
+        if let Some(pending) = self.pending.as_ref().filter(|_| is_possible) {
+            let motion = Motion {
+                id: self.motion_id,
+                displacement: pending.remaining,
+                speed_mm_s: pending.speed_mm_s,
+            };
+            self.deadline = at.plus_ms(motion.longest_ms());
+        }
+    }
+
+    /// Counts a complete ring that heard nothing. Returns whether these are too many in a row.
+    pub(super) fn hears_nothing(&mut self, config: &Config<SENSORS>) -> bool {
+        let heard = core::mem::take(&mut self.heard_any);
+        self.silent_rings = if heard {
+            0
+        } else {
+            self.silent_rings.saturating_add(1)
+        };
+        self.silent_rings >= SILENT_RINGS && !config.open_space
+    }
+
+    /// Ends the motion under way: the next ring is awaited as after a motion the base has ended.
+    #[inline(never)]
+    pub(super) fn touched(&mut self, config: &Config<SENSORS>, at: Millis) -> Outputs<SENSORS> {
+        let Some(pending) = self.pending.as_ref().filter(|_| self.moving) else {
+            return Outputs::none();
+        };
+        self.detector.touched(config, pending.remaining);
+        self.moving = false;
+        self.await_ring(at);
+        self.motion_id = self.motion_id.wrapping_add(1);
+        Outputs {
+            motion: Some(Motion {
+                id: self.motion_id,
+                displacement: Displacement::ZERO,
+                speed_mm_s: 0,
+            }),
+            ..Outputs::none()
+        }
+    }
+}
