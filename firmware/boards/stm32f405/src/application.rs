@@ -9,7 +9,7 @@
 //! | `idle` | otherwise | 0 | sleeps |
 //!
 //! Tasks share queues and atomic numbers, never a lock: nothing but a line of the log holds off the receiver, for at most
-//! 350 instructions (counted in an emulated chip with the board's logger), 2 µs of the 87 µs a byte takes.
+//! 334 instructions (counted in an emulated chip with the board's logger), 2 µs of the 87 µs a byte takes.
 
 /// The program of a board: `$board` is its module in this crate, `$link` the interrupt of its link's port.
 ///
