@@ -5,8 +5,10 @@
 
 use crate::line::{Faults, Outbox};
 use crate::persist::{NoFlash, Store};
+use crate::safety::Alarms;
 use crate::sonar_ring::Firing;
 use amp::config::Config;
+use amp::controller::{Mode, StopReason};
 use amp::node::{Identity, NomadNode};
 use amp::som::Grid;
 use amp::units::Millis;
@@ -130,6 +132,31 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
     #[must_use]
     pub const fn is_linked(&self) -> bool {
         self.mind.is_linked()
+    }
+
+    /// Whether the robot moves by itself at the moment: a host is there, and it explores or seeks.
+    #[must_use]
+    pub const fn may_move(&self) -> bool {
+        self.is_linked()
+            && matches!(
+                self.mind.state().mode(),
+                Mode::Explore { .. } | Mode::Seek { .. }
+            )
+    }
+
+    /// Stops the robot, or ends the motion under way, as the lines of the board say.
+    pub fn apply_alarms(&mut self, alarms: Alarms, low_voltage: bool, now: Millis) {
+        if alarms.emergency_stop {
+            self.mind
+                .alarm(StopReason::EmergencyStop, now, &mut self.outbox);
+        }
+        if low_voltage {
+            self.mind
+                .alarm(StopReason::LowVoltage, now, &mut self.outbox);
+        }
+        if alarms.touched {
+            self.mind.touched(now, &mut self.outbox);
+        }
     }
 
     /// Deals with what was received and with the time that has passed. True: there is more to do at once.

@@ -90,6 +90,15 @@ impl Text {
         });
     }
 
+    /// Appends a number as `0x` and eight hexadecimal digits.
+    pub fn push_hex(&mut self, number: u32) {
+        self.push("0x");
+        for shift in (0..8).rev() {
+            let digit = char::from_digit(number >> (4 * shift) & 0xf, 16).unwrap_or('?');
+            self.push(digit.encode_utf8(&mut [0; 4]));
+        }
+    }
+
     /// The text as far as it is text: a character cut in half is left out.
     #[must_use]
     pub fn as_str(&self) -> &str {
@@ -322,6 +331,15 @@ mod tests {
             let mut text = Text::new();
             text.push_number(number);
             assert_eq!(text.as_str(), std::format!("{number}"));
+        }
+    }
+
+    #[test]
+    fn numbers_in_hexadecimal_digits() {
+        for number in [0, 7, 0x0800_1a2f, u32::MAX] {
+            let mut text = Text::new();
+            text.push_hex(number);
+            assert_eq!(text.as_str(), std::format!("{number:#010x}"));
         }
     }
 

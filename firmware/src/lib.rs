@@ -7,11 +7,13 @@
 //!
 //! | module | what it decides |
 //! |---|---|
+//! | [`clock`] | which oscillator clocks the processor |
 //! | [`control`] | what is done with received bytes and with passing time |
 //! | [`crash`] | what is kept over a reset, whether to believe it, and what to call the reset |
 //! | [`lamp`] | when the lamp is lit |
 //! | [`line`](mod@line) | how the serial interrupt moves bytes |
 //! | [`persist`] | where in flash an image of the mind goes, and which one is the newest |
+//! | [`safety`] | what emergency stop, bumper and motion permit do |
 //! | [`sonar_ring`] | when which sonar fires, and what its echo means |
 //! | [`stack`] | how deep the stack has been |
 //! | [`vigil`] | whether the watchdog may be fed |
@@ -24,6 +26,7 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod clock;
 pub mod control;
 pub mod crash;
 #[cfg(feature = "crash-test")]
@@ -31,6 +34,7 @@ pub mod crash_test;
 pub mod lamp;
 pub mod line;
 pub mod persist;
+pub mod safety;
 pub mod sonar_ring;
 pub mod stack;
 pub mod vigil;

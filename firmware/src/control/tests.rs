@@ -400,3 +400,43 @@ fn a_board_without_flash_refuses_at_once_and_goes_on() {
         );
     }
 }
+
+/// A bench that explores for a linked host.
+fn exploring() -> Bench {
+    let mut bench = bench();
+    bench.start();
+    bench.open();
+    let _ = bench.control.run(Millis::from_ms(1));
+    assert!(bench.control.is_linked() && !bench.control.may_move());
+    bench.ask(&ToMind::Command {
+        at_ms: 1,
+        ttl_ms: 1_000,
+        order: Order::Explore { moves: 10, seed: 1 },
+    });
+    let _ = bench.control.run(Millis::from_ms(2));
+    assert!(bench.control.may_move());
+    let _ = bench.said();
+    bench
+}
+
+#[test]
+fn alarms_of_the_lines_stop_the_robot_and_say_why() {
+    let stop = Alarms {
+        emergency_stop: true,
+        touched: false,
+    };
+    for (alarms, low_voltage, reason) in [
+        (stop, false, StopReason::EmergencyStop),
+        (Alarms::default(), true, StopReason::LowVoltage),
+    ] {
+        let mut bench = exploring();
+        let now = Millis::from_ms(10);
+        bench.control.apply_alarms(Alarms::default(), false, now);
+        assert!(bench.control.may_move());
+        bench.control.apply_alarms(alarms, low_voltage, now);
+        assert!(!bench.control.may_move());
+        let said = bench.said();
+        let mode = FromMind::Mode(ModeReport::Stopped(reason));
+        assert!(said.contains(&mode), "{said:?}");
+    }
+}

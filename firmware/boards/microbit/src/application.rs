@@ -60,7 +60,7 @@ fn main() -> ! {
         Identity {
             build: BUILD,
             reset: ResetCause::Unknown,
-            oscillator: Oscillator::Unknown,
+            oscillator: Oscillator::Crystal,
             ring: false,
         },
         Millis::from_ms(0),

@@ -9,7 +9,7 @@
 //! | `idle` | otherwise | 0 | sleeps |
 //!
 //! Tasks share queues and atomic numbers, never a lock: nothing but a line of the log holds off the receiver, for at most
-//! 350 instructions (counted in an emulated chip with the board's logger), 2 µs of the 87 µs a byte takes.
+//! 334 instructions (counted in an emulated chip with the board's logger), 2 µs of the 87 µs a byte takes.
 
 /// The program of a board: `$board` is its module in this crate, `$link` the interrupt of its link's port.
 ///
@@ -19,7 +19,7 @@ macro_rules! application {
     ($board:ident, $link:ident) => {
         #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
         mod app {
-            use $crate::chip::{Devices, RingPin, StatusLed, Watchdog};
+            use $crate::chip::{Devices, RingPin, Safety, StatusLed, Supply, Watchdog};
             use $crate::fault;
             use $crate::flash::Kept;
             use $crate::ring_timer::RingTimer;
@@ -47,7 +47,7 @@ macro_rules! application {
             /// The interrupt whose vector control borrows: the 64-pin package has no external memory.
             const CONTROL: Interrupt = Interrupt::FSMC;
             /// An emulated chip has no pins.
-            const HAS_RING: bool = cfg!(not(feature = "qemu"));
+            const HAS_PINS: bool = cfg!(not(feature = "qemu"));
             /// Of the air around the ring, tenths of a degree Celsius.
             const AIR: i16 = 200;
 
@@ -70,6 +70,8 @@ macro_rules! application {
                 ring: Ring<'static, RingPin>,
                 timer: RingTimer,
                 control: Control<'static, Kept>,
+                safety: Safety,
+                supply: Supply,
             }
 
             #[init(local = [
@@ -97,8 +99,8 @@ macro_rules! application {
                     Identity {
                         build: BUILD,
                         reset,
-                        oscillator: Oscillator::Crystal,
-                        ring: HAS_RING,
+                        oscillator: devices.oscillator,
+                        ring: HAS_PINS,
                     },
                     Millis::from_ms(0),
                 );
@@ -125,6 +127,8 @@ macro_rules! application {
                     ring,
                     timer,
                     control,
+                    safety: devices.safety,
+                    supply: devices.supply,
                 };
                 (shared, local)
             }
@@ -179,17 +183,25 @@ macro_rules! application {
                 timer.wake_at(next_us, cx.local.ring.listens());
             }
 
-            #[task(binds = FSMC, priority = 1, local = [control, looked_ms: u32 = 0], shared = [&now_ms, &linked, &ring_wanted, &vigil])]
+            #[task(binds = FSMC, priority = 1, local = [control, safety, supply, looked_ms: u32 = 0], shared = [&now_ms, &linked, &ring_wanted, &vigil])]
             fn control(cx: control::Context) {
                 let (control, shared) = (cx.local.control, cx.shared);
                 let now_ms = shared.now_ms.load(Ordering::Relaxed);
                 control.note_patience(shared.vigil.is_patient());
-                let more = control.run(Millis::from_ms(now_ms));
+                let now = Millis::from_ms(now_ms);
+                if HAS_PINS {
+                    let alarms = cx.local.safety.read(now);
+                    control.apply_alarms(alarms, cx.local.supply.is_low(), now);
+                }
+                let more = control.run(now);
+                if HAS_PINS {
+                    cx.local.safety.permit(control.may_move(), now);
+                }
                 shared.vigil.want_patience(control.wants_patience());
                 if control.take_sent() {
                     rtic::pend(Interrupt::$link);
                 }
-                let wanted = HAS_RING && control.wants_ring();
+                let wanted = HAS_PINS && control.wants_ring();
                 if shared.ring_wanted.swap(wanted, Ordering::Relaxed) != wanted {
                     rtic::pend(Interrupt::TIM3);
                 }
@@ -223,7 +235,11 @@ macro_rules! application {
                 );
                 match crash {
                     Some(crash) if crash.program_counter != 0 => {
-                        defmt::error!("the run before faulted at {=u32:#x}", crash.program_counter);
+                        defmt::error!(
+                            "the run before faulted at {=u32:#x}: {=str}",
+                            crash.program_counter,
+                            crash.text.as_str()
+                        );
                     }
                     Some(crash) => defmt::error!("the run before said: {=str}", crash.text.as_str()),
                     None => {}

@@ -1,19 +1,22 @@
-//! The chip: clocks, watchdog, reset flags, and what a board hands to the tasks.
+//! The chip: watchdog, reset flags, and what a board hands to the tasks.
 //!
 //! An emulated chip differs in three points: its oscillators are never ready, so it stays on the internal one; its port
 //! raises no interrupt when it takes a byte, so this is done by software; watchdog and reset flags do nothing.
 
+use crate::clocks;
 use crate::flash::Kept;
 use crate::ring_timer::RingTimer;
 use crate::serial::SerialPort;
+use amp::wire::message::Oscillator;
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use firmware::crash::Flags;
+use firmware::safety::SafetyLines;
 use firmware::sonar_ring::Pins;
-use stm32f4xx_hal::gpio::{ErasedPin, Output, PinState};
+use stm32f4xx_hal::gpio::{ErasedPin, Input, Output, PinState};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
-use stm32f4xx_hal::rcc::{Config, Rcc};
+use stm32f4xx_hal::rcc::{Enable, Rcc};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
 /// Clock of the processor. An emulated chip counts its clock at this rate too, whatever its oscillator is.
@@ -41,6 +44,12 @@ pub struct Devices<U> {
     pub ring_timer: RingTimer,
     /// What the chip remembers of the last reset.
     pub flags: Flags,
+    /// What clocks the processor.
+    pub oscillator: Oscillator,
+    /// Emergency stop, bumper and motion permit.
+    pub safety: Safety,
+    /// The watch over the supply voltage.
+    pub supply: Supply,
     /// What outlives a loss of power.
     pub kept: Kept,
 }
@@ -53,40 +62,30 @@ pub struct Chip {
     pub watchdog: Watchdog,
     /// What the chip remembers of the last reset.
     pub flags: Flags,
+    /// What clocks the processor.
+    pub oscillator: Oscillator,
 }
 
 impl Chip {
-    /// Starts the watchdog, then the clocks from a crystal of `crystal_hz`.
+    /// Starts the watchdog, then the clocks.
     pub fn start(
         (iwdg, dbgmcu): (pac::IWDG, &pac::DBGMCU),
-        rcc: pac::RCC,
+        (rcc, timer): (pac::RCC, pac::TIM11),
         mut systick: SYST,
-        crystal_hz: u32,
     ) -> Self {
         let mut watchdog = IndependentWatchdog::new(iwdg);
         watchdog.stop_on_debug(dbgmcu, true);
         watchdog.start(WATCHDOG_MS.millis());
         let flags = take_flags(&rcc);
-        let rcc = rcc.freeze(clocks(crystal_hz));
+        let (rcc, oscillator) = clocks::start(rcc, timer);
         count_milliseconds(&mut systick);
         Self {
             rcc,
             watchdog: Watchdog(watchdog),
             flags,
+            oscillator,
         }
     }
-}
-
-/// The crystal, multiplied to the chip's highest clock.
-#[cfg(not(feature = "qemu"))]
-fn clocks(crystal_hz: u32) -> Config {
-    Config::hse(crystal_hz.Hz()).sysclk(CORE_HZ.Hz())
-}
-
-/// The internal oscillator, as it is after a reset.
-#[cfg(feature = "qemu")]
-fn clocks(_: u32) -> Config {
-    Config::hsi()
 }
 
 /// Lets the core's timer raise an interrupt each millisecond.
@@ -127,6 +126,26 @@ impl StatusLed {
     /// Lights it or puts it out.
     pub fn set(&mut self, lit: bool) {
         self.pin.set_state(if lit { self.lit } else { !self.lit });
+    }
+}
+
+/// The lines that stop the robot.
+pub type Safety = SafetyLines<ErasedPin<Input>, ErasedPin<Output>>;
+
+/// The chip's comparator of its supply voltage.
+pub struct Supply(pac::PWR);
+
+impl Supply {
+    /// Watches for less than 2.9 V (RM0090, 5.4.1: the highest threshold).
+    pub fn watch(power: pac::PWR, rcc: &mut Rcc) -> Self {
+        pac::PWR::enable(rcc);
+        power.cr().modify(|_, w| w.pls().set(7).pvde().set_bit());
+        Self(power)
+    }
+
+    /// Whether the voltage is too low at the moment.
+    pub fn is_low(&self) -> bool {
+        self.0.csr().read().pvdo().bit_is_set()
     }
 }
 

@@ -104,15 +104,54 @@ extern "C" fn fault(stack_pointer: *const u32) -> ! {
     let cause = cause_of_fault(stack_pointer.addr() as u32, start, end);
     let (mut program_counter, mut text) = (0, Text::new());
     if cause == Cause::HardFault {
-        // SAFETY: the processor has pushed eight words onto a stack that is memory, the program counter seventh. The new
+        // SAFETY: the processor has pushed eight words onto a stack that is memory, the link register sixth, the program counter
+        // seventh. The new
         // stack may have overwritten it only if the fault came within a few words of the stack's beginning.
-        program_counter = unsafe { stack_pointer.add(6).read_volatile() };
+        let (link, counter) = unsafe {
+            (
+                stack_pointer.add(5).read_volatile(),
+                stack_pointer.add(6).read_volatile(),
+            )
+        };
+        program_counter = counter;
+        describe(link, &mut text);
     } else {
         text.push("the stack left its region");
     }
     keep_and_reset(&Crash {
         cause,
         program_counter,
+        text,
+    })
+}
+
+/// Notes what the processor says of a fault (ARMv7-M Architecture Reference Manual, B3.2): the configurable fault status, the
+/// address of a bus fault where it is valid, and where the faulting function was called from.
+fn describe(link: u32, text: &mut Text) {
+    /// The address in BFAR is valid.
+    const BFARVALID: u32 = 1 << 15;
+    // SAFETY: reading these registers has no effect.
+    let scb = unsafe { &*SCB::PTR };
+    let status = scb.cfsr.read();
+    text.push("CFSR ");
+    text.push_hex(status);
+    if status & BFARVALID != 0 {
+        text.push(" BFAR ");
+        text.push_hex(scb.bfar.read());
+    }
+    text.push(" LR ");
+    text.push_hex(link);
+}
+
+/// The crystal has stopped: the chip has switched to its slow internal oscillator, at which no task keeps its times. The
+/// restart finds no crystal and uses the internal oscillator at the full clock.
+#[exception]
+unsafe fn NonMaskableInt() -> ! {
+    let mut text = Text::new();
+    text.push("the crystal has stopped");
+    keep_and_reset(&Crash {
+        cause: Cause::Panic,
+        program_counter: 0,
         text,
     })
 }

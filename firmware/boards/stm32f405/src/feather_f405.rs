@@ -19,6 +19,9 @@ pub const PINOUT: Pinout = Pinout {
         ("PC7", "ring: INIT (pad D5)"),
         ("PC2", "ring: BINH (pad D12)"),
         ("PC3", "ring: BLNK (pad D11)"),
+        ("PB13", "emergency stop, closed to ground (pad SCK)"),
+        ("PB14", "bumper, closed to ground (pad MI)"),
+        ("PB15", "motion permit (pad MO)"),
     ],
     reserved: &[
         ("PA3", "half of the battery's voltage"),
@@ -55,17 +58,15 @@ pub use device::{Link, init};
 
 #[cfg(target_os = "none")]
 mod device {
-    use crate::chip::{Chip, Devices, StatusLed};
+    use crate::chip::{Chip, Devices, StatusLed, Supply};
     use crate::flash::Kept;
     use crate::ring_timer::RingTimer;
     use crate::serial::{SerialPort, settings};
+    use firmware::safety::SafetyLines;
     use firmware::sonar_ring::Pins;
     use stm32f4xx_hal::gpio::{PinState, Pull};
     use stm32f4xx_hal::pac;
     use stm32f4xx_hal::prelude::*;
-
-    /// The crystal's frequency.
-    const CRYSTAL_HZ: u32 = 12_000_000;
 
     /// The port of the link.
     pub type Link = pac::USART3;
@@ -80,7 +81,8 @@ mod device {
             mut rcc,
             watchdog,
             flags,
-        } = Chip::start(guards, device.RCC, core.SYST, CRYSTAL_HZ);
+            oscillator,
+        } = Chip::start(guards, (device.RCC, device.TIM11), core.SYST);
         let gpioa = device.GPIOA.split(&mut rcc);
         let gpiob = device.GPIOB.split(&mut rcc);
         let gpioc = device.GPIOC.split(&mut rcc);
@@ -98,6 +100,11 @@ mod device {
             binh: gpioc.pc2.into_push_pull_output().erase(),
             blnk: gpioc.pc3.into_push_pull_output().erase(),
         };
+        let safety = SafetyLines::new(
+            gpiob.pb13.into_pull_up_input().erase(),
+            gpiob.pb14.into_pull_up_input().erase(),
+            gpiob.pb15.into_push_pull_output().erase(),
+        );
         let ring_timer = RingTimer::start(device.TIM3, gpioc.pc6.into_alternate(), &mut rcc);
         let serial = device
             .USART3
@@ -110,6 +117,9 @@ mod device {
             ring_pins,
             ring_timer,
             flags,
+            oscillator,
+            safety,
+            supply: Supply::watch(device.PWR, &mut rcc),
             kept: Kept::new(device.FLASH),
         }
     }

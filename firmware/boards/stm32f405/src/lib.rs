@@ -3,7 +3,8 @@
 //! | module | what it is |
 //! |---|---|
 //! | `application` | the tasks, as a macro that each board's program calls |
-//! | `chip` | clocks, watchdog, reset flags |
+//! | `chip` | watchdog, reset flags, devices |
+//! | `clocks` | crystal or internal oscillator |
 //! | `fault` | what is kept of a crash |
 //! | [`feather_f405`] | Adafruit Feather STM32F405 Express |
 //! | `flash` | the two sectors that outlive a loss of power |
@@ -23,6 +24,8 @@ extern crate std;
 mod application;
 #[cfg(target_os = "none")]
 pub mod chip;
+#[cfg(target_os = "none")]
+mod clocks;
 #[cfg(target_os = "none")]
 pub mod fault;
 pub mod feather_f405;

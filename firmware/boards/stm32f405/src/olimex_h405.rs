@@ -20,6 +20,9 @@ pub const PINOUT: Pinout = Pinout {
         ("PC7", "ring: INIT"),
         ("PC8", "ring: BINH"),
         ("PC9", "ring: BLNK"),
+        ("PB13", "emergency stop, closed to ground"),
+        ("PB14", "bumper, closed to ground"),
+        ("PB15", "motion permit"),
     ],
     reserved: &[
         ("PA0", "button"),
@@ -45,17 +48,15 @@ pub use device::{Link, init};
 
 #[cfg(target_os = "none")]
 mod device {
-    use crate::chip::{Chip, Devices, StatusLed};
+    use crate::chip::{Chip, Devices, StatusLed, Supply};
     use crate::flash::Kept;
     use crate::ring_timer::RingTimer;
     use crate::serial::{SerialPort, settings};
+    use firmware::safety::SafetyLines;
     use firmware::sonar_ring::Pins;
     use stm32f4xx_hal::gpio::{PinState, Pull};
     use stm32f4xx_hal::pac;
     use stm32f4xx_hal::prelude::*;
-
-    /// The crystal's frequency.
-    const CRYSTAL_HZ: u32 = 8_000_000;
 
     /// The port of the link.
     pub type Link = pac::USART1;
@@ -70,8 +71,10 @@ mod device {
             mut rcc,
             watchdog,
             flags,
-        } = Chip::start(guards, device.RCC, core.SYST, CRYSTAL_HZ);
+            oscillator,
+        } = Chip::start(guards, (device.RCC, device.TIM11), core.SYST);
         let gpioa = device.GPIOA.split(&mut rcc);
+        let gpiob = device.GPIOB.split(&mut rcc);
         let gpioc = device.GPIOC.split(&mut rcc);
         let led = gpioc.pc12.into_push_pull_output_in_state(PinState::High);
         // An open wire would be noise; the idle line is high.
@@ -87,6 +90,11 @@ mod device {
             binh: gpioc.pc8.into_push_pull_output().erase(),
             blnk: gpioc.pc9.into_push_pull_output().erase(),
         };
+        let safety = SafetyLines::new(
+            gpiob.pb13.into_pull_up_input().erase(),
+            gpiob.pb14.into_pull_up_input().erase(),
+            gpiob.pb15.into_push_pull_output().erase(),
+        );
         let ring_timer = RingTimer::start(device.TIM3, gpioc.pc6.into_alternate(), &mut rcc);
         let serial = device
             .USART1
@@ -99,6 +107,9 @@ mod device {
             ring_pins,
             ring_timer,
             flags,
+            oscillator,
+            safety,
+            supply: Supply::watch(device.PWR, &mut rcc),
             kept: Kept::new(device.FLASH),
         }
     }

@@ -115,6 +115,8 @@ impl Base {
                 order,
             });
         }
+        // The echoes of the first ring are not older than the session.
+        base.pass();
         base
     }
 

@@ -66,13 +66,13 @@ fn print_maps(watch: &Stopwatch, episode: &Episode<'_>) {
 
 fn print_episode(episode: &Episode<'_>) {
     let counts = &episode.counts;
-    row("echo at rest", counts.echo, 495);
-    row("echo on the way: the guard", counts.guard, 2_450);
+    row("echo at rest", counts.echo, 865);
+    row("echo on the way: the guard", counts.guard, 2_730);
     row("report of the base", counts.odometry, 1_550);
     row(
         "random move (last echo of the ring)",
         counts.random_move,
-        11_800,
+        12_100,
     );
     row(
         "**decision** (last echo of the ring): avoid",

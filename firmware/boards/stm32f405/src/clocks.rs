@@ -1,0 +1,106 @@
+//! The clocks: starts the crystal, measures it, and multiplies it or the internal oscillator to the highest clock.
+//!
+//! Nothing here waits for ever. An emulated chip has neither a crystal nor the multiplier: it stays on its internal
+//! oscillator.
+
+use crate::chip::CORE_HZ;
+use amp::wire::message::Oscillator;
+#[cfg(not(feature = "qemu"))]
+use firmware::clock::{ClockSource, Measurement, choose};
+use stm32f4xx_hal::pac;
+#[cfg(not(feature = "qemu"))]
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::rcc::{Config, Rcc, RccExt};
+
+/// Starts the clocks.
+#[cfg(feature = "qemu")]
+pub fn start(rcc: pac::RCC, _: pac::TIM11) -> (Rcc, Oscillator) {
+    const { assert!(CORE_HZ > 0) };
+    (rcc.freeze(Config::hsi()), Oscillator::Unknown)
+}
+
+/// Frequency of the internal oscillator, which clocks the chip after a reset.
+#[cfg(not(feature = "qemu"))]
+const INTERNAL_HZ: u32 = 16_000_000;
+
+/// Looks at the crystal before it is given up: some 100 ms. It starts within 2 ms (data sheet DS8626, HSE).
+#[cfg(not(feature = "qemu"))]
+const LOOKS: u32 = 200_000;
+
+/// The crystal's clock is divided by this before it is captured.
+#[cfg(not(feature = "qemu"))]
+const DIVIDER: u8 = 25;
+
+/// Captures of a measurement, each after eight periods of the divided clock.
+#[cfg(not(feature = "qemu"))]
+const CAPTURES: u32 = 64;
+
+/// Starts the clocks.
+#[cfg(not(feature = "qemu"))]
+pub fn start(rcc: pac::RCC, timer: pac::TIM11) -> (Rcc, Oscillator) {
+    let source = choose(measure(&rcc, &timer));
+    let config = match source {
+        ClockSource::Crystal { hz } => Config::hse(hz.Hz()),
+        ClockSource::Internal => {
+            rcc.cr().modify(|_, w| w.hseon().clear_bit());
+            Config::hsi()
+        }
+    };
+    let rcc = rcc.freeze(config.sysclk(CORE_HZ.Hz()));
+    if source != ClockSource::Internal {
+        // A crystal that stops raises NMI: see `fault`.
+        rcc.cr().modify(|_, w| w.csson().set_bit());
+    }
+    (rcc, source.oscillator())
+}
+
+/// Counts the internal oscillator's periods while the crystal makes some (RM0090, 7.2.10: timer 11 captures HSE_RTC).
+#[cfg(not(feature = "qemu"))]
+fn measure(rcc: &pac::RCC, timer: &pac::TIM11) -> Option<Measurement> {
+    rcc.cr().modify(|_, w| w.hseon().set_bit());
+    wait(|| rcc.cr().read().hserdy().bit_is_set())?;
+    rcc.cfgr().modify(|_, w| w.rtcpre().set(DIVIDER));
+    rcc.apb2enr().modify(|_, w| w.tim11en().set_bit());
+    // SAFETY: 2 chooses HSE_RTC.
+    #[allow(unsafe_code)]
+    timer.or().write(|w| unsafe { w.rmp().bits(2) });
+    timer
+        .ccmr1_input()
+        .write(|w| w.cc1s().ti1().ic1psc().set(0b11));
+    timer.ccer().write(|w| w.cc1e().set_bit());
+    timer.cr1().write(|w| w.cen().set_bit());
+    let ticks = count(timer);
+    timer.cr1().reset();
+    rcc.apb2enr().modify(|_, w| w.tim11en().clear_bit());
+    Some(Measurement {
+        periods: CAPTURES * 8 * u32::from(DIVIDER),
+        ticks: ticks?,
+        reference_hz: INTERNAL_HZ,
+    })
+}
+
+/// Ticks of the timer from the first capture to the last; `None` when no capture comes.
+#[cfg(not(feature = "qemu"))]
+fn count(timer: &pac::TIM11) -> Option<u32> {
+    let captured = || {
+        wait(|| timer.sr().read().cc1if().bit_is_set())?;
+        // Reading clears the flag.
+        Some(timer.ccr1().read().ccr().bits())
+    };
+    // The first one may lie there from before.
+    captured()?;
+    let mut last = captured()?;
+    let mut ticks = 0;
+    for _ in 0..CAPTURES {
+        let next = captured()?;
+        ticks += u32::from(next.wrapping_sub(last));
+        last = next;
+    }
+    Some(ticks)
+}
+
+/// Waits until something is so, for a limited time.
+#[cfg(not(feature = "qemu"))]
+fn wait(is_so: impl Fn() -> bool) -> Option<()> {
+    (0..LOOKS).any(|_| is_so()).then_some(())
+}

@@ -1,0 +1,248 @@
+//! The lines that stop the robot whatever the link does: emergency stop, bumper, supply voltage, and the motion permit.
+//!
+//! | line | level | meaning |
+//! |---|---|---|
+//! | emergency stop | low, by a closed contact to ground | the robot may move |
+//! | | high, by the pull-up: contact open or wire broken | stop, in each round until it closes |
+//! | bumper | low, by a closed contact to ground | nothing is touched |
+//! | | high | the motion under way ends |
+//! | motion permit | changes every 10 ms | a charge pump holds the motors' relay |
+//! | | constant, whether low or high | the relay drops |
+//!
+//! The control task makes the permit's changes one by one. It stops when the control task stops, the link is lost, the robot
+//! stands or the emergency stop is open.
+
+use amp::units::Millis;
+use core::convert::Infallible;
+use embedded_hal::digital::{InputPin, OutputPin};
+
+/// A contact has to keep its new level for this time, milliseconds: contacts bounce for less.
+const SETTLE_MS: u32 = 20;
+
+/// Time between two changes of the permit at the least, milliseconds.
+const HALF_PERIOD_MS: u32 = 10;
+
+/// What the lines say.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Alarms {
+    /// The emergency stop is open.
+    pub emergency_stop: bool,
+    /// The bumper has just opened.
+    pub touched: bool,
+}
+
+/// A contact that bounces.
+#[derive(Debug, Clone, Copy, Default)]
+struct Contact {
+    open: bool,
+    /// The other level was first read at this time.
+    changing_since: Option<Millis>,
+}
+
+impl Contact {
+    /// Whether the contact is open, by its level at `now`.
+    fn update(&mut self, open: bool, now: Millis) -> bool {
+        if open == self.open {
+            self.changing_since = None;
+            return self.open;
+        }
+        let since = *self.changing_since.get_or_insert(now);
+        if now.since(since) >= SETTLE_MS {
+            (self.open, self.changing_since) = (open, None);
+        }
+        self.open
+    }
+}
+
+/// The pins, and what is known of them.
+#[derive(Debug)]
+pub struct SafetyLines<I, O> {
+    emergency_stop: I,
+    bumper: I,
+    permit: O,
+    stop_contact: Contact,
+    bumper_contact: Contact,
+    /// When the permit changed last, and its level.
+    changed: Millis,
+    level: bool,
+}
+
+impl<I, O> SafetyLines<I, O>
+where
+    I: InputPin<Error = Infallible>,
+    O: OutputPin<Error = Infallible>,
+{
+    /// Lines whose contacts count as open until they have been closed for some time.
+    pub const fn new(emergency_stop: I, bumper: I, permit: O) -> Self {
+        Self {
+            emergency_stop,
+            bumper,
+            permit,
+            stop_contact: Contact {
+                open: true,
+                changing_since: None,
+            },
+            bumper_contact: Contact {
+                open: true,
+                changing_since: None,
+            },
+            changed: Millis::from_ms(0),
+            level: false,
+        }
+    }
+
+    /// Reads the contacts; for each round of the control task.
+    pub fn read(&mut self, now: Millis) -> Alarms {
+        let Ok(stop) = self.emergency_stop.is_high();
+        let Ok(bumper) = self.bumper.is_high();
+        let was_open = self.bumper_contact.open;
+        let is_open = self.bumper_contact.update(bumper, now);
+        Alarms {
+            emergency_stop: self.stop_contact.update(stop, now),
+            touched: is_open && !was_open,
+        }
+    }
+
+    /// Changes the permit's level if the robot may move and it is time; for the end of each round.
+    pub fn permit(&mut self, may_move: bool, now: Millis) {
+        if may_move && !self.stop_contact.open && now.since(self.changed) >= HALF_PERIOD_MS {
+            self.changed = now;
+            self.level = !self.level;
+            let Ok(()) = self.permit.set_state(self.level.into());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::cell::Cell;
+    use embedded_hal::digital::ErrorType;
+
+    /// A wire that the test holds.
+    struct Wire<'a>(&'a Cell<bool>);
+
+    impl ErrorType for Wire<'_> {
+        type Error = Infallible;
+    }
+
+    impl InputPin for Wire<'_> {
+        fn is_high(&mut self) -> Result<bool, Infallible> {
+            Ok(self.0.get())
+        }
+
+        fn is_low(&mut self) -> Result<bool, Infallible> {
+            Ok(!self.0.get())
+        }
+    }
+
+    impl OutputPin for Wire<'_> {
+        fn set_high(&mut self) -> Result<(), Infallible> {
+            self.0.set(true);
+            Ok(())
+        }
+
+        fn set_low(&mut self) -> Result<(), Infallible> {
+            self.0.set(false);
+            Ok(())
+        }
+    }
+
+    /// Three wires; inputs are open while high.
+    #[derive(Default)]
+    struct Wires {
+        stop: Cell<bool>,
+        bumper: Cell<bool>,
+        permit: Cell<bool>,
+    }
+
+    type Lines<'a> = SafetyLines<Wire<'a>, Wire<'a>>;
+
+    fn at(ms: u32) -> Millis {
+        Millis::from_ms(ms)
+    }
+
+    /// Lines that have been closed for long, at 1000 ms.
+    fn closed(wires: &Wires) -> Lines<'_> {
+        let mut lines =
+            SafetyLines::new(Wire(&wires.stop), Wire(&wires.bumper), Wire(&wires.permit));
+        for now_ms in (0..=1_000).step_by(10) {
+            let _ = lines.read(at(now_ms));
+        }
+        lines
+    }
+
+    /// Changes of the permit in a second of rounds.
+    fn changes(lines: &mut Lines<'_>, wires: &Wires, may_move: bool) -> u32 {
+        let mut changes = 0;
+        for now_ms in (1_010..=2_000).step_by(10) {
+            let before = wires.permit.get();
+            let _ = lines.read(at(now_ms));
+            lines.permit(may_move, at(now_ms));
+            changes += u32::from(wires.permit.get() != before);
+        }
+        changes
+    }
+
+    #[test]
+    fn the_permit_is_a_square_wave_only_while_the_robot_may_move() {
+        let wires = Wires::default();
+        assert_eq!(changes(&mut closed(&wires), &wires, true), 100);
+        assert_eq!(changes(&mut closed(&wires), &wires, false), 0);
+    }
+
+    #[test]
+    fn the_permit_does_not_follow_the_rate_of_the_rounds() {
+        let wires = Wires::default();
+        let mut lines = closed(&wires);
+        let before = wires.permit.get();
+        for _ in 0..50 {
+            lines.permit(true, at(1_010));
+        }
+        assert_ne!(wires.permit.get(), before);
+    }
+
+    #[test]
+    fn an_open_emergency_stop_is_an_alarm_in_each_round_and_ends_the_permit() {
+        let wires = Wires::default();
+        let mut lines = closed(&wires);
+        wires.stop.set(true);
+        let alarms = [1_010, 1_020, 1_030, 1_040].map(|ms| lines.read(at(ms)).emergency_stop);
+        assert_eq!(alarms, [false, false, true, true]);
+        assert_eq!(changes(&mut lines, &wires, true), 0);
+        wires.stop.set(false);
+        let alarms = [2_010, 2_020, 2_030].map(|ms| lines.read(at(ms)).emergency_stop);
+        assert_eq!(alarms, [true, true, false]);
+    }
+
+    #[test]
+    fn a_contact_that_bounces_is_no_alarm() {
+        let wires = Wires::default();
+        let mut lines = closed(&wires);
+        for now_ms in 1_001..1_200 {
+            wires.stop.set(now_ms % 19 != 0);
+            assert_eq!(lines.read(at(now_ms)), Alarms::default(), "{now_ms}");
+        }
+    }
+
+    #[test]
+    fn the_stop_counts_as_open_until_it_has_been_closed_for_some_time() {
+        let wires = Wires::default();
+        let mut lines =
+            SafetyLines::new(Wire(&wires.stop), Wire(&wires.bumper), Wire(&wires.permit));
+        let alarms = [0, 10, 20].map(|ms| lines.read(at(ms)).emergency_stop);
+        assert_eq!(alarms, [true, true, false]);
+    }
+
+    #[test]
+    fn a_bumper_touches_once_each_time_it_opens() {
+        let wires = Wires::default();
+        let mut lines = closed(&wires);
+        let mut touches = 0;
+        for now_ms in (1_010..2_000).step_by(10) {
+            wires.bumper.set(now_ms % 500 < 250);
+            touches += u32::from(lines.read(at(now_ms)).touched);
+        }
+        assert_eq!(touches, 2);
+    }
+}
