@@ -236,7 +236,8 @@ pub fn handle<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>(
     at: Millis,
     event: Event<SENSORS>,
 ) -> Outputs<SENSORS> {
-    state.pass_time(config, at, event == Event::Tick);
+    let is_present = matches!(event, Event::Tick | Event::Command(_));
+    state.pass_time(config, at, is_present);
     match event {
         Event::Echo { sensor, range } => state.echo(config, sensor, Echo { range, at }),
         Event::Odometry {

@@ -82,15 +82,16 @@ fn a_mind_in_this_process_drives_a_robot_at_a_serial_port() {
     );
 }
 
-/// The whole chain: robot, its line, bridge, link, chip.
+/// The whole chain: robot, its line, bridge, link, chip. At 20 times the robot's speed a motion would be over its deadline
+/// before the chip has answered.
 #[test]
 fn the_firmware_in_an_emulated_chip_drives_a_robot() {
     let program = host_sim!();
-    let mut robot = Robot::at_a_port(&program, "--speed 20");
+    let mut robot = Robot::at_a_port(&program, "--speed 4");
     let at = format!("tcp:{}", robot.place);
     let firmware = image().display();
-    let flags = format!("--explore 10 --steps 100 --mind qemu --firmware {firmware}");
-    drives_clean(&program, &mut robot, &at, &flags, [10, 100]);
+    let flags = format!("--explore 10 --steps 30 --mind qemu --firmware {firmware}");
+    drives_clean(&program, &mut robot, &at, &flags, [10, 30]);
 }
 
 /// Takes minutes: `cargo test -p tests --test bridge -- --ignored`.
@@ -98,7 +99,7 @@ fn the_firmware_in_an_emulated_chip_drives_a_robot() {
 #[ignore = "takes minutes"]
 fn the_firmware_drives_a_thousand_steps() {
     let program = host_sim!();
-    let mut robot = Robot::at_a_port(&program, "--speed 20");
+    let mut robot = Robot::at_a_port(&program, "--speed 4");
     let at = format!("tcp:{}", robot.place);
     let firmware = image().display();
     let flags = format!("--explore 100 --steps 1000 --mind qemu --firmware {firmware}");

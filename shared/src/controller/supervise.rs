@@ -30,11 +30,12 @@ impl Motion {
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     State<SENSORS, NEURONS, SAMPLES>
 {
-    /// Keeps the latest time. Ticks tell it in order: one that lies far back means that the clock was set back.
-    pub(super) fn pass_time(&mut self, config: &Config<SENSORS>, at: Millis, is_tick: bool) {
+    /// Keeps the latest time. Ticks and commands are of the present: one that lies far back means that the clock was set
+    /// back, or begins near the end of its 32 bits.
+    pub(super) fn pass_time(&mut self, config: &Config<SENSORS>, at: Millis, is_present: bool) {
         if self.now.is_before(at) {
             self.now = at;
-        } else if is_tick && self.now.since(at) > patience_ms(config) {
+        } else if is_present && self.now.since(at) > patience_ms(config) {
             self.now = at;
             self.deadline = at.plus_ms(SLACK_MS);
             self.await_ring(at);

@@ -5,7 +5,7 @@ use crate::link::{LinkError, Local, Session, Silent, Transport};
 use amp::config::Config;
 use amp::parameters::Parameter;
 use amp::robot::RobotSpec;
-use amp::wire::message::{Clock, Dimensions, FromMind, Refusal};
+use amp::wire::message::{Clock, Dimensions, FromMind, ModeReport, Refusal};
 use amp::wire::{Frame, PROTOCOL, Report, SCHEMA, ToMind, frame};
 use std::io;
 use std::sync::{Arc, Mutex};
@@ -165,12 +165,13 @@ fn a_late_answer_of_the_session_before_is_nobodys() {
 }
 
 #[test]
-fn a_session_that_is_open_already_is_left_to_whoever_opened_it() {
+fn a_host_that_starts_anew_with_the_same_number_is_heard() {
     let shared = Shared(Arc::new(Mutex::new(Local::new(Config::recommended()))));
     let mut earlier = opened(shared.clone());
     assert!(earlier.counters().is_ok());
     let mut other = Session::new(shared);
     other.open(earlier.number(), Clock::Host).unwrap();
-    assert_ne!(other.number(), earlier.number());
+    assert_eq!(other.number(), earlier.number());
     assert!(other.counters().is_ok());
+    assert_eq!(other.mode().unwrap(), ModeReport::Idle);
 }
