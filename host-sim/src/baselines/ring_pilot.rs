@@ -241,7 +241,8 @@ impl<P: Policy> RingPilot<P> {
         }
         under_way.turned = under_way.turned.plus(turned);
         self.touched |= progress == Progress::Touched;
-        if motion == self.motion && progress != Progress::Moving && self.moving {
+        let is_over = matches!(progress, Progress::Ended | Progress::Touched);
+        if motion == self.motion && is_over && self.moving {
             self.moving = false;
             self.scan.renew();
         }
