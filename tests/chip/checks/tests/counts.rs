@@ -6,7 +6,11 @@ use checks::{TARGET, cargo, rows, workspace};
 const BUDGETS: [(&str, u64, u64); 7] = [
     ("best-matching unit, 16 × 16, exact", 500, 500),
     ("situation map learns, winner and 4 neighbours", 450, 450),
-    ("**decision** (last echo of the ring): avoid", 20_000, 30_000),
+    (
+        "**decision** (last echo of the ring): avoid",
+        20_000,
+        30_000,
+    ),
     ("decision: along a wall", 20_000, 30_000),
     ("decision: to a place", 20_000, 30_000),
     ("decision: avoid by the paper's four steps", 20_000, 30_000),
