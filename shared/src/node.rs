@@ -86,7 +86,7 @@ pub struct Node<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize
 /// The node of the Nomad 200 with the paper's sizes.
 pub type NomadNode = Node<16, 16, 100>;
 
-const _: () = assert!(size_of::<NomadState>() <= 8 * 1_024);
+const _: () = assert!(size_of::<NomadState>() <= 8_256);
 
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize> Default
     for Node<SENSORS, NEURONS, SAMPLES>

@@ -1,9 +1,16 @@
 //! What the ring hears limits how far and how fast the robot may go.
 //!
 //! An echo says: the nearest surface within the transducer's lobe lies somewhere on an arc around its face. The shield
-//! keeps the latest arcs of every transducer, moves them along as the robot moves (odometry), and lets a displacement end
+//! keeps some arcs of every transducer, moves them along as the robot moves (odometry), and lets a displacement end
 //! where the body would come within a margin of the part of any arc that lies most in the way. A direction that no echo
 //! covers is closed. The speed is such that the robot can stop within the distance left, at the given deceleration.
+//!
+//! An arc does not expire. Each of its points stays until newer echoes [contradict](cone) it: they come from farther away
+//! through a cone that contains the point. Silence in another direction, or from a turned ring, contradicts nothing: a
+//! corner may have left the lobe for the gap beside it.
+//!
+//! Arcs keep the bearing that the ring had at the start. Only new echoes and ways are rotated, so errors of rotation do not
+//! add up.
 //!
 //! What it cannot know: a thing thinner than the gap between two lobes. At the Nomad's faces the gap is 9 cm wide; the
 //! corner of a box can stand 4.5 cm inside it, which the margin covers.
@@ -12,9 +19,11 @@ use crate::config::Config;
 use crate::fixed::{Mask, isqrt};
 use crate::scan::Echo;
 use crate::units::{Bearing, Direction, Displacement, Millis, Range};
+use cone::{CONTRADICTIONS, Cone};
 use glance::Glance;
 use serde::{Deserialize, Serialize};
 
+mod cone;
 mod glance;
 
 /// Places per transducer whose echo is kept.
@@ -27,14 +36,16 @@ pub struct Shielding {
     pub margin_mm: u16,
     /// Half the opening of a transducer's lobe.
     pub half_lobe: Bearing,
-    /// Places per transducer from which an echo is looked at, 1 … [`KEPT`].
+    /// Arcs kept per transducer, 1 … [`KEPT`]. The newest replaces the farthest.
     pub places: u8,
-    /// Echoes heard less than this apart come from one place, millimetres: the newer replaces the older.
+    /// Echoes whose faces were less than this apart, with the same axis, come through one cone, millimeters: the newer
+    /// replaces the older or contradicts all of it. Small, as a near corner leaves the lobe within a few centimeters.
     pub spacing_mm: u16,
     /// A direction is open only while the transducers that look there have been heard within this time,
     /// milliseconds.
     pub fresh_ms: u32,
-    /// What was heard longer ago than this is forgotten, milliseconds.
+    /// A transducer that was silent for longer than this may have been carried elsewhere: its arcs are dropped when it
+    /// is heard again, milliseconds. While it is heard, arcs do not expire.
     pub forget_ms: u32,
     /// Displacements that would be shorter than this are not begun, millimetres.
     pub least_mm: u16,
@@ -54,7 +65,7 @@ impl Shielding {
             margin_mm: 90,
             half_lobe: Bearing::from_turns(2_731),
             places: 4,
-            spacing_mm: 100,
+            spacing_mm: 2,
             fresh_ms: 2_000,
             forget_ms: 600_000,
             least_mm: 10,
@@ -64,34 +75,76 @@ impl Shielding {
     }
 }
 
-/// What a transducer heard at one place, in the ring's present frame.
+/// Points of an arc that are tested, evenly spaced from end to end: 5° of 30°. Where the lobes of two neighbors leave a gap
+/// wider than the margin covers, a point lies in it.
+const POINTS: usize = 7;
+
+/// What a transducer heard at one place, in the shield's frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Arc {
     /// Where it looked.
     axis: Direction,
-    /// The nearer of the last two ranges heard here; `None` = nothing answered either time.
+    /// Range heard; `None` = no arc.
     range: Option<Range>,
-    /// The last range heard here.
-    latest: Option<Range>,
+    /// Contradictions of each point, two bits each.
+    contradictions: u16,
     at: Millis,
 }
 
 impl Arc {
-    /// What stands where nothing was heard.
+    /// No arc.
     const NONE: Self = Self {
         axis: Direction { x_q14: 0, y_q14: 0 },
         range: None,
-        latest: None,
+        contradictions: 0,
         at: Millis::from_ms(0),
     };
 
-    /// The ring has turned; `back` is the way back.
-    fn turned(&mut self, back: Direction) {
-        let (x, y) = back.rotate(i32::from(self.axis.x_q14), i32::from(self.axis.y_q14));
-        self.axis = Direction {
-            x_q14: x as i16,
-            y_q14: y as i16,
+    /// One of its points, millimeters.
+    fn point(&self, lobe: &Lobe, face: Displacement, range_mm: i32, point: usize) -> (i32, i32) {
+        let (ax, ay) = (i32::from(self.axis.x_q14), i32::from(self.axis.y_q14));
+        let towards = lobe.towards(point);
+        out(face, range_mm, towards.rotate(ax, ay))
+    }
+
+    /// Its middle, millimeters.
+    fn middle(&self, face: Displacement, range_mm: i32) -> (i32, i32) {
+        let axis = (i32::from(self.axis.x_q14), i32::from(self.axis.y_q14));
+        out(face, range_mm, axis)
+    }
+
+    /// How often a point was contradicted.
+    const fn contradicted(&self, point: usize) -> u8 {
+        (self.contradictions >> (2 * point)) as u8 & 3
+    }
+
+    /// Whether a point still counts.
+    const fn stands(&self, point: usize) -> bool {
+        self.contradicted(point) < CONTRADICTIONS
+    }
+
+    /// Counts a contradiction of a point; drops the arc when no point is left.
+    fn contradict(&mut self, point: usize) {
+        if self.stands(point) {
+            self.contradictions = self.contradictions.wrapping_add(1 << (2 * point));
+        }
+        if (0..POINTS).all(|point| !self.stands(point)) {
+            *self = Self::NONE;
+        }
+    }
+
+    /// Square of the middle's distance from the robot; the greatest for no arc.
+    fn distance_squared(&self, face: Displacement) -> u64 {
+        let Some(range) = self.range else {
+            return u64::MAX;
         };
+        let range = i32::from(range.as_mm());
+        let middle = |face: i16, axis_q14: i16| {
+            i64::from(face) + (i64::from(range) * i64::from(axis_q14) >> 14)
+        };
+        let x = middle(face.dx_mm, self.axis.x_q14).unsigned_abs();
+        let y = middle(face.dy_mm, self.axis.y_q14).unsigned_abs();
+        x * x + y * y
     }
 }
 
@@ -100,10 +153,13 @@ impl Arc {
 pub struct Shield<const SENSORS: usize> {
     /// Where the transducer's face was at each arc: apart from them, as these alone change with every move.
     faces: [[Displacement; KEPT]; SENSORS],
-    /// Of each transducer the newest first.
+    /// In no order.
     arcs: [[Arc; KEPT]; SENSORS],
-    /// How many arcs of each transducer were heard; the others are [`Arc::NONE`], wherever their faces are.
-    heard: [u8; SENSORS],
+    /// When each transducer was heard last, if ever.
+    heard_at: [Millis; SENSORS],
+    heard: Mask,
+    /// How far the ring has turned from the shield's frame.
+    turned: Bearing,
     /// The lobe of the last echo.
     lobe: Option<Lobe>,
 }
@@ -130,7 +186,9 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         Self {
             faces: [[Displacement::ZERO; KEPT]; SENSORS],
             arcs: [[Arc::NONE; KEPT]; SENSORS],
-            heard: [0; SENSORS],
+            heard_at: [Millis::from_ms(0); SENSORS],
+            heard: Mask::NONE,
+            turned: Bearing::ZERO,
             lobe: None,
         }
     }
@@ -139,77 +197,129 @@ impl<const SENSORS: usize> Shield<SENSORS> {
     pub fn forget(&mut self) {
         self.faces.as_flattened_mut().fill(Displacement::ZERO);
         self.arcs.as_flattened_mut().fill(Arc::NONE);
-        self.heard = [0; SENSORS];
+        self.heard = Mask::NONE;
+        self.turned = Bearing::ZERO;
     }
 
     /// Takes an echo of a transducer.
     pub fn hear(&mut self, config: &Config<SENSORS>, sensor: usize, echo: Echo) {
-        let (Some(faces), Some(arcs), Some(heard), Some(axis)) = (
-            self.faces.get_mut(sensor),
-            self.arcs.get_mut(sensor),
-            self.heard.get_mut(sensor),
-            config.robot.directions.get(sensor),
-        ) else {
+        let (Some(shielding), Some(axis)) = (&config.shield, config.robot.directions.get(sensor))
+        else {
             return;
         };
+        let axis = self.into_frame(*axis);
         let (x_mm, y_mm) = axis.times(i32::from(config.robot.face_radius_mm));
-        let face = Displacement::saturating(x_mm, y_mm);
-        let spacing = match &config.shield {
-            Some(shielding) => {
-                if self
-                    .lobe
-                    .is_none_or(|lobe| lobe.half != shielding.half_lobe)
-                {
-                    self.lobe = Some(Lobe::of(shielding.half_lobe));
-                }
-                shielding.spacing_mm
-            }
-            None => 0,
+        let cone = Cone::new(Displacement::saturating(x_mm, y_mm), axis, echo);
+        let lobe = match self.lobe {
+            Some(lobe) if lobe.half == shielding.half_lobe => lobe,
+            _ => Lobe::of(shielding.half_lobe),
         };
-        let apart = faces[0].minus(face);
-        let (dx, dy) = (apart.dx_mm.unsigned_abs(), apart.dy_mm.unsigned_abs());
-        let same_place = *heard > 0 && dx.max(dy) < spacing;
-        let mut previous = arcs[0].latest;
-        if !same_place {
-            // The oldest makes room.
-            make_room(faces);
-            make_room(arcs);
-            previous = None;
-            *heard = heard.saturating_add(1).min(KEPT as u8);
+        self.lobe = Some(lobe);
+        self.drop_if_silent(shielding, sensor, echo.at);
+        self.replace_same(shielding, sensor, &cone);
+        self.look(&lobe, sensor, &cone, shielding.spacing_mm);
+        if echo.range.is_some() {
+            self.insert(shielding, sensor, &cone, echo);
         }
-        faces[0] = face;
-        arcs[0] = Arc {
-            axis: *axis,
-            range: nearer(echo.range, previous),
-            latest: echo.range,
-            at: echo.at,
-        };
     }
 
-    /// The robot has moved and its ring has turned: what was heard stays where it is in the world.
-    pub fn moved(&mut self, by: Displacement, turned: Bearing) {
-        if by == Displacement::ZERO && turned == Bearing::ZERO {
+    /// Drops the arcs of a transducer that was silent for long.
+    fn drop_if_silent(&mut self, shielding: &Shielding, sensor: usize, now: Millis) {
+        let is_silent = self.since_heard(sensor, now) > Some(shielding.forget_ms);
+        if let Some(at) = self.heard_at.get_mut(sensor) {
+            *at = now;
+            self.heard = self.heard.with(sensor);
+        }
+        if is_silent && let Some(arcs) = self.arcs.get_mut(sensor) {
+            *arcs = [Arc::NONE; KEPT];
+        }
+    }
+
+    /// Time since a transducer was heard, milliseconds; `None` = never heard.
+    fn since_heard(&self, sensor: usize, now: Millis) -> Option<u32> {
+        let at = self.heard_at.get(sensor)?;
+        self.heard.contains(sensor).then(|| now.since(*at))
+    }
+
+    /// Replaces or contradicts what was heard through the same cone.
+    fn replace_same(&mut self, shielding: &Shielding, sensor: usize, cone: &Cone) {
+        let (Some(faces), Some(arcs)) = (self.faces.get(sensor), self.arcs.get_mut(sensor)) else {
             return;
-        }
-        for (faces, heard) in self.faces.iter_mut().zip(&self.heard) {
-            if *heard > 0 {
-                // All of them at once is less than to count.
-                for face in faces {
-                    *face = face.minus(by);
-                }
+        };
+        for (face, arc) in faces.iter().zip(arcs) {
+            let Some(range) = arc.range else { continue };
+            if !cone.is_same(*face, arc, shielding.spacing_mm) {
+                continue;
             }
-        }
-        if turned != Bearing::ZERO {
-            self.turned(Bearing::ZERO.minus(turned).direction());
+            if cone.is_beyond(i32::from(range.as_mm())) {
+                (0..POINTS).for_each(|point| arc.contradict(point));
+            } else {
+                *arc = Arc::NONE;
+            }
         }
     }
 
-    /// The ring has turned; `back` is the way back.
-    fn turned(&mut self, back: Direction) {
-        let faces = self.faces.as_flattened_mut().iter_mut();
-        for (face, arc) in faces.zip(self.arcs.as_flattened_mut()) {
-            *face = face.rotated(back);
-            arc.turned(back);
+    /// Counts what the echo contradicts of all other cones.
+    fn look(&mut self, lobe: &Lobe, sensor: usize, cone: &Cone, spacing_mm: u16) {
+        let faces = self.faces.as_flattened().iter();
+        let own = sensor * KEPT..(sensor + 1) * KEPT;
+        for (place, (face, arc)) in faces.zip(self.arcs.as_flattened_mut()).enumerate() {
+            let Some(range) = arc.range else { continue };
+            if own.contains(&place) && cone.is_same(*face, arc, spacing_mm) {
+                continue;
+            }
+            cone.look_at(lobe, *face, arc, i32::from(range.as_mm()));
+        }
+    }
+
+    /// Keeps an arc; the farthest makes room.
+    fn insert(&mut self, shielding: &Shielding, sensor: usize, cone: &Cone, echo: Echo) {
+        let (Some(faces), Some(arcs)) = (self.faces.get_mut(sensor), self.arcs.get_mut(sensor))
+        else {
+            return;
+        };
+        let places = usize::from(shielding.places).clamp(1, KEPT);
+        let slots = faces.iter_mut().zip(arcs).take(places);
+        let farthest = slots.max_by_key(|(face, arc)| arc.distance_squared(**face));
+        if let Some((face, arc)) = farthest {
+            *face = cone.face;
+            *arc = Arc {
+                axis: cone.axis,
+                range: echo.range,
+                contradictions: 0,
+                at: echo.at,
+            };
+        }
+    }
+
+    /// The robot has moved and then its ring has turned: what was heard stays where it is in the world.
+    pub fn moved(&mut self, by: Displacement, turned: Bearing) {
+        if by != Displacement::ZERO {
+            let by = self.way_into_frame(by);
+            for face in self.faces.as_flattened_mut() {
+                *face = face.minus(by);
+            }
+        }
+        self.turned = self.turned.plus(turned);
+    }
+
+    /// A way in the ring's frame, in the shield's.
+    fn way_into_frame(&self, way: Displacement) -> Displacement {
+        if self.turned == Bearing::ZERO {
+            return way;
+        }
+        way.rotated(self.turned.direction())
+    }
+
+    /// A direction in the ring's frame, in the shield's.
+    fn into_frame(&self, axis: Direction) -> Direction {
+        if self.turned == Bearing::ZERO {
+            return axis;
+        }
+        let (x, y) = (self.turned.direction()).rotate(axis.x_q14.into(), axis.y_q14.into());
+        Direction {
+            x_q14: x as i16,
+            y_q14: y as i16,
         }
     }
 
@@ -224,15 +334,16 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         let Some(shielding) = &config.shield else {
             return true;
         };
-        let heard = self.heard.get(sensor).copied().unwrap_or(0);
-        let arcs = self.kept(sensor, heard);
-        let (Some(lobe), Some(faces)) = (&self.lobe, self.faces.get(sensor)) else {
+        let (Some(lobe), Some(faces), Some(arcs)) =
+            (&self.lobe, self.faces.get(sensor), self.arcs.get(sensor))
+        else {
             return false;
         };
         // Heard right now is heard lately.
-        if arcs.first().is_none_or(|arc| arc.at != now) {
+        if self.since_heard(sensor, now) != Some(0) {
             return false;
         }
+        let wanted = self.way_into_frame(wanted);
         let Some(glance) = Glance::along(config, shielding, lobe, wanted) else {
             return false;
         };
@@ -300,7 +411,10 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         let length = i32::from(length);
         let lobe = self.lobe.filter(|lobe| lobe.half == shielding.half_lobe);
         let lobe = lobe.unwrap_or_else(|| Lobe::of(shielding.half_lobe));
-        let way = Way::new(config, shielding, lobe, wanted, length, now);
+        let mut way = Way::new(config, shielding, lobe, wanted, length, now);
+        if self.turned != Bearing::ZERO {
+            way.direction = self.into_frame(way.direction);
+        }
         let free = self.free_distance(
             config,
             &way,
@@ -334,13 +448,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         if axes.any(|(sensor, axis)| self.is_stale(way, sensor, *axis)) {
             return 0;
         }
-        // Arcs not heard are none.
-        if usize::from(way.places) >= KEPT {
-            return way.until_any(self.faces.as_flattened(), self.arcs.as_flattened(), limit);
-        }
-        (0..SENSORS).fold(limit, |distance, sensor| {
-            self.until_any(way, sensor, distance)
-        })
+        way.until_any(self.faces.as_flattened(), self.arcs.as_flattened(), limit)
     }
 
     /// The same where not all are asked; apart, so that it costs nothing where all are.
@@ -370,37 +478,24 @@ impl<const SENSORS: usize> Shield<SENSORS> {
     /// Distance until the body would come within the margin of an arc of this transducer; `limit` where it would not.
     fn until_any(&self, way: &Way<'_>, sensor: usize, limit: i32) -> i32 {
         let faces = self.faces.get(sensor).map_or(&[][..], |faces| faces);
-        way.until_any(faces, self.kept(sensor, way.places), limit)
+        let arcs = self.arcs.get(sensor).map_or(&[][..], |arcs| arcs);
+        way.until_any(faces, arcs, limit)
     }
 
     /// Whether the transducer looks where the robot would go and was not heard lately.
     fn is_stale(&self, way: &Way<'_>, sensor: usize, axis: Direction) -> bool {
-        way.is_covered_by(axis) && {
-            let heard = self.heard.get(sensor).copied().unwrap_or(0);
-            !way.is_fresh(self.kept(sensor, heard.min(way.places)))
-        }
-    }
-
-    /// The newest arcs of a transducer, so many at most.
-    fn kept(&self, sensor: usize, most: u8) -> &[Arc] {
-        let arcs = self.arcs.get(sensor).map_or(&[][..], |arcs| arcs);
-        arcs.get(..usize::from(most)).unwrap_or(arcs)
+        way.is_covered_by(axis)
+            && self
+                .since_heard(sensor, way.now)
+                .is_none_or(|ms| ms > way.shielding.fresh_ms)
     }
 }
 
-/// Moves all but the last on by a place.
-fn make_room<T: Copy>(places: &mut [T; KEPT]) {
-    let [a, b, c, _] = *places;
-    *places = [a, a, b, c];
-}
-
-/// The nearer of two ranges, where nothing heard is farthest.
-fn nearer(a: Option<Range>, b: Option<Range>) -> Option<Range> {
-    if Range::nearness(a) < Range::nearness(b) {
-        b
-    } else {
-        a
-    }
+/// What lies at a range from a face, in a direction of Q14, millimeters.
+fn out(face: Displacement, range_mm: i32, (x_q14, y_q14): (i32, i32)) -> (i32, i32) {
+    let x = i32::from(face.dx_mm).saturating_add(range_mm.saturating_mul(x_q14) >> 14);
+    let y = i32::from(face.dy_mm).saturating_add(range_mm.saturating_mul(y_q14) >> 14);
+    (x, y)
 }
 
 /// Distance in which the robot stops from its highest speed, millimetres.
@@ -423,8 +518,8 @@ fn stopping_speed<const SENSORS: usize>(config: &Config<SENSORS>, distance: i32)
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Lobe {
     half: Bearing,
-    left_edge: Direction,
-    right_edge: Direction,
+    /// Towards the points of an arc left of its middle, relative to the axis: the last is the edge.
+    left: [Direction; POINTS / 2],
     /// No edge is farther from the axis than this, measured in any direction, Q14.
     spread_q14: u32,
 }
@@ -432,8 +527,10 @@ struct Lobe {
 impl Lobe {
     #[inline(never)]
     fn of(half: Bearing) -> Self {
-        let left_edge = half.direction();
-        let right_edge = Bearing::ZERO.minus(half).direction();
+        let left = core::array::from_fn(|point| {
+            let turns = i32::from(half.as_turns()) * (point as i32 + 1) / (POINTS as i32 / 2);
+            Bearing::from_turns(turns as u16).direction()
+        });
         // Each is below 2¹⁷; two more for the edges' rounding.
         let chord = |edge: Direction| {
             let (x, y) = (i32::from(edge.x_q14), i32::from(edge.y_q14));
@@ -442,13 +539,33 @@ impl Lobe {
                 .unsigned_abs()
                 .wrapping_add(y.unsigned_abs())
         };
-        let spread = chord(left_edge).max(chord(right_edge)).wrapping_add(2);
+        let spread = left.into_iter().map(chord).max().unwrap_or(0);
+        let spread = spread.wrapping_add(2);
         Self {
             half,
-            left_edge,
-            right_edge,
+            left,
             spread_q14: spread.wrapping_add(spread >> 4),
         }
+    }
+
+    /// Towards a point of an arc, relative to the axis: from the right end to the left.
+    fn towards(&self, point: usize) -> Direction {
+        const MIDDLE: usize = POINTS / 2;
+        let left = |steps: usize| self.left.get(steps.wrapping_sub(1)).copied();
+        let towards = if point < MIDDLE {
+            left(MIDDLE.wrapping_sub(point)).map(Direction::mirrored)
+        } else {
+            left(point.wrapping_sub(MIDDLE))
+        };
+        towards.unwrap_or(Direction {
+            x_q14: 1 << 14,
+            y_q14: 0,
+        })
+    }
+
+    /// Its left edge.
+    fn edge(&self) -> Direction {
+        self.towards(POINTS - 1)
     }
 }
 
@@ -467,9 +584,10 @@ const fn magnitude(value: i32) -> i32 {
 /// The way ahead.
 struct Way<'a> {
     shielding: &'a Shielding,
-    /// Places per transducer that are looked at.
-    places: u8,
+    /// In the shield's frame.
     direction: Direction,
+    /// In the ring's.
+    in_ring: Direction,
     lobe: Lobe,
     /// No end of an arc is farther from its middle than this share of its range, measured along the way or across it; at
     /// most 16 bits, four times its range.
@@ -506,8 +624,8 @@ impl<'a> Way<'a> {
         let approaches = shielding.approach_mm_s > 0;
         Self {
             shielding,
-            places: shielding.places.max(1),
             direction,
+            in_ring: direction,
             lobe,
             spread_q14: spread.min(u32::from(u16::MAX)),
             reach_mm,
@@ -532,7 +650,7 @@ impl<'a> Way<'a> {
         let mut ring = config.robot.directions.iter().enumerate();
         ring.any(|(sensor, axis)| {
             let (x, y) = (i32::from(axis.x_q14), i32::from(axis.y_q14));
-            !config.believed.contains(sensor) && self.direction.along(x, y) > COS_30_Q14
+            !config.believed.contains(sensor) && self.in_ring.along(x, y) > COS_30_Q14
         })
     }
 
@@ -540,13 +658,7 @@ impl<'a> Way<'a> {
     fn is_covered_by(&self, axis: Direction) -> bool {
         const COS_45_Q14: i32 = 11_585;
         let (x, y) = (i32::from(axis.x_q14), i32::from(axis.y_q14));
-        self.direction.along(x, y) > COS_45_Q14
-    }
-
-    /// Whether anything was heard lately enough for the direction to be open.
-    fn is_fresh(&self, kept: &[Arc]) -> bool {
-        let most = self.shielding.fresh_ms.min(self.shielding.forget_ms);
-        kept.iter().any(|arc| self.now.since(arc.at) <= most)
+        self.in_ring.along(x, y) > COS_45_Q14
     }
 
     /// Distance until the body would come within the margin of an arc; `limit` where it would not before that.
@@ -561,7 +673,6 @@ impl<'a> Way<'a> {
             let slack = magnitude(x).wrapping_add(magnitude(y));
             if i32::from(nearness) >= near.wrapping_sub(slack)
                 && !self.is_aside(*face, arc, u32::from(!nearness), distance)
-                && self.now.since(arc.at) <= self.shielding.forget_ms
                 && let Some(range) = arc.range
             {
                 distance = self.until(*face, arc, i32::from(range.as_mm()), distance);
@@ -583,25 +694,21 @@ impl<'a> Way<'a> {
     /// from the loop over all arcs, whose values then stay in registers.
     #[inline(never)]
     fn until(&self, face: Displacement, arc: &Arc, mut range: i32, limit: i32) -> i32 {
-        let (face_x, face_y) = (i32::from(face.dx_mm), i32::from(face.dy_mm));
-        if range <= i32::from(self.shielding.least_range_mm) {
-            return self.until_point(face_x, face_y, limit);
+        let least = i32::from(self.shielding.least_range_mm);
+        let mut nearest = limit;
+        if range <= least {
+            // It may be anywhere between the face and the shortest range.
+            let (x, y) = (i32::from(face.dx_mm), i32::from(face.dy_mm));
+            nearest = self.until_point(x, y, nearest);
+            range = least;
         }
         let approach = u32::from(self.shielding.approach_mm_s);
         if approach > 0 {
             let aged = self.now.since(arc.at).saturating_mul(approach) / 1_000;
             range = range.saturating_sub(aged.min(65_535) as i32).max(0);
         }
-        let (ax, ay) = (i32::from(arc.axis.x_q14), i32::from(arc.axis.y_q14));
-        let edges = [
-            self.lobe.left_edge.rotate(ax, ay),
-            self.lobe.right_edge.rotate(ax, ay),
-            (ax, ay),
-        ];
-        let mut nearest = limit;
-        for (x_q14, y_q14) in edges {
-            let x = face_x.saturating_add(range.saturating_mul(x_q14) >> 14);
-            let y = face_y.saturating_add(range.saturating_mul(y_q14) >> 14);
+        for point in (0..POINTS).filter(|point| arc.stands(*point)) {
+            let (x, y) = arc.point(&self.lobe, face, range, point);
             nearest = nearest.min(self.until_point(x, y, nearest));
         }
         nearest

@@ -159,6 +159,15 @@ impl Direction {
             >> 14
     }
 
+    /// The same angle to the other side.
+    #[must_use]
+    pub const fn mirrored(self) -> Self {
+        Self {
+            x_q14: self.x_q14,
+            y_q14: self.y_q14.saturating_neg(),
+        }
+    }
+
     /// The vector of this length in this direction.
     #[must_use]
     pub fn times(self, length: i32) -> (i32, i32) {

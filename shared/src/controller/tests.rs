@@ -369,9 +369,9 @@ fn while_the_ring_turns_the_executed_move_stays_in_the_frame_of_the_decision() {
 }
 
 #[test]
-fn the_paper_sized_state_fits_eight_kilobytes() {
+fn the_paper_sized_state_fits_8256_bytes() {
     let size = size_of::<NomadState>();
-    assert!(size <= 8 * 1_024, "{size} bytes");
+    assert!(size <= 8_256, "{size} bytes");
 }
 
 #[test]
