@@ -122,16 +122,6 @@ impl Behavior {
         }
     }
 
-    /// The choices as this behaviour needs them: where another robot moves, what was heard a second ago (a ring takes
-    /// 0.64 s) is gone.
-    #[must_use]
-    pub fn adapted(&self, mut config: Config<16>) -> Config<16> {
-        if let Some(shield) = config.shield.as_mut().filter(|_| self.has_leader()) {
-            shield.forget_ms = shield.forget_ms.min(1_000);
-        }
-        config
-    }
-
     /// The place to come to, if there is one that is known; `nest` is the nest.
     #[must_use]
     pub fn place(&self, nest: Point) -> Option<Point> {

@@ -378,14 +378,14 @@ pub static SETTINGS: Table = &[
     ),
     setting!(
         "shield.places",
-        "places per sonar whose echo the shield looks at: 1..4",
+        "arcs the shield keeps per sonar: 1..4",
         |c| c.shield.map_or(0, |s| s.places).to_string(),
         |c: &mut Config<16>, t| put_shield(c, number(t, 1.0, KEPT as f64), |s, v| s.places =
             v as u8)
     ),
     setting!(
         "shield.spacing",
-        "echoes heard less than this apart count as one place, metres",
+        "echoes heard less than this apart come through one cone, meters",
         |c| meters(c.shield.map_or(0, |s| s.spacing_mm)),
         |c: &mut Config<16>, t| put_shield(c, millimeters(t, 0.0, 2.0), |s, v| s.spacing_mm = v)
     ),
@@ -404,7 +404,7 @@ pub static SETTINGS: Table = &[
     ),
     setting!(
         "shield.forget",
-        "what was heard longer ago is forgotten, seconds",
+        "a sonar silent for longer begins anew when heard again, seconds",
         |c| seconds(c.shield.map_or(0, |s| s.forget_ms)),
         |c: &mut Config<16>, t| put_shield(c, milliseconds(t), |s, v| s.forget_ms = v)
     ),

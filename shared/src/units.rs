@@ -13,8 +13,7 @@ use serde::{Deserialize, Serialize};
 
 /// Distance from a transducer's face to what it hears, 0 … 65.534 m in millimetres.
 ///
-/// Kept as what it lacks of 65.535 m, so that an `Option` of it takes two bytes as well, and nothing heard, 0, is farther
-/// than anything.
+/// Kept as what it lacks of 65.535 m, so that an `Option` of it takes two bytes as well.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Range(NonZeroU16);
 
@@ -32,12 +31,6 @@ impl Range {
     #[must_use]
     pub const fn as_mm(self) -> u16 {
         !self.0.get()
-    }
-
-    /// What it lacks of 65 535 mm; 0 where there is none.
-    #[inline(always)]
-    pub(crate) fn nearness(range: Option<Self>) -> u16 {
-        range.map_or(0, |range| range.0.get())
     }
 }
 
@@ -177,6 +170,15 @@ impl Direction {
             >> 14
     }
 
+    /// The same angle to the other side.
+    #[must_use]
+    pub const fn mirrored(self) -> Self {
+        Self {
+            x_q14: self.x_q14,
+            y_q14: self.y_q14.saturating_neg(),
+        }
+    }
+
     /// The vector of this length in this direction.
     #[must_use]
     pub fn times(self, length: i32) -> (i32, i32) {
@@ -296,13 +298,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_nearer_is_less_and_nothing_heard_is_farthest() {
+    fn what_is_nearer_is_less() {
         for mm in [0, 1, 300, 65_533] {
             let (range, next) = (Range::from_mm(mm), Range::from_mm(mm + 1));
             assert_eq!((range.as_mm(), next.as_mm()), (mm, mm + 1));
             assert!(range < next && range.min(next) == range);
-            assert!(Range::nearness(Some(range)) > Range::nearness(Some(next)));
-            assert!(Range::nearness(Some(next)) > Range::nearness(None));
         }
         assert_eq!(Range::from_mm(u16::MAX), Range::from_mm(65_534));
         assert_eq!(size_of::<Option<Range>>(), 2);

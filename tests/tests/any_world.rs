@@ -23,7 +23,7 @@ fn floor() -> Vec<u8> {
 }
 
 /// The promised keys, in order, and whether each is a text, a count or a figure.
-const KEYS: [(&str, char); 15] = [
+const KEYS: [(&str, char); 16] = [
     ("world", 't'),
     ("behavior", 't'),
     ("seed", 'n'),
@@ -31,6 +31,7 @@ const KEYS: [(&str, char); 15] = [
     ("explore_contacts", 'n'),
     ("steps", 'n'),
     ("contacts", 'n'),
+    ("touched_by", 'n'),
     ("distance_m", 'f'),
     ("min_clearance_m", 'f'),
     ("coverage_m2", 'f'),

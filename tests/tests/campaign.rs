@@ -1,7 +1,8 @@
 //! The campaigns with a thousandth of their counts.
 
+use amp::config::Config;
 use host_sim::sonar::SonarModel;
-use tests::campaign::{Verdict, clock, drift, frames, link, silence};
+use tests::campaign::{Verdict, clock, drift, frames, link, shield, silence};
 
 const QUIETLY: &(dyn Fn(u64) + Sync) = &|_| {};
 
@@ -35,6 +36,31 @@ fn the_clocks_end_changes_nothing() {
 fn a_robot_stays_as_it_is() {
     let verdict = drift::run(1, 2, 1, SonarModel::Ideal, QUIETLY).expect("minds that decide");
     all_is_well(&verdict);
+}
+
+/// Two rooms and two other worlds per cell.
+#[test]
+fn with_the_shield_the_robot_touches_nothing() {
+    let config = Config::recommended();
+    for worlds in [shield::Worlds::Random, shield::Worlds::Others] {
+        let verdict = shield::run(1, 2 * shield::CELLS, worlds, &config, QUIETLY);
+        all_is_well(&verdict.expect("controllers that decide"));
+    }
+}
+
+/// The campaign finds what a robot without the shield touches.
+#[test]
+fn without_the_shield_the_robot_touches_something() {
+    let mut config = Config::recommended();
+    config.shield = None;
+    let verdict = shield::run(
+        1,
+        2 * shield::CELLS,
+        shield::Worlds::Random,
+        &config,
+        QUIETLY,
+    );
+    assert!(!verdict.expect("controllers that decide").broken.is_empty());
 }
 
 /// The same figures on any number of threads.

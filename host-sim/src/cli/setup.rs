@@ -92,13 +92,12 @@ impl TaskArgs {
         configured(self.preset, &self.sets, Switch::On, Switch::On)
     }
 
-    /// The open choices as the behaviour needs them.
+    /// The open choices.
     ///
     /// # Errors
     /// Like [`TaskArgs::whole`].
     pub(super) fn config(&self) -> Result<Config<16>, BadInput> {
-        let config = configured(self.preset, &self.sets, self.shield, self.online)?;
-        Ok(self.behavior.adapted(config))
+        configured(self.preset, &self.sets, self.shield, self.online)
     }
 }
 

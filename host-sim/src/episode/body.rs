@@ -58,6 +58,17 @@ pub struct Happened {
     pub shortened: bool,
     /// The base moved (after the decision, if there was one).
     pub moved: Option<Moved>,
+    /// The other robot's motion ended in a touch.
+    pub collision: Option<Collision>,
+}
+
+/// Who closed the gap when the other robot moved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Collision {
+    /// The robot rolled towards the other one.
+    ByRobot,
+    /// The robot stood, rolled past or rolled away.
+    ByOther,
 }
 
 /// A piece of the way.
@@ -153,8 +164,8 @@ impl<'w> Body<'w> {
     /// One turn: a whole ring and its motion with the ideal sonars, one firing slot with the others.
     pub fn advance(&mut self, pilot: &mut impl Pilot) -> Happened {
         let before_s = self.time_s;
-        let happened = self.turn(pilot);
-        self.lead(self.time_s - before_s);
+        let mut happened = self.turn(pilot);
+        happened.collision = self.lead(self.time_s - before_s);
         happened
     }
 
@@ -229,6 +240,7 @@ impl<'w> Body<'w> {
             stopped: outputs.stopped,
             shortened: shortens(&outputs),
             moved,
+            collision: None,
         }
     }
 
@@ -241,6 +253,7 @@ impl<'w> Body<'w> {
             stopped: None,
             shortened: false,
             moved: None,
+            collision: None,
         }
     }
 
@@ -319,16 +332,19 @@ impl<'w> Body<'w> {
         }
     }
 
-    /// Lets the leader drive for as long as the robot has.
-    fn lead(&mut self, dt_s: f64) {
+    /// Lets the leader drive for as long as the robot has; whether it touched the robot, and who closed the gap.
+    ///
+    /// A touch is the robot's own if its velocity has a component towards the leader.
+    fn lead(&mut self, dt_s: f64) -> Option<Collision> {
         let robot = self.base.pose().position;
-        if let Some((leader, world)) = &mut self.leader {
-            let before = leader.position();
-            leader.advance(dt_s, &self.world, robot);
-            if leader.position() != before {
-                world.move_post(leader.position());
-            }
+        let (leader, world) = self.leader.as_mut()?;
+        let before = leader.position();
+        let touched = leader.advance(dt_s, &self.world, robot);
+        if leader.position() != before {
+            world.move_post(leader.position());
         }
+        let velocity = Point::unit(self.base.steering()) * self.base.speed_m_s();
+        touched.then(|| collision(leader.position() - robot, velocity))
     }
 
     /// Sets a second robot down about 1 m ahead of where this one stands.
@@ -425,6 +441,15 @@ impl Happened {
         self.mode_changed |= outputs.mode_changed;
         self.stopped = self.stopped.or(outputs.stopped);
         self.shortened |= shortens(outputs);
+    }
+}
+
+/// Who closes the gap to a thing in this direction at this velocity, m/s.
+fn collision(to_thing: Point, velocity: Point) -> Collision {
+    if velocity.dot(to_thing) > 0.0 {
+        Collision::ByRobot
+    } else {
+        Collision::ByOther
     }
 }
 

@@ -1,7 +1,7 @@
 //! Explore, learn, seek: the course of an episode.
 
 use super::Seeds;
-use super::body::{Body, Happened, milliseconds};
+use super::body::{Body, Collision, Happened, milliseconds};
 use super::measure::Measure;
 use super::record::Recorder;
 use super::tally::{Report, Stride, Tally, rounded};
@@ -46,14 +46,10 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// The same with another behaviour, whose [needs](Behavior::adapted) its choices meet then.
+    /// The same with another behavior.
     #[must_use]
     pub fn pursuing(self, behavior: Behavior) -> Self {
-        Self {
-            config: behavior.adapted(self.config),
-            behavior,
-            ..self
-        }
+        Self { behavior, ..self }
     }
 }
 
@@ -244,6 +240,7 @@ pub(super) fn report(
         explore_contacts: exploration.contacts,
         steps: seeking.steps,
         contacts: seeking.contacts,
+        touched_by: seeking.touched_by,
         distance_m: rounded(seeking.distance_m),
         min_clearance_m: rounded(seeking.min_clearance_m.unwrap_or(0.0)),
         coverage_m2: rounded(seeking.coverage_m2()),
@@ -358,6 +355,7 @@ impl<'w> Driver<'w> {
             at_goal: decision.at_goal,
             shielded: decision.allowed != decision.wanted,
             touched: false,
+            touched_by: false,
         });
         if let Some(recorder) = &mut self.recorder {
             recorder.open(decision, happened, &self.body, self.part);
@@ -365,6 +363,10 @@ impl<'w> Driver<'w> {
     }
 
     fn follow(&mut self, happened: &Happened) {
+        if let Some(open) = &mut self.open {
+            open.touched |= happened.collision == Some(Collision::ByRobot);
+            open.touched_by |= happened.collision == Some(Collision::ByOther);
+        }
         if let Some(moved) = &happened.moved {
             self.tally
                 .moved(moved.from, moved.to, moved.travelled_m, moved.clearance_m);

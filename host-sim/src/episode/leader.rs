@@ -64,16 +64,19 @@ impl Leader {
         self.position
     }
 
-    /// Lets `dt_s` pass: a step at every ring period, unless the robot stands in its way.
-    pub fn advance(&mut self, dt_s: f64, world: &World, robot: Point) {
+    /// Lets `dt_s` pass: a step at every ring period, unless the robot stands in its way. Whether a step touched the robot.
+    pub fn advance(&mut self, dt_s: f64, world: &World, robot: Point) -> bool {
         self.owed_s += dt_s;
+        let mut touched = false;
         while self.owed_s >= RING_PERIOD_S {
             self.owed_s -= RING_PERIOD_S;
-            self.step(world, robot);
+            touched |= self.step(world, robot);
         }
+        touched
     }
 
-    fn step(&mut self, world: &World, robot: Point) {
+    /// Whether it touched the robot on the way.
+    fn step(&mut self, world: &World, robot: Point) -> bool {
         let crowded = world.with_post(robot, COLLISION_RADIUS_M);
         let mut ranges = [None; 16];
         let pose = Pose::new(self.position, 0.0);
@@ -85,7 +88,7 @@ impl Leader {
             let heard = Event::Echo { sensor, range };
             wanted = wanted.or(self.pilot.handle(Millis::from_ms(0), heard).motion);
         }
-        let Some(motion) = wanted else { return };
+        let Some(motion) = wanted else { return false };
         let way = Point::new(
             f64::from(motion.displacement.dx_mm),
             f64::from(motion.displacement.dy_mm),
@@ -94,6 +97,7 @@ impl Leader {
         let to = self.position + step;
         let near = to.distance(robot) < 2.0 * COLLISION_RADIUS_M + GAP_M;
         let nearer = to.distance(robot) < self.position.distance(robot);
+        let from = self.position;
         if !(near && nearer) {
             let sweep = world.sweep(self.position, to, COLLISION_RADIUS_M);
             self.position =
@@ -106,12 +110,42 @@ impl Leader {
             progress: Progress::Ended,
         };
         let _ = self.pilot.handle(Millis::from_ms(0), ended);
+        touches(from, self.position, robot)
     }
+}
+
+/// Whether a disc that moves straight touches a disc of the same size. Standing still touches nothing.
+fn touches(from: Point, to: Point, other: Point) -> bool {
+    let (way, there) = (to - from, other - from);
+    let length_squared = way.dot(way);
+    if length_squared == 0.0 {
+        return false;
+    }
+    let share = (there.dot(way) / length_squared).clamp(0.0, 1.0);
+    // A motion away from the other disc touches it at the start only.
+    share > 0.0 && (way * share).distance(there) < 2.0 * COLLISION_RADIUS_M
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_disc_touches_on_its_way_only() {
+        let touched = |from: [f64; 2], to: [f64; 2]| {
+            let [from, to] = [from, to].map(|[x, y]| Point::new(x, y));
+            touches(from, to, Point::default())
+        };
+        // Radii of 0.269 m: 0.538 m between the centers.
+        assert!(touched([0.6, 0.0], [0.537, 0.0]));
+        assert!(!touched([0.6, 0.0], [0.539, 0.0]));
+        // Past the other one.
+        assert!(touched([-0.1, 0.537], [0.1, 0.537]));
+        assert!(!touched([-0.1, 0.539], [0.1, 0.539]));
+        // Away from it, or not at all.
+        assert!(!touched([0.5, 0.0], [0.6, 0.0]));
+        assert!(!touched([0.5, 0.0], [0.5, 0.0]));
+    }
 
     #[test]
     fn a_leader_drives_at_its_speed_and_never_into_the_robot() {

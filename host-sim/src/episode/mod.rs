@@ -16,7 +16,7 @@ mod record;
 mod tally;
 
 pub(crate) use body::milliseconds;
-pub use body::{Body, Happened, Moved};
+pub use body::{Body, Collision, Happened, Moved};
 pub use capture::perceive;
 pub use drive::{
     Episode, Failure, Observer, Phase, Setup, drive_pilot, educate, run, run_observed, run_with,

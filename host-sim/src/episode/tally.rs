@@ -10,8 +10,10 @@ use serde::Serialize;
 pub struct Tally {
     /// Decisions carried out.
     pub steps: u32,
-    /// Steps in which the body touched something.
+    /// Steps in which the body's own motion touched something.
     pub contacts: u32,
+    /// Steps in which another robot ran into the body.
+    pub touched_by: u32,
     /// Way travelled, metres.
     pub distance_m: f64,
     /// Least gap between the body and any surface, metres; `None` before the first step.
@@ -26,8 +28,10 @@ pub struct Tally {
 /// What one step adds to a [`Tally`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Stride {
-    /// The body touched something.
+    /// The body's own motion touched something.
     pub touched: bool,
+    /// Another robot ran into the body.
+    pub touched_by: bool,
     /// The shield shortened or stopped the motion.
     pub shielded: bool,
     /// The goal held when the step was decided.
@@ -41,6 +45,7 @@ impl Tally {
         Self {
             steps: 0,
             contacts: 0,
+            touched_by: 0,
             distance_m: 0.0,
             min_clearance_m: None,
             goal_steps: 0,
@@ -53,6 +58,7 @@ impl Tally {
     pub fn step(&mut self, stride: Stride) {
         self.steps += 1;
         self.contacts += u32::from(stride.touched);
+        self.touched_by += u32::from(stride.touched_by);
         self.goal_steps += u32::from(stride.at_goal);
         self.shield_stops += u32::from(stride.shielded);
     }
@@ -93,8 +99,10 @@ pub struct Report {
     pub explore_contacts: u32,
     /// Steps towards the goal.
     pub steps: u32,
-    /// Steps in which the body touched something.
+    /// Steps in which the body's own motion touched something.
     pub contacts: u32,
+    /// Steps in which another robot ran into the body.
+    pub touched_by: u32,
     /// Way travelled while seeking, metres.
     pub distance_m: f64,
     /// Least gap to any surface while seeking, metres.
@@ -115,7 +123,7 @@ pub struct Report {
 
 impl Report {
     /// The names of its fields, in their order.
-    pub const FIELDS: [&str; 17] = [
+    pub const FIELDS: [&str; 18] = [
         "world",
         "behavior",
         "preset",
@@ -125,6 +133,7 @@ impl Report {
         "explore_contacts",
         "steps",
         "contacts",
+        "touched_by",
         "distance_m",
         "min_clearance_m",
         "coverage_m2",

@@ -118,7 +118,7 @@ fn setup(scene: &Scene, trial: &Trial, world: &World, seed: u64) -> Setup {
         name => name.parse().unwrap_or(Behavior::Avoid),
     };
     Setup {
-        config: behavior.adapted(trial.config.clone()),
+        config: trial.config.clone(),
         preset: trial.preset.to_owned(),
         behavior,
         explore_moves: trial.explore_moves,

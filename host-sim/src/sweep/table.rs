@@ -27,7 +27,7 @@ impl Kind {
     pub fn of(name: &str) -> Self {
         match name {
             "episode" | "seed" | "explore_moves" | "explore_contacts" | "steps" | "contacts"
-            | "goal_steps" | "shield_stops" => Self::Whole,
+            | "touched_by" | "goal_steps" | "shield_stops" => Self::Whole,
             "distance_m" | "min_clearance_m" | "coverage_m2" | "time_s" | "success" => Self::Real,
             _ if name.starts_with(CHOICE_PREFIX) => Self::Choice,
             _ => Self::Text,

@@ -150,6 +150,7 @@ impl Board {
             at_goal: decision.at_goal,
             shielded: decision.allowed != decision.wanted,
             touched: false,
+            touched_by: false,
         };
         let neuron = decision.plan.map(|plan| usize::from(plan.current_neuron));
         let seeks = neuron.is_some();

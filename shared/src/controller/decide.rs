@@ -9,6 +9,7 @@ use crate::goal::{Asked, Frame, Goal, missed};
 use crate::memory::{self, Sample};
 use crate::planner::{GoalNeuron, NEXT_COURSE, Plan, Planner, Why};
 use crate::scan::{Aligned, Situation, rotated};
+use crate::shield::Allowed;
 use crate::som::Neighbourhood;
 use crate::som::neighbourhood::Pull;
 use crate::units::{Bearing, Displacement, Millis};
@@ -148,6 +149,33 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         outputs
     }
 
+    /// What the shield leaves of a way. Where that is less than half, the one of four detours that leads farthest along the way
+    /// is taken instead. A detour also shows what stands in the gap between two lobes: from beside it, it is in a lobe.
+    pub(super) fn detour(
+        &self,
+        config: &Config<SENSORS>,
+        enabled: Mask,
+        now: Millis,
+        wanted: Displacement,
+    ) -> (Displacement, Allowed) {
+        let free = |way| self.shield.allow(config, enabled, way, now);
+        let mut best = (wanted, free(wanted));
+        if 2 * best.1.distance_mm >= wanted.length_mm() {
+            return best;
+        }
+        // Eighths of a turn, and how much of such a way leads along the one wanted, sixteenths.
+        let mut farthest = 16 * u32::from(best.1.distance_mm);
+        for (eighths, share) in [(1, 11), (7, 11), (2, 4), (6, 4)] {
+            let way = wanted.rotated(Bearing::of_place(eighths, 8).direction());
+            let allowed = free(way);
+            let along = share * u32::from(allowed.distance_mm);
+            if along > farthest {
+                (best, farthest) = ((way, allowed), along);
+            }
+        }
+        best
+    }
+
     /// Those that are inhibited, and a few others: mostly none at all.
     fn inhibited_mut(&mut self) -> impl Iterator<Item = &mut u8> {
         let (fours, rest) = self.inhibited.as_chunks_mut::<4>();
@@ -241,7 +269,11 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         wanted: Displacement,
         plan: Option<&Plan<SENSORS>>,
     ) -> Outputs<SENSORS> {
-        let limit = self.shield.allow(config, self.enabled(config), wanted, now);
+        let enabled = self.enabled(config);
+        let (wanted, limit) = match plan {
+            Some(_) => self.detour(config, enabled, now, wanted),
+            None => (wanted, self.shield.allow(config, enabled, wanted, now)),
+        };
         let allowed = if wanted.is_shorter_than(u32::from(limit.distance_mm).wrapping_add(1)) {
             wanted
         } else {

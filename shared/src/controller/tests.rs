@@ -682,6 +682,35 @@ fn a_shortened_motion_is_the_same_one_slower_and_never_longer() {
     );
 }
 
+/// Something straight ahead, and on either side or both: where more than half of the way is left the robot keeps it.
+#[test]
+fn who_finds_a_way_closed_takes_a_detour() {
+    let config = Config::recommended();
+    let wanted = Displacement::along(Bearing::ZERO, 250);
+    let taken = |things: &[(usize, u16)]| {
+        let mut state = Bench::new(config.clone()).state;
+        let now = Millis::from_ms(5);
+        for sensor in 0..16 {
+            let thing = things.iter().find(|(at, _)| *at == sensor);
+            let range = thing.map(|(_, mm)| Range::from_mm(*mm));
+            state.shield.hear(&config, sensor, Echo { range, at: now });
+        }
+        let (way, allowed) = state.detour(&config, Mask::ALL, now, wanted);
+        (
+            (way.bearing().as_signed_turns() + 4_096) >> 13,
+            allowed.distance_mm,
+        )
+    };
+    assert_eq!(taken(&[]), (0, 250));
+    assert_eq!(taken(&[(0, 260)]), (0, 130));
+    // Eighths of a turn to the left, and to the right.
+    assert_eq!(taken(&[(15, 160)]), (2, 250));
+    assert_eq!(taken(&[(1, 160)]), (-2, 250));
+    // Closed on all sides.
+    let all = core::array::from_fn::<_, 16, _>(|sensor| (sensor, 160));
+    assert_eq!(taken(&all).0, 0);
+}
+
 /// The last displacement, unless there was none; where the maps are recalled none is a course as well.
 #[test]
 fn who_stays_keeps_the_course_while_looking_ahead() {

@@ -1,12 +1,14 @@
 //! Runs the campaigns of [`tests::campaign`]: figures to standard output, progress and times to standard error. Exit code 0: all
 //! was as it has to be; 1: it was not; 2: bad arguments.
 
+use amp::config::Config;
 use clap::{Parser, Subcommand};
+use host_sim::settings;
 use host_sim::sonar::SonarModel;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::process::ExitCode;
 use std::time::Instant;
-use tests::campaign::{Verdict, chip, clock, drift, frames, link, silence};
+use tests::campaign::{Verdict, chip, clock, drift, frames, link, shield, silence};
 
 /// How much less is done with `--quick`.
 const QUICK: u64 = 1_000;
@@ -49,6 +51,15 @@ enum Verb {
         #[arg(long)]
         ideal: bool,
     },
+    /// Every behavior, sonar model and turret mode with the shield on [count: 10016]
+    Shield {
+        /// Built-in worlds and rooms with thin walls instead of random rooms
+        #[arg(long)]
+        others: bool,
+        /// Change one open choice (see `host-sim settings`); may be given several times
+        #[arg(long = "set", value_name = "KEY=VALUE")]
+        sets: Vec<String>,
+    },
     /// Damaged frames to the firmware in an emulated chip [count: 1000000]
     ChipFrames,
     /// Frames over a bad line to the firmware in an emulated chip [count: 1000]
@@ -65,6 +76,7 @@ impl Verb {
             Self::Silence => silence::COUNT,
             Self::Clock => clock::COUNT,
             Self::Drift { .. } => drift::COUNT,
+            Self::Shield { .. } => shield::COUNT,
             Self::ChipFrames => frames::COUNT / QUICK,
             Self::ChipLink => link::COUNT / QUICK,
             Self::ChipSilence => silence::COUNT / QUICK,
@@ -118,6 +130,16 @@ fn run(cli: &Cli, count: u64, progress: &(dyn Fn(u64) + Sync)) -> Result<Verdict
                 SonarModel::Nomad
             };
             drift::run(seed, count, *hours, sonar, progress).map_err(|why| why.to_string())
+        }
+        Verb::Shield { others, sets } => {
+            let worlds = if *others {
+                shield::Worlds::Others
+            } else {
+                shield::Worlds::Random
+            };
+            let mut config = Config::recommended();
+            settings::apply(&mut config, sets).map_err(|why| why.to_string())?;
+            shield::run(seed, count, worlds, &config, progress)
         }
         Verb::ChipFrames => Ok(chip::frames(seed, count, progress)),
         Verb::ChipLink => Ok(chip::link(seed, count, progress)),

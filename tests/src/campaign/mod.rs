@@ -8,6 +8,7 @@
 //! | [`silence`] | hosts, minds and lines that are gone from one moment to the next, while the base moves |
 //! | [`clock`] | episodes over the end of the 32-bit milliseconds |
 //! | [`drift`] | a robot that drives for a day |
+//! | [`shield`] | every behavior, for contacts of the robot's own |
 //! | [`chip`] | the first three against the firmware in an emulated chip |
 //!
 //! Each returns a [`Verdict`]: the figures, and what was not as it has to be.
@@ -20,6 +21,7 @@ pub mod drift;
 pub mod frames;
 pub mod link;
 pub mod mutate;
+pub mod shield;
 pub mod silence;
 mod wheels;
 

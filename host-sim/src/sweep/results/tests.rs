@@ -104,6 +104,7 @@ fn a_row_holds_the_reports_fields_as_json_writes_them() {
         explore_contacts: 0,
         steps: 1_000,
         contacts: 3,
+        touched_by: 0,
         distance_m: 250.0,
         min_clearance_m: 0.0123,
         coverage_m2: 1e-4,

@@ -258,6 +258,7 @@ impl WatchedNomad {
             at_goal: decision.at_goal,
             shielded: decision.allowed != decision.wanted,
             touched: false,
+            touched_by: false,
         });
     }
 

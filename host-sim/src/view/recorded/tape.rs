@@ -215,6 +215,7 @@ impl Marking {
                         at_goal: decision.at_goal,
                         shielded: decision.allowed_mm != decision.wanted_mm,
                         touched: false,
+                        touched_by: false,
                     },
                     neuron: plan.map(|plan| usize::from(plan.current_neuron)),
                     ended: None,

@@ -266,6 +266,7 @@ impl Simulator {
             at_goal: decision.at_goal,
             shielded: decision.allowed != decision.wanted,
             touched: false,
+            touched_by: false,
         });
         self.mind.pilot().forget_known(false);
         if self.doing == Doing::Seek && self.config.online.is_some() {

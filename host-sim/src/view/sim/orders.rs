@@ -107,7 +107,7 @@ impl Simulator {
         if self.doing == Doing::Learn {
             return Err("it still learns".into());
         }
-        self.prepare_goal()?;
+        self.prepare_goal();
         self.goal.begin(self.seeking.steps, self.seeking.goal_steps);
         self.pursue()?;
         if self.doing != Doing::Seek {
@@ -122,20 +122,14 @@ impl Simulator {
         self.command(Command::Seek(goal))
     }
 
-    /// A leader where one is to be followed; the choices as the behaviour needs them.
-    fn prepare_goal(&mut self) -> Result<(), Refused> {
-        let Some(behavior) = self.goal.as_behavior().cloned() else {
-            return Ok(());
+    /// A leader where one is to be followed.
+    fn prepare_goal(&mut self) {
+        let Some(behavior) = self.goal.as_behavior() else {
+            return;
         };
         if behavior.has_leader() && self.body.leader().is_none() {
             self.body.add_leader();
         }
-        let adapted = behavior.adapted(self.config.clone());
-        if adapted != self.config {
-            self.mind.configure(self.body.now(), &adapted)?;
-            self.config = adapted;
-        }
-        Ok(())
     }
 
     fn resume(&mut self) -> Result<(), Refused> {

@@ -38,7 +38,7 @@ fn main() -> ! {
 }
 
 /// Most instructions of a decision, whatever the goal.
-const DECISION: u32 = 30_000;
+const DECISION: u32 = 45_000;
 
 fn print_maps(watch: &Stopwatch, episode: &Episode<'_>) {
     let [whole, coarse] = maps::searches(watch, episode);
@@ -66,13 +66,13 @@ fn print_maps(watch: &Stopwatch, episode: &Episode<'_>) {
 
 fn print_episode(episode: &Episode<'_>) {
     let counts = &episode.counts;
-    row("echo at rest", counts.echo, 865);
-    row("echo on the way: the guard", counts.guard, 2_730);
+    row("echo at rest", counts.echo, 9_650);
+    row("echo on the way: the guard", counts.guard, 10_500);
     row("report of the base", counts.odometry, 1_550);
     row(
         "random move (last echo of the ring)",
         counts.random_move,
-        12_100,
+        22_100,
     );
     row(
         "**decision** (last echo of the ring): avoid",
@@ -103,7 +103,7 @@ fn print_link(watch: &Stopwatch, episode: &Episode<'_>) {
     row(
         "decision by a frame: scan in, three frames out",
         counts.decision,
-        46_000,
+        151_000,
     );
 }
 

@@ -1,0 +1,184 @@
+//! What one echo says: something stands on an arc around the transducer's face.
+
+use super::cone::CONTRADICTIONS;
+use crate::units::{Bearing, Direction, Displacement, Millis, Range};
+
+/// Points of an arc that are tested, evenly spaced from end to end: 5° of 30°. Where the lobes of two neighbors leave a gap
+/// wider than the margin covers, a point lies in it.
+pub(super) const POINTS: usize = 7;
+
+/// Longer ranges count as this, millimeters: products stay within 32 bits.
+const LONGEST_MM: i32 = 1 << 15;
+
+/// What a transducer heard at one place, in the shield's frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Arc {
+    /// Where it looked.
+    pub(super) axis: Direction,
+    /// Range heard; `None` = no arc.
+    pub(super) range: Option<Range>,
+    /// Contradictions of each point, two bits each.
+    pub(super) contradictions: u16,
+    pub(super) at: Millis,
+}
+
+impl Arc {
+    /// No arc.
+    pub(super) const NONE: Self = Self {
+        axis: Direction { x_q14: 0, y_q14: 0 },
+        range: None,
+        contradictions: 0,
+        at: Millis::from_ms(0),
+    };
+
+    /// How often a point was contradicted.
+    const fn contradicted(&self, point: usize) -> u8 {
+        (self.contradictions >> (2 * point)) as u8 & 3
+    }
+
+    /// Whether a point still counts.
+    pub(super) const fn stands(&self, point: usize) -> bool {
+        self.contradicted(point) < CONTRADICTIONS
+    }
+
+    /// Counts a contradiction of a point; drops the arc when no point is left.
+    pub(super) fn contradict(&mut self, point: usize) {
+        if self.stands(point) {
+            self.contradictions = self.contradictions.wrapping_add(1 << (2 * point));
+        }
+        if (0..POINTS).all(|point| !self.stands(point)) {
+            *self = Self::NONE;
+        }
+    }
+
+    /// Square of the middle's distance from the robot; the greatest for no arc.
+    pub(super) fn distance_squared(&self, face: Displacement) -> u64 {
+        let Some(range) = self.range else {
+            return u64::MAX;
+        };
+        let (x_mm, y_mm) = self.axis.times(range.as_mm().into());
+        let from = |face: i16, mm: i32| u64::from(i32::from(face).wrapping_add(mm).unsigned_abs());
+        let (x, y) = (from(face.dx_mm, x_mm), from(face.dy_mm, y_mm));
+        x * x + y * y
+    }
+}
+
+/// The opening of a transducer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Lobe {
+    pub(super) half: Bearing,
+    /// Towards the points of an arc, relative to the axis, from its right end to its left.
+    towards: [Direction; POINTS],
+}
+
+impl Lobe {
+    /// Half a lobe is at most a right angle.
+    pub(super) fn of(half: Bearing) -> Self {
+        const MIDDLE: i32 = POINTS as i32 / 2;
+        let turns = i32::from(half.as_turns()).min(1 << 14);
+        let towards = core::array::from_fn(|point| {
+            let steps = point as i32 - MIDDLE;
+            Bearing::from_turns((turns * steps / MIDDLE) as u16).direction()
+        });
+        Self { half, towards }
+    }
+
+    /// Cosine and sine of half its opening, Q14.
+    pub(super) fn edge_q14(&self) -> (i32, i32) {
+        let [.., edge] = self.towards;
+        (edge.x_q14.into(), edge.y_q14.into())
+    }
+}
+
+/// An arc seen along some direction: what lies along it and to the left of it, millimeters.
+pub(super) struct Seen {
+    /// From where the direction begins to the arc's face.
+    face: (i32, i32),
+    /// From the face to the arc's middle.
+    reach: (i32, i32),
+    range_mm: i32,
+}
+
+/// Where all points of an arc are, at most.
+pub(super) struct Bounds {
+    /// Least and greatest distance along the direction.
+    pub(super) along: (i32, i32),
+    /// Least distance from the line.
+    pub(super) aside: i32,
+}
+
+impl Seen {
+    /// `x_mm` and `y_mm` lead to the face, within ±65.5 m.
+    #[inline(always)]
+    pub(super) fn along(
+        direction: Direction,
+        (x_mm, y_mm): (i32, i32),
+        axis: Direction,
+        range_mm: i32,
+    ) -> Self {
+        let components = |x: i32, y: i32| {
+            let along = direction.along(x, y);
+            (along, direction.along(y, x.wrapping_neg()))
+        };
+        let range_mm = range_mm.min(LONGEST_MM);
+        let (cos, sin) = components(axis.x_q14.into(), axis.y_q14.into());
+        let reach = |q14: i32| range_mm.wrapping_mul(q14) >> 14;
+        Self {
+            face: components(x_mm, y_mm),
+            reach: (reach(cos), reach(sin)),
+            range_mm,
+        }
+    }
+
+    /// Its face.
+    pub(super) const fn face(&self) -> (i32, i32) {
+        self.face
+    }
+
+    /// Its middle.
+    pub(super) const fn middle(&self) -> (i32, i32) {
+        let along = self.face.0.wrapping_add(self.reach.0);
+        (along, self.face.1.wrapping_add(self.reach.1))
+    }
+
+    /// A point is the middle, turned about the face by at most half the lobe.
+    #[inline(always)]
+    pub(super) fn bounds(&self, lobe: &Lobe) -> Bounds {
+        let (cos, sin) = lobe.edge_q14();
+        let (along, aside) = self.middle();
+        let turned = |inward: i32, sideward: i32| {
+            let inward = magnitude(inward).wrapping_mul((1 << 14) - cos);
+            let sideward = magnitude(sideward).wrapping_mul(sin);
+            // Some millimeters for roundings.
+            (inward.wrapping_add(sideward) >> 14).wrapping_add(4)
+        };
+        let depth = turned(self.reach.0, self.reach.1);
+        let width = turned(self.reach.1, self.reach.0);
+        Bounds {
+            along: (along.wrapping_sub(depth), along.wrapping_add(depth)),
+            aside: magnitude(aside).wrapping_sub(width),
+        }
+    }
+
+    /// Its points with their numbers.
+    pub(super) fn points(&self, lobe: &Lobe) -> impl Iterator<Item = (usize, (i32, i32))> {
+        let (along, aside) = self.face;
+        lobe.towards
+            .iter()
+            .enumerate()
+            .map(move |(point, towards)| {
+                let (x, y) = towards.rotate(self.reach.0, self.reach.1);
+                (point, (along.wrapping_add(x), aside.wrapping_add(y)))
+            })
+    }
+
+    /// Its range, at most the longest that counts.
+    pub(super) const fn range_mm(&self) -> i32 {
+        self.range_mm
+    }
+}
+
+/// The amount of a number, one less for those below 0: a single instruction on the chip.
+pub(super) const fn magnitude(value: i32) -> i32 {
+    value ^ (value >> 31)
+}

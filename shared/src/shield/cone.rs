@@ -1,0 +1,115 @@
+//! What an echo says about points that were heard earlier.
+//!
+//! An echo from range *r* proves that nothing stands inside the cone nearer than *r*. A point that was heard earlier and lies
+//! in that empty part is contradicted. One contradiction may be a missed echo, so a point is dropped after
+//! [`CONTRADICTIONS`] of them.
+
+use super::arc::{Arc, Lobe, Seen, magnitude};
+use crate::scan::Echo;
+use crate::units::{Direction, Displacement, Range};
+
+/// Contradictions after which a point is dropped. A sonar misses about 1 % of its echoes.
+pub(super) const CONTRADICTIONS: u8 = 2;
+
+/// An echo contradicts a point only if it comes from this much farther, millimeters: four standard deviations of a near range
+/// and the rounding to whole inches.
+const TOLERANCE_MM: i32 = 60;
+
+/// A point lies this much inside the cone at least, millimeters, besides 1/32 of the arc's range: what was heard may stand
+/// beside the point by half of the points' spacing, by the range's error and by slip.
+const ASIDE_MM: i32 = 20;
+
+/// Nearer than this to their faces two neighboring lobes leave a gap, millimeters. Farther away everything is in a lobe and
+/// is heard again by the next ring.
+const GAP_MM: i32 = 650;
+
+/// Arcs farther than this from the robot are not tested, millimeters: no motion reaches them before the next ring.
+const FARTHEST_MM: i32 = 1_200;
+
+/// Two axes differ by less than this, Q14, if they are the same: 0.2°.
+const SAME_AXIS_Q14: i32 = 57;
+
+/// The cone of one echo, in the shield's frame.
+pub(super) struct Cone {
+    pub(super) face: Displacement,
+    pub(super) axis: Direction,
+    /// Range of the echo, millimeters; the longest for silence.
+    range_mm: i32,
+}
+
+impl Cone {
+    pub(super) fn new(face: Displacement, axis: Direction, echo: Echo) -> Self {
+        let range_mm = i32::from(echo.range.map_or(u16::MAX, Range::as_mm));
+        Self {
+            face,
+            axis,
+            range_mm,
+        }
+    }
+
+    /// Whether an arc was heard through the same cone, as far as anything near it is concerned.
+    pub(super) fn is_same(&self, face: Displacement, arc: &Arc, spacing_mm: u16) -> bool {
+        let apart = self.face.minus(face);
+        let (dx, dy) = (apart.dx_mm.unsigned_abs(), apart.dy_mm.unsigned_abs());
+        let differ = |a: i16, b: i16| (i32::from(a) - i32::from(b)).abs() >= SAME_AXIS_Q14;
+        dx.max(dy) < spacing_mm.max(1)
+            && !differ(self.axis.x_q14, arc.axis.x_q14)
+            && !differ(self.axis.y_q14, arc.axis.y_q14)
+    }
+
+    /// Whether this echo comes from beyond `range_mm`.
+    pub(super) fn is_beyond(&self, range_mm: i32) -> bool {
+        self.range_mm > range_mm.saturating_add(TOLERANCE_MM + (range_mm >> 5))
+    }
+
+    /// Counts the contradictions of an arc of another cone.
+    pub(super) fn look_at(&self, lobe: &Lobe, face: Displacement, arc: &mut Arc, range_mm: i32) {
+        let (x, y) = (i32::from(face.dx_mm), i32::from(face.dy_mm));
+        // No point of an arc is nearer to the robot than its range less the distance of its face.
+        let nearest_mm = range_mm.wrapping_sub(magnitude(x).wrapping_add(magnitude(y)));
+        if nearest_mm > FARTHEST_MM {
+            return;
+        }
+        let face_mm = (
+            x.wrapping_sub(self.face.dx_mm.into()),
+            y.wrapping_sub(self.face.dy_mm.into()),
+        );
+        let seen = Seen::along(self.axis, face_mm, arc.axis, range_mm);
+        if !self.may_contain(lobe, &seen) {
+            return;
+        }
+        let aside_mm = ASIDE_MM.wrapping_add(seen.range_mm() >> 5);
+        for (point, at) in seen.points(lobe) {
+            if arc.stands(point) && self.contains(lobe, at, aside_mm) {
+                arc.contradict(point);
+            }
+        }
+    }
+
+    /// Whether a point of an arc can lie in the empty part of the cone: spares most arcs their points.
+    fn may_contain(&self, lobe: &Lobe, seen: &Seen) -> bool {
+        let (along, aside) = seen.middle();
+        if magnitude(along).max(magnitude(aside)) > FARTHEST_MM {
+            return false;
+        }
+        let (cos, sin) = lobe.edge_q14();
+        let bounds = seen.bounds(lobe);
+        bounds.aside.wrapping_mul(cos) <= bounds.along.1.wrapping_mul(sin)
+            && self.is_beyond(bounds.along.0)
+    }
+
+    /// Whether a point along the cone's axis and aside of it lies in the empty part.
+    fn contains(&self, lobe: &Lobe, (along, aside): (i32, i32), aside_mm: i32) -> bool {
+        // Inside the lobe the distance is at most the sum of both.
+        let aside = aside.wrapping_abs();
+        if along <= 0 || !self.is_beyond(along.wrapping_add(aside >> 2)) {
+            return false;
+        }
+        // Products stay within 32 bits.
+        let most_mm = 4 * FARTHEST_MM;
+        let inside_mm = if along < GAP_MM { aside_mm } else { 0 };
+        let (cos, sin) = lobe.edge_q14();
+        along.max(aside) < most_mm
+            && aside.wrapping_add(inside_mm).wrapping_mul(cos) <= along.wrapping_mul(sin)
+    }
+}

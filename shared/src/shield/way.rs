@@ -1,0 +1,138 @@
+//! How far the robot may go along a way before it comes near to what was heard.
+
+use super::Shielding;
+use super::arc::{Arc, Lobe, Seen, magnitude};
+use crate::config::Config;
+use crate::fixed::{Mask, isqrt};
+use crate::units::{Direction, Displacement, Millis, Range};
+
+/// The way ahead.
+pub(super) struct Way<'a> {
+    pub(super) shielding: &'a Shielding,
+    /// In the shield's frame.
+    pub(super) direction: Direction,
+    /// In the ring's.
+    in_ring: Direction,
+    lobe: Lobe,
+    /// Body and margin.
+    reach_mm: i32,
+    pub(super) now: Millis,
+}
+
+impl<'a> Way<'a> {
+    pub(super) fn new<const SENSORS: usize>(
+        config: &Config<SENSORS>,
+        shielding: &'a Shielding,
+        lobe: Lobe,
+        wanted: Displacement,
+        length: i32,
+        now: Millis,
+    ) -> Self {
+        let unit = |mm: i16| crate::fixed::div_round(i32::from(mm) << 14, length.max(1)) as i16;
+        let direction = Direction {
+            x_q14: unit(wanted.dx_mm),
+            y_q14: unit(wanted.dy_mm),
+        };
+        Self {
+            shielding,
+            direction,
+            in_ring: direction,
+            lobe,
+            reach_mm: i32::from(config.robot.body_radius_mm) + i32::from(shielding.margin_mm),
+            now,
+        }
+    }
+
+    /// Whether the way leads along the gap of a transducer that is not believed: a post there stays unheard all the way. It
+    /// reaches to 30° from its axis, somewhat beyond those of the neighbours of 16: the robot is wider than the gap.
+    pub(super) fn is_blind<const SENSORS: usize>(
+        &self,
+        config: &Config<SENSORS>,
+        enabled: Mask,
+    ) -> bool {
+        const COS_30_Q14: i32 = 14_189;
+        let mut ring = config.robot.directions.iter().enumerate();
+        ring.any(|(sensor, axis)| {
+            let (x, y) = (i32::from(axis.x_q14), i32::from(axis.y_q14));
+            !enabled.contains(sensor) && self.in_ring.along(x, y) > COS_30_Q14
+        })
+    }
+
+    /// Whether the transducer looks where the robot would go.
+    pub(super) fn is_covered_by(&self, axis: Direction) -> bool {
+        const COS_45_Q14: i32 = 11_585;
+        let (x, y) = (i32::from(axis.x_q14), i32::from(axis.y_q14));
+        self.in_ring.along(x, y) > COS_45_Q14
+    }
+
+    /// Distance until the body would come within the margin of any of these arcs; `limit` where it would not before that.
+    #[inline(never)]
+    pub(super) fn until_any(&self, faces: &[Displacement], arcs: &[Arc], limit: i32) -> i32 {
+        let arcs = faces.iter().zip(arcs);
+        arcs.fold(limit, |limit, (face, arc)| self.until(*face, arc, limit))
+    }
+
+    /// The same for one arc.
+    #[inline(always)]
+    fn until(&self, face: Displacement, arc: &Arc, limit: i32) -> i32 {
+        let Some(range) = arc.range else { return limit };
+        let (x, y) = (i32::from(face.dx_mm), i32::from(face.dy_mm));
+        let range_mm = self.range_now(range, arc.at);
+        // No point of an arc is nearer to the robot than its range less the distance of its face: most are far off.
+        let nearest_mm = range_mm.wrapping_sub(magnitude(x).wrapping_add(magnitude(y)));
+        if nearest_mm > limit.saturating_add(self.reach_mm) {
+            return limit;
+        }
+        // As short as the shortest range it may be anywhere between there and the face.
+        let least_mm = i32::from(self.shielding.least_range_mm);
+        let seen = Seen::along(self.direction, (x, y), arc.axis, range_mm.max(least_mm));
+        let mut distance = limit;
+        if range_mm <= least_mm {
+            distance = self.until_point(seen.face(), distance);
+        }
+        let bounds = seen.bounds(&self.lobe);
+        if bounds.along.1 <= 0
+            || bounds.aside >= self.reach_mm
+            || bounds.along.0.wrapping_sub(distance) >= self.reach_mm
+        {
+            return distance;
+        }
+        for (_, at) in seen
+            .points(&self.lobe)
+            .filter(|(point, _)| arc.stands(*point))
+        {
+            distance = self.until_point(at, distance);
+        }
+        distance
+    }
+
+    /// A range less what something may have come nearer since.
+    fn range_now(&self, range: Range, at: Millis) -> i32 {
+        let approach = u32::from(self.shielding.approach_mm_s);
+        let nearer = self.now.since(at).saturating_mul(approach) / 1_000;
+        i32::from(
+            range
+                .as_mm()
+                .saturating_sub(nearer.min(u16::MAX.into()) as u16),
+        )
+    }
+
+    /// Distance until the body would come within the margin of a point along the way and aside of it.
+    pub(super) fn until_point(&self, (along, aside): (i32, i32), limit: i32) -> i32 {
+        let reach = self.reach_mm;
+        let beyond = along.wrapping_sub(limit);
+        if along <= 0 || magnitude(aside) >= reach || beyond >= reach {
+            return limit;
+        }
+        let squared = reach
+            .wrapping_mul(reach)
+            .wrapping_sub(aside.wrapping_mul(aside))
+            .max(0);
+        // Most points lie beyond the limit: that is seen without a root.
+        if beyond >= 0 && beyond.wrapping_mul(beyond) >= squared {
+            return limit;
+        }
+        let half_chord = isqrt(u64::from(squared.unsigned_abs()));
+        along.wrapping_sub(half_chord as i32).max(0).min(limit)
+    }
+}
