@@ -15,10 +15,13 @@
 //! | rises before any echo can come | [`Outcome::Early`] | nothing |
 //! | is high before the firing | [`Outcome::HeldHigh`] | nothing |
 //! | has not fallen after the firing | [`Outcome::NotReleased`] | nothing more |
+//! | rises during the ringing, in a self-test | [`Outcome::Rings`] | nothing yet |
+//! | does not, in a self-test | [`Outcome::Mute`] | nothing |
 //!
 //! A transducer of which the mind hears nothing leaves the ring incomplete, and the robot stands until it is heard again or
-//! is no longer believed. A line that is stuck low, a dead transducer and a multiplexer stuck at an address look like
-//! echoes or silence to the pins; the mind's own watch over its transducers ([`amp::faults`]) is what notices them.
+//! is no longer believed. A line that is stuck low or a dead transducer does not pass the self-test at the start; later, and like a
+//! multiplexer stuck at an address, they look like echoes or silence to the pins: the mind's own watch over its transducers
+//! ([`amp::faults`]) is what notices them.
 
 use crate::line::Faults;
 use amp::units::{Millis, Range};
@@ -227,6 +230,7 @@ impl<'queue, P: OutputPin> Ring<'queue, P> {
                     at: Millis::from_ms(now.as_ms().wrapping_sub(age_ms)),
                 }),
                 Heard::Fault => return faults.spoil(),
+                Heard::Nothing => return,
             };
             if told.is_err() {
                 faults.spoil();
@@ -242,6 +246,8 @@ pub enum Heard {
     Range(Option<Range>),
     /// The line was at fault: nothing.
     Fault,
+    /// Nothing, and nothing is wrong.
+    Nothing,
 }
 
 impl Outcome {
@@ -251,7 +257,8 @@ impl Outcome {
         match self {
             Self::Echo(flight_us) => Heard::Range(sound.range(flight_us)),
             Self::Silent => Heard::Range(None),
-            Self::Early | Self::HeldHigh | Self::NotReleased => Heard::Fault,
+            Self::Early | Self::HeldHigh | Self::NotReleased | Self::Mute => Heard::Fault,
+            Self::Rings => Heard::Nothing,
         }
     }
 }

@@ -10,8 +10,11 @@
 //! ```
 //!
 //! The address changes in `Recycle` alone, and INIT is low there.
+//!
+//! A self-test is a firing whose BINH rises while the membrane still rings: ECHO has to rise at once. A module without supply, a
+//! transducer without a contact and a dead multiplexer stay silent, which in a firing means free space.
 
-use super::timing::{Blanking, FiringOrder, LATEST_US, Timing};
+use super::timing::{Blanking, FiringOrder, LATEST_US, RINGING_US, RUNG_US, Timing};
 
 /// Something to be done to a pin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,6 +49,10 @@ pub enum Outcome {
     HeldHigh,
     /// ECHO has not fallen after the firing before; said in addition to that firing's own outcome.
     NotReleased,
+    /// A self-test heard the membrane ring: the transducer listens from its next turn on.
+    Rings,
+    /// A self-test heard nothing: its module, supply, transducer or multiplexer is dead. It is tested again in its next turn.
+    Mute,
 }
 
 /// What a transducer has to say.
@@ -101,6 +108,8 @@ pub struct Channel {
     due_us: u32,
     /// ECHO need not fall any more, or has been told not to have fallen.
     released: bool,
+    /// Transducers that need no self-test, or have passed it, by their bits.
+    passed: u16,
 }
 
 /// Whether `now` has come to `then`; right while the two are less than 35 minutes apart.
@@ -122,6 +131,7 @@ impl Channel {
             fired_us: now_us,
             due_us: now_us.wrapping_add(first).wrapping_add(timing.offset_us),
             released: true,
+            passed: if timing.self_test { 0 } else { u16::MAX },
         }
     }
 
@@ -154,6 +164,15 @@ impl Channel {
                 Todo::Take(self.reading(outcome))
             }
         }
+    }
+
+    /// Whether this firing is a self-test.
+    fn tests(&self) -> bool {
+        self.passed & self.bit() == 0
+    }
+
+    fn bit(&self) -> u16 {
+        1_u16.checked_shl(self.sensor.into()).unwrap_or(0)
     }
 
     fn reading(&self, outcome: Outcome) -> Reading {
@@ -197,9 +216,13 @@ impl Channel {
     }
 
     fn blank(&mut self, now_us: u32, line: Line) -> Todo {
-        let Blanking::Until(us) = self.timing.blanking else {
-            self.state = State::Listen;
-            return self.listen(now_us, line);
+        let us = match self.timing.blanking {
+            _ if self.tests() => RINGING_US,
+            Blanking::Until(us) => us,
+            Blanking::Internal => {
+                self.state = State::Listen;
+                return self.listen(now_us, line);
+            }
         };
         if line.high || line.rose_us.is_some() {
             return self.listen(now_us, line);
@@ -213,6 +236,9 @@ impl Channel {
     }
 
     fn listen(&mut self, now_us: u32, line: Line) -> Todo {
+        if self.tests() {
+            return self.listen_for_ringing(now_us, line);
+        }
         let until = self.fired_us.wrapping_add(self.timing.window_us);
         let outcome = match line.rose_us {
             Some(rose_us) => self.judge(rose_us.wrapping_sub(self.fired_us)),
@@ -221,6 +247,24 @@ impl Channel {
             None if reached(now_us, until) => Outcome::Silent,
             None => return Todo::Wait(until),
         };
+        self.state = State::Drop(outcome);
+        self.poll(now_us, line)
+    }
+
+    fn listen_for_ringing(&mut self, now_us: u32, line: Line) -> Todo {
+        let until = self.fired_us.wrapping_add(RUNG_US);
+        let rings = RINGING_US..=RUNG_US;
+        let outcome = match line.rose_us.map(|us| us.wrapping_sub(self.fired_us)) {
+            Some(us) if rings.contains(&us) => Outcome::Rings,
+            Some(us) if us > RUNG_US && us < 1 << 31 => Outcome::Mute,
+            Some(_) => Outcome::Early,
+            None if line.high => Outcome::Early,
+            None if reached(now_us, until) => Outcome::Mute,
+            None => return Todo::Wait(until),
+        };
+        if outcome == Outcome::Rings {
+            self.passed |= self.bit();
+        }
         self.state = State::Drop(outcome);
         self.poll(now_us, line)
     }

@@ -26,6 +26,8 @@ enum Wrong {
     RisesAt(u32),
     /// The multiplexer connects this transducer, whatever the address.
     Multiplexer(u8),
+    /// This transducer has no supply: no burst, no ringing, no echo.
+    Dead(u8),
 }
 
 /// A module, its transducers, and everything seen on its lines.
@@ -124,6 +126,13 @@ impl Bench {
             .binh_us
             .map_or(2_380, |at| at.wrapping_sub(self.fired_us).min(2_380));
         let (_, heard) = *self.firings.last()?;
+        if self.wrong == Wrong::Dead(heard) {
+            return None;
+        }
+        // The membrane rings for 850 µs.
+        if blanked_us < 850 {
+            return Some(self.fired_us.wrapping_add(blanked_us + 10));
+        }
         let flight_us = self.flights_us[usize::from(heard)]?;
         (flight_us >= blanked_us).then(|| self.fired_us.wrapping_add(flight_us))
     }
@@ -274,6 +283,44 @@ fn what_is_nearer_than_the_blanking_is_not_heard() {
         first_ring(Wrong::Nothing, Timing::relays(), nearer),
         [Outcome::Silent; 16]
     );
+}
+
+/// Every transducer is tested in its first turn and listens from its second on; a dead one is tested again and again.
+#[test]
+fn a_dead_module_does_not_pass_the_self_test() {
+    for (wrong, dead) in [(Wrong::Nothing, None), (Wrong::Dead(5), Some(5))] {
+        let bench = Bench::new(wrong);
+        run_for(&bench, Timing::relays().self_tested(), 3_100, |_| 0);
+        let bench = bench.borrow();
+        for sensor in 0..16_u8 {
+            let mut readings = bench.readings.iter().filter(|r| r.sensor == sensor);
+            let outcomes = [(); 3].map(|()| readings.next().expect("three turns").outcome);
+            let echo = Outcome::Echo(3_000 + 2_000 * u32::from(sensor));
+            let expected = match dead == Some(sensor) {
+                true => [Outcome::Mute; 3],
+                false => [Outcome::Rings, echo, echo],
+            };
+            assert_eq!(outcomes, expected, "{sensor}");
+        }
+    }
+}
+
+/// A line that is tied, or rises before BINH, is no ringing.
+#[test]
+fn a_line_that_is_at_fault_does_not_pass_the_self_test() {
+    let timing = Timing::relays().self_tested();
+    for (wrong, expected) in [
+        (Wrong::StuckLow, Outcome::Mute),
+        (Wrong::StuckHigh, Outcome::HeldHigh),
+        (Wrong::RisesAt(399), Outcome::Early),
+        (Wrong::RisesAt(901), Outcome::Mute),
+    ] {
+        assert_eq!(
+            first_ring(wrong, timing, |_| ()),
+            [expected; 16],
+            "{wrong:?}"
+        );
+    }
 }
 
 #[test]
@@ -468,10 +515,10 @@ proptest! {
     fn the_address_never_changes_under_a_burst(
         events in proptest::collection::vec((0_u32..70_000, any::<bool>(), 0_u32..80_000), 1..400),
         start in any::<u32>(),
-        internal in any::<bool>(),
+        internal in any::<bool>(), self_test in any::<bool>(),
     ) {
         let blanking = if internal { Blanking::Internal } else { Blanking::SHORT };
-        let timing = Timing { blanking, ..Timing::relays() };
+        let timing = Timing { blanking, self_test, ..Timing::relays() };
         let mut channel = Channel::new(timing, FiringOrder::NOMAD, start);
         let (mut now, mut init, mut selected) = (start, false, None);
         for (dt, high, ago) in events {

@@ -54,7 +54,17 @@ pub struct Timing {
     /// Part of the measured flight that is none: the detector trips some cycles into the echo. To be measured at a wall in
     /// a known distance; microseconds.
     pub delay_us: u16,
+    /// A transducer's first firing after the start tests its module instead of listening for an echo, and so do the next
+    /// ones until it passes.
+    pub self_test: bool,
 }
+
+/// When a self-test raises BINH, after the firing, microseconds: the burst of 324 µs is over, the membrane still rings.
+pub const RINGING_US: u32 = 400;
+
+/// By then ECHO has risen if the module, its supply, its transducer and their multiplexer are sound, microseconds: the membrane rings
+/// until then, which is why the Polaroid 6500 blanks it.
+pub const RUNG_US: u32 = 900;
 
 impl Timing {
     /// The Nomad's relays, at the rate at which they can follow (64 ms, a ring in 1.02 s), with the short blanking.
@@ -68,6 +78,16 @@ impl Timing {
             rate: 16,
             offset_us: 0,
             delay_us: 0,
+            self_test: false,
+        }
+    }
+
+    /// The same with a self-test at the start.
+    #[must_use]
+    pub const fn self_tested(self) -> Self {
+        Self {
+            self_test: true,
+            ..self
         }
     }
 

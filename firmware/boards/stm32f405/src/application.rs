@@ -115,7 +115,7 @@ macro_rules! application {
                     vigil: Vigil::new(),
                     faults,
                 };
-                let (timing, mut timer) = (Timing::relays(), devices.ring_timer);
+                let (timing, mut timer) = (Timing::relays().self_tested(), devices.ring_timer);
                 let now_us = timer.now_us();
                 let Ok(driver) = Driver::new(devices.ring_pins, timing, FiringOrder::NOMAD, now_us);
                 let ring = Ring::new(driver, timing, Sound::at(AIR), firings_in, faults);

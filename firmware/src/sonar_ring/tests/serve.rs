@@ -18,15 +18,19 @@ struct Rig {
 const BEGAN_MS: u32 = 5_000;
 
 fn rig<const N: usize>(wrong: Wrong) -> Rig {
+    rig_of::<N>(wrong, Timing::relays())
+}
+
+fn rig_of<const N: usize>(wrong: Wrong, timing: Timing) -> Rig {
     let bench = Bench::new(wrong);
     let began_us = bench.borrow().now_us;
     let queue: &'static mut Queue<Firing, N> = Box::leak(Box::new(Queue::new()));
     let (firings_in, firings) = queue.split();
     let faults: &'static Faults = Box::leak(Box::new(Faults::new()));
-    let driver = driver(&bench, Timing::relays(), FiringOrder::NOMAD);
+    let driver = driver(&bench, timing, FiringOrder::NOMAD);
     let sound = Sound::at(200);
     Rig {
-        ring: Ring::new(driver, Timing::relays(), sound, firings_in, faults),
+        ring: Ring::new(driver, timing, sound, firings_in, faults),
         bench,
         firings,
         faults,
@@ -149,5 +153,17 @@ fn a_firing_takes_six_runs_at_most() {
         let runs = rig.serve_for(1_024);
         // The time served may end in the middle of a firing.
         assert!((48..=97).contains(&runs), "{wrong:?}: {runs}");
+    }
+}
+
+/// Without supply nothing completes the ring: silence is told by modules only that have been heard to ring.
+#[test]
+fn the_mind_hears_nothing_of_modules_without_supply() {
+    let timing = Timing::relays().self_tested();
+    for (wrong, told, spoilt) in [(Wrong::StuckLow, 0, 32), (Wrong::Nothing, 16, 0)] {
+        let mut rig = rig_of::<64>(wrong, timing);
+        rig.serve_for(2_074);
+        assert_eq!(rig.heard().len(), told, "{wrong:?}");
+        assert_eq!(rig.faults.spoilt(), spoilt, "{wrong:?}");
     }
 }
