@@ -82,7 +82,7 @@ impl<P: OutputPin> Driver<P> {
         })
     }
 
-    /// Drops every line and begins anew at `now_us`.
+    /// Drops every line and begins anew at `now_us`. Modules that have passed the self-test are not tested again.
     ///
     /// # Errors
     /// When a pin cannot be set.
@@ -92,7 +92,7 @@ impl<P: OutputPin> Driver<P> {
         order: FiringOrder,
         now_us: u32,
     ) -> Result<(), P::Error> {
-        self.channel = Channel::new(timing, order, now_us);
+        self.channel.restart(timing, order, now_us);
         self.pins.rest()
     }
 

@@ -156,6 +156,17 @@ fn a_firing_takes_six_runs_at_most() {
     }
 }
 
+/// Once is enough: the next ring is complete after one turn.
+#[test]
+fn a_ring_that_is_wanted_again_is_not_tested_again() {
+    let mut rig = rig_of::<64>(Wrong::Nothing, Timing::relays().self_tested());
+    rig.serve_for(1_074);
+    assert_eq!(rig.heard().len(), 0);
+    assert_eq!(rig.serve(false), None);
+    rig.serve_for(1_074);
+    assert_eq!(rig.heard().len(), 16);
+}
+
 /// Without supply nothing completes the ring: silence is told by modules only that have been heard to ring.
 #[test]
 fn the_mind_hears_nothing_of_modules_without_supply() {
