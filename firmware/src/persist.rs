@@ -26,12 +26,12 @@ use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 /// Bytes of a slot for the Nomad's mind.
 pub const SLOT_BYTES: u32 = amp::store::MOST_NOMAD as u32;
 
-/// Longest time to erase a sector of 128 KiB by bytes, milliseconds (STM32F405 data sheet DS8626, flash memory programming;
+/// Longest time to erase a sector of 128 KiB by words, milliseconds (STM32F405 data sheet DS8626, flash memory programming;
 /// half of it is typical).
-pub const ERASE_MS: u32 = 4_000;
+pub const ERASE_MS: u32 = 2_000;
 
-/// Longest time to write an image by bytes, milliseconds: 100 µs a byte (as above; 16 µs are typical).
-pub const WRITE_MS: u32 = SLOT_BYTES / 10;
+/// Longest time to write an image by words, milliseconds: 100 µs a word (as above; 16 µs are typical).
+pub const WRITE_MS: u32 = (SLOT_BYTES / WORD as u32).div_ceil(10);
 
 /// Bytes of a mark.
 const MARK_BYTES: u32 = 12;

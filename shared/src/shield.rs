@@ -139,7 +139,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         else {
             return;
         };
-        let axis = self.into_frame(*axis);
+        let axis = self.in_frame(*axis);
         let (x_mm, y_mm) = axis.times(i32::from(config.robot.face_radius_mm));
         let cone = Cone::new(Displacement::saturating(x_mm, y_mm), axis, echo);
         let lobe = match self.lobe {
@@ -227,7 +227,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
     /// The robot has moved and then its ring has turned: what was heard stays where it is in the world.
     pub fn moved(&mut self, by: Displacement, turned: Bearing) {
         if by != Displacement::ZERO {
-            let by = self.way_into_frame(by);
+            let by = self.way_in_frame(by);
             for face in self.faces.as_flattened_mut() {
                 *face = face.minus(by);
             }
@@ -236,7 +236,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
     }
 
     /// A way in the ring's frame, in the shield's.
-    fn way_into_frame(&self, way: Displacement) -> Displacement {
+    fn way_in_frame(&self, way: Displacement) -> Displacement {
         if self.turned == Bearing::ZERO {
             return way;
         }
@@ -244,7 +244,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
     }
 
     /// A direction in the ring's frame, in the shield's.
-    fn into_frame(&self, axis: Direction) -> Direction {
+    fn in_frame(&self, axis: Direction) -> Direction {
         if self.turned == Bearing::ZERO {
             return axis;
         }
@@ -320,7 +320,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         let lobe = self.lobe.filter(|lobe| lobe.half == shielding.half_lobe);
         let lobe = lobe.unwrap_or_else(|| Lobe::of(shielding.half_lobe));
         let mut way = Way::new(config, shielding, lobe, wanted, length, now);
-        way.direction = self.into_frame(way.direction);
+        way.direction = self.in_frame(way.direction);
         let free = self.free_distance(
             config,
             enabled,

@@ -26,8 +26,8 @@ pub const CORE_HZ: u32 = 168_000_000;
 /// ms; every task shows itself each 10 ms.
 const WATCHDOG_MS: u32 = 500;
 
-/// The watchdog bites after this time while flash is erased or written: 10.9 to 30.1 s, and two sectors take 8 s at most, an
-/// image less than a second.
+/// The watchdog bites after this time while flash is erased or written: 10.9 to 30.1 s, and two sectors take 4 s at most, an
+/// image a quarter of a second.
 const PATIENT_MS: u32 = 16_000;
 
 /// The devices the tasks work with; the link's port is `U`.

@@ -55,8 +55,10 @@ pub fn start(rcc: pac::RCC, timer: pac::TIM11) -> (Rcc, Oscillator) {
 }
 
 /// Counts the internal oscillator's periods while the crystal makes some (RM0090, 7.2.10: timer 11 captures HSE_RTC).
+///
+/// Once the clocks have started it counts those of the processor's clock instead.
 #[cfg(not(feature = "qemu"))]
-fn measure(rcc: &pac::RCC, timer: &pac::TIM11) -> Option<Measurement> {
+pub fn measure(rcc: &pac::RCC, timer: &pac::TIM11) -> Option<Measurement> {
     rcc.cr().modify(|_, w| w.hseon().set_bit());
     wait(|| rcc.cr().read().hserdy().bit_is_set())?;
     rcc.cfgr().modify(|_, w| w.rtcpre().set(DIVIDER));

@@ -52,6 +52,8 @@ pub fn stack_peak_bytes() -> u32 {
 }
 
 fn keep_and_reset(crash: &Crash) -> ! {
+    #[cfg(feature = "hil")]
+    end_test(crash);
     // SAFETY: see `take`; nothing else runs any more.
     unsafe {
         addr_of_mut!(RECORD)
@@ -59,6 +61,14 @@ fn keep_and_reset(crash: &Crash) -> ! {
             .write_volatile(Record::of(crash));
     }
     SCB::sys_reset()
+}
+
+/// Tells the debugger what would be kept, and that the test has failed.
+#[cfg(feature = "hil")]
+fn end_test(crash: &Crash) {
+    use cortex_m_semihosting::{debug, heprintln};
+    heprintln!("{} {:#x}", crash.text.as_str(), crash.program_counter);
+    debug::exit(debug::EXIT_FAILURE);
 }
 
 #[panic_handler]

@@ -25,7 +25,7 @@ mod application;
 #[cfg(target_os = "none")]
 pub mod chip;
 #[cfg(target_os = "none")]
-mod clocks;
+pub mod clocks;
 #[cfg(target_os = "none")]
 pub mod fault;
 pub mod feather_f405;

@@ -1,0 +1,191 @@
+//! Clocks, pins, timer and port of a board on a bench: nothing is connected but the debugger.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+#![allow(unsafe_code)]
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    println!("These tests are for the chip: firmware/README.md says how to run them.");
+}
+
+/// Milliseconds since the start.
+#[cfg(target_os = "none")]
+static NOW_MS: core::sync::atomic::AtomicU32 = core::sync::atomic::AtomicU32::new(0);
+
+// SAFETY: the name is the one the vector table asks for, and no other function has it.
+#[cfg(target_os = "none")]
+#[unsafe(no_mangle)]
+extern "C" fn SysTick() {
+    NOW_MS.fetch_add(1, core::sync::atomic::Ordering::Relaxed);
+}
+
+#[cfg(target_os = "none")]
+#[embedded_test::tests(default_timeout = 10)]
+mod tests {
+    use super::NOW_MS;
+    use amp::units::Millis;
+    use amp::wire::message::Oscillator;
+    use core::sync::atomic::Ordering;
+    use firmware::line::Port;
+    use firmware::sonar_ring::Capture;
+    use stm32f4xx_hal::pac;
+    use stm32f405::chip::{CORE_HZ, Devices};
+    use stm32f405::clocks;
+    #[cfg(feature = "feather")]
+    use stm32f405::feather_f405 as board;
+    #[cfg(not(feature = "feather"))]
+    use stm32f405::olimex_h405 as board;
+
+    /// Of the board's crystal.
+    const CRYSTAL_HZ: u32 = if cfg!(feature = "feather") {
+        12_000_000
+    } else {
+        8_000_000
+    };
+    /// Of the internal oscillator.
+    const INTERNAL_HZ: u32 = 16_000_000;
+
+    /// A board that has started as the firmware starts it.
+    struct Bench(Devices<board::Link>);
+
+    #[init]
+    fn init() -> Bench {
+        let device = pac::Peripherals::take().expect("nobody has them");
+        let core = cortex_m::Peripherals::take().expect("nobody has them");
+        Bench(board::init(device, core))
+    }
+
+    fn now_ms() -> u32 {
+        NOW_MS.load(Ordering::Relaxed)
+    }
+
+    impl Bench {
+        /// Lets a round of the control task pass.
+        fn round(&mut self) -> Millis {
+            let from = now_ms();
+            while now_ms().wrapping_sub(from) < 10 {}
+            self.0.watchdog.feed();
+            Millis::from_ms(now_ms())
+        }
+    }
+
+    /// Levels of port B; pins that are outputs read what they really are.
+    fn port_b(pin: u32) -> bool {
+        // SAFETY: this register is only read, which changes nothing.
+        let port = unsafe { pac::GPIOB::steal() };
+        port.idr().read().bits() >> pin & 1 == 1
+    }
+
+    /// By the multiplier's settings, and, where a crystal drives it, by counting the clock while the crystal swings.
+    #[test]
+    fn the_processor_runs_at_168_mhz_from_what_the_hello_names(bench: Bench) {
+        // SAFETY: the clocks run and nobody else has these registers any more; the measurement leaves them as it found them.
+        let (rcc, timer) = unsafe { (pac::RCC::steal(), pac::TIM11::steal()) };
+        assert!(rcc.cfgr().read().sws().is_pll());
+        let settings = rcc.pllcfgr().read();
+        let by_crystal = settings.pllsrc().is_hse();
+        let named = [Oscillator::Internal, Oscillator::Crystal][usize::from(by_crystal)];
+        assert_eq!(bench.0.oscillator, named);
+        let source_hz = if by_crystal { CRYSTAL_HZ } else { INTERNAL_HZ };
+        let input_hz = source_hz / u32::from(settings.pllm().bits());
+        let divider = 2 * (u32::from(settings.pllp().bits()) + 1);
+        assert_eq!(
+            input_hz * u32::from(settings.plln().bits()) / divider,
+            CORE_HZ
+        );
+        if by_crystal {
+            let measured = clocks::measure(&rcc, &timer).expect("the crystal swings");
+            let expected = measured.periods * (CORE_HZ / CRYSTAL_HZ);
+            defmt::info!("{=u32} ticks, {=u32} expected", measured.ticks, expected);
+            assert!(measured.ticks.abs_diff(expected) <= expected / 1_000);
+        } else {
+            defmt::warn!("no crystal: the internal oscillator drives the multiplier");
+        }
+    }
+
+    #[test]
+    fn the_supply_is_high_enough(bench: Bench) {
+        assert!(!bench.0.supply.is_low());
+    }
+
+    #[test]
+    fn emergency_stop_and_bumper_read_open_and_the_permit_stands_still(mut bench: Bench) {
+        let level = port_b(15);
+        for _ in 0..20 {
+            let now = bench.round();
+            let alarms = bench.0.safety.read(now);
+            assert!(alarms.emergency_stop && !alarms.touched);
+            assert!(port_b(13) && port_b(14));
+            bench.0.safety.permit(true, now);
+            assert_eq!(port_b(15), level);
+        }
+    }
+
+    /// The emergency stop is closed by the chip's own resistor. Gives the permit for half a second.
+    #[test]
+    fn the_permit_is_a_square_wave_while_the_emergency_stop_is_closed(mut bench: Bench) {
+        // SAFETY: nobody else changes this register after the start.
+        let port = unsafe { pac::GPIOB::steal() };
+        port.pupdr().modify(|_, w| w.pupdr13().pull_down());
+        let (mut changes, mut level) = (0, port_b(15));
+        for _ in 0..50 {
+            let now = bench.round();
+            let _ = bench.0.safety.read(now);
+            bench.0.safety.permit(true, now);
+            changes += u32::from(port_b(15) != level);
+            level = port_b(15);
+        }
+        // A contact settles for two rounds.
+        assert!((45..=49).contains(&changes), "{}", changes);
+        port.pupdr().modify(|_, w| w.pupdr13().pull_up());
+        for _ in 0..5 {
+            let now = bench.round();
+            let _ = bench.0.safety.read(now);
+        }
+        let now = bench.round();
+        assert!(bench.0.safety.read(now).emergency_stop);
+    }
+
+    #[test]
+    fn the_rings_timer_counts_microseconds(mut bench: Bench) {
+        let _ = bench.round();
+        let (from_ms, from_us) = (now_ms(), bench.0.ring_timer.now_us());
+        // Each look is within half a turn of the timer.
+        for _ in 0..100 {
+            let _ = bench.round();
+            let _ = bench.0.ring_timer.now_us();
+        }
+        let (to_ms, to_us) = (now_ms(), bench.0.ring_timer.now_us());
+        let us = to_us.wrapping_sub(from_us);
+        let expected = to_ms.wrapping_sub(from_ms) * 1_000;
+        defmt::info!("{=u32} us, {=u32} expected", us, expected);
+        assert!(us.abs_diff(expected) <= 20);
+    }
+
+    /// The bridge is from PA9 to PA10; on the Feather from pad TX to pad RX.
+    #[test]
+    #[ignore = "takes a bridge from the port's transmitter to its receiver"]
+    fn the_port_hears_what_it_sends_through_a_bridge(mut bench: Bench) {
+        // Setting up the pins may have looked like a byte.
+        let _ = bench.round();
+        let Bench(devices) = &mut bench;
+        if devices.port.status().received {
+            let _ = devices.port.receive();
+        }
+        let from_us = devices.ring_timer.now_us();
+        for byte in 0..=u8::MAX {
+            while !devices.port.status().can_send {}
+            devices.port.send(byte);
+            let from = now_ms();
+            while !devices.port.status().received {
+                assert!(now_ms().wrapping_sub(from) < 5, "nothing comes back");
+                let _ = devices.ring_timer.now_us();
+            }
+            assert!(!devices.port.status().overrun);
+            assert_eq!(devices.port.receive(), byte);
+        }
+        // Ten bits a byte, one after the other.
+        let us = devices.ring_timer.now_us().wrapping_sub(from_us);
+        defmt::info!("{=u32} us", us);
+        assert!((21_500..24_500).contains(&us), "not 115 200 baud");
+    }
+}

@@ -1,0 +1,69 @@
+//! The tests for a board that need none of its devices pass on the emulated chip, and one that fails is told from them.
+
+use checks::{TARGET, cargo, project, target_folder};
+use object::{Object as _, ObjectSection as _, ObjectSymbol as _};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+/// Builds the tests of the mind, one that fails among them.
+fn build() -> PathBuf {
+    let line = format!(
+        "test --locked --no-run --package hil --test mind --features qemu,failing --profile chip --target {TARGET} \
+         --message-format json"
+    );
+    let output = cargo(&project(), &line);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    let said = String::from_utf8_lossy(&output.stdout);
+    let (_, path) = said.split_once("\"executable\":\"").expect("an image");
+    let (path, _) = path.split_once('"').expect("its path ends");
+    target_folder().join(path)
+}
+
+/// Names and addresses of an image's tests: each is a symbol whose name is a JSON object, at the function's address.
+fn tests(image: &Path) -> Vec<(String, u32)> {
+    let elf = std::fs::read(image).expect("the image can be read");
+    let file = object::File::parse(&*elf).expect("the image is an ELF file");
+    let list = file.section_by_name(".embedded_test").expect("a list");
+    let test = |symbol: object::Symbol<'_, '_>| {
+        let (_, name) = symbol.name().ok()?.split_once("\"name\":\"")?;
+        let word = list.data_range(symbol.address(), 4).ok()??;
+        let address = u32::from_le_bytes(word.try_into().ok()?);
+        Some((name.split('"').next()?.to_owned(), address))
+    };
+    file.symbols().filter_map(test).collect()
+}
+
+/// Runs a single test as the debugger's program would: after a reset, by its address.
+fn run(image: &Path, address: u32) -> Output {
+    let mut qemu = Command::new("timeout");
+    qemu.args(["60", "qemu-system-arm", "-M", "netduinoplus2"])
+        .args("-nographic -monitor none -serial none -semihosting-config".split(' '))
+        .arg(format!(
+            "enable=on,target=native,arg=run_addr,arg={address}"
+        ))
+        .arg("-kernel")
+        .arg(image)
+        .stdin(Stdio::null());
+    qemu.output().expect("timeout and QEMU start")
+}
+
+#[test]
+fn tests_of_the_mind_pass_on_the_emulated_chip_and_a_failure_is_reported() {
+    let image = build();
+    let tests = tests(&image);
+    assert_eq!(tests.len(), 5, "{tests:?}");
+    for (name, address) in tests {
+        let output = run(&image, address);
+        let said = String::from_utf8_lossy(&output.stderr);
+        println!("{name}: {} {said}", output.status);
+        let fails = name == "a_failure_is_reported";
+        // 124 would be a test that does not end.
+        assert_eq!(
+            output.status.code(),
+            Some(i32::from(fails)),
+            "{name}: {said}"
+        );
+        assert_eq!(said.contains("mind.rs:"), fails, "{name}: {said}");
+    }
+}
