@@ -154,13 +154,12 @@ impl<P: Policy> RingPilot<P> {
             return Outputs::NONE;
         };
         let remaining = under_way.remaining;
-        let heard = Mask::NONE.with(sensor);
-        let allowed = self
+        let shorter = self
             .shield
-            .allow_by(&self.config, Mask::ALL, remaining, now, heard);
-        if allowed.distance_mm >= remaining.length_mm() {
+            .shorten(&self.config, Mask::ALL, remaining, now, sensor);
+        let Some(allowed) = shorter else {
             return Outputs::NONE;
-        }
+        };
         under_way.remaining = remaining.with_length(allowed.distance_mm);
         under_way.speed_mm_s = allowed.speed_mm_s.min(under_way.speed_mm_s);
         Outputs {
