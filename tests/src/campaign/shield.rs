@@ -91,11 +91,8 @@ fn parts(number: u64) -> (usize, SonarModel, TurretMode) {
 /// Name of a behavior by its place in the table.
 fn name(behavior: usize) -> &'static str {
     let others = ["seek", CHAIN];
-    *Behavior::NAMES
-        .iter()
-        .chain(&others)
-        .nth(behavior)
-        .unwrap_or(&CHAIN)
+    let mut names = Behavior::NAMES.iter().chain(&others);
+    names.nth(behavior).copied().unwrap_or(CHAIN)
 }
 
 fn episode(world: &World, seed: u64, number: u64, config: &Config<16>) -> Result<Cell, Failure> {
