@@ -5,7 +5,7 @@
 //! where the body would come within a margin of the part of any arc that lies most in the way. A direction that no echo
 //! covers is closed. The speed is such that the robot can stop within the distance left, at the given deceleration.
 //!
-//! An arc does not expire. Each of its points stays until newer echoes [contradict](cone) it: they come from farther away
+//! An arc does not expire. Each of its points stays until newer echoes contradict it: they come from farther away
 //! through a cone that contains the point. Silence in another direction, or from a turned ring, contradicts nothing: a
 //! corner may have left the lobe for the gap beside it.
 //!
