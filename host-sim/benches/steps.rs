@@ -29,18 +29,7 @@ fn body(world: &World, sonar: SonarModel) -> Body<'_> {
 fn hall(segments: usize, side: f64, scale: f64) -> World {
     let mut noise = Noise::new(1);
     let half = side / 2.0;
-    let corners = [
-        (-1.0, -1.0),
-        (1.0, -1.0),
-        (1.0, 1.0),
-        (-1.0, 1.0),
-        (-1.0, -1.0),
-    ];
-    let mut shapes = vec![Shape::Wall {
-        points: corners
-            .map(|(x, y)| Point::new(x * half, y * half))
-            .to_vec(),
-    }];
+    let mut shapes = vec![Shape::room(Point::new(half, half))];
     while shapes.len() <= (segments - 4) / 4 {
         let mut size = || 2.0 * scale * noise.uniform_in(0.15, 0.5);
         let size = Point::new(size(), size());

@@ -34,7 +34,7 @@ pub const KEPT: usize = 4;
 /// How careful to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shielding {
-    /// Distance to keep between body and anything heard, millimetres.
+    /// Distance to keep between body and anything heard, millimeters.
     pub margin_mm: u16,
     /// Half the opening of a transducer's lobe.
     pub half_lobe: Bearing,
@@ -49,12 +49,12 @@ pub struct Shielding {
     /// A transducer that was silent for longer than this may have been carried elsewhere: its arcs are dropped when it
     /// is heard again, milliseconds. While it is heard, arcs do not expire.
     pub forget_ms: u32,
-    /// Displacements that would be shorter than this are not begun, millimetres.
+    /// Displacements that would be shorter than this are not begun, millimeters.
     pub least_mm: u16,
-    /// The shortest range the ring can report, millimetres: a reading this short may be anything nearer, and counts
+    /// The shortest range the ring can report, millimeters: a reading this short may be anything nearer, and counts
     /// as 0.
     pub least_range_mm: u16,
-    /// Highest speed of things that may come towards the robot, millimetres per second: every echo loses this much range
+    /// Highest speed of things that may come towards the robot, millimeters per second: every echo loses this much range
     /// per second of its age.
     pub approach_mm_s: u16,
 }
@@ -105,9 +105,9 @@ impl<const SENSORS: usize> Default for Shield<SENSORS> {
 /// What is allowed of a displacement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Allowed {
-    /// Distance along the displacement, millimetres.
+    /// Distance along the displacement, millimeters.
     pub distance_mm: u16,
-    /// Speed, millimetres per second.
+    /// Speed, millimeters per second.
     pub speed_mm_s: u16,
 }
 
@@ -148,7 +148,6 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         };
         self.lobe = Some(lobe);
         self.drop_if_silent(shielding, sensor, echo.at);
-        self.replace_same(shielding, sensor, &cone);
         self.look(&lobe, sensor, &cone, shielding.spacing_mm);
         if echo.range.is_some() {
             self.insert(shielding, sensor, &cone, echo);
@@ -173,34 +172,20 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         self.heard.contains(sensor).then(|| now.since(*at))
     }
 
-    /// Replaces or contradicts what was heard through the same cone.
-    fn replace_same(&mut self, shielding: &Shielding, sensor: usize, cone: &Cone) {
-        let (Some(faces), Some(arcs)) = (self.faces.get(sensor), self.arcs.get_mut(sensor)) else {
-            return;
-        };
-        for (face, arc) in faces.iter().zip(arcs) {
-            let Some(range) = arc.range else { continue };
-            if !cone.is_same(*face, arc, shielding.spacing_mm) {
-                continue;
-            }
-            if cone.is_beyond(i32::from(range.as_mm())) {
-                (0..POINTS).for_each(|point| arc.contradict(point));
-            } else {
-                *arc = Arc::NONE;
-            }
-        }
-    }
-
-    /// Counts what the echo contradicts of all other cones.
+    /// Replaces what was heard through the same cone, unless the echo comes from farther away, and counts what it contradicts.
     fn look(&mut self, lobe: &Lobe, sensor: usize, cone: &Cone, spacing_mm: u16) {
         let faces = self.faces.as_flattened().iter();
         let own = sensor * KEPT..(sensor + 1) * KEPT;
         for (place, (face, arc)) in faces.zip(self.arcs.as_flattened_mut()).enumerate() {
             let Some(range) = arc.range else { continue };
-            if own.contains(&place) && cone.is_same(*face, arc, spacing_mm) {
-                continue;
+            let range_mm = range.as_mm().into();
+            if !own.contains(&place) || !cone.is_same(*face, arc, spacing_mm) {
+                cone.look_at(lobe, *face, arc, range_mm);
+            } else if cone.is_beyond(range_mm) {
+                (0..POINTS).for_each(|point| arc.contradict(point));
+            } else {
+                *arc = Arc::NONE;
             }
-            cone.look_at(lobe, *face, arc, range.as_mm().into());
         }
     }
 
@@ -278,38 +263,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         now: Millis,
         among: Mask,
     ) -> Allowed {
-        self.allow_along(config, enabled, wanted, wanted.length_mm(), now, among)
-    }
-
-    /// What is left of a motion that was allowed, by what a transducer has just heard and heard before; `None` = all of it.
-    #[must_use]
-    #[inline(never)]
-    pub fn shorten(
-        &self,
-        config: &Config<SENSORS>,
-        enabled: Mask,
-        wanted: Displacement,
-        now: Millis,
-        sensor: usize,
-    ) -> Option<Allowed> {
         let length = wanted.length_mm();
-        let heard = Mask::NONE.with(sensor);
-        let allowed = self.allow_along(config, enabled, wanted, length, now, heard);
-        // The same way, rounded anew, may be a little shorter.
-        let shorter = length.saturating_sub(allowed.distance_mm);
-        (shorter > ROUNDING_MM).then_some(allowed)
-    }
-
-    /// As [`allow_by`](Self::allow_by) along a displacement of this length.
-    fn allow_along(
-        &self,
-        config: &Config<SENSORS>,
-        enabled: Mask,
-        wanted: Displacement,
-        length: u16,
-        now: Millis,
-        among: Mask,
-    ) -> Allowed {
         let Some(shielding) = &config.shield else {
             return Allowed {
                 distance_mm: length,
@@ -334,6 +288,25 @@ impl<const SENSORS: usize> Shield<SENSORS> {
             distance_mm: if begun { distance as u16 } else { 0 },
             speed_mm_s: stopping_speed(config, free),
         }
+    }
+
+    /// What is left of a motion that was allowed, by what a transducer has just heard and heard before; `None` = all of it.
+    #[must_use]
+    #[inline(never)]
+    pub fn shorten(
+        &self,
+        config: &Config<SENSORS>,
+        enabled: Mask,
+        wanted: Displacement,
+        now: Millis,
+        sensor: usize,
+    ) -> Option<Allowed> {
+        let length = wanted.length_mm();
+        let heard = Mask::NONE.with(sensor);
+        let allowed = self.allow_by(config, enabled, wanted, now, heard);
+        // The same way, rounded anew, may be a little shorter.
+        let shorter = length.saturating_sub(allowed.distance_mm);
+        (shorter > ROUNDING_MM).then_some(allowed)
     }
 
     /// Distance along the way until something heard comes within the margin, at most `limit`.
@@ -400,7 +373,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
     }
 }
 
-/// Distance in which the robot stops from its highest speed, millimetres.
+/// Distance in which the robot stops from its highest speed, millimeters.
 fn braking_distance<const SENSORS: usize>(config: &Config<SENSORS>) -> i32 {
     let speed = i32::from(config.robot.speed_mm_s);
     speed.saturating_mul(speed) / (2 * i32::from(config.robot.braking_mm_s2.max(1)))

@@ -94,9 +94,9 @@ fn the_firmware_in_an_emulated_chip_drives_a_robot() {
     drives_clean(&program, &mut robot, &at, &flags, [5, 5]);
 }
 
-/// Takes minutes: `cargo test -p tests --test bridge -- --ignored`.
+/// Minutes: `tests/extra bridge` runs it.
 #[test]
-#[ignore = "takes minutes"]
+#[ignore = "takes minutes: tests/extra bridge"]
 fn the_firmware_drives_a_thousand_steps() {
     let program = host_sim!();
     let mut robot = Robot::at_a_port(&program, "--speed 4");

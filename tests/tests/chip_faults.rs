@@ -31,10 +31,8 @@ fn motion(said: &[Report<16>]) -> Option<MotionOrder> {
     })
 }
 
-/// A ring and, if it brings a motion, the report that it was carried out.
-fn round(chip: &mut Chip, range_mm: u16) -> Option<MotionOrder> {
-    let said = chip.ask(&scan(chip.at_ms(), 16, range_mm));
-    let order = motion(&said)?;
+/// Reports that a motion was carried out.
+fn carry_out(chip: &mut Chip, order: &MotionOrder) {
     chip.ask(&ToMind::Odometry {
         at_ms: chip.at_ms(),
         motion: order.id,
@@ -43,6 +41,13 @@ fn round(chip: &mut Chip, range_mm: u16) -> Option<MotionOrder> {
         turned: 0,
         progress: Progress::Ended,
     });
+}
+
+/// A ring and, if it brings a motion, the report that it was carried out.
+fn round(chip: &mut Chip, range_mm: u16) -> Option<MotionOrder> {
+    let said = chip.ask(&scan(chip.at_ms(), 16, range_mm));
+    let order = motion(&said)?;
+    carry_out(chip, &order);
     Some(order)
 }
 
@@ -254,14 +259,7 @@ fn blocked_wheels_and_silence_stop_the_robot() {
         });
         if let Some(order) = motion(&said) {
             moves += 1;
-            chip.ask(&ToMind::Odometry {
-                at_ms: chip.at_ms(),
-                motion: order.id,
-                dx_mm: order.dx_mm,
-                dy_mm: order.dy_mm,
-                turned: 0,
-                progress: Progress::Ended,
-            });
+            carry_out(&mut chip, &order);
         }
         said.iter().any(|report| report.said == nothing)
     });

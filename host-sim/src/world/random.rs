@@ -20,17 +20,7 @@ impl World {
     #[must_use]
     pub fn random(seed: u64) -> Self {
         let mut noise = Noise::new(seed);
-        let corner = |x: f64, y: f64| Point::new(x * ROOM_HALF_M, y * ROOM_HALF_M);
-        let walls = [
-            (-1.0, -1.0),
-            (1.0, -1.0),
-            (1.0, 1.0),
-            (-1.0, 1.0),
-            (-1.0, -1.0),
-        ];
-        let mut shapes = vec![Shape::Wall {
-            points: walls.map(|(x, y)| corner(x, y)).to_vec(),
-        }];
+        let mut shapes = vec![Shape::room(Point::new(ROOM_HALF_M, ROOM_HALF_M))];
         while shapes.len() <= BOXES {
             shapes.extend(random_box(&mut noise));
         }

@@ -42,6 +42,23 @@ pub enum Shape {
 }
 
 impl Shape {
+    /// The wall of a room around the origin that reaches so far along each axis, m.
+    #[must_use]
+    pub fn room(half: Point) -> Self {
+        let corners = [
+            (-1.0, -1.0),
+            (1.0, -1.0),
+            (1.0, 1.0),
+            (-1.0, 1.0),
+            (-1.0, -1.0),
+        ];
+        Self::Wall {
+            points: corners
+                .map(|(x, y)| Point::new(x * half.x, y * half.y))
+                .to_vec(),
+        }
+    }
+
     /// The corners of a box, clockwise, so that its outside lies to the left of each side.
     #[must_use]
     pub fn box_corners(center: Point, size: Point, angle: f64) -> [Point; 4] {

@@ -149,8 +149,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         outputs
     }
 
-    /// What the shield leaves of a way. Where that is less than half, the one of four detours that leads farthest along the way
-    /// is taken instead. A detour also shows what stands in the gap between two lobes: from beside it, it is in a lobe.
+    /// What the shield leaves of a way. Where that is less than half, the best of four detours is taken
+    /// instead. A detour also shows what stands in the gap between two lobes: from beside it, it is in a lobe.
     pub(super) fn detour(
         &self,
         config: &Config<SENSORS>,
@@ -163,7 +163,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         if 2 * best.1.distance_mm >= wanted.length_mm() {
             return best;
         }
-        // Eighths of a turn, and how much of such a way leads along the one wanted, sixteenths.
+        // Eighths of a turn, and what such a way counts for, sixteenths: at 45° what leads along the one wanted; across it
+        // nothing does, but a quarter counts for what it shows.
         let mut farthest = 16 * u32::from(best.1.distance_mm);
         for (eighths, share) in [(1, 11), (7, 11), (2, 4), (6, 4)] {
             let way = wanted.rotated(Bearing::of_place(eighths, 8).direction());

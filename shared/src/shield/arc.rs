@@ -178,6 +178,11 @@ impl Seen {
     }
 }
 
+/// No point of an arc is nearer to the robot than its range less the distance of its face.
+pub(super) const fn nearest_mm(face: (i32, i32), range_mm: i32) -> i32 {
+    range_mm.wrapping_sub(magnitude(face.0).wrapping_add(magnitude(face.1)))
+}
+
 /// The amount of a number, one less for those below 0: a single instruction on the chip.
 pub(super) const fn magnitude(value: i32) -> i32 {
     value ^ (value >> 31)

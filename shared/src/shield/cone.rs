@@ -4,7 +4,7 @@
 //! in that empty part is contradicted. One contradiction may be a missed echo, so a point is dropped after
 //! [`CONTRADICTIONS`] of them.
 
-use super::arc::{Arc, Lobe, Seen, magnitude};
+use super::arc::{Arc, Lobe, Seen, magnitude, nearest_mm};
 use crate::scan::Echo;
 use crate::units::{Direction, Displacement, Range};
 
@@ -66,9 +66,7 @@ impl Cone {
     /// Counts the contradictions of an arc of another cone.
     pub(super) fn look_at(&self, lobe: &Lobe, face: Displacement, arc: &mut Arc, range_mm: i32) {
         let (x, y) = (i32::from(face.dx_mm), i32::from(face.dy_mm));
-        // No point of an arc is nearer to the robot than its range less the distance of its face.
-        let nearest_mm = range_mm.wrapping_sub(magnitude(x).wrapping_add(magnitude(y)));
-        if nearest_mm > FARTHEST_MM {
+        if nearest_mm((x, y), range_mm) > FARTHEST_MM {
             return;
         }
         let face_mm = (

@@ -1,7 +1,7 @@
 //! How far the robot may go along a way before it comes near to what was heard.
 
 use super::Shielding;
-use super::arc::{Arc, Lobe, Seen, magnitude};
+use super::arc::{Arc, Lobe, Seen, magnitude, nearest_mm};
 use crate::config::Config;
 use crate::fixed::{Mask, isqrt};
 use crate::units::{Direction, Displacement, Millis, Range};
@@ -44,7 +44,7 @@ impl<'a> Way<'a> {
     }
 
     /// Whether the way leads along the gap of a transducer that is not believed: a post there stays unheard all the way. It
-    /// reaches to 30° from its axis, somewhat beyond those of the neighbours of 16: the robot is wider than the gap.
+    /// reaches to 30° from its axis, somewhat beyond those of the neighbors of 16: the robot is wider than the gap.
     pub(super) fn is_blind<const SENSORS: usize>(
         &self,
         config: &Config<SENSORS>,
@@ -78,9 +78,8 @@ impl<'a> Way<'a> {
         let Some(range) = arc.range else { return limit };
         let (x, y) = (i32::from(face.dx_mm), i32::from(face.dy_mm));
         let range_mm = self.range_now(range, arc.at);
-        // No point of an arc is nearer to the robot than its range less the distance of its face: most are far off.
-        let nearest_mm = range_mm.wrapping_sub(magnitude(x).wrapping_add(magnitude(y)));
-        if nearest_mm > limit.saturating_add(self.reach_mm) {
+        // Most are far off.
+        if nearest_mm((x, y), range_mm) > limit.saturating_add(self.reach_mm) {
             return limit;
         }
         // As short as the shortest range it may be anywhere between there and the face.

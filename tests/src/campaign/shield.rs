@@ -154,18 +154,7 @@ fn world(worlds: Worlds, seed: u64) -> Result<World, BadInput> {
 /// A room of 8 m × 8 m with free-standing walls without thickness, 0.3 to 1.5 m long, at any angle.
 fn thin_walls(seed: u64) -> Result<World, BadInput> {
     let mut noise = Noise::new(seed);
-    let corners = [
-        (-1.0, -1.0),
-        (1.0, -1.0),
-        (1.0, 1.0),
-        (-1.0, 1.0),
-        (-1.0, -1.0),
-    ];
-    let mut shapes = vec![Shape::Wall {
-        points: corners
-            .map(|(x, y)| Point::new(x * HALF_M, y * HALF_M))
-            .to_vec(),
-    }];
+    let mut shapes = vec![Shape::room(Point::new(HALF_M, HALF_M))];
     while shapes.len() <= THIN_WALLS {
         let mut within = |half: f64| noise.uniform_in(-half, half);
         let center = Point::new(within(HALF_M - 1.0), within(HALF_M - 1.0));

@@ -112,23 +112,13 @@ fn config() -> Config<8> {
 }
 
 fn arena(radius_m: f64) -> Result<World, BadInput> {
-    let corner = |x: f64, y: f64| Point::new(0.15 * x, 0.1 * y);
-    let corners = [
-        (-1.0, -1.0),
-        (1.0, -1.0),
-        (1.0, 1.0),
-        (-1.0, 1.0),
-        (-1.0, -1.0),
-    ];
     let block = |x: f64, y: f64, angle: f64| Shape::Box {
         center: Point::new(x, y),
         size: Point::new(0.03, 0.03),
         angle,
     };
     let shapes = vec![
-        Shape::Wall {
-            points: corners.map(|(x, y)| corner(x, y)).to_vec(),
-        },
+        Shape::room(Point::new(0.15, 0.1)),
         block(-0.07, 0.05, 0.4),
         block(0.08, -0.05, 0.0),
         Shape::Circle {
