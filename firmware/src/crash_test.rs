@@ -11,6 +11,8 @@ use core::hint::black_box;
 pub const OVERFLOW: &[u8] = b"!overflow";
 /// Panics.
 pub const PANIC: &[u8] = b"!panic";
+/// Writes to the lowest word of the stack's region.
+pub const GUARD: &[u8] = b"!guard";
 /// Runs an instruction that no processor has.
 pub const FAULT: &[u8] = b"!fault";
 
@@ -22,10 +24,21 @@ pub fn run_if_requested(frame: &[u8]) {
         }
         PANIC => panic!("asked to"),
         #[cfg(all(target_arch = "arm", target_os = "none"))]
+        GUARD => write_below_the_stack(),
+        #[cfg(all(target_arch = "arm", target_os = "none"))]
         // SAFETY: the instruction faults; nothing after it runs.
         FAULT => unsafe { core::arch::asm!("udf #0", options(noreturn)) },
         _ => {}
     }
+}
+
+#[cfg(all(target_arch = "arm", target_os = "none"))]
+fn write_below_the_stack() {
+    unsafe extern "C" {
+        static mut _stack_end: u32;
+    }
+    // SAFETY: the word is memory that the stack never reaches; where it is guarded, nothing after the write runs.
+    unsafe { core::ptr::addr_of_mut!(_stack_end).write_volatile(0) }
 }
 
 /// Takes some stack, then some more, until there is none.
@@ -44,7 +57,7 @@ mod tests {
 
     #[test]
     fn no_frame_looks_like_a_request() {
-        for word in [OVERFLOW, PANIC, FAULT] {
+        for word in [OVERFLOW, PANIC, GUARD, FAULT] {
             assert_eq!(cobs::decode(word, &mut [0; 256]), None);
         }
     }

@@ -266,7 +266,9 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             return stale(age_ms);
         }
         let index = usize::from(sensor);
-        self.shield.hear(config, index, echo);
+        if self.enabled(config).contains(index) {
+            self.shield.hear(config, index, echo);
+        }
         if !self.moving && echo.at.is_before(self.waiting_since) {
             return stale(age_ms);
         }

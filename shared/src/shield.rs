@@ -5,6 +5,9 @@
 //! where the body would come within a margin of the part of any arc that lies most in the way. A direction that no echo
 //! covers is closed. The speed is such that the robot can stop within the distance left, at the given deceleration.
 //!
+//! Arcs are kept by where they look, not by transducer: as a ring turns, what all of it hears of a near wall replaces nothing that
+//! was heard elsewhere.
+//!
 //! An arc does not expire. Each of its points stays until newer echoes contradict it: they come from farther away
 //! through a cone that contains the point. Silence in another direction, or from a turned ring, contradicts nothing: a
 //! corner may have left the lobe for the gap beside it.
@@ -12,7 +15,8 @@
 //! Arcs keep the bearing that the ring had at the start. Only new echoes and ways are rotated, so errors of rotation do not
 //! add up.
 //!
-//! What it cannot know: a thing thinner than the gap between two lobes. At the Nomad's faces the gap is 9 cm wide; the
+//! What it cannot know: a thing thinner than the gap between two lobes, from the first place it listens at. The controller's first
+//! move is therefore a short one across the way wanted. At the Nomad's faces the gap is 9 cm wide; the
 //! corner of a box can stand 4.5 cm inside it, which the margin covers.
 
 use crate::config::Config;
@@ -28,7 +32,7 @@ mod arc;
 mod cone;
 mod way;
 
-/// Places per transducer whose echo is kept.
+/// Arcs kept per place of the ring, at most.
 pub const KEPT: usize = 4;
 
 /// How careful to be.
@@ -38,7 +42,7 @@ pub struct Shielding {
     pub margin_mm: u16,
     /// Half the opening of a transducer's lobe.
     pub half_lobe: Bearing,
-    /// Arcs kept per transducer, 1 … [`KEPT`]. The newest replaces the farthest.
+    /// Arcs kept per place of the ring, 1 … [`KEPT`]. The newest replaces the farthest.
     pub places: u8,
     /// Echoes whose faces were less than this apart, with the same axis, come through one cone, millimeters: the newer
     /// replaces the older or contradicts all of it. Small, as a near corner leaves the lobe within a few centimeters.
@@ -80,13 +84,19 @@ impl Shielding {
 /// A motion is not shortened by less, millimeters.
 const ROUNDING_MM: u16 = 3;
 
+/// From places so far apart, across a way, all of the way is in some lobe, millimeters: wider than the gap between two of the
+/// Nomad's lobes anywhere but at the body itself, narrower than the distance of two lobes.
+pub(crate) const SECOND_VIEW_MM: u16 = 80;
+
 /// What was heard lately.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Shield<const SENSORS: usize> {
     /// Where the transducer's face was at each arc: apart from them, as these alone change with every move.
     faces: [[Displacement; KEPT]; SENSORS],
-    /// In no order.
+    /// Of each place of the unturned ring those that look nearest its way, in no order.
     arcs: [[Arc; KEPT]; SENSORS],
+    /// Which transducer heard each arc.
+    heard_by: [[u8; KEPT]; SENSORS],
     /// When each transducer was heard last, if ever.
     heard_at: [Millis; SENSORS],
     heard: Mask,
@@ -94,6 +104,8 @@ pub struct Shield<const SENSORS: usize> {
     turned: Bearing,
     /// The lobe of the last echo.
     lobe: Option<Lobe>,
+    /// How far the robot has moved since it knew nothing, millimeters; counted until that makes a second view.
+    way_mm: u16,
 }
 
 impl<const SENSORS: usize> Default for Shield<SENSORS> {
@@ -118,10 +130,12 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         Self {
             faces: [[Displacement::ZERO; KEPT]; SENSORS],
             arcs: [[Arc::NONE; KEPT]; SENSORS],
+            heard_by: [[0; KEPT]; SENSORS],
             heard_at: [Millis::from_ms(0); SENSORS],
             heard: Mask::NONE,
             turned: Bearing::ZERO,
             lobe: None,
+            way_mm: 0,
         }
     }
 
@@ -131,6 +145,13 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         self.arcs.as_flattened_mut().fill(Arc::NONE);
         self.heard = Mask::NONE;
         self.turned = Bearing::ZERO;
+        self.way_mm = 0;
+    }
+
+    /// Whether all that is known was heard from one place: a thing may stand unheard in the gap between two lobes.
+    pub(crate) const fn has_one_view(&self) -> bool {
+        // The way is told in pieces of whole millimeters.
+        self.way_mm < SECOND_VIEW_MM - 10
     }
 
     /// Takes an echo of a transducer.
@@ -148,9 +169,10 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         };
         self.lobe = Some(lobe);
         self.drop_if_silent(shielding, sensor, echo.at);
-        self.look(&lobe, sensor, &cone, shielding.spacing_mm);
+        self.look(&lobe, &cone, shielding.spacing_mm);
         if echo.range.is_some() {
-            self.insert(shielding, sensor, &cone, echo);
+            let place = self.place_of(config, sensor, axis);
+            self.insert(shielding, place, sensor, cone.face, Arc::heard(axis, echo));
         }
     }
 
@@ -161,8 +183,14 @@ impl<const SENSORS: usize> Shield<SENSORS> {
             *at = now;
             self.heard = self.heard.with(sensor);
         }
-        if is_silent && let Some(arcs) = self.arcs.get_mut(sensor) {
-            *arcs = [Arc::NONE; KEPT];
+        if is_silent {
+            let heard_by = self.heard_by.as_flattened().iter();
+            for (arc, by) in self.arcs.as_flattened_mut().iter_mut().zip(heard_by) {
+                if usize::from(*by) == sensor {
+                    *arc = Arc::NONE;
+                }
+            }
+            self.way_mm = 0;
         }
     }
 
@@ -173,13 +201,14 @@ impl<const SENSORS: usize> Shield<SENSORS> {
     }
 
     /// Replaces what was heard through the same cone, unless the echo comes from farther away, and counts what it contradicts.
-    fn look(&mut self, lobe: &Lobe, sensor: usize, cone: &Cone, spacing_mm: u16) {
+    fn look(&mut self, lobe: &Lobe, cone: &Cone, spacing_mm: u16) {
         let faces = self.faces.as_flattened().iter();
-        let own = sensor * KEPT..(sensor + 1) * KEPT;
-        for (place, (face, arc)) in faces.zip(self.arcs.as_flattened_mut()).enumerate() {
-            let Some(range) = arc.range else { continue };
+        for (face, arc) in faces.zip(self.arcs.as_flattened_mut()) {
+            let Some(range) = arc.range.filter(|_| cone.looks_along(arc)) else {
+                continue;
+            };
             let range_mm = range.as_mm().into();
-            if !own.contains(&place) || !cone.is_same(*face, arc, spacing_mm) {
+            if !cone.is_same(*face, arc, spacing_mm) {
                 cone.look_at(lobe, *face, arc, range_mm);
             } else if cone.is_beyond(range_mm) {
                 (0..POINTS).for_each(|point| arc.contradict(point));
@@ -189,30 +218,49 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         }
     }
 
-    /// Keeps an arc; the farthest makes room.
-    fn insert(&mut self, shielding: &Shielding, sensor: usize, cone: &Cone, echo: Echo) {
-        let (Some(faces), Some(arcs)) = (self.faces.get_mut(sensor), self.arcs.get_mut(sensor))
-        else {
+    /// Keeps an arc at a place of the ring; the farthest there makes room.
+    fn insert(
+        &mut self,
+        shielding: &Shielding,
+        place: usize,
+        sensor: usize,
+        face: Displacement,
+        heard: Arc,
+    ) {
+        let (Some(faces), Some(arcs), Some(heard_by)) = (
+            self.faces.get_mut(place),
+            self.arcs.get_mut(place),
+            self.heard_by.get_mut(place),
+        ) else {
             return;
         };
-        let places = usize::from(shielding.places).clamp(1, KEPT);
-        let slots = faces.iter_mut().zip(arcs).take(places);
-        let farthest = slots.max_by_key(|(face, arc)| arc.distance_squared(**face));
-        if let Some((face, arc)) = farthest {
-            *face = cone.face;
-            *arc = Arc {
-                axis: cone.axis,
-                range: echo.range,
-                contradictions: 0,
-                at: echo.at,
-            };
+        let kept = usize::from(shielding.places).clamp(1, KEPT);
+        let slots = faces.iter_mut().zip(arcs).zip(heard_by).take(kept);
+        let farthest = slots.max_by_key(|((face, arc), _)| arc.distance_squared(**face));
+        if let Some(((kept_face, kept_arc), by)) = farthest {
+            // A ring has at most 32 transducers.
+            (*kept_face, *kept_arc, *by) = (face, heard, sensor as u8);
         }
+    }
+
+    /// The place of the unturned ring that looks nearest this way: the transducer's own while the ring is not turned.
+    fn place_of(&self, config: &Config<SENSORS>, sensor: usize, axis: Direction) -> usize {
+        if self.turned == Bearing::ZERO {
+            return sensor;
+        }
+        let (x, y) = (i32::from(axis.x_q14), i32::from(axis.y_q14));
+        let places = config.robot.directions.iter().enumerate();
+        let nearest = places.max_by_key(|(_, direction)| direction.along(x, y));
+        nearest.map_or(sensor, |(place, _)| place)
     }
 
     /// The robot has moved and then its ring has turned: what was heard stays where it is in the world.
     pub fn moved(&mut self, by: Displacement, turned: Bearing) {
         if by != Displacement::ZERO {
             let by = self.way_in_frame(by);
+            if self.has_one_view() {
+                self.way_mm = self.way_mm.saturating_add(by.length_mm());
+            }
             for face in self.faces.as_flattened_mut() {
                 *face = face.minus(by);
             }
@@ -329,7 +377,12 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         if axes.any(|(sensor, axis)| self.is_stale(way, sensor, *axis)) {
             return 0;
         }
-        way.until_any(self.faces.as_flattened(), self.arcs.as_flattened(), limit)
+        let arcs = self
+            .faces
+            .as_flattened()
+            .iter()
+            .zip(self.arcs.as_flattened());
+        way.until_any(arcs, limit)
     }
 
     /// The same where not all are asked; apart, so that it costs nothing where all are.
@@ -352,16 +405,14 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         if asked.indices(SENSORS).any(is_stale) {
             return 0;
         }
-        asked.indices(SENSORS).fold(limit, |distance, sensor| {
-            self.until_any(way, sensor, distance)
-        })
-    }
-
-    /// Distance until the body would come within the margin of an arc of this transducer; `limit` where it would not.
-    fn until_any(&self, way: &Way<'_>, sensor: usize, limit: i32) -> i32 {
-        let faces = self.faces.get(sensor).map_or(&[][..], |faces| faces);
-        let arcs = self.arcs.get(sensor).map_or(&[][..], |arcs| arcs);
-        way.until_any(faces, arcs, limit)
+        let arcs = self
+            .faces
+            .as_flattened()
+            .iter()
+            .zip(self.arcs.as_flattened());
+        let arcs = arcs.zip(self.heard_by.as_flattened());
+        let theirs = arcs.filter(|(_, by)| asked.contains(usize::from(**by)));
+        way.until_any(theirs.map(|(arc, _)| arc), limit)
     }
 
     /// Whether the transducer looks where the robot would go and was not heard lately.

@@ -448,6 +448,7 @@ fn crashes_are_reported_after_the_reset_and_nothing_moves() {
     assert!(motion(&chip.ask(&scan(chip.at_ms(), 16, 900))).is_some());
     for (word, cause) in [
         ("!overflow", ResetCause::StackOverflow),
+        ("!guard", ResetCause::StackOverflow),
         ("!panic", ResetCause::Panic),
         ("!fault", ResetCause::HardFault),
     ] {

@@ -9,7 +9,7 @@ use crate::goal::{Asked, Frame, Goal, missed};
 use crate::memory::{self, Sample};
 use crate::planner::{GoalNeuron, NEXT_COURSE, Plan, Planner, Why};
 use crate::scan::{Aligned, Situation, rotated};
-use crate::shield::Allowed;
+use crate::shield::{Allowed, SECOND_VIEW_MM};
 use crate::som::Neighbourhood;
 use crate::som::neighbourhood::Pull;
 use crate::units::{Bearing, Displacement, Millis};
@@ -149,6 +149,29 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         outputs
     }
 
+    /// The first move after the start, or after the robot was carried: a short one across the way, to look at it from a second
+    /// place. `None` where that is known already, or where both sides are closed.
+    pub(super) fn step_aside(
+        &self,
+        config: &Config<SENSORS>,
+        enabled: Mask,
+        now: Millis,
+        wanted: Displacement,
+    ) -> Option<(Displacement, Allowed)> {
+        if config.shield.is_none() || !self.shield.has_one_view() {
+            return None;
+        }
+        let step = wanted.with_length(SECOND_VIEW_MM);
+        let aside = [1, 3].map(|quarters| {
+            let way = step.rotated(Bearing::of_place(quarters, 4).direction());
+            (way, self.shield.allow(config, enabled, way, now))
+        });
+        let freer = aside
+            .into_iter()
+            .max_by_key(|(_, allowed)| allowed.distance_mm);
+        freer.filter(|(_, allowed)| allowed.distance_mm > 0)
+    }
+
     /// What the shield leaves of a way. Where that is less than half, the best of four detours is taken
     /// instead. A detour also shows what stands in the gap between two lobes: from beside it, it is in a lobe.
     pub(super) fn detour(
@@ -271,10 +294,11 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         plan: Option<&Plan<SENSORS>>,
     ) -> Outputs<SENSORS> {
         let enabled = self.enabled(config);
-        let (wanted, limit) = match plan {
+        let aside = self.step_aside(config, enabled, now, wanted);
+        let (wanted, limit) = aside.unwrap_or_else(|| match plan {
             Some(_) => self.detour(config, enabled, now, wanted),
             None => (wanted, self.shield.allow(config, enabled, wanted, now)),
-        };
+        });
         let allowed = if wanted.is_shorter_than(u32::from(limit.distance_mm).wrapping_add(1)) {
             wanted
         } else {

@@ -128,6 +128,12 @@ impl Bench {
         assert!(steps.any(|_| self.step().mode_changed), "it never ends");
     }
 
+    /// What is heard from here on is not the first that the robot hears.
+    fn has_looked_around(&mut self) {
+        let way = Displacement::along(Bearing::ZERO, 100);
+        self.state.shield.moved(way, Bearing::ZERO);
+    }
+
     fn learn(&mut self) {
         let out = self.send(Event::Command(Command::Learn));
         assert_eq!(out.refusal, None);
@@ -559,6 +565,7 @@ fn random_moves_have_all_lengths_and_the_shield_has_some_drawn_anew() {
         let mut bench = Bench::new(config);
         // In a corner: three quarters of all ways are barred.
         (bench.x, bench.y) = (1_640, 1_640);
+        bench.has_looked_around();
         bench.explore(20);
         let samples = bench.state.memory().samples().iter();
         let cut = |sample: &&crate::memory::Sample<16>| {
@@ -660,6 +667,7 @@ fn a_turned_sample_teaches_the_same_move_seen_from_another_transducer() {
 fn a_shortened_motion_is_the_same_one_slower_and_never_longer() {
     let mut bench = Bench::new(Config::recommended());
     bench.config.exploration.shortest_mm = 240;
+    bench.has_looked_around();
     bench.send(Event::Command(Command::Explore { moves: 20, seed: 3 }));
     let motion = bench.ring().motion.expect("a motion");
     let sensor = (motion.displacement.bearing().as_turns().wrapping_add(2_048) >> 12) as u8;
@@ -680,6 +688,76 @@ fn a_shortened_motion_is_the_same_one_slower_and_never_longer() {
         (stop.displacement, stop.speed_mm_s),
         (Displacement::ZERO, 0)
     );
+}
+
+/// One that is deaf would contradict all that the others have heard.
+#[test]
+fn what_a_disabled_transducer_hears_is_nothing_to_the_shield() {
+    let mut bench = Bench::new(Config::recommended());
+    bench.config.believed = Mask::ALL.without(3);
+    bench.ring();
+    let before = bench.state.shield.clone();
+    for (sensor, is_used) in [(3, false), (4, true)] {
+        let range = Some(Range::from_mm(777));
+        bench.send(Event::Echo { sensor, range });
+        assert_eq!(bench.state.shield != before, is_used, "{sensor}");
+    }
+}
+
+/// From one place a thing in the gap between two lobes is not heard; where the robot's first way leads there, it touches.
+#[test]
+fn the_first_move_is_a_short_one_across_the_way() {
+    let across = |bench: &mut Bench, turns: u16| {
+        let wanted = Displacement::along(Bearing::from_turns(turns), 250);
+        let aside = bench.state.step_aside(
+            &bench.config,
+            Mask::ALL,
+            Millis::from_ms(bench.time),
+            wanted,
+        );
+        aside.map(|(way, allowed)| {
+            (
+                way.bearing()
+                    .minus(Bearing::from_turns(turns))
+                    .as_signed_turns(),
+                allowed.distance_mm,
+            )
+        })
+    };
+    let mut bench = Bench::new(Config::recommended());
+    bench.ring();
+    let (turns, distance_mm) = across(&mut bench, 3_000).expect("a step aside");
+    assert!((15_900..16_900).contains(&turns.unsigned_abs()), "{turns}");
+    assert_eq!(distance_mm, 80);
+    // Against a wall on the left: to the right, and in a corner of a narrow corridor along the way at once.
+    bench.y = 1_650;
+    bench.state.shield.forget();
+    bench.ring();
+    assert!(across(&mut bench, 0).is_some_and(|(turns, _)| turns < 0));
+    bench.config.shield = None;
+    assert_eq!(
+        across(&mut bench, 0),
+        None,
+        "nothing is known without a shield"
+    );
+    bench.config = Config::recommended();
+    // Once 70 mm of way lie behind it, the robot knows a second view; after ten minutes of silence it was carried.
+    bench
+        .state
+        .shield
+        .moved(Displacement::along(Bearing::ZERO, 69), Bearing::ZERO);
+    assert!(across(&mut bench, 0).is_some());
+    bench
+        .state
+        .shield
+        .moved(Displacement::along(Bearing::ZERO, 1), Bearing::ZERO);
+    assert_eq!(across(&mut bench, 0), None);
+    bench.time += 599_000;
+    bench.ring();
+    assert_eq!(across(&mut bench, 0), None);
+    bench.time += 600_001;
+    bench.ring();
+    assert!(across(&mut bench, 0).is_some());
 }
 
 /// Something straight ahead, and on either side or both: where more than half of the way is left the robot keeps it.

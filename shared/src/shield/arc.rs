@@ -1,6 +1,7 @@
 //! What one echo says: something stands on an arc around the transducer's face.
 
 use super::cone::CONTRADICTIONS;
+use crate::scan::Echo;
 use crate::units::{Bearing, Direction, Displacement, Millis, Range};
 
 /// Points of an arc that are tested, evenly spaced from end to end: 5° of 30°. Where the lobes of two neighbors leave a gap
@@ -18,7 +19,7 @@ pub(super) struct Arc {
     /// Range heard; `None` = no arc.
     pub(super) range: Option<Range>,
     /// Contradictions of each point, two bits each.
-    pub(super) contradictions: u16,
+    contradictions: u16,
     pub(super) at: Millis,
 }
 
@@ -30,6 +31,16 @@ impl Arc {
         contradictions: 0,
         at: Millis::from_ms(0),
     };
+
+    /// What was heard along an axis.
+    pub(super) const fn heard(axis: Direction, echo: Echo) -> Self {
+        Self {
+            axis,
+            range: echo.range,
+            contradictions: 0,
+            at: echo.at,
+        }
+    }
 
     /// How often a point was contradicted.
     const fn contradicted(&self, point: usize) -> u8 {

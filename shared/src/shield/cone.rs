@@ -27,6 +27,10 @@ const GAP_MM: i32 = 650;
 /// Arcs farther than this from the robot are not tested, millimeters: no motion reaches them before the next ring.
 const FARTHEST_MM: i32 = 1_200;
 
+/// Cosine of the angle between two axes, Q14, beyond which an echo says nothing of an arc: 60°. What was heard from another side
+/// may be the other side of a thing.
+const SIMILAR_AXIS_Q14: i32 = 8_192;
+
 /// Two axes differ by less than this, Q14, if they are the same: 0.2°.
 const SAME_AXIS_Q14: i32 = 57;
 
@@ -48,14 +52,21 @@ impl Cone {
         }
     }
 
+    /// Whether an arc was heard in nearly this direction.
+    pub(super) fn looks_along(&self, arc: &Arc) -> bool {
+        let (x, y) = (i32::from(arc.axis.x_q14), i32::from(arc.axis.y_q14));
+        self.axis.along(x, y) >= SIMILAR_AXIS_Q14
+    }
+
     /// Whether an arc was heard through the same cone, as far as anything near it is concerned.
     pub(super) fn is_same(&self, face: Displacement, arc: &Arc, spacing_mm: u16) -> bool {
+        let differ = |a: i16, b: i16| (i32::from(a) - i32::from(b)).abs() >= SAME_AXIS_Q14;
+        if differ(self.axis.x_q14, arc.axis.x_q14) || differ(self.axis.y_q14, arc.axis.y_q14) {
+            return false;
+        }
         let apart = self.face.minus(face);
         let (dx, dy) = (apart.dx_mm.unsigned_abs(), apart.dy_mm.unsigned_abs());
-        let differ = |a: i16, b: i16| (i32::from(a) - i32::from(b)).abs() >= SAME_AXIS_Q14;
         dx.max(dy) < spacing_mm.max(1)
-            && !differ(self.axis.x_q14, arc.axis.x_q14)
-            && !differ(self.axis.y_q14, arc.axis.y_q14)
     }
 
     /// Whether this echo comes from beyond `range_mm`.

@@ -10,14 +10,12 @@ fn arc(
     (x, y, turns, range, age): (i16, i16, u16, Option<u16>, u32),
     now: Millis,
 ) -> (Displacement, Arc) {
-    let range = range.map(Range::from_mm);
-    let arc = Arc {
-        axis: Bearing::from_turns(turns).direction(),
-        range,
-        contradictions: 0,
+    let echo = Echo {
+        range: range.map(Range::from_mm),
         at: Millis::from_ms(now.as_ms().wrapping_sub(age)),
     };
-    (mm(x, y), arc)
+    let axis = Bearing::from_turns(turns).direction();
+    (mm(x, y), Arc::heard(axis, echo))
 }
 
 /// Distance along x until a disc of this radius touches a point no farther back than `back`, at most `limit`.
@@ -62,7 +60,7 @@ proptest! {
         }
         let arcs = parts.into_iter().map(|(x, y, turns, range)| arc((x, y, turns, Some(range), 0), now));
         let (faces, arcs): (Vec<_>, Vec<_>) = arcs.unzip();
-        let found = f64::from(way.until_any(&faces, &arcs, limit));
+        let found = f64::from(way.until_any(faces.iter().zip(&arcs), limit));
         prop_assert!(least <= found && found <= most, "{least} {found} {most}");
     }
 }
@@ -359,6 +357,79 @@ fn a_turn_in_many_steps_moves_nothing() {
         shield.moved(Displacement::ZERO, Bearing::from_turns(turn as u16));
     }
     assert_eq!(way(&shield, &config, mm(400, 0), 6).0, 372);
+}
+
+/// A near wall behind the robot, as transducer 0 hears it while the ring turns: each time from another direction.
+#[test]
+fn what_a_turned_ring_hears_of_a_wall_replaces_nothing_elsewhere() {
+    let config = Config::recommended();
+    let mut shield = heard(&config, &[(0, 500)]);
+    let mut turned = 0_u16;
+    for (places, time) in [6, 7, 8, 9, 10].into_iter().zip(6..) {
+        let turn = (places << 12) - turned;
+        shield.moved(Displacement::ZERO, Bearing::from_turns(turn));
+        turned += turn;
+        shield.hear(&config, 0, echo(Some(Range::from_mm(200)), time));
+    }
+    shield.moved(
+        Displacement::ZERO,
+        Bearing::ZERO.minus(Bearing::from_turns(turned)),
+    );
+    assert_eq!(way(&shield, &config, mm(400, 0), 20).0, 372);
+    assert!(way(&shield, &config, mm(-400, 0), 20).0 < 100);
+}
+
+/// The same cone, whoever looks through it.
+#[test]
+fn another_transducer_through_the_same_cone_replaces_what_was_heard() {
+    let config = Config::recommended();
+    let mut shield = heard(&config, &[(0, 500)]);
+    shield.moved(Displacement::ZERO, Bearing::from_turns(1 << 12));
+    shield.hear(&config, 15, echo(Some(Range::from_mm(490)), 6));
+    let kept = shield.arcs.as_flattened().iter();
+    assert_eq!(kept.filter(|arc| arc.range.is_some()).count(), 1);
+    // By the one that heard it last.
+    let asked = |sensor: usize| {
+        let among = Mask::NONE.with(sensor);
+        let (now, ahead) = (
+            Millis::from_ms(7),
+            Displacement::along(Bearing::from_turns(61_440), 400),
+        );
+        shield
+            .allow_by(&config, Mask::ALL, ahead, now, among)
+            .distance_mm
+    };
+    assert!(
+        asked(0) >= 399 && asked(15).abs_diff(362) <= 2,
+        "{} {}",
+        asked(0),
+        asked(15)
+    );
+}
+
+/// A board that stands between the robot and its other side: from across nothing is contradicted.
+#[test]
+fn who_looks_from_another_side_contradicts_nothing() {
+    let config = Config::recommended();
+    let wanted = mm(0, 400);
+    let after = |place: usize| {
+        let mut shield = heard(&config, &[(4, 400)]);
+        // Beside the thing, and the ring in the open.
+        let beside = Displacement::along(Bearing::from_turns((place as u16) << 12), -600);
+        let at = mm(0, 631);
+        shield.moved(at.plus(beside), Bearing::ZERO);
+        for time in 6..12 {
+            shield.hear(&config, place, echo(None, time));
+        }
+        shield.moved(Displacement::ZERO.minus(at.plus(beside)), Bearing::ZERO);
+        for sensor in 0..16 {
+            shield.heard_at[sensor] = Millis::from_ms(12);
+        }
+        way(&shield, &config, wanted, 13).0
+    };
+    assert_eq!(after(8), 272);
+    assert_eq!(after(0), 272);
+    assert!(after(5) > 272);
 }
 
 #[test]

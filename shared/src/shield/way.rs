@@ -3,7 +3,7 @@
 use super::Shielding;
 use super::arc::{Arc, Lobe, Seen, magnitude, nearest_mm};
 use crate::config::Config;
-use crate::fixed::{Mask, isqrt};
+use crate::fixed::{Mask, isqrt_u32};
 use crate::units::{Direction, Displacement, Millis, Range};
 
 /// The way ahead.
@@ -66,9 +66,11 @@ impl<'a> Way<'a> {
     }
 
     /// Distance until the body would come within the margin of any of these arcs; `limit` where it would not before that.
-    #[inline(never)]
-    pub(super) fn until_any(&self, faces: &[Displacement], arcs: &[Arc], limit: i32) -> i32 {
-        let arcs = faces.iter().zip(arcs);
+    pub(super) fn until_any<'b>(
+        &self,
+        arcs: impl Iterator<Item = (&'b Displacement, &'b Arc)>,
+        limit: i32,
+    ) -> i32 {
         arcs.fold(limit, |limit, (face, arc)| self.until(*face, arc, limit))
     }
 
@@ -108,6 +110,9 @@ impl<'a> Way<'a> {
     /// A range less what something may have come nearer since.
     fn range_now(&self, range: Range, at: Millis) -> i32 {
         let approach = u32::from(self.shielding.approach_mm_s);
+        if approach == 0 {
+            return range.as_mm().into();
+        }
         let nearer = self.now.since(at).saturating_mul(approach) / 1_000;
         i32::from(
             range
@@ -131,7 +136,7 @@ impl<'a> Way<'a> {
         if beyond >= 0 && beyond.wrapping_mul(beyond) >= squared {
             return limit;
         }
-        let half_chord = isqrt(u64::from(squared.unsigned_abs()));
+        let half_chord = isqrt_u32(squared.unsigned_abs());
         along.wrapping_sub(half_chord as i32).max(0).min(limit)
     }
 }

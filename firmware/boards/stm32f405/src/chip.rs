@@ -3,10 +3,10 @@
 //! An emulated chip differs in three points: its oscillators are never ready, so it stays on the internal one; its port
 //! raises no interrupt when it takes a byte, so this is done by software; watchdog and reset flags do nothing.
 
-use crate::clocks;
 use crate::flash::Kept;
 use crate::ring_timer::RingTimer;
 use crate::serial::SerialPort;
+use crate::{clocks, fault};
 use amp::wire::message::Oscillator;
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
@@ -67,18 +67,19 @@ pub struct Chip {
 }
 
 impl Chip {
-    /// Starts the watchdog, then the clocks.
+    /// Starts the watchdog, then the clocks, and guards the stack.
     pub fn start(
         (iwdg, dbgmcu): (pac::IWDG, &pac::DBGMCU),
         (rcc, timer): (pac::RCC, pac::TIM11),
-        mut systick: SYST,
+        mut core: cortex_m::Peripherals,
     ) -> Self {
         let mut watchdog = IndependentWatchdog::new(iwdg);
         watchdog.stop_on_debug(dbgmcu, true);
         watchdog.start(WATCHDOG_MS.millis());
         let flags = take_flags(&rcc);
         let (rcc, oscillator) = clocks::start(rcc, timer);
-        count_milliseconds(&mut systick);
+        count_milliseconds(&mut core.SYST);
+        fault::guard_stack(&mut core.MPU);
         Self {
             rcc,
             watchdog: Watchdog(watchdog),

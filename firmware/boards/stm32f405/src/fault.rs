@@ -9,7 +9,7 @@ use core::arch::naked_asm;
 use core::mem::MaybeUninit;
 use core::panic::PanicInfo;
 use core::ptr::{addr_of, addr_of_mut};
-use cortex_m::peripheral::SCB;
+use cortex_m::peripheral::{MPU, SCB};
 use cortex_m_rt::exception;
 use firmware::crash::{Cause, Crash, Record, Text, cause_of_fault};
 use firmware::stack;
@@ -23,6 +23,29 @@ unsafe extern "C" {
     static _stack_start: u32;
     /// The lowest word of the stack.
     static _stack_end: u32;
+}
+
+/// Lowest bytes of the stack's region, which nothing may write to.
+const GUARD_BYTES: u32 = 32;
+
+/// Makes the lowest bytes of the stack's region read-only: a stack that comes so far faults at once
+/// (ARMv7-M Architecture Reference Manual, B3.5).
+pub fn guard_stack(mpu: &mut MPU) {
+    /// The address is of the region that is named with it: number 0.
+    const REGION_0: u32 = 1 << 4;
+    /// Read-only, no code, 2^(4 + 1) bytes, on.
+    const READ_ONLY_32_BYTES: u32 = 1 << 28 | 0b101 << 24 | 4 << 1 | 1;
+    /// On; all other memory as without it.
+    const ON_WITH_DEFAULT_MAP: u32 = 1 << 2 | 1;
+    let lowest = addr_of!(_stack_end).addr() as u32;
+    // SAFETY: nothing in the program writes there but a stack that is too deep.
+    unsafe {
+        mpu.rbar.write(lowest | REGION_0);
+        mpu.rasr.write(READ_ONLY_32_BYTES);
+        mpu.ctrl.write(ON_WITH_DEFAULT_MAP);
+    }
+    cortex_m::asm::dsb();
+    cortex_m::asm::isb();
 }
 
 const _: () = assert!(
@@ -110,8 +133,12 @@ extern "C" fn HardFault() -> ! {
 
 extern "C" fn fault(stack_pointer: *const u32) -> ! {
     let start = addr_of!(_stack_start).addr() as u32;
-    let end = addr_of!(_stack_end).addr() as u32;
-    let cause = cause_of_fault(stack_pointer.addr() as u32, start, end);
+    let end = addr_of!(_stack_end).addr() as u32 + GUARD_BYTES;
+    let guard_was_hit = guarded_address().is_some_and(|address| address < end);
+    let cause = match guard_was_hit {
+        true => Cause::StackOverflow,
+        false => cause_of_fault(stack_pointer.addr() as u32, start, end),
+    };
     let (mut program_counter, mut text) = (0, Text::new());
     if cause == Cause::HardFault {
         // SAFETY: the processor has pushed eight words onto a stack that is memory, the link register sixth, the program counter
@@ -133,6 +160,15 @@ extern "C" fn fault(stack_pointer: *const u32) -> ! {
         program_counter,
         text,
     })
+}
+
+/// Where the guard was written to, if the processor knows.
+fn guarded_address() -> Option<u32> {
+    /// The address in MMFAR is valid.
+    const MMARVALID: u32 = 1 << 7;
+    // SAFETY: reading these registers has no effect.
+    let scb = unsafe { &*SCB::PTR };
+    (scb.cfsr.read() & MMARVALID != 0).then(|| scb.mmfar.read())
 }
 
 /// Notes what the processor says of a fault (ARMv7-M Architecture Reference Manual, B3.2): the configurable fault status, the

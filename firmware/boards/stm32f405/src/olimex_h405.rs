@@ -72,7 +72,7 @@ mod device {
             watchdog,
             flags,
             oscillator,
-        } = Chip::start(guards, (device.RCC, device.TIM11), core.SYST);
+        } = Chip::start(guards, (device.RCC, device.TIM11), core);
         let gpioa = device.GPIOA.split(&mut rcc);
         let gpiob = device.GPIOB.split(&mut rcc);
         let gpioc = device.GPIOC.split(&mut rcc);

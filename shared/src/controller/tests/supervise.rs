@@ -6,6 +6,7 @@ impl Bench {
     /// A robot that has just been sent on its first random move.
     fn moving() -> (Self, Motion) {
         let mut bench = Self::new(Config::recommended());
+        bench.has_looked_around();
         bench.send(Event::Command(Command::Explore { moves: 5, seed: 12 }));
         let motion = bench.ring().motion.expect("a motion");
         (bench, motion)

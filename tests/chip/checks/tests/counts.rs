@@ -8,12 +8,12 @@ const BUDGETS: [(&str, u64, u64); 7] = [
     ("situation map learns, winner and 4 neighbours", 450, 450),
     (
         "**decision** (last echo of the ring): avoid",
-        24_500,
-        45_000,
+        20_000,
+        30_000,
     ),
-    ("decision: along a wall", 28_200, 45_000),
-    ("decision: to a place", 22_500, 45_000),
-    ("decision: avoid by the paper's four steps", 20_000, 45_000),
+    ("decision: along a wall", 25_000, 30_000),
+    ("decision: to a place", 20_000, 30_000),
+    ("decision: avoid by the paper's four steps", 20_000, 30_000),
     ("**learning**", 30_000_000, 30_000_000),
 ];
 
