@@ -42,7 +42,7 @@ pub struct Shielding {
     pub margin_mm: u16,
     /// Half the opening of a transducer's lobe.
     pub half_lobe: Bearing,
-    /// Arcs kept per place of the ring, 1 … [`KEPT`]. The newest replaces the farthest.
+    /// Arcs kept per place of the ring, 1 … [`KEPT`]. The newest replaces the farthest, by the points that still count.
     pub places: u8,
     /// Echoes whose faces were less than this apart, with the same axis, come through one cone, millimeters: the newer
     /// replaces the older or contradicts all of it. Small, as a near corner leaves the lobe within a few centimeters.
@@ -172,7 +172,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         self.look(&lobe, &cone, shielding.spacing_mm);
         if echo.range.is_some() {
             let place = self.place_of(config, sensor, axis);
-            self.insert(shielding, place, sensor, cone.face, Arc::heard(axis, echo));
+            self.insert(shielding, &lobe, place, sensor, &cone, echo);
         }
     }
 
@@ -218,14 +218,15 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         }
     }
 
-    /// Keeps an arc at a place of the ring; the farthest there makes room.
+    /// Keeps an arc at a place of the ring. The one there whose points that still count are farthest makes room.
     fn insert(
         &mut self,
         shielding: &Shielding,
+        lobe: &Lobe,
         place: usize,
         sensor: usize,
-        face: Displacement,
-        heard: Arc,
+        cone: &Cone,
+        echo: Echo,
     ) {
         let (Some(faces), Some(arcs), Some(heard_by)) = (
             self.faces.get_mut(place),
@@ -236,10 +237,10 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         };
         let kept = usize::from(shielding.places).clamp(1, KEPT);
         let slots = faces.iter_mut().zip(arcs).zip(heard_by).take(kept);
-        let farthest = slots.max_by_key(|((face, arc), _)| arc.distance_squared(**face));
-        if let Some(((kept_face, kept_arc), by)) = farthest {
+        let farthest = slots.max_by_key(|((face, arc), _)| arc.half_distance_squared(**face, lobe));
+        if let Some(((face, arc), by)) = farthest {
             // A ring has at most 32 transducers.
-            (*kept_face, *kept_arc, *by) = (face, heard, sensor as u8);
+            (*face, *arc, *by) = (cone.face, Arc::heard(cone.axis, echo), sensor as u8);
         }
     }
 

@@ -62,15 +62,24 @@ impl Arc {
         }
     }
 
-    /// Square of the middle's distance from the robot; the greatest for no arc.
-    pub(super) fn distance_squared(&self, face: Displacement) -> u64 {
-        let Some(range) = self.range else {
-            return u64::MAX;
+    /// How far its nearest point that still counts is from the robot, as the square of half the distance; the greatest for no arc.
+    pub(super) fn half_distance_squared(&self, face: Displacement, lobe: &Lobe) -> u32 {
+        const AHEAD: Direction = Direction {
+            x_q14: 1 << 14,
+            y_q14: 0,
         };
-        let (x_mm, y_mm) = self.axis.times(range.as_mm().into());
-        let from = |face: i16, mm: i32| u64::from(i32::from(face).wrapping_add(mm).unsigned_abs());
-        let (x, y) = (from(face.dx_mm, x_mm), from(face.dy_mm, y_mm));
-        x * x + y * y
+        let Some(range) = self.range else {
+            return u32::MAX;
+        };
+        let face_mm = (face.dx_mm.into(), face.dy_mm.into());
+        let seen = Seen::along(AHEAD, face_mm, self.axis, range.as_mm().into());
+        let standing = seen.points(lobe).filter(|(point, _)| self.stands(*point));
+        let squares = standing.map(|(_, (x, y))| {
+            // Halves, whose squares are at most 2³⁰ each.
+            let (x, y) = (x >> 1, y >> 1);
+            x.wrapping_mul(x).wrapping_add(y.wrapping_mul(y)) as u32
+        });
+        squares.min().unwrap_or(u32::MAX)
     }
 }
 

@@ -317,6 +317,32 @@ fn what_has_gone_is_forgotten_as_soon_as_its_place_was_looked_through() {
     assert_eq!(way(&shield, &config, ahead, 12).0, 972);
 }
 
+/// The robot drove through the middle of an arc that it had heard from afar: what is left of it is far aside.
+#[test]
+fn an_arc_is_as_far_as_its_points_that_still_count() {
+    let (config, lobe) = (Config::recommended(), Lobe::of(Bearing::from_turns(2_731)));
+    let (face, mut arc) = arc((-3_000, 0, 0, Some(3_000), 0), Millis::from_ms(5));
+    let distance = |arc: &Arc| 2 * isqrt(arc.half_distance_squared(face, &lobe).into());
+    assert_eq!(distance(&arc), 0);
+    for point in [1, 2, 3, 4, 5] {
+        (0..3).for_each(|_| arc.contradict(point));
+    }
+    // 3 m · sin 15° aside, 3 m · (1 - cos 15°) behind.
+    assert!(distance(&arc).abs_diff(783) <= 5, "{}", distance(&arc));
+    assert_eq!(distance(&Arc::NONE), 2 * 65_535);
+    // It makes room for a corner, and not the corner for what is heard next.
+    let mut shield = heard(&config, &[]);
+    for (slot, moved) in (0..4).zip([0, 5, 10, 15]) {
+        (shield.faces[0][slot], shield.arcs[0][slot]) = (mm(-3_000, moved), arc);
+    }
+    for (time, range) in [(6, 500), (7, 2_500), (8, 2_600)] {
+        shield.hear(&config, 0, echo(Some(Range::from_mm(range)), time));
+        shield.moved(mm(0, 3), Bearing::ZERO);
+    }
+    let kept = shield.arcs[0].iter().filter_map(|arc| arc.range);
+    assert!(kept.clone().any(|range| range == Range::from_mm(500)));
+}
+
 #[test]
 fn the_farthest_arc_makes_room_for_the_newest() {
     let mut config = Config::recommended();
