@@ -231,10 +231,10 @@ impl Base {
         self.drive != Drive::Still
     }
 
-    /// Whether the base brakes or turns its wheels before it rolls to its goal.
+    /// Whether the base brakes or turns its wheels before it rolls to its goal, or they still turn though it is told to stand.
     #[must_use]
     pub fn is_steering(&self) -> bool {
-        matches!(self.drive, Drive::Brake(Some(_)) | Drive::Steer(..))
+        matches!(self.drive, Drive::Brake(Some(_)) | Drive::Steer(..)) || self.turn_rate != 0.0
     }
 
     /// From now on gaps between disc and surfaces of so much or more, m, need not be told: they may be told as infinite.

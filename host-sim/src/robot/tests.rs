@@ -185,6 +185,24 @@ fn zero_brakes_within_v_squared_over_2a() {
     assert!((time - speed / 0.762).abs() < 0.011);
 }
 
+/// It takes up to 1.5 s: who counted it as rolling would think the wheels blocked.
+#[test]
+fn wheels_that_still_turn_when_told_to_stand_are_said_to_steer() {
+    let mut base = base(TurretMode::Held);
+    go(&mut base, 0.0, 0.5);
+    base.advance(1.6, &hall());
+    assert!(base.is_steering());
+    go(&mut base, 0.0, 0.0);
+    let mut rest_s = 0.0;
+    while base.is_moving() {
+        assert!(base.is_steering());
+        base.advance(0.01, &hall());
+        rest_s += 0.01;
+    }
+    assert!(!base.is_steering());
+    assert!(rest_s > 0.6, "{rest_s}");
+}
+
 #[test]
 fn a_new_direction_waits_until_the_base_stands() {
     let mut base = base(TurretMode::Held);

@@ -164,7 +164,10 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let step = wanted.with_length(SECOND_VIEW_MM);
         let aside = [1, 3].map(|quarters| {
             let way = step.rotated(Bearing::of_place(quarters, 4).direction());
-            (way, self.shield.allow(config, enabled, way, now))
+            let mut allowed = self.shield.allow(config, enabled, way, now);
+            // Nobody has looked there: slowly.
+            allowed.speed_mm_s = allowed.speed_mm_s.min(config.robot.speed_mm_s / 2);
+            (way, allowed)
         });
         let freer = aside
             .into_iter()

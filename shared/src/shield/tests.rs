@@ -226,7 +226,7 @@ fn ring(shield: &mut Shield<16>, config: &Config<16>, ahead: Option<u16>, time: 
 }
 
 #[test]
-fn three_farther_echoes_through_the_same_cone_contradict_an_arc() {
+fn two_farther_echoes_through_the_same_cone_contradict_an_arc() {
     let config = Config::recommended();
     let after = |ranges: &[Option<u16>]| {
         let mut shield = heard(&config, &[(0, 300)]);
@@ -237,11 +237,10 @@ fn three_farther_echoes_through_the_same_cone_contradict_an_arc() {
     };
     assert_eq!(after(&[]), 171);
     assert_eq!(after(&[None]), 171);
-    assert_eq!(after(&[None, None]), 171);
-    assert_eq!(after(&[None, None, None]), 300);
-    assert_eq!(after(&[Some(900), Some(900), Some(900)]), 300);
+    assert_eq!(after(&[None, None]), 300);
+    assert_eq!(after(&[Some(900), Some(900)]), 300);
     // An echo from there begins anew.
-    assert_eq!(after(&[None, None, Some(300), None, None]), 171);
+    assert_eq!(after(&[None, Some(300), None]), 171);
     // Not farther than the readings scatter: the newer counts.
     assert_eq!(after(&[Some(350)]), 222);
     assert_eq!(after(&[Some(350), None]), 222);
@@ -310,11 +309,8 @@ fn what_has_gone_is_forgotten_as_soon_as_its_place_was_looked_through() {
     assert_eq!(way(&shield, &config, ahead, 8).0, 722);
     shield.moved(mm(50, 0), Bearing::ZERO);
     ring(&mut shield, &config, Some(1_200), 9);
-    assert_eq!(way(&shield, &config, ahead, 10).0, 672);
-    shield.moved(mm(50, 0), Bearing::ZERO);
-    ring(&mut shield, &config, Some(1_200), 11);
     // What the newest echo says.
-    assert_eq!(way(&shield, &config, ahead, 12).0, 972);
+    assert_eq!(way(&shield, &config, ahead, 10).0, 972);
 }
 
 /// The robot drove through the middle of an arc that it had heard from afar: what is left of it is far aside.

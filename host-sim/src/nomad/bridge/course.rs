@@ -49,9 +49,14 @@ impl Course {
         self.id
     }
 
-    /// Whether the base has a goal and does not roll to it yet.
-    pub(super) fn is_steering(&self) -> bool {
-        matches!(self.leg, Leg::Steering(_) | Leg::Braking(Some(_)))
+    /// Whether the base has a goal and does not roll to it yet, or its wheels still turn though it is told to stand.
+    pub(super) fn is_steering(&self, state: &State) -> bool {
+        let [_, turning, _] = state.velocity;
+        match self.leg {
+            Leg::Steering(_) | Leg::Braking(Some(_)) => true,
+            Leg::Braking(None) => turning != 0,
+            Leg::Standing | Leg::Rolling(_) => false,
+        }
     }
 
     /// Begins a motion to `goal` (in the robot's frame, m), or changes the one under way; no displacement stops.

@@ -125,7 +125,10 @@ impl Reins {
         let way_m = feed::position(&self.state.pose).distance(feed::position(&before.pose));
         let touched = self.feel()?;
         let ended = self.course.follow(&mut self.host, &self.state)?;
-        let steering = self.course.is_steering().then_some(Progress::Steering);
+        let steering = self
+            .course
+            .is_steering(&self.state)
+            .then_some(Progress::Steering);
         self.feed
             .take(&self.state, self.course.id(), ended.or(steering));
         let thought = self.mind.thought();
