@@ -346,6 +346,16 @@ mod tests {
                 other: RingPilot::new(script, config.shield),
                 shortened: 0,
             };
+            // As if both had looked around: the mind's first move is a step aside, which the other driver does not make.
+            let _ = both.handle(
+                Millis::from_ms(0),
+                Event::Odometry {
+                    motion: 0,
+                    moved: Displacement::along(Bearing::ZERO, 100),
+                    turned: Bearing::ZERO,
+                    progress: Progress::Ended,
+                },
+            );
             let world = small(3);
             let body = Body::new(&world, sonar, turret, 5);
             let tally = drive_pilot(&world, &mut both, body, 200).expect("it drives");
