@@ -10,6 +10,10 @@ use tests::chip::image;
 use tests::nomad::{Cut, Line, Robot, Running, stands};
 use tests::{Program, host_sim};
 
+/// So long a base takes to stand: it rolls at 0.508 m/s at most and brakes at 0.762 m/s², or its wheels turn at 45 °/s and brake at
+/// 30 °/s².
+const BRAKING: Duration = Duration::from_millis(1_700);
+
 fn bridge(program: &Program, robot: &str, flags: &str) -> Running {
     Running::start(program, &format!("bridge --nomad {robot} --json {flags}"))
 }
@@ -123,8 +127,8 @@ fn without_its_bridge_the_base_stops_by_itself() {
     under_way(&mut robot, &mut driver);
     driver.kill();
     let killed = Instant::now();
-    // Whoever comes next does not ask before the time-out is over: a question would be a sign of life.
-    sleep(Duration::from_millis(1_700));
+    // Whoever comes next does not ask before the time-out of a second is over: a question would be a sign of life.
+    sleep(Duration::from_secs(1) + BRAKING);
     let mut host = robot.connect();
     let state = host.ask(&Command::GetState).expect("an answer").clone();
     assert!(stands(&state), "{:?} after {:?}", state, killed.elapsed());
@@ -146,8 +150,7 @@ fn an_interrupted_bridge_tells_the_base_to_stand() {
         "host-sim: interrupted; the base was told to stand\n"
     );
     assert!(figures(&stdout)["distance_m"].as_f64() > Some(0.0));
-    // 0.508 m/s at 0.762 m/s².
-    sleep(Duration::from_millis(700));
+    sleep(BRAKING);
     let state = robot
         .connect()
         .ask(&Command::GetState)
@@ -226,7 +229,7 @@ fn without_its_mind_the_base_is_told_to_stand() {
             "{stderr}"
         );
         assert!(figures(&stdout)["distance_m"].as_f64() > Some(0.0));
-        sleep(Duration::from_millis(700));
+        sleep(BRAKING);
         let state = robot
             .connect()
             .ask(&Command::GetState)

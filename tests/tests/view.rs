@@ -308,8 +308,8 @@ fn a_nomad_explores_learns_and_seeks_and_stops() {
     assert_eq!(viewed.end(), Some(0));
     let said = program.ok("replay nomad.mcap");
     assert!(said.contains("every one identical"), "{said}");
-    // The base stands: whoever comes next finds it so.
-    std::thread::sleep(Duration::from_millis(700));
+    // The base stands once it has braked, or its wheels have: whoever comes next finds it so.
+    std::thread::sleep(Duration::from_millis(1_700));
     let mut host = robot.connect();
     let state = host.ask(&host_sim::nomad::Command::GetState);
     assert!(tests::nomad::stands(state.expect("an answer")));
