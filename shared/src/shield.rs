@@ -378,12 +378,13 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         if axes.any(|(sensor, axis)| self.is_stale(way, sensor, *axis)) {
             return 0;
         }
-        let arcs = self
-            .faces
-            .as_flattened()
-            .iter()
-            .zip(self.arcs.as_flattened());
-        way.until_any(arcs, limit)
+        way.until_any(self.arcs(), limit)
+    }
+
+    /// All arcs, each behind the face it was heard from.
+    fn arcs(&self) -> impl Iterator<Item = (&Displacement, &Arc)> {
+        let faces = self.faces.as_flattened().iter();
+        faces.zip(self.arcs.as_flattened())
     }
 
     /// The same where not all are asked; apart, so that it costs nothing where all are.
@@ -406,12 +407,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         if asked.indices(SENSORS).any(is_stale) {
             return 0;
         }
-        let arcs = self
-            .faces
-            .as_flattened()
-            .iter()
-            .zip(self.arcs.as_flattened());
-        let arcs = arcs.zip(self.heard_by.as_flattened());
+        let arcs = self.arcs().zip(self.heard_by.as_flattened());
         let theirs = arcs.filter(|(_, by)| asked.contains(usize::from(**by)));
         way.until_any(theirs.map(|(arc, _)| arc), limit)
     }
