@@ -6,9 +6,9 @@ use host_sim::nomad::{Host, State};
 use std::io::{BufRead as _, BufReader, ErrorKind, Read, Write as _};
 use std::net::{Shutdown, TcpListener, TcpStream};
 use std::process::{Child, Command, Stdio};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// How long anything may take before a test fails.
@@ -199,6 +199,8 @@ pub struct Cut {
     /// Where it is, as `HOST:PORT`.
     pub place: String,
     line: Arc<AtomicU8>,
+    /// Goes to whoever listens, between what is carried there.
+    own: Arc<Mutex<Vec<u8>>>,
 }
 
 impl Cut {
@@ -211,21 +213,29 @@ impl Cut {
         let listener = TcpListener::bind(("127.0.0.1", 0)).expect("a socket");
         let place = listener.local_addr().expect("its address").to_string();
         let line = Arc::new(AtomicU8::new(Line::Open as u8));
-        let (cut, host) = (Arc::clone(&line), host.to_owned());
+        let own = Arc::new(Mutex::new(Vec::new()));
+        let nothing = Arc::default();
+        let (cut, there, host) = (Arc::clone(&line), Arc::clone(&own), host.to_owned());
         std::thread::spawn(move || {
             let Ok((near, _)) = listener.accept() else {
                 return;
             };
             let far = TcpStream::connect(host).expect("whoever listens");
-            for (from, to) in [(&near, &far), (&far, &near)] {
+            for (from, to, own) in [(&near, &far, there), (&far, &near, nothing)] {
                 let ends = (from.try_clone(), to.try_clone());
                 let cut = Arc::clone(&cut);
                 if let (Ok(from), Ok(to)) = ends {
-                    std::thread::spawn(move || carry(from, to, &cut));
+                    std::thread::spawn(move || carry(from, to, &cut, &own));
                 }
             }
         });
-        Self { place, line }
+        Self { place, line, own }
+    }
+
+    /// Says something to whoever listens.
+    pub fn say(&self, bytes: &[u8]) {
+        let mut own = self.own.lock().unwrap_or_else(PoisonError::into_inner);
+        own.extend_from_slice(bytes);
     }
 
     /// From now on.
@@ -234,7 +244,7 @@ impl Cut {
     }
 }
 
-fn carry(mut from: TcpStream, mut to: TcpStream, cut: &AtomicU8) {
+fn carry(mut from: TcpStream, mut to: TcpStream, cut: &AtomicU8, own: &Mutex<Vec<u8>>) {
     let _ = (from.set_nodelay(true), to.set_nodelay(true));
     let _ = from.set_read_timeout(Some(Duration::from_millis(20)));
     let mut buffer = [0; 1_024];
@@ -249,7 +259,9 @@ fn carry(mut from: TcpStream, mut to: TcpStream, cut: &AtomicU8) {
         if line == Line::Off as u8 {
             break;
         }
-        if line == Line::Open as u8 && to.write_all(&buffer[..count]).is_err() {
+        let own = std::mem::take(&mut *own.lock().unwrap_or_else(PoisonError::into_inner));
+        let said = [&buffer[..count], &own].concat();
+        if line == Line::Open as u8 && to.write_all(&said).is_err() {
             break;
         }
     }

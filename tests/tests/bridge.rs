@@ -6,6 +6,7 @@ use host_sim::nomad::Command;
 use serde_json::Value;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
+use tests::board::Board;
 use tests::chip::image;
 use tests::nomad::{Cut, Line, Robot, Running, stands};
 use tests::{Program, host_sim};
@@ -117,6 +118,13 @@ fn under_way(robot: &mut Robot, driver: &mut Running) {
     assert!(gone.is_empty() && said.is_empty(), "{gone:?} {said:?}");
 }
 
+/// To one who connects anew.
+fn assert_stands(robot: &Robot) {
+    let mut host = robot.connect();
+    let state = host.ask(&Command::GetState).expect("an answer");
+    assert!(stands(state), "{state:?}");
+}
+
 /// At the robot's own speed: killed, the bridge leaves a base that its own time-out stops.
 #[test]
 fn without_its_bridge_the_base_stops_by_itself() {
@@ -151,12 +159,7 @@ fn an_interrupted_bridge_tells_the_base_to_stand() {
     );
     assert!(figures(&stdout)["distance_m"].as_f64() > Some(0.0));
     sleep(BRAKING);
-    let state = robot
-        .connect()
-        .ask(&Command::GetState)
-        .expect("an answer")
-        .clone();
-    assert!(stands(&state), "{state:?}");
+    assert_stands(&robot);
 }
 
 #[test]
@@ -197,12 +200,7 @@ fn a_robot_that_falls_silent_ends_the_bridge_and_stops_by_itself() {
         "{stderr}"
     );
     assert!(figures(&stdout)["distance_m"].as_f64() > Some(0.0));
-    let state = robot
-        .connect()
-        .ask(&Command::GetState)
-        .expect("an answer")
-        .clone();
-    assert!(stands(&state), "{state:?}");
+    assert_stands(&robot);
 }
 
 /// A mind behind a socket that is switched off, or says nothing more while its socket stays.
@@ -230,13 +228,35 @@ fn without_its_mind_the_base_is_told_to_stand() {
         );
         assert!(figures(&stdout)["distance_m"].as_f64() > Some(0.0));
         sleep(BRAKING);
-        let state = robot
-            .connect()
-            .ask(&Command::GetState)
-            .expect("an answer")
-            .clone();
-        assert!(stands(&state), "{state:?}");
+        assert_stands(&robot);
     }
+}
+
+/// The firmware panics while the robot drives: the chip is reset, and the bridge sees it by the next hello.
+#[test]
+fn without_its_chip_the_base_is_told_to_stand() {
+    let program = host_sim!();
+    let mut robot = Robot::at_a_port(&program, "--world room");
+    let at = format!("tcp:{}", robot.place);
+    let board = Board::start();
+    let line = Cut::to(board.host());
+    let to_mind = format!("tcp:{}", line.place);
+    let mut driver = bridge(&program, &at, &format!("--mind {to_mind} --explore 100"));
+    under_way(&mut robot, &mut driver);
+    line.say(b"\0!panic\0");
+    let reset = Instant::now();
+    let (code, stdout, stderr) = driver.end(Duration::from_secs(6));
+    assert_eq!(code, Some(2), "{stdout}");
+    assert_eq!(
+        stderr,
+        format!(
+            "host-sim: {to_mind}: the mind has started anew (its program panicked); the robot was told to stand\n"
+        )
+    );
+    assert!(reset.elapsed() < Duration::from_secs(2), "{:?}", reset.elapsed());
+    assert!(figures(&stdout)["distance_m"].as_f64() > Some(0.0));
+    sleep(BRAKING);
+    assert_stands(&robot);
 }
 
 #[test]

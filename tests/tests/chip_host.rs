@@ -48,6 +48,12 @@ fn the_chip_answers_questions() {
         "{}",
         hello.stdout
     );
+    // QEMU has no crystal.
+    let clocked = |line: &str| line.starts_with("clocked by") && line.contains("internal");
+    assert!(hello.stdout.lines().any(clocked), "{}", hello.stdout);
+    let counters = ask(&["counters"]);
+    let drift = |line: &str| line.starts_with("ms the clock here fell behind");
+    assert!(counters.stdout.lines().any(drift), "{}", counters.stdout);
     let speed = ask(&["params", "speed"]);
     assert!(speed.stdout.contains("508"), "{}", speed.stdout);
     let refused = ask(&["params", "speed", "5000"]);

@@ -44,7 +44,7 @@ pub use remote::{Fingerprint, RemoteMind};
 pub use served::{Local, Served};
 pub use session::{Answer, Patience, Session};
 pub use transport::{Serial, Tcp, Transport};
-pub use words::{build, describe, refusal, reset, stop};
+pub use words::{build, describe, oscillator, refusal, reset, stop};
 
 use std::path::PathBuf;
 

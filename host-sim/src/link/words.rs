@@ -4,7 +4,7 @@ use amp::controller::{self, Decision, StopReason};
 use amp::goal::Name;
 use amp::units::Displacement;
 use amp::wire::message::{
-    FromMind, MindHello, ModeReport, MotionOrder, Notice, Refusal, Report, ResetCause,
+    FromMind, MindHello, ModeReport, MotionOrder, Notice, Oscillator, Refusal, Report, ResetCause,
 };
 
 /// Why a mind started.
@@ -19,6 +19,16 @@ pub fn reset(cause: ResetCause) -> &'static str {
         ResetCause::Panic => "its program panicked",
         ResetCause::HardFault => "its processor faulted",
         ResetCause::StackOverflow => "its stack overflowed",
+    }
+}
+
+/// What clocks a mind's processor.
+#[must_use]
+pub fn oscillator(oscillator: Oscillator) -> &'static str {
+    match oscillator {
+        Oscillator::Unknown => "not told",
+        Oscillator::Crystal => "its crystal",
+        Oscillator::Internal => "its internal oscillator: the crystal failed or has another frequency",
     }
 }
 

@@ -3,7 +3,7 @@
 use super::Trouble;
 use crate::cli::table::plain;
 use crate::error::BadInput;
-use crate::link::{Session, build, reset};
+use crate::link::{Session, build, oscillator, reset};
 use amp::parameters::{Parameter, ParameterError, Spec};
 use std::io::Write;
 
@@ -84,6 +84,7 @@ pub(super) fn counters(session: &mut Session, out: &mut impl Write) -> Result<()
         ("frames sent", c.sent),
         ("frames that found no room to be sent", c.dropped),
         ("times the link was lost", c.link_losses),
+        ("echoes too old to be used", c.stale_echoes),
         ("bytes lost by the serial port", c.device.overruns),
         ("bytes lost by the receive queue", c.device.queue_losses),
         ("most stack used, bytes", c.device.stack_peak_bytes),
@@ -92,6 +93,11 @@ pub(super) fn counters(session: &mut Session, out: &mut impl Write) -> Result<()
         ("spoilt firings of its ring", c.device.ring_faults),
     ];
     let rows = rows.map(|(what, count)| vec![what.to_owned(), count.to_string()]);
+    let drift = vec![
+        "ms the clock here fell behind".to_owned(),
+        c.clock_drift_ms.to_string(),
+    ];
+    let rows = [&rows[..], &[drift]].concat();
     Ok(out.write_all(plain(&["counter", "since the start"], &rows, &[1]).as_bytes())?)
 }
 
@@ -104,6 +110,7 @@ pub(super) fn hello(session: &Session, out: &mut impl Write) -> Result<(), Troub
     let rows = [
         ("build", build(&hello.build)),
         ("started because", reset(hello.reset).to_owned()),
+        ("clocked by", oscillator(hello.oscillator).to_owned()),
         ("protocol", dimensions.protocol.to_string()),
         ("messages", format!("{:08x}", dimensions.schema)),
         ("sonars", dimensions.sensors.to_string()),
