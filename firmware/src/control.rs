@@ -134,10 +134,10 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
         self.mind.is_linked()
     }
 
-    /// Whether the robot moves by itself at the moment: a host is there, and it explores or seeks.
+    /// Whether the robot moves by itself at the moment: a host is there whose silence would be noticed, and it explores or seeks.
     #[must_use]
     pub const fn may_move(&self) -> bool {
-        self.is_linked()
+        self.mind.is_watched()
             && matches!(
                 self.mind.state().mode(),
                 Mode::Explore { .. } | Mode::Seek { .. }

@@ -60,11 +60,12 @@ impl<const SENSORS: usize> Config<SENSORS> {
         postcard::to_slice(self, buffer).map_or(&[], |bytes| bytes)
     }
 
-    /// Undoes [`to_bytes`](Self::to_bytes); `None` for bytes that are no configuration.
+    /// Undoes [`to_bytes`](Self::to_bytes); `None` for bytes that are no configuration, or one that nobody could supervise.
     #[inline(never)]
     #[must_use]
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
-        postcard::from_bytes(bytes).ok()
+        let config: Self = postcard::from_bytes(bytes).ok()?;
+        config.robot.is_supervisable().then_some(config)
     }
 }
 

@@ -265,16 +265,20 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         if age_ms > patience_ms(config) {
             return stale(age_ms);
         }
-        let index = usize::from(sensor);
-        if self.enabled(config).contains(index) {
-            self.shield.hear(config, index, echo);
-        }
+        // The robot was elsewhere, or it knows better already.
         if !self.moving && echo.at.is_before(self.waiting_since) {
             return stale(age_ms);
         }
+        let index = usize::from(sensor);
+        if (self.scan.heard_at(index)).is_some_and(|heard| echo.at.is_before(heard)) {
+            return stale(age_ms);
+        }
+        if self.enabled(config).contains(index) {
+            self.shield.hear(config, index, echo);
+            self.heard_any |= echo.range.is_some();
+        }
         let verdict = self.detector.hear(config, sensor, echo.range);
         self.scan.hear(index, echo);
-        self.heard_any |= echo.range.is_some();
         let mut outputs = if self.moving {
             self.guard(config, index, echo.at)
         } else if self.scan.is_complete(self.enabled(config)) {
@@ -314,13 +318,19 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             return Outputs::none();
         };
         pending.remaining = remaining.with_length(allowed.distance_mm);
-        pending.speed_mm_s = allowed.speed_mm_s.min(pending.speed_mm_s);
-        let motion = Motion {
+        let faster = Motion {
             id: self.motion_id,
             displacement: pending.remaining,
             speed_mm_s: pending.speed_mm_s,
         };
-        self.deadline = self.now.plus_ms(motion.longest_ms());
+        pending.speed_mm_s = allowed.speed_mm_s.min(pending.speed_mm_s);
+        let motion = Motion {
+            speed_mm_s: pending.speed_mm_s,
+            ..faster
+        };
+        // No more than what the lower speed takes: something that comes nearer and nearer must not put it off for ever.
+        let slower_ms = motion.longest_ms().saturating_sub(faster.longest_ms());
+        self.deadline = self.deadline.plus_ms(slower_ms);
         Outputs {
             motion: Some(motion),
             ..Outputs::none()
@@ -398,7 +408,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 self.search = Search::NEW;
                 Mode::Seek { goal }
             }
-            Command::Stop => return self.stop(at, StopReason::Commanded),
+            Command::Stop => {
+                let stopped = self.stop(at, StopReason::Commanded);
+                // Said each time: the order before may have been lost.
+                let motion = stopped.motion.or(Some(self.standing()));
+                return Outputs { motion, ..stopped };
+            }
             Command::Resume => match (self.mode, self.interrupted) {
                 (Mode::Stopped(_), interrupted @ (Mode::Explore { .. } | Mode::Seek { .. })) => {
                     interrupted
@@ -434,6 +449,15 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.waiting_since = at;
     }
 
+    /// The order to stand.
+    const fn standing(&self) -> Motion {
+        Motion {
+            id: self.motion_id,
+            displacement: Displacement::ZERO,
+            speed_mm_s: 0,
+        }
+    }
+
     /// Changes the mode. A motion under way is stopped, except from one goal to the next. One copy of it in a program.
     #[inline(never)]
     fn enter(&mut self, at: Millis, mode: Mode<SENSORS>) -> Outputs<SENSORS> {
@@ -445,11 +469,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.mode = mode;
         let motion = (self.moving && !goes_on).then(|| {
             self.motion_id = self.motion_id.wrapping_add(1);
-            Motion {
-                id: self.motion_id,
-                displacement: Displacement::ZERO,
-                speed_mm_s: 0,
-            }
+            self.standing()
         });
         if !goes_on {
             self.pending = None;

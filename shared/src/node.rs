@@ -18,8 +18,8 @@ use crate::som::kernels::Kernels;
 use crate::units::{Millis, Range};
 use crate::wire::frame::{self, Frame, FrameError, Header};
 use crate::wire::message::{
-    Counters, DeviceCounters, Dimensions, FromMind, HostHello, MindHello, ModeReport, MotionOrder,
-    Notice, Order, Oscillator, Refusal, Report, ResetCause, Source, ToMind,
+    Clock, Counters, DeviceCounters, Dimensions, FromMind, HostHello, MindHello, ModeReport,
+    MotionOrder, Notice, Order, Oscillator, Refusal, Report, ResetCause, Source, ToMind,
 };
 use crate::wire::{PROTOCOL, SCHEMA};
 use heapless::Vec;
@@ -198,6 +198,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.link.is_alive()
     }
 
+    /// Whether a host is there whose silence is noticed by the device's clock.
+    #[must_use]
+    pub const fn is_watched(&self) -> bool {
+        self.is_linked() && matches!(self.link.clock(), Clock::Device)
+    }
+
     /// Takes a received frame, without its zero, at `now` by the device's clock.
     pub fn frame(&mut self, now: Millis, frame: &[u8], out: &mut impl Outbox) {
         let counters = &mut self.counters;
@@ -317,7 +323,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let time = self.link.time(now);
         if matches!(self.state.mode(), Mode::Learn { .. }) {
             self.happen(time, Event::Tick, now, out);
-        } else if self.link.clock() == crate::wire::message::Clock::Device {
+        } else if self.link.clock() == Clock::Device {
             self.watch(time, now, out);
         }
         matches!(self.state.mode(), Mode::Learn { .. })

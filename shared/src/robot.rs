@@ -70,6 +70,18 @@ impl RobotSpec<16> {
     }
 }
 
+impl<const SENSORS: usize> RobotSpec<SENSORS> {
+    /// Whether a motion and a ring have an end that can be waited for: with other values nobody would notice blocked wheels or
+    /// a transducer that is silent.
+    pub(crate) const fn is_supervisable(&self) -> bool {
+        // As the parameters of these names may be set.
+        matches!(self.ring_period_ms, 1..=10_000)
+            && self.steer_ms <= 10_000
+            && self.speed_mm_s >= 10
+            && self.braking_mm_s2 > 0
+    }
+}
+
 impl RobotSpec<8> {
     /// The paper's miniature robot (Fig. 2): a body of 55 mm with six sensors in front and two behind; no symmetry.
     #[must_use]

@@ -197,7 +197,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
     /// Time since a transducer was heard, milliseconds; `None` = never heard.
     fn since_heard(&self, sensor: usize, now: Millis) -> Option<u32> {
         let at = self.heard_at.get(sensor)?;
-        self.heard.contains(sensor).then(|| now.since(*at))
+        self.heard.contains(sensor).then(|| now.after(*at))
     }
 
     /// Replaces what was heard through the same cone, unless the echo comes from farther away, and counts what it contradicts.
@@ -207,6 +207,9 @@ impl<const SENSORS: usize> Shield<SENSORS> {
             let Some(range) = arc.range.filter(|_| cone.looks_along(arc)) else {
                 continue;
             };
+            if cone.at.is_before(arc.at) {
+                continue;
+            }
             let range_mm = range.as_mm().into();
             if !cone.is_same(*face, arc, spacing_mm) {
                 cone.look_at(lobe, *face, arc, range_mm);

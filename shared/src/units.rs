@@ -69,6 +69,16 @@ impl Millis {
         self.0.wrapping_sub(earlier.0)
     }
 
+    /// Milliseconds since `earlier`; 0 if that is the later of the two.
+    #[must_use]
+    pub const fn after(self, earlier: Self) -> u32 {
+        if self.is_before(earlier) {
+            0
+        } else {
+            self.since(earlier)
+        }
+    }
+
     /// Whether this moment comes before `other`; right across the wrap while the two are less than 24.8 days apart.
     #[must_use]
     pub const fn is_before(self, other: Self) -> bool {

@@ -2,21 +2,12 @@
 
 use super::{Motion, Outputs, State, StopReason, patience_ms};
 use crate::config::Config;
-use crate::units::{Displacement, Millis};
+use crate::units::Millis;
 
 /// Rings in a row without any echo after which the robot stops.
 pub(crate) const SILENT_RINGS: u8 = 3;
 /// Time a motion may take beyond twice its distance over its speed, milliseconds.
 pub(crate) const SLACK_MS: u32 = 500;
-
-/// Milliseconds from one moment to another; 0 if the other one is the earlier.
-fn elapsed_ms(from: Millis, to: Millis) -> u32 {
-    if to.is_before(from) {
-        0
-    } else {
-        to.since(from)
-    }
-}
 
 impl Motion {
     /// The longest time it may take once the base rolls, milliseconds.
@@ -47,7 +38,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         if self.moving && self.deadline.is_before(at) {
             return self.alarm(at, StopReason::Overdue);
         }
-        if elapsed_ms(self.waiting_since, at) > patience_ms(config) && self.lacks_echo(config, at) {
+        if at.after(self.waiting_since) > patience_ms(config) && self.lacks_echo(config, at) {
             return self.alarm(at, StopReason::RingIncomplete);
         }
         Outputs::none()
@@ -57,14 +48,14 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     fn lacks_echo(&self, config: &Config<SENSORS>, at: Millis) -> bool {
         let is_late = |sensor: usize| {
             let heard = self.scan.heard_at(sensor);
-            heard.is_none_or(|heard| elapsed_ms(heard, at) > patience_ms(config))
+            heard.is_none_or(|heard| at.after(heard) > patience_ms(config))
         };
         !self.moving || self.enabled(config).indices(SENSORS).any(is_late)
     }
 
     /// The base turns its wheels: the motion's time counts from now, unless this takes longer than it can.
     pub(super) fn allow_steering(&mut self, config: &Config<SENSORS>, at: Millis) {
-        let is_possible = elapsed_ms(self.waiting_since, at) <= u32::from(config.robot.steer_ms);
+        let is_possible = at.after(self.waiting_since) <= u32::from(config.robot.steer_ms);
         if let Some(pending) = self.pending.as_ref().filter(|_| is_possible) {
             let motion = Motion {
                 id: self.motion_id,
@@ -97,11 +88,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.await_ring(at);
         self.motion_id = self.motion_id.wrapping_add(1);
         Outputs {
-            motion: Some(Motion {
-                id: self.motion_id,
-                displacement: Displacement::ZERO,
-                speed_mm_s: 0,
-            }),
+            motion: Some(self.standing()),
             ..Outputs::none()
         }
     }

@@ -66,7 +66,13 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             return Err(Refusal::Piece(PartError::Place));
         }
         if last {
-            self.config = Config::from_bytes(&self.staged).ok_or(Refusal::Config)?;
+            let config = Config::from_bytes(&self.staged).ok_or(Refusal::Config)?;
+            // That is said by the hello.
+            let open_space = self.config.open_space;
+            self.config = Config {
+                open_space,
+                ..config
+            };
             self.state.trust(self.config.believed);
         }
         Ok(())

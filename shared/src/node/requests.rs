@@ -256,7 +256,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 
     fn set_source(&mut self, source: Source) -> Result<(), Refusal> {
         self.standing()?;
-        if source == Source::Ring && !self.identity.ring {
+        // By the host's clock no time passes while the host is silent: nothing would supervise the motions of a ring.
+        if source == Source::Ring && (!self.identity.ring || self.link.clock() == Clock::Host) {
             return Err(Refusal::NoRing);
         }
         self.source = source;

@@ -584,7 +584,7 @@ fn the_mode_is_told_when_asked() {
 
 #[test]
 fn echoes_come_from_the_source_that_was_chosen() {
-    let mut rig = Rig::ready(Clock::Host);
+    let mut rig = Rig::ready(Clock::Device);
     let choose = |rig: &mut Rig, source| refusal(&rig.send(ToMind::Source(source)));
     assert_eq!(choose(&mut rig, Source::Ring), Some(Refusal::NoRing));
     assert_eq!(rig.node.source(), Source::Link);
@@ -817,6 +817,15 @@ fn echoes_come_from_where_the_session_listens() {
 #[test]
 fn a_chip_without_a_ring_has_none_to_listen_to() {
     let mut rig = Rig::new(Clock::Device);
+    let said = rig.send(ToMind::Source(Source::Ring));
+    assert_eq!(refusal(&said), Some(Refusal::NoRing));
+    // By the host's clock nothing would supervise its motions while the host is silent.
+    let mut rig = Rig::with_ring();
+    rig.send(ToMind::Hello(HostHello {
+        dimensions: Small::dimensions(),
+        clock: Clock::Host,
+        open_space: false,
+    }));
     let said = rig.send(ToMind::Source(Source::Ring));
     assert_eq!(refusal(&said), Some(Refusal::NoRing));
 }

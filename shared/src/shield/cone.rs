@@ -6,7 +6,7 @@
 
 use super::arc::{Arc, Lobe, Seen, magnitude, nearest_mm};
 use crate::scan::Echo;
-use crate::units::{Direction, Displacement, Range};
+use crate::units::{Direction, Displacement, Millis, Range};
 
 /// Contradictions after which a point is dropped. A sonar misses about 1 % of its echoes, and walls that it meets at a slant
 /// more. At most 3: two bits count them.
@@ -40,6 +40,7 @@ pub(super) struct Cone {
     pub(super) axis: Direction,
     /// Range of the echo, millimeters; the longest for silence.
     range_mm: i32,
+    pub(super) at: Millis,
 }
 
 impl Cone {
@@ -49,6 +50,7 @@ impl Cone {
             face,
             axis,
             range_mm,
+            at: echo.at,
         }
     }
 

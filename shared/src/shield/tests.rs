@@ -257,6 +257,22 @@ fn time_alone_opens_no_way() {
     }
 }
 
+/// Echoes may come late: what was heard after them is not contradicted, and a time that goes back is no long silence.
+#[test]
+fn an_echo_contradicts_nothing_newer() {
+    let config = Config::recommended();
+    let mut shield = heard(&config, &[]);
+    shield.hear(&config, 0, echo(Some(Range::from_mm(300)), 100));
+    for time in [99, 98, 97] {
+        shield.hear(&config, 0, echo(None, time));
+    }
+    assert_eq!(way(&shield, &config, mm(300, 0), 101).0, 171);
+    for time in [101, 102] {
+        shield.hear(&config, 0, echo(None, time));
+    }
+    assert_eq!(way(&shield, &config, mm(300, 0), 103).0, 300);
+}
+
 /// A ring that was off may have been carried.
 #[test]
 fn a_transducer_that_was_silent_for_long_begins_anew() {

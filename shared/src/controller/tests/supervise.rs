@@ -128,7 +128,7 @@ impl Bench {
 }
 
 #[test]
-fn a_shortened_motion_has_a_deadline_of_its_own() {
+fn a_motion_that_is_made_slower_may_take_as_much_longer() {
     let (mut bench, motion) = Bench::moving();
     let began = bench.time;
     // Something stands 0.5 m ahead of the way's end: it goes on slowly.
@@ -142,10 +142,16 @@ fn a_shortened_motion_has_a_deadline_of_its_own() {
     let slow = bench.at(began + 40, Event::Echo { sensor, range });
     let slow = slow.motion.expect("shortened");
     assert!(slow.id == motion.id && slow.speed_mm_s < motion.speed_mm_s);
-    let distance_mm = u32::from(slow.displacement.length_mm());
-    let longest_ms = 2_000 * distance_mm / u32::from(slow.speed_mm_s) + 500;
-    assert!(!bench.at(began + 40 + longest_ms, Event::Tick).mode_changed);
-    assert!(bench.at(began + 41 + longest_ms, Event::Tick).mode_changed);
+    // What is left takes longer now.
+    let twice_mm = 2_000 * u32::from(slow.displacement.length_mm());
+    let slower_ms = twice_mm / u32::from(slow.speed_mm_s) - twice_mm / 508;
+    let longest_ms = 2_000 * 247 / 508 + 500 + slower_ms;
+    assert!(slower_ms > 100);
+    for time in (began + 41..=began + longest_ms).step_by(100) {
+        bench.says_at(time);
+    }
+    assert!(!bench.at(began + longest_ms, Event::Tick).mode_changed);
+    assert!(bench.at(began + 1 + longest_ms, Event::Tick).mode_changed);
     assert!(bench.is_stopped(StopReason::Overdue));
 }
 
@@ -183,6 +189,82 @@ fn echoes_from_before_the_motions_end_do_not_complete_a_ring() {
     assert!(outputs.iter().all(|out| out.stale_ms == Some(301)));
     assert!(outputs.iter().all(|out| out.motion.is_none()));
     assert!(bench.says(Some(1_500), 300)[15].motion.is_some());
+}
+
+/// The robot was elsewhere when they were heard, or something newer is known: the shield does not learn of them either.
+#[test]
+fn echoes_that_are_not_used_do_not_reach_the_shield() {
+    let (mut bench, motion) = Bench::moving();
+    bench.time += 400;
+    bench.execute(motion);
+    bench.waits(bench.time + 300);
+    let before = bench.state.shield.clone();
+    bench.says(Some(300), 301);
+    assert!(bench.state.shield == before);
+    // One transducer says what it heard now, then what it heard 200 ms before.
+    bench.time += 300;
+    let (now, sensor) = (bench.time, 3);
+    let mut hear = |at, mm| {
+        let range = Some(Range::from_mm(mm));
+        bench.at(at, Event::Echo { sensor, range }).stale_ms
+    };
+    assert_eq!(hear(now, 1_200), None);
+    assert_eq!(hear(now - 200, 900), Some(200));
+    assert_eq!(hear(now, 1_100), None);
+    let known = bench.state.scan().echoes()[3].range;
+    assert_eq!(known, Some(Range::from_mm(1_100)));
+}
+
+/// Something comes nearer and nearer while the wheels are blocked.
+#[test]
+fn what_comes_nearer_does_not_put_the_deadline_off_for_ever() {
+    let (mut bench, motion) = Bench::moving();
+    let began = bench.time;
+    let ahead = (0..16).max_by_key(|&sensor: &usize| {
+        let axis = bench.config.robot.directions[sensor];
+        axis.along(
+            motion.displacement.dx_mm.into(),
+            motion.displacement.dy_mm.into(),
+        )
+    });
+    let sensor = ahead.unwrap_or(0) as u8;
+    let mut shortened = 0;
+    let stopped = (1..60_000).find(|ms| {
+        let time = began + ms;
+        if ms % 40 == 0 {
+            bench.says_at(time);
+            let mm = 400_u32.saturating_sub(ms / 20).max(160) as u16;
+            let range = Some(Range::from_mm(mm));
+            let out = bench.at(time, Event::Echo { sensor, range });
+            shortened += u32::from(out.motion.is_some());
+            bench.report(time, motion.id, 0, Progress::Moving);
+        }
+        bench.at(time, Event::Tick).mode_changed
+    });
+    assert!(shortened > 3, "{shortened}");
+    assert!(bench.is_stopped(StopReason::Overdue));
+    assert!(stopped < Some(4_000), "{stopped:?}");
+}
+
+/// The transducers that are believed are dead; one that is not hears something.
+#[test]
+fn what_a_transducer_hears_that_is_not_believed_is_no_echo() {
+    let mut bench = Bench::new(Config {
+        believed: Mask::ALL.without(4),
+        ..Config::recommended()
+    });
+    bench.send(Event::Command(Command::Explore { moves: 9, seed: 3 }));
+    for _ in 0..8 {
+        bench.time += 640;
+        let sensor = 4;
+        let range = Some(Range::from_mm(5_000));
+        bench.send(Event::Echo { sensor, range });
+        if let Some(motion) = bench.says(None, 0)[15].motion {
+            bench.time += 500;
+            bench.report(bench.time, motion.id, 0, Progress::Ended);
+        }
+    }
+    assert!(bench.is_stopped(StopReason::NothingHeard));
 }
 
 #[test]
