@@ -68,6 +68,8 @@ pub struct Control<'parts, F = NoFlash> {
     /// Whether a request for the flash will bring a pause, once it has been announced.
     announced: Option<bool>,
     is_watchdog_patient: bool,
+    /// Why the robot must not move at present.
+    alarm: Option<StopReason>,
     last_run: Millis,
     known_linked: bool,
     known_lost: u32,
@@ -93,6 +95,7 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
             store,
             announced: None,
             is_watchdog_patient: false,
+            alarm: None,
             last_run: Millis::from_ms(0),
             known_linked: false,
             known_lost: 0,
@@ -144,18 +147,24 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
             )
     }
 
-    /// Stops the robot, or ends the motion under way, as the lines of the board say.
+    /// Stops the robot, or ends the motion under way, as the lines of the board say. A stop lasts until the lines are looked at
+    /// again.
     pub fn apply_alarms(&mut self, alarms: Alarms, low_voltage: bool, now: Millis) {
-        if alarms.emergency_stop {
-            self.mind
-                .alarm(StopReason::EmergencyStop, now, &mut self.outbox);
-        }
-        if low_voltage {
-            self.mind
-                .alarm(StopReason::LowVoltage, now, &mut self.outbox);
-        }
+        self.alarm = if alarms.emergency_stop {
+            Some(StopReason::EmergencyStop)
+        } else {
+            low_voltage.then_some(StopReason::LowVoltage)
+        };
+        self.keep_stopped(now);
         if alarms.touched {
             self.mind.touched(now, &mut self.outbox);
+        }
+    }
+
+    /// Stops the robot if it must not move. After each frame: the next one may complete a ring.
+    fn keep_stopped(&mut self, now: Millis) {
+        if let Some(reason) = self.alarm {
+            self.mind.alarm(reason, now, &mut self.outbox);
         }
     }
 
@@ -253,6 +262,7 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
                 #[cfg(feature = "crash-test")]
                 crate::crash_test::run_if_requested(frame);
                 self.mind.frame(now, frame, &mut self.outbox);
+                self.keep_stopped(now);
                 if self.mind.flash_task().is_some() {
                     return true;
                 }

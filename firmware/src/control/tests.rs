@@ -4,7 +4,8 @@ use amp::parameters::Parameter;
 use amp::units::Range;
 use amp::wire::frame::{Header, unpack};
 use amp::wire::message::{
-    Clock, Counters, Dimensions, HostHello, ModeReport, Order, Oscillator, Refusal, ResetCause,
+    Clock, Counters, Dimensions, Heard, HostHello, ModeReport, Order, Oscillator, Refusal,
+    ResetCause,
 };
 use amp::wire::{Frame, FromMind, PROTOCOL, Report, SCHEMA, ToMind};
 use heapless::spsc::{Producer, Queue};
@@ -82,6 +83,10 @@ impl<F: NorFlash> Bench<F> {
     }
 
     fn open(&mut self) {
+        self.open_by(Clock::Device);
+    }
+
+    fn open_by(&mut self, clock: Clock) {
         let dimensions = Dimensions {
             protocol: PROTOCOL,
             schema: SCHEMA,
@@ -90,7 +95,7 @@ impl<F: NorFlash> Bench<F> {
         };
         self.ask(&ToMind::Hello(HostHello {
             dimensions,
-            clock: Clock::Device,
+            clock,
             open_space: false,
         }));
     }
@@ -403,9 +408,15 @@ fn a_board_without_flash_refuses_at_once_and_goes_on() {
 
 /// A bench that explores for a linked host.
 fn exploring() -> Bench {
+    let bench = exploring_by(Clock::Device);
+    assert!(bench.control.may_move());
+    bench
+}
+
+fn exploring_by(clock: Clock) -> Bench {
     let mut bench = bench();
     bench.start();
-    bench.open();
+    bench.open_by(clock);
     let _ = bench.control.run(Millis::from_ms(1));
     assert!(bench.control.is_linked() && !bench.control.may_move());
     bench.ask(&ToMind::Command {
@@ -414,9 +425,56 @@ fn exploring() -> Bench {
         order: Order::Explore { moves: 10, seed: 1 },
     });
     let _ = bench.control.run(Millis::from_ms(2));
-    assert!(bench.control.may_move());
     let _ = bench.said();
     bench
+}
+
+/// By its clock nobody here would notice its silence.
+#[test]
+fn the_motors_have_no_permit_in_a_session_by_the_hosts_clock() {
+    let bench = exploring_by(Clock::Host);
+    assert!(bench.control.is_linked() && !bench.control.may_move());
+}
+
+/// An order to go on and a whole ring come at once, before the lines are looked at again.
+#[test]
+fn nothing_moves_while_the_emergency_stop_is_open() {
+    let open = Alarms {
+        emergency_stop: true,
+        touched: false,
+    };
+    for (alarms, moves) in [(Alarms::default(), true), (open, false)] {
+        let mut bench = exploring();
+        bench.ask(&ToMind::Command {
+            at_ms: 2,
+            ttl_ms: 1_000,
+            order: Order::Stop,
+        });
+        let _ = bench.control.run(Millis::from_ms(3));
+        let _ = bench.said();
+        bench
+            .control
+            .apply_alarms(alarms, false, Millis::from_ms(4));
+        bench.ask(&ToMind::Command {
+            at_ms: 4,
+            ttl_ms: 1_000,
+            order: Order::Resume,
+        });
+        let echo = |sensor| Heard {
+            sensor,
+            range_mm: Some(1_500),
+            age_ms: 0,
+        };
+        bench.ask(&ToMind::Scan {
+            at_ms: 4,
+            echoes: (0..16).map(echo).collect(),
+        });
+        let _ = bench.control.run(Millis::from_ms(4));
+        let said = bench.said();
+        let is_motion = |said: &FromMind<16>| matches!(said, FromMind::Motion(_));
+        assert_eq!(said.iter().any(is_motion), moves, "{said:?}");
+        assert_eq!(bench.control.may_move(), moves);
+    }
 }
 
 #[test]
