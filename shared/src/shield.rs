@@ -53,7 +53,7 @@ pub struct Shielding {
     /// A transducer that was silent for longer than this may have been carried elsewhere: its arcs are dropped when it
     /// is heard again, milliseconds. While it is heard, arcs do not expire.
     pub forget_ms: u32,
-    /// Displacements that would be shorter than this are not begun, millimeters.
+    /// Displacements that would be shortened to less than this are not begun, millimeters.
     pub least_mm: u16,
     /// The shortest range the ring can report, millimeters: a reading this short may be anything nearer, and counts
     /// as 0.

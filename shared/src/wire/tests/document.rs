@@ -1,6 +1,16 @@
 //! PROTOCOL.md describes the messages of the grammar, all of them and nothing else.
 
+use crate::config::Config;
+use crate::controller::{NomadState, State};
+use crate::fixed::{Gain, Mask, ONE_BITS};
+use crate::node::MOTION_TTL_MS;
 use crate::parameters::{Parameter, Unit};
+use crate::scan::Echo;
+use crate::shield::{KEPT, Shield, Shielding};
+use crate::som::{Decay, Schedule};
+use crate::units::{Bearing, Displacement, Millis, Range};
+use crate::wire::PROTOCOL;
+use crate::wire::message::{MOST_ECHOES, MOST_PIECE};
 use std::format;
 use std::string::{String, ToString as _};
 use std::sync::{LazyLock, Mutex, PoisonError};
@@ -182,6 +192,259 @@ fn every_number_has_its_unit() {
         }
         assert!(!meaning.is_empty(), "{symbol}.{name}");
     }
+}
+
+/// Least and greatest value of a type of integers, or of the integers in an option or an array; `None` for other types.
+fn whole(kind: &str) -> Option<(i128, i128)> {
+    let inner = kind.strip_prefix("option<").or(kind.strip_prefix('['));
+    let inner = inner.unwrap_or(kind).split(['>', ';']).next();
+    Some(match inner.unwrap_or(kind) {
+        "u8" => (0, u8::MAX.into()),
+        "u16" => (0, u16::MAX.into()),
+        "u32" => (0, u32::MAX.into()),
+        "u64" => (0, u64::MAX.into()),
+        "i16" | "weight" => (i16::MIN.into(), i16::MAX.into()),
+        "i32" => (i32::MIN.into(), i32::MAX.into()),
+        _ => return None,
+    })
+}
+
+/// A number, its digits in groups; `None` for a field's name.
+fn number(text: &str) -> Option<i128> {
+    text.replace('−', "-").replace(' ', "").parse().ok()
+}
+
+/// A cell's unit, empty for none, and both ends of its range.
+fn unit_and_ends(cell: &str) -> (&str, &str, &str) {
+    let (unit, range) = cell.rsplit_once(", ").unwrap_or(("", cell));
+    let (least, greatest) = range.split_once(" … ").unwrap_or((range, range));
+    (unit, least, greatest)
+}
+
+#[test]
+fn every_integer_has_a_range() {
+    let rows = rows();
+    let path = |(symbol, cells): &(String, Vec<String>)| format!("{symbol}.{}", cells[0]);
+    let paths: Vec<_> = rows.iter().map(path).collect();
+    let mut count = 0;
+    for ((symbol, cells), path) in rows.iter().zip(&paths) {
+        let [_, kind, documented, _] = &cells[..] else {
+            continue;
+        };
+        let row = format!("{path}: {documented}");
+        let Some((first, last)) = whole(kind) else {
+            assert!(kind.starts_with("vec<") || documented == "–", "{row}");
+            continue;
+        };
+        count += 1;
+        let (_, least, greatest) = unit_and_ends(documented);
+        if (least, greatest) == ("any", "any") {
+            continue;
+        }
+        // Another field is named alone, or behind the symbol that it belongs to.
+        let is_field = |name: &str| {
+            paths.contains(&name.into()) || paths.contains(&format!("{symbol}.{name}"))
+        };
+        let (from, to) = (number(least), number(greatest));
+        assert!(from.is_some() || least != greatest, "{row}: no range");
+        assert!(from.is_some() || is_field(least), "{row}");
+        assert!(to.is_some() || is_field(greatest), "{row}");
+        assert_ne!((from, to), (Some(first), Some(last)), "{row}: that is any");
+        let (from, to) = (from.unwrap_or(first), to.unwrap_or(last));
+        assert!(first <= from && from <= to && to <= last, "{row}");
+    }
+    assert!(count > 110, "{count} integers");
+}
+
+/// Unit, least and greatest value of a field whose range names no other field.
+fn documented(path: &str) -> (String, i128, i128) {
+    let mut rows = rows().into_iter();
+    let found = rows.find(|(symbol, cells)| format!("{symbol}.{}", cells[0]) == path);
+    let (_, cells) = found.expect(path);
+    let (unit, least, greatest) = unit_and_ends(&cells[2]);
+    let (least, greatest) = match least {
+        "any" => whole(&cells[1]).expect(path),
+        _ => (number(least).expect(path), number(greatest).expect(path)),
+    };
+    (unit.into(), least, greatest)
+}
+
+/// Greatest value of a field whose least is 0.
+fn greatest(path: &str) -> i128 {
+    let (_, least, greatest) = documented(path);
+    assert_eq!(least, 0, "{path}");
+    greatest
+}
+
+/// The field that a parameter sets; `None` for those that switch something on and off.
+const fn field_of(parameter: Parameter) -> Option<&'static str> {
+    Some(match parameter {
+        Parameter::Near => "Encoding.near_mm",
+        Parameter::Far => "Encoding.far_mm",
+        Parameter::Clearance => "Config.clearance_mm",
+        Parameter::Step => "RobotSpec.step_mm",
+        Parameter::Speed => "RobotSpec.speed_mm_s",
+        Parameter::Margin => "Shielding.margin_mm",
+        Parameter::Epochs => "Learning.epochs",
+        Parameter::Believed => "Config.believed",
+        Parameter::RingPeriod => "RobotSpec.ring_period_ms",
+        Parameter::Shield | Parameter::Online | Parameter::FaultDetection => return None,
+    })
+}
+
+#[test]
+fn a_field_that_a_parameter_sets_has_its_unit_and_range() {
+    for parameter in Parameter::ALL {
+        let Some(field) = field_of(parameter) else {
+            continue;
+        };
+        let spec = parameter.spec();
+        let (least, greatest) = match spec.unit {
+            // All 32 of them: as a number the mask is signed in one place and unsigned in the other.
+            Unit::Bits => (0, u32::MAX.into()),
+            _ => (spec.least.into(), spec.greatest.into()),
+        };
+        let wanted = (spec.unit.to_string(), least, greatest);
+        assert_eq!(documented(field), wanted, "{field}");
+    }
+}
+
+#[test]
+fn ranges_end_where_the_program_says() {
+    const SAMPLES: usize = 100;
+    // No other number is compiled.
+    let _: Option<State<16, 16, SAMPLES>> = None::<NomadState>;
+    let parts = (NomadState::SAMPLE_BYTES * SAMPLES) as i128;
+    let farthest = i128::from(Range::from_mm(u16::MAX).as_mm());
+    let cosine = i128::from(Bearing::ZERO.direction().x_q14);
+    let one = i128::from(ONE_BITS);
+    let ends = [
+        ("Dimensions.protocol", PROTOCOL.into(), PROTOCOL.into()),
+        ("Dimensions.sensors", 16, 16),
+        ("Dimensions.neurons", 16, 16),
+        ("ToMind.Write.offset", 0, parts),
+        ("Heard.sensor", 0, 15),
+        ("Heard.range_mm", 0, farthest),
+        (
+            "FromMind.Motion.speed_mm_s",
+            0,
+            Parameter::Speed.spec().greatest.into(),
+        ),
+        (
+            "FromMind.Motion.ttl_ms",
+            MOTION_TTL_MS.into(),
+            MOTION_TTL_MS.into(),
+        ),
+        ("FromMind.Piece.total", 0, parts),
+        ("MindHello.samples", SAMPLES as i128, SAMPLES as i128),
+        (
+            "CommandRefusal.Moves.most",
+            SAMPLES as i128,
+            SAMPLES as i128,
+        ),
+        ("Plan.goal_neuron", 0, 15),
+        ("Plan.current_neuron", 0, 15),
+        ("Plan.intermediate_neuron", 0, 15),
+        ("Plan.action_neuron", 0, 15),
+        ("Plan.wanted", -one, one),
+        ("Notice.Disbelieved.sensor", 0, 15),
+        ("Notice.Believed.sensor", 0, 15),
+        // A face is kept as a displacement.
+        ("RobotSpec.face_radius_mm", 0, i16::MAX.into()),
+        ("Direction.x_q14", -cosine, cosine),
+        ("Direction.y_q14", -cosine, cosine),
+        ("Shielding.places", 1, KEPT as i128),
+        ("FromMind.Decision.situation", 0, one),
+        ("Planning.tolerance", 0, one),
+        ("Goal.cap", 0, one),
+        ("Goal.tolerance", 0, one),
+        ("Component.low", 0, one),
+        // Bytes of text.
+        ("MindHello.build", 0, 127),
+        // Older than a time to live of 0, and half of the clock's range at most.
+        ("Refusal.Expired.age_ms", 1, i32::MAX.into()),
+        // Without deceleration there is no speed from which the robot stops; of the others 0 counts as 1.
+        ("RobotSpec.braking_mm_s2", 1, u16::MAX.into()),
+        ("Exploration.draws", 1, u8::MAX.into()),
+        ("Learning.slice", 1, 16),
+        ("Shielding.spacing_mm", 1, u16::MAX.into()),
+    ];
+    for (path, least, greatest) in ends {
+        let (_, from, to) = documented(path);
+        assert_eq!((from, to), (least, greatest), "{path}");
+    }
+    let rows = rows();
+    let vectors = rows
+        .iter()
+        .filter(|(_, cells)| cells[1].starts_with("vec<"));
+    for (symbol, cells) in vectors {
+        let wanted = match cells[1].as_str() {
+            "vec<u8>" => format!("at most {MOST_PIECE} bytes"),
+            _ => format!("at most {MOST_ECHOES}"),
+        };
+        assert_eq!(cells[2], wanted, "{symbol}.{}", cells[0]);
+    }
+}
+
+/// With the greatest margin and the longest step, the shield's squares stay within 32 bits and displacements within 16 up to
+/// the documented end and no farther.
+#[test]
+fn ranges_end_where_numbers_do() {
+    let most = |parameter: Parameter| i128::from(parameter.spec().greatest);
+    let reach_fits = |body_mm: i128| {
+        let reach_mm = body_mm + most(Parameter::Margin);
+        i32::try_from(reach_mm * reach_mm).is_ok()
+    };
+    let inertia_fits = |share_q8: i128| {
+        let step_mm = most(Parameter::Step);
+        i16::try_from(((share_q8 * step_mm) >> 8) + step_mm).is_ok()
+    };
+    let body_mm = greatest("RobotSpec.body_radius_mm");
+    assert!(reach_fits(body_mm) && !reach_fits(body_mm + 1));
+    let share_q8 = greatest("Planning.inertia_q8");
+    assert!(inertia_fits(share_q8) && !inertia_fits(share_q8 + 1));
+}
+
+#[test]
+fn what_lies_beyond_a_range_counts_as_its_end() {
+    for field in ["situation_rate_q16", "action_rate_q16", "share_q16"] {
+        let most = greatest(&format!("Online.{field}")) as u32;
+        let gains = [most - 1, most, most + 1].map(Gain::from_q16);
+        assert!(gains[0] < Gain::ONE, "{field}");
+        assert_eq!(gains[1..], [Gain::ONE; 2], "{field}");
+    }
+    let end = |end_q16: u32| {
+        let mut buffer = [0; 16];
+        let bytes = postcard::to_slice(&(5_u32, end_q16, Decay::Linear), &mut buffer).unwrap();
+        let schedule: Schedule = postcard::from_bytes(bytes).unwrap();
+        schedule.end_q16()
+    };
+    assert_eq!([4, 5, 6].map(end), [4, 5, 5]);
+    let lobe = greatest("Shielding.half_lobe") as u16;
+    let ways = [lobe / 2, lobe, lobe + 1, u16::MAX].map(way_beside_an_echo);
+    assert!(ways[0] > ways[1], "{ways:?}");
+    assert_eq!(ways[1..], [ways[1]; 3]);
+}
+
+/// How far to the left a robot may go that hears something ahead with lobes of this half opening.
+fn way_beside_an_echo(half_lobe: u16) -> u16 {
+    let mut config = Config::recommended();
+    config.shield = Some(Shielding {
+        half_lobe: Bearing::from_turns(half_lobe),
+        ..Shielding::nomad200()
+    });
+    let at = Millis::from_ms(0);
+    let mut shield = Shield::<16>::new();
+    // The echo comes last: nothing contradicts it.
+    for sensor in (0..16).rev() {
+        let range = (sensor == 0).then(|| Range::from_mm(400));
+        shield.hear(&config, sensor, Echo { range, at });
+    }
+    let left = Displacement {
+        dx_mm: 0,
+        dy_mm: 250,
+    };
+    shield.allow(&config, Mask::ALL, left, at).distance_mm
 }
 
 #[test]
