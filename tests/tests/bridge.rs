@@ -253,7 +253,11 @@ fn without_its_chip_the_base_is_told_to_stand() {
             "host-sim: {to_mind}: the mind has started anew (its program panicked); the robot was told to stand\n"
         )
     );
-    assert!(reset.elapsed() < Duration::from_secs(2), "{:?}", reset.elapsed());
+    assert!(
+        reset.elapsed() < Duration::from_secs(2),
+        "{:?}",
+        reset.elapsed()
+    );
     assert!(figures(&stdout)["distance_m"].as_f64() > Some(0.0));
     sleep(BRAKING);
     assert_stands(&robot);

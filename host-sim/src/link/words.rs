@@ -28,7 +28,9 @@ pub fn oscillator(oscillator: Oscillator) -> &'static str {
     match oscillator {
         Oscillator::Unknown => "not told",
         Oscillator::Crystal => "its crystal",
-        Oscillator::Internal => "its internal oscillator: the crystal failed or has another frequency",
+        Oscillator::Internal => {
+            "its internal oscillator: the crystal failed or has another frequency"
+        }
     }
 }
 

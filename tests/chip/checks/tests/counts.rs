@@ -3,7 +3,7 @@
 use checks::{TARGET, cargo, rows, workspace};
 
 /// Bounds by the beginning of a row: instructions on average, and of the longest call.
-const BUDGETS: [(&str, u64, u64); 7] = [
+const BUDGETS: [(&str, u64, u64); 9] = [
     ("best-matching unit, 16 × 16, exact", 500, 500),
     ("situation map learns, winner and 4 neighbours", 450, 450),
     (
@@ -11,8 +11,10 @@ const BUDGETS: [(&str, u64, u64); 7] = [
         20_000,
         30_000,
     ),
-    ("decision: along a wall", 25_000, 30_000),
+    ("decision: along a wall", 20_000, 30_000),
     ("decision: to a place", 20_000, 30_000),
+    ("decision: obstacles on the right", 20_000, 30_000),
+    ("decision: after a leader", 20_000, 30_000),
     ("decision: avoid by the paper's four steps", 20_000, 30_000),
     ("**learning**", 30_000_000, 30_000_000),
 ];
@@ -31,7 +33,7 @@ fn table(package: &str) -> String {
 #[test]
 fn no_call_takes_more_instructions_than_allowed() {
     let table = table("counts");
-    within_bounds(&table, 20);
+    within_bounds(&table, 22);
     let rows = rows(&table);
     for (call, mean, most) in BUDGETS {
         let row = rows.iter().find(|row| row.call.starts_with(call));

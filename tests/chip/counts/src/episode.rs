@@ -29,6 +29,10 @@ pub struct Counts {
     pub along_wall: Tally,
     /// The same to a place.
     pub to_place: Tally,
+    /// The same while obstacles are passed on the right.
+    pub passing: Tally,
+    /// The same after a leader that is not there.
+    pub following: Tally,
     /// The same while obstacles are avoided by the paper's four steps.
     pub four_steps: Tally,
     /// An echo of a moving robot.
@@ -118,6 +122,10 @@ impl<'a> Episode<'a> {
         let clear = Goal::avoiding(&self.config);
         self.counts.four_steps = self.decisions_towards(clear);
         self.config.planning = Config::recommended().planning;
+        let passing = Goal::passing(Side::Right, Range::from_mm(1_500), &self.config);
+        self.counts.passing = self.decisions_towards(passing);
+        let following = Goal::following(Range::from_mm(340), &self.config);
+        self.counts.following = self.decisions_towards(following);
     }
 
     /// What the next decisions towards a goal cost.
