@@ -11,7 +11,7 @@ use core::panic::PanicInfo;
 use core::ptr::{addr_of, addr_of_mut};
 use cortex_m::peripheral::{MPU, SCB};
 use cortex_m_rt::exception;
-use firmware::crash::{Cause, Crash, Record, Text, cause_of_fault};
+use firmware::crash::{Cause, Crash, Fault, Record, Text};
 use firmware::stack;
 
 /// Start-up code neither clears nor fills this section.
@@ -134,16 +134,18 @@ extern "C" fn HardFault() -> ! {
 extern "C" fn fault(stack_pointer: *const u32) -> ! {
     let start = addr_of!(_stack_start).addr() as u32;
     let end = addr_of!(_stack_end).addr() as u32 + GUARD_BYTES;
-    let guard_was_hit = guarded_address().is_some_and(|address| address < end);
-    let cause = match guard_was_hit {
-        true => Cause::StackOverflow,
-        false => cause_of_fault(stack_pointer.addr() as u32, start, end),
+    // SAFETY: reading these registers has no effect.
+    let scb = unsafe { &*SCB::PTR };
+    let fault = Fault {
+        status: scb.cfsr.read(),
+        protected: scb.mmfar.read(),
+        bus: scb.bfar.read(),
     };
+    let cause = fault.cause(stack_pointer.addr() as u32, start, end);
     let (mut program_counter, mut text) = (0, Text::new());
     if cause == Cause::HardFault {
         // SAFETY: the processor has pushed eight words onto a stack that is memory, the link register sixth, the program counter
-        // seventh. The new
-        // stack may have overwritten it only if the fault came within a few words of the stack's beginning.
+        // seventh. The new stack may have overwritten it only if the fault came within a few words of the stack's beginning.
         let (link, counter) = unsafe {
             (
                 stack_pointer.add(5).read_volatile(),
@@ -151,7 +153,7 @@ extern "C" fn fault(stack_pointer: *const u32) -> ! {
             )
         };
         program_counter = counter;
-        describe(link, &mut text);
+        fault.describe(link, &mut text);
     } else {
         text.push("the stack left its region");
     }
@@ -160,33 +162,6 @@ extern "C" fn fault(stack_pointer: *const u32) -> ! {
         program_counter,
         text,
     })
-}
-
-/// Where the guard was written to, if the processor knows.
-fn guarded_address() -> Option<u32> {
-    /// The address in MMFAR is valid.
-    const MMARVALID: u32 = 1 << 7;
-    // SAFETY: reading these registers has no effect.
-    let scb = unsafe { &*SCB::PTR };
-    (scb.cfsr.read() & MMARVALID != 0).then(|| scb.mmfar.read())
-}
-
-/// Notes what the processor says of a fault (ARMv7-M Architecture Reference Manual, B3.2): the configurable fault status, the
-/// address of a bus fault where it is valid, and where the faulting function was called from.
-fn describe(link: u32, text: &mut Text) {
-    /// The address in BFAR is valid.
-    const BFARVALID: u32 = 1 << 15;
-    // SAFETY: reading these registers has no effect.
-    let scb = unsafe { &*SCB::PTR };
-    let status = scb.cfsr.read();
-    text.push("CFSR ");
-    text.push_hex(status);
-    if status & BFARVALID != 0 {
-        text.push(" BFAR ");
-        text.push_hex(scb.bfar.read());
-    }
-    text.push(" LR ");
-    text.push_hex(link);
 }
 
 /// The crystal has stopped: the chip has switched to its slow internal oscillator, at which no task keeps its times. The
