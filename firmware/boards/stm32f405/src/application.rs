@@ -20,10 +20,10 @@ macro_rules! application {
         #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
         mod app {
             use $crate::chip::{Devices, RingPin, Safety, StatusLed, Supply, Watchdog};
-            use $crate::fault;
             use $crate::flash::Kept;
             use $crate::ring_timer::RingTimer;
             use $crate::serial::SerialPort;
+            use $crate::{clocks, fault};
             use $crate::$board as board;
             use amp::node::{Identity, NomadNode};
             use amp::units::Millis;
@@ -156,6 +156,9 @@ macro_rules! application {
                     .fetch_add(1, Ordering::Relaxed)
                     .wrapping_add(1);
                 shared.vigil.seen(Task::Clock);
+                if now_ms == clocks::PROOF_MS {
+                    clocks::prove();
+                }
                 let watchdog = &mut *cx.local.watchdog;
                 shared
                     .vigil

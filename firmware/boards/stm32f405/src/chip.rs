@@ -77,7 +77,7 @@ impl Chip {
         watchdog.stop_on_debug(dbgmcu, true);
         watchdog.start(WATCHDOG_MS.millis());
         let flags = take_flags(&rcc);
-        let (rcc, oscillator) = clocks::start(rcc, timer);
+        let (rcc, oscillator) = clocks::start(rcc, timer, flags);
         count_milliseconds(&mut core.SYST);
         fault::guard_stack(&mut core.MPU);
         Self {

@@ -11,12 +11,17 @@ use core::panic::PanicInfo;
 use core::ptr::{addr_of, addr_of_mut};
 use cortex_m::peripheral::{MPU, SCB};
 use cortex_m_rt::exception;
+use firmware::clock::{Note, Trial};
 use firmware::crash::{Cause, Crash, Fault, Record, Text};
 use firmware::stack;
 
 /// Start-up code neither clears nor fills this section.
 #[unsafe(link_section = ".uninit.crash")]
 static mut RECORD: MaybeUninit<Record> = MaybeUninit::uninit();
+
+/// What is known of the crystal; likewise.
+#[unsafe(link_section = ".uninit.crystal")]
+static mut CRYSTAL: MaybeUninit<Note> = MaybeUninit::uninit();
 
 unsafe extern "C" {
     /// Behind the highest word of the stack.
@@ -64,6 +69,19 @@ pub fn take() -> Option<Crash> {
     crash
 }
 
+/// What is noted of the crystal.
+pub fn noted() -> Note {
+    // SAFETY: the memory is there, aligned, and every bit pattern is a note; see `note`.
+    unsafe { addr_of!(CRYSTAL).cast::<Note>().read_volatile() }
+}
+
+/// Notes something of the crystal.
+pub fn note(note: Note) {
+    // SAFETY: the memory is there and aligned. Start-up, one task and the crash handlers touch it, of which the first comes
+    // before the others and the last never return.
+    unsafe { addr_of_mut!(CRYSTAL).cast::<Note>().write_volatile(note) }
+}
+
 /// The deepest the stack has been, in bytes.
 pub fn stack_peak_bytes() -> u32 {
     let lowest = addr_of!(_stack_end);
@@ -77,6 +95,7 @@ pub fn stack_peak_bytes() -> u32 {
 fn keep_and_reset(crash: &Crash) -> ! {
     #[cfg(feature = "hil")]
     end_test(crash);
+    note(Note::of(noted().trial().at_crash()));
     // SAFETY: see `take`; nothing else runs any more.
     unsafe {
         addr_of_mut!(RECORD)
@@ -165,9 +184,10 @@ extern "C" fn fault(stack_pointer: *const u32) -> ! {
 }
 
 /// The crystal has stopped: the chip has switched to its slow internal oscillator, at which no task keeps its times. The
-/// restart finds no crystal and uses the internal oscillator at the full clock.
+/// restart does not try the crystal, which may start again and stop again, and uses the internal oscillator at the full clock.
 #[exception]
 unsafe fn NonMaskableInt() -> ! {
+    note(Note::of(Trial::Failed));
     let mut text = Text::new();
     text.push("the crystal has stopped");
     keep_and_reset(&Crash {
