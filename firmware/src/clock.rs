@@ -3,7 +3,12 @@
 //! A board measures its crystal against the internal oscillator at the start. A crystal that does not start, or has a
 //! frequency that no board has, is not used: the serial link would run at a wrong rate. The internal oscillator is accurate
 //! to 1 % at 25 °C, which a serial link bears.
+//!
+//! A crystal may also pass the measurement and fail later. So a note in memory that outlives a reset says while it is tried,
+//! and that it has failed; it is then left alone until power comes on again. Such a crystal costs one restart, never one
+//! after the other without end.
 
+use crate::crash::Flags;
 use amp::wire::message::Oscillator;
 
 /// Frequencies of crystals that can be multiplied to the processor's clock, hertz.
@@ -47,9 +52,129 @@ pub struct Measurement {
     pub reference_hz: u32,
 }
 
-/// The clock source by a measurement of the crystal; `None` = the crystal did not start.
+/// How often something may still be looked at, all waits together.
+#[derive(Debug)]
+pub struct Looks(u32);
+
+impl Looks {
+    /// So many looks.
+    #[must_use]
+    pub const fn new(looks: u32) -> Self {
+        Self(looks)
+    }
+
+    /// Looks until something is so; `None` when there are no looks left.
+    pub fn until(&mut self, is_so: impl Fn() -> bool) -> Option<()> {
+        while let Some(left) = self.0.checked_sub(1) {
+            self.0 = left;
+            if is_so() {
+                return Some(());
+            }
+        }
+        None
+    }
+}
+
+/// What is known of the crystal from runs before, since power came on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Trial {
+    /// Nothing against it.
+    Clear,
+    /// It is measured, or has not clocked the program for long.
+    UnderWay,
+    /// It has failed.
+    Failed,
+}
+
+impl Trial {
+    /// At the start: whether the crystal is tried (`UnderWay`) or left alone (`Failed`).
+    ///
+    /// Power that comes on gives it another trial. A start that hung ends by the watchdog; whether the crystal was the
+    /// reason is not known, and it is given up. A reset by the pin, or one that a debugger asks for, says nothing about it.
+    #[must_use]
+    pub const fn at_start(self, flags: Flags) -> Self {
+        let has_failed = match self {
+            Self::Clear => false,
+            Self::UnderWay => flags.watchdog,
+            Self::Failed => true,
+        };
+        if has_failed && !flags.power {
+            Self::Failed
+        } else {
+            Self::UnderWay
+        }
+    }
+
+    /// At a crash: a crystal under trial may have been the reason, and is given up. One that stops has failed in any case.
+    #[must_use]
+    pub const fn at_crash(self) -> Self {
+        match self {
+            Self::UnderWay => Self::Failed,
+            other => other,
+        }
+    }
+
+    /// The program has run for some time.
+    #[must_use]
+    pub const fn at_proof(self) -> Self {
+        match self {
+            Self::UnderWay => Self::Clear,
+            other => other,
+        }
+    }
+}
+
+/// A [`Trial`] as memory keeps it. Every bit pattern is a value of this type; what no trial looks like counts as none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(C)]
+pub struct Note {
+    mark: u32,
+    complement: u32,
+}
+
+impl Note {
+    /// Marks of the trials; any numbers that memory is unlikely to hold by itself.
+    const UNDER_WAY: u32 = 0x5eed_c1a1;
+    const FAILED: u32 = 0x5eed_c1a2;
+
+    /// The note of a trial.
+    #[must_use]
+    pub const fn of(trial: Trial) -> Self {
+        let mark = match trial {
+            Trial::Clear => 0,
+            Trial::UnderWay => Self::UNDER_WAY,
+            Trial::Failed => Self::FAILED,
+        };
+        Self {
+            mark,
+            complement: !mark,
+        }
+    }
+
+    /// The trial.
+    #[must_use]
+    pub const fn trial(self) -> Trial {
+        match self.mark {
+            _ if self.complement != !self.mark => Trial::Clear,
+            Self::UNDER_WAY => Trial::UnderWay,
+            Self::FAILED => Trial::Failed,
+            _ => Trial::Clear,
+        }
+    }
+}
+
+/// The clock source by what is known of the crystal and by a measurement, which is made only if the crystal is tried; `None`
+/// = the crystal did not start.
 #[must_use]
-pub fn choose(measured: Option<Measurement>) -> ClockSource {
+pub fn choose(trial: Trial, measure: impl FnOnce() -> Option<Measurement>) -> ClockSource {
+    match trial {
+        Trial::Failed => ClockSource::Internal,
+        Trial::Clear | Trial::UnderWay => by(measure()),
+    }
+}
+
+/// The clock source by a measurement.
+fn by(measured: Option<Measurement>) -> ClockSource {
     let hz = measured.and_then(|measured| {
         let periods = u64::from(measured.periods) * u64::from(measured.reference_hz);
         periods.checked_div(measured.ticks.into())
@@ -86,7 +211,7 @@ mod tests {
     fn each_crystal_is_recognized_over_the_references_whole_range() {
         for hz in [4_000_000, 8_000_000, 12_000_000, 16_000_000, 25_000_000] {
             for deviation in -80..=45 {
-                let chosen = choose(measured(hz.into(), deviation));
+                let chosen = choose(Trial::UnderWay, || measured(hz.into(), deviation));
                 assert_eq!(chosen, ClockSource::Crystal { hz }, "{deviation}");
             }
         }
@@ -97,19 +222,146 @@ mod tests {
         for hz in [
             32_768, 1_000_000, 6_000_000, 10_000_000, 20_000_000, 50_000_000,
         ] {
-            assert_eq!(choose(measured(hz, 0)), ClockSource::Internal, "{hz}");
+            assert_eq!(by(measured(hz, 0)), ClockSource::Internal, "{hz}");
         }
     }
 
     #[test]
     fn a_dead_crystal_is_not_used() {
-        assert_eq!(choose(None), ClockSource::Internal);
+        assert_eq!(by(None), ClockSource::Internal);
         let none = Measurement {
             periods: 25_600,
             ticks: 0,
             reference_hz: REFERENCE_HZ,
         };
-        assert_eq!(choose(Some(none)), ClockSource::Internal);
+        assert_eq!(by(Some(none)), ClockSource::Internal);
+    }
+
+    #[test]
+    fn all_waits_of_a_measurement_share_one_budget() {
+        let mut looks = Looks::new(5);
+        let looked = core::cell::Cell::new(0);
+        // So at each third look.
+        let rare = || {
+            looked.set(looked.get() + 1);
+            looked.get() % 3 == 0
+        };
+        assert_eq!(looks.until(rare), Some(()));
+        assert_eq!(looks.until(rare), None);
+        assert_eq!(looked.get(), 5);
+        assert_eq!(looks.until(|| true), None);
+    }
+
+    const POWER: Flags = Flags {
+        power: true,
+        watchdog: false,
+        software: false,
+        pin: true,
+    };
+    const WATCHDOG: Flags = Flags {
+        power: false,
+        watchdog: true,
+        ..POWER
+    };
+    const SOFTWARE: Flags = Flags {
+        power: false,
+        software: true,
+        ..POWER
+    };
+    const PIN: Flags = Flags {
+        power: false,
+        ..POWER
+    };
+
+    #[test]
+    fn a_crystal_that_failed_is_left_alone_until_power_comes_on() {
+        use Trial::{Clear, Failed, UnderWay};
+        for (before, flags, now) in [
+            (Clear, POWER, UnderWay),
+            (Clear, WATCHDOG, UnderWay),
+            (Clear, SOFTWARE, UnderWay),
+            (Clear, PIN, UnderWay),
+            (UnderWay, POWER, UnderWay),
+            (UnderWay, WATCHDOG, Failed),
+            (UnderWay, SOFTWARE, UnderWay),
+            (UnderWay, PIN, UnderWay),
+            (Failed, POWER, UnderWay),
+            (Failed, WATCHDOG, Failed),
+            (Failed, SOFTWARE, Failed),
+            (Failed, PIN, Failed),
+        ] {
+            assert_eq!(before.at_start(flags), now, "{before:?}, {flags:?}");
+        }
+        let unmeasured = choose(Failed, || panic!("it is left alone"));
+        assert_eq!(unmeasured, ClockSource::Internal);
+    }
+
+    #[test]
+    fn crashes_and_time_change_what_is_known_of_the_crystal() {
+        use Trial::{Clear, Failed, UnderWay};
+        for (before, crashed, proved) in [
+            (Clear, Clear, Clear),
+            (UnderWay, Failed, Clear),
+            (Failed, Failed, Failed),
+        ] {
+            assert_eq!(before.at_crash(), crashed, "{before:?}");
+            assert_eq!(before.at_proof(), proved, "{before:?}");
+        }
+    }
+
+    /// A crystal that is measured well each time, and stops, lets the program crash, or the start hang.
+    #[test]
+    fn no_crystal_restarts_the_chip_more_than_once() {
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        enum End {
+            Stops,
+            Crashes,
+            Hangs,
+        }
+        for end in [End::Stops, End::Crashes, End::Hangs] {
+            let (mut note, mut flags, mut restarts) = (Note::of(Trial::Failed), POWER, 0);
+            loop {
+                let trial = note.trial().at_start(flags);
+                note = Note::of(trial);
+                let chosen = choose(trial, || measured(8_000_000, 0));
+                if chosen == ClockSource::Internal {
+                    break;
+                }
+                (note, flags) = match end {
+                    End::Stops => (Note::of(Trial::Failed), SOFTWARE),
+                    End::Crashes => (Note::of(note.trial().at_crash()), SOFTWARE),
+                    End::Hangs => (note, WATCHDOG),
+                };
+                restarts += 1;
+                assert_eq!(restarts, 1, "{end:?}");
+            }
+            assert_eq!((restarts, note.trial()), (1, Trial::Failed));
+        }
+    }
+
+    #[test]
+    fn a_note_comes_back_and_memory_after_power_on_is_none() {
+        for trial in [Trial::Clear, Trial::UnderWay, Trial::Failed] {
+            let note = Note::of(trial);
+            assert_eq!(note.trial(), trial);
+            for bit in 0..32 {
+                let flip = 1 << bit;
+                for (mark, complement) in [(flip, 0), (0, flip), (flip, flip)] {
+                    let changed = Note {
+                        mark: note.mark ^ mark,
+                        complement: note.complement ^ complement,
+                    };
+                    assert_eq!(changed.trial(), Trial::Clear, "{trial:?}, {bit}");
+                }
+            }
+        }
+        for (mark, complement) in [(0, 0), (u32::MAX, u32::MAX), (0, u32::MAX)] {
+            assert_eq!(Note { mark, complement }.trial(), Trial::Clear);
+        }
+        for halves in [[0x5eed_c1a1, 0], [0x5eed_c1a2, 0x5eed_c1a2]] {
+            let [mark, complement] = halves;
+            assert_eq!(Note { mark, complement }.trial(), Trial::Clear);
+        }
     }
 
     #[test]

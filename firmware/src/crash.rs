@@ -184,13 +184,45 @@ impl Record {
     }
 }
 
-/// What a fault was, by where the stack pointer is once the processor has stacked its registers.
-#[must_use]
-pub const fn cause_of_fault(stack_pointer: u32, stack_start: u32, stack_end: u32) -> Cause {
-    if stack_pointer < stack_end || stack_pointer >= stack_start {
-        Cause::StackOverflow
-    } else {
-        Cause::HardFault
+/// What the processor says of a fault (ARMv7-M Architecture Reference Manual, B3.2).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Fault {
+    /// The configurable fault status, CFSR.
+    pub status: u32,
+    /// MMFAR: the address that the memory protection refused, where the status says that it is one.
+    pub protected: u32,
+    /// BFAR: the address of a bus fault, likewise.
+    pub bus: u32,
+}
+
+impl Fault {
+    /// MMARVALID: there is an address in MMFAR.
+    const PROTECTED_VALID: u32 = 1 << 7;
+    /// BFARVALID: there is an address in BFAR.
+    const BUS_VALID: u32 = 1 << 15;
+
+    /// What the fault was, by where the stack pointer is once the processor has stacked its registers, and by whether the guard
+    /// was hit, the lowest bytes of the stack's region.
+    #[must_use]
+    pub const fn cause(&self, stack_pointer: u32, stack_start: u32, stack_end: u32) -> Cause {
+        let guard_was_hit = self.status & Self::PROTECTED_VALID != 0 && self.protected < stack_end;
+        if guard_was_hit || stack_pointer < stack_end || stack_pointer >= stack_start {
+            Cause::StackOverflow
+        } else {
+            Cause::HardFault
+        }
+    }
+
+    /// Appends the status, the address of a bus fault where there is one, and where the faulting function was called from.
+    pub fn describe(&self, link: u32, text: &mut Text) {
+        text.push("CFSR ");
+        text.push_hex(self.status);
+        if self.status & Self::BUS_VALID != 0 {
+            text.push(" BFAR ");
+            text.push_hex(self.bus);
+        }
+        text.push(" LR ");
+        text.push_hex(link);
     }
 }
 
@@ -345,11 +377,51 @@ mod tests {
 
     #[test]
     fn a_stack_pointer_outside_the_stack_is_an_overflow() {
-        let cause = |pointer| cause_of_fault(pointer, 0x2000_2000, 0x2000_0000);
+        let cause = |pointer| fault(0x0000_8200).cause(pointer, 0x2000_2000, 0x2000_0020);
         assert_eq!(cause(0x1fff_ffe0), Cause::StackOverflow);
-        assert_eq!(cause(0x2000_0000), Cause::HardFault);
+        assert_eq!(cause(0x2000_001c), Cause::StackOverflow);
+        assert_eq!(cause(0x2000_0020), Cause::HardFault);
         assert_eq!(cause(0x2000_1fe0), Cause::HardFault);
         assert_eq!(cause(0x2000_2000), Cause::StackOverflow);
+    }
+
+    /// A fault with this status; its addresses are those of the guard and of no device.
+    fn fault(status: u32) -> Fault {
+        Fault {
+            status,
+            protected: 0x2000_0010,
+            bus: 0xdead_beec,
+        }
+    }
+
+    #[test]
+    fn a_guard_that_was_hit_is_an_overflow_where_its_address_is_one() {
+        let cause = |fault: Fault| fault.cause(0x2000_1000, 0x2000_2000, 0x2000_0020);
+        // DACCVIOL with and without MMARVALID; MSTKERR with it.
+        assert_eq!(cause(fault(0x82)), Cause::StackOverflow);
+        assert_eq!(cause(fault(0x90)), Cause::StackOverflow);
+        assert_eq!(cause(fault(0x02)), Cause::HardFault);
+        let above = Fault {
+            protected: 0x2000_0020,
+            ..fault(0x82)
+        };
+        assert_eq!(cause(above), Cause::HardFault);
+    }
+
+    #[test]
+    fn a_fault_is_described_with_the_address_only_where_it_is_one() {
+        let described = |status| {
+            let mut text = Text::new();
+            fault(status).describe(0x0800_4321, &mut text);
+            std::string::String::from(text.as_str())
+        };
+        // PRECISERR with BFARVALID, IMPRECISERR without, UNDEFINSTR.
+        assert_eq!(
+            described(0x8200),
+            "CFSR 0x00008200 BFAR 0xdeadbeec LR 0x08004321"
+        );
+        assert_eq!(described(0x0400), "CFSR 0x00000400 LR 0x08004321");
+        assert_eq!(described(0x0001_0000), "CFSR 0x00010000 LR 0x08004321");
     }
 
     #[test]

@@ -317,6 +317,26 @@ fn ringed(bench: Bench) -> (Bench, Producer<'static, Firing>) {
     (bench, near)
 }
 
+/// These transducers hear something 2 m away.
+fn fire(near: &mut Producer<'static, Firing>, transducers: core::ops::Range<u8>, at_ms: u32) {
+    for sensor in transducers {
+        let firing = Firing {
+            sensor,
+            range: Some(Range::from_mm(2_000)),
+            at: Millis::from_ms(at_ms),
+        };
+        assert!(near.enqueue(firing).is_ok());
+    }
+}
+
+/// The motion that was ordered, along and across.
+fn motion(said: &[FromMind<16>]) -> Option<(i16, i16)> {
+    said.iter().find_map(|said| match said {
+        FromMind::Motion(order) => Some((order.dx_mm, order.dy_mm)),
+        _ => None,
+    })
+}
+
 fn listen(bench: &mut Bench, source: Source, now_ms: u32) {
     bench.ask(&ToMind::Source(source));
     let _ = bench.control.run(Millis::from_ms(now_ms));
@@ -336,17 +356,7 @@ fn the_ring_fires_when_its_session_listens_to_it() {
 #[test]
 fn what_the_ring_hears_reaches_the_mind_with_its_age() {
     let (mut bench, mut near) = ringed(bench());
-    let fire = |near: &mut Producer<'static, Firing>, at_ms: u32| {
-        for sensor in 0..15 {
-            let firing = Firing {
-                sensor,
-                range: Some(Range::from_mm(2_000)),
-                at: Millis::from_ms(at_ms),
-            };
-            assert!(near.enqueue(firing).is_ok());
-        }
-    };
-    fire(&mut near, 2);
+    fire(&mut near, 0..15, 2);
     listen(&mut bench, Source::Link, 3);
     listen(&mut bench, Source::Ring, 4);
     bench.ask(&ToMind::Command {
@@ -363,11 +373,10 @@ fn what_the_ring_hears_reaches_the_mind_with_its_age() {
     };
     assert!(near.enqueue(last).is_ok());
     let _ = bench.control.run(Millis::from_ms(6));
-    let moves = |said: &[FromMind<16>]| said.iter().any(|said| matches!(said, FromMind::Motion(_)));
-    assert!(!moves(&bench.said()), "the others have not been heard");
-    fire(&mut near, 7);
+    assert_eq!(motion(&bench.said()), None, "the others are unheard");
+    fire(&mut near, 0..15, 7);
     let _ = bench.control.run(Millis::from_ms(40));
-    assert!(moves(&bench.said()));
+    assert!(motion(&bench.said()).is_some());
 }
 
 /// An erasure stops the ring's clock.
@@ -497,4 +506,40 @@ fn alarms_of_the_lines_stop_the_robot_and_say_why() {
         let mode = FromMind::Mode(ModeReport::Stopped(reason));
         assert!(said.contains(&mode), "{said:?}");
     }
+}
+
+#[test]
+fn a_touch_ends_the_motion_under_way_and_nothing_else() {
+    let (mut bench, mut near) = ringed(bench());
+    listen(&mut bench, Source::Ring, 2);
+    bench.ask(&ToMind::Command {
+        at_ms: 3,
+        ttl_ms: 1_000,
+        order: Order::Explore { moves: 10, seed: 1 },
+    });
+    let _ = bench.control.run(Millis::from_ms(3));
+    let touched = Alarms {
+        emergency_stop: false,
+        touched: true,
+    };
+    let touch = |bench: &mut Bench| {
+        let now = Millis::from_ms(60);
+        let _ = bench.said();
+        bench.control.apply_alarms(touched, false, now);
+        assert!(bench.control.may_move());
+        motion(&bench.said())
+    };
+    assert_eq!(touch(&mut bench), None, "it stands");
+    // The queue has no room for all sixteen.
+    fire(&mut near, 0..8, 4);
+    let _ = bench.control.run(Millis::from_ms(30));
+    fire(&mut near, 8..16, 4);
+    let _ = bench.control.run(Millis::from_ms(50));
+    let ordered = motion(&bench.said()).expect("a motion");
+    assert_ne!(ordered, (0, 0));
+    let now = Millis::from_ms(55);
+    bench.control.apply_alarms(Alarms::default(), false, now);
+    assert_eq!(motion(&bench.said()), None, "nothing was touched");
+    assert_eq!(touch(&mut bench), Some((0, 0)));
+    assert_eq!(touch(&mut bench), None, "it stands again");
 }

@@ -6,6 +6,7 @@
 //! | `ring` | when a sonar's time has come or its echo | 2 | fires, listens, queues what was heard |
 //! | `clock` | each millisecond | 2 | counts, lights the LED, feeds the watchdog, wakes `control` |
 //! | `control` | when a frame has come, each 10 ms, and while there is more to do | 1 | owns the mind |
+//! | `supply` | when the supply voltage becomes too low | 1 | wakes `control`, which reads it each time it runs |
 //! | `idle` | otherwise | 0 | sleeps |
 //!
 //! Tasks share queues and atomic numbers, never a lock: nothing but a line of the log holds off the receiver, for at most
@@ -19,11 +20,13 @@ macro_rules! application {
     ($board:ident, $link:ident) => {
         #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
         mod app {
-            use $crate::chip::{Devices, RingPin, Safety, StatusLed, Supply, Watchdog};
-            use $crate::fault;
+            use $crate::chip::{
+                Devices, RingPin, Safety, StatusLed, Supply, SupplyAlarm, Watchdog,
+            };
             use $crate::flash::Kept;
             use $crate::ring_timer::RingTimer;
             use $crate::serial::SerialPort;
+            use $crate::{clocks, fault};
             use $crate::$board as board;
             use amp::node::{Identity, NomadNode};
             use amp::units::Millis;
@@ -72,6 +75,7 @@ macro_rules! application {
                 control: Control<'static, Kept>,
                 safety: Safety,
                 supply: Supply,
+                supply_alarm: SupplyAlarm,
             }
 
             #[init(local = [
@@ -129,6 +133,7 @@ macro_rules! application {
                     control,
                     safety: devices.safety,
                     supply: devices.supply,
+                    supply_alarm: devices.supply_alarm,
                 };
                 (shared, local)
             }
@@ -156,6 +161,9 @@ macro_rules! application {
                     .fetch_add(1, Ordering::Relaxed)
                     .wrapping_add(1);
                 shared.vigil.seen(Task::Clock);
+                if now_ms == clocks::PROOF_MS {
+                    clocks::prove();
+                }
                 let watchdog = &mut *cx.local.watchdog;
                 shared
                     .vigil
@@ -214,6 +222,12 @@ macro_rules! application {
                 if more {
                     rtic::pend(CONTROL);
                 }
+            }
+
+            #[task(binds = PVD, priority = 1, local = [supply_alarm])]
+            fn supply(cx: supply::Context) {
+                cx.local.supply_alarm.clear();
+                rtic::pend(CONTROL);
             }
 
             /// What need not be looked at often: how deep the stack has been, and what the log should know.

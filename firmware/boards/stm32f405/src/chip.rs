@@ -50,6 +50,8 @@ pub struct Devices<U> {
     pub safety: Safety,
     /// The watch over the supply voltage.
     pub supply: Supply,
+    /// Its interrupt.
+    pub supply_alarm: SupplyAlarm,
     /// What outlives a loss of power.
     pub kept: Kept,
 }
@@ -77,7 +79,7 @@ impl Chip {
         watchdog.stop_on_debug(dbgmcu, true);
         watchdog.start(WATCHDOG_MS.millis());
         let flags = take_flags(&rcc);
-        let (rcc, oscillator) = clocks::start(rcc, timer);
+        let (rcc, oscillator) = clocks::start(rcc, timer, flags);
         count_milliseconds(&mut core.SYST);
         fault::guard_stack(&mut core.MPU);
         Self {
@@ -147,6 +149,24 @@ impl Supply {
     /// Whether the voltage is too low at the moment.
     pub fn is_low(&self) -> bool {
         self.0.csr().read().pvdo().bit_is_set()
+    }
+}
+
+/// The interrupt of that comparator.
+pub struct SupplyAlarm(pac::EXTI);
+
+impl SupplyAlarm {
+    /// Interrupts when the voltage becomes too low: the comparator's output rises then, on line 16 (RM0090, 5.2.3 and 12.2.5).
+    pub fn listen(lines: pac::EXTI) -> Self {
+        lines.rtsr().modify(|_, w| w.tr16().set_bit());
+        lines.imr().modify(|_, w| w.mr16().set_bit());
+        Self(lines)
+    }
+
+    /// Forgets that it has interrupted.
+    pub fn clear(&mut self) {
+        // Ones clear, zeros leave the other lines alone.
+        self.0.pr().write(|w| w.pr16().clear_bit_by_one());
     }
 }
 

@@ -11,12 +11,17 @@ use core::panic::PanicInfo;
 use core::ptr::{addr_of, addr_of_mut};
 use cortex_m::peripheral::{MPU, SCB};
 use cortex_m_rt::exception;
-use firmware::crash::{Cause, Crash, Record, Text, cause_of_fault};
+use firmware::clock::{Note, Trial};
+use firmware::crash::{Cause, Crash, Fault, Record, Text};
 use firmware::stack;
 
 /// Start-up code neither clears nor fills this section.
 #[unsafe(link_section = ".uninit.crash")]
 static mut RECORD: MaybeUninit<Record> = MaybeUninit::uninit();
+
+/// What is known of the crystal; likewise.
+#[unsafe(link_section = ".uninit.crystal")]
+static mut CRYSTAL: MaybeUninit<Note> = MaybeUninit::uninit();
 
 unsafe extern "C" {
     /// Behind the highest word of the stack.
@@ -64,6 +69,19 @@ pub fn take() -> Option<Crash> {
     crash
 }
 
+/// What is noted of the crystal.
+pub fn noted() -> Note {
+    // SAFETY: the memory is there, aligned, and every bit pattern is a note; see `note`.
+    unsafe { addr_of!(CRYSTAL).cast::<Note>().read_volatile() }
+}
+
+/// Notes something of the crystal.
+pub fn note(note: Note) {
+    // SAFETY: the memory is there and aligned. Start-up, one task and the crash handlers touch it, of which the first comes
+    // before the others and the last never return.
+    unsafe { addr_of_mut!(CRYSTAL).cast::<Note>().write_volatile(note) }
+}
+
 /// The deepest the stack has been, in bytes.
 pub fn stack_peak_bytes() -> u32 {
     let lowest = addr_of!(_stack_end);
@@ -77,6 +95,7 @@ pub fn stack_peak_bytes() -> u32 {
 fn keep_and_reset(crash: &Crash) -> ! {
     #[cfg(feature = "hil")]
     end_test(crash);
+    note(Note::of(noted().trial().at_crash()));
     // SAFETY: see `take`; nothing else runs any more.
     unsafe {
         addr_of_mut!(RECORD)
@@ -134,16 +153,18 @@ extern "C" fn HardFault() -> ! {
 extern "C" fn fault(stack_pointer: *const u32) -> ! {
     let start = addr_of!(_stack_start).addr() as u32;
     let end = addr_of!(_stack_end).addr() as u32 + GUARD_BYTES;
-    let guard_was_hit = guarded_address().is_some_and(|address| address < end);
-    let cause = match guard_was_hit {
-        true => Cause::StackOverflow,
-        false => cause_of_fault(stack_pointer.addr() as u32, start, end),
+    // SAFETY: reading these registers has no effect.
+    let scb = unsafe { &*SCB::PTR };
+    let fault = Fault {
+        status: scb.cfsr.read(),
+        protected: scb.mmfar.read(),
+        bus: scb.bfar.read(),
     };
+    let cause = fault.cause(stack_pointer.addr() as u32, start, end);
     let (mut program_counter, mut text) = (0, Text::new());
     if cause == Cause::HardFault {
         // SAFETY: the processor has pushed eight words onto a stack that is memory, the link register sixth, the program counter
-        // seventh. The new
-        // stack may have overwritten it only if the fault came within a few words of the stack's beginning.
+        // seventh. The new stack may have overwritten it only if the fault came within a few words of the stack's beginning.
         let (link, counter) = unsafe {
             (
                 stack_pointer.add(5).read_volatile(),
@@ -151,7 +172,7 @@ extern "C" fn fault(stack_pointer: *const u32) -> ! {
             )
         };
         program_counter = counter;
-        describe(link, &mut text);
+        fault.describe(link, &mut text);
     } else {
         text.push("the stack left its region");
     }
@@ -162,37 +183,11 @@ extern "C" fn fault(stack_pointer: *const u32) -> ! {
     })
 }
 
-/// Where the guard was written to, if the processor knows.
-fn guarded_address() -> Option<u32> {
-    /// The address in MMFAR is valid.
-    const MMARVALID: u32 = 1 << 7;
-    // SAFETY: reading these registers has no effect.
-    let scb = unsafe { &*SCB::PTR };
-    (scb.cfsr.read() & MMARVALID != 0).then(|| scb.mmfar.read())
-}
-
-/// Notes what the processor says of a fault (ARMv7-M Architecture Reference Manual, B3.2): the configurable fault status, the
-/// address of a bus fault where it is valid, and where the faulting function was called from.
-fn describe(link: u32, text: &mut Text) {
-    /// The address in BFAR is valid.
-    const BFARVALID: u32 = 1 << 15;
-    // SAFETY: reading these registers has no effect.
-    let scb = unsafe { &*SCB::PTR };
-    let status = scb.cfsr.read();
-    text.push("CFSR ");
-    text.push_hex(status);
-    if status & BFARVALID != 0 {
-        text.push(" BFAR ");
-        text.push_hex(scb.bfar.read());
-    }
-    text.push(" LR ");
-    text.push_hex(link);
-}
-
 /// The crystal has stopped: the chip has switched to its slow internal oscillator, at which no task keeps its times. The
-/// restart finds no crystal and uses the internal oscillator at the full clock.
+/// restart does not try the crystal, which may start again and stop again, and uses the internal oscillator at the full clock.
 #[exception]
 unsafe fn NonMaskableInt() -> ! {
+    note(Note::of(Trial::Failed));
     let mut text = Text::new();
     text.push("the crystal has stopped");
     keep_and_reset(&Crash {

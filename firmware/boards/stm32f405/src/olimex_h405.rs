@@ -48,7 +48,7 @@ pub use device::{Link, init};
 
 #[cfg(target_os = "none")]
 mod device {
-    use crate::chip::{Chip, Devices, StatusLed, Supply};
+    use crate::chip::{Chip, Devices, StatusLed, Supply, SupplyAlarm};
     use crate::flash::Kept;
     use crate::ring_timer::RingTimer;
     use crate::serial::{SerialPort, settings};
@@ -110,6 +110,7 @@ mod device {
             oscillator,
             safety,
             supply: Supply::watch(device.PWR, &mut rcc),
+            supply_alarm: SupplyAlarm::listen(device.EXTI),
             kept: Kept::new(device.FLASH),
         }
     }
