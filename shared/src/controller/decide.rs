@@ -191,12 +191,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
         // Eighths of a turn, and what such a way counts for, sixteenths: at 45° what leads along the one wanted; across it
         // nothing does, but a quarter counts for what it shows.
-        let longest = u32::from(wanted.length_mm());
         let mut farthest = 16 * u32::from(best.1.distance_mm);
         for (eighths, share) in [(1, 11), (7, 11), (2, 4), (6, 4)] {
-            if share * longest <= farthest {
-                break;
-            }
             let way = wanted.rotated(Bearing::of_place(eighths, 8).direction());
             let allowed = free(way);
             let along = share * u32::from(allowed.distance_mm);

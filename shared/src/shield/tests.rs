@@ -564,3 +564,22 @@ fn a_lobe_is_as_wide_as_it_is_said_to_be_when_a_way_is_asked_for() {
         assert!(way(&shield, &wide, mm(250, 0), 6).0 < 20);
     }
 }
+
+/// A ring that hears nothing nearer than the body reaches: its shortest reading may be anything nearer.
+#[test]
+fn the_shortest_reading_is_not_passed_over_by_a_small_body() {
+    let mut config = Config::recommended();
+    config.robot.body_radius_mm = 28;
+    config.robot.face_radius_mm = 27;
+    config.robot.speed_mm_s = 100;
+    let shielding = Shielding {
+        margin_mm: 10,
+        ..Shielding::nomad200()
+    };
+    config.shield = Some(shielding);
+    let shield = heard(&config, &[(0, 153)]);
+    assert_eq!(way(&shield, &config, mm(20, 0), 6).0, 0);
+    // A wall at 154 mm is farther than 20 mm and the margin.
+    let shield = heard(&config, &[(0, 154)]);
+    assert_eq!(way(&shield, &config, mm(20, 0), 6).0, 20);
+}

@@ -80,12 +80,13 @@ impl<'a> Way<'a> {
         let Some(range) = arc.range else { return limit };
         let (x, y) = (i32::from(face.dx_mm), i32::from(face.dy_mm));
         let range_mm = self.range_now(range, arc.at);
-        // Most are far off.
-        if nearest_mm((x, y), range_mm) > limit.saturating_add(self.reach_mm) {
-            return limit;
-        }
         // As short as the shortest range it may be anywhere between there and the face.
         let least_mm = i32::from(self.shielding.least_range_mm);
+        // Most are far off.
+        if range_mm > least_mm && nearest_mm((x, y), range_mm) > limit.saturating_add(self.reach_mm)
+        {
+            return limit;
+        }
         let seen = Seen::along(self.direction, (x, y), arc.axis, range_mm.max(least_mm));
         let mut distance = limit;
         if range_mm <= least_mm {
