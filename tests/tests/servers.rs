@@ -1,6 +1,8 @@
 //! The servers and their peers: half-open connections, too many watchers, peers that vanish, pages that close while a
 //! robot moves, and peers that never stop sending.
 
+use amp::config::Config;
+use host_sim::link::Served;
 use host_sim::log;
 use host_sim::nomad::Command;
 use serde_json::{Value, json};
@@ -163,6 +165,33 @@ fn a_robot_whose_steering_page_is_gone_stops() {
     let mut host = robot.connect();
     let state = host.ask(&Command::GetState).expect("an answer");
     assert!(tests::nomad::stands(state), "{state:?}");
+}
+
+/// Its own ring may take 20 s, so that it still explores, in wait for its first echo, when the page goes.
+#[test]
+fn a_board_whose_steering_page_is_gone_stops() {
+    let program = host_sim!();
+    let mut config = Config::recommended();
+    config.robot.ring_period_ms = 10_000;
+    let served = Served::start(config).expect("a mind behind a socket");
+    let flags = format!("--board tcp:{} --explore 20", served.host());
+    let viewed = Viewed::start(&program, &flags);
+    // Closed.
+    let (mut steerer, mut watcher) = exploring(&viewed);
+    let left = heard(&viewed, &mut steerer);
+    drop(steerer);
+    stops_in_time(&mut watcher, left);
+    assert_eq!(watcher.latest("now")["resumes"], true);
+    // Open, and silent.
+    let (mut silent, mut watcher) = exploring(&viewed);
+    let left = heard(&viewed, &mut silent);
+    stops_in_time(&mut watcher, left);
+    // The reason stays while nothing else happens.
+    let moment = watcher.moment();
+    watcher.wait_after(moment, "now", |now| {
+        assert!(stopped_unattended(now), "{now}");
+        left.elapsed() > Duration::from_secs(5)
+    });
 }
 
 #[test]
