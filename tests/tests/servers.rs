@@ -2,9 +2,11 @@
 //! robot moves, and peers that never stop sending.
 
 use amp::config::Config;
+use amp::wire::message::{Counters, FromMind};
+use amp::wire::{Frame, Header, Report};
 use host_sim::link::Served;
 use host_sim::log;
-use host_sim::nomad::Command;
+use host_sim::nomad::{Command, Greeting, Kind, LaserSetup, Mask, Packet};
 use serde_json::{Value, json};
 use std::io::{ErrorKind, Read as _, Write as _};
 use std::net::{TcpListener, TcpStream};
@@ -267,17 +269,71 @@ fn a_robot_is_served_to_other_machines_only_on_request() {
     assert!(served.line().starts_with("listening on 0.0.0.0:"));
 }
 
-/// A peer that sends `bytes` for ever to everyone who connects, and reads nothing.
-fn flood(bytes: &'static [u8]) -> String {
+/// A peer that sends `first` once and `bytes` for ever to everyone who connects, and reads nothing.
+fn flood(first: &[u8], bytes: &[u8]) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a socket");
     let place = listener.local_addr().expect("its address").to_string();
+    let (first, bytes) = (first.to_vec(), bytes.to_vec());
     std::thread::spawn(move || {
         for stream in listener.incoming() {
             let mut stream = stream.expect("a peer");
-            std::thread::spawn(move || while stream.write_all(bytes).is_ok() {});
+            let (first, bytes) = (first.clone(), bytes.clone());
+            std::thread::spawn(move || {
+                let begun = stream.write_all(&first).is_ok();
+                while begun && stream.write_all(&bytes).is_ok() {}
+            });
         }
     });
     place
+}
+
+/// Whether the program gives its peer at `place` up within `limit`, in a sentence.
+fn gives_up(program: &tests::Program, line: &str, place: &str, limit: Duration) {
+    let mut running = Running::start(program, line);
+    let (code, stdout, stderr) = running.end(limit);
+    assert_eq!(code, Some(2), "{line}: {stderr}");
+    // The bridge says what was driven until then.
+    assert!(stdout.is_empty() || line.starts_with("bridge"), "{stdout}");
+    assert_eq!(stderr.lines().count(), 1, "{line}: {stderr}");
+    assert!(stderr.contains(place), "{line}: {stderr}");
+}
+
+/// Sound frames of a session that nobody has opened.
+fn stray_frames() -> Vec<u8> {
+    let frame = |seq| {
+        let session = 48_879;
+        let report: Report<16> = Report {
+            device_ms: 0,
+            said: FromMind::Counters(Counters::NONE),
+        };
+        let frame = Frame::pack(Header { session, seq }, &report).expect("a frame");
+        frame.as_bytes().to_vec()
+    };
+    (0..1_000).flat_map(frame).collect()
+}
+
+#[test]
+fn a_peer_that_sends_sound_messages_without_end_is_given_up() {
+    let program = host_sim!();
+    let robot = Robot::at_a_port(&program, "--speed 5");
+    let place = flood(&[], &stray_frames());
+    for line in [
+        format!("link --to tcp:{place} hello"),
+        format!("bridge --nomad tcp:{} --mind tcp:{place}", robot.place),
+        format!("run --steps 1 --mind tcp:{place}"),
+        format!("view --listen 127.0.0.1:0 --board tcp:{place}"),
+    ] {
+        gives_up(&program, &line, &place, Duration::from_secs(10));
+    }
+    // A robot that greets, and then answers what nobody has asked.
+    let answer = Packet::new(Kind::Ac, vec![0; 80]).to_bytes();
+    let greeting = Greeting {
+        mask: Mask::ALL,
+        laser: LaserSetup::default(),
+    };
+    let place = flood(&greeting.to_bytes(), &answer);
+    let line = format!("bridge --nomad tcp:{place}");
+    gives_up(&program, &line, &place, Duration::from_secs(10));
 }
 
 #[test]
@@ -285,20 +341,14 @@ fn a_peer_that_sends_garbage_without_end_is_given_up() {
     let program = host_sim!();
     let robot = Robot::at_a_port(&program, "--speed 5");
     for bytes in [&[0x55; 997][..], &[0; 1_000], b"\x01\x02\x00\x07\x0a\x5c"] {
-        let place = flood(bytes);
+        let place = flood(&[], bytes);
         for line in [
             format!("link --to tcp:{place} hello"),
             format!("bridge --nomad tcp:{place}"),
             format!("bridge --nomad tcp:{} --mind tcp:{place}", robot.place),
             format!("run --steps 1 --mind tcp:{place}"),
         ] {
-            let mut running = Running::start(&program, &line);
-            let (code, stdout, stderr) = running.end(PATIENCE);
-            assert_eq!(code, Some(2), "{line}: {stderr}");
-            // The bridge says what was driven until then.
-            assert!(stdout.is_empty() || line.starts_with("bridge"), "{stdout}");
-            assert_eq!(stderr.lines().count(), 1, "{line}: {stderr}");
-            assert!(stderr.contains(&place), "{line}: {stderr}");
+            gives_up(&program, &line, &place, PATIENCE);
         }
     }
 }
