@@ -11,16 +11,17 @@ use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, ErrorKind, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Largest input file of a reader without a bound of its own, bytes.
 pub(crate) const MAX_INPUT_BYTES: u64 = 256 << 20;
 
-/// Longest wait for a writer at the other end of a FIFO.
-const MAX_WAIT_FOR_WRITER: Duration = Duration::from_secs(5);
-
-/// Longest silence of a stream.
-const MAX_STREAM_SILENCE: Duration = Duration::from_secs(60);
+/// How long a stream is waited for.
+const STREAM_LIMITS: StreamLimits = StreamLimits {
+    writer: Duration::from_secs(5),
+    silence: Duration::from_secs(60),
+    whole: Duration::from_secs(10 * 60),
+};
 
 /// Bytes of a stream read at once.
 const STREAM_CHUNK_BYTES: usize = 1 << 16;
@@ -105,6 +106,16 @@ fn read_regular(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// How long a stream is waited for.
+struct StreamLimits {
+    /// Longest wait for a writer at the other end of a FIFO.
+    writer: Duration,
+    /// Longest silence.
+    silence: Duration,
+    /// Longest time from its beginning to its end.
+    whole: Duration,
+}
+
 /// What a stream's thread reports.
 enum StreamEvent {
     Opened,
@@ -122,7 +133,7 @@ fn read_stream(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
             let _ = sender.send(Err(error));
         }
     });
-    collect_stream(&receiver, limit)
+    collect_stream(&receiver, limit, &STREAM_LIMITS)
 }
 
 fn send_stream(path: &Path, to: &SyncSender<io::Result<StreamEvent>>) -> io::Result<()> {
@@ -141,25 +152,36 @@ fn send_stream(path: &Path, to: &SyncSender<io::Result<StreamEvent>>) -> io::Res
     Ok(())
 }
 
-fn collect_stream(from: &Receiver<io::Result<StreamEvent>>, limit: u64) -> io::Result<Vec<u8>> {
-    let timed_out = |why: String| io::Error::new(ErrorKind::TimedOut, why);
+fn collect_stream(
+    from: &Receiver<io::Result<StreamEvent>>,
+    limit: u64,
+    limits: &StreamLimits,
+) -> io::Result<Vec<u8>> {
+    let timed_out = |why: String| Err(io::Error::new(ErrorKind::TimedOut, why));
     let mut bytes = Vec::new();
-    let mut patience = MAX_WAIT_FOR_WRITER;
+    // When the stream has to end, once it has begun.
+    let mut end: Option<Instant> = None;
     while bytes.len() as u64 <= limit {
+        let left = end.map(|end| end.saturating_duration_since(Instant::now()));
+        if left == Some(Duration::ZERO) {
+            let seconds = limits.whole.as_secs();
+            return timed_out(format!("it has not ended within {seconds} s"));
+        }
+        let patience = left.map_or(limits.writer, |left| left.min(limits.silence));
         match from.recv_timeout(patience) {
-            Ok(Ok(StreamEvent::Opened)) => patience = MAX_STREAM_SILENCE,
+            Ok(Ok(StreamEvent::Opened)) => end = Some(Instant::now() + limits.whole),
             Ok(Ok(StreamEvent::Chunk(chunk))) => bytes.extend(chunk),
             Ok(Ok(StreamEvent::End)) | Err(RecvTimeoutError::Disconnected) => break,
             Ok(Err(error)) => return Err(error),
-            Err(RecvTimeoutError::Timeout) if patience == MAX_WAIT_FOR_WRITER => {
-                return Err(timed_out("no program writes to it".to_owned()));
+            Err(RecvTimeoutError::Timeout) if left.is_none() => {
+                return timed_out("no program writes to it".to_owned());
             }
-            Err(RecvTimeoutError::Timeout) => {
-                let seconds = MAX_STREAM_SILENCE.as_secs();
-                return Err(timed_out(format!(
-                    "nothing has come from it for {seconds} s"
-                )));
+            Err(RecvTimeoutError::Timeout) if patience == limits.silence => {
+                let seconds = limits.silence.as_secs();
+                return timed_out(format!("nothing has come from it for {seconds} s"));
             }
+            // Its time is over.
+            Err(RecvTimeoutError::Timeout) => {}
         }
     }
     Ok(bytes)
@@ -195,7 +217,8 @@ pub(crate) fn write_with<E>(
         Destination::Regular(target) => target,
     };
     let (file, temporary) = create_temporary(&target).map_err(&wrap)?;
-    let written = fill(&file).and_then(|()| finish(&file, &temporary, &target).map_err(wrap));
+    let written =
+        fill(&file).and_then(|()| finish(&mut System, &file, &temporary, &target).map_err(wrap));
     if written.is_err() {
         // The first error is the one to report.
         let _ = fs::remove_file(&temporary);
@@ -267,13 +290,32 @@ fn create_temporary(target: &Path) -> io::Result<(File, PathBuf)> {
     Ok((file, temporary))
 }
 
+/// What has to happen in a certain order, so that tests can look on.
+trait Disk {
+    fn sync(&mut self, file: &File) -> io::Result<()>;
+    fn rename(&mut self, from: &Path, to: &Path) -> io::Result<()>;
+}
+
+/// The disk as it is.
+struct System;
+
+impl Disk for System {
+    fn sync(&mut self, file: &File) -> io::Result<()> {
+        file.sync_all()
+    }
+
+    fn rename(&mut self, from: &Path, to: &Path) -> io::Result<()> {
+        fs::rename(from, to)
+    }
+}
+
 /// Brings the content to the disk before the name, so that a power failure leaves the old file or the new one.
-fn finish(file: &File, temporary: &Path, target: &Path) -> io::Result<()> {
-    file.sync_all()?;
-    fs::rename(temporary, target)?;
+fn finish(disk: &mut impl Disk, file: &File, temporary: &Path, target: &Path) -> io::Result<()> {
+    disk.sync(file)?;
+    disk.rename(temporary, target)?;
     if let Ok(folder) = File::open(folder(target)) {
         // Some file systems cannot do this; the file is complete all the same.
-        let _ = folder.sync_all();
+        let _ = disk.sync(&folder);
     }
     Ok(())
 }
@@ -325,6 +367,83 @@ mod tests {
         assert_eq!(error.kind(), ErrorKind::IsADirectory);
         let error = create_new(&path).unwrap_err();
         assert_eq!(error.kind(), ErrorKind::AlreadyExists);
+    }
+
+    /// A stream from which a byte comes every 10 ms, without end.
+    fn trickle() -> Receiver<io::Result<StreamEvent>> {
+        let (sender, receiver) = sync_channel(1);
+        std::thread::spawn(move || {
+            let mut next = StreamEvent::Opened;
+            while sender.send(Ok(next)).is_ok() {
+                std::thread::sleep(Duration::from_millis(10));
+                next = StreamEvent::Chunk(vec![0]);
+            }
+        });
+        receiver
+    }
+
+    #[test]
+    fn a_stream_without_end_is_given_up_however_slowly_it_comes() {
+        let limits = |silence_ms, whole_ms| StreamLimits {
+            writer: Duration::from_secs(5),
+            silence: Duration::from_millis(silence_ms),
+            whole: Duration::from_millis(whole_ms),
+        };
+        let began = Instant::now();
+        let given_up = collect_stream(&trickle(), 1_000, &limits(60_000, 1_000));
+        let why = given_up.unwrap_err().to_string();
+        assert_eq!(why, "it has not ended within 1 s");
+        assert!(began.elapsed() < Duration::from_secs(3));
+        let given_up = collect_stream(&trickle(), 1_000, &limits(1, 60_000));
+        let why = given_up.unwrap_err().to_string();
+        assert!(why.starts_with("nothing has come from it for"), "{why}");
+        let read = collect_stream(&trickle(), 3, &limits(60_000, 60_000));
+        assert_eq!(read.unwrap(), [0; 4]);
+        assert_eq!(STREAM_LIMITS.whole, Duration::from_secs(600));
+    }
+
+    /// Writes down what happens, and refuses to sync if it is told so.
+    #[derive(Default)]
+    struct Noted {
+        happened: Vec<&'static str>,
+        refuses: bool,
+    }
+
+    impl Disk for Noted {
+        fn sync(&mut self, file: &File) -> io::Result<()> {
+            let is_folder = file.metadata()?.is_dir();
+            self.happened
+                .push(if is_folder { "folder" } else { "content" });
+            match self.refuses {
+                true => Err(io::Error::other("the disk is full")),
+                false => file.sync_all(),
+            }
+        }
+
+        fn rename(&mut self, from: &Path, to: &Path) -> io::Result<()> {
+            self.happened.push("name");
+            fs::rename(from, to)
+        }
+    }
+
+    #[test]
+    fn the_content_is_on_the_disk_before_the_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let target = folder.path().join("output");
+        for refuses in [false, true] {
+            let mut disk = Noted {
+                refuses,
+                ..Noted::default()
+            };
+            let (file, temporary) = create_temporary(&target).unwrap();
+            let done = finish(&mut disk, &file, &temporary, &target);
+            assert_eq!(done.is_err(), refuses);
+            let expected: &[_] = match refuses {
+                true => &["content"],
+                false => &["content", "name", "folder"],
+            };
+            assert_eq!(disk.happened, expected);
+        }
     }
 
     #[cfg(unix)]

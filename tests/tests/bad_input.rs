@@ -45,6 +45,10 @@ const WORLDS: &[(&str, &[u8])] = &[
         "outside.toml",
         b"[start]\nposition_m = [9, 0]\n[[wall]]\npoints_m = [[-2, -2], [2, -2], [2, 2], [-2, 2], [-2, -2]]\n",
     ),
+    (
+        "notch.toml",
+        b"[start]\nposition_m = [2, 2]\n[[wall]]\npoints_m = [[0, 0], [3, 0], [3, 1], [1, 1], [1, 3], [0, 3], [0, 0]]\n[[box]]\ncenter_m = [6, 6]\nsize_m = [1, 1]\n",
+    ),
 ];
 
 const TABLES: &[(&str, &[u8])] = &[
@@ -104,6 +108,10 @@ const CASES: &[Case] = &[
     (
         "run --world outside.toml",
         &["outside.toml, line 2", "position_m", "(9, 0)", "outside"],
+    ),
+    (
+        "run --world notch.toml",
+        &["notch.toml, line 2", "position_m", "(2, 2)", "outside"],
     ),
     (
         "run --world nothing.toml",

@@ -1,6 +1,8 @@
 //! Files that commands write and read: devices, pipes and links survive, and no input hangs or fills the memory.
 #![cfg(unix)]
 
+use amp::config::Config;
+use host_sim::link::Served;
 use std::fs;
 use std::io::Read as _;
 use std::os::unix::fs::{FileTypeExt as _, PermissionsExt as _, symlink};
@@ -64,6 +66,37 @@ fn a_device_that_is_written_to_stays_a_device() {
     }
 }
 
+fn mode(path: &Path) -> u32 {
+    let about = fs::metadata(path).expect("it is there");
+    about.permissions().mode() & 0o777
+}
+
+#[test]
+fn a_file_that_is_written_anew_keeps_its_mode() {
+    let program = host_sim!();
+    let mind = Served::start(Config::recommended()).expect("a mind behind a socket");
+    let host = mind.host();
+    let pull = format!("link --to tcp:{host} pull FILE");
+    let results = "merge all.csv --parquet FILE";
+    program.put(
+        "sweep.toml",
+        "worlds = [\"room\"]\n[fixed]\nsteps = 1\nexplore = 5\n",
+    );
+    let _ = program.ok("sweep sweep.toml --out all.csv");
+    // A log is never written anew.
+    for line in [WRITERS[0], WRITERS[1], &pull, results] {
+        for wanted in [0o640, 0o604] {
+            program.put("old", "old");
+            let path = program.folder().join("old");
+            fs::set_permissions(&path, fs::Permissions::from_mode(wanted)).expect("a mode");
+            let output = run(&program, line, "old");
+            assert_eq!(output.code, Some(0), "{line}: {}", output.stderr);
+            assert!(fs::read(&path).expect("it") != b"old", "{line}");
+            assert_eq!(mode(&path), wanted, "{line}");
+        }
+    }
+}
+
 #[test]
 fn a_link_is_followed_and_the_mode_of_the_file_is_kept() {
     let program = host_sim!();
@@ -76,8 +109,7 @@ fn a_link_is_followed_and_the_mode_of_the_file_is_kept() {
     assert!(link.file_type().is_symlink());
     let written = fs::read_to_string(&target).expect("the target");
     assert!(written.contains("situation"), "{written}");
-    let mode = fs::metadata(&target).expect("it").permissions().mode();
-    assert_eq!(mode & 0o777, 0o640);
+    assert_eq!(mode(&target), 0o640);
     // Where a link leads to nothing yet, the file appears there.
     for (line, name) in WRITERS.iter().zip(["a", "b", "c"]) {
         let link = program.folder().join(name);
@@ -93,7 +125,7 @@ fn a_link_is_followed_and_the_mode_of_the_file_is_kept() {
 }
 
 /// Commands that read a file of this name, with `FILE` for it.
-const READERS: [(&str, &str); 7] = [
+const READERS: [(&str, &str); 12] = [
     ("world.toml", "run --steps 1 --world FILE"),
     ("map.yaml", "run --steps 1 --world FILE"),
     ("goal.toml", "run --steps 1 --behavior seek:FILE"),
@@ -101,7 +133,15 @@ const READERS: [(&str, &str); 7] = [
     ("log.csv", "learn --log FILE"),
     ("own.mind", "link --to tcp:127.0.0.1:1 push FILE"),
     ("results.csv", "merge FILE"),
+    ("found.csv", "plot FILE"),
+    ("sweep.toml", "sweep FILE"),
+    ("cells.csv", "barn --file FILE"),
+    ("world_3.world", "barn --file FILE"),
+    ("lengths.csv", "barn --file none.csv --lengths FILE"),
 ];
+
+/// Inputs that may be too large to be read whole: regular files only.
+const REGULAR: [&str; 2] = ["results.csv", "found.csv"];
 
 /// The output of a command that may hang; killed after 20 s, and allowed 1 GiB of memory.
 fn bounded(program: &Program, line: &str) -> Output {
@@ -159,6 +199,7 @@ fn a_folder_is_no_input_file() {
         // A folder of worlds is one: it holds none.
         let why = match name {
             "world.toml" | "map.yaml" => "holds no .toml",
+            "cells.csv" | "world_3.world" => "holds no world",
             _ => "is a folder",
         };
         is_refused(&program, line, name, why);
@@ -171,9 +212,9 @@ fn an_input_file_without_end_is_refused() {
     for (name, line) in READERS {
         let path = program.folder().join(name);
         symlink("/dev/zero", path).expect("a link");
-        let why = match name {
-            "results.csv" => "is not a regular file",
-            _ => "is larger than",
+        let why = match REGULAR.contains(&name) {
+            true => "is not a regular file",
+            false => "is larger than",
         };
         is_refused(&program, line, name, why);
     }
@@ -182,14 +223,18 @@ fn an_input_file_without_end_is_refused() {
 #[test]
 fn a_fifo_that_no_program_writes_to_is_refused() {
     let program = host_sim!();
-    for (name, line) in READERS {
-        make_fifo(&program.folder().join(name));
-        let why = match name {
-            "results.csv" => "is not a regular file",
-            _ => "no program writes to it",
-        };
-        is_refused(&program, line, name, why);
-    }
+    // Each waits for 5 s: all at once.
+    std::thread::scope(|scope| {
+        for (name, line) in READERS {
+            make_fifo(&program.folder().join(name));
+            let why = match REGULAR.contains(&name) {
+                true => "is not a regular file",
+                false => "no program writes to it",
+            };
+            let program = &program;
+            scope.spawn(move || is_refused(program, line, name, why));
+        }
+    });
 }
 
 #[test]

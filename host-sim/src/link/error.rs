@@ -40,6 +40,11 @@ pub enum LinkError {
     },
     /// The mind stopped by itself.
     Stopped(StopReason),
+    /// The mind learns and does not come to an end.
+    Learning {
+        /// How long it was waited for.
+        waited: Duration,
+    },
     /// The mind did not become what it was told to.
     Unlike {
         /// What differs.
@@ -85,6 +90,11 @@ impl fmt::Display for LinkError {
                 "{reports} of the mind's reports were lost on the way: the link is too bad or too slow"
             ),
             Self::Stopped(reason) => write!(f, "the mind stopped: {}", words::stop(*reason)),
+            Self::Learning { waited } => write!(
+                f,
+                "the mind has not learnt within {} s",
+                waited.as_secs_f32()
+            ),
             Self::Unlike { what } => {
                 write!(f, "the mind's {what} is not what was written to it")
             }

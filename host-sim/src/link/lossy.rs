@@ -3,7 +3,10 @@
 use super::Transport;
 use std::collections::VecDeque;
 use std::io;
-use std::time::Duration;
+use std::time::{Duration, Instant};
+
+/// After this time a [`Flood`] breaks.
+const FLOOD_DURATION: Duration = Duration::from_secs(5);
 
 /// A way on which whole frames get lost, at regular intervals.
 pub struct Lossy<T> {
@@ -92,6 +95,34 @@ impl Transport for Silent {
 
     fn receive(&mut self, _: &mut [u8], _: Duration) -> io::Result<usize> {
         Ok(0)
+    }
+}
+
+/// A line whose other end never pauses: each wait brings what `say` gives, at once. It breaks after 5 s, so that even a wait
+/// for its silence ends.
+pub struct Flood<F> {
+    say: F,
+    began: Option<Instant>,
+}
+
+impl<F: FnMut() -> Vec<u8> + Send> Flood<F> {
+    /// A line that brings this.
+    #[must_use]
+    pub fn of(say: F) -> Self {
+        Self { say, began: None }
+    }
+}
+
+impl<F: FnMut() -> Vec<u8> + Send> Transport for Flood<F> {
+    fn send(&mut self, _: &[u8]) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn receive(&mut self, buffer: &mut [u8], _: Duration) -> io::Result<usize> {
+        if self.began.get_or_insert_with(Instant::now).elapsed() > FLOOD_DURATION {
+            return Err(io::Error::other("the flood is over"));
+        }
+        io::Read::read(&mut &*(self.say)(), buffer)
     }
 }
 

@@ -17,6 +17,7 @@
 
 mod address;
 mod any_mind;
+mod deadline;
 mod error;
 mod image;
 mod knowledge;
@@ -33,10 +34,11 @@ pub mod words;
 
 pub use address::{Address, BAUD};
 pub use any_mind::{AnyMind, Elsewhere, MindPlace};
+pub(crate) use deadline::Deadline;
 pub use error::LinkError;
 pub use image::build as build_image;
 pub use knowledge::Knowledge;
-pub use lossy::{Lossy, Silent};
+pub use lossy::{Flood, Lossy, Silent};
 pub use machine::Machine;
 pub use opening::{fresh_number, next_number};
 pub use qemu::Qemu;

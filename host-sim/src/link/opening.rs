@@ -36,10 +36,10 @@ impl Session {
     pub fn open(&mut self, number: u16, clock: Clock) -> Result<MindHello, LinkError> {
         let foreign = self.foreign;
         let mut opening = self.begin(number.max(1), clock)?;
-        let mut due = 0;
+        let mut due = 0_u16;
         for _ in 0..self.patience.attempts {
             self.send(&opening)?;
-            due += 1;
+            due = due.saturating_add(1);
             match self.await_hello(&opening, &mut due)? {
                 Some(hello) if self.mind_seq.is_some_and(|seq| seq <= due) => {
                     self.hello = Some(hello);
@@ -63,7 +63,7 @@ impl Session {
     /// Begins session `number` on this side and returns the frame that opens it.
     fn begin(&mut self, number: u16, clock: Clock) -> Result<Vec<u8>, LinkError> {
         (self.number, self.seq) = (number, 0);
-        (self.mind_seq, self.missing) = (None, Vec::new());
+        (self.mind_seq, self.missing, self.given_up) = (None, Vec::new(), 0);
         self.hello = None;
         self.heard.clear();
         self.burst.clear();
@@ -97,16 +97,38 @@ impl Session {
                 // It has just started: what was said to it before is lost.
                 FromMind::Hello(_) if header.session == 0 => {
                     self.send(opening)?;
-                    *due += 1;
+                    *due = due.saturating_add(1);
                 }
                 FromMind::Refusal {
                     why: Refusal::Incompatible(theirs),
                     ..
                 } => return Err(LinkError::Incompatible(theirs)),
                 // What it says of itself, as that it has long heard nothing.
-                _ => *due += u16::from(header.session == self.number),
+                _ => *due = due.saturating_add(u16::from(header.session == self.number)),
             }
         }
         Ok(None)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::link::tests::floods::frames;
+    use crate::link::{Flood, Patience};
+    use std::time::Duration;
+
+    #[test]
+    fn what_a_mind_should_have_said_is_counted_to_an_end() {
+        let mut session = Session::new(Flood::of(frames(1, 1)));
+        session.number = 1;
+        session.set_patience(Patience {
+            attempt: Duration::from_millis(20),
+            attempts: 1,
+        });
+        let mut due = u16::MAX - 1;
+        let hello = session.await_hello(&[], &mut due);
+        assert_eq!(hello.map(|hello| hello.is_some()), Ok(false));
+        assert_eq!(due, u16::MAX);
     }
 }

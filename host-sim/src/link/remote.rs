@@ -26,6 +26,9 @@ const ALIVE_MS: u32 = amp::link::SILENCE_MS / 2;
 /// How long a learning mind is left alone before it is asked whether it still learns.
 const LEARNING: Duration = Duration::from_millis(500);
 
+/// How long a mind may learn: the F405 takes an eighth of a second.
+const MAX_LEARNING: Duration = Duration::from_secs(60);
+
 /// What a mind is, in checksums.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Fingerprint {
@@ -175,7 +178,7 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
                 },
             ),
             Event::Command(command) => self.command(at, command),
-            Event::Tick => self.let_learn(),
+            Event::Tick => self.let_learn(MAX_LEARNING),
             // Whoever is in charge of the link raises alarms, not whoever is at its end.
             Event::Alarm(_) | Event::Touched => Ok(Outputs::NONE),
         }
@@ -291,15 +294,17 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
         (std::mem::replace(&mut self.motion, mark) != mark).then(|| order.motion())
     }
 
-    /// Waits until the mind has learnt; it does so by itself, as fast as it can.
-    fn let_learn(&mut self) -> Result<Outputs<16>, LinkError> {
+    /// Waits until the mind has learnt; it does so by itself, as fast as it can. After `limit` it is given up.
+    fn let_learn(&mut self, limit: Duration) -> Result<Outputs<16>, LinkError> {
+        let end = Instant::now() + limit;
         let mut outputs = Outputs::NONE;
         while !outputs.mode_changed {
-            match self
-                .session
-                .borrow_mut()
-                .next_report(Instant::now() + LEARNING)?
-            {
+            let now = Instant::now();
+            if now >= end {
+                return Err(LinkError::Learning { waited: limit });
+            }
+            let until = end.min(now + LEARNING);
+            match self.session.borrow_mut().next_report(until)? {
                 Some(report) => self.take(&report, &mut outputs)?,
                 // Had its report been lost, there would be nothing to wait for.
                 None => outputs.mode_changed = !self.is_learning()?,
@@ -386,6 +391,65 @@ fn batch(echoes: &[(u8, Option<Range>)], believed: Mask) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::link::tests::floods::frames;
+    use crate::link::{Flood, Transport};
+    use amp::wire::{Frame, frame};
+    use std::io;
+
+    /// A mind that says it still learns whenever it is asked for its mode. Breaks after 5 s, so that every wait ends.
+    struct Learner {
+        mind: Local,
+        began: Instant,
+    }
+
+    impl Transport for Learner {
+        fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+            self.mind.send(bytes)
+        }
+
+        fn receive(&mut self, buffer: &mut [u8], patience: Duration) -> io::Result<usize> {
+            if self.began.elapsed() > Duration::from_secs(5) {
+                return Err(io::Error::other("it has learnt for long enough"));
+            }
+            let mut one = [0];
+            let mut bytes = Vec::new();
+            while self.mind.receive(&mut one, patience)? > 0 && one != [0] {
+                bytes.push(one[0]);
+            }
+            let Ok((header, mut report)) = frame::unpack::<Report<16>>(&bytes) else {
+                return Ok(0);
+            };
+            if let FromMind::Mode(mode) = &mut report.said {
+                *mode = ModeReport::Learn;
+            }
+            let frame = Frame::pack(header, &report).unwrap();
+            io::Read::read(&mut frame.as_bytes(), buffer)
+        }
+    }
+
+    #[test]
+    fn a_mind_that_learns_without_end_is_given_up() {
+        let config = Config::recommended();
+        let learner = Learner {
+            mind: Local::new(config.clone()),
+            began: Instant::now(),
+        };
+        let mut mind = RemoteMind::start(Session::new(learner), 1, &config).unwrap();
+        let limit = Duration::from_millis(200);
+        let given_up = Err(LinkError::Learning { waited: limit });
+        let ends = |mind: &mut RemoteMind<Session>, what| {
+            let began = Instant::now();
+            assert_eq!(mind.let_learn(limit), given_up, "{what}");
+            assert!(began.elapsed() < Duration::from_millis(700), "{what}");
+        };
+        ends(&mut mind, "it says so when asked");
+        mind.session.transport = Box::new(Flood::of(frames(mind.session.number(), 1)));
+        ends(&mut mind, "it says other things");
+        let error = LinkError::Learning {
+            waited: MAX_LEARNING,
+        };
+        assert_eq!(error.to_string(), "the mind has not learnt within 60 s");
+    }
 
     #[test]
     fn a_frame_ends_with_the_last_transducer_that_may_complete_the_ring() {

@@ -1,6 +1,6 @@
 //! The host's end of a session: hello, requests, reports.
 
-use super::{LinkError, Transport};
+use super::{Deadline, LinkError, Transport};
 use amp::wire::message::{FromMind, MindHello, Order, Refusal, ResetCause};
 use amp::wire::{Frame, FrameError, Header, Receiver, Report, ToMind, frame};
 use std::collections::VecDeque;
@@ -15,6 +15,9 @@ const MOST_PAUSE: Duration = Duration::from_secs(30);
 
 /// All pauses of a mind during one attempt together.
 const MAX_PAUSES: Duration = Duration::from_secs(120);
+
+/// Most reports that are waited for because later ones have come: more than a mind can say again.
+const MAX_MISSING: usize = 1_000;
 
 /// How long an answer is waited for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,6 +60,7 @@ pub struct Answer {
 pub struct Session {
     pub(super) transport: Box<dyn Transport>,
     receiver: Receiver,
+    deadline: Deadline,
     pub(super) heard: VecDeque<(Header, Report<16>)>,
     pub(super) number: u16,
     pub(super) seq: u16,
@@ -64,6 +68,8 @@ pub struct Session {
     pub(super) mind_seq: Option<u16>,
     /// Numbers of reports before it that have not come.
     pub(super) missing: Vec<u16>,
+    /// Missing reports beyond those: they are not waited for.
+    pub(super) given_up: u32,
     /// Frames that go out with the next request, and again with each repetition.
     pub(super) burst: Vec<u8>,
     pub(super) began: Instant,
@@ -82,11 +88,13 @@ impl Session {
         Self {
             transport: Box::new(transport),
             receiver: Receiver::new(),
+            deadline: Deadline::default(),
             heard: VecDeque::new(),
             number: 0,
             seq: 0,
             mind_seq: None,
             missing: Vec::new(),
+            given_up: 0,
             burst: Vec::new(),
             began: Instant::now(),
             patience: Patience::default(),
@@ -189,8 +197,10 @@ impl Session {
     fn answer(&mut self, seq: u16, mut numbered: Vec<(u16, Report<16>)>) -> Answer {
         let latest = self.mind_seq.unwrap_or(0);
         numbered.sort_by_key(|(number, _)| number.wrapping_sub(latest).wrapping_sub(1));
+        let missing = std::mem::take(&mut self.missing).len() as u32;
+        let given_up = std::mem::take(&mut self.given_up);
         let mut answer = Answer {
-            missing: std::mem::take(&mut self.missing).len() as u32,
+            missing: missing.saturating_add(given_up),
             ..Answer::default()
         };
         for (_, report) in numbered {
@@ -310,8 +320,11 @@ impl Session {
         let last = *self.mind_seq.get_or_insert(number.wrapping_sub(1));
         let ahead = number.wrapping_sub(last) as i16;
         if ahead > 0 {
+            let room = MAX_MISSING.saturating_sub(self.missing.len());
             let between = (1..ahead).map(|step| last.wrapping_add(step as u16));
-            self.missing.extend(between);
+            self.missing.extend(between.take(room));
+            let surplus = (ahead as usize - 1).saturating_sub(room);
+            self.given_up = self.given_up.saturating_add(surplus as u32);
             self.mind_seq = Some(number);
             return true;
         }
@@ -327,16 +340,13 @@ impl Session {
         until: Instant,
     ) -> Result<Option<(Header, Report<16>)>, LinkError> {
         let mut buffer = [0; 1_024];
-        let mut received_any = false;
         loop {
             if let Some(heard) = self.heard.pop_front() {
                 return Ok(Some(heard));
             }
-            // The deadline holds for a peer that never pauses, too. What has arrived already is read first.
-            if received_any && Instant::now() >= until {
+            if !self.deadline.allows_read(until) {
                 return Ok(None);
             }
-            received_any = true;
             let patience = until.saturating_duration_since(Instant::now());
             let received = self.transport.receive(&mut buffer, patience);
             let count = received.map_err(|error| self.broken(&error))?;
@@ -410,5 +420,25 @@ mod tests {
             .collect();
         assert_eq!(order, [2, 3, 4]);
         assert!(session.missing.is_empty());
+    }
+
+    #[test]
+    fn a_gap_of_any_size_is_counted_and_takes_little_room() {
+        let mut session = Session::new(Silent);
+        for (number, kept, given_up) in [
+            (0, 0, 0),
+            (30_000, 1_000, 28_999),
+            (30_003, 1_000, 29_001),
+            // One that is waited for, and one that is not.
+            (1_000, 999, 29_001),
+            (1_001, 999, 29_001),
+            (30_005, 1_000, 29_001),
+        ] {
+            session.is_news(number);
+            let counts = (session.missing.len(), session.given_up);
+            assert_eq!(counts, (kept, given_up), "{number}");
+        }
+        assert_eq!(session.answer(0, Vec::new()).missing, 30_001);
+        assert_eq!(session.answer(0, Vec::new()).missing, 0);
     }
 }

@@ -3,7 +3,7 @@
 use super::{
     Command, Decoder, Greeting, Kind, MOST_FROM_ROBOT, Mask, NoCommand, Packet, State, WrongLength,
 };
-use crate::link::Transport;
+use crate::link::{Deadline, Transport};
 use std::collections::VecDeque;
 use std::fmt;
 use std::io;
@@ -60,6 +60,7 @@ impl From<io::Error> for RobotError {
 pub struct Host {
     line: Box<dyn Transport>,
     decoder: Decoder,
+    deadline: Deadline,
     found: VecDeque<Packet>,
     mask: Mask,
     state: State,
@@ -72,6 +73,7 @@ impl Host {
         Self {
             line: Box::new(line),
             decoder: Decoder::new(MOST_FROM_ROBOT),
+            deadline: Deadline::default(),
             found: VecDeque::new(),
             mask: Mask::ALL,
             state: State::default(),
@@ -170,16 +172,13 @@ impl Host {
     /// A broken line.
     pub fn next(&mut self, until: Instant) -> Result<Option<Packet>, RobotError> {
         let mut buffer = [0; 1_024];
-        let mut received_any = false;
         loop {
             if let Some(packet) = self.found.pop_front() {
                 return Ok(Some(packet));
             }
-            // The deadline holds for a robot that never pauses, too. What has arrived already is read first.
-            if received_any && Instant::now() >= until {
+            if !self.deadline.allows_read(until) {
                 return Ok(None);
             }
-            received_any = true;
             let count = match receive(&mut *self.line, &mut buffer, until) {
                 Ok(count) => count,
                 Err(RobotError::Silent { .. }) => return Ok(None),
@@ -203,5 +202,24 @@ fn receive(
     match line.receive(buffer, patience)? {
         0 => Err(RobotError::Silent { waited: PATIENCE }),
         count => Ok(count),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::link::Flood;
+
+    #[test]
+    fn a_robot_that_never_stops_answering_something_else_is_given_up() {
+        let report = Packet::new(Kind::Ct, vec![0; 80]).to_bytes();
+        let mut host = Host::new(Flood::of(move || report.clone()));
+        for patience in [Duration::from_millis(100), PATIENCE] {
+            let began = Instant::now();
+            let answer = host.ask_within(&Command::GetState, patience).err();
+            let took = began.elapsed();
+            assert_eq!(answer, Some(RobotError::Silent { waited: patience }));
+            assert!(took < patience + Duration::from_millis(500), "{took:?}");
+        }
     }
 }

@@ -135,10 +135,13 @@ impl Board {
 
     fn change(&mut self, mode: ModeReport) -> bool {
         let before = std::mem::replace(&mut self.mode, mode);
-        self.note = match mode {
-            ModeReport::Stopped(reason) => Some(format!("It stands: {}", link::stop(reason))),
-            _ => None,
-        };
+        // A mode that is only said again keeps its note.
+        if before != mode {
+            self.note = match mode {
+                ModeReport::Stopped(reason) => Some(format!("It stands: {}", link::stop(reason))),
+                _ => None,
+            };
+        }
         std::mem::discriminant(&before) != std::mem::discriminant(&mode)
     }
 
@@ -373,13 +376,19 @@ impl Source for Board {
         }
     }
 
-    fn steering_lost(&mut self, _silence: Duration) {
+    fn steering_lost(&mut self, silence: Duration) {
         let drives = matches!(self.mode, ModeReport::Explore { .. } | ModeReport::Seek);
         if self.failure.is_some() || !drives {
             return;
         }
-        if let Err(error) = self.order(message::Order::Stop) {
-            self.failure = Some(format!("{}: {error}", self.name));
+        match self.order(message::Order::Stop) {
+            Ok(()) => {
+                let seconds = silence.as_secs_f64();
+                self.note = Some(format!(
+                    "It stopped: no page has steered it for {seconds} s"
+                ));
+            }
+            Err(error) => self.failure = Some(format!("{}: {error}", self.name)),
         }
     }
 

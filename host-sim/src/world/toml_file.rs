@@ -81,28 +81,38 @@ impl Reader<'_> {
         Ok(Pose::new(position, self.angle(table, "heading_deg")?))
     }
 
-    /// Refuses a start outside the walls: the robot would drive around the world, not in it. Where a wall closes, the start
-    /// must lie in the bounding box of all shapes; where walls stay open, at most a sonar's range outside it. Without any
-    /// wall there is no outside.
+    /// Refuses a start outside the walls: the robot would drive around the world, not in it. Where walls close, one of them
+    /// must go around the start, or the start lie in the bounding box of those that stay open. Where all stay open, it must
+    /// lie at most a sonar's range outside the bounding box of all shapes. Without any wall there is no outside.
     fn check_start_is_within(&self, world: &World, top: &Table<'_>) -> Result<(), BadInput> {
         let walls = world.shapes().iter().filter_map(|shape| match shape {
-            Shape::Wall { points } => Some(points.first() == points.last()),
+            Shape::Wall { points } => Some(points.as_slice()),
             _ => None,
         });
-        let Some(closed) = walls.reduce(|some, this| some | this) else {
-            return Ok(());
+        let (closed, open): (Vec<_>, Vec<_>) =
+            walls.partition(|points| points.first() == points.last());
+        let start = world.start().position;
+        let bounds = world.bounds();
+        let is_within = match (closed.as_slice(), open.as_slice()) {
+            ([], []) => true,
+            ([], _) => lies_in(start, bounds, SONAR_RANGE_M),
+            _ => {
+                closed.iter().any(|wall| encloses(wall, start))
+                    || lies_in(start, box_around(&open.concat()), 0.0)
+            }
         };
-        let margin = if closed { 0.0 } else { SONAR_RANGE_M };
-        let Point { x, y } = world.start().position;
-        let (low, high) = world.bounds();
-        let within = |at: f64, low: f64, high: f64| (low - margin..=high + margin).contains(&at);
-        if within(x, low.x, high.x) && within(y, low.y, high.y) {
+        if is_within {
             return Ok(());
         }
-        let what = format!(
-            "position_m: the start ({x}, {y}) lies outside the world, which spans ({}, {}) to ({}, {})",
-            low.x, low.y, high.x, high.y
-        );
+        let (Point { x, y }, (low, high)) = (start, bounds);
+        let what = if closed.is_empty() {
+            format!(
+                "position_m: the start ({x}, {y}) lies outside the world, which spans ({}, {}) to ({}, {})",
+                low.x, low.y, high.x, high.y
+            )
+        } else {
+            format!("position_m: the start ({x}, {y}) lies outside the walls that close")
+        };
         let start = top.get("start").map(|start| match start.get_ref() {
             DeValue::Table(table) => table.get("position_m").unwrap_or(start).span(),
             _ => start.span(),
@@ -204,6 +214,35 @@ impl Reader<'_> {
             self.number(&entries[1], key)?,
         ))
     }
+}
+
+/// Whether a closed wall goes around a place: a ray from there crosses it an odd number of times.
+fn encloses(wall: &[Point], place: Point) -> bool {
+    let is_crossed = |pair: &&[Point]| match pair {
+        [from, to] if (from.y > place.y) != (to.y > place.y) => {
+            let share = (place.y - from.y) / (to.y - from.y);
+            place.x < from.x + share * (to.x - from.x)
+        }
+        _ => false,
+    };
+    wall.windows(2).filter(is_crossed).count() % 2 == 1
+}
+
+/// The lowest and the highest coordinates of points; without any, a box that nothing lies in.
+fn box_around(points: &[Point]) -> (Point, Point) {
+    let nothing = f64::INFINITY;
+    let (mut low, mut high) = (Point::new(nothing, nothing), Point::new(-nothing, -nothing));
+    for point in points {
+        low = Point::new(low.x.min(point.x), low.y.min(point.y));
+        high = Point::new(high.x.max(point.x), high.y.max(point.y));
+    }
+    (low, high)
+}
+
+/// Whether a place lies in a box, or at most `margin` outside it.
+fn lies_in(place: Point, (low, high): (Point, Point), margin: f64) -> bool {
+    let within = |at: f64, low: f64, high: f64| (low - margin..=high + margin).contains(&at);
+    within(place.x, low.x, high.x) && within(place.y, low.y, high.y)
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@ use amp::parameters::{Parameter, ParameterError};
 use amp::wire::message::{Clock, Order, Part, Refusal};
 use std::time::{Duration, Instant};
 
+pub(super) mod floods;
 mod strangers;
 
 fn setup(sonar: SonarModel, moves: u16, steps: u32) -> Setup {

@@ -197,15 +197,41 @@ fn a_start_outside_the_walls_is_refused() {
         let text = format!("[start]\nposition_m = [{x}, {y}]\n{shapes}");
         parse(&text, "w.toml", "w").map_err(|error| error.to_string())
     };
+    // The corner from (1, 1) to (3, 3) is not in it; what else stands there, stands outside.
+    let l_shaped =
+        "[[wall]]\npoints_m = [[0, 0], [3, 0], [3, 1], [1, 1], [1, 3], [0, 3], [0, 0]]\n";
+    let crate_outside = "[[box]]\ncenter_m = [6, 6]\nsize_m = [1, 1]\n";
+    let l_and_crate = format!("{l_shaped}{crate_outside}");
+    let pillar = "[[wall]]\npoints_m = [[0, -1], [1, -1], [1, -2], [0, -1]]\n";
+    let in_chain = format!("{pillar}[[wall]]\npoints_m = [[-3, -3], [3, -3], [3, 3], [-3, 3]]\n");
+    let round: Vec<String> = (0..=36)
+        .map(|tenth| Point::unit(core::f64::consts::PI / 18.0 * f64::from(tenth % 36)) * 3.0)
+        .map(|point| format!("[{}, {}]", point.x, point.y))
+        .collect();
+    let round = format!("[[wall]]\npoints_m = [{}]\n", round.join(", "));
     for (place, shapes) in [
         ([1.0, 1.0], closed),
         ([1.0, 4.4], open),
         ([99.0, 99.0], post),
+        ([0.5, 2.5], l_shaped),
+        ([2.5, 0.5], &l_and_crate),
+        ([0.0, 1.0], &in_chain),
+        ([1.5, 2.0], &round),
     ] {
-        assert!(starts_at(place, shapes).is_ok(), "{place:?} {shapes}");
+        let world = starts_at(place, shapes);
+        assert!(world.is_ok(), "{place:?} {shapes} {world:?}");
     }
-    for (place, shapes) in [([0.0, 2.5], closed), ([9.0, 0.0], open)] {
+    for (place, shapes) in [
+        ([0.0, 2.5], closed),
+        ([9.0, 0.0], open),
+        ([2.0, 2.0], l_shaped),
+        ([2.5, 2.5], &l_and_crate),
+        ([5.0, 5.0], &l_and_crate),
+        ([0.0, 3.5], &in_chain),
+        ([2.5, 2.5], &round),
+    ] {
         let why = starts_at(place, shapes).unwrap_err();
-        assert!(why.starts_with("w.toml, line 2: position_m"), "{why}");
+        let named = why.starts_with("w.toml, line 2: position_m") && why.contains("outside");
+        assert!(named, "{place:?} {shapes} {why}");
     }
 }

@@ -1,0 +1,75 @@
+//! Peers that never stop sending sound frames.
+
+use super::opened;
+use crate::link::{Flood, LinkError, Local, Patience, Session};
+use amp::config::Config;
+use amp::wire::message::{Clock, Counters, FromMind};
+use amp::wire::{Frame, Header, Report, ToMind};
+use std::time::{Duration, Instant};
+
+const PATIENCE: Patience = Patience {
+    attempt: Duration::from_millis(50),
+    attempts: 3,
+};
+
+/// All attempts, and half a second for a busy machine.
+const MOST: Duration = Duration::from_millis(650);
+
+/// Sound frames of a session, one after the other; each number is `step` more than the one before.
+pub(in crate::link) fn frames(session: u16, step: u16) -> impl FnMut() -> Vec<u8> + Send {
+    let mut seq = 0_u16;
+    move || {
+        seq = seq.wrapping_add(step);
+        let report: Report<16> = Report {
+            device_ms: 0,
+            said: FromMind::Counters(Counters::NONE),
+        };
+        let frame = Frame::pack(Header { session, seq }, &report).unwrap();
+        frame.as_bytes().to_vec()
+    }
+}
+
+/// An open session, number 1, whose mind has given way to somebody who sends these frames without end.
+fn flooded(session: u16, step: u16) -> Session {
+    let mut open = opened(Local::new(Config::recommended()));
+    open.transport = Box::new(Flood::of(frames(session, step)));
+    open.set_patience(PATIENCE);
+    open
+}
+
+/// Frames of another session, the same one of this session again and again, and new ones of this session.
+const FLOODS: [(u16, u16); 3] = [(9, 1), (1, 0), (1, 1)];
+
+#[test]
+fn no_wait_outlasts_its_attempts_however_much_is_sent() {
+    let waited = PATIENCE.whole();
+    let silent = Some(LinkError::Silent { waited });
+    for (session, step) in FLOODS {
+        let name = format!("session {session}, step {step}");
+        let end = |what: fn(&mut Session) -> Option<LinkError>| {
+            let mut session = flooded(session, step);
+            let began = Instant::now();
+            let error = what(&mut session);
+            assert!(began.elapsed() < MOST, "{name}: {:?}", began.elapsed());
+            error
+        };
+        let opening = end(|session| session.open(1, Clock::Host).err());
+        assert_eq!(opening, silent, "{name}");
+        let request = end(|session| session.request(&ToMind::Counters).err());
+        assert_eq!(request, silent, "{name}");
+        let asking = end(|session| session.ask(&ToMind::Counters).err());
+        assert_eq!(asking, silent, "{name}");
+        let counting = end(|session| session.counters().err());
+        assert_eq!(counting, silent, "{name}");
+        let listening = end(|session| {
+            let until = Instant::now() + PATIENCE.whole();
+            loop {
+                match session.next_report(until) {
+                    Ok(Some(_)) => {}
+                    other => return other.err(),
+                }
+            }
+        });
+        assert_eq!(listening, None, "{name}");
+    }
+}
