@@ -62,7 +62,7 @@ pub fn refusal(why: Refusal) -> String {
         Refusal::Moving => {
             "not while the robot explores, learns or seeks (`host-sim link … stop`)".into()
         }
-        Refusal::NoRing => "it has no sonars of its own".into(),
+        Refusal::NoRing => "it has no sonars of its own, or goes by the clock here".into(),
         Refusal::NothingPerceived => "not every sonar has been heard yet".into(),
         Refusal::Flash(why) => why.to_string(),
         Refusal::NoSuchGoal => "it keeps no goal of this name (`host-sim link … goals`)".into(),
