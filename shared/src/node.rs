@@ -225,7 +225,13 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         if let ToMind::Hello(hello) = *message {
             return self.open(header, hello, now, out);
         }
-        // A stop acts whatever its session, number and time.
+        let verdict = self.link.accept(header);
+        if verdict == Verdict::Accept {
+            add(&mut self.counters.accepted);
+            self.kept.begin();
+        }
+        // A stop acts whatever its session, number and time. Where it is the last frame once more, its answer is said again as it
+        // was, which holds the order to stand.
         let is_stop = matches!(
             message,
             ToMind::Command {
@@ -233,21 +239,20 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 ..
             }
         );
-        if is_stop {
+        let is_answered = verdict == Verdict::Replayed { last: true }
+            && matches!(self.state.mode(), Mode::Stopped(_))
+            && self.kept.frames().next().is_some();
+        if is_stop && !is_answered {
             self.stop(now, out);
         }
-        match self.link.accept(header) {
-            Verdict::Accept => {
-                add(&mut self.counters.accepted);
-                self.kept.begin();
-                self.request(header.seq, message, now, out);
-            }
+        match verdict {
+            Verdict::Accept => self.request(header.seq, message, now, out),
             Verdict::Replayed { last } => {
                 add(&mut self.counters.replayed);
-                if is_stop {
-                    self.say(FromMind::Done { seq: header.seq }, now, out);
-                } else if last && !matches!(message, ToMind::Alive { .. }) {
+                if last && !matches!(message, ToMind::Alive { .. }) {
                     self.say_again(header.seq, now, out);
+                } else if is_stop {
+                    self.say(FromMind::Done { seq: header.seq }, now, out);
                 }
             }
             Verdict::NoSession | Verdict::Stranger if is_stop => {
