@@ -4,6 +4,7 @@ pub mod board;
 pub mod browser;
 pub mod campaign;
 pub mod chip;
+pub mod defects;
 pub mod hostile;
 pub mod nomad;
 pub mod pty;

@@ -287,8 +287,8 @@ fn flood(first: &[u8], bytes: &[u8]) -> String {
     place
 }
 
-/// Whether the program gives its peer at `place` up within `limit`, in a sentence.
-fn gives_up(program: &tests::Program, line: &str, place: &str, limit: Duration) {
+/// The program gives its peer at `place` up within `limit`, in this sentence.
+fn gives_up(program: &tests::Program, line: &str, place: &str, limit: Duration) -> String {
     let mut running = Running::start(program, line);
     let (code, stdout, stderr) = running.end(limit);
     assert_eq!(code, Some(2), "{line}: {stderr}");
@@ -296,6 +296,7 @@ fn gives_up(program: &tests::Program, line: &str, place: &str, limit: Duration) 
     assert!(stdout.is_empty() || line.starts_with("bridge"), "{stdout}");
     assert_eq!(stderr.lines().count(), 1, "{line}: {stderr}");
     assert!(stderr.contains(place), "{line}: {stderr}");
+    stderr
 }
 
 /// Sound frames of a session that nobody has opened.
@@ -323,17 +324,19 @@ fn a_peer_that_sends_sound_messages_without_end_is_given_up() {
         format!("run --steps 1 --mind tcp:{place}"),
         format!("view --listen 127.0.0.1:0 --board tcp:{place}"),
     ] {
-        gives_up(&program, &line, &place, Duration::from_secs(10));
+        let why = gives_up(&program, &line, &place, Duration::from_secs(10));
+        assert!(why.contains("no answer within 2 s"), "{line}: {why}");
     }
     // A robot that greets, and then answers what nobody has asked.
-    let answer = Packet::new(Kind::Ac, vec![0; 80]).to_bytes();
+    let answers = Packet::new(Kind::Tk, vec![0; 80]).to_bytes().repeat(1_000);
     let greeting = Greeting {
         mask: Mask::ALL,
         laser: LaserSetup::default(),
     };
-    let place = flood(&greeting.to_bytes(), &answer);
+    let place = flood(&greeting.to_bytes(), &answers);
     let line = format!("bridge --nomad tcp:{place}");
-    gives_up(&program, &line, &place, Duration::from_secs(10));
+    let why = gives_up(&program, &line, &place, Duration::from_secs(10));
+    assert!(why.contains("has not answered within 1 s"), "{why}");
 }
 
 #[test]
@@ -348,7 +351,7 @@ fn a_peer_that_sends_garbage_without_end_is_given_up() {
             format!("bridge --nomad tcp:{} --mind tcp:{place}", robot.place),
             format!("run --steps 1 --mind tcp:{place}"),
         ] {
-            gives_up(&program, &line, &place, PATIENCE);
+            let _ = gives_up(&program, &line, &place, PATIENCE);
         }
     }
 }

@@ -163,9 +163,10 @@ impl<'w> Body<'w> {
 
     /// One turn: a whole ring and its motion with the ideal sonars, one firing slot with the others.
     pub fn advance(&mut self, pilot: &mut impl Pilot) -> Happened {
-        let before_s = self.time_s;
+        let (before_s, before) = (self.time_s, self.base.pose().position);
         let mut happened = self.turn(pilot);
-        happened.collision = self.lead(self.time_s - before_s);
+        let way = self.base.pose().position - before;
+        happened.collision = self.lead(self.time_s - before_s, way);
         happened
     }
 
@@ -334,8 +335,9 @@ impl<'w> Body<'w> {
 
     /// Lets the leader drive for as long as the robot has; whether it touched the robot, and who closed the gap.
     ///
-    /// A touch is the robot's own if its velocity has a component towards the leader.
-    fn lead(&mut self, dt_s: f64) -> Option<Collision> {
+    /// A touch is the robot's own if its way meanwhile has a component towards the leader. With the ideal sonars the robot
+    /// has no speed that could be asked for: it is at its way's end at once.
+    fn lead(&mut self, dt_s: f64, way: Point) -> Option<Collision> {
         let robot = self.base.pose().position;
         let (leader, world) = self.leader.as_mut()?;
         let before = leader.position();
@@ -343,8 +345,7 @@ impl<'w> Body<'w> {
         if leader.position() != before {
             world.move_post(leader.position());
         }
-        let velocity = Point::unit(self.base.steering()) * self.base.speed_m_s();
-        touched.then(|| collision(leader.position() - robot, velocity))
+        touched.then(|| collision(leader.position() - robot, way))
     }
 
     /// Sets a second robot down about 1 m ahead of where this one stands.
@@ -444,9 +445,9 @@ impl Happened {
     }
 }
 
-/// Who closes the gap to a thing in this direction at this velocity, m/s.
-fn collision(to_thing: Point, velocity: Point) -> Collision {
-    if velocity.dot(to_thing) > 0.0 {
+/// Who closes the gap to a thing in this direction while the robot goes this way.
+fn collision(to_thing: Point, way: Point) -> Collision {
+    if way.dot(to_thing) > 0.0 {
         Collision::ByRobot
     } else {
         Collision::ByOther
@@ -497,7 +498,132 @@ fn angle(bearing: Bearing) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::episode::drive_pilot;
     use crate::noise::Noise;
+    use crate::world::Shape;
+    use amp::fixed::Weight;
+    use std::f64::consts::PI;
+
+    const SONARS: [SonarModel; 2] = [SonarModel::Ideal, SonarModel::Nomad];
+
+    /// Rolls by this again and again, mm ahead, or stands.
+    struct Straight {
+        way_mm: i16,
+        motions: u16,
+    }
+
+    impl Straight {
+        /// Slower than the leader. With the ideal sonars a motion is over within its ring, with the others it goes on.
+        fn new(sonar: SonarModel, sense: i16) -> Self {
+            let long_mm = if sonar == SonarModel::Ideal {
+                30
+            } else {
+                1_000
+            };
+            Self {
+                way_mm: sense * long_mm,
+                motions: 0,
+            }
+        }
+    }
+
+    impl Pilot for Straight {
+        fn handle(&mut self, _: Millis, event: Event<16>) -> Outputs<16> {
+            if !matches!(event, Event::Echo { sensor: 15, .. }) {
+                return Outputs::NONE;
+            }
+            self.motions += 1;
+            let displacement = Displacement {
+                dx_mm: self.way_mm,
+                dy_mm: 0,
+            };
+            let motion = Motion {
+                id: self.motions,
+                displacement,
+                speed_mm_s: 50,
+            };
+            let decision = Decision {
+                situation: [Weight::ZERO; 16],
+                plan: None,
+                wanted: displacement,
+                allowed: displacement,
+                at_goal: false,
+            };
+            Outputs {
+                decision: Some(decision),
+                motion: (self.way_mm != 0).then_some(motion),
+                ..Outputs::NONE
+            }
+        }
+    }
+
+    fn hall() -> World {
+        let walls = Shape::room(Point::new(9.0, 9.0));
+        World::new("hall", Pose::default(), vec![walls]).unwrap()
+    }
+
+    /// A robot that looks at a leader 0.9 m ahead, which drives straight at it.
+    fn rammed(world: &World, sonar: SonarModel) -> Body<'_> {
+        let mut body = Body::new(world, sonar, TurretMode::Held, 1);
+        let leader = Leader::blind(Point::new(0.9, 0.0), PI);
+        let crowded = world.with_post(leader.position(), COLLISION_RADIUS_M);
+        body.leader = Some((leader, crowded));
+        body
+    }
+
+    #[test]
+    fn who_goes_towards_a_thing_closes_the_gap() {
+        let to = |x, y| collision(Point::new(0.5, 0.0), Point::new(x, y));
+        for (x, y) in [(0.1, 0.0), (0.01, 0.1), (0.01, -0.1)] {
+            assert_eq!(to(x, y), Collision::ByRobot, "{x} {y}");
+        }
+        for (x, y) in [(0.0, 0.0), (-0.1, 0.0), (-0.01, 0.1), (0.0, 0.1)] {
+            assert_eq!(to(x, y), Collision::ByOther, "{x} {y}");
+        }
+    }
+
+    /// Before that it has touched nothing itself.
+    #[test]
+    fn a_leader_that_rams_the_robot_is_told_apart_from_a_robot_that_rolls_into_it() {
+        let world = hall();
+        for sonar in SONARS {
+            for (sense, by) in [
+                (1, Collision::ByRobot),
+                (0, Collision::ByOther),
+                (-1, Collision::ByOther),
+            ] {
+                let mut body = rammed(&world, sonar);
+                let mut pilot = Straight::new(sonar, sense);
+                let first = (0..1_000).find_map(|_| {
+                    let happened = body.advance(&mut pilot);
+                    let touched = happened.moved.is_some_and(|moved| moved.touched);
+                    assert!(!touched, "{sonar:?} {sense}");
+                    happened.collision
+                });
+                assert_eq!(first, Some(by), "{sonar:?} {sense}");
+                let way = body.pose().position.x * f64::from(sense);
+                assert!(way > 0.05 || sense == 0, "{sonar:?} {sense}: {way}");
+            }
+        }
+    }
+
+    /// What counts as a contact is the robot's own doing. Counted until they meet: later the robot cannot roll on.
+    #[test]
+    fn a_tally_keeps_both_kinds_of_touch_apart() {
+        let world = hall();
+        for (sonar, sense, steps, counted) in [
+            (SonarModel::Ideal, 1, 3, (1, 0)),
+            (SonarModel::Nomad, 1, 3, (1, 0)),
+            (SonarModel::Ideal, 0, 4, (0, 1)),
+            (SonarModel::Nomad, 0, 4, (0, 1)),
+        ] {
+            let mut pilot = Straight::new(sonar, sense);
+            let body = rammed(&world, sonar);
+            let tally = drive_pilot(&world, &mut pilot, body, steps).unwrap();
+            let touches = (tally.contacts, tally.touched_by);
+            assert_eq!(touches, counted, "{sonar:?} {sense}");
+        }
+    }
 
     #[test]
     fn millimeters_are_rounded_and_saturated() {

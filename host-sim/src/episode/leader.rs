@@ -27,6 +27,8 @@ pub struct Leader {
     ring: Ring,
     /// Simulated time it has not driven yet, s.
     owed_s: f64,
+    /// Of the robot it keeps clear by so much, m.
+    gap_m: f64,
 }
 
 impl Leader {
@@ -55,6 +57,23 @@ impl Leader {
             // An exact ring draws no noise.
             ring: Ring::new(SonarModel::Ideal, &mut Noise::new(0)),
             owed_s: 0.0,
+            gap_m: GAP_M,
+        }
+    }
+
+    /// One that drives straight on, whatever it hears and whoever is in its way.
+    #[cfg(test)]
+    pub(super) fn blind(position: Point, course: f64) -> Self {
+        let deaf = Tuning {
+            push: 0.0,
+            ..Tuning::default()
+        };
+        Self {
+            position,
+            pilot: RingPilot::new(Braitenberg::towards(deaf, course), None),
+            ring: Ring::new(SonarModel::Ideal, &mut Noise::new(0)),
+            owed_s: 0.0,
+            gap_m: f64::NEG_INFINITY,
         }
     }
 
@@ -95,7 +114,7 @@ impl Leader {
         );
         let step = way * (LEADER_M_S * RING_PERIOD_S / way.length().max(1.0));
         let to = self.position + step;
-        let near = to.distance(robot) < 2.0 * COLLISION_RADIUS_M + GAP_M;
+        let near = to.distance(robot) < 2.0 * COLLISION_RADIUS_M + self.gap_m;
         let nearer = to.distance(robot) < self.position.distance(robot);
         let from = self.position;
         if !(near && nearer) {
@@ -145,6 +164,20 @@ mod tests {
         // Away from it, or not at all.
         assert!(!touched([0.5, 0.0], [0.6, 0.0]));
         assert!(!touched([0.5, 0.0], [0.5, 0.0]));
+    }
+
+    #[test]
+    fn a_blind_leader_says_when_it_touches_the_robot() {
+        let world = World::builtin("room").unwrap();
+        let robot = Point::default();
+        let mut leader = Leader::blind(Point::new(0.8, 0.0), std::f64::consts::PI);
+        let mut touches = [false; 12];
+        for touched in &mut touches {
+            *touched = leader.advance(RING_PERIOD_S, &world, robot);
+        }
+        // From 0.8 m in steps of 96 mm: within 0.538 m in the third, past the center in the ninth.
+        let wanted: [bool; 12] = std::array::from_fn(|step| (2..9).contains(&step));
+        assert_eq!(touches, wanted);
     }
 
     #[test]

@@ -4,31 +4,50 @@
 use super::bench::{carried_out, command, motion, scan};
 use super::channel::{Badness, Channel};
 use super::frames::{Example, examples};
+use super::link::{Base, Book};
 use super::mutate::Damage;
 use super::{Progress, Verdict, below, generator, grouped};
 use crate::chip::{Chip, SESSION, packed};
 use amp::controller::{Progress as Way, StopReason};
-use amp::link::{Link, Verdict as Judged};
 use amp::units::Millis;
 use amp::wire::frame::{FrameError, Header, unpack};
 use amp::wire::message::{
-    Clock, Counters, FromMind, ModeReport, MotionOrder, Order, Report, ToMind,
+    Clock, Counters, FromMind, ModeReport, MotionOrder, Order, Refusal, Report, ToMind,
 };
 use amp::wire::{Frame, Receiver};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use std::collections::{HashMap, VecDeque};
 use std::time::Duration;
 
 /// Bytes sent without waiting for the chip.
 const AHEAD: usize = 1_000;
 /// Time between two frames over the bad line, ms.
 const EVERY_MS: u64 = 20;
-/// The bad line, both ways: an emulated one has its own delays beside these.
-const BAD: Badness = Badness {
+/// The bad line to the chip, with a stall of up to 2 s every few seconds: an emulated one has its own delays beside these.
+const TO_CHIP: Badness = Badness {
     lost: 30,
     twice: 10,
     delay_ms: [0, 60],
-    stalls: 0,
-    stall_ms: 0,
+    stalls: 12,
+    stall_ms: 2_000,
 };
+/// The one to the base stalls more often: the chip does not miss it.
+const TO_BASE: Badness = Badness {
+    stalls: 25,
+    ..TO_CHIP
+};
+/// Bytes that the line to the chip takes in a millisecond, as one of 115 200 baud: what a stall has held back does not come at once.
+const BYTES_PER_MS: u64 = 11;
+/// The chip's clock is as far behind as the promptest of so many reports says.
+const REPORTS: usize = 8;
+/// Truly older than this no motion may be executed, ms: its time to live of 500 ms, what the promptest frames take, and what an
+/// emulator on a busy machine adds.
+const OLDEST_MS: u64 = 700;
+/// Time to live of an order to the chip, ms; one that is truly older than this when it comes may not be obeyed.
+const ORDER_TTL_MS: u16 = 300;
+const OLDEST_ORDER_MS: u64 = 500;
+/// A run over so many frames meets enough stalls for all of this to be tried.
+const ENOUGH: u64 = 1_000;
 /// A host is missed after 300 ms of silence (PROTOCOL.md). A round of the control task, and what an emulator on a busy machine adds,
 /// come on top, ms.
 const SILENT_MS: [u32; 2] = [300, 400];
@@ -180,124 +199,268 @@ pub fn link(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
     seeking(&mut chip);
     let before = chip.counters();
     let first = chip.send(&ToMind::Mode).wrapping_add(1);
-    chip.wait(|_, report| matches!(report.said, FromMind::Done { .. }).then_some(()));
-    let [mut there, mut back] = [0, 1].map(|part| Channel::new(BAD, seed, part));
-    let mut random = generator(seed, 2);
-    let (mut latest, mut accepted, mut replayed) = (None, 0, 0);
-    let mut base = Base::default();
-    let began_ms = u64::from(chip.at_ms());
-    while there.sent() < count || !there.is_empty() || !back.is_empty() {
-        let now_ms = u64::from(chip.at_ms()) - began_ms;
-        if there.sent() < count && now_ms >= EVERY_MS * there.sent() {
-            let seq = first.wrapping_add(there.sent() as u16);
-            let message = message(chip.at_ms(), base.order, &mut random);
-            let session = SESSION;
-            there.send(now_ms, &packed(Header { session, seq }, &message));
+    let is_done = |report: &Report<16>| matches!(report.said, FromMind::Done { .. });
+    let device_ms = chip.wait(|_, report| is_done(&report).then_some(report.device_ms));
+    let mut line = BadLine::new(&mut chip, first, device_ms, seed);
+    while line.there.sent() < count || !line.there.is_empty() || !line.back.is_empty() {
+        line.pass();
+        if line.there.sent() < count && line.now_ms >= EVERY_MS * line.there.sent() {
+            line.send();
             progress(1);
         }
-        while let Some(come) = there.come(now_ms) {
-            chip.raw(&come.bytes);
-            let is_new = latest.is_none_or(|latest| come.number > latest);
-            (accepted, replayed) = (accepted + u32::from(is_new), replayed + u32::from(!is_new));
-            latest = latest.max(Some(come.number));
-        }
-        while let Some((header, report)) = chip.next(Duration::from_millis(2)) {
-            let frame = Frame::pack(header, &report).expect("it came in a frame");
-            back.send(now_ms, frame.as_bytes());
-        }
-        while let Some(come) = back.come(now_ms) {
-            base.hear(&come.bytes, u64::from(chip.at_ms()) as u32);
-        }
+        line.deliver();
+        line.hear();
     }
-    let after = chip.counters_as(first.wrapping_add(count as u16));
-    let mut verdict = Verdict::default();
-    verdict.say(format_args!(
-        "{} frames to the chip, {} from it\n",
-        grouped(count),
-        grouped(back.sent())
-    ));
-    // The question for the counters is accepted as well, and so was the one before the first.
-    let pairs = [
-        ("accepted", accepted + 2, after.accepted - before.accepted),
-        (
-            "repeated or late",
-            replayed,
-            after.replayed - before.replayed,
-        ),
-    ];
-    let mut rows = Vec::from(pairs.map(|(what, here, there)| {
-        verdict.require(here == there, format!("{what}: {there} instead of {here}"));
-        [what.to_owned(), grouped(here.into()), grouped(there.into())]
-    }));
-    rows.push([
-        "motions executed".to_owned(),
-        String::new(),
-        grouped(base.executed),
-    ]);
-    rows.push([
-        "stale ones executed".to_owned(),
-        "0".to_owned(),
-        grouped(base.stale),
-    ]);
-    verdict.table(["what", "should be", "counted"], &rows);
-    verdict.require(base.stale == 0, "a stale motion was executed");
-    verdict.require(base.executed > 0, "no motion was executed");
-    verdict
+    // Its last answers.
+    while let Some((_, report)) = line.chip.next(Duration::from_millis(300)) {
+        line.note(&report);
+    }
+    let after = line.chip.counters_as(first.wrapping_add(count as u16));
+    line.judge(count, &before, &after)
 }
 
-/// Rings, reports and orders in no sensible order.
-fn message(
-    at_ms: u32,
-    order: Option<MotionOrder>,
-    random: &mut rand_xoshiro::Xoshiro256PlusPlus,
-) -> ToMind<16> {
-    match (below(random, 20), order) {
-        (0..9, _) | (9..17, None) => scan(at_ms, 500 + below(random, 1_000) as u16),
-        (9..17, Some(order)) => carried_out(at_ms, order),
-        (17, _) => ToMind::Alive { at_ms },
-        (18, _) => command(at_ms, 1_000, Order::Seek),
-        _ => command(at_ms, 1_000, Order::Resume),
-    }
-}
-
-/// A base that executes what its link accepts within its time to live.
+/// How far the chip's clock is behind the one here. On a busy machine an emulated one loses ticks, a tenth of all and more, but
+/// the protocol is for clocks of the same rate: so host and base go by the chip's, as far as it is known.
 #[derive(Default)]
-struct Base {
-    link: Option<Link>,
-    order: Option<MotionOrder>,
-    /// Number of the latest motion executed, without an end.
-    latest: Option<u16>,
-    executed: u64,
-    stale: u64,
+struct Behind {
+    latest_ms: u32,
+    some_ms: VecDeque<u32>,
 }
 
-impl Base {
-    fn hear(&mut self, frame: &[u8], now_ms: u32) {
-        let coded = frame.split_last().map_or(frame, |(_, coded)| coded);
-        let Ok((header, report)) = unpack::<Report<16>>(coded) else {
-            return;
+impl Behind {
+    fn hear(&mut self, here_ms: u32, device_ms: u32) {
+        self.latest_ms = here_ms.wrapping_sub(device_ms);
+        self.some_ms.push_back(self.latest_ms);
+        if self.some_ms.len() > REPORTS {
+            self.some_ms.pop_front();
+        }
+    }
+
+    /// Without what reports take on their way.
+    fn ms(&self) -> u32 {
+        self.some_ms.iter().copied().min().unwrap_or(0)
+    }
+}
+
+/// An order on its way through the chip.
+#[derive(Debug, Clone, Copy)]
+struct Given {
+    age_ms: u64,
+    behind_ms: u32,
+    is_refused: bool,
+}
+
+/// The host at the end of a bad line to the chip, with its base.
+struct BadLine<'a> {
+    chip: &'a mut Chip,
+    /// Number of the first frame.
+    first: u16,
+    behind: Behind,
+    /// The chip's time and the host's at the beginning, and the latest time since then.
+    began_ms: [u32; 2],
+    now_ms: u64,
+    there: Channel,
+    back: Channel,
+    random: Xoshiro256PlusPlus,
+    base: Base,
+    book: Book,
+    /// The line to the chip has time again.
+    free_ms: u64,
+    /// The latest frame that has come to the chip; how many were such, and how many others.
+    latest: Option<u64>,
+    accepted: u32,
+    replayed: u32,
+    /// Orders that the chip has not done with yet, by their numbers.
+    given: HashMap<u16, Given>,
+    /// Orders that were too old to be obeyed, and those of them that were.
+    late: u64,
+    obeyed: u64,
+}
+
+impl<'a> BadLine<'a> {
+    /// `device_ms` is what the chip has just said of its time.
+    fn new(chip: &'a mut Chip, first: u16, device_ms: u32, seed: u64) -> Self {
+        let mut behind = Behind::default();
+        let here_ms = chip.at_ms();
+        behind.hear(here_ms, device_ms);
+        Self {
+            chip,
+            first,
+            behind,
+            began_ms: [device_ms, here_ms],
+            now_ms: 0,
+            there: Channel::new(TO_CHIP, seed, 0),
+            back: Channel::new(TO_BASE, seed, 1),
+            random: generator(seed, 2),
+            base: Base::new(OLDEST_MS),
+            book: Book::default(),
+            free_ms: 0,
+            latest: None,
+            accepted: 0,
+            replayed: 0,
+            given: HashMap::new(),
+            late: 0,
+            obeyed: 0,
+        }
+    }
+
+    /// The host's time, which goes as fast as the chip's.
+    fn at_ms(&self) -> u32 {
+        self.began_ms[1].wrapping_add(self.now_ms as u32)
+    }
+
+    /// Time goes on, and the base with it.
+    fn pass(&mut self) {
+        let device_ms = self.chip.at_ms().wrapping_sub(self.behind.ms());
+        let since_ms = device_ms.wrapping_sub(self.began_ms[0]).cast_signed();
+        // It never goes back.
+        let now_ms = u64::try_from(since_ms).unwrap_or(0).max(self.now_ms);
+        for ms in self.now_ms..now_ms {
+            self.base.go_on(ms);
+        }
+        self.now_ms = now_ms;
+    }
+
+    /// Rings, reports and orders in no sensible order.
+    fn send(&mut self) {
+        let at_ms = self.at_ms();
+        let random = &mut self.random;
+        let message = match below(random, 20) {
+            0..9 => scan(at_ms, 1_500 + below(random, 500) as u16),
+            9..16 => self.base.report(at_ms),
+            16 => ToMind::Alive { at_ms },
+            17 => command(at_ms, ORDER_TTL_MS, Order::Seek),
+            _ => command(at_ms, ORDER_TTL_MS, Order::Resume),
         };
-        let now = Millis::from_ms(now_ms);
-        let link = self.link.get_or_insert_with(|| {
-            let mut link = Link::new();
-            let seq = header.seq.wrapping_sub(1);
-            link.open(Header { seq, ..header }, Clock::Device, now);
-            link
-        });
-        if link.accept(header) != Judged::Accept {
-            return;
-        }
-        let said = Millis::from_ms(report.device_ms);
-        link.heard(said, now);
-        if let FromMind::Motion(order) = report.said
-            && link.age_ms(said, now) <= u32::from(order.ttl_ms)
+        let header = Header {
+            session: SESSION,
+            seq: self.first.wrapping_add(self.there.sent() as u16),
+        };
+        self.there.send(self.now_ms, &packed(header, &message));
+    }
+
+    /// Gives the chip what has come.
+    fn deliver(&mut self) {
+        while self.now_ms >= self.free_ms
+            && let Some(come) = self.there.come(self.now_ms)
         {
-            self.executed += 1;
-            let is_late = |latest: u16| header.seq.wrapping_sub(latest) as i16 <= 0;
-            self.stale += u64::from(self.latest.is_some_and(is_late));
-            self.latest = Some(header.seq);
-            self.order = Some(order);
+            self.free_ms = self.now_ms + come.bytes.len() as u64 / BYTES_PER_MS;
+            self.chip.raw(&come.bytes);
+            if self.latest.is_some_and(|latest| come.number <= latest) {
+                self.replayed += 1;
+                continue;
+            }
+            self.latest = Some(come.number);
+            self.accepted += 1;
+            let coded = come.bytes.split_last().map_or(&[][..], |(_, coded)| coded);
+            if let Ok((header, ToMind::Command { .. })) = unpack::<ToMind<16>>(coded) {
+                let order = Given {
+                    age_ms: self.now_ms - come.sent_ms,
+                    behind_ms: self.behind.ms(),
+                    is_refused: false,
+                };
+                self.given.insert(header.seq, order);
+            }
         }
+    }
+
+    /// What the chip says goes on its way to the base.
+    fn hear(&mut self) {
+        while let Some((header, report)) = self.chip.next(Duration::from_millis(2)) {
+            self.note(&report);
+            self.pass();
+            let frame = Frame::pack(header, &report).expect("it came in a frame");
+            self.base.is_on_its_way(frame.as_bytes());
+            self.back.send(self.now_ms, frame.as_bytes());
+        }
+        while let Some(come) = self.back.come(self.now_ms) {
+            let here = Millis::from_ms(self.at_ms());
+            self.base.hear(&come, self.now_ms, here, &mut self.book);
+        }
+    }
+
+    /// Looks for what has become of an order.
+    fn note(&mut self, report: &Report<16>) {
+        self.behind.hear(self.chip.at_ms(), report.device_ms);
+        match report.said {
+            FromMind::Refusal {
+                seq,
+                why: Refusal::Expired { .. },
+            } => {
+                if let Some(order) = self.given.get_mut(&seq) {
+                    order.is_refused = true;
+                }
+            }
+            FromMind::Done { seq } => {
+                let Some(order) = self.given.remove(&seq) else {
+                    return;
+                };
+                // Ticks that the clock has lost meanwhile are none of the age that the chip can know.
+                let lost_ms = self.behind.latest_ms.saturating_sub(order.behind_ms);
+                if order.age_ms.saturating_sub(lost_ms.into()) > OLDEST_ORDER_MS {
+                    self.late += 1;
+                    self.obeyed += u64::from(!order.is_refused);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn judge(&self, count: u64, before: &Counters, after: &Counters) -> Verdict {
+        let mut verdict = Verdict::default();
+        verdict.say(format_args!(
+            "{} frames to the chip, {} from it\n",
+            grouped(count),
+            grouped(self.back.sent())
+        ));
+        // The question for the counters is accepted as well, and so was the one before the first.
+        let pairs = [
+            (
+                "accepted",
+                self.accepted + 2,
+                after.accepted - before.accepted,
+            ),
+            (
+                "repeated or late",
+                self.replayed,
+                after.replayed - before.replayed,
+            ),
+            (
+                "bytes lost",
+                0,
+                after.device.queue_losses - before.device.queue_losses,
+            ),
+        ];
+        let mut rows = Vec::from(pairs.map(|(what, here, there)| {
+            verdict.require(here == there, format!("{what}: {there} instead of {here}"));
+            [what.to_owned(), grouped(here.into()), grouped(there.into())]
+        }));
+        let expired = u64::from(after.expired - before.expired);
+        let mut row = |what: &str, wanted: &str, number: u64| {
+            rows.push([what.to_owned(), wanted.to_owned(), grouped(number)]);
+        };
+        row("orders refused by the chip for their age", "", expired);
+        row("orders surely too old", "", self.late);
+        row("such orders not refused", "0", self.obeyed);
+        row("motions executed", "", self.book.executed);
+        row(
+            "motions refused by the base for their age",
+            "",
+            self.book.aged,
+        );
+        row(
+            "age of the oldest one executed, ms",
+            "",
+            self.book.oldest_ms,
+        );
+        row("stale ones executed", "0", self.book.stale);
+        verdict.table(["what", "should be", "counted"], &rows);
+        verdict.require(self.book.stale == 0, "a stale motion was executed");
+        verdict.require(self.obeyed == 0, "the chip obeyed an order of long ago");
+        let tried = [self.book.executed, self.book.aged, self.late];
+        let is_enough = count < ENOUGH || !tried.contains(&0);
+        verdict.require(is_enough, "not everything was tried");
+        verdict
     }
 }
 

@@ -46,7 +46,7 @@ const CLOCKS: Clocks = Clocks {
 
 /// What is counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-struct Book {
+pub(super) struct Book {
     /// To the mind: sent, lost on the way, those that came twice, those that only came after a later one.
     sent: u64,
     lost: u64,
@@ -62,19 +62,19 @@ struct Book {
     losses: u64,
     /// To the base: sent, and motions executed.
     said: u64,
-    executed: u64,
+    pub(super) executed: u64,
     /// Motions executed again, after a later one, or after their time.
-    stale: u64,
+    pub(super) stale: u64,
     /// Motions the base refused as late or repeated, by their numbers.
     refused: u64,
     /// Motions the base refused for their age.
-    aged: u64,
+    pub(super) aged: u64,
     /// Stops, whatever their numbers, that did not stop the mind.
     stops_refused: u64,
     /// Executed while the mind's stop was still on its way, or lost.
     taken_back: u64,
     /// Age of the oldest motion executed, ms.
-    oldest_ms: u64,
+    pub(super) oldest_ms: u64,
 }
 
 impl Book {
@@ -169,7 +169,7 @@ impl Course {
     fn new(seed: u64, part: u64, size: u64) -> Self {
         Self {
             mind: Ready::new(seed.wrapping_add(part), CLOCKS),
-            base: Base::default(),
+            base: Base::new(OLDEST_MS),
             to_mind: Channel::new(BAD, seed, 3 * part),
             to_base: Channel::new(BAD, seed, 3 * part + 1),
             random: generator(seed, 3 * part + 2),
@@ -224,7 +224,10 @@ impl Course {
             while self.mind.node.tick(now, &mut said) {}
         }
         while let Some(come) = self.to_base.come(now_ms) {
-            self.base.hear(&come, &mut self.book);
+            // Its clock is another one.
+            let here = CLOCKS.device(now_ms).as_ms().wrapping_add(123_456_789);
+            let here = Millis::from_ms(here);
+            self.base.hear(&come, now_ms, here, &mut self.book);
         }
         self.base.go_on(now_ms);
     }
@@ -310,7 +313,9 @@ impl Outbox for Said<'_> {
 
 /// The base: its link, what it executes, and what the book knows of the frames to it.
 #[derive(Default)]
-struct Base {
+pub(super) struct Base {
+    /// Truly older than this it may execute no motion, ms.
+    oldest_ms: u64,
     link: Option<Link>,
     order: Option<MotionOrder>,
     /// When the order ends unless it is renewed, ms.
@@ -327,7 +332,15 @@ struct Base {
 }
 
 impl Base {
-    fn is_on_its_way(&mut self, frame: &[u8]) {
+    pub(super) fn new(oldest_ms: u64) -> Self {
+        Self {
+            oldest_ms,
+            ..Self::default()
+        }
+    }
+
+    /// Has to be told every frame, in the order in which they are sent.
+    pub(super) fn is_on_its_way(&mut self, frame: &[u8]) {
         let Ok((header, report)) = unpack::<Report<16>>(coded(frame)) else {
             return;
         };
@@ -341,20 +354,18 @@ impl Base {
         }
     }
 
-    fn hear(&mut self, come: &Come, book: &mut Book) {
+    /// Takes a frame, `here` by its own clock.
+    pub(super) fn hear(&mut self, come: &Come, now_ms: u64, here: Millis, book: &mut Book) {
         let Ok((header, report)) = unpack::<Report<16>>(coded(&come.bytes)) else {
             return;
         };
-        let now = CLOCKS.device(come.at_ms);
         let said = Millis::from_ms(report.device_ms);
-        let true_age_ms = u64::from(now.since(said));
+        let true_age_ms = now_ms - come.sent_ms;
         let link = self.link.get_or_insert_with(|| opened(header));
         if link.accept(header) != Judged::Accept {
             book.refused += u64::from(matches!(report.said, FromMind::Motion(_)));
             return;
         }
-        // The base's clock is another one.
-        let here = Millis::from_ms(now.as_ms().wrapping_add(123_456_789));
         link.heard(said, here);
         let age_ms = link.age_ms(said, here);
         let FromMind::Motion(order) = report.said else {
@@ -366,15 +377,13 @@ impl Base {
         }
         let number = self.numbers[come.number as usize];
         let is_late = self.latest.is_some_and(|latest| number <= latest);
-        book.stale += u64::from(is_late || true_age_ms > OLDEST_MS);
+        book.stale += u64::from(is_late || true_age_ms > self.oldest_ms);
         book.executed += 1;
         book.taken_back += u64::from(!is_stop(order) && number < self.latest_stop);
         book.oldest_ms = book.oldest_ms.max(true_age_ms);
         self.latest = Some(number);
-        self.execute(
-            order,
-            come.at_ms + u64::from(order.ttl_ms) - u64::from(age_ms),
-        );
+        let left_ms = u64::from(order.ttl_ms) - u64::from(age_ms);
+        self.execute(order, now_ms + left_ms);
     }
 
     fn execute(&mut self, order: MotionOrder, until_ms: u64) {
@@ -390,7 +399,7 @@ impl Base {
     }
 
     /// A millisecond of motion.
-    fn go_on(&mut self, now_ms: u64) {
+    pub(super) fn go_on(&mut self, now_ms: u64) {
         if self.is_moving(now_ms) {
             self.executed_um += SPEED_MM_S;
             self.unreported_um += SPEED_MM_S;
@@ -405,7 +414,7 @@ impl Base {
     }
 
     /// What it has done since its last report.
-    fn report(&mut self, at_ms: u32) -> ToMind<16> {
+    pub(super) fn report(&mut self, at_ms: u32) -> ToMind<16> {
         let order = self.order;
         let moved_mm = (self.unreported_um / 1_000) as u16;
         self.unreported_um %= 1_000;

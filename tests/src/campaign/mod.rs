@@ -14,6 +14,7 @@
 //! Each returns a [`Verdict`]: the figures, and what was not as it has to be.
 
 mod bench;
+mod bridged;
 mod channel;
 pub mod chip;
 pub mod clock;

@@ -11,6 +11,9 @@ use host_sim::world::{Point, World};
 /// Time between two looks at the motors, ms.
 const STRIDE_MS: u64 = 10;
 
+/// Farther than anything here goes, m.
+const FAR_M: f64 = 100.0;
+
 /// The base, in the middle of an empty room.
 pub(super) struct Wheels<'a> {
     world: &'a World,
@@ -27,7 +30,12 @@ pub(super) struct Wheels<'a> {
 
 impl<'a> Wheels<'a> {
     pub(super) fn new(world: &'a World, seed: u64) -> Self {
-        let base = Base::new(world.start(), BaseLimits::default(), TurretMode::Held);
+        // Its odometry is right: what wheels slip is nothing that a link could limit.
+        let limits = BaseLimits {
+            slip: 0.0,
+            ..BaseLimits::default()
+        };
+        let base = Base::new(world.start(), limits, TurretMode::Held);
         Self {
             world,
             reported: base.odometry(),
@@ -48,13 +56,25 @@ impl<'a> Wheels<'a> {
             return;
         }
         self.order = Some(order);
-        let meters = |mm: i16| f64::from(mm) / 1e3;
+        self.set_off(order, 1e-3);
+        self.under_way = true;
+    }
+
+    /// The present order leads on and on: now nothing ends it but a stop or its time to live.
+    pub(super) fn never_arrive(&mut self) {
+        if let Some(order) = self.order.filter(|_| self.is_ordered()) {
+            let length_mm = f64::from(order.motion().displacement.length_mm());
+            self.set_off(order, FAR_M / length_mm.max(1.0));
+        }
+    }
+
+    /// Rolls where an order leads, with so many meters to its millimeter.
+    fn set_off(&mut self, order: MotionOrder, scale: f64) {
         self.command(Motion {
-            dx_m: meters(order.dx_mm),
-            dy_m: meters(order.dy_mm),
+            dx_m: f64::from(order.dx_mm) * scale,
+            dy_m: f64::from(order.dy_mm) * scale,
             speed_m_s: f64::from(order.speed_mm_s) / 1e3,
         });
-        self.under_way = true;
     }
 
     fn command(&mut self, motion: Motion) {

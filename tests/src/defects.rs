@@ -1,0 +1,140 @@
+//! `tests/defects.toml`: what is to be broken on purpose, and who has to notice.
+
+use crate::root;
+use host_sim::link::Machine;
+use serde::Deserialize;
+use std::path::PathBuf;
+
+/// What is to be broken, and who has to notice.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Defect {
+    /// The defect in a few words.
+    pub what: String,
+    /// The file, from the top of the project.
+    pub file: PathBuf,
+    /// What stands there exactly once.
+    pub find: String,
+    /// What takes its place.
+    pub replace: String,
+    /// The command that has to fail.
+    pub check: String,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct List {
+    defect: Vec<Defect>,
+}
+
+/// The whole list.
+///
+/// # Errors
+/// When it cannot be read.
+pub fn list() -> Result<Vec<Defect>, String> {
+    let path = root().join("tests/defects.toml");
+    let named = |error: &dyn std::fmt::Display| format!("tests/defects.toml: {error}");
+    let text = std::fs::read_to_string(path).map_err(|error| named(&error))?;
+    let list: List = toml::from_str(&text).map_err(|error| named(&error))?;
+    Ok(list.defect)
+}
+
+impl Defect {
+    /// A file's text with the defect.
+    ///
+    /// # Errors
+    /// When the place is not there exactly once, or nothing would change.
+    pub fn put_into(&self, text: &str) -> Result<String, String> {
+        let (file, find) = (self.file.display(), &self.find);
+        if find == &self.replace {
+            return Err(format!("{file}: `{find}` would stay as it is"));
+        }
+        match text.matches(find.as_str()).count() {
+            1 => Ok(text.replace(find.as_str(), &self.replace)),
+            places => Err(format!(
+                "{file}: `{find}` stands there {places} times, not once"
+            )),
+        }
+    }
+}
+
+/// What has to be built before a check says anything: code that does not compile fails every check.
+///
+/// # Errors
+/// When nobody knows what such a check builds.
+pub fn builds(check: &str) -> Result<Vec<String>, String> {
+    let mut commands = Vec::new();
+    if check.starts_with("cargo test ") {
+        commands.push(check.replacen("cargo test", "cargo test --no-run", 1));
+    } else if check.starts_with("tests/campaign ") {
+        commands.push("cargo build --locked -p tests --bin campaign".to_owned());
+    } else {
+        return Err(format!("`{check}`: it is not known what this builds"));
+    }
+    // Some build images while they run.
+    let machines: &[Machine] = if check.contains("chip_architectures") {
+        &[
+            Machine::OLIMEX_H405,
+            Machine::MICROBIT,
+            Machine::RISCV32_VIRT,
+        ]
+    } else if check.contains("chip") || check.contains("--test bridge") {
+        &[Machine::OLIMEX_H405]
+    } else {
+        &[]
+    };
+    commands.extend(machines.iter().map(image));
+    Ok(commands)
+}
+
+/// Builds an image where the check will look for it.
+fn image(machine: &Machine) -> String {
+    let Machine {
+        package,
+        program,
+        features,
+        target,
+        ..
+    } = machine;
+    format!(
+        "cargo build --locked -p {package} --bin {program} --features '{features}' --profile chip --target {target} --target-dir target/qemu"
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_place_is_found_once_or_not_at_all() {
+        let defect = |find: &str, replace: &str| Defect {
+            what: String::new(),
+            file: "a.rs".into(),
+            find: find.to_owned(),
+            replace: replace.to_owned(),
+            check: String::new(),
+        };
+        assert_eq!(defect("b", "x").put_into("abc"), Ok("axc".to_owned()));
+        for (find, replace) in [("d", "x"), ("a", "x"), ("b", "b")] {
+            let broken = defect(find, replace).put_into("aba");
+            assert!(broken.is_err(), "{find} {replace}");
+        }
+    }
+
+    #[test]
+    fn whatever_a_check_builds_is_built_before() {
+        let count = |check| builds(check).map(|commands| commands.len());
+        assert_eq!(count("cargo test -p amp --lib -- shield"), Ok(1));
+        assert_eq!(count("tests/campaign drift"), Ok(1));
+        assert_eq!(count("tests/campaign chip-link --count 300"), Ok(2));
+        assert_eq!(count("cargo test -p tests --test bridge"), Ok(2));
+        assert_eq!(count("cargo test -p tests --test chip_faults"), Ok(2));
+        assert_eq!(
+            count("cargo test -p tests --test chip_architectures"),
+            Ok(4)
+        );
+        assert!(count("tests/miri").is_err());
+        let built = builds("cargo test -p amp --lib -- a").expect("a command");
+        assert_eq!(built, ["cargo test --no-run -p amp --lib -- a"]);
+    }
+}

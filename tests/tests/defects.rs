@@ -1,0 +1,33 @@
+//! `tests/defects.toml` fits the code as it is: a place that has moved would be found only by the long run. Whether the
+//! defects are noticed, `tests/extra defects` tries.
+
+use std::collections::HashSet;
+use tests::defects::{builds, list};
+use tests::root;
+
+#[test]
+fn every_place_to_break_stands_in_its_file_once() {
+    let defects = list().expect("a list");
+    assert!(defects.len() > 50, "{} defects", defects.len());
+    let mut wrong = Vec::new();
+    for defect in &defects {
+        let text = std::fs::read_to_string(root().join(&defect.file));
+        let named = |why: String| format!("{}: {why}", defect.what);
+        match text {
+            Ok(text) => wrong.extend(defect.put_into(&text).err().map(named)),
+            Err(error) => wrong.push(named(format!("{}: {error}", defect.file.display()))),
+        }
+        wrong.extend(builds(&defect.check).err().map(named));
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Two defects with the same words could not be told apart in the table.
+#[test]
+fn every_defect_has_words_of_its_own() {
+    let defects = list().expect("a list");
+    let mut seen = HashSet::new();
+    for defect in &defects {
+        assert!(seen.insert(&defect.what), "twice: {}", defect.what);
+    }
+}
