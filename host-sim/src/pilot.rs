@@ -14,17 +14,45 @@ pub const MOST_MOVES: u16 = 1_000;
 /// The mind's state with the simulator's larger memory; all else as on the chip.
 pub type SimState = State<16, 16, { MOST_MOVES as usize }>;
 
+/// What a transducer heard.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct HeardEcho {
+    /// Transducer.
+    pub sensor: u8,
+    /// What it heard; `None` = nothing answered.
+    pub range: Option<Range>,
+    /// How long before it is told.
+    pub age_ms: u32,
+}
+
+impl HeardEcho {
+    /// One that is told at once.
+    #[must_use]
+    pub fn now(sensor: u8, range: Option<Range>) -> Self {
+        Self {
+            sensor,
+            range,
+            age_ms: 0,
+        }
+    }
+}
+
 /// Something that drives the robot by its echoes.
 pub trait Pilot {
     /// Takes one event and says what to do.
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16>;
 
-    /// Takes echoes (transducer and range) that were heard at the same moment, one after the other, up to the first that
-    /// brings about a motion. Returns how many it took, at least one, and what they brought about together.
-    fn echoes(&mut self, at: Millis, echoes: &[(u8, Option<Range>)]) -> (usize, Outputs<16>) {
+    /// Takes echoes that are told at the same moment, one after the other, up to the first that brings about a motion.
+    /// Returns how many it took, at least one, and what they brought about together.
+    fn echoes(&mut self, at: Millis, echoes: &[HeardEcho]) -> (usize, Outputs<16>) {
         let mut all = Outputs::NONE;
-        for (taken, &(sensor, range)) in (1..).zip(echoes) {
-            let outputs = self.handle(at, Event::Echo { sensor, range });
+        // As at the end of a link: whoever hears of the past knows the present.
+        if echoes.iter().any(|echo| echo.age_ms > 0) {
+            all = self.handle(at, Event::Tick);
+        }
+        for (taken, echo) in (1..).zip(echoes) {
+            let HeardEcho { sensor, range, .. } = *echo;
+            let outputs = self.handle(at.minus_ms(echo.age_ms), Event::Echo { sensor, range });
             all.decision = all.decision.or(outputs.decision);
             all.mode_changed |= outputs.mode_changed;
             all.stopped = all.stopped.or(outputs.stopped);
@@ -57,7 +85,7 @@ impl<P: Pilot> Pilot for &mut P {
         (**self).handle(at, event)
     }
 
-    fn echoes(&mut self, at: Millis, echoes: &[(u8, Option<Range>)]) -> (usize, Outputs<16>) {
+    fn echoes(&mut self, at: Millis, echoes: &[HeardEcho]) -> (usize, Outputs<16>) {
         (**self).echoes(at, echoes)
     }
 

@@ -2,8 +2,10 @@
 
 use amp::config::Config;
 use host_sim::link::Served;
+use host_sim::log::{Answer, EventRecord, Happening, channel, read};
 use host_sim::nomad::Command;
 use serde_json::Value;
+use std::path::Path;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 use tests::board::Board;
@@ -200,6 +202,82 @@ fn a_robot_that_falls_silent_ends_the_bridge_and_stops_by_itself() {
         "{stderr}"
     );
     assert!(figures(&stdout)["distance_m"].as_f64() > Some(0.0));
+    assert_stands(&robot);
+}
+
+/// From the last report of a way to the mind's last word, by the mind's clock, ms; its way, m.
+fn last_way(log: &Path) -> (u32, f64) {
+    let log = read(log).expect("a log");
+    let (mut moved_ms, mut said_ms, mut way_m) = (0, 0, 0.0);
+    for message in log.messages() {
+        match message.topic.as_str() {
+            channel::EVENT => {
+                let record: EventRecord = message.content().expect("an event");
+                if let Happening::Odometry { moved_mm, .. } = record.event
+                    && moved_mm != [0; 2]
+                {
+                    moved_ms = record.at_ms;
+                    let [x, y] = moved_mm.map(f64::from);
+                    way_m += x.hypot(y) / 1e3;
+                }
+            }
+            channel::PLAN => {
+                let answer: Answer = message.content().expect("an answer");
+                said_ms = answer.at_ms;
+            }
+            _ => {}
+        }
+    }
+    (said_ms - moved_ms, way_m)
+}
+
+/// The motor runs against wheels that do not turn. A motion has to end twice its distance over its speed plus half a second
+/// after it began: at full speed at most 1.5 s.
+#[test]
+fn blocked_wheels_stop_the_robot() {
+    let program = host_sim!();
+    let robot = Robot::at_a_port(&program, "--world room --blocked-after 0.2");
+    let at = format!("tcp:{}", robot.place);
+    let began = Instant::now();
+    let mut driver = bridge(&program, &at, "--explore 100 --log blocked.mcap");
+    // Two moves take less than 10 s. A hundred rings, after which a mind counts as silent, would take 64 s.
+    let (code, stdout, stderr) = driver.end(Duration::from_secs(30));
+    assert_eq!(code, Some(2), "{stdout}");
+    assert_eq!(
+        stderr,
+        "host-sim: the robot stopped: its motion did not end in time: the wheels may be blocked\n"
+    );
+    assert!(began.elapsed() < Duration::from_secs(30));
+    // Counted by steps of a tenth of an inch along x and y.
+    let rolled_m = figures(&stdout)["distance_m"].as_f64();
+    assert!(rolled_m > Some(0.19) && rolled_m < Some(0.3), "{stdout}");
+    let (ms, way_m) = last_way(&program.folder().join("blocked.mcap"));
+    assert!(ms < 1_600 && way_m > 0.19, "{ms} ms {way_m} m");
+    // And decides the same once more.
+    let said = program.ok("replay blocked.mcap");
+    assert!(said.contains("every one identical"), "{said}");
+    sleep(BRAKING);
+    assert_stands(&robot);
+}
+
+/// The same with a mind that looks at the time itself.
+#[test]
+fn blocked_wheels_stop_the_robot_of_a_mind_elsewhere() {
+    let program = host_sim!();
+    let robot = Robot::at_a_port(&program, "--world room --blocked-after 0.2");
+    let at = format!("tcp:{}", robot.place);
+    let mind = Served::start(Config::recommended()).expect("a mind");
+    let to_mind = format!("tcp:{}", mind.host());
+    let mut driver = bridge(&program, &at, &format!("--mind {to_mind} --explore 100"));
+    let (code, stdout, stderr) = driver.end(Duration::from_secs(30));
+    assert_eq!(code, Some(2), "{stdout}");
+    assert_eq!(
+        stderr,
+        format!(
+            "host-sim: {to_mind}: the mind stopped: its motion did not end in time: the wheels may be blocked; the robot was told to stand\n"
+        )
+    );
+    sleep(BRAKING);
     assert_stands(&robot);
 }
 

@@ -67,6 +67,9 @@ struct ServeArgs {
     /// Seed of the noise of sonars and wheels
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
+    /// Block the wheels when they have rolled so far, m: to try what stops the robot then
+    #[arg(long, value_name = "WAY", hide = true)]
+    blocked_after: Option<f64>,
 }
 
 /// Protocols as named on the command line.
@@ -89,7 +92,8 @@ pub(super) fn nomad(args: &NomadArgs, out: &mut impl Write) -> Result<(), Failur
 }
 
 fn serve(args: &ServeArgs, out: &mut impl Write) -> Result<(), Failure> {
-    let robot = Simulated::new(world(&args.world)?, args.sonar.into(), args.seed);
+    let robot = Simulated::new(world(&args.world)?, args.sonar.into(), args.seed)
+        .with_wheels_blocked_after(args.blocked_after.unwrap_or(f64::INFINITY));
     if args.pty {
         let server = Server::new(Line::new(robot, Protocol::Direct), args.speed);
         serve_pty(server, out)

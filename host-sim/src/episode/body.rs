@@ -7,7 +7,7 @@
 use super::leader::Leader;
 use super::places;
 use crate::noise::Noise;
-use crate::pilot::Pilot;
+use crate::pilot::{HeardEcho, Pilot};
 use crate::robot::{
     Base, BaseLimits, COLLISION_RADIUS_M, Executed, Motion as BaseMotion, TurretMode,
 };
@@ -171,10 +171,21 @@ impl<'w> Body<'w> {
     }
 
     fn turn(&mut self, pilot: &mut impl Pilot) -> Happened {
-        if self.ring.model() == SonarModel::Ideal {
+        let mut happened = if self.ring.model() == SonarModel::Ideal {
             self.ideal_ring(pilot)
         } else {
             self.slot(pilot)
+        };
+        self.pass_time(pilot, &mut happened);
+        happened
+    }
+
+    /// Lets the pilot look at the time: it stops a robot whose motion is overdue or whose ring stays incomplete.
+    fn pass_time(&mut self, pilot: &mut impl Pilot, happened: &mut Happened) {
+        let outputs = pilot.handle(self.now(), Event::Tick);
+        happened.take(&outputs);
+        if let Some(motion) = outputs.motion {
+            self.begin(motion);
         }
     }
 
@@ -185,7 +196,8 @@ impl<'w> Body<'w> {
         self.ring
             .scan_with_faults(world, &pose, &mut self.ranges_m, &mut self.noise);
         let mut happened = self.nothing_yet(pose);
-        let echoes: [_; 16] = std::array::from_fn(|sensor| (sensor as u8, self.range(sensor)));
+        let echoes: [_; 16] =
+            std::array::from_fn(|sensor| HeardEcho::now(sensor as u8, self.range(sensor)));
         let mut left = &echoes[..];
         while !left.is_empty() {
             let (taken, outputs) = pilot.echoes(self.now(), left);
@@ -218,18 +230,9 @@ impl<'w> Body<'w> {
         let time_s = self.time_s;
         let outputs = pilot.handle(self.now(), echo);
         if let Some(motion) = outputs.motion {
-            self.motion = motion;
-            let [dx_m, dy_m] = meters(motion.displacement);
-            let speed_m_s = f64::from(motion.speed_mm_s) / 1e3;
-            self.base.command(
-                BaseMotion {
-                    dx_m,
-                    dy_m,
-                    speed_m_s,
-                },
-                &mut self.noise,
-            );
+            self.begin(motion);
         }
+        let world = crowded(&self.world, self.leader.as_ref());
         let done = self.base.advance(FIRING_SLOT_S, world);
         self.time_s += FIRING_SLOT_S;
         let moved = Some(self.report(pilot, pose.position, &done));
@@ -243,6 +246,21 @@ impl<'w> Body<'w> {
             moved,
             collision: None,
         }
+    }
+
+    /// Sends the base on its way, or changes the motion under way.
+    fn begin(&mut self, motion: Motion) {
+        self.motion = motion;
+        let [dx_m, dy_m] = meters(motion.displacement);
+        let speed_m_s = f64::from(motion.speed_mm_s) / 1e3;
+        self.base.command(
+            BaseMotion {
+                dx_m,
+                dy_m,
+                speed_m_s,
+            },
+            &mut self.noise,
+        );
     }
 
     fn nothing_yet(&self, pose: Pose) -> Happened {
@@ -500,7 +518,10 @@ mod tests {
     use super::*;
     use crate::episode::drive_pilot;
     use crate::noise::Noise;
+    use crate::pilot::Mind;
     use crate::world::Shape;
+    use amp::config::Config;
+    use amp::controller::Command;
     use amp::fixed::Weight;
     use std::f64::consts::PI;
 
@@ -622,6 +643,52 @@ mod tests {
             let tally = drive_pilot(&world, &mut pilot, body, steps).unwrap();
             let touches = (tally.contacts, tally.touched_by);
             assert_eq!(touches, counted, "{sonar:?} {sense}");
+        }
+    }
+
+    /// A mind whose base says that it moves and gets nowhere, whatever it does.
+    struct Blocked(Mind);
+
+    impl Pilot for Blocked {
+        fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
+            let event = match event {
+                Event::Odometry { motion, turned, .. } => Event::Odometry {
+                    motion,
+                    moved: Displacement::ZERO,
+                    turned,
+                    progress: Progress::Moving,
+                },
+                other => other,
+            };
+            self.0.handle(at, event)
+        }
+    }
+
+    #[test]
+    fn a_motion_that_does_not_end_stops_the_robot() {
+        for sonar in [SonarModel::Ideal, SonarModel::Nomad] {
+            let world = World::random(1);
+            let mut body = Body::new(&world, sonar, TurretMode::Held, 1);
+            let mut pilot = Blocked(Mind::new(Config::recommended()));
+            let explore = Command::Explore { moves: 9, seed: 3 };
+            let _ = pilot.handle(body.now(), Event::Command(explore));
+            let decided_s = loop {
+                let happened = body.advance(&mut pilot);
+                if happened.decision.is_some() {
+                    break happened.time_s;
+                }
+                assert_eq!(happened.stopped, None);
+            };
+            let (stopped, after_s) = loop {
+                let happened = body.advance(&mut pilot);
+                if let Some(reason) = happened.stopped {
+                    break (reason, body.time_s() - decided_s);
+                }
+                assert!(body.time_s() < decided_s + 5.0);
+            };
+            assert_eq!(stopped, StopReason::Overdue);
+            // The first move is one of 80 mm at half speed: 0.63 s and half a second, and a turn later at most.
+            assert!(after_s > 1.1 && after_s < 1.9, "{after_s}");
         }
     }
 

@@ -1,7 +1,7 @@
 //! What a transducer that is out of order does to the robot, and how soon the robot notices.
 
 use crate::episode::{Failure, Setup, run_with};
-use crate::pilot::{Mind, Pilot, SimState, Thinker};
+use crate::pilot::{HeardEcho, Mind, Pilot, SimState, Thinker};
 use crate::robot::TurretMode;
 use crate::scenes::Behavior;
 use crate::sonar::{FaultKind, SonarModel, TransducerFault};
@@ -9,7 +9,7 @@ use crate::world::World;
 use amp::config::Config;
 use amp::controller::{Event, Outputs, Progress};
 use amp::faults::Fault;
-use amp::units::{Millis, Range};
+use amp::units::Millis;
 use rayon::prelude::*;
 
 /// What is the same for every episode.
@@ -152,11 +152,17 @@ impl Pilot for Witness {
         outputs
     }
 
-    fn echoes(&mut self, at: Millis, echoes: &[(u8, Option<Range>)]) -> (usize, Outputs<16>) {
-        let Some(&(sensor, range)) = echoes.first() else {
+    fn echoes(&mut self, at: Millis, echoes: &[HeardEcho]) -> (usize, Outputs<16>) {
+        let Some(&HeardEcho {
+            sensor,
+            range,
+            age_ms,
+        }) = echoes.first()
+        else {
             return (0, Outputs::NONE);
         };
-        (1, self.handle(at, Event::Echo { sensor, range }))
+        let heard_at = at.minus_ms(age_ms);
+        (1, self.handle(heard_at, Event::Echo { sensor, range }))
     }
 }
 

@@ -3,11 +3,11 @@
 use super::{Knowledge, LinkError, RemoteMind, Session, next_number};
 use crate::episode::Failure;
 use crate::error::BadInput;
-use crate::pilot::{Mind, Pilot, SimState, Thinker as _};
+use crate::pilot::{HeardEcho, Mind, Pilot, SimState, Thinker as _};
 use amp::config::Config;
 use amp::controller::{Event, Outputs};
 use amp::fixed::Mask;
-use amp::units::{Millis, Range};
+use amp::units::Millis;
 
 /// Where a mind is.
 pub enum MindPlace {
@@ -176,7 +176,7 @@ impl Pilot for AnyMind {
         }
     }
 
-    fn echoes(&mut self, at: Millis, echoes: &[(u8, Option<Range>)]) -> (usize, Outputs<16>) {
+    fn echoes(&mut self, at: Millis, echoes: &[HeardEcho]) -> (usize, Outputs<16>) {
         match self {
             Self::Host(mind) => mind.echoes(at, echoes),
             Self::Link(elsewhere) => elsewhere.mind.echoes(at, echoes),

@@ -5,9 +5,9 @@
 
 use super::{Answer, Knowledge, LinkError, Local, Session, next_number};
 use crate::episode::Failure;
-use crate::pilot::{Pilot, SimState, Thinker};
+use crate::pilot::{HeardEcho, Pilot, SimState, Thinker};
 use amp::config::Config;
-use amp::controller::{Command, Event, Motion, Outputs, StopReason};
+use amp::controller::{Command, Event, Motion, Outputs, Progress, StopReason};
 use amp::fixed::Mask;
 use amp::som::Grid;
 use amp::units::{Millis, Range};
@@ -88,6 +88,8 @@ pub struct RemoteMind<S> {
     motion: Option<(u16, u8)>,
     /// It has been told to stop and not yet said that it has.
     stopping: bool,
+    /// It makes its maps.
+    learning: bool,
     knowledge: Box<SimState>,
     error: Option<LinkError>,
 }
@@ -109,6 +111,7 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
             told: Millis::from_ms(0),
             motion: None,
             stopping: false,
+            learning: false,
             knowledge: Box::new(SimState::new(Grid::rectangle(4, 4))),
             error: None,
         })
@@ -124,6 +127,7 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
         (self.found, self.fresh) = begin(session, number, config)?;
         (self.config, self.disabled) = (config.clone(), Mask::NONE);
         (self.told, self.motion, self.error) = (Millis::from_ms(0), None, None);
+        self.learning = false;
         Ok(())
     }
 
@@ -160,7 +164,7 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
     fn happen(&mut self, at: Millis, event: Event<16>) -> Result<Outputs<16>, LinkError> {
         let at_ms = at.as_ms();
         match event {
-            Event::Echo { sensor, range } => self.hear(at, &[(sensor, range)]),
+            Event::Echo { sensor, range } => self.hear(at, &[HeardEcho::now(sensor, range)]),
             Event::Odometry {
                 motion,
                 moved,
@@ -178,21 +182,19 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
                 },
             ),
             Event::Command(command) => self.command(at, command),
-            Event::Tick => self.let_learn(MAX_LEARNING),
+            Event::Tick if self.learning => self.let_learn(MAX_LEARNING),
+            Event::Tick => self.tick(at),
             // Whoever is in charge of the link raises alarms, not whoever is at its end.
             Event::Alarm(_) | Event::Touched => Ok(Outputs::NONE),
         }
     }
 
-    fn hear(
-        &mut self,
-        at: Millis,
-        echoes: &[(u8, Option<Range>)],
-    ) -> Result<Outputs<16>, LinkError> {
-        let heard = |&(sensor, range): &(u8, Option<Range>)| Heard {
-            sensor,
-            range_mm: range.map(Range::as_mm),
-            age_ms: 0,
+    fn hear(&mut self, at: Millis, echoes: &[HeardEcho]) -> Result<Outputs<16>, LinkError> {
+        let heard = |echo: &HeardEcho| Heard {
+            sensor: echo.sensor,
+            range_mm: echo.range.map(Range::as_mm),
+            // A minute and older: more than any mind still uses.
+            age_ms: echo.age_ms.try_into().unwrap_or(u16::MAX),
         };
         let echoes = echoes.iter().take(message::MOST_ECHOES).map(heard);
         let message = ToMind::Scan {
@@ -216,7 +218,26 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
         };
         let done = self.order(at, order);
         self.stopping = false;
+        let is_done = matches!(&done, Ok(outputs) if outputs.refusal.is_none());
+        self.learning = is_done && command == Command::Learn;
         done
+    }
+
+    /// Lets the mind's time pass. Every message does so; one that says nothing else is needed only after a silence.
+    fn tick(&mut self, at: Millis) -> Result<Outputs<16>, LinkError> {
+        if !(ALIVE_MS..1 << 31).contains(&at.since(self.told)) {
+            return Ok(Outputs::NONE);
+        }
+        // A sign of life is not answered, and whatever comes of the time is to be known: the base has not moved.
+        let message = ToMind::Odometry {
+            at_ms: at.as_ms(),
+            motion: self.motion.map_or(0, |(id, _)| id),
+            dx_mm: 0,
+            dy_mm: 0,
+            turned: 0,
+            progress: Progress::Moving,
+        };
+        self.tell(at, &message)
     }
 
     fn order(&mut self, at: Millis, order: Order<16>) -> Result<Outputs<16>, LinkError> {
@@ -296,6 +317,7 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
 
     /// Waits until the mind has learnt; it does so by itself, as fast as it can. After `limit` it is given up.
     fn let_learn(&mut self, limit: Duration) -> Result<Outputs<16>, LinkError> {
+        self.learning = false;
         let end = Instant::now() + limit;
         let mut outputs = Outputs::NONE;
         while !outputs.mode_changed {
@@ -337,7 +359,7 @@ impl<S: BorrowMut<Session>> Pilot for RemoteMind<S> {
 
     /// Sends in one frame what cannot bring about a motion before its end: everything up to the last transducer that is
     /// enabled, for a ring is complete no sooner.
-    fn echoes(&mut self, at: Millis, echoes: &[(u8, Option<Range>)]) -> (usize, Outputs<16>) {
+    fn echoes(&mut self, at: Millis, echoes: &[HeardEcho]) -> (usize, Outputs<16>) {
         if self.error.is_some() {
             return (echoes.len(), Outputs::NONE);
         }
@@ -381,8 +403,8 @@ fn begin(
 }
 
 /// How many of the echoes go into one frame.
-fn batch(echoes: &[(u8, Option<Range>)], believed: Mask) -> usize {
-    let counts = |&(sensor, _): &(u8, Option<Range>)| believed.contains(usize::from(sensor));
+fn batch(echoes: &[HeardEcho], believed: Mask) -> usize {
+    let counts = |echo: &HeardEcho| believed.contains(usize::from(echo.sensor));
     let last = echoes.iter().rposition(counts);
     // Behind the last believed one, or where none is, each may complete what was heard before.
     last.map_or(1, |last| last + 1).min(message::MOST_ECHOES)
@@ -453,7 +475,7 @@ mod tests {
 
     #[test]
     fn a_frame_ends_with_the_last_transducer_that_may_complete_the_ring() {
-        let echoes: [_; 16] = std::array::from_fn(|sensor| (sensor as u8, None));
+        let echoes: [_; 16] = std::array::from_fn(|sensor| HeardEcho::now(sensor as u8, None));
         assert_eq!(batch(&echoes, Mask::ALL), 16);
         assert_eq!(batch(&echoes, Mask::ALL.without(15)), 15);
         assert_eq!(batch(&echoes[15..], Mask::ALL.without(15)), 1);

@@ -1,5 +1,6 @@
 //! What stands in the channels of our own, as it is written.
 
+use crate::pilot::HeardEcho;
 use amp::config::Config;
 use amp::controller::{Command, Decision, Event, Motion, Outputs, Progress, Refusal, StopReason};
 use amp::fixed::Weight;
@@ -69,7 +70,7 @@ pub struct EventRecord {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Happening {
-    /// Transducers listened at the same moment, in this order.
+    /// What transducers heard, told at the same moment, in this order.
     Echoes(Vec<EchoRecord>),
     /// The base reports what it has done.
     Odometry {
@@ -121,22 +122,35 @@ pub struct EchoRecord {
     pub sensor: u8,
     /// Range, millimetres; nothing where nothing answered.
     pub range_mm: Option<u16>,
+    /// How long before it was told, milliseconds.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub age_ms: u32,
+}
+
+/// Most echoes have no age, and none is written.
+fn is_none(age_ms: &u32) -> bool {
+    *age_ms == 0
 }
 
 impl EchoRecord {
     /// As the mind is told.
     #[must_use]
-    pub fn of(sensor: u8, range: Option<Range>) -> Self {
+    pub fn of(echo: &HeardEcho) -> Self {
         Self {
-            sensor,
-            range_mm: range.map(Range::as_mm),
+            sensor: echo.sensor,
+            range_mm: echo.range.map(Range::as_mm),
+            age_ms: echo.age_ms,
         }
     }
 
     /// As the mind is told.
     #[must_use]
-    pub fn echo(self) -> (u8, Option<Range>) {
-        (self.sensor, self.range_mm.map(Range::from_mm))
+    pub fn echo(self) -> HeardEcho {
+        HeardEcho {
+            sensor: self.sensor,
+            range: self.range_mm.map(Range::from_mm),
+            age_ms: self.age_ms,
+        }
     }
 }
 
@@ -145,7 +159,9 @@ impl Happening {
     #[must_use]
     pub fn of(event: &Event<16>) -> Self {
         match *event {
-            Event::Echo { sensor, range } => Self::Echoes(vec![EchoRecord::of(sensor, range)]),
+            Event::Echo { sensor, range } => {
+                Self::Echoes(vec![EchoRecord::of(&HeardEcho::now(sensor, range))])
+            }
             Event::Odometry {
                 motion,
                 moved,
@@ -375,6 +391,16 @@ mod tests {
         };
         let json = serde_json::to_string(&Happening::of(&echo)).unwrap();
         assert_eq!(json, "{\"echoes\":[{\"sensor\":3,\"range_mm\":1234}]}");
+        for age_ms in [0, 70_000] {
+            let echo = HeardEcho {
+                sensor: 3,
+                range: None,
+                age_ms,
+            };
+            let json = serde_json::to_string(&EchoRecord::of(&echo)).unwrap();
+            let back: EchoRecord = serde_json::from_str(&json).unwrap();
+            assert_eq!(back.echo(), echo, "{json}");
+        }
     }
 
     #[test]

@@ -3,10 +3,10 @@
 use super::record::{Answer, EchoRecord, EventRecord, Happening, Setup};
 use super::shared::SharedLog;
 use crate::episode::{Body, Failure, Happened, Observer};
-use crate::pilot::{Pilot, SimState, Thinker};
+use crate::pilot::{HeardEcho, Pilot, SimState, Thinker};
 use crate::world::World;
-use amp::controller::{Event, Outputs};
-use amp::units::{Millis, Range};
+use amp::controller::{Command, Event, Outputs};
+use amp::units::Millis;
 use std::io::{Seek, Write};
 
 /// A pilot whose dealings go into a log, if there is one.
@@ -15,6 +15,10 @@ pub struct Tap<P, W: Write + Seek> {
     log: Option<SharedLog<W>>,
     /// Ticks that changed nothing, not yet written, and when they were.
     ticks: Option<(Millis, u32)>,
+    /// The pilot makes its maps: every tick is a step of that.
+    learning: bool,
+    /// Time of the latest event written.
+    told: Option<Millis>,
 }
 
 impl<P, W: Write + Seek> Tap<P, W> {
@@ -24,6 +28,8 @@ impl<P, W: Write + Seek> Tap<P, W> {
             pilot,
             log,
             ticks: None,
+            learning: false,
+            told: None,
         }
     }
 
@@ -47,11 +53,14 @@ impl<P, W: Write + Seek> Tap<P, W> {
     /// The pilot was told something other than an event.
     pub fn note(&mut self, at: Millis, what: Happening) {
         self.tell(at, what, &Outputs::NONE);
+        // It has not let time pass.
+        self.told = None;
     }
 
     /// A mind that knows nothing starts, in this world if it is known.
     pub fn begin(&mut self, setup: &Setup, world: Option<&World>) {
         self.tell_ticks();
+        (self.learning, self.told) = (false, None);
         if let Some(log) = &self.log {
             log.write(|log| log.setup(setup, world));
         }
@@ -59,6 +68,7 @@ impl<P, W: Write + Seek> Tap<P, W> {
 
     fn tell(&mut self, at: Millis, event: Happening, outputs: &Outputs<16>) {
         self.tell_ticks();
+        self.told = Some(at);
         let Some(log) = &self.log else { return };
         let at_ms = at.as_ms();
         log.write(|log| {
@@ -69,8 +79,14 @@ impl<P, W: Write + Seek> Tap<P, W> {
         });
     }
 
-    /// A learning mind is ticked thousands of times: they are counted.
+    /// A learning mind is ticked thousands of times: they are counted. Otherwise a tick that changes nothing lets time
+    /// pass: of several the last one is enough, and none is needed where an event has brought the time along.
     fn tick(&mut self, at: Millis, outputs: &Outputs<16>) {
+        if *outputs == Outputs::NONE && !self.learning {
+            let is_news = self.told.is_none_or(|told| told.is_before(at));
+            self.ticks = is_news.then_some((at, 1)).or(self.ticks);
+            return;
+        }
         let earlier = self.ticks.filter(|(then, _)| *then == at);
         if earlier.is_none() {
             self.tell_ticks();
@@ -99,6 +115,9 @@ impl<P, W: Write + Seek> Tap<P, W> {
 impl<P: Pilot, W: Write + Seek> Pilot for Tap<P, W> {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
         let outputs = self.pilot.handle(at, event);
+        if outputs.mode_changed {
+            self.learning = event == Event::Command(Command::Learn);
+        }
         match event {
             _ if self.is_lost() => {}
             Event::Tick => self.tick(at, &outputs),
@@ -107,12 +126,12 @@ impl<P: Pilot, W: Write + Seek> Pilot for Tap<P, W> {
         outputs
     }
 
-    fn echoes(&mut self, at: Millis, echoes: &[(u8, Option<Range>)]) -> (usize, Outputs<16>) {
+    fn echoes(&mut self, at: Millis, echoes: &[HeardEcho]) -> (usize, Outputs<16>) {
         let (taken, outputs) = self.pilot.echoes(at, echoes);
         if !self.is_lost() {
             let heard = echoes.iter().take(taken);
-            let heard = heard.map(|(sensor, range)| EchoRecord::of(*sensor, *range));
-            self.tell(at, Happening::Echoes(heard.collect()), &outputs);
+            let heard = heard.map(EchoRecord::of).collect();
+            self.tell(at, Happening::Echoes(heard), &outputs);
         }
         (taken, outputs)
     }

@@ -3,12 +3,14 @@
 use super::read::LogFile;
 use super::*;
 use crate::episode::{self, Setup as EpisodeSetup};
-use crate::pilot::Mind;
+use crate::pilot::{Mind, Pilot};
 use crate::robot::TurretMode;
 use crate::scenes::Behavior;
 use crate::sonar::SonarModel;
 use crate::world::World;
 use amp::config::Config;
+use amp::controller::{Event, Outputs};
+use amp::units::Millis;
 use std::io::{Cursor, Seek, SeekFrom, Write};
 use std::path::Path;
 
@@ -227,4 +229,40 @@ fn ticks_that_change_nothing_are_not_counted_out() {
             .unwrap();
         assert_eq!(ticks, 1);
     }
+}
+
+/// Notes nothing and does nothing.
+struct Idle;
+
+impl Pilot for Idle {
+    fn handle(&mut self, _: Millis, _: Event<16>) -> Outputs<16> {
+        Outputs::NONE
+    }
+}
+
+#[test]
+fn ticks_that_change_nothing_are_written_where_they_let_time_pass() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.mcap");
+    let log = SharedLog::new(Log::create(&path).unwrap());
+    let mut tap = Tap::new(Idle, Some(log.clone()));
+    let record = Setup::of("room", &setup(SonarModel::Ideal));
+    tap.begin(&record, None);
+    let mut tell = |at_ms, event| {
+        let _ = tap.handle(Millis::from_ms(at_ms), event);
+    };
+    tell(100, Event::Touched);
+    for at_ms in [100, 110, 120] {
+        tell(at_ms, Event::Tick);
+    }
+    tell(130, Event::Touched);
+    tell(130, Event::Tick);
+    tell(140, Event::Touched);
+    log.finish().unwrap();
+    let log = LogFile::of(&path, std::fs::read(&path).unwrap()).unwrap();
+    let events = log
+        .messages()
+        .filter(|message| message.topic == channel::EVENT);
+    let times = events.map(|message| message.content::<EventRecord>().unwrap().at_ms);
+    assert_eq!(times.collect::<Vec<_>>(), [100, 120, 130, 140]);
 }

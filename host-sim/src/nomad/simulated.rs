@@ -72,6 +72,8 @@ pub struct Simulated {
     /// Steering and turret are on their way to zero.
     zeroing: bool,
     ledger: Ledger,
+    /// Way rolled after which the wheels are blocked, m.
+    rolls_m: f64,
     state: State,
 }
 
@@ -112,6 +114,7 @@ impl Simulated {
             awaited: None,
             zeroing: false,
             ledger: Ledger::default(),
+            rolls_m: f64::INFINITY,
             state: State {
                 infrared: [NOTHING_NEAR; 16],
                 sonar: [MAX_READING_IN; 16],
@@ -120,6 +123,13 @@ impl Simulated {
                 ..State::default()
             },
         }
+    }
+
+    /// The same robot, whose wheels are blocked when it has rolled so far, m: its motor then runs and it stays where it is.
+    #[must_use]
+    pub fn with_wheels_blocked_after(mut self, way_m: f64) -> Self {
+        self.rolls_m = way_m;
+        self
     }
 
     /// Time since it was switched on, ms; wraps after 49.7 days.
@@ -196,6 +206,9 @@ impl Simulated {
             self.reckoning.roll(counted);
             self.ledger.travelled_m += done.travelled_m;
             self.ledger.contacts += u32::from(done.touched && !touching);
+            if self.ledger.travelled_m >= self.rolls_m {
+                self.axes.block_wheels();
+            }
         }
         if self.zeroing {
             self.finish_zeroing();

@@ -120,6 +120,8 @@ pub struct Axes {
     front: f64,
     slip: f64,
     bumpers: u32,
+    /// The wheels do not roll, whatever their motor does.
+    blocked: bool,
 }
 
 impl Axes {
@@ -132,6 +134,7 @@ impl Axes {
             front: pose.heading,
             slip: limits.slip,
             bumpers: 0,
+            blocked: false,
         }
     }
 
@@ -188,6 +191,11 @@ impl Axes {
         };
     }
 
+    /// From now on the wheels do not roll any more: their motor runs on against them and gets nowhere.
+    pub fn block_wheels(&mut self) {
+        self.blocked = true;
+    }
+
     /// Brakes to rest and holds.
     pub fn hold(&mut self, axis: Axis) {
         self.servos[axis as usize].task = Task::Hold;
@@ -240,6 +248,12 @@ impl Axes {
     fn step(&mut self, dt: f64, world: &World, done: &mut Executed) -> Point {
         let [way, turned, turret] = self.servos.each_mut().map(|servo| servo.step(dt));
         let [translation, steering, ring] = &mut self.servos;
+        let way = if self.blocked {
+            translation.rate = 0.0;
+            0.0
+        } else {
+            way
+        };
         ring.at += turret;
         // An arc is rolled as its chord.
         let along = steering.at + turned / 2.0;

@@ -2,15 +2,20 @@
 
 use super::*;
 use crate::episode::{Episode, Failure, Setup, run, run_with};
+use crate::pilot::{HeardEcho, Mind, Pilot as _};
 use crate::robot::TurretMode;
 use crate::scenes::Behavior;
 use crate::settings;
 use crate::sonar::SonarModel;
 use crate::world::World;
 use amp::config::Config;
-use amp::controller::Refusal as Refused;
+use amp::controller::{Command, Event, Outputs, Progress, Refusal as Refused, StopReason};
 use amp::parameters::{Parameter, ParameterError};
+use amp::units::{Bearing, Displacement, Millis, Range};
 use amp::wire::message::{Clock, Order, Part, Refusal};
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 pub(super) mod floods;
@@ -228,4 +233,107 @@ fn the_same_over_a_socket_in_real_time() {
     let error = session.counters().unwrap_err();
     assert!(matches!(error, LinkError::Broken { .. }), "{error}");
     assert!(began.elapsed() < Duration::from_secs(1));
+}
+
+/// A mind here and one at the end of a link are told the same: what each brings about has to be the same.
+struct Both {
+    here: Mind,
+    there: RemoteMind<Session>,
+    /// How often anything has been sent there.
+    sent: Arc<AtomicU32>,
+}
+
+/// Counts what is sent.
+struct Counted(Local, Arc<AtomicU32>);
+
+impl Transport for Counted {
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.1.fetch_add(1, Ordering::Relaxed);
+        self.0.send(bytes)
+    }
+
+    fn receive(&mut self, buffer: &mut [u8], patience: Duration) -> io::Result<usize> {
+        self.0.receive(buffer, patience)
+    }
+}
+
+impl Both {
+    fn exploring() -> Self {
+        let (config, sent) = (Config::recommended(), Arc::default());
+        let line = Counted(Local::new(config.clone()), Arc::clone(&sent));
+        let mut both = Self {
+            there: RemoteMind::start(Session::new(line), 1, &config).unwrap(),
+            here: Mind::new(config),
+            sent,
+        };
+        both.tell(0, Event::Command(Command::Explore { moves: 5, seed: 12 }));
+        both
+    }
+
+    fn tell(&mut self, at_ms: u32, event: Event<16>) -> Outputs<16> {
+        let at = Millis::from_ms(at_ms);
+        let outputs = self.there.handle(at, event);
+        assert_eq!(self.there.failure(), None);
+        assert_eq!(outputs, self.here.handle(at, event));
+        outputs
+    }
+
+    /// The whole ring, so old; whether it brings about a decision.
+    fn ring(&mut self, at_ms: u32, age_ms: u32) -> bool {
+        let at = Millis::from_ms(at_ms);
+        let echoes: [_; 16] = std::array::from_fn(|sensor| HeardEcho {
+            sensor: sensor as u8,
+            range: Some(Range::from_mm(1_500)),
+            age_ms,
+        });
+        let outputs = [
+            self.there.echoes(at, &echoes),
+            self.here.echoes(at, &echoes),
+        ];
+        let [there, here] = outputs.map(|(taken, outputs)| (taken, outputs.motion));
+        assert_eq!(there, here);
+        outputs[0].1.decision.is_some()
+    }
+
+    fn sent(&self) -> u32 {
+        self.sent.load(Ordering::Relaxed)
+    }
+}
+
+#[test]
+fn an_echo_is_as_old_there_as_here() {
+    let mut both = Both::exploring();
+    assert!(both.ring(640, 0));
+    let ended = Event::Odometry {
+        motion: 1,
+        moved: Displacement::ZERO,
+        turned: Bearing::ZERO,
+        progress: Progress::Ended,
+    };
+    both.tell(1_000, ended);
+    for (at_ms, age_ms, counts) in [
+        (1_100, 101, false),
+        (1_200, 70_000, false),
+        (1_300, 300, true),
+    ] {
+        assert_eq!(both.ring(at_ms, age_ms), counts, "{at_ms} {age_ms}");
+    }
+}
+
+#[test]
+fn time_passes_there_without_a_frame_for_each_tick() {
+    let mut both = Both::exploring();
+    let before = both.sent();
+    for at_ms in (10..=1_280).step_by(10) {
+        assert_eq!(both.tell(at_ms, Event::Tick), Outputs::NONE);
+    }
+    // One in 150 ms.
+    assert_eq!(both.sent() - before, 8);
+    // Two ring periods after the beginning.
+    let late = Millis::from_ms(1_430);
+    let stopped = both.here.handle(late, Event::Tick).stopped;
+    assert_eq!(stopped, Some(StopReason::RingIncomplete));
+    assert_eq!(both.there.handle(late, Event::Tick), Outputs::NONE);
+    let failed = LinkError::Stopped(StopReason::RingIncomplete);
+    assert_eq!(both.there.failure(), Some(Failure::Link(failed)));
 }

@@ -49,13 +49,15 @@ impl Course {
         self.id
     }
 
-    /// Whether the base has a goal and does not roll to it yet, or its wheels still turn though it is told to stand.
+    /// Whether the base has a goal and has not been seen to roll to it yet, or is told to stand and still comes to rest:
+    /// that takes 0.67 s from full speed, and a motion without any way left would be given 0.5 s.
     pub(super) fn is_steering(&self, state: &State) -> bool {
-        let [_, turning, _] = state.velocity;
+        let [rolling, turning, _] = state.velocity;
         match self.leg {
             Leg::Steering(_) | Leg::Braking(Some(_)) => true,
-            Leg::Braking(None) => turning != 0,
-            Leg::Standing | Leg::Rolling(_) => false,
+            Leg::Rolling(_) => !self.seen_running,
+            Leg::Braking(None) => rolling != 0 || turning != 0,
+            Leg::Standing => false,
         }
     }
 

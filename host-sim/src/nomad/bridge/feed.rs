@@ -13,13 +13,17 @@ use core::f64::consts::TAU;
 const SAME_PLACE_M: f64 = 0.015;
 
 /// A gap between two state packets longer than this is shortened to it on the mind's clock, ms: after a pause of this
-/// program the mind must not believe that its ring has fallen silent. In this time every sonar fires.
-const MOST_GAP_MS: u32 = 640;
+/// program, or after an answer that was lost, the mind must not believe that its ring has fallen silent or that its motion
+/// is overdue. Less than the shortest time a motion is given, and a packet over a serial line takes a quarter of it.
+const MOST_GAP_MS: u32 = 200;
 
 /// Something that happened, and where the robot was then.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Happening {
+    /// When it is told, by the mind's clock, which never goes back.
     pub(super) at: Millis,
+    /// How long before that it happened, ms; never less than the truth.
+    pub(super) age_ms: u32,
     /// In the robot's own frame, m.
     pub(super) place: Point,
     /// Bearing of the ring in that frame, rad.
@@ -39,6 +43,8 @@ pub(super) struct Feed {
     /// When each sonar was heard last, by the robot.
     heard_ms: [u32; 16],
     happenings: Vec<Happening>,
+    /// Until when the mind has been told that time has passed.
+    ticked: Millis,
 }
 
 impl Feed {
@@ -52,6 +58,15 @@ impl Feed {
 
     /// The mind's time of the latest packet.
     pub(super) fn now(&self) -> Millis {
+        self.now
+    }
+
+    /// The same for a command that is given now: what has not been told yet is told later, and so is older then.
+    pub(super) fn now_for_command(&mut self) -> Millis {
+        for happening in &mut self.happenings {
+            happening.age_ms += self.now.since(happening.at);
+            happening.at = self.now;
+        }
         self.now
     }
 
@@ -76,14 +91,17 @@ impl Feed {
         for sensor in self.news(state) {
             let place = &state.sonar_at[sensor];
             self.heard_ms[sensor] = place.sensed_ms;
-            let age_ms = state.time_ms.wrapping_sub(place.sensed_ms).min(passed);
-            let at = Millis::from_ms(self.now.as_ms().wrapping_sub(age_ms));
+            // As old as the robot says, though the mind's clock may have gone on by less. One of a packet that was asked for
+            // later may have been heard before the packet that came earlier.
+            let age_ms = age_ms(state, sensor);
+            let told_ms = age_ms.min(passed);
+            let at = self.now.minus_ms(told_ms);
             self.go_to(at, place, motion);
             let event = Event::Echo {
                 sensor: sensor as u8,
                 range: range(state.sonar[sensor]),
             };
-            self.push(at, event);
+            self.push(at, age_ms - told_ms, event);
         }
         let here = PosData {
             pose: state.pose,
@@ -101,20 +119,21 @@ impl Feed {
         }
     }
 
-    /// What has happened since the last call.
+    /// What has happened since the last call, and at the end that time has passed, if it has: a mind in this process knows
+    /// no other clock.
     pub(super) fn hand_over(&mut self) -> Vec<Happening> {
+        if self.ticked != self.now {
+            self.ticked = self.now;
+            self.push(self.now, 0, Event::Tick);
+        }
         std::mem::take(&mut self.happenings)
     }
 
     /// Sonars that have been heard since the last packet, in the order of their firing.
     fn news(&self, state: &State) -> Vec<usize> {
-        let age_ms = |sensor: &usize| {
-            let sensed_ms = state.sonar_at[*sensor].sensed_ms;
-            state.time_ms.wrapping_sub(sensed_ms)
-        };
         let is_new = |sensor: &usize| state.sonar_at[*sensor].sensed_ms != self.heard_ms[*sensor];
         let mut sensors: Vec<_> = (0..16).filter(is_new).collect();
-        sensors.sort_by_key(|sensor| core::cmp::Reverse(age_ms(sensor)));
+        sensors.sort_by_key(|&sensor| core::cmp::Reverse(age_ms(state, sensor)));
         sensors
     }
 
@@ -146,8 +165,12 @@ impl Feed {
         let way = (mm * 1e-3).turned(Point::unit(radians(self.bearing)));
         self.reported = self.reported + way;
         self.bearing = self.bearing.plus(turned);
+        if turned == Bearing::ZERO && self.adds(at, motion, moved, progress) {
+            return;
+        }
         self.push(
             at,
+            0,
             Event::Odometry {
                 motion,
                 moved,
@@ -157,14 +180,43 @@ impl Feed {
         );
     }
 
-    fn push(&mut self, at: Millis, event: Event<16>) {
+    /// Adds a way to the report before, if that says the same and nothing has happened since: a mind at a slow line is told
+    /// once of many packets.
+    fn adds(&mut self, at: Millis, motion: u16, moved: Displacement, progress: Progress) -> bool {
+        let place = self.reported;
+        let Some(last) = self.happenings.last_mut() else {
+            return false;
+        };
+        match &mut last.event {
+            Event::Odometry {
+                motion: last_motion,
+                moved: last_moved,
+                turned: Bearing::ZERO,
+                progress: last_progress @ (Progress::Moving | Progress::Steering),
+            } if (*last_motion, *last_progress) == (motion, progress) => {
+                *last_moved = last_moved.plus(moved);
+                (last.at, last.place) = (at, place);
+                true
+            }
+            _ => false,
+        }
+    }
+
+    fn push(&mut self, at: Millis, age_ms: u32, event: Event<16>) {
         self.happenings.push(Happening {
             at,
+            age_ms,
             place: self.reported,
             ring: radians(self.bearing),
             event,
         });
     }
+}
+
+/// How long before the packet a sonar was heard, ms; one that is said to be heard after it was heard just now.
+fn age_ms(state: &State, sensor: usize) -> u32 {
+    let age_ms = state.time_ms.wrapping_sub(state.sonar_at[sensor].sensed_ms);
+    if age_ms < 1 << 31 { age_ms } else { 0 }
 }
 
 /// Where a reported pose is, m.

@@ -124,11 +124,10 @@ impl Reins {
         self.state = self.poll()?;
         let way_m = feed::position(&self.state.pose).distance(feed::position(&before.pose));
         let touched = self.feel()?;
+        // As it was until now: what is begun in this moment has not been seen yet.
+        let is_steering = self.course.is_steering(&self.state);
         let ended = self.course.follow(&mut self.host, &self.state)?;
-        let steering = self
-            .course
-            .is_steering(&self.state)
-            .then_some(Progress::Steering);
+        let steering = is_steering.then_some(Progress::Steering);
         self.feed
             .take(&self.state, self.course.id(), ended.or(steering));
         let thought = self.mind.thought();
@@ -160,7 +159,8 @@ impl Reins {
     /// # Errors
     /// A mind that has decided nothing for long.
     pub fn pass_on(&mut self, at: At) -> Result<(), Trouble> {
-        if self.mind.is_idle() {
+        let is_idle = self.mind.is_idle();
+        if is_idle {
             let happenings = self.feed.hand_over();
             if !happenings.is_empty() {
                 self.mind.give(Task::Happenings(happenings));
@@ -169,7 +169,7 @@ impl Reins {
             self.expired += u32::from(self.course.expire(&mut self.host)?);
         }
         let silent_ms = self.state.time_ms.wrapping_sub(self.decided_ms);
-        if at == At::Work && silent_ms > self.silence_ms && self.mind.is_idle() {
+        if at == At::Work && silent_ms > self.silence_ms && is_idle {
             return Err(Trouble::Mind(Failure::Silent));
         }
         Ok(())
@@ -178,18 +178,21 @@ impl Reins {
     /// Gives the mind a command; what comes of it is a thought of that kind.
     pub fn command(&mut self, command: controller::Command<16>) {
         self.decided_ms = self.state.time_ms;
-        self.mind.give(Task::Command(self.feed.now(), command));
+        let now = self.feed.now_for_command();
+        self.mind.give(Task::Command(now, command));
     }
 
     /// Has the maps made.
     pub fn learn(&mut self) {
-        self.mind.give(Task::Learn(self.feed.now()));
+        let now = self.feed.now_for_command();
+        self.mind.give(Task::Learn(now));
     }
 
     /// Gives the mind other open choices.
     pub fn configure(&mut self, config: Config<16>) {
         let config = Box::new(config);
-        self.mind.give(Task::Configure(self.feed.now(), config));
+        let now = self.feed.now_for_command();
+        self.mind.give(Task::Configure(now, config));
     }
 
     /// Asks what the mind knows.

@@ -3,7 +3,7 @@
 use super::feed::Happening;
 use crate::episode::Failure;
 use crate::log::LoggedMind;
-use crate::pilot::{Pilot, SimState};
+use crate::pilot::{HeardEcho, Pilot, SimState};
 use crate::world::Point;
 use amp::config::Config;
 use amp::controller::{Command, Event, Motion, Outputs};
@@ -162,8 +162,9 @@ fn obey(pilot: &mut LoggedMind, task: Task) -> Result<Thought, Failure> {
     })
 }
 
-/// Tells the mind what happened; echoes from one place and about one time go together, at the time of the last.
-fn hear(pilot: &mut impl Pilot, happenings: &[Happening]) -> Thought {
+/// Tells the mind what happened; echoes from one place and about one time go together, at the time of the last, each with
+/// its age.
+pub(super) fn hear(pilot: &mut impl Pilot, happenings: &[Happening]) -> Thought {
     let mut all = Thought::of(About::Happenings, Outputs::NONE);
     for group in happenings.chunk_by(|_, next| is_echo(next)) {
         // What is no echo begins a group.
@@ -207,7 +208,11 @@ impl Thought {
             return;
         };
         let echo = |happening: &Happening| match happening.event {
-            Event::Echo { sensor, range } => Some((sensor, range)),
+            Event::Echo { sensor, range } => Some(HeardEcho {
+                sensor,
+                range,
+                age_ms: last.at.since(happening.at) + happening.age_ms,
+            }),
             _ => None,
         };
         let echoes: Vec<_> = happenings.iter().filter_map(echo).collect();
@@ -249,9 +254,10 @@ mod tests {
     use amp::controller::Progress;
     use amp::units::{Bearing, Displacement};
 
-    /// Notes what it is told, as (time, transducers), and asks for a motion at the sonar of that number.
+    /// Notes what it is told, as (time, transducers with the ages of what they heard), and asks for a motion at the sonar of
+    /// that number.
     struct Noting {
-        told: Vec<(u32, Vec<u8>)>,
+        told: Vec<(u32, Vec<(u8, u32)>)>,
         moves_at: u8,
     }
 
@@ -261,13 +267,11 @@ mod tests {
             Outputs::NONE
         }
 
-        fn echoes(
-            &mut self,
-            at: Millis,
-            echoes: &[(u8, Option<amp::units::Range>)],
-        ) -> (usize, Outputs<16>) {
-            let sensors: Vec<_> = echoes.iter().map(|(sensor, _)| *sensor).collect();
-            let motion = sensors.contains(&self.moves_at).then_some(Motion {
+        fn echoes(&mut self, at: Millis, echoes: &[HeardEcho]) -> (usize, Outputs<16>) {
+            let sensors = echoes.iter().map(|echo| (echo.sensor, echo.age_ms));
+            let sensors: Vec<_> = sensors.collect();
+            let moves = echoes.iter().any(|echo| echo.sensor == self.moves_at);
+            let motion = moves.then_some(Motion {
                 id: 1,
                 displacement: Displacement {
                     dx_mm: 100,
@@ -287,6 +291,7 @@ mod tests {
     fn happening(at_ms: u32, x: f64, event: Event<16>) -> Happening {
         Happening {
             at: Millis::from_ms(at_ms),
+            age_ms: 0,
             place: Point::new(x, 0.0),
             ring: core::f64::consts::FRAC_PI_2,
             event,
@@ -326,17 +331,20 @@ mod tests {
             echo(120, 0.1, 3),
             echo(440, 0.1, 4),
             echo(441, 0.1, 5),
-            echo(900, 0.1, 6),
+            Happening {
+                age_ms: 7,
+                ..echo(900, 0.1, 6)
+            },
         ];
         let thought = hear(&mut pilot, &happenings);
         assert_eq!(
             pilot.told,
             [
-                (80, vec![0, 2]),
+                (80, vec![(0, 40), (2, 0)]),
                 (100, vec![]),
-                (440, vec![3, 4]),
-                (441, vec![5]),
-                (900, vec![6]),
+                (440, vec![(3, 320), (4, 0)]),
+                (441, vec![(5, 0)]),
+                (900, vec![(6, 7)]),
             ]
         );
         // 100 mm along a ring that looks along y.

@@ -277,3 +277,19 @@ fn the_seed_is_all_there_is_to_chance() {
     assert_eq!(drive(3), drive(3));
     assert_ne!(drive(3), drive(4));
 }
+
+#[test]
+fn blocked_wheels_leave_the_robot_where_it_is_while_its_motor_runs() {
+    let mut robot = robot().with_wheels_blocked_after(0.5);
+    told(&mut robot, &Command::Velocity([100, 0, 0]));
+    robot.advance(4_000);
+    let blocked = state(&mut robot);
+    assert_eq!((blocked.motors, blocked.velocity), (1, [0; 3]));
+    // 0.5 m are 196.9 tenths of an inch.
+    assert!((197..=198).contains(&blocked.pose[0]), "{:?}", blocked.pose);
+    told(&mut robot, &Command::Velocity([0, 450, 0]));
+    robot.advance(2_000);
+    let turning = state(&mut robot);
+    assert_eq!((turning.motors, turning.velocity), (2, [0, 450, 0]));
+    assert_eq!(turning.pose[0], blocked.pose[0]);
+}

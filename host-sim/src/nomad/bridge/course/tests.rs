@@ -170,3 +170,60 @@ fn wheels_that_were_stopped_on_their_way_are_turned_again() {
     assert_eq!(to_the_end(&mut course, &mut host), Progress::Ended);
     assert!(position(&host.state().pose).distance(Point::new(0.0, 0.25)) < 0.006);
 }
+
+/// Delays of this line are none of the motion's time, but wheels that are blocked are.
+#[test]
+fn it_steers_until_it_is_seen_to_roll_or_to_stand() {
+    let (mut host, mut course) = (robot(5.0), Course::default());
+    begin(&mut course, &mut host, Point::new(0.0, 0.25), &motion(1));
+    let mut said = Vec::new();
+    loop {
+        let is_steering = course.is_steering(host.state());
+        let [rolling, turning, _] = host.state().velocity;
+        let seen = (is_steering, rolling != 0, turning != 0);
+        if said.last() != Some(&seen) {
+            said.push(seen);
+        }
+        if look(&mut course, &mut host).is_some() {
+            break;
+        }
+    }
+    let turns_and_rolls = [
+        (true, false, false),
+        (true, false, true),
+        (true, false, false),
+        // It has begun, and is still too slow to be seen to roll.
+        (false, false, false),
+        (false, true, false),
+        (false, false, false),
+    ];
+    assert_eq!(said, turns_and_rolls);
+    // Told to stand it takes its time, and says so.
+    begin(&mut course, &mut host, Point::new(0.0, 1.0), &motion(2));
+    look_for(&mut course, &mut host, 500);
+    assert!(!course.is_steering(host.state()));
+    course.expire(&mut host).unwrap();
+    look_for(&mut course, &mut host, 1);
+    assert!(course.is_steering(host.state()));
+    to_the_end(&mut course, &mut host);
+    assert!(!course.is_steering(host.state()));
+}
+
+#[test]
+fn blocked_wheels_do_not_steer() {
+    let robot = Simulated::new(World::random(1), SonarModel::Ideal, 1);
+    let robot = robot.with_wheels_blocked_after(0.05);
+    let mut host = Host::new(Here(Line::new(robot, Protocol::Direct)));
+    let mask = crate::nomad::bridge::mask(0);
+    host.ask(&Command::Communicate(mask)).unwrap();
+    let mut course = Course::default();
+    begin(&mut course, &mut host, Point::new(0.25, 0.0), &motion(1));
+    look_for(&mut course, &mut host, 5_000);
+    // The motor runs on, and the base is where it was.
+    let state = host.state();
+    assert_eq!((state.motors & 1, state.velocity), (1, [0; 3]));
+    assert!((position(&state.pose).length() - 0.05).abs() < 0.003);
+    assert!(!course.is_steering(state));
+    course.expire(&mut host).unwrap();
+    assert_eq!(to_the_end(&mut course, &mut host), Progress::Ended);
+}
