@@ -180,8 +180,13 @@ impl<'w> Body<'w> {
         happened
     }
 
-    /// Lets the pilot look at the time: it stops a robot whose motion is overdue or whose ring stays incomplete.
+    /// Lets the pilot look at the time: it stops a robot whose motion is overdue or whose ring stays incomplete. Not with a
+    /// turret that follows: its wheels turn by up to half a turn, and anew where a motion is shortened meanwhile, which together
+    /// takes longer than the time to steer that the robot's description allows.
     fn pass_time(&mut self, pilot: &mut impl Pilot, happened: &mut Happened) {
+        if self.turret == TurretMode::Follow {
+            return;
+        }
         let outputs = pilot.handle(self.now(), Event::Tick);
         happened.take(&outputs);
         if let Some(motion) = outputs.motion {

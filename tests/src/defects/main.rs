@@ -7,7 +7,7 @@
 
 use std::collections::BTreeSet;
 use std::path::Path;
-use std::process::{Command, ExitCode, Stdio};
+use std::process::{Command, ExitCode, Output, Stdio};
 use std::time::Instant;
 use tests::defects::{Defect, builds, list};
 use tests::root;
@@ -82,24 +82,22 @@ fn with<T>(
 /// Whether a check passes. Code that does not compile is no answer, for the host and for the chip.
 fn passes(copy: &Path, target: &Path, check: &str) -> Result<bool, String> {
     for build in builds(check)? {
-        if !succeeds(copy, target, &build)? {
-            return Err(format!("`{build}` fails: that is no answer"));
+        let built = output(copy, target, &build)?;
+        if !built.status.success() {
+            let why = String::from_utf8_lossy(&built.stderr);
+            return Err(format!("`{build}` fails, which is no answer:\n{why}"));
         }
     }
-    succeeds(copy, target, check)
+    Ok(output(copy, target, check)?.status.success())
 }
 
-fn succeeds(copy: &Path, target: &Path, command: &str) -> Result<bool, String> {
-    let status = Command::new("bash")
+fn output(copy: &Path, target: &Path, command: &str) -> Result<Output, String> {
+    Command::new("bash")
         .args(["-c", command])
         .current_dir(copy)
         .env("CARGO_TARGET_DIR", target)
         .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .status();
-    status
-        .map(|status| status.success())
+        .output()
         .map_err(|error| format!("bash: {error}"))
 }
 
