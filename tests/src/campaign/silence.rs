@@ -7,7 +7,7 @@
 //! themselves, so from the moment on the base's order leads on and on: only a stop or a time to live ends it. The device's clock
 //! comes to its end of 32 bits during the trials.
 //!
-//! Beside these there are a few trials of the bridge that drives a real Nomad: see [`bridged`].
+//! Beside these there are a few trials of the bridge that drives a real Nomad: see `bridged`.
 
 use super::bench::{Clocks, Ready, SESSION, hello, scan};
 use super::bridged;
