@@ -10,13 +10,14 @@ use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SymbolKind};
 use std::collections::BTreeSet;
 
 /// Part of a function's name in the image, and why it is no matter for a receiver at work.
-const KNOWN: [(&str, &str); 8] = [
+const KNOWN: [(&str, &str); 9] = [
     ("main", "start-up: tasks do not run yet"),
     ("rust_begin_unwind", "a panic: the program is over"),
     ("_defmt_acquire", "a line of the log: counted in counts.rs"),
     ("_defmt_release", "its end"),
     // RTIC puts back the priority a task was entered with, as the last thing the task does.
     ("FSMC", "the control task's end"),
+    ("PVD", "the end of the task that a low supply wakes"),
     ("SysTick", "the clock's end"),
     ("TIM3", "the ring's end"),
     ("USART1", "the receiver's own end"),
