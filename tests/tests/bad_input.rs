@@ -279,6 +279,7 @@ const CASES: &[Case] = &[
     ("merge good.csv", &["good.csv: is not a results file"]),
     ("plot good.csv", &["good.csv: is not a results file"]),
     ("plot binary.csv", &["binary.csv: is not a results file"]),
+    #[cfg(feature = "parquet")]
     (
         "plot missing.parquet",
         &["missing.parquet: there is no such file"],

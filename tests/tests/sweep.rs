@@ -293,6 +293,28 @@ fn gnu_parallel_shares_it_out() {
     assert_eq!(program.ok(&format!("merge {}", files.join(" "))), all);
 }
 
+#[cfg(not(feature = "parquet"))]
+#[test]
+fn a_program_without_parquet_says_so_before_it_works() {
+    let program = with(KINDS);
+    for line in [
+        "sweep sweep.toml --out all.csv --parquet all.parquet",
+        "merge all.csv --parquet all.parquet",
+        "plot all.parquet",
+    ] {
+        let output = program.run(&words(line));
+        let sentence = "this program was built without Parquet: build it with --features parquet";
+        assert_eq!(output.code, Some(2), "{line}: {}", output.stderr);
+        assert!(
+            output.stderr.contains(sentence),
+            "{line}: {}",
+            output.stderr
+        );
+    }
+    assert!(!program.folder().join("all.csv").exists());
+}
+
+#[cfg(feature = "parquet")]
 #[test]
 fn parquet_holds_the_same_and_pictures_come_from_both() {
     let program = with(KINDS);
