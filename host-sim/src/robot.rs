@@ -41,6 +41,9 @@ const NEGLIGIBLE: f64 = 1e-9;
 /// A new goal this near to the line on which the wheels already roll is reached without stopping, rad.
 const SAME_DIRECTION_RAD: f64 = PI / 180.0;
 
+/// A way told again in whole millimeters leads so far beside or before where it led, m.
+const ROUNDING_M: f64 = 2e-3;
+
 /// What the motors can do, and how well.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BaseLimits {
@@ -275,8 +278,9 @@ impl Base {
     }
 
     /// Starts a timed motion; it replaces the present one. A displacement of zero brakes to a stop. A base
-    /// that already rolls towards the new goal keeps rolling (it may pass beside it by 1° of the way left);
-    /// otherwise it stops first. Slip is drawn from `noise`.
+    /// that already rolls towards the new goal keeps rolling (it may pass beside it by 1° of the way left and 2 mm), or stops for
+    /// good where it cannot stop before it; wheels that turn at rest go on turning, to the new bearing; otherwise it stops first.
+    /// Slip is drawn from `noise`.
     pub fn command(&mut self, motion: Motion, noise: &mut Noise) {
         self.chassis.slip(self.limits.slip, noise);
         let asked = Point::new(motion.dx_m, motion.dy_m);
@@ -287,17 +291,22 @@ impl Base {
         }
         self.speed_limit = motion.speed_m_s.min(self.limits.speed_m_s);
         let goal = self.chassis.odometry + asked.turned(self.ring.unit());
-        self.drive = if self.rolls_towards(goal) {
-            Drive::Roll(goal)
-        } else {
-            Drive::Brake(Some(goal))
+        let stopping = self.speed * self.speed / (2.0 * self.limits.acceleration_m_s2);
+        self.drive = match self.ahead(goal) {
+            _ if matches!(self.drive, Drive::Steer(..)) => self.steered(goal),
+            // It would come back.
+            Some(ahead) if ahead <= stopping => Drive::Brake(None),
+            Some(_) => Drive::Roll(goal),
+            None => Drive::Brake(Some(goal)),
         };
     }
 
-    fn rolls_towards(&mut self, goal: Point) -> bool {
+    /// How far ahead a goal lies to which the wheels already roll.
+    fn ahead(&mut self, goal: Point) -> Option<f64> {
         let way = (goal - self.chassis.odometry).turned_back(self.steering.unit());
-        let off = way.y.abs() <= way.x.abs() * SAME_DIRECTION_RAD;
-        off && self.speed * way.x > 0.0
+        let ahead = way.x * self.speed.signum();
+        let aside = way.y.abs() > ahead.abs() * SAME_DIRECTION_RAD + ROUNDING_M;
+        (self.speed != 0.0 && ahead > -ROUNDING_M && !aside).then_some(ahead)
     }
 
     /// Lets `dt_s` seconds pass.
@@ -397,9 +406,12 @@ impl Base {
             return;
         }
         let goal = goal.filter(|goal| goal.distance(self.chassis.odometry) > NEGLIGIBLE);
-        self.drive = goal.map_or(Drive::Still, |goal| {
-            Drive::Steer(goal, (goal - self.chassis.odometry).angle())
-        });
+        self.drive = goal.map_or(Drive::Still, |goal| self.steered(goal));
+    }
+
+    /// The wheels turn at rest until they look at a goal.
+    fn steered(&self, goal: Point) -> Drive {
+        Drive::Steer(goal, (goal - self.chassis.odometry).angle())
     }
 
     /// Turns the wheels at rest.

@@ -36,10 +36,12 @@ mod message;
 mod parts;
 mod search;
 pub(crate) mod supervise;
+mod tracked;
 
 pub use message::{Command, Decision, Event, Mode, Motion, Outputs, Progress, Refusal, StopReason};
 pub use parts::{Part, PartError};
 use search::Search;
+use tracked::Tracked;
 
 /// A motion under way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,8 +50,8 @@ struct Pending<const SENSORS: usize> {
     commanded: Displacement,
     /// Executed so far, in the ring's frame at the decision.
     executed: Displacement,
-    /// Still to go, in the ring's present frame.
-    remaining: Displacement,
+    /// Still to go.
+    remaining: Tracked,
     /// How far the ring has turned since the decision.
     turned: Bearing,
     speed_mm_s: u16,
@@ -98,8 +100,8 @@ pub struct State<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usiz
     /// The action neuron that asked for it, if one did.
     asked_by: Option<u8>,
     motion_id: u16,
-    /// The last displacement, in the ring's present frame.
-    course: Displacement,
+    /// The last displacement.
+    course: Tracked,
     /// Decisions for which each action neuron stays inhibited.
     inhibited: [u8; NEURONS],
     /// The neuron that stood for the goal last time.
@@ -139,7 +141,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             moving: false,
             asked_by: None,
             motion_id: 0,
-            course: Displacement::ZERO,
+            course: Tracked::ZERO,
             inhibited: [0; NEURONS],
             goal_neuron: GoalNeuron::UNKNOWN,
             search: Search::NEW,
@@ -312,15 +314,16 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let Some(pending) = &mut self.pending else {
             return Outputs::none();
         };
-        let remaining = pending.remaining;
+        let remaining = pending.remaining.now();
         let enabled = self.detector.enabled(config);
         let Some(allowed) = self.shield.shorten(config, enabled, remaining, now, sensor) else {
             return Outputs::none();
         };
-        pending.remaining = remaining.with_length(allowed.distance_mm);
+        let shorter = remaining.with_length(allowed.distance_mm);
+        pending.remaining = Tracked::new(shorter);
         let faster = Motion {
             id: self.motion_id,
-            displacement: pending.remaining,
+            displacement: shorter,
             speed_mm_s: pending.speed_mm_s,
         };
         pending.speed_mm_s = allowed.speed_mm_s.min(pending.speed_mm_s);
@@ -352,9 +355,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
         self.detector.moved(config, moved, turned);
         self.shield.moved(moved, turned);
-        let back = (turned != Bearing::ZERO).then(|| Bearing::ZERO.minus(turned).direction());
-        let into_present = |d: Displacement| back.map_or(d, |back| d.rotated(back));
-        self.course = into_present(self.course);
+        self.course.turn(turned);
         let Some(pending) = &mut self.pending else {
             return;
         };
@@ -364,7 +365,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             moved.rotated(pending.turned.direction())
         };
         pending.executed = pending.executed.plus(since_decision);
-        pending.remaining = into_present(pending.remaining.minus(moved));
+        pending.remaining.go(moved, turned);
         pending.turned = pending.turned.plus(turned);
         if motion != self.motion_id || !self.moving {
             return;

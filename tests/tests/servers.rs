@@ -175,7 +175,7 @@ fn a_board_whose_steering_page_is_gone_stops() {
     let program = host_sim!();
     let mut config = Config::recommended();
     config.robot.ring_period_ms = 10_000;
-    let served = Served::start(config).expect("a mind behind a socket");
+    let served = Served::with_ring(config).expect("a mind behind a socket");
     let flags = format!("--board tcp:{} --explore 20", served.host());
     let viewed = Viewed::start(&program, &flags);
     // Closed.

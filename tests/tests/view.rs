@@ -339,10 +339,11 @@ fn a_board_is_taught_and_steered_over_its_link() {
     let maps = steerer.latest("maps");
     drop(viewed);
 
-    let served = Served::start(Config::recommended()).expect("a mind behind a socket");
+    let served = Served::with_ring(Config::recommended()).expect("a mind behind a socket");
     let flags = format!("--board tcp:{} --explore 20", served.host());
     let viewed = Viewed::start(&program, &flags);
     let mut steerer = viewed.steerer();
+    steerer.wait("now", |now| now["note"].is_null());
     let scene = steerer.latest("scene");
     assert_eq!(scene["abilities"]["unplaced"], true);
     steerer.wait("maps", |maps| maps["learnt"] == false);
@@ -382,6 +383,17 @@ fn a_board_is_taught_and_steered_over_its_link() {
     drop(served);
     steerer.wait("now", |now| {
         now["mode"] == "failed" && now["why"].is_string()
+    });
+}
+
+#[test]
+fn a_board_without_sonars_says_that_it_will_not_move() {
+    let program = host_sim!();
+    let served = Served::start(Config::recommended()).expect("a mind behind a socket");
+    let viewed = Viewed::start(&program, &format!("--board tcp:{}", served.host()));
+    viewed.steerer().wait("now", |now| {
+        let note = now["note"].as_str().unwrap_or_default();
+        note.contains("no sonars of its own")
     });
 }
 

@@ -180,13 +180,8 @@ impl<'w> Body<'w> {
         happened
     }
 
-    /// Lets the pilot look at the time: it stops a robot whose motion is overdue or whose ring stays incomplete. Not with a
-    /// turret that follows: its wheels turn by up to half a turn, and anew where a motion is shortened meanwhile, which together
-    /// takes longer than the time to steer that the robot's description allows.
+    /// Lets the pilot look at the time: it stops a robot whose motion is overdue or whose ring stays incomplete.
     fn pass_time(&mut self, pilot: &mut impl Pilot, happened: &mut Happened) {
-        if self.turret == TurretMode::Follow {
-            return;
-        }
         let outputs = pilot.handle(self.now(), Event::Tick);
         happened.take(&outputs);
         if let Some(motion) = outputs.motion {
@@ -528,6 +523,7 @@ mod tests {
     use amp::config::Config;
     use amp::controller::Command;
     use amp::fixed::Weight;
+    use amp::goal::Goal;
     use std::f64::consts::PI;
 
     const SONARS: [SonarModel; 2] = [SonarModel::Ideal, SonarModel::Nomad];
@@ -671,9 +667,13 @@ mod tests {
 
     #[test]
     fn a_motion_that_does_not_end_stops_the_robot() {
-        for sonar in [SonarModel::Ideal, SonarModel::Nomad] {
+        for (sonar, turret) in [
+            (SonarModel::Ideal, TurretMode::Held),
+            (SonarModel::Nomad, TurretMode::Held),
+            (SonarModel::Nomad, TurretMode::Follow),
+        ] {
             let world = World::random(1);
-            let mut body = Body::new(&world, sonar, TurretMode::Held, 1);
+            let mut body = Body::new(&world, sonar, turret, 1);
             let mut pilot = Blocked(Mind::new(Config::recommended()));
             let explore = Command::Explore { moves: 9, seed: 3 };
             let _ = pilot.handle(body.now(), Event::Command(explore));
@@ -694,6 +694,45 @@ mod tests {
             assert_eq!(stopped, StopReason::Overdue);
             // The first move is one of 80 mm at half speed: 0.63 s and half a second, and a turn later at most.
             assert!(after_s > 1.1 && after_s < 1.9, "{after_s}");
+        }
+    }
+
+    /// Goes on for so many decisions, during which nothing stops the robot.
+    fn decide(body: &mut Body<'_>, pilot: &mut Mind, count: u32) {
+        let (turret, began_s) = (body.turret, body.time_s());
+        let mut decisions = 0;
+        while decisions < count {
+            let happened = body.advance(pilot);
+            assert_eq!(happened.stopped, None, "{turret:?} after {decisions}");
+            decisions += u32::from(happened.decision.is_some());
+            assert!(
+                body.time_s() - began_s < 10.0 * f64::from(count),
+                "{turret:?}"
+            );
+        }
+    }
+
+    /// Half turns included, which take most of the time to steer that the robot's description allows.
+    #[test]
+    fn a_base_that_works_is_never_overdue() {
+        for turret in [TurretMode::Held, TurretMode::Follow] {
+            for seed in 1..=4 {
+                let world = World::random(seed);
+                let mut body = Body::new(&world, SonarModel::Nomad, turret, seed);
+                let mut pilot = Mind::new(Config::recommended());
+                let explore = Command::Explore {
+                    moves: 100,
+                    seed: 3,
+                };
+                let _ = pilot.handle(body.now(), Event::Command(explore));
+                decide(&mut body, &mut pilot, 100);
+                while !body.advance(&mut pilot).mode_changed {}
+                let _ = pilot.handle(body.now(), Event::Command(Command::Learn));
+                while !pilot.handle(body.now(), Event::Tick).mode_changed {}
+                let avoid = Goal::avoiding(&Config::recommended());
+                let _ = pilot.handle(body.now(), Event::Command(Command::Seek(avoid)));
+                decide(&mut body, &mut pilot, 200);
+            }
         }
     }
 

@@ -1,7 +1,7 @@
 //! The host's end of a session: hello, requests, reports.
 
 use super::{Deadline, LinkError, Transport};
-use amp::wire::message::{FromMind, MindHello, Order, Refusal, ResetCause};
+use amp::wire::message::{FromMind, MindHello, Order, Refusal, ResetCause, Source};
 use amp::wire::{Frame, FrameError, Header, Receiver, Report, ToMind, frame};
 use std::collections::VecDeque;
 use std::io;
@@ -268,6 +268,18 @@ impl Session {
             ttl_ms: ORDER_TTL_MS,
             order,
         })
+    }
+
+    /// Has the mind listen to sonars of its own. Returns whether it has any: one that has none waits for echoes over the link.
+    ///
+    /// # Errors
+    /// [`LinkError`].
+    pub fn use_own_ring(&mut self) -> Result<bool, LinkError> {
+        match self.ask(&ToMind::Source(Source::Ring)) {
+            Ok(_) => Ok(true),
+            Err(LinkError::Refused(Refusal::NoRing)) => Ok(false),
+            Err(error) => Err(error),
+        }
     }
 
     /// Says that the host is there, `at_ms` after the session began.

@@ -63,7 +63,8 @@ pub struct Board {
 }
 
 impl Board {
-    /// The mind at the end of an open session by its own clock, called so; it explores with so many moves, and pursues this.
+    /// The mind at the end of an open session by its own clock, called so; it explores with so many moves, and pursues this. It
+    /// listens to sonars of its own; one that has none says so on the page.
     ///
     /// # Errors
     /// [`LinkError`].
@@ -74,6 +75,10 @@ impl Board {
         seed: u64,
         behavior: &Behavior,
     ) -> Result<Self, LinkError> {
+        let note = match session.use_own_ring()? {
+            true => None,
+            false => Some("It has no sonars of its own: it will not move".to_owned()),
+        };
         let mode = session.mode()?;
         let knowledge = Knowledge::read(&mut session)?;
         Ok(Self {
@@ -90,7 +95,7 @@ impl Board {
             before: None,
             counts: Counts::default(),
             trail: Trail::latest(),
-            note: None,
+            note,
             failure: None,
             checked: 0,
             silent: 0,

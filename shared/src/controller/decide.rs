@@ -1,6 +1,7 @@
 //! A ring is complete and the base stands: what now?
 
 use super::search::Search;
+use super::tracked::Tracked;
 use super::{Decision, Mode, Motion, Outputs, Pending, State, StopReason};
 use crate::action_map::Effect;
 use crate::config::{Choice, Config, Taught};
@@ -127,7 +128,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             allowed,
             current,
             likely,
-            course: self.course,
+            course: self.course.now(),
             cut,
         };
         let goal = pursued.as_ref().unwrap_or(goal);
@@ -144,7 +145,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let outputs = self.go(config, now, situation, plan.action, Some(&plan));
         if let Some(direction) = config.robot.directions.get(way).filter(|_| looks) {
             let (x, y) = direction.times(i32::from(config.robot.step_mm));
-            self.course = Displacement::saturating(x, y);
+            self.course = Tracked::new(Displacement::saturating(x, y));
         }
         outputs
     }
@@ -309,14 +310,14 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         };
         self.motion_id = self.motion_id.wrapping_add(1);
         if wanted != Displacement::ZERO || config.planning.choice == Choice::Recall {
-            self.course = wanted;
+            self.course = Tracked::new(wanted);
         }
         self.await_ring(now);
         self.pending = Some(Pending {
             before: *situation,
             commanded: wanted,
             executed: Displacement::ZERO,
-            remaining: allowed,
+            remaining: Tracked::new(allowed),
             turned: Bearing::ZERO,
             speed_mm_s: limit.speed_mm_s,
         });
@@ -349,7 +350,7 @@ fn pursued<const SENSORS: usize>(
     situation: &Situation<SENSORS>,
     goal: &Goal<SENSORS>,
     search: &mut Search,
-    course: &mut Displacement,
+    course: &mut Tracked,
 ) -> Option<Goal<SENSORS>> {
     let wander = config.planning.wander?;
     if goal.going_q16 > 0 || goal.frame != Frame::Ring {
@@ -362,8 +363,8 @@ fn pursued<const SENSORS: usize>(
     if goal.is_met_by(deviation, &asked) {
         *search = Search::NEW;
     } else if search.is_stuck(deviation, wander) {
-        let onward = course.with_length(config.robot.step_mm);
-        *course = onward.rotated(NEXT_COURSE.direction());
+        let onward = course.now().with_length(config.robot.step_mm);
+        *course = Tracked::new(onward.rotated(NEXT_COURSE.direction()));
     }
     search.wanders().then(|| Goal::avoiding(config))
 }

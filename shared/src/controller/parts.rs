@@ -7,6 +7,7 @@
 //! | [`Part::Actions`] | code vectors of its actions (two components), as above |
 //! | [`Part::Memory`] | samples in the order they came: before and after, a byte per transducer (see [`memory`](crate::memory)); commanded dx, dy, executed dx, dy as `i16` millimetres |
 
+use super::tracked::Tracked;
 use super::{Mode, State};
 use crate::faults::Detector;
 use crate::fixed::Fine;
@@ -164,7 +165,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.moving = false;
         self.asked_by = None;
         self.motion_id = 0;
-        self.course = Displacement::ZERO;
+        self.course = Tracked::ZERO;
         self.inhibited = [0; NEURONS];
         self.goal_neuron = GoalNeuron::UNKNOWN;
         self.search = super::Search::NEW;

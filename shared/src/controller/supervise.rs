@@ -59,7 +59,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         if let Some(pending) = self.pending.as_ref().filter(|_| is_possible) {
             let motion = Motion {
                 id: self.motion_id,
-                displacement: pending.remaining,
+                displacement: pending.remaining.now(),
                 speed_mm_s: pending.speed_mm_s,
             };
             self.deadline = at.plus_ms(motion.longest_ms());
@@ -83,7 +83,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let Some(pending) = self.pending.as_ref().filter(|_| self.moving) else {
             return Outputs::none();
         };
-        self.detector.touched(config, pending.remaining);
+        self.detector.touched(config, pending.remaining.now());
         self.moving = false;
         self.await_ring(at);
         self.motion_id = self.motion_id.wrapping_add(1);

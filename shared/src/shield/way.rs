@@ -87,6 +87,9 @@ impl<'a> Way<'a> {
         {
             return limit;
         }
+        if self.leaves_behind((x, y), arc.axis) {
+            return limit;
+        }
         let seen = Seen::along(self.direction, (x, y), arc.axis, range_mm.max(least_mm));
         let mut distance = limit;
         if range_mm <= least_mm {
@@ -106,6 +109,14 @@ impl<'a> Way<'a> {
             distance = self.until_point(at, distance);
         }
         distance
+    }
+
+    /// Whether a face and every point that may be heard from it along this axis lie behind.
+    #[inline(always)]
+    fn leaves_behind(&self, (x, y): (i32, i32), axis: Direction) -> bool {
+        let (_, sin) = self.lobe.edge_q14();
+        let (axis_x, axis_y) = (i32::from(axis.x_q14), i32::from(axis.y_q14));
+        self.direction.along(axis_x, axis_y) <= -sin && self.direction.along(x, y) <= 0
     }
 
     /// A range less what something may have come nearer since.

@@ -74,7 +74,13 @@ pub fn run(
     let one = |number: u64| {
         let world =
             world(worlds, seed.wrapping_add(number / CELLS)).map_err(|why| why.to_string())?;
-        let cell = episode(&world, seed, number, config).map_err(|why| why.to_string())?;
+        let cell = episode(&world, seed, number, config).map_err(|why| {
+            let (behavior, sonar, turret) = parts(number);
+            let [behavior, sonar, turret] = [name(behavior), sonar.name(), turret.name()];
+            let seed = seed.wrapping_add(number / CELLS);
+            let world = world.name();
+            format!("{behavior}, {sonar}, {turret}, seed {seed}, {world}: {why}")
+        })?;
         progress(1);
         Ok((number, cell))
     };

@@ -13,7 +13,7 @@ use amp::config::Config;
 use amp::fixed::Weight;
 use amp::goal::{Goal, KeepError, Name};
 use amp::wire::ToMind;
-use amp::wire::message::{Clock, Flash, FromMind, GoalBy, ModeReport, Order, Refusal, Source};
+use amp::wire::message::{Clock, Flash, FromMind, GoalBy, ModeReport, Order};
 use clap::{Args, Subcommand, ValueEnum};
 use follow::{Trouble, follow, monitor};
 use std::io::Write;
@@ -323,12 +323,10 @@ fn drive(
     span: Span,
     out: &mut impl Write,
 ) -> Result<(), Trouble> {
-    match session.ask(&ToMind::Source(Source::Ring)) {
-        Ok(_) => {}
-        Err(LinkError::Refused(Refusal::NoRing)) => eprintln!(
+    if !session.use_own_ring()? {
+        eprintln!(
             "This mind has no sonars of its own and waits for echoes over the link; a simulated robot sends them: host-sim run --mind …"
-        ),
-        Err(error) => return Err(error.into()),
+        );
     }
     follow_order(session, order, span.end(), out)
 }

@@ -81,7 +81,7 @@ fn print_episode(episode: &Episode<'_>) {
     );
     row("decision: along a wall", counts.along_wall, DECISION);
     row("decision: to a place", counts.to_place, DECISION);
-    row("decision: obstacles on the right", counts.passing, 31_000);
+    row("decision: obstacles on the right", counts.passing, DECISION);
     row("decision: after a leader", counts.following, DECISION);
     row(
         "decision: avoid by the paper's four steps (`probe`)",

@@ -1,0 +1,115 @@
+//! A displacement that keeps its bearing in the world while the ring turns.
+
+use crate::fixed::div_round;
+use crate::units::{Bearing, Displacement};
+
+/// Parts of a millimeter that are kept.
+const FINE: i32 = 16;
+
+/// All of it stays in the frame in which it was told, and is rotated once where it is asked for: each rotation rounds, and turns a
+/// little too far or too little, so that the many small ones of a turning ring would lead elsewhere.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Tracked {
+    /// Along x and y, in 1/16 mm; products with a unit vector fit 32 bits up to 4 m.
+    way: (i32, i32),
+    /// How far the ring has turned since it was told.
+    turned: Bearing,
+}
+
+impl Tracked {
+    /// None at all.
+    pub(super) const ZERO: Self = Self {
+        way: (0, 0),
+        turned: Bearing::ZERO,
+    };
+
+    /// Told in the ring's present frame.
+    pub(super) fn new(way: Displacement) -> Self {
+        Self {
+            way: fine(way),
+            turned: Bearing::ZERO,
+        }
+    }
+
+    /// What it is in the ring's present frame.
+    pub(super) fn now(&self) -> Displacement {
+        let (x, y) = turned_by(Bearing::ZERO.minus(self.turned), self.way);
+        Displacement::saturating(div_round(x, FINE), div_round(y, FINE))
+    }
+
+    /// The robot has moved and then its ring has turned: what is left of it.
+    pub(super) fn go(&mut self, moved: Displacement, turned: Bearing) {
+        let (x, y) = self.way;
+        let (dx, dy) = turned_by(self.turned, fine(moved));
+        self.way = (x.wrapping_sub(dx), y.wrapping_sub(dy));
+        self.turn(turned);
+    }
+
+    /// The ring has turned.
+    pub(super) fn turn(&mut self, turned: Bearing) {
+        self.turned = self.turned.plus(turned);
+    }
+}
+
+fn fine(way: Displacement) -> (i32, i32) {
+    (FINE * i32::from(way.dx_mm), FINE * i32::from(way.dy_mm))
+}
+
+fn turned_by(angle: Bearing, (x, y): (i32, i32)) -> (i32, i32) {
+    if angle == Bearing::ZERO {
+        return (x, y);
+    }
+    angle.direction().rotate(x, y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn way(dx_mm: i16, dy_mm: i16) -> Displacement {
+        Displacement { dx_mm, dy_mm }
+    }
+
+    #[test]
+    fn a_turn_in_many_steps_is_one_turn() {
+        let mut tracked = Tracked::new(way(-50, -50));
+        // 135° to the right, as a base reports it that turns at up to 45 °/s.
+        for _ in 0..64 {
+            tracked.go(
+                Displacement::ZERO,
+                Bearing::from_turns(65_536_u32.wrapping_sub(384) as u16),
+            );
+        }
+        assert_eq!(tracked.now(), way(71, 0));
+    }
+
+    /// What is left over when a base tells its way in whole millimeters comes out while it turns: here on a quarter of a circle of
+    /// 1 mm, and back.
+    #[test]
+    fn a_millimeter_now_and_then_turns_nothing() {
+        let mut tracked = Tracked::new(way(0, 1_000));
+        let step = Bearing::from_turns(1 << 10);
+        for (moved, turned) in [(1, step), (-1, Bearing::ZERO.minus(step))] {
+            for _ in 0..16 {
+                tracked.go(way(moved, 0), turned);
+            }
+        }
+        let now = tracked.now();
+        assert!(
+            now.dx_mm.abs() <= 1 && (999..=1_001).contains(&now.dy_mm),
+            "{now:?}"
+        );
+    }
+
+    #[test]
+    fn what_was_gone_is_taken_off_before_the_ring_turns() {
+        let mut tracked = Tracked::new(way(100, 0));
+        let left = Bearing::from_turns(1 << 14);
+        tracked.go(way(30, 0), left);
+        assert_eq!(tracked.now(), way(0, -70));
+        tracked.go(way(0, -50), Bearing::ZERO);
+        assert_eq!(tracked.now(), way(0, -20));
+        tracked.turn(left);
+        assert_eq!(tracked.now(), way(-20, 0));
+    }
+}
