@@ -41,7 +41,7 @@ mod tracked;
 pub use message::{Command, Decision, Event, Mode, Motion, Outputs, Progress, Refusal, StopReason};
 pub use parts::{Part, PartError};
 use search::Search;
-use tracked::Tracked;
+pub use tracked::Tracked;
 
 /// A motion under way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -476,6 +476,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             self.pending = None;
             self.moving = false;
             self.silent_rings = 0;
+            self.heard_any = false;
             self.await_ring(at);
         }
         Outputs {

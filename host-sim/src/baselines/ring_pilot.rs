@@ -4,7 +4,7 @@
 use crate::pilot::Pilot;
 use crate::world::{Point, Pose, wrap_angle};
 use amp::config::Config;
-use amp::controller::{Decision, Event, Motion, Outputs, Progress};
+use amp::controller::{Decision, Event, Motion, Outputs, Progress, Tracked};
 use amp::fixed::Mask;
 use amp::scan::{Echo, Scan};
 use amp::shield::{Shield, Shielding};
@@ -77,8 +77,8 @@ struct UnderWay {
     wanted: Point,
     /// Executed so far, m in the frame of the decision.
     moved: Point,
-    /// Still to go, in the ring's present frame.
-    remaining: Displacement,
+    /// Still to go.
+    remaining: Tracked,
     turned: Bearing,
     speed_mm_s: u16,
 }
@@ -153,19 +153,20 @@ impl<P: Policy> RingPilot<P> {
         let Some(under_way) = &mut self.under_way else {
             return Outputs::NONE;
         };
-        let remaining = under_way.remaining;
+        let remaining = under_way.remaining.now();
         let shorter = self
             .shield
             .shorten(&self.config, Mask::ALL, remaining, now, sensor);
         let Some(allowed) = shorter else {
             return Outputs::NONE;
         };
-        under_way.remaining = remaining.with_length(allowed.distance_mm);
+        let shorter = remaining.with_length(allowed.distance_mm);
+        under_way.remaining = Tracked::new(shorter);
         under_way.speed_mm_s = allowed.speed_mm_s.min(under_way.speed_mm_s);
         Outputs {
             motion: Some(Motion {
                 id: self.motion,
-                displacement: under_way.remaining,
+                displacement: shorter,
                 speed_mm_s: under_way.speed_mm_s,
             }),
             ..Outputs::NONE
@@ -200,7 +201,7 @@ impl<P: Policy> RingPilot<P> {
         self.under_way = Some(UnderWay {
             wanted: asked,
             moved: Point::default(),
-            remaining: allowed,
+            remaining: Tracked::new(allowed),
             turned: Bearing::ZERO,
             speed_mm_s: limit.speed_mm_s,
         });
@@ -233,11 +234,7 @@ impl<P: Policy> RingPilot<P> {
         };
         let since = Point::unit(radians(under_way.turned));
         under_way.moved = under_way.moved + way.turned(since);
-        under_way.remaining = under_way.remaining.minus(moved);
-        if turned != Bearing::ZERO {
-            let back = Bearing::ZERO.minus(turned).direction();
-            under_way.remaining = under_way.remaining.rotated(back);
-        }
+        under_way.remaining.go(moved, turned);
         under_way.turned = under_way.turned.plus(turned);
         self.touched |= progress == Progress::Touched;
         let is_over = matches!(progress, Progress::Ended | Progress::Touched);

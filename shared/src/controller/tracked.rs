@@ -1,4 +1,4 @@
-//! A displacement that keeps its bearing in the world while the ring turns.
+//! What a turning ring leaves where it is in the world.
 
 use crate::fixed::div_round;
 use crate::units::{Bearing, Displacement};
@@ -6,10 +6,12 @@ use crate::units::{Bearing, Displacement};
 /// Parts of a millimeter that are kept.
 const FINE: i32 = 16;
 
+/// A displacement that keeps its bearing in the world while the ring turns.
+///
 /// All of it stays in the frame in which it was told, and is rotated once where it is asked for: each rotation rounds, and turns a
 /// little too far or too little, so that the many small ones of a turning ring would lead elsewhere.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Tracked {
+pub struct Tracked {
     /// Along x and y, in 1/16 mm; products with a unit vector fit 32 bits up to 4 m.
     way: (i32, i32),
     /// How far the ring has turned since it was told.
@@ -18,13 +20,14 @@ pub(super) struct Tracked {
 
 impl Tracked {
     /// None at all.
-    pub(super) const ZERO: Self = Self {
+    pub const ZERO: Self = Self {
         way: (0, 0),
         turned: Bearing::ZERO,
     };
 
     /// Told in the ring's present frame.
-    pub(super) fn new(way: Displacement) -> Self {
+    #[must_use]
+    pub fn new(way: Displacement) -> Self {
         Self {
             way: fine(way),
             turned: Bearing::ZERO,
@@ -32,13 +35,14 @@ impl Tracked {
     }
 
     /// What it is in the ring's present frame.
-    pub(super) fn now(&self) -> Displacement {
+    #[must_use]
+    pub fn now(&self) -> Displacement {
         let (x, y) = turned_by(Bearing::ZERO.minus(self.turned), self.way);
         Displacement::saturating(div_round(x, FINE), div_round(y, FINE))
     }
 
     /// The robot has moved and then its ring has turned: what is left of it.
-    pub(super) fn go(&mut self, moved: Displacement, turned: Bearing) {
+    pub fn go(&mut self, moved: Displacement, turned: Bearing) {
         let (x, y) = self.way;
         let (dx, dy) = turned_by(self.turned, fine(moved));
         self.way = (x.wrapping_sub(dx), y.wrapping_sub(dy));
@@ -46,7 +50,7 @@ impl Tracked {
     }
 
     /// The ring has turned.
-    pub(super) fn turn(&mut self, turned: Bearing) {
+    pub fn turn(&mut self, turned: Bearing) {
         self.turned = self.turned.plus(turned);
     }
 }

@@ -304,6 +304,25 @@ fn three_rings_without_any_echo_stop_the_robot() {
     assert!(moves == 8 && !bench.is_stopped(StopReason::NothingHeard));
 }
 
+/// What was heard before the order to go on is no echo of the rings after it.
+#[test]
+fn an_echo_while_the_robot_stands_breaks_no_silence() {
+    let mut bench = Bench::new(Config::recommended());
+    let range = Some(Range::from_mm(5_000));
+    bench.send(Event::Echo { sensor: 4, range });
+    bench.send(Event::Command(Command::Explore { moves: 9, seed: 3 }));
+    for ring in 1..=3 {
+        bench.time += 640;
+        let outputs = bench.says(None, 0);
+        assert_eq!(outputs[15].stopped.is_some(), ring == 3, "ring {ring}");
+        if let Some(motion) = outputs[15].motion {
+            bench.time += 500;
+            bench.report(bench.time, motion.id, 0, Progress::Ended);
+        }
+    }
+    assert!(bench.is_stopped(StopReason::NothingHeard));
+}
+
 #[test]
 fn a_touch_ends_the_motion_and_the_next_ring_decides() {
     let (mut bench, motion) = Bench::moving();
