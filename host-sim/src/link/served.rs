@@ -40,10 +40,10 @@ impl<const SENSORS: usize> Local<SENSORS> {
     /// A mind that has just started.
     #[must_use]
     pub fn new(config: Config<SENSORS>) -> Self {
-        Self::called(config, Identity::default())
+        Self::with_identity(config, Identity::default())
     }
 
-    fn called(config: Config<SENSORS>, identity: Identity) -> Self {
+    fn with_identity(config: Config<SENSORS>, identity: Identity) -> Self {
         let mut local = Self {
             node: Box::new(Node::new()),
             receiver: Receiver::new(),
@@ -123,7 +123,7 @@ impl Served {
     /// # Errors
     /// When there is no socket.
     pub fn start(config: Config<16>) -> io::Result<Self> {
-        Self::called(config, Identity::default())
+        Self::with_identity(config, Identity::default())
     }
 
     /// As [`start`](Self::start), one that has a ring of its own, which never hears anything.
@@ -135,16 +135,16 @@ impl Served {
             ring: true,
             ..Identity::default()
         };
-        Self::called(config, identity)
+        Self::with_identity(config, identity)
     }
 
-    fn called(config: Config<16>, identity: Identity) -> io::Result<Self> {
+    fn with_identity(config: Config<16>, identity: Identity) -> io::Result<Self> {
         let listener = TcpListener::bind(("127.0.0.1", 0))?;
         let address = listener.local_addr()?;
         let over = Arc::new(AtomicBool::new(false));
         let is_over = Arc::clone(&over);
         let thread = std::thread::spawn(move || {
-            let (mut local, began) = (Local::called(config, identity), Instant::now());
+            let (mut local, began) = (Local::with_identity(config, identity), Instant::now());
             for stream in listener.incoming() {
                 if is_over.load(Ordering::Relaxed) {
                     break;

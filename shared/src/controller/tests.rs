@@ -847,47 +847,6 @@ fn who_follows_looks_along_the_way_whichever_way_the_robot_goes() {
     }
 }
 
-/// Each report is of a turn too small to turn a short way of whole millimeters.
-#[test]
-fn a_way_that_is_shortened_while_the_ring_turns_keeps_its_bearing() {
-    let mut config = Config::recommended();
-    config.exploration.shortest_mm = 100;
-    let mut bench = Bench::new(config);
-    bench.has_looked_around();
-    bench.send(Event::Command(Command::Explore { moves: 9, seed: 7 }));
-    let way = bench.ring().motion.expect("a motion").displacement;
-    let mut turned = Bearing::ZERO;
-    let shortened = (1..=400).find_map(|report| {
-        let step = Bearing::from_turns(40);
-        turned = turned.plus(step);
-        let motion = bench.state.motion_id;
-        bench.send(Event::Odometry {
-            motion,
-            moved: Displacement::ZERO,
-            turned: step,
-            progress: Progress::Steering,
-        });
-        let back = way.rotated(Bearing::ZERO.minus(turned).direction());
-        let ahead = (0..16).max_by_key(|sensor| {
-            let axis = bench.config.robot.directions[*sensor];
-            axis.along(back.dx_mm.into(), back.dy_mm.into())
-        });
-        let range = (report > 200).then_some(Range::from_mm(180));
-        let sensor = ahead.unwrap_or(0) as u8;
-        let out = bench.send(Event::Echo { sensor, range });
-        out.motion.map(|motion| (motion.displacement, back))
-    });
-    let (left, back) = shortened.expect("something near ahead");
-    let (length, whole) = (left.length_mm(), back.length_mm());
-    assert!(length > 20 && length < whole, "{left:?} of {back:?}");
-    let same = back.with_length(length);
-    let (dx, dy) = (
-        left.dx_mm.abs_diff(same.dx_mm),
-        left.dy_mm.abs_diff(same.dy_mm),
-    );
-    assert!(dx <= 2 && dy <= 2, "{left:?} of {back:?}");
-}
-
 /// A move of which half was carried out, rounded down, was not cut.
 #[test]
 fn a_move_is_cut_below_half() {

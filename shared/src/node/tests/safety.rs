@@ -102,6 +102,10 @@ fn a_stop_acts_though_it_is_repeated_or_late_or_of_no_session() {
     rig.is_stopped_by(&last);
     // The order to stand is said again: the first one may have been lost.
     rig.is_stopped_by(&last);
+    // And by a new one, though the robot stands.
+    rig.seq = rig.seq.wrapping_add(1);
+    let new = Rig::stop_frame(SESSION, rig.seq, rig.at_ms(), 1_000);
+    rig.is_stopped_by(&new);
     // Of another session, or of none.
     for session in [SESSION + 1, 0] {
         rig.move_on();
