@@ -63,6 +63,13 @@ impl<const SENSORS: usize> Pending<SENSORS> {
         let half = u32::from(self.commanded.length_mm() / 2);
         self.executed.is_shorter_than(half)
     }
+
+    /// What is left lies behind: a base that brakes rolls on.
+    fn is_beyond(&self) -> bool {
+        let left = self.remaining.now().rotated(self.turned.direction());
+        let along = |left: i16, commanded: i16| i32::from(left) * i32::from(commanded);
+        along(left.dx_mm, self.commanded.dx_mm) < -along(left.dy_mm, self.commanded.dy_mm)
+    }
 }
 
 /// Everything the robot knows.
@@ -102,6 +109,8 @@ pub struct State<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usiz
     motion_id: u16,
     /// The last displacement.
     course: Tracked,
+    /// Decisions in a row for which all ways that were tried were closed.
+    closed: u8,
     /// Decisions for which each action neuron stays inhibited.
     inhibited: [u8; NEURONS],
     /// The neuron that stood for the goal last time.
@@ -142,6 +151,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             asked_by: None,
             motion_id: 0,
             course: Tracked::ZERO,
+            closed: 0,
             inhibited: [0; NEURONS],
             goal_neuron: GoalNeuron::UNKNOWN,
             search: Search::NEW,
@@ -319,7 +329,13 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let Some(allowed) = self.shield.shorten(config, enabled, remaining, now, sensor) else {
             return Outputs::none();
         };
-        let shorter = remaining.with_length(allowed.distance_mm);
+        // It must not turn round for what it has gone too far.
+        let left_mm = if pending.is_beyond() {
+            0
+        } else {
+            allowed.distance_mm
+        };
+        let shorter = remaining.with_length(left_mm);
         pending.remaining = Tracked::new(shorter);
         let faster = Motion {
             id: self.motion_id,

@@ -81,6 +81,14 @@ impl Shielding {
     }
 }
 
+impl Shielding {
+    /// From a face to the point that stands for all that is nearer than the shortest range, millimeters. The margins around it
+    /// and around the arc meet, and it begins at the face.
+    fn before_mm(&self) -> i32 {
+        (self.least_range_mm / 2).min(self.margin_mm).into()
+    }
+}
+
 /// A motion is not shortened by less, millimeters.
 const ROUNDING_MM: u16 = 3;
 
@@ -169,7 +177,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         };
         self.lobe = Some(lobe);
         self.drop_if_silent(shielding, sensor, echo.at);
-        self.look(&lobe, &cone, shielding.spacing_mm);
+        self.look(shielding, &lobe, &cone);
         if echo.range.is_some() {
             let place = self.place_of(config, sensor, axis);
             self.insert(shielding, &lobe, place, sensor, &cone, echo);
@@ -201,7 +209,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
     }
 
     /// Replaces what was heard through the same cone, unless the echo comes from farther away, and counts what it contradicts.
-    fn look(&mut self, lobe: &Lobe, cone: &Cone, spacing_mm: u16) {
+    fn look(&mut self, shielding: &Shielding, lobe: &Lobe, cone: &Cone) {
         let faces = self.faces.as_flattened().iter();
         for (face, arc) in faces.zip(self.arcs.as_flattened_mut()) {
             let Some(range) = arc.range.filter(|_| cone.looks_along(arc)) else {
@@ -211,8 +219,8 @@ impl<const SENSORS: usize> Shield<SENSORS> {
                 continue;
             }
             let range_mm = range.as_mm().into();
-            if !cone.is_same(*face, arc, spacing_mm) {
-                cone.look_at(lobe, *face, arc, range_mm);
+            if !cone.is_same(*face, arc, shielding.spacing_mm) {
+                cone.look_at(shielding, lobe, *face, arc, range_mm);
             } else if cone.is_beyond(range_mm) {
                 (0..POINTS).for_each(|point| arc.contradict(point));
             } else {

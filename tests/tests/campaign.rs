@@ -38,6 +38,14 @@ fn a_robot_stays_as_it_is() {
     all_is_well(&verdict);
 }
 
+/// Five whose maps would bring them to a stand within three hours, if each lesson went too far.
+#[test]
+fn a_robot_goes_on() {
+    let verdict = drift::run(9, 5, 3, SonarModel::Nomad, QUIETLY).expect("minds that decide");
+    let stands = |what: &&String| what.contains("stands");
+    assert_eq!(verdict.broken.iter().find(stands), None);
+}
+
 /// Two rooms and two other worlds per cell.
 #[test]
 fn with_the_shield_the_robot_touches_nothing() {

@@ -377,6 +377,18 @@ mod tests {
         }
     }
 
+    /// No end tells the checksum of all data: that of the chunk has to.
+    #[test]
+    fn every_byte_of_a_whole_chunk_counts_though_the_log_was_cut_off() {
+        let (bytes, _) = cut_off();
+        let second = check(&bytes).unwrap().0[1].compressed.clone();
+        for place in second.step_by(97) {
+            let mut bytes = bytes.clone();
+            bytes[place] ^= 0x10;
+            assert!(check(&bytes).is_err(), "byte {place}");
+        }
+    }
+
     #[test]
     fn a_damaged_length_is_no_cut() {
         let (bytes, at) = cut_off();

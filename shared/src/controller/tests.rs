@@ -789,6 +789,35 @@ fn who_finds_a_way_closed_takes_a_detour() {
     assert_eq!(taken(&all).0, 0);
 }
 
+/// Two echoes of nothing: what is free between them lies between 251° and 266°, and the robot's actions are 22.5° apart.
+#[test]
+fn who_finds_all_ways_closed_tries_others_until_one_is_free() {
+    let mut bench = Bench::ready(Config::recommended());
+    (bench.x, bench.y) = (0, 0);
+    let near = Echo {
+        range: Some(Range::from_mm(152)),
+        at: Millis::from_ms(bench.time),
+    };
+    let moved = |dx_mm, dy_mm| Displacement { dx_mm, dy_mm };
+    let shield = &mut bench.state.shield;
+    shield.forget();
+    shield.moved(moved(80, 0), Bearing::ZERO);
+    shield.hear(&bench.config, 0, near);
+    shield.hear(&bench.config, 7, near);
+    shield.moved(moved(0, 20), Bearing::ZERO);
+    bench.send(Event::Command(Command::Seek(Goal::avoiding(&bench.config))));
+    let mut closed = 0;
+    while bench
+        .step()
+        .motion
+        .is_some_and(|motion| motion.displacement == Displacement::ZERO)
+    {
+        closed += 1;
+        assert!(closed < 100, "it stands for good");
+    }
+    assert!(closed > 0);
+}
+
 /// The last displacement, unless there was none; where the maps are recalled none is a course as well.
 #[test]
 fn who_stays_keeps_the_course_while_looking_ahead() {

@@ -7,6 +7,8 @@ use crate::units::{Bearing, Direction, Displacement, Millis, Range};
 /// Points of an arc that are tested, evenly spaced from end to end: 5° of 30°. Where the lobes of two neighbors leave a gap
 /// wider than the margin covers, a point lies in it.
 pub(super) const POINTS: usize = 7;
+/// One point more, before the arc: there a thing may stand where the range is the shortest that can be told.
+pub(super) const BEFORE: usize = POINTS;
 
 /// Longer ranges count as this, millimeters: products stay within 32 bits.
 const LONGEST_MM: i32 = 1 << 15;
@@ -18,7 +20,7 @@ pub(super) struct Arc {
     pub(super) axis: Direction,
     /// Range heard; `None` = no arc.
     pub(super) range: Option<Range>,
-    /// Contradictions of each point, two bits each.
+    /// Contradictions of each point and of the one before them, two bits each.
     contradictions: u16,
     pub(super) at: Millis,
 }
@@ -150,9 +152,11 @@ impl Seen {
         }
     }
 
-    /// Its face.
-    pub(super) const fn face(&self) -> (i32, i32) {
-        self.face
+    /// The point on its axis that far from the face.
+    pub(super) fn on_axis(&self, mm: i32) -> (i32, i32) {
+        let part = |reach: i32| reach.wrapping_mul(mm) / self.range_mm.max(1);
+        let along = self.face.0.wrapping_add(part(self.reach.0));
+        (along, self.face.1.wrapping_add(part(self.reach.1)))
     }
 
     /// Its middle.

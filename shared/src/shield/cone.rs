@@ -4,7 +4,8 @@
 //! in that empty part is contradicted. One contradiction may be a missed echo, so a point is dropped after
 //! [`CONTRADICTIONS`] of them.
 
-use super::arc::{Arc, Lobe, Seen, magnitude, nearest_mm};
+use super::Shielding;
+use super::arc::{Arc, BEFORE, Lobe, Seen, magnitude, nearest_mm};
 use crate::scan::Echo;
 use crate::units::{Direction, Displacement, Millis, Range};
 
@@ -77,7 +78,14 @@ impl Cone {
     }
 
     /// Counts the contradictions of an arc of another cone.
-    pub(super) fn look_at(&self, lobe: &Lobe, face: Displacement, arc: &mut Arc, range_mm: i32) {
+    pub(super) fn look_at(
+        &self,
+        shielding: &Shielding,
+        lobe: &Lobe,
+        face: Displacement,
+        arc: &mut Arc,
+        range_mm: i32,
+    ) {
         let (x, y) = (i32::from(face.dx_mm), i32::from(face.dy_mm));
         if nearest_mm((x, y), range_mm) > FARTHEST_MM {
             return;
@@ -86,7 +94,15 @@ impl Cone {
             x.wrapping_sub(self.face.dx_mm.into()),
             y.wrapping_sub(self.face.dy_mm.into()),
         );
-        let seen = Seen::along(self.axis, face_mm, arc.axis, range_mm);
+        // The points as they count where a way is asked for.
+        let least_mm = i32::from(shielding.least_range_mm);
+        let seen = Seen::along(self.axis, face_mm, arc.axis, range_mm.max(least_mm));
+        if range_mm <= least_mm && arc.stands(BEFORE) {
+            let before = seen.on_axis(shielding.before_mm());
+            if self.contains(lobe, before, ASIDE_MM) {
+                arc.contradict(BEFORE);
+            }
+        }
         if !self.may_contain(lobe, &seen) {
             return;
         }

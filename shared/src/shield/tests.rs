@@ -583,3 +583,23 @@ fn the_shortest_reading_is_not_passed_over_by_a_small_body() {
     let shield = heard(&config, &[(0, 154)]);
     assert_eq!(way(&shield, &config, mm(20, 0), 6).0, 20);
 }
+
+/// Transducer 4 heard its shortest range; from elsewhere 5 looks past its face, and hears no less than a wall where the arc is.
+/// The arc still counts: the way along it is free, and towards it ends.
+#[test]
+fn the_place_before_an_arc_is_looked_through_on_its_own() {
+    let config = Config::recommended();
+    let mut shield = heard(&config, &[(4, 152)]);
+    shield.moved(mm(141, -20), Bearing::ZERO);
+    let back = mm(-250, 0);
+    let after = |shield: &mut Shield<16>, time| {
+        for sensor in 0..16 {
+            let range = (sensor == 5).then_some(Range::from_mm(279));
+            shield.hear(&config, sensor, echo(range, time));
+        }
+        way(shield, &config, back, time).0
+    };
+    assert_eq!(after(&mut shield, 6), 0);
+    assert_eq!(after(&mut shield, 7), 250);
+    assert!(way(&shield, &config, mm(-70, 240), 8).0 < 160);
+}

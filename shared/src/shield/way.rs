@@ -1,7 +1,7 @@
 //! How far the robot may go along a way before it comes near to what was heard.
 
 use super::Shielding;
-use super::arc::{Arc, Lobe, Seen, magnitude, nearest_mm};
+use super::arc::{Arc, BEFORE, Lobe, Seen, magnitude, nearest_mm};
 use crate::config::Config;
 use crate::fixed::{Mask, isqrt_u32};
 use crate::units::{Direction, Displacement, Millis, Range};
@@ -92,8 +92,9 @@ impl<'a> Way<'a> {
         }
         let seen = Seen::along(self.direction, (x, y), arc.axis, range_mm.max(least_mm));
         let mut distance = limit;
-        if range_mm <= least_mm {
-            distance = self.until_point(seen.face(), distance);
+        if range_mm <= least_mm && arc.stands(BEFORE) {
+            let before = seen.on_axis(self.shielding.before_mm());
+            distance = self.until_point(before, distance);
         }
         let bounds = seen.bounds(&self.lobe);
         if bounds.along.1 <= 0

@@ -32,9 +32,12 @@ pub const HOURS: u32 = 24;
 const SHOWN: [usize; 8] = [1, 2, 3, 6, 12, 13, 18, 24];
 /// What the way of the hour after the day may differ from the first one's, as a share of it.
 const MOST_DRIFT: f64 = 0.05;
+/// The way of every robot in every hour is at least so long, m: a tenth of the mean. One that goes less has come to stand.
+const LEAST_WAY_M: f64 = 36.0;
 
 /// A robot's hours, and one more from where it began.
 struct Day {
+    seed: u64,
     hours: Vec<Hour>,
     again: Hour,
 }
@@ -100,6 +103,7 @@ fn day(seed: u64, hours: u32, sonar: SonarModel, progress: Progress<'_>) -> Resu
     let mut body = set_down(&world, &setup, &mut mind, begin)?;
     let until_s = body.time_s() + 3_600.0;
     Ok(Day {
+        seed,
         hours: driven?,
         again: drive(&world, &mut mind, &mut body, until_s)?,
     })
@@ -195,6 +199,7 @@ fn verdict(days: &[Day], sonar: SonarModel) -> Verdict {
         "hour",
         "decisions",
         "way m, mean",
+        "way m, least",
         "area m², mean",
         "steps with a contact",
     ];
@@ -220,6 +225,13 @@ fn verdict(days: &[Day], sonar: SonarModel) -> Verdict {
         stays,
         "the way of the hour after the day is not that of the first",
     );
+    for day in days {
+        let mut hours = day.hours.iter().chain([&day.again]);
+        if let Some(hour) = hours.position(|hour| hour.distance_m < LEAST_WAY_M) {
+            let what = format!("the robot of seed {} stands in hour {}", day.seed, hour + 1);
+            verdict.require(false, what);
+        }
+    }
     let in_bounds = days
         .iter()
         .flat_map(|day| &day.hours)
@@ -228,15 +240,18 @@ fn verdict(days: &[Day], sonar: SonarModel) -> Verdict {
     verdict
 }
 
-fn row(days: &[Day], name: &str, of: impl Fn(&Day) -> Option<&Hour>) -> [String; 5] {
+fn row(days: &[Day], name: &str, of: impl Fn(&Day) -> Option<&Hour>) -> [String; 6] {
     let of = |day| of(day).copied().unwrap_or_default();
     let mean = |value: fn(Hour) -> f64| {
         days.iter().map(|day| value(of(day))).sum::<f64>() / days.len() as f64
     };
+    let ways = days.iter().map(|day| of(day).distance_m);
+    let least_m = ways.reduce(f64::min).unwrap_or_default();
     [
         name.to_owned(),
         grouped(days.iter().map(|day| of(day).decisions).sum()),
         format!("{:.1}", mean(|hour| hour.distance_m)),
+        format!("{:.1}", least_m),
         format!("{:.1}", mean(|hour| hour.area_m2)),
         grouped(days.iter().map(|day| of(day).contacts).sum()),
     ]

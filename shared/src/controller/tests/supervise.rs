@@ -420,3 +420,26 @@ fn a_way_that_is_shortened_while_the_ring_turns_keeps_its_bearing() {
     );
     assert!(dx <= 2 && dy <= 2, "{left:?} of {back:?}");
 }
+
+/// A base that brakes rolls on. What is near behind it is no reason to turn its wheels and go back.
+#[test]
+fn a_way_that_was_overrun_is_not_gone_back() {
+    let (mut bench, motion) = Bench::moving();
+    let way = motion.displacement;
+    bench.send(Event::Odometry {
+        motion: motion.id,
+        moved: way.with_length(way.length_mm() + 60),
+        turned: Bearing::ZERO,
+        progress: Progress::Moving,
+    });
+    let behind = (0..16).min_by_key(|&sensor: &usize| {
+        let axis = bench.config.robot.directions[sensor];
+        axis.along(way.dx_mm.into(), way.dy_mm.into())
+    });
+    let sensor = behind.unwrap_or(0) as u8;
+    let range = Some(Range::from_mm(160));
+    let out = bench.send(Event::Echo { sensor, range });
+    let stand = out.motion.expect("an order to stand");
+    assert_eq!(stand.displacement, Displacement::ZERO);
+    assert_eq!(stand.id, motion.id);
+}
