@@ -377,15 +377,18 @@ mod tests {
         }
     }
 
-    /// No end tells the checksum of all data: that of the chunk has to.
+    /// No end tells the checksum of all data. LZ4 has one of its own, the chunk another.
     #[test]
     fn every_byte_of_a_whole_chunk_counts_though_the_log_was_cut_off() {
-        let (bytes, _) = cut_off();
-        let second = check(&bytes).unwrap().0[1].compressed.clone();
-        for place in second.step_by(97) {
+        let (bytes, at) = cut_off();
+        let compressed = check(&bytes).unwrap().0[1].compressed.clone();
+        // Behind opcode, length, two times and the size.
+        let checksum = at[1] + 33..at[1] + 37;
+        for place in compressed.step_by(97).chain(checksum) {
             let mut bytes = bytes.clone();
             bytes[place] ^= 0x10;
-            assert!(check(&bytes).is_err(), "byte {place}");
+            let damage = check(&bytes).unwrap_err();
+            assert_eq!(damage.at, at[1], "byte {place}");
         }
     }
 
