@@ -64,8 +64,8 @@ impl<const SENSORS: usize> Pending<SENSORS> {
         self.executed.is_shorter_than(half)
     }
 
-    /// What is left lies behind: a base that brakes rolls on.
-    fn is_beyond(&self) -> bool {
+    /// The base has gone farther than it was to go: braking takes a way of its own.
+    fn was_overrun(&self) -> bool {
         let left = self.remaining.now().rotated(self.turned.direction());
         let along = |left: i16, commanded: i16| i32::from(left) * i32::from(commanded);
         along(left.dx_mm, self.commanded.dx_mm) < -along(left.dy_mm, self.commanded.dy_mm)
@@ -329,8 +329,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let Some(allowed) = self.shield.shorten(config, enabled, remaining, now, sensor) else {
             return Outputs::none();
         };
-        // It must not turn round for what it has gone too far.
-        let left_mm = if pending.is_beyond() {
+        // A base that has gone too far stands; it does not turn round and come back.
+        let left_mm = if pending.was_overrun() {
             0
         } else {
             allowed.distance_mm

@@ -55,8 +55,8 @@ pub struct Shielding {
     pub forget_ms: u32,
     /// Displacements that would be shortened to less than this are not begun, millimeters.
     pub least_mm: u16,
-    /// The shortest range the ring can report, millimeters: a reading this short may be anything nearer, and counts
-    /// as 0.
+    /// The shortest range the ring can report, millimeters: a reading this short may be anything nearer, so the
+    /// place before it is closed as well.
     pub least_range_mm: u16,
     /// Highest speed of things that may come towards the robot, millimeters per second: every echo loses this much range
     /// per second of its age.
@@ -79,11 +79,9 @@ impl Shielding {
             approach_mm_s: 0,
         }
     }
-}
 
-impl Shielding {
-    /// From a face to the point that stands for all that is nearer than the shortest range, millimeters. The margins around it
-    /// and around the arc meet, and it begins at the face.
+    /// From a face to the point that stands for all that is nearer than the shortest range, millimeters: halfway, or the margin
+    /// where that is less. So nothing fits between the face and this point's margin.
     fn before_mm(&self) -> i32 {
         (self.least_range_mm / 2).min(self.margin_mm).into()
     }

@@ -377,7 +377,8 @@ mod tests {
         }
     }
 
-    /// No end tells the checksum of all data. LZ4 has one of its own, the chunk another.
+    /// A log that was cut off lacks the checksum of all its data. LZ4's own guards the compressed bytes, and the chunk's has to
+    /// agree with them.
     #[test]
     fn every_byte_of_a_whole_chunk_counts_though_the_log_was_cut_off() {
         let (bytes, at) = cut_off();

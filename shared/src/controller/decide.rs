@@ -180,7 +180,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     /// instead. A detour also shows what stands in the gap between two lobes: from beside it, it is in a lobe.
     ///
     /// A robot that found all of them closed tries others the next time, 1/64 of a turn farther: the way out between two things
-    /// may be narrow, and what closes the others is perhaps an echo of nothing, which is seen from elsewhere only.
+    /// may be narrow, and what closes the others may be a phantom echo, which is found out from elsewhere only.
     pub(super) fn detour(
         &self,
         config: &Config<SENSORS>,
@@ -313,13 +313,10 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         } else {
             wanted.with_length(limit.distance_mm)
         };
-        if wanted != Displacement::ZERO {
-            let is_closed = allowed == Displacement::ZERO;
-            self.closed = if is_closed {
-                self.closed.wrapping_add(1)
-            } else {
-                0
-            };
+        if allowed != Displacement::ZERO {
+            self.closed = 0;
+        } else if wanted != Displacement::ZERO {
+            self.closed = self.closed.wrapping_add(1);
         }
         self.motion_id = self.motion_id.wrapping_add(1);
         if wanted != Displacement::ZERO || config.planning.choice == Choice::Recall {

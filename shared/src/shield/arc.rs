@@ -7,7 +7,7 @@ use crate::units::{Bearing, Direction, Displacement, Millis, Range};
 /// Points of an arc that are tested, evenly spaced from end to end: 5° of 30°. Where the lobes of two neighbors leave a gap
 /// wider than the margin covers, a point lies in it.
 pub(super) const POINTS: usize = 7;
-/// One point more, before the arc: there a thing may stand where the range is the shortest that can be told.
+/// One point more, between face and arc. It counts where the range is the shortest that the ring can report.
 pub(super) const BEFORE: usize = POINTS;
 
 /// Longer ranges count as this, millimeters: products stay within 32 bits.

@@ -5,6 +5,8 @@ use crate::units::Range;
 use proptest::prelude::*;
 use std::vec::Vec;
 
+mod contradictions;
+
 /// An arc and where its transducer's face was.
 fn arc(
     (x, y, turns, range, age): (i16, i16, u16, Option<u16>, u32),
@@ -217,118 +219,6 @@ fn a_direction_is_open_while_those_who_look_there_have_been_heard() {
     );
 }
 
-/// A ring from `time`, of which transducer 0 alone hears something.
-fn ring(shield: &mut Shield<16>, config: &Config<16>, ahead: Option<u16>, time: u32) {
-    for sensor in 0..16 {
-        let range = ahead.filter(|_| sensor == 0).map(Range::from_mm);
-        shield.hear(config, sensor, echo(range, time));
-    }
-}
-
-#[test]
-fn two_farther_echoes_through_the_same_cone_contradict_an_arc() {
-    let config = Config::recommended();
-    let after = |ranges: &[Option<u16>]| {
-        let mut shield = heard(&config, &[(0, 300)]);
-        for (time, range) in (6..).zip(ranges) {
-            ring(&mut shield, &config, *range, time);
-        }
-        way(&shield, &config, mm(300, 0), 20).0
-    };
-    assert_eq!(after(&[]), 171);
-    assert_eq!(after(&[None]), 171);
-    assert_eq!(after(&[None, None]), 300);
-    assert_eq!(after(&[Some(900), Some(900)]), 300);
-    // An echo from there begins anew.
-    assert_eq!(after(&[None, Some(300), None]), 171);
-    // Not farther than the readings scatter: the newer counts.
-    assert_eq!(after(&[Some(350)]), 222);
-    assert_eq!(after(&[Some(350), None]), 222);
-}
-
-/// The transducers go on being heard, but none looks through the place of the arc.
-#[test]
-fn time_alone_opens_no_way() {
-    let config = Config::recommended();
-    for later in [1_001, 600_001, 86_400_000, 4_294_000_000_u32] {
-        let mut shield = heard(&config, &[(0, 300)]);
-        shield.heard_at = [Millis::from_ms(later); 16];
-        assert_eq!(way(&shield, &config, mm(300, 0), later).0, 171, "{later}");
-    }
-}
-
-/// Echoes may come late: what was heard after them is not contradicted, and a time that goes back is no long silence.
-#[test]
-fn an_echo_contradicts_nothing_newer() {
-    let config = Config::recommended();
-    let mut shield = heard(&config, &[]);
-    shield.hear(&config, 0, echo(Some(Range::from_mm(300)), 100));
-    for time in [99, 98, 97] {
-        shield.hear(&config, 0, echo(None, time));
-    }
-    assert_eq!(way(&shield, &config, mm(300, 0), 101).0, 171);
-    for time in [101, 102] {
-        shield.hear(&config, 0, echo(None, time));
-    }
-    assert_eq!(way(&shield, &config, mm(300, 0), 103).0, 300);
-}
-
-/// A ring that was off may have been carried.
-#[test]
-fn a_transducer_that_was_silent_for_long_begins_anew() {
-    let config = Config::recommended();
-    let after = |silence: u32| {
-        let mut shield = heard(&config, &[(0, 300)]);
-        ring(&mut shield, &config, None, 5 + silence);
-        way(&shield, &config, mm(300, 0), 6 + silence).0
-    };
-    assert_eq!((after(600_000), after(600_001)), (171, 300));
-}
-
-/// A corner 19° beside the axis of transducer 0, 0.17 m from its face, stands in no lobe. It was heard before the ring turned.
-#[test]
-fn a_turn_of_the_ring_contradicts_nothing_that_left_its_lobe() {
-    let config = Config::recommended();
-    let mut shield = heard(&config, &[(0, 170)]);
-    // 6° to the left; what was on the axis is still in the lobe, the right end is not.
-    shield.moved(Displacement::ZERO, Bearing::from_turns(1_092));
-    for time in 6..16 {
-        ring(&mut shield, &config, None, time);
-    }
-    let to_the_corner = Displacement::along(Bearing::from_turns(61_260), 250);
-    assert!(way(&shield, &config, to_the_corner, 20).0 < 60);
-}
-
-/// Standing in the gap between the lobes of 0 and 1, it was heard from farther away.
-#[test]
-fn a_way_into_the_gap_between_two_lobes_contradicts_nothing_there() {
-    let config = Config::recommended();
-    let mut shield = heard(&config, &[(0, 400)]);
-    // Towards the left end of the arc, 15° aside.
-    for time in 6..9 {
-        shield.moved(mm(80, 10), Bearing::ZERO);
-        ring(&mut shield, &config, None, time);
-        ring(&mut shield, &config, None, time);
-    }
-    assert!(way(&shield, &config, mm(240, 70), 20).0 < 50);
-}
-
-/// The leader drove on: the cones of the next rings look through where it was.
-#[test]
-fn what_has_gone_is_forgotten_as_soon_as_its_place_was_looked_through() {
-    let config = Config::recommended();
-    let mut shield = heard(&config, &[(0, 900)]);
-    let ahead = mm(1_100, 0);
-    assert_eq!(way(&shield, &config, ahead, 6).0, 772);
-    shield.moved(mm(50, 0), Bearing::ZERO);
-    ring(&mut shield, &config, Some(1_200), 7);
-    assert_eq!(way(&shield, &config, ahead, 8).0, 722);
-    shield.moved(mm(50, 0), Bearing::ZERO);
-    ring(&mut shield, &config, Some(1_200), 9);
-    // What the ring before says of what is farther.
-    assert_eq!(way(&shield, &config, ahead, 10).0, 1_022);
-}
-
 /// The robot drove through the middle of an arc that it had heard from afar: what is left of it is far aside.
 #[test]
 fn an_arc_is_as_far_as_its_points_that_still_count() {
@@ -415,59 +305,6 @@ fn what_a_turned_ring_hears_of_a_wall_replaces_nothing_elsewhere() {
     );
     assert_eq!(way(&shield, &config, mm(400, 0), 20).0, 372);
     assert!(way(&shield, &config, mm(-400, 0), 20).0 < 100);
-}
-
-/// The same cone, whoever looks through it.
-#[test]
-fn another_transducer_through_the_same_cone_replaces_what_was_heard() {
-    let config = Config::recommended();
-    let mut shield = heard(&config, &[(0, 500)]);
-    shield.moved(Displacement::ZERO, Bearing::from_turns(1 << 12));
-    shield.hear(&config, 15, echo(Some(Range::from_mm(490)), 6));
-    let kept = shield.arcs.as_flattened().iter();
-    assert_eq!(kept.filter(|arc| arc.range.is_some()).count(), 1);
-    // By the one that heard it last.
-    let asked = |sensor: usize| {
-        let among = Mask::NONE.with(sensor);
-        let (now, ahead) = (
-            Millis::from_ms(7),
-            Displacement::along(Bearing::from_turns(61_440), 400),
-        );
-        shield
-            .allow_by(&config, Mask::ALL, ahead, now, among)
-            .distance_mm
-    };
-    assert!(
-        asked(0) >= 399 && asked(15).abs_diff(362) <= 2,
-        "{} {}",
-        asked(0),
-        asked(15)
-    );
-}
-
-/// A board that stands between the robot and its other side: from across nothing is contradicted.
-#[test]
-fn who_looks_from_another_side_contradicts_nothing() {
-    let config = Config::recommended();
-    let wanted = mm(0, 400);
-    let after = |place: usize| {
-        let mut shield = heard(&config, &[(4, 400)]);
-        // Beside the thing, and the ring in the open.
-        let beside = Displacement::along(Bearing::from_turns((place as u16) << 12), -600);
-        let at = mm(0, 631);
-        shield.moved(at.plus(beside), Bearing::ZERO);
-        for time in 6..12 {
-            shield.hear(&config, place, echo(None, time));
-        }
-        shield.moved(Displacement::ZERO.minus(at.plus(beside)), Bearing::ZERO);
-        for sensor in 0..16 {
-            shield.heard_at[sensor] = Millis::from_ms(12);
-        }
-        way(&shield, &config, wanted, 13).0
-    };
-    assert_eq!(after(8), 272);
-    assert_eq!(after(0), 272);
-    assert!(after(5) > 272);
 }
 
 #[test]
@@ -582,24 +419,4 @@ fn the_shortest_reading_is_not_passed_over_by_a_small_body() {
     // A wall at 154 mm is farther than 20 mm and the margin.
     let shield = heard(&config, &[(0, 154)]);
     assert_eq!(way(&shield, &config, mm(20, 0), 6).0, 20);
-}
-
-/// Transducer 4 heard its shortest range; from elsewhere 5 looks past its face, and hears no less than a wall where the arc is.
-/// The arc still counts: the way along it is free, and towards it ends.
-#[test]
-fn the_place_before_an_arc_is_looked_through_on_its_own() {
-    let config = Config::recommended();
-    let mut shield = heard(&config, &[(4, 152)]);
-    shield.moved(mm(141, -20), Bearing::ZERO);
-    let back = mm(-250, 0);
-    let after = |shield: &mut Shield<16>, time| {
-        for sensor in 0..16 {
-            let range = (sensor == 5).then_some(Range::from_mm(279));
-            shield.hear(&config, sensor, echo(range, time));
-        }
-        way(shield, &config, back, time).0
-    };
-    assert_eq!(after(&mut shield, 6), 0);
-    assert_eq!(after(&mut shield, 7), 250);
-    assert!(way(&shield, &config, mm(-70, 240), 8).0 < 160);
 }

@@ -229,7 +229,7 @@ fn verdict(days: &[Day], sonar: SonarModel) -> Verdict {
         let mut hours = day.hours.iter().chain([&day.again]);
         if let Some(hour) = hours.position(|hour| hour.distance_m < LEAST_WAY_M) {
             let what = format!("the robot of seed {} stands in hour {}", day.seed, hour + 1);
-            verdict.require(false, what);
+            verdict.broken.push(what);
         }
     }
     let in_bounds = days
