@@ -250,6 +250,7 @@ pub fn handle<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>(
 ) -> Outputs<SENSORS> {
     let is_present = matches!(event, Event::Tick | Event::Command(_));
     state.pass_time(config, at, is_present);
+    // A decision, on an echo, is where the stack is deepest: what the other events need of it lies in functions of their own.
     match event {
         Event::Echo { sensor, range } => state.echo(config, sensor, Echo { range, at }),
         Event::Odometry {
@@ -356,7 +357,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
     }
 
-    #[cfg_attr(not(target_os = "none"), inline(never))]
+    #[inline(never)]
     fn odometry(
         &mut self,
         config: &Config<SENSORS>,
@@ -396,6 +397,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
     }
 
+    #[inline(never)]
     fn command(
         &mut self,
         config: &Config<SENSORS>,
@@ -503,6 +505,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
     }
 
+    #[inline(never)]
     fn tick(&mut self, config: &Config<SENSORS>, at: Millis) -> Outputs<SENSORS> {
         let Mode::Learn { step } = self.mode else {
             return self.supervise(config, at);

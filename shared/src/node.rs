@@ -252,12 +252,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 if last && !matches!(message, ToMind::Alive { .. }) {
                     self.say_again(header.seq, now, out);
                 } else if is_stop {
-                    self.say(FromMind::Done { seq: header.seq }, now, out);
+                    self.done(header.seq, now, out);
                 }
             }
             Verdict::NoSession | Verdict::Stranger if is_stop => {
                 add(&mut self.counters.strangers);
-                self.say(FromMind::Done { seq: header.seq }, now, out);
+                self.done(header.seq, now, out);
             }
             Verdict::NoSession => {
                 add(&mut self.counters.strangers);
@@ -339,7 +339,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         if self.link.falls_silent(time) {
             add(&mut self.counters.link_losses);
             self.happen(time, Event::Alarm(StopReason::LinkLost), now, out);
-            self.say(FromMind::Log(Notice::LinkLost), now, out);
+            self.note(Notice::LinkLost, now, out);
         }
         if !matches!(self.state.mode(), Mode::Learn { .. }) {
             self.happen(time, Event::Tick, now, out);
@@ -382,22 +382,31 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 sent: time,
                 ..underway
             });
-            self.say(FromMind::Motion(underway.order), now, out);
+            self.send(underway.order, now, out);
         }
     }
 
-    /// Hands an event to the mind and says what comes of it.
-    fn happen(&mut self, at: Millis, event: Event<SENSORS>, now: Millis, out: &mut impl Outbox) {
+    /// Hands an event to the mind and says what comes of it. Returns why a command was refused.
+    fn happen(
+        &mut self,
+        at: Millis,
+        event: Event<SENSORS>,
+        now: Millis,
+        out: &mut impl Outbox,
+    ) -> Option<controller::Refusal> {
         let outputs = controller::handle(&self.config, &mut self.state, at, event);
         self.tell(&outputs, at, now, out);
+        outputs.refusal
     }
 
+    // Not a part of the stack of what the mind does.
+    #[inline(never)]
     fn tell(&mut self, outputs: &Outputs<SENSORS>, at: Millis, now: Millis, out: &mut impl Outbox) {
         if outputs.motion.is_some() || outputs.mode_changed {
             self.kept.overtake();
         }
         if let Some(verdict) = outputs.verdict {
-            self.say(FromMind::Log(verdict.into()), now, out);
+            self.note(verdict.into(), now, out);
         }
         if let Some(age_ms) = outputs.stale_ms {
             self.count_stale(age_ms, now, out);
@@ -422,7 +431,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 ttl_ms: MOTION_TTL_MS,
             };
             self.underway = Some(Underway { order, sent: at });
-            self.say(FromMind::Motion(order), now, out);
+            self.send(order, now, out);
         }
         if outputs.mode_changed {
             let mode = ModeReport::from(self.state.mode());
@@ -434,13 +443,30 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     fn count_stale(&mut self, age_ms: u32, now: Millis, out: &mut impl Outbox) {
         add(&mut self.counters.stale_echoes);
         if !core::mem::replace(&mut self.stale_reported, true) {
-            self.say(FromMind::Log(Notice::StaleEcho { age_ms }), now, out);
+            self.note(Notice::StaleEcho { age_ms }, now, out);
         }
     }
 
+    #[inline(never)]
+    fn send(&mut self, order: MotionOrder, now: Millis, out: &mut impl Outbox) {
+        self.say(FromMind::Motion(order), now, out);
+    }
+
+    // These three lie apart: what they say is no part of the stack of what the mind does.
+    #[inline(never)]
     fn refuse(&mut self, seq: u16, why: Refusal, now: Millis, out: &mut impl Outbox) {
         add(&mut self.counters.refused);
         self.say(FromMind::Refusal { seq, why }, now, out);
+    }
+
+    #[inline(never)]
+    fn done(&mut self, seq: u16, now: Millis, out: &mut impl Outbox) {
+        self.say(FromMind::Done { seq }, now, out);
+    }
+
+    #[inline(never)]
+    fn note(&mut self, notice: Notice, now: Millis, out: &mut impl Outbox) {
+        self.say(FromMind::Log(notice), now, out);
     }
 
     // One copy of it in a program.
@@ -471,7 +497,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             add(&mut frames);
         }
         if frames == 0 {
-            self.say(FromMind::Done { seq }, now, out);
+            self.done(seq, now, out);
         }
     }
 }

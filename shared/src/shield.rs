@@ -161,6 +161,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
     }
 
     /// Takes an echo of a transducer.
+    #[inline(never)]
     pub fn hear(&mut self, config: &Config<SENSORS>, sensor: usize, echo: Echo) {
         let (Some(shielding), Some(axis)) = (&config.shield, config.robot.directions.get(sensor))
         else {
@@ -171,9 +172,8 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         let cone = Cone::new(Displacement::saturating(x_mm, y_mm), axis, echo);
         let lobe = match self.lobe {
             Some(lobe) if lobe.half == shielding.half_lobe => lobe,
-            _ => Lobe::of(shielding.half_lobe),
+            _ => *self.lobe.insert(Lobe::of(shielding.half_lobe)),
         };
-        self.lobe = Some(lobe);
         self.drop_if_silent(shielding, sensor, echo.at);
         self.look(shielding, &lobe, &cone);
         if echo.range.is_some() {

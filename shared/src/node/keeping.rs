@@ -90,7 +90,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         if let Err(why) = result {
             self.refuse(seq, Refusal::Flash(why), now, out);
         }
-        self.say(FromMind::Done { seq }, now, out);
+        self.done(seq, now, out);
         self.kept.end();
     }
 

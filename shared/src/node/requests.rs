@@ -1,7 +1,7 @@
 //! What a host may ask of a node.
 
 use super::{Node, Outbox};
-use crate::controller::{self, Command, Event, Mode};
+use crate::controller::{Command, Event, Mode};
 use crate::goal::{Component, Goal};
 use crate::memory;
 use crate::parameters::Parameter;
@@ -59,40 +59,6 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 let at = self.hear_of(at_ms, now, out);
                 self.command(at_ms, at, ttl_ms, order, now, out)
             }
-            ToMind::Read { part, offset } => {
-                self.link.heard_timeless(now);
-                self.read_piece(part, offset, now, out);
-                Ok(())
-            }
-            ToMind::Write {
-                part,
-                offset,
-                ref bytes,
-                last,
-            } => {
-                self.link.heard_timeless(now);
-                self.write_piece(part, offset, bytes, last)
-            }
-            ToMind::Counters => {
-                self.link.heard_timeless(now);
-                self.counters.clock_drift_ms = self.link.drift_ms();
-                self.say(FromMind::Counters(self.counters), now, out);
-                Ok(())
-            }
-            ToMind::Parameter { parameter, value } => {
-                self.link.heard_timeless(now);
-                self.parameter(parameter, value, now, out)
-            }
-            ToMind::Mode => {
-                self.link.heard_timeless(now);
-                let mode = ModeReport::from(self.state.mode());
-                self.say(FromMind::Mode(mode), now, out);
-                Ok(())
-            }
-            ToMind::Source(source) => {
-                self.link.heard_timeless(now);
-                self.set_source(source)
-            }
             ToMind::Flash(what) => {
                 self.link.heard_timeless(now);
                 match self.ask_flash(seq, what) {
@@ -101,27 +67,60 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                     refused => refused,
                 }
             }
-            ToMind::Keep { name } => {
+            ref question => {
                 self.link.heard_timeless(now);
-                self.keep_goal(name)
-            }
-            ToMind::Drop { name } => {
-                self.link.heard_timeless(now);
-                self.drop_goal(name)
-            }
-            ToMind::Goals => {
-                self.link.heard_timeless(now);
-                self.say_goals(now, out);
-                Ok(())
+                self.answer(question, now, out)
             }
         };
         if let Err(why) = result {
             self.refuse(seq, why, now, out);
         }
         if answered {
-            self.say(FromMind::Done { seq }, now, out);
+            self.done(seq, now, out);
             self.kept.end();
         }
+    }
+
+    /// What the mind itself does not hear of.
+    // Not a part of the stack of what it does.
+    #[inline(never)]
+    fn answer(
+        &mut self,
+        question: &ToMind<SENSORS>,
+        now: Millis,
+        out: &mut impl Outbox,
+    ) -> Result<(), Refusal> {
+        match *question {
+            ToMind::Read { part, offset } => self.read_piece(part, offset, now, out),
+            ToMind::Write {
+                part,
+                offset,
+                ref bytes,
+                last,
+            } => return self.write_piece(part, offset, bytes, last),
+            ToMind::Counters => {
+                self.counters.clock_drift_ms = self.link.drift_ms();
+                self.say(FromMind::Counters(self.counters), now, out);
+            }
+            ToMind::Parameter { parameter, value } => {
+                return self.parameter(parameter, value, now, out);
+            }
+            ToMind::Mode => {
+                let mode = ModeReport::from(self.state.mode());
+                self.say(FromMind::Mode(mode), now, out);
+            }
+            ToMind::Source(source) => return self.set_source(source),
+            ToMind::Keep { name } => return self.keep_goal(name),
+            ToMind::Drop { name } => return self.drop_goal(name),
+            ToMind::Goals => self.say_goals(now, out),
+            ToMind::Hello(_)
+            | ToMind::Alive { .. }
+            | ToMind::Scan { .. }
+            | ToMind::Odometry { .. }
+            | ToMind::Command { .. }
+            | ToMind::Flash(_) => {}
+        }
+        Ok(())
     }
 
     /// Takes the host's time of a frame; by the host's clock, time passes with it. Returns the moment by the session's clock.
@@ -147,8 +146,6 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
     }
 
-    // Not a part of every request's stack.
-    #[inline(never)]
     fn command(
         &mut self,
         at_ms: u32,
@@ -163,11 +160,22 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             super::add(&mut self.counters.expired);
             return Err(Refusal::Expired { age_ms });
         }
-        let command = match *order {
+        let Some(command) = self.command_of(order)? else {
+            return Ok(());
+        };
+        let refused = self.happen(at, Event::Command(command), now, out);
+        refused.map_or(Ok(()), |why| Err(Refusal::Command(why)))
+    }
+
+    /// What the controller is to do; nothing where the order concerns the node alone.
+    // Not a part of every request's stack.
+    #[inline(never)]
+    fn command_of(&mut self, order: &Order<SENSORS>) -> Result<Option<Command<SENSORS>>, Refusal> {
+        Ok(Some(match *order {
             Order::Goal(ref by) => {
                 self.goal = self.goal_of(by)?;
                 if !matches!(self.state.mode(), Mode::Seek { .. }) {
-                    return Ok(());
+                    return Ok(None);
                 }
                 Command::Seek(self.goal)
             }
@@ -175,16 +183,10 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             Order::Explore { moves, seed } => Command::Explore { moves, seed },
             Order::Learn => Command::Learn,
             // Done before it was looked at any closer.
-            Order::Stop => return Ok(()),
+            Order::Stop => return Ok(None),
             Order::Resume => Command::Resume,
-            Order::Forget => return self.forget(),
-        };
-        let outputs =
-            controller::handle(&self.config, &mut self.state, at, Event::Command(command));
-        self.tell(&outputs, at, now, out);
-        outputs
-            .refusal
-            .map_or(Ok(()), |why| Err(Refusal::Command(why)))
+            Order::Forget => return self.forget().map(|()| None),
+        }))
     }
 
     fn goal_of(&self, by: &GoalBy<SENSORS>) -> Result<Goal<SENSORS>, Refusal> {

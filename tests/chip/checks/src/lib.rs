@@ -9,8 +9,30 @@ use std::process::{Command, Output};
 /// The chip.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
 
-/// The board whose image is looked at; the other one's differs by its pins.
-pub const BOARD: &str = "olimex_h405";
+/// A board that the firmware is built for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Board {
+    /// The package in the project's workspace.
+    pub package: &'static str,
+    /// The program in it.
+    pub program: &'static str,
+    /// The processor.
+    pub target: &'static str,
+}
+
+/// The F405 board whose image is looked at; the other one's differs by its pins.
+pub const OLIMEX_H405: Board = Board {
+    package: "stm32f405",
+    program: "olimex_h405",
+    target: TARGET,
+};
+
+/// The smallest board.
+pub const MICROBIT: Board = Board {
+    package: "microbit",
+    program: "microbit",
+    target: "thumbv6m-none-eabi",
+};
 
 /// The chip's memory.
 const SRAM: std::ops::Range<u64> = 0x2000_0000..0x2002_0000;
@@ -70,13 +92,27 @@ pub fn board_image() -> PathBuf {
     if let Some(path) = std::env::var_os("FIRMWARE_ELF") {
         return project().join(path);
     }
+    image(&OLIMEX_H405)
+}
+
+/// A board's image, built from here.
+///
+/// # Panics
+/// When it cannot be built.
+#[must_use]
+pub fn image(board: &Board) -> PathBuf {
+    let Board {
+        package,
+        program,
+        target,
+    } = board;
     let line = format!(
-        "build --locked --package stm32f405 --bin {BOARD} --profile chip --target {TARGET}"
+        "build --locked --package {package} --bin {program} --profile chip --target {target}"
     );
     let output = cargo(&project(), &line);
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{said}");
-    target_folder().join(TARGET).join("chip").join(BOARD)
+    target_folder().join(target).join("chip").join(program)
 }
 
 /// What an image takes, by the sections of its ELF file.

@@ -261,6 +261,8 @@ fn narrow(first: u16) -> Instruction {
         // B, with a condition (not UDF, SVC) or without.
         0xd000..=0xddff => Instruction::Branch(i64::from(first as i8) * 2),
         0xe000..=0xe7ff => Instruction::Branch(signed(u32::from(first & 0x7ff), 11) * 2),
+        // ADD SP, Rm: a Cortex-M0 may make room for a large frame so.
+        _ if first & 0xff87 == 0x4485 => Instruction::Dynamic,
         _ => Instruction::Other,
     }
 }
@@ -351,6 +353,8 @@ mod tests {
             (0xe7fc, Branch(-8)),
             (0xd102, Branch(4)),
             (0xb004, Other),
+            // add sp, r4
+            (0x44a5, Dynamic),
         ] {
             assert_eq!(narrow(code), instruction, "{code:#x}");
         }

@@ -1,6 +1,6 @@
 //! What `firmware/README.md` has written to the board by USB is the firmware.
 
-use checks::{BOARD, TARGET, board_image, project, target_folder};
+use checks::{OLIMEX_H405, TARGET, board_image, project, target_folder};
 use object::Endianness;
 use object::read::elf::{ElfFile32, ProgramHeader as _};
 use std::path::Path;
@@ -16,7 +16,7 @@ fn make(image: &Path, file: &Path) {
     let readme = std::fs::read_to_string(project().join("firmware/README.md")).expect("a README");
     let line = readme.lines().find(|line| line.starts_with("objcopy "));
     let mut words: Vec<_> = line.expect("the command").split_whitespace().collect();
-    let documented = format!("target/{TARGET}/chip/{BOARD}");
+    let documented = format!("target/{TARGET}/chip/{}", OLIMEX_H405.program);
     assert_eq!(
         words.split_off(words.len() - 2),
         [documented.as_str(), "target/firmware.bin"]
