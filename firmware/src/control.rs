@@ -137,10 +137,11 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
         self.mind.is_linked()
     }
 
-    /// Whether the robot moves by itself at the moment: a host is there whose silence would be noticed, and it explores or seeks.
+    /// Whether the robot moves by itself at `now`: it explores or seeks, and a host has been heard lately by the clock here, whichever
+    /// clock the session has.
     #[must_use]
-    pub const fn may_move(&self) -> bool {
-        self.mind.is_watched()
+    pub fn may_move(&self, now: Millis) -> bool {
+        self.mind.has_heard_host(now)
             && matches!(
                 self.mind.state().mode(),
                 Mode::Explore { .. } | Mode::Seek { .. }
@@ -152,8 +153,10 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
     pub fn apply_alarms(&mut self, alarms: Alarms, low_voltage: bool, now: Millis) {
         self.alarm = if alarms.emergency_stop {
             Some(StopReason::EmergencyStop)
+        } else if low_voltage {
+            Some(StopReason::LowVoltage)
         } else {
-            low_voltage.then_some(StopReason::LowVoltage)
+            alarms.bumper_open.then_some(StopReason::BumperOpen)
         };
         self.keep_stopped(now);
         if alarms.touched {

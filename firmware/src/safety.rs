@@ -6,6 +6,7 @@
 //! | | high, by the pull-up: contact open or wire broken | stop, in each round until it closes |
 //! | bumper | low, by a closed contact to ground | nothing is touched |
 //! | | high | the motion under way ends |
+//! | | high for 10 s, or since the start: held, or wire broken | stop, in each round until it closes |
 //! | motion permit | changes every 10 ms | a charge pump holds the motors' relay |
 //! | | constant, whether low or high | the relay drops |
 //!
@@ -19,6 +20,10 @@ use embedded_hal::digital::{InputPin, OutputPin};
 /// A contact has to keep its new level for this time, milliseconds: contacts bounce for less.
 const SETTLE_MS: u32 = 20;
 
+/// A bumper that is open for longer than this, milliseconds, does not close any more: a robot that touched something backs off
+/// within a motion or two.
+const HELD_MS: u32 = 10_000;
+
 /// Time between two changes of the permit at the least, milliseconds.
 const HALF_PERIOD_MS: u32 = 10;
 
@@ -29,6 +34,8 @@ pub struct Alarms {
     pub emergency_stop: bool,
     /// The bumper has just opened.
     pub touched: bool,
+    /// The bumper has been open since the start, or for long.
+    pub bumper_open: bool,
 }
 
 /// A contact that bounces.
@@ -62,6 +69,8 @@ pub struct SafetyLines<I, O> {
     permit: O,
     stop_contact: Contact,
     bumper_contact: Contact,
+    /// When the bumper opened; `None` = long ago, or not closed yet since the start.
+    bumper_opened: Option<Millis>,
     /// When the permit changed last, and its level.
     changed: Millis,
     level: bool,
@@ -86,6 +95,7 @@ where
                 open: true,
                 changing_since: None,
             },
+            bumper_opened: None,
             changed: Millis::from_ms(0),
             level: false,
         }
@@ -97,9 +107,15 @@ where
         let Ok(bumper) = self.bumper.is_high();
         let was_open = self.bumper_contact.open;
         let is_open = self.bumper_contact.update(bumper, now);
+        if !is_open || !was_open {
+            self.bumper_opened = Some(now);
+        }
+        let opened = self.bumper_opened;
+        self.bumper_opened = opened.filter(|opened| now.since(*opened) <= HELD_MS);
         Alarms {
             emergency_stop: self.stop_contact.update(stop, now),
             touched: is_open && !was_open,
+            bumper_open: is_open && self.bumper_opened.is_none(),
         }
     }
 
@@ -244,5 +260,38 @@ mod tests {
             touches += u32::from(lines.read(at(now_ms)).touched);
         }
         assert_eq!(touches, 2);
+    }
+
+    /// Rounds from `from` to `to` in which the bumper stops the robot.
+    fn held(lines: &mut Lines<'_>, from: u32, to: u32) -> usize {
+        let rounds = (from..=to).step_by(10);
+        rounds
+            .filter(|now_ms| lines.read(at(*now_ms)).bumper_open)
+            .count()
+    }
+
+    #[test]
+    fn a_bumper_that_has_not_been_closed_since_the_start_stops_the_robot() {
+        let wires = Wires::default();
+        wires.bumper.set(true);
+        let mut lines = closed(&wires);
+        assert_eq!(held(&mut lines, 1_010, 2_000), 100);
+        wires.bumper.set(false);
+        // Until it has settled.
+        assert_eq!(held(&mut lines, 2_010, 3_000), 2);
+    }
+
+    #[test]
+    fn a_bumper_that_stays_open_stops_the_robot_after_10_s() {
+        let wires = Wires::default();
+        let mut lines = closed(&wires);
+        wires.bumper.set(true);
+        // It counts as open from 1030 ms on.
+        assert_eq!(held(&mut lines, 1_010, 11_030), 0);
+        assert_eq!(held(&mut lines, 11_040, 12_030), 100);
+        wires.bumper.set(false);
+        assert_eq!(held(&mut lines, 12_040, 13_000), 2);
+        wires.bumper.set(true);
+        assert_eq!(held(&mut lines, 13_010, 23_000), 0);
     }
 }

@@ -43,6 +43,8 @@ pub struct Link {
     /// When the last frame of the session was heard, by the session's clock; by the host's, none before it has told its
     /// time.
     heard: Option<Millis>,
+    /// When the last frame of the session came, by the clock here.
+    came: Millis,
     /// The latest time of the host.
     host: Millis,
     offset: OffsetWindow,
@@ -64,6 +66,7 @@ impl Link {
             seq: 0,
             by_host: false,
             heard: None,
+            came: Millis::from_ms(0),
             host: Millis::from_ms(0),
             offset: OffsetWindow::new(),
             alive: false,
@@ -80,6 +83,7 @@ impl Link {
                 Clock::Host => None,
                 Clock::Device => Some(now),
             },
+            came: now,
             host: Millis::from_ms(0),
             offset: OffsetWindow::new(),
             alive: true,
@@ -114,6 +118,13 @@ impl Link {
         self.alive
     }
 
+    /// Whether the host was heard lately, by the clock here. In a session by the host's clock [`is_alive`](Self::is_alive) does
+    /// not tell: there no time passes while it is silent.
+    #[must_use]
+    pub const fn has_heard(&self, now: Millis) -> bool {
+        self.alive && now.since(self.came) <= SILENCE_MS
+    }
+
     /// Takes the header of a sound frame.
     pub const fn accept(&mut self, header: Header) -> Verdict {
         if self.session == 0 {
@@ -134,6 +145,7 @@ impl Link {
     /// of by the session's clock, never later than now.
     pub fn heard(&mut self, at: Millis, now: Millis) -> Millis {
         self.alive = true;
+        self.came = now;
         match self.clock() {
             Clock::Host => {
                 // A host whose clock was set back goes on from there.
@@ -153,6 +165,7 @@ impl Link {
 
     /// Takes an accepted frame without a time.
     pub const fn heard_timeless(&mut self, now: Millis) {
+        self.came = now;
         if !self.by_host {
             self.heard = Some(now);
             self.alive = true;
@@ -292,5 +305,18 @@ mod tests {
         link.heard(ms(100), ms(1_000));
         link.resume(ms(6_000));
         assert!(!link.falls_silent(ms(400)) && link.falls_silent(ms(401)));
+    }
+
+    #[test]
+    fn a_silence_is_one_by_the_clock_here_as_well() {
+        assert!(!Link::new().has_heard(ms(0)));
+        for clock in [Clock::Device, Clock::Host] {
+            let mut link = opened(clock);
+            assert!(link.has_heard(ms(1_300)) && !link.has_heard(ms(1_301)));
+            link.heard(ms(100), ms(2_000));
+            assert!(link.has_heard(ms(2_300)) && !link.has_heard(ms(2_301)));
+            link.heard_timeless(ms(3_000));
+            assert!(link.has_heard(ms(3_300)) && !link.has_heard(ms(3_301)));
+        }
     }
 }

@@ -198,10 +198,11 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.link.is_alive()
     }
 
-    /// Whether a host is there whose silence is noticed by the device's clock.
+    /// Whether a host is there and was heard within [`SILENCE_MS`] before `now`, by the device's clock whichever clock the
+    /// session has.
     #[must_use]
-    pub const fn is_watched(&self) -> bool {
-        self.is_linked() && matches!(self.link.clock(), Clock::Device)
+    pub const fn has_heard_host(&self, now: Millis) -> bool {
+        self.link.has_heard(now)
     }
 
     /// Takes a received frame, without its zero, at `now` by the device's clock.

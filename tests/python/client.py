@@ -14,7 +14,7 @@ import zlib
 
 # Numbers of the grammar.
 PROTOCOL, SENSORS, NEURONS = 1, 16, 16
-SCHEMA = 0xe4f1ec1b
+SCHEMA = 0x3bbc9afe
 
 HELLO, SCAN, ODOMETRY, COMMAND, COUNTERS = 0, 2, 3, 4, 7
 GOAL, EXPLORE, LEARN, SEEK, STOP, FORGET = 0, 1, 2, 3, 4, 6

@@ -40,6 +40,13 @@ pub fn list() -> Result<Vec<Defect>, String> {
 }
 
 impl Defect {
+    /// The defect's row in the table.
+    #[must_use]
+    pub fn row(&self, noticed: bool) -> String {
+        let answer = if noticed { "yes" } else { "**no**" };
+        format!("| {} | `{}` | {answer} |", self.what, self.check)
+    }
+
     /// A file's text with the defect.
     ///
     /// # Errors
@@ -68,6 +75,10 @@ pub fn builds(check: &str) -> Result<Vec<String>, String> {
         commands.push(check.replacen("cargo test", "cargo test --no-run", 1));
     } else if check.starts_with("tests/campaign ") {
         commands.push("cargo build --locked -p tests --bin campaign".to_owned());
+    } else if check.starts_with("cd tests/chip && cargo test ") {
+        commands.push(check.replacen("cargo test", "cargo test --no-run", 1));
+        commands.extend(BOARDS.map(board_image));
+        return Ok(commands);
     } else {
         return Err(format!("`{check}`: it is not known what this builds"));
     }
@@ -85,6 +96,16 @@ pub fn builds(check: &str) -> Result<Vec<String>, String> {
     };
     commands.extend(machines.iter().map(image));
     Ok(commands)
+}
+
+/// Packages, programs and targets of the images that the checks in tests/chip look at.
+const BOARDS: [[&str; 3]; 2] = [
+    ["stm32f405", "olimex_h405", "thumbv7em-none-eabihf"],
+    ["microbit", "microbit", "thumbv6m-none-eabi"],
+];
+
+fn board_image([package, program, target]: [&str; 3]) -> String {
+    format!("cargo build --locked -p {package} --bin {program} --profile chip --target {target}")
 }
 
 /// Builds an image where the check will look for it.
@@ -133,6 +154,7 @@ mod tests {
             count("cargo test -p tests --test chip_architectures"),
             Ok(4)
         );
+        assert_eq!(count("cd tests/chip && cargo test --test stack"), Ok(3));
         assert!(count("tests/miri").is_err());
         let built = builds("cargo test -p amp --lib -- a").expect("a command");
         assert_eq!(built, ["cargo test --no-run -p amp --lib -- a"]);

@@ -31,3 +31,22 @@ fn every_defect_has_words_of_its_own() {
         assert!(seen.insert(&defect.what), "twice: {}", defect.what);
     }
 }
+
+/// Its rows are what `tests/extra defects` prints; whether a defect is noticed is tried there.
+#[test]
+fn the_published_table_has_every_defect() {
+    let page = std::fs::read_to_string(root().join("docs/defects.md")).expect("the page");
+    let lines = page.lines();
+    let rows: HashSet<&str> = lines.filter(|line| line.ends_with("| yes |")).collect();
+    let defects = list().expect("a list");
+    let expected = defects.iter().map(|defect| defect.row(true));
+    let missing: Vec<_> = expected
+        .filter(|row| !rows.contains(row.as_str()))
+        .collect();
+    assert!(
+        missing.is_empty(),
+        "docs/defects.md lacks\n{}",
+        missing.join("\n")
+    );
+    assert_eq!(rows.len(), defects.len(), "docs/defects.md has more");
+}

@@ -418,7 +418,7 @@ fn a_board_without_flash_refuses_at_once_and_goes_on() {
 /// A bench that explores for a linked host.
 fn exploring() -> Bench {
     let bench = exploring_by(Clock::Device);
-    assert!(bench.control.may_move());
+    assert!(bench.control.may_move(Millis::from_ms(2)));
     bench
 }
 
@@ -427,7 +427,7 @@ fn exploring_by(clock: Clock) -> Bench {
     bench.start();
     bench.open_by(clock);
     let _ = bench.control.run(Millis::from_ms(1));
-    assert!(bench.control.is_linked() && !bench.control.may_move());
+    assert!(bench.control.is_linked() && !bench.control.may_move(Millis::from_ms(1)));
     bench.ask(&ToMind::Command {
         at_ms: 1,
         ttl_ms: 1_000,
@@ -438,11 +438,23 @@ fn exploring_by(clock: Clock) -> Bench {
     bench
 }
 
-/// By its clock nobody here would notice its silence.
+/// In a session by the host's clock, as a bridge has one, the host is not lost while it is silent.
 #[test]
-fn the_motors_have_no_permit_in_a_session_by_the_hosts_clock() {
-    let bench = exploring_by(Clock::Host);
-    assert!(bench.control.is_linked() && !bench.control.may_move());
+fn the_motors_have_a_permit_only_while_the_host_is_heard_whichever_clock_counts() {
+    for clock in [Clock::Device, Clock::Host] {
+        let mut bench = exploring_by(clock);
+        let permit_at = |bench: &mut Bench, ms: u32| {
+            let _ = bench.control.run(Millis::from_ms(ms));
+            bench.control.may_move(Millis::from_ms(ms))
+        };
+        // Last heard at 2 ms.
+        assert!(permit_at(&mut bench, 302), "{clock:?}");
+        assert!(!permit_at(&mut bench, 303), "{clock:?}");
+        bench.ask(&ToMind::Alive { at_ms: 3 });
+        // Who is lost has to resume; who was silent by the clock here alone has not.
+        assert_eq!(permit_at(&mut bench, 600), clock == Clock::Host);
+        assert!(!permit_at(&mut bench, 901), "{clock:?}");
+    }
 }
 
 /// An order to go on and a whole ring come at once, before the lines are looked at again.
@@ -450,7 +462,7 @@ fn the_motors_have_no_permit_in_a_session_by_the_hosts_clock() {
 fn nothing_moves_while_the_emergency_stop_is_open() {
     let open = Alarms {
         emergency_stop: true,
-        touched: false,
+        ..Alarms::default()
     };
     for (alarms, moves) in [(Alarms::default(), true), (open, false)] {
         let mut bench = exploring();
@@ -482,7 +494,7 @@ fn nothing_moves_while_the_emergency_stop_is_open() {
         let said = bench.said();
         let is_motion = |said: &FromMind<16>| matches!(said, FromMind::Motion(_));
         assert_eq!(said.iter().any(is_motion), moves, "{said:?}");
-        assert_eq!(bench.control.may_move(), moves);
+        assert_eq!(bench.control.may_move(Millis::from_ms(5)), moves);
     }
 }
 
@@ -490,18 +502,23 @@ fn nothing_moves_while_the_emergency_stop_is_open() {
 fn alarms_of_the_lines_stop_the_robot_and_say_why() {
     let stop = Alarms {
         emergency_stop: true,
-        touched: false,
+        ..Alarms::default()
+    };
+    let held = Alarms {
+        bumper_open: true,
+        ..Alarms::default()
     };
     for (alarms, low_voltage, reason) in [
+        (held, false, StopReason::BumperOpen),
         (stop, false, StopReason::EmergencyStop),
         (Alarms::default(), true, StopReason::LowVoltage),
     ] {
         let mut bench = exploring();
         let now = Millis::from_ms(10);
         bench.control.apply_alarms(Alarms::default(), false, now);
-        assert!(bench.control.may_move());
+        assert!(bench.control.may_move(now));
         bench.control.apply_alarms(alarms, low_voltage, now);
-        assert!(!bench.control.may_move());
+        assert!(!bench.control.may_move(now));
         let said = bench.said();
         let mode = FromMind::Mode(ModeReport::Stopped(reason));
         assert!(said.contains(&mode), "{said:?}");
@@ -519,14 +536,14 @@ fn a_touch_ends_the_motion_under_way_and_nothing_else() {
     });
     let _ = bench.control.run(Millis::from_ms(3));
     let touched = Alarms {
-        emergency_stop: false,
         touched: true,
+        ..Alarms::default()
     };
     let touch = |bench: &mut Bench| {
         let now = Millis::from_ms(60);
         let _ = bench.said();
         bench.control.apply_alarms(touched, false, now);
-        assert!(bench.control.may_move());
+        assert!(bench.control.may_move(now));
         motion(&bench.said())
     };
     assert_eq!(touch(&mut bench), None, "it stands");

@@ -45,6 +45,7 @@ pub fn stop(reason: StopReason) -> &'static str {
         StopReason::Overdue => "its motion did not end in time: the wheels may be blocked",
         StopReason::EmergencyStop => "the emergency stop was pressed, or its wire is broken",
         StopReason::LowVoltage => "its supply voltage is too low",
+        StopReason::BumperOpen => "the bumper does not close, or its wire is broken",
     }
 }
 

@@ -50,6 +50,8 @@ pub enum StopReason {
     EmergencyStop,
     /// The supply voltage is too low.
     LowVoltage,
+    /// The bumper does not close, or its wire is broken.
+    BumperOpen,
 }
 
 /// Why a command was not carried out.

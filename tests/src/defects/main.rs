@@ -50,8 +50,7 @@ fn run(part: &str) -> Result<bool, String> {
         let tried = timed(|| with(copy, defect, || passes(copy, &target, &defect.check)));
         let noticed = !tried.map_err(|why| format!("{}: {why}", defect.what))?;
         all &= noticed;
-        let answer = if noticed { "yes" } else { "**no**" };
-        println!("| {} | `{}` | {answer} |", defect.what, defect.check);
+        println!("{}", defect.row(noticed));
     }
     Ok(all)
 }

@@ -203,7 +203,7 @@ macro_rules! application {
                 }
                 let more = control.run(now);
                 if HAS_PINS {
-                    cx.local.safety.permit(control.may_move(), now);
+                    cx.local.safety.permit(control.may_move(now), now);
                 }
                 shared.vigil.want_patience(control.wants_patience());
                 if control.take_sent() {
