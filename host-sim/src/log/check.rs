@@ -21,9 +21,6 @@ pub(super) const MAX_CHUNK_BYTES: u64 = 64 << 20;
 /// Largest record other than a chunk, bytes.
 const MAX_RECORD_BYTES: u64 = 64 << 20;
 
-/// LZ4 does not compress better than this.
-const MAX_LZ4_RATIO: u64 = 255;
-
 /// Opcode and length of a record, bytes.
 const PREFIX_BYTES: usize = 1 + 8;
 
@@ -308,9 +305,6 @@ fn chunk(file: &[u8], record: &Record<'_>) -> Result<Chunk, Damage> {
     }
     if head.size > MAX_CHUNK_BYTES {
         return Err(refuse(Defect::TooLong(head.size)));
-    }
-    if head.size > head.compressed_size.saturating_mul(MAX_LZ4_RATIO) {
-        return Err(refuse(Defect::Decompression));
     }
     let chunk = Chunk {
         at: record.at,

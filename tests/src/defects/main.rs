@@ -29,9 +29,10 @@ fn run(part: &str) -> Result<bool, String> {
     defects.retain(|defect| defect.what.contains(part) || defect.check.contains(part));
     let copy = tempfile::tempdir().map_err(|error| error.to_string())?;
     let copy = copy.path();
+    // With the time of now (-m): cargo takes what is older than its last build, of another commit, for built.
     shell(
         root(),
-        &format!("git archive HEAD | tar -x -C '{}'", copy.display()),
+        &format!("git archive HEAD | tar -xm -C '{}'", copy.display()),
     )?;
     let target = root().join("target/defects");
 
