@@ -67,8 +67,7 @@ impl<const SENSORS: usize> Pending<SENSORS> {
     /// The base has gone farther than it was to go: braking takes a way of its own.
     fn was_overrun(&self) -> bool {
         let left = self.remaining.now().rotated(self.turned.direction());
-        let along = |left: i16, commanded: i16| i32::from(left) * i32::from(commanded);
-        along(left.dx_mm, self.commanded.dx_mm) < -along(left.dy_mm, self.commanded.dy_mm)
+        left.opposes(self.commanded)
     }
 }
 

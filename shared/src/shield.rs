@@ -30,6 +30,7 @@ use way::Way;
 
 mod arc;
 mod cone;
+mod detour;
 mod way;
 
 /// Arcs kept per place of the ring, at most.

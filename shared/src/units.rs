@@ -295,6 +295,15 @@ impl Displacement {
         }
     }
 
+    /// Whether it leads more than a right angle away from where `other` leads.
+    #[must_use]
+    pub const fn opposes(self, other: Self) -> bool {
+        // Each product has 31 bits, their sum might need 33.
+        let along_x = self.dx_mm as i32 * other.dx_mm as i32;
+        let along_y = self.dy_mm as i32 * other.dy_mm as i32;
+        along_x < -along_y
+    }
+
     /// The move as seen after its frame has been turned by `direction`'s angle.
     #[must_use]
     pub fn rotated(self, direction: Direction) -> Self {

@@ -1,5 +1,6 @@
 //! A rule that drives by whole rings, made a [`Pilot`]: the echoes gathered, the way reckoned, the shield of the `amp`
-//! crate applied just as the mind's controller applies it (before a motion, and at every echo while it is under way).
+//! crate applied just as the mind's controller applies it (before a motion, with its detours, and at every echo while it is under
+//! way).
 
 use crate::pilot::Pilot;
 use crate::world::{Point, Pose, wrap_angle};
@@ -7,7 +8,7 @@ use amp::config::Config;
 use amp::controller::{Decision, Event, Motion, Outputs, Progress, Tracked};
 use amp::fixed::Mask;
 use amp::scan::{Echo, Scan};
-use amp::shield::{Shield, Shielding};
+use amp::shield::{Allowed, Shield, Shielding};
 use amp::units::{Bearing, Displacement, Millis, Range};
 use std::f64::consts::{PI, TAU};
 
@@ -30,7 +31,8 @@ pub struct Perceived {
 /// A motion that has ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Done {
-    /// Displacement the policy asked for, m in the ring's frame at that decision.
+    /// Displacement that was tried, m in the ring's frame at that decision: what the policy asked for, or the detour that the
+    /// shield made of it.
     pub wanted: Point,
     /// Displacement carried out, m in the same frame.
     pub moved: Point,
@@ -75,6 +77,8 @@ pub trait Steered: Policy {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct UnderWay {
     wanted: Point,
+    /// The same, rounded.
+    commanded: Displacement,
     /// Executed so far, m in the frame of the decision.
     moved: Point,
     /// Still to go.
@@ -95,6 +99,8 @@ pub struct RingPilot<P> {
     moving: bool,
     touched: bool,
     motion: u16,
+    /// Decisions in a row for which all ways were closed.
+    closed: u8,
 }
 
 impl<P: Policy> RingPilot<P> {
@@ -114,6 +120,7 @@ impl<P: Policy> RingPilot<P> {
             moving: false,
             touched: false,
             motion: 0,
+            closed: 0,
         }
     }
 
@@ -160,7 +167,14 @@ impl<P: Policy> RingPilot<P> {
         let Some(allowed) = shorter else {
             return Outputs::NONE;
         };
-        let shorter = remaining.with_length(allowed.distance_mm);
+        // A base that has gone too far stands, as under the mind.
+        let left = remaining.rotated(under_way.turned.direction());
+        let left_mm = if left.opposes(under_way.commanded) {
+            0
+        } else {
+            allowed.distance_mm
+        };
+        let shorter = remaining.with_length(left_mm);
         under_way.remaining = Tracked::new(shorter);
         under_way.speed_mm_s = allowed.speed_mm_s.min(under_way.speed_mm_s);
         Outputs {
@@ -189,17 +203,29 @@ impl<P: Policy> RingPilot<P> {
         let asked = self.policy.decide(&perceived);
         let millimeters = |meters: f64| libm::round(meters * 1e3) as i32;
         let wanted = Displacement::saturating(millimeters(asked.x), millimeters(asked.y));
-        let limit = self.shield.allow(&self.config, Mask::ALL, wanted, now);
+        let (tried, limit) = self.way(wanted, now);
+        let asked = if tried == wanted {
+            asked
+        } else {
+            meters(tried)
+        };
+        let wanted = tried;
         let allowed = if limit.distance_mm >= wanted.length_mm() {
             wanted
         } else {
             wanted.with_length(limit.distance_mm)
         };
+        if allowed != Displacement::ZERO {
+            self.closed = 0;
+        } else if wanted != Displacement::ZERO {
+            self.closed = self.closed.wrapping_add(1);
+        }
         self.motion = self.motion.wrapping_add(1);
         (self.moving, self.touched) = (true, false);
         self.scan.renew();
         self.under_way = Some(UnderWay {
             wanted: asked,
+            commanded: wanted,
             moved: Point::default(),
             remaining: Tracked::new(allowed),
             turned: Bearing::ZERO,
@@ -220,6 +246,13 @@ impl<P: Policy> RingPilot<P> {
             }),
             ..Outputs::NONE
         }
+    }
+
+    /// What is tried of a way, and how far.
+    fn way(&self, wanted: Displacement, now: Millis) -> (Displacement, Allowed) {
+        let (config, shield) = (&self.config, &self.shield);
+        let aside = shield.step_aside(config, Mask::ALL, wanted, now);
+        aside.unwrap_or_else(|| shield.detour(config, Mask::ALL, wanted, now, self.closed))
     }
 
     fn odometry(&mut self, motion: u16, moved: Displacement, turned: Bearing, progress: Progress) {
@@ -275,12 +308,15 @@ fn radians(turned: Bearing) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::episode::{Body, drive_pilot};
+    use crate::episode::{Body, Setup, drive_pilot, educate};
     use crate::experiments::rooms::small;
+    use crate::link::Knowledge;
     use crate::pilot::Mind;
     use crate::robot::TurretMode;
+    use crate::scenes::Behavior;
     use crate::sonar::SonarModel;
     use amp::controller::Command;
+    use amp::goal::Goal;
 
     /// Whatever was asked of the mind is asked of the policy.
     struct Script(Displacement);
@@ -296,70 +332,82 @@ mod tests {
         mind: Mind,
         other: RingPilot<Script>,
         shortened: u32,
+        /// Motions in another direction than was asked for.
+        detours: u32,
     }
 
     impl Pilot for Both {
         fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
             let outputs = self.mind.handle(at, event);
             if let Some(decision) = &outputs.decision {
-                self.other.policy_mut().0 = decision.wanted;
+                self.other.policy_mut().0 = decision.plan.expect("it seeks").action;
             }
             let twin = self.other.handle(at, event);
             let told = |motion: Option<Motion>| motion.map(|m| (m.displacement, m.speed_mm_s));
-            if !outputs.mode_changed {
-                assert_eq!(
-                    told(outputs.motion),
-                    told(twin.motion),
-                    "{at:?} {event:?} {:?}",
-                    outputs.stale_ms
-                );
-            }
+            assert_eq!(
+                told(outputs.motion),
+                told(twin.motion),
+                "{at:?} {event:?} {:?}",
+                outputs.stale_ms
+            );
+            self.detours += u32::from(outputs.decision.is_some_and(|decision| {
+                decision
+                    .plan
+                    .is_some_and(|plan| plan.action != decision.wanted)
+            }));
             self.shortened += u32::from(outputs.motion.is_some() && outputs.decision.is_none());
             outputs
         }
     }
 
+    /// A mind that has learnt, and heard nothing yet.
+    fn learnt(config: &Config<16>) -> Mind {
+        let mut mind = Mind::new(config.clone());
+        let setup = Setup {
+            config: config.clone(),
+            preset: "default".to_owned(),
+            behavior: Behavior::Avoid,
+            explore_moves: 100,
+            steps: 1,
+            seed: 7,
+            sonar: SonarModel::Ideal,
+            faults: Vec::new(),
+            turret: TurretMode::Held,
+            set_down: None,
+            record: false,
+        };
+        educate(&small(2), &setup, &mut mind).expect("it learns");
+        let state = Knowledge::of(config, mind.state()).state().clone();
+        Mind::with_state(config.clone(), state)
+    }
+
     #[test]
     fn the_shield_is_the_minds_own_motion_by_motion() {
+        let mut config = Config::recommended();
+        // The other driver uses every transducer.
+        config.fault_detection = false;
+        let learnt = learnt(&config);
         for (sonar, turret) in [
             (SonarModel::Ideal, TurretMode::Held),
             (SonarModel::Harsh, TurretMode::Held),
             (SonarModel::Nomad, TurretMode::Follow),
         ] {
-            let mut config = Config::recommended();
-            // No second draw where the shield would take most of a move: it has more to do.
-            config.exploration.draws = 1;
-            // The other driver uses every transducer.
-            config.fault_detection = false;
-            let mut mind = Mind::new(config.clone());
-            let moves = Command::Explore {
-                moves: 200,
-                seed: 7,
-            };
-            let _ = mind.handle(Millis::from_ms(0), Event::Command(moves));
-            let script = Script(Displacement::ZERO);
+            let mut mind = learnt.clone();
+            let goal = Goal::avoiding(&config);
+            let _ = mind.handle(Millis::from_ms(0), Event::Command(Command::Seek(goal)));
             let mut both = Both {
                 mind,
-                other: RingPilot::new(script, config.shield),
+                other: RingPilot::new(Script(Displacement::ZERO), config.shield),
                 shortened: 0,
+                detours: 0,
             };
-            // As if both had looked around: the mind's first move is a step aside, which the other driver does not make.
-            let _ = both.handle(
-                Millis::from_ms(0),
-                Event::Odometry {
-                    motion: 0,
-                    moved: Displacement::along(Bearing::ZERO, 100),
-                    turned: Bearing::ZERO,
-                    progress: Progress::Ended,
-                },
-            );
             let world = small(3);
             let body = Body::new(&world, sonar, turret, 5);
             let tally = drive_pilot(&world, &mut both, body, 200).expect("it drives");
             assert_eq!(tally.steps, 200);
             assert!(tally.shield_stops > 0, "{sonar:?}");
             if sonar != SonarModel::Ideal {
-                assert!(both.shortened > 0, "{sonar:?}");
+                assert!(both.shortened > 0 && both.detours > 1, "{sonar:?}");
             }
         }
     }

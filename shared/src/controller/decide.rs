@@ -10,7 +10,6 @@ use crate::goal::{Asked, Frame, Goal, missed};
 use crate::memory::{self, Sample};
 use crate::planner::{GoalNeuron, NEXT_COURSE, Plan, Planner, Why};
 use crate::scan::{Aligned, Situation, rotated};
-use crate::shield::{Allowed, SECOND_VIEW_MM};
 use crate::som::Neighbourhood;
 use crate::som::neighbourhood::Pull;
 use crate::units::{Bearing, Displacement, Millis};
@@ -150,65 +149,6 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         outputs
     }
 
-    /// The first move after the start, or after the robot was carried: a short one across the way, to look at it from a second
-    /// place. `None` where that is known already, or where both sides are closed.
-    pub(super) fn step_aside(
-        &self,
-        config: &Config<SENSORS>,
-        enabled: Mask,
-        now: Millis,
-        wanted: Displacement,
-    ) -> Option<(Displacement, Allowed)> {
-        if config.shield.is_none() || !self.shield.has_one_view() {
-            return None;
-        }
-        let step = wanted.with_length(SECOND_VIEW_MM);
-        let aside = [1, 3].map(|quarters| {
-            let way = step.rotated(Bearing::of_place(quarters, 4).direction());
-            let mut allowed = self.shield.allow(config, enabled, way, now);
-            // Nobody has looked there: slowly.
-            allowed.speed_mm_s = allowed.speed_mm_s.min(config.robot.speed_mm_s / 2);
-            (way, allowed)
-        });
-        let freer = aside
-            .into_iter()
-            .max_by_key(|(_, allowed)| allowed.distance_mm);
-        freer.filter(|(_, allowed)| allowed.distance_mm > 0)
-    }
-
-    /// What the shield leaves of a way. Where that is less than half, the best of four detours is taken
-    /// instead. A detour also shows what stands in the gap between two lobes: from beside it, it is in a lobe.
-    ///
-    /// A robot that found all of them closed tries others the next time, 1/64 of a turn farther: the way out between two things
-    /// may be narrow, and what closes the others may be a phantom echo, which is found out from elsewhere only.
-    pub(super) fn detour(
-        &self,
-        config: &Config<SENSORS>,
-        enabled: Mask,
-        now: Millis,
-        wanted: Displacement,
-    ) -> (Displacement, Allowed) {
-        let free = |way| self.shield.allow(config, enabled, way, now);
-        let mut best = (wanted, free(wanted));
-        if 2 * best.1.distance_mm >= wanted.length_mm() {
-            return best;
-        }
-        // Eighths of a turn, and what such a way counts for, sixteenths: at 45° what leads along the one wanted; across it
-        // nothing does, but a quarter counts for what it shows.
-        let mut farthest = 16 * u32::from(best.1.distance_mm);
-        for (eighths, share) in [(1, 11), (7, 11), (2, 4), (6, 4)] {
-            let bearing =
-                Bearing::of_place(eighths, 8).plus(Bearing::of_place(self.closed.into(), 64));
-            let way = wanted.rotated(bearing.direction());
-            let allowed = free(way);
-            let along = share * u32::from(allowed.distance_mm);
-            if along > farthest {
-                (best, farthest) = ((way, allowed), along);
-            }
-        }
-        best
-    }
-
     /// Those that are inhibited, and a few others: mostly none at all.
     fn inhibited_mut(&mut self) -> impl Iterator<Item = &mut u8> {
         let (fours, rest) = self.inhibited.as_chunks_mut::<4>();
@@ -303,9 +243,9 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         plan: Option<&Plan<SENSORS>>,
     ) -> Outputs<SENSORS> {
         let enabled = self.enabled(config);
-        let aside = self.step_aside(config, enabled, now, wanted);
+        let aside = self.shield.step_aside(config, enabled, wanted, now);
         let (wanted, limit) = aside.unwrap_or_else(|| match plan {
-            Some(_) => self.detour(config, enabled, now, wanted),
+            Some(_) => (self.shield).detour(config, enabled, wanted, now, self.closed),
             None => (wanted, self.shield.allow(config, enabled, wanted, now)),
         });
         let allowed = if wanted.is_shorter_than(u32::from(limit.distance_mm).wrapping_add(1)) {

@@ -48,12 +48,8 @@ fn what_a_disabled_transducer_hears_is_nothing_to_the_shield() {
 fn the_first_move_is_a_short_one_across_the_way() {
     let across = |bench: &mut Bench, turns: u16| {
         let wanted = Displacement::along(Bearing::from_turns(turns), 250);
-        let aside = bench.state.step_aside(
-            &bench.config,
-            Mask::ALL,
-            Millis::from_ms(bench.time),
-            wanted,
-        );
+        let now = Millis::from_ms(bench.time);
+        let aside = (bench.state.shield).step_aside(&bench.config, Mask::ALL, wanted, now);
         aside.map(|(way, allowed)| {
             (
                 way.bearing()
@@ -112,7 +108,7 @@ fn who_finds_a_way_closed_takes_a_detour() {
             let range = thing.map(|(_, mm)| Range::from_mm(*mm));
             state.shield.hear(&config, sensor, Echo { range, at: now });
         }
-        let (way, allowed) = state.detour(&config, Mask::ALL, now, wanted);
+        let (way, allowed) = state.shield.detour(&config, Mask::ALL, wanted, now, 0);
         (
             (way.bearing().as_signed_turns() + 4_096) >> 13,
             allowed.distance_mm,
