@@ -198,7 +198,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.link.is_alive()
     }
 
-    /// Whether a host is there and was heard within [`SILENCE_MS`] before `now`, by the device's clock whichever clock the
+    /// Whether a host is there and was heard within [`SILENCE_MS`](crate::link::SILENCE_MS) before `now`, by the device's clock whichever clock the
     /// session has.
     #[must_use]
     pub const fn has_heard_host(&self, now: Millis) -> bool {

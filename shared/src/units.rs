@@ -317,6 +317,22 @@ mod tests {
     use super::*;
 
     #[test]
+    fn what_leads_back_opposes() {
+        let way = |dx_mm, dy_mm| Displacement { dx_mm, dy_mm };
+        for (one, other, expected) in [
+            (way(10, 0), way(-1, 100), true),
+            (way(10, 0), way(0, 100), false),
+            (way(10, 10), way(20, -19), false),
+            (way(10, 10), way(19, -20), true),
+            (way(i16::MIN, i16::MIN), way(i16::MIN, i16::MIN), false),
+            (way(i16::MIN, i16::MIN), way(i16::MAX, i16::MAX), true),
+            (Displacement::ZERO, way(1, 1), false),
+        ] {
+            assert_eq!(one.opposes(other), expected, "{one:?} {other:?}");
+        }
+    }
+
+    #[test]
     fn what_is_nearer_is_less() {
         for mm in [0, 1, 300, 65_533] {
             let (range, next) = (Range::from_mm(mm), Range::from_mm(mm + 1));
