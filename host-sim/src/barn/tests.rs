@@ -80,10 +80,8 @@ fn a_post_in_the_way_is_passed_by_the_maps_and_touched_by_who_does_not_listen() 
     assert_eq!(maps.end, End::Reached);
     let straight = |shield| run(&world, Method::Straight, &rules(shield), 0).unwrap();
     assert_eq!(straight(false).end, End::Touched);
-    assert_eq!(
-        (straight(true).end, straight(true).time_s),
-        (End::TimedOut, LIMIT_S)
-    );
+    // The shield's detours lead round it.
+    assert_eq!(straight(true).end, End::Reached);
 }
 
 #[test]
