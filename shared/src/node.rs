@@ -383,7 +383,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 sent: time,
                 ..underway
             });
-            self.send(underway.order, now, out);
+            self.order(underway.order, now, out);
         }
     }
 
@@ -432,7 +432,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 ttl_ms: MOTION_TTL_MS,
             };
             self.underway = Some(Underway { order, sent: at });
-            self.send(order, now, out);
+            self.order(order, now, out);
         }
         if outputs.mode_changed {
             let mode = ModeReport::from(self.state.mode());
@@ -448,12 +448,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
     }
 
+    // These four lie apart: what they say is no part of the stack of what the mind does.
     #[inline(never)]
-    fn send(&mut self, order: MotionOrder, now: Millis, out: &mut impl Outbox) {
+    fn order(&mut self, order: MotionOrder, now: Millis, out: &mut impl Outbox) {
         self.say(FromMind::Motion(order), now, out);
     }
 
-    // These three lie apart: what they say is no part of the stack of what the mind does.
     #[inline(never)]
     fn refuse(&mut self, seq: u16, why: Refusal, now: Millis, out: &mut impl Outbox) {
         add(&mut self.counters.refused);

@@ -116,7 +116,7 @@ mod tests {
         for _ in 0..20 {
             let now = bench.round();
             let alarms = bench.0.safety.read(now);
-            assert!(alarms.emergency_stop && !alarms.touched);
+            assert!(alarms.emergency_stop && alarms.bumper_open && !alarms.touched);
             assert!(port_b(13) && port_b(14));
             bench.0.safety.permit(true, now);
             assert_eq!(port_b(15), level);

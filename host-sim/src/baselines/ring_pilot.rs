@@ -203,29 +203,23 @@ impl<P: Policy> RingPilot<P> {
         let asked = self.policy.decide(&perceived);
         let millimeters = |meters: f64| libm::round(meters * 1e3) as i32;
         let wanted = Displacement::saturating(millimeters(asked.x), millimeters(asked.y));
-        let (tried, limit) = self.way(wanted, now);
-        let asked = if tried == wanted {
-            asked
+        let (way, limit) = self.way(wanted, now);
+        let allowed = if limit.distance_mm >= way.length_mm() {
+            way
         } else {
-            meters(tried)
-        };
-        let wanted = tried;
-        let allowed = if limit.distance_mm >= wanted.length_mm() {
-            wanted
-        } else {
-            wanted.with_length(limit.distance_mm)
+            way.with_length(limit.distance_mm)
         };
         if allowed != Displacement::ZERO {
             self.closed = 0;
-        } else if wanted != Displacement::ZERO {
+        } else if way != Displacement::ZERO {
             self.closed = self.closed.wrapping_add(1);
         }
         self.motion = self.motion.wrapping_add(1);
         (self.moving, self.touched) = (true, false);
         self.scan.renew();
         self.under_way = Some(UnderWay {
-            wanted: asked,
-            commanded: wanted,
+            wanted: if way == wanted { asked } else { meters(way) },
+            commanded: way,
             moved: Point::default(),
             remaining: Tracked::new(allowed),
             turned: Bearing::ZERO,
@@ -240,7 +234,7 @@ impl<P: Policy> RingPilot<P> {
             decision: Some(Decision {
                 situation: self.config.encoding.situation(&self.scan),
                 plan: None,
-                wanted,
+                wanted: way,
                 allowed,
                 at_goal: false,
             }),
@@ -395,7 +389,6 @@ mod tests {
             (SonarModel::Nomad, TurretMode::Follow),
         ] {
             let mut mind = Mind::with_state(config.clone(), learnt.clone());
-            // It keeps near things.
             // So near that the shield has much to do.
             let goal = Goal::wall(Side::Right, Range::from_mm(150), &config);
             let _ = mind.handle(Millis::from_ms(0), Event::Command(Command::Seek(goal)));

@@ -113,6 +113,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             ToMind::Keep { name } => return self.keep_goal(name),
             ToMind::Drop { name } => return self.drop_goal(name),
             ToMind::Goals => self.say_goals(now, out),
+            // These do not come here.
             ToMind::Hello(_)
             | ToMind::Alive { .. }
             | ToMind::Scan { .. }

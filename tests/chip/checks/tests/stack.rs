@@ -6,8 +6,8 @@ use checks::stack::{Calls, Deepest};
 use checks::{MICROBIT, board_image, image};
 use std::path::Path;
 
-/// What may run at once on a board.
-struct Board {
+/// What may run at once on a board, and where.
+struct Load {
     name: &'static str,
     /// The interrupts and what they are for, lowest priority first.
     tasks: &'static [(&'static str, &'static str)],
@@ -19,7 +19,7 @@ struct Board {
 
 /// RTIC's tasks. Eight words, the floating-point unit's 18, and a word to align them (ARMv7-M Architecture Reference Manual,
 /// B1.5.7); memory.x.
-const F405: Board = Board {
+const F405_LOAD: Load = Load {
     name: "F405",
     tasks: &[
         ("FSMC", "control"),
@@ -30,7 +30,7 @@ const F405: Board = Board {
     region: 8_192,
 };
 /// No floating-point unit (ARMv6-M Architecture Reference Manual, B1.5.6); microbit.x.
-const MICRO_BIT: Board = Board {
+const MICROBIT_LOAD: Load = Load {
     name: "micro:bit",
     tasks: &[("TIMER0", "timer"), ("UART0", "serial")],
     entry: 4 * (8 + 1),
@@ -62,19 +62,19 @@ fn print_frames(calls: &Calls, deepest: &Deepest) {
 
 /// Fails where the tasks on top of `beneath` leave the region, or `alone` does by itself. The mind's decisions are in it: less
 /// than 2000 bytes would mean that calls were not followed.
-fn check(board: &Board, calls: &Calls, beneath: u32, alone: u32) {
-    let name = board.name;
+fn check(load: &Load, calls: &Calls, beneath: u32, alone: u32) {
+    let name = load.name;
     let mut table = format!("| {name} | bytes, at most |\n| --- | ---: |\n");
     table += &format!("| `main`, its start | {alone} |\n| `main`, interrupted | {beneath} |\n");
     let mut sum = beneath;
-    for (interrupt, task) in board.tasks {
+    for (interrupt, task) in load.tasks {
         let bytes = deepest(calls, interrupt).bytes;
-        let entry = board.entry;
+        let entry = load.entry;
         table += &format!("| {task} | {bytes} |\n| on the way into it | {entry} |\n");
         sum += bytes + entry;
     }
     let all = sum.max(alone);
-    let region = board.region;
+    let region = load.region;
     table +=
         &format!("| **all at once, {name}** | **{all}** |\n| the stack's region | {region} |\n");
     println!("{table}");
@@ -89,7 +89,7 @@ fn the_deepest_stack_of_the_f405_stays_within_its_region() {
     print_frames(&calls, &deepest(&calls, "FSMC"));
     let main = deepest(&calls, "main");
     let idle = calls.function(main.chain[0]).expect("main").frame;
-    check(&F405, &calls, idle, main.bytes);
+    check(&F405_LOAD, &calls, idle, main.bytes);
 }
 
 /// The control task is a part of `main`.
@@ -98,5 +98,5 @@ fn the_deepest_stack_of_the_microbit_stays_within_its_region() {
     let calls = calls(&image(&MICROBIT));
     let main = deepest(&calls, "main");
     print_frames(&calls, &main);
-    check(&MICRO_BIT, &calls, main.bytes, main.bytes);
+    check(&MICROBIT_LOAD, &calls, main.bytes, main.bytes);
 }
