@@ -1,6 +1,5 @@
 //! A rule that drives by whole rings, made a [`Pilot`]: the echoes gathered, the way reckoned, the shield of the `amp`
-//! crate applied just as the mind's controller applies it (before a motion, with its detours, and at every echo while it is under
-//! way).
+//! crate applied just as the mind's controller applies it: before a motion, with its detours, and at every echo on the way.
 
 use crate::pilot::Pilot;
 use crate::world::{Point, Pose, wrap_angle};
@@ -411,16 +410,50 @@ mod tests {
         }
     }
 
+    /// A pilot with nothing around it and its first motion; it asks for 100 mm straight on.
+    fn under_way(shield: Option<Shielding>) -> (RingPilot<Script>, Motion) {
+        let mut pilot = RingPilot::new(Script(Displacement::along(Bearing::ZERO, 100)), shield);
+        let motion = (0..16).find_map(|sensor| {
+            let range = None;
+            let echo = Event::Echo { sensor, range };
+            pilot.handle(Millis::from_ms(0), echo).motion
+        });
+        (pilot, motion.expect("a motion after a whole ring"))
+    }
+
+    #[test]
+    fn a_way_that_was_overrun_is_not_gone_back() {
+        let config = Config::<16>::recommended();
+        let (mut pilot, motion) = under_way(config.shield);
+        let way = motion.displacement;
+        let _ = pilot.handle(
+            Millis::from_ms(300),
+            Event::Odometry {
+                motion: motion.id,
+                moved: way.with_length(way.length_mm() + 60),
+                turned: Bearing::ZERO,
+                progress: Progress::Moving,
+            },
+        );
+        let behind = (0..16).min_by_key(|&sensor: &usize| {
+            let axis = config.robot.directions[sensor];
+            axis.along(way.dx_mm.into(), way.dy_mm.into())
+        });
+        let echo = Event::Echo {
+            sensor: behind.expect("16 of them") as u8,
+            range: Some(Range::from_mm(160)),
+        };
+        let stand = pilot.handle(Millis::from_ms(320), echo).motion;
+        let stand = stand.expect("an order to stand");
+        assert_eq!(
+            (stand.id, stand.displacement),
+            (motion.id, Displacement::ZERO)
+        );
+    }
+
     #[test]
     fn the_way_is_reckoned_across_a_turn_of_the_ring() {
-        let mut pilot = RingPilot::new(Script(Displacement::along(Bearing::ZERO, 100)), None);
-        for sensor in 0..16 {
-            let echo = Event::Echo {
-                sensor,
-                range: None,
-            };
-            let _ = pilot.handle(Millis::from_ms(0), echo);
-        }
+        let (mut pilot, _) = under_way(None);
         let quarter = Bearing::from_turns(16_384);
         let ahead = Displacement::along(Bearing::ZERO, 50);
         for progress in [Progress::Moving, Progress::Ended] {
