@@ -51,6 +51,9 @@ const ENOUGH: u64 = 1_000;
 /// A host is missed after 300 ms of silence (PROTOCOL.md). A round of the control task, and what an emulator on a busy machine adds,
 /// come on top, ms.
 const SILENT_MS: [u32; 2] = [300, 400];
+/// The host falls silent within this time of a motion, ms. No echoes come meanwhile: two ring periods after the last ring the chip
+/// would stop for want of them.
+const LONGEST_MOVE_MS: usize = 700;
 
 /// What the decoder of this machine makes of damaged frames: what the chip should count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -467,7 +470,7 @@ impl<'a> BadLine<'a> {
 /// Falls silent at `count` moments of a motion; times by the chip's clock, from the last frame it heard to its stop.
 ///
 /// # Panics
-/// When there is no emulator, or the chip does not stop at all.
+/// When there is no emulator, or the chip does not stop at all, or for another reason.
 #[must_use]
 pub fn silence(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
     let mut chip = Chip::linked(Clock::Device);
@@ -475,7 +478,8 @@ pub fn silence(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
     let mut random = generator(seed, 0);
     let mut times: Vec<_> = (0..count)
         .map(|_| {
-            let took_ms = stopped_after(&mut chip, below(&mut random, 1_000) as u32);
+            let moving_ms = below(&mut random, LONGEST_MOVE_MS) as u32;
+            let took_ms = stopped_after(&mut chip, moving_ms);
             progress(1);
             chip.order(Order::Resume);
             took_ms
@@ -517,7 +521,10 @@ fn stopped_after(chip: &mut Chip, moving_ms: u32) -> u32 {
         });
         heard_ms = said.last().map(|report| report.device_ms);
     }
-    let stop = FromMind::Mode(ModeReport::Stopped(StopReason::LinkLost));
-    let stopped_ms = chip.wait(|_, report| (report.said == stop).then_some(report.device_ms));
+    let (why, stopped_ms) = chip.wait(|_, report| match report.said {
+        FromMind::Mode(ModeReport::Stopped(why)) => Some((why, report.device_ms)),
+        _ => None,
+    });
+    assert_eq!(why, StopReason::LinkLost, "after {moving_ms} ms");
     stopped_ms.wrapping_sub(heard_ms.unwrap_or(stopped_ms))
 }
