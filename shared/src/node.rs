@@ -231,8 +231,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             add(&mut self.counters.accepted);
             self.kept.begin();
         }
-        // A stop acts whatever its session, number and time. Where it is the last frame once more, its answer is said again as it
-        // was, which holds the order to stand.
+        // A stop acts each time it comes, whatever its session, number and time.
         let is_stop = matches!(
             message,
             ToMind::Command {
@@ -240,20 +239,17 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 ..
             }
         );
-        let is_answered = verdict == Verdict::Replayed { last: true }
-            && matches!(self.state.mode(), Mode::Stopped(_))
-            && self.kept.frames().next().is_some();
-        if is_stop && !is_answered {
+        if is_stop {
             self.stop(now, out);
         }
         match verdict {
             Verdict::Accept => self.request(header.seq, message, now, out),
             Verdict::Replayed { last } => {
                 add(&mut self.counters.replayed);
-                if last && !matches!(message, ToMind::Alive { .. }) {
-                    self.say_again(header.seq, now, out);
-                } else if is_stop {
+                if is_stop {
                     self.done(header.seq, now, out);
+                } else if last && !matches!(message, ToMind::Alive { .. }) {
+                    self.say_again(header.seq, now, out);
                 }
             }
             Verdict::NoSession | Verdict::Stranger if is_stop => {

@@ -252,7 +252,12 @@ fn somebody_elses_word_counts_more() {
     assert!(!walk.enabled().contains(3), "and not enabled again");
     let mut walk = Walk::new();
     assert!(!walk.walk_with(300, |_, _| mm(700)).is_empty());
+    let before = walk.detector.clone();
     walk.detector.trust(Mask::ALL.without(3));
+    assert!(
+        walk.detector == before,
+        "nothing is forgotten of the others"
+    );
     assert!(!walk.enabled().contains(3));
     walk.detector.trust(Mask::NONE.with(3));
     assert_eq!(walk.walk_with(2, |_, _| mm(700)), [], "it starts anew");

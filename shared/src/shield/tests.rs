@@ -6,6 +6,7 @@ use proptest::prelude::*;
 use std::vec::Vec;
 
 mod contradictions;
+mod detours;
 
 /// An arc and where its transducer's face was.
 fn arc(
@@ -400,6 +401,22 @@ fn a_lobe_is_as_wide_as_it_is_said_to_be_when_a_way_is_asked_for() {
         assert_eq!(way(&shield, &narrow, mm(250, 0), 6).0, 250);
         assert!(way(&shield, &wide, mm(250, 0), 6).0 < 20);
     }
+}
+
+#[test]
+fn another_lobe_counts_from_the_next_echo_on() {
+    let narrow = Config::recommended();
+    let mut wide = narrow.clone();
+    wide.shield = Some(Shielding {
+        half_lobe: Bearing::from_turns(1 << 13),
+        ..Shielding::nomad200()
+    });
+    let mut shield = heard(&wide, &[]);
+    shield.forget();
+    for sensor in 0..16 {
+        shield.hear(&narrow, sensor, echo(None, 5));
+    }
+    assert_eq!(shield, heard(&narrow, &[]));
 }
 
 /// A ring that hears nothing nearer than the body reaches: its shortest reading may be anything nearer.

@@ -111,7 +111,7 @@ fn steering_puts_the_deadline_off_for_as_long_as_it_can_take() {
     for (steers_ms, stands) in [(5_500, false), (9_000, true)] {
         let (mut bench, motion) = Bench::moving();
         let began = bench.time;
-        for time in (began..=began + steers_ms).step_by(10) {
+        for time in (began..=began + steers_ms).step_by(100) {
             bench.says_at(time);
             bench.report(time, motion.id, 0, Progress::Steering);
             bench.at(time, Event::Tick);

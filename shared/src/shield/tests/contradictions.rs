@@ -11,6 +11,54 @@ fn ring(shield: &mut Shield<16>, config: &Config<16>, thing: Option<(usize, u16)
     }
 }
 
+/// What a cone along x from the origin, by an echo of this range, makes of a point; `None` where some millimeters decide.
+fn is_contradicted((along, aside): (f64, f64), range: f64, arc_range: f64) -> Option<bool> {
+    const SLACK: f64 = 8.0;
+    let inside_by = |slack: f64| {
+        let distance = along + aside.abs() / 4.0;
+        let is_beyond = range > distance + 60.0 + distance / 32.0 + slack;
+        let gap = if along - slack < 650.0 {
+            20.0 + arc_range / 32.0
+        } else {
+            0.0
+        };
+        let edge = libm::tan(15_f64.to_radians()) * along;
+        along > slack && is_beyond && aside.abs() + gap + slack <= edge
+    };
+    let (surely, perhaps) = (inside_by(SLACK), inside_by(-SLACK));
+    (surely == perhaps).then_some(surely)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 4 } else { 2_000 }))]
+    /// Against the same in floats, point by point: arcs that are passed over change nothing.
+    #[test]
+    fn an_echo_contradicts_the_points_inside_its_cone(
+        face in (-250_i16..250, -250_i16..250), turn in -10_000_i16..10_000,
+        range in 154_u16..1_000, heard in 154_u16..2_000,
+    ) {
+        let shielding = Shielding::nomad200();
+        let lobe = Lobe::of(shielding.half_lobe);
+        let ahead = Bearing::ZERO.direction();
+        let cone = Cone::new(mm(0, 0), ahead, echo(Some(Range::from_mm(heard)), 1));
+        let now = Millis::from_ms(0);
+        let (face, mut arc) = arc((face.0, face.1, turn as u16, Some(range), 0), now);
+        for _ in 0..2 {
+            cone.look_at(&shielding, &lobe, face, &mut arc, range.into());
+        }
+        let axis = f64::from(turn) / 65_536.0 * core::f64::consts::TAU;
+        for point in 0..POINTS {
+            let towards = axis + (5.0 * (point as f64 - 3.0)).to_radians();
+            let along = f64::from(face.dx_mm) + f64::from(range) * libm::cos(towards);
+            let aside = f64::from(face.dy_mm) + f64::from(range) * libm::sin(towards);
+            if let Some(expected) = is_contradicted((along, aside), heard.into(), range.into()) {
+                let found = arc.range.is_none() || !arc.stands(point);
+                prop_assert_eq!(found, expected, "{} {} {}", point, along, aside);
+            }
+        }
+    }
+}
+
 #[test]
 fn two_farther_echoes_through_the_same_cone_contradict_an_arc() {
     let config = Config::recommended();

@@ -1,0 +1,37 @@
+//! What is tried instead of a way that is closed, or was seen from one place only.
+
+use super::*;
+
+fn step_aside(shield: &Shield<16>, config: &Config<16>) -> Option<(Displacement, Allowed)> {
+    shield.step_aside(config, Mask::ALL, mm(250, 0), Millis::from_ms(6))
+}
+
+#[test]
+fn the_first_step_is_across_the_way_and_slow() {
+    let config = Config::recommended();
+    // Something stands on the left: to the right.
+    let shield = heard(&config, &[(4, 400)]);
+    let (way, allowed) = step_aside(&shield, &config).expect("the right side is free");
+    assert_eq!(way, mm(0, -80));
+    assert_eq!((allowed.distance_mm, allowed.speed_mm_s), (80, 254));
+    // Both sides are closed.
+    let shield = heard(&config, &[(4, 130), (12, 130)]);
+    assert_eq!(step_aside(&shield, &config), None);
+    // The way has been seen from a second place.
+    let mut shield = heard(&config, &[]);
+    shield.moved(mm(0, 80), Bearing::ZERO);
+    assert_eq!(step_aside(&shield, &config), None);
+}
+
+/// Some millimeters are left of the way that was allowed: an order costs more than they are worth.
+#[test]
+fn a_motion_is_shortened_from_four_millimeters_on() {
+    let config = Config::recommended();
+    let shield = heard(&config, &[(0, 300)]);
+    let shorten = |wanted_mm| {
+        let shorter = shield.shorten(&config, Mask::ALL, mm(wanted_mm, 0), Millis::from_ms(6), 0);
+        shorter.map(|allowed| allowed.distance_mm)
+    };
+    assert_eq!(shorten(174), None);
+    assert_eq!(shorten(175), Some(171));
+}
