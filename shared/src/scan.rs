@@ -173,6 +173,19 @@ mod tests {
     }
 
     #[test]
+    fn a_transducer_was_heard_at_a_time_or_not() {
+        let mut scan = Scan::<2>::new();
+        let at = Millis::from_ms(7);
+        scan.hear(1, Echo { range: None, at });
+        assert_eq!(
+            [0, 1, 2].map(|sensor| scan.heard_at(sensor)),
+            [None, Some(at), None]
+        );
+        scan.renew();
+        assert_eq!(scan.heard_at(1), None);
+    }
+
+    #[test]
     fn values_are_rounded_down() {
         let encoding = Encoding {
             near_mm: 0,

@@ -192,6 +192,30 @@ fn exploring_remembers_each_move() {
     );
 }
 
+/// 100 mm along x, then, a quarter turn later, 100 mm along what was y.
+#[test]
+fn a_move_is_remembered_in_the_frame_of_its_decision() {
+    let mut config = Config::recommended();
+    config.robot.symmetric = false;
+    let mut bench = Bench::new(config);
+    bench.send(Event::Command(Command::Explore { moves: 20, seed: 7 }));
+    let motion = bench.ring().motion.expect("a motion").id;
+    let moved = Displacement::along(Bearing::ZERO, 100);
+    let turned = Bearing::from_turns(1 << 14);
+    for progress in [Progress::Moving, Progress::Ended] {
+        bench.send(Event::Odometry {
+            motion,
+            moved,
+            turned,
+            progress,
+        });
+    }
+    bench.ring();
+    let samples = bench.state.memory().samples();
+    let executed = samples.last().map(|sample| sample.executed);
+    assert_eq!(executed, Some(Displacement::saturating(100, 100)));
+}
+
 #[test]
 fn learning_takes_the_ticks_it_should_and_stands_still() {
     let mut bench = Bench::new(Config::recommended());

@@ -260,6 +260,7 @@ fn somebody_elses_word_counts_more() {
     );
     assert!(!walk.enabled().contains(3));
     walk.detector.trust(Mask::NONE.with(3));
+    assert_eq!(walk.detector.heard, before.heard & !bit(3));
     assert_eq!(walk.walk_with(2, |_, _| mm(700)), [], "it starts anew");
     assert!(walk.enabled().contains(3));
     // Without detection the mask is what was configured.

@@ -1,6 +1,7 @@
 use super::*;
 use crate::controller::{Decision, Progress, Refusal as CommandRefusal};
 use crate::faults::Fault;
+use crate::fixed::Mask;
 use crate::goal::Component;
 use crate::link::SILENCE_MS;
 use crate::parameters::{Parameter, ParameterError};
@@ -831,44 +832,67 @@ fn a_chip_without_a_ring_has_none_to_listen_to() {
 }
 
 /// Transducer 3 hears nothing between near things until it does.
-#[test]
-fn the_host_is_told_whom_the_mind_believes() {
-    let mut rig = Rig::new(Clock::Host);
-    rig.send(ToMind::Parameter {
-        parameter: Parameter::FaultDetection,
-        value: Some(1),
-    });
-    let scan = |rig: &mut Rig, third: Option<u16>| {
-        let at_ms = rig.at_ms();
+impl Rig {
+    /// A ring whose transducer 3 says something else; what is noted of it.
+    fn notices(&mut self, third: Option<u16>) -> Vec<Notice> {
+        let at_ms = self.at_ms();
         let echoes = (0..16).map(|sensor| Heard {
             sensor,
             range_mm: if sensor == 3 { third } else { Some(700) },
             age_ms: 0,
         });
         let echoes = echoes.collect();
-        let notices = rig.send(ToMind::Scan { at_ms, echoes });
-        let logged = notices.into_iter().filter_map(|said| match said {
+        let said = self.send(ToMind::Scan { at_ms, echoes });
+        let logged = said.into_iter().filter_map(|said| match said {
             FromMind::Log(notice) => Some(notice),
             _ => None,
         });
-        logged.collect::<Vec<_>>()
-    };
-    assert_eq!(scan(&mut rig, None), []);
-    let at_ms = rig.at_ms();
-    rig.send(ToMind::Odometry {
-        at_ms,
-        motion: 0,
-        dx_mm: 250,
-        dy_mm: 0,
-        turned: 0,
-        progress: Progress::Ended,
-    });
-    let fault = Fault::Unheard;
-    assert_eq!(
-        scan(&mut rig, None),
-        [Notice::Disbelieved { sensor: 3, fault }]
-    );
-    assert_eq!(scan(&mut rig, Some(700)), [Notice::Believed { sensor: 3 }]);
+        logged.collect()
+    }
+
+    fn set(&mut self, parameter: Parameter, value: i32) {
+        let value = Some(value);
+        self.send(ToMind::Parameter { parameter, value });
+    }
+
+    /// Transducer 3 has never been heard, at two places.
+    fn disbelieving() -> Self {
+        let mut rig = Self::new(Clock::Host);
+        rig.set(Parameter::FaultDetection, 1);
+        assert_eq!(rig.notices(None), []);
+        let at_ms = rig.at_ms();
+        rig.send(ToMind::Odometry {
+            at_ms,
+            motion: 0,
+            dx_mm: 250,
+            dy_mm: 0,
+            turned: 0,
+            progress: Progress::Ended,
+        });
+        let fault = Fault::Unheard;
+        assert_eq!(
+            rig.notices(None),
+            [Notice::Disbelieved { sensor: 3, fault }]
+        );
+        rig
+    }
+}
+
+#[test]
+fn the_host_is_told_whom_the_mind_believes() {
+    let mut rig = Rig::disbelieving();
+    assert_eq!(rig.notices(Some(700)), [Notice::Believed { sensor: 3 }]);
+}
+
+#[test]
+fn who_writes_the_mask_of_the_believed_trusts_them_again() {
+    let mut rig = Rig::disbelieving();
+    let enabled = |rig: &Rig| rig.node.state.enabled(&rig.node.config);
+    rig.set(Parameter::Epochs, 50);
+    assert_eq!(enabled(&rig), Mask::ALL.without(3));
+    let mask = Parameter::Believed.get(&rig.node.config);
+    rig.set(Parameter::Believed, mask);
+    assert_eq!(enabled(&rig), Mask::ALL);
 }
 
 #[test]

@@ -59,6 +59,12 @@ proptest! {
         // Wherever the comparison begins.
         let begun = found(&situations, current, GoalNeuron { heaviest: likely, ..before });
         prop_assert_eq!((begun.neuron, begun.deviation), (after.neuron, after.deviation));
+        // What was known of another place of the ring, or of other transducers, counts for nothing.
+        let wrong = GoalNeuron { neuron: likely % 16, deviation: Some(0), ..before };
+        for other in [GoalNeuron { place: 1, ..wrong }, GoalNeuron { believed: Mask::NONE.with(3), ..wrong }] {
+            let found = found(&situations, current, other);
+            prop_assert_eq!((found.neuron, found.deviation), (after.neuron, after.deviation));
+        }
         let deviation = |k: usize| goal.distance(&situations.code_vector(k), Mask::ALL);
         let nearest = (0..16).min_by_key(|&k| (deviation(k), k));
         prop_assert_eq!(Some(usize::from(after.neuron)), nearest);

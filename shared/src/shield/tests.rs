@@ -319,6 +319,10 @@ fn what_was_heard_stays_where_it_is_while_the_robot_moves_and_turns() {
     let right = way(&shield, &config, mm(0, -400), 6).0;
     assert!(right.abs_diff(272) <= 2, "{right}");
     assert_eq!(way(&shield, &config, mm(400, 0), 6).0, 400);
+    // What is told of the turned ring's way is turned as well.
+    shield.moved(mm(0, -50), Bearing::ZERO);
+    let right = way(&shield, &config, mm(0, -400), 6).0;
+    assert!(right.abs_diff(222) <= 2, "{right}");
 }
 
 #[test]

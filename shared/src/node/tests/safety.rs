@@ -43,6 +43,17 @@ impl Rig {
     }
 }
 
+/// By the device's clock, whichever the session has.
+#[test]
+fn a_host_is_there_for_300_ms_after_each_frame() {
+    for clock in [Clock::Device, Clock::Host] {
+        let rig = Rig::new(clock);
+        let has_heard = |later| rig.node.has_heard_host(Millis::from_ms(rig.now + later));
+        assert!(has_heard(0) && has_heard(300), "{clock:?}");
+        assert!(!has_heard(301) && !has_heard(HOUR_MS), "{clock:?}");
+    }
+}
+
 #[test]
 fn a_stop_acts_whatever_its_time() {
     for clock in [Clock::Device, Clock::Host] {

@@ -126,6 +126,30 @@ fn a_transducer_that_was_silent_for_long_begins_anew() {
         way(&shield, &config, mm(300, 0), 6 + silence).0
     };
     assert_eq!((after(600_000), after(600_001)), (171, 300));
+    // What others have heard stays.
+    let mut shield = heard(&config, &[(0, 300), (8, 300)]);
+    shield.hear(&config, 0, echo(None, 5 + 600_001));
+    let kept = shield
+        .arcs
+        .map(|arcs| arcs.iter().any(|arc| arc.range.is_some()));
+    assert_eq!(kept, core::array::from_fn(|place| place == 8));
+}
+
+/// 57 units of an axis are 0.2°, and the shield's spacing is 2 mm.
+#[test]
+fn a_cone_is_the_same_by_its_axis_and_by_its_face() {
+    let heard_along = |x_q14: i16, y_q14: i16| {
+        let axis = Direction { x_q14, y_q14 };
+        Arc::heard(axis, echo(None, 0))
+    };
+    let ahead = Bearing::ZERO.direction();
+    let cone = Cone::new(mm(231, 0), ahead, echo(None, 5));
+    let is_same = |face, arc: &Arc| cone.is_same(face, arc, 2);
+    assert!(is_same(mm(231, 0), &heard_along(ahead.x_q14, 56)));
+    assert!(!is_same(mm(231, 0), &heard_along(ahead.x_q14, 57)));
+    assert!(!is_same(mm(231, 0), &heard_along(ahead.x_q14 - 57, 0)));
+    assert!(is_same(mm(231, -1), &heard_along(ahead.x_q14, 0)));
+    assert!(!is_same(mm(231, 2), &heard_along(ahead.x_q14, 0)));
 }
 
 /// A corner 19° beside the axis of transducer 0, 0.17 m from its face, stands in no lobe. It was heard before the ring turned.

@@ -23,6 +23,20 @@ fn the_first_step_is_across_the_way_and_slow() {
     assert_eq!(step_aside(&shield, &config), None);
 }
 
+#[test]
+fn a_detour_is_tried_where_less_than_half_of_the_way_is_free() {
+    let config = Config::recommended();
+    let way = |ahead_mm| {
+        let shield = heard(&config, &[(0, ahead_mm)]);
+        let wanted = mm(250, 0);
+        let (way, allowed) = shield.detour(&config, Mask::ALL, wanted, Millis::from_ms(6), 0);
+        (way == wanted, allowed.distance_mm)
+    };
+
+    assert_eq!(way(279), (true, 150));
+    assert!(!way(169).0);
+}
+
 /// Some millimeters are left of the way that was allowed: an order costs more than they are worth.
 #[test]
 fn a_motion_is_shortened_from_four_millimeters_on() {
