@@ -192,28 +192,32 @@ fn exploring_remembers_each_move() {
     );
 }
 
-/// 100 mm along x, then, a quarter turn later, 100 mm along what was y.
+/// Transducer 0 hears nothing of what the body meets ahead.
 #[test]
-fn a_move_is_remembered_in_the_frame_of_its_decision() {
-    let mut config = Config::recommended();
-    config.robot.symmetric = false;
-    let mut bench = Bench::new(config);
-    bench.send(Event::Command(Command::Explore { moves: 20, seed: 7 }));
-    let motion = bench.ring().motion.expect("a motion").id;
-    let moved = Displacement::along(Bearing::ZERO, 100);
-    let turned = Bearing::from_turns(1 << 14);
-    for progress in [Progress::Moving, Progress::Ended] {
+fn the_detector_is_told_of_contacts_and_of_nothing_else() {
+    let ahead = Displacement::along(Bearing::ZERO, 100);
+    for (progress, touched) in [
+        (Progress::Moving, false),
+        (Progress::Ended, false),
+        (Progress::Touched, true),
+    ] {
+        let mut bench = Bench::new(Config::recommended());
+        bench.ring();
+        let (sensor, range) = (0, None);
+        bench.send(Event::Echo { sensor, range });
+        let mut detector = bench.state.detector.clone();
         bench.send(Event::Odometry {
-            motion,
-            moved,
-            turned,
+            motion: 0,
+            moved: ahead,
+            turned: Bearing::ZERO,
             progress,
         });
+        if touched {
+            detector.touched(&bench.config, ahead);
+        }
+        detector.moved(&bench.config, ahead, Bearing::ZERO);
+        assert!(bench.state.detector == detector, "{progress:?}");
     }
-    bench.ring();
-    let samples = bench.state.memory().samples();
-    let executed = samples.last().map(|sample| sample.executed);
-    assert_eq!(executed, Some(Displacement::saturating(100, 100)));
 }
 
 #[test]
