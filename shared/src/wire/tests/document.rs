@@ -310,6 +310,7 @@ fn a_field_that_a_parameter_sets_has_its_unit_and_range() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "the document is read many times: minutes")]
 fn ranges_end_where_the_program_says() {
     const SAMPLES: usize = 100;
     // No other number is compiled.
