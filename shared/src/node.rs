@@ -231,7 +231,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             add(&mut self.counters.accepted);
             self.kept.begin();
         }
-        // A stop acts each time it comes, whatever its session, number and time.
+        // A stop acts whatever its session, number and time. Where it is the last frame once more, its answer is said again as it
+        // was, which holds the order to stand.
         let is_stop = matches!(
             message,
             ToMind::Command {
@@ -239,17 +240,20 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 ..
             }
         );
-        if is_stop {
+        let is_answered = verdict == Verdict::Replayed { last: true }
+            && matches!(self.state.mode(), Mode::Stopped(_))
+            && self.kept.frames().next().is_some();
+        if is_stop && !is_answered {
             self.stop(now, out);
         }
         match verdict {
             Verdict::Accept => self.request(header.seq, message, now, out),
             Verdict::Replayed { last } => {
                 add(&mut self.counters.replayed);
-                if is_stop {
-                    self.done(header.seq, now, out);
-                } else if last && !matches!(message, ToMind::Alive { .. }) {
+                if last && !matches!(message, ToMind::Alive { .. }) {
                     self.say_again(header.seq, now, out);
+                } else if is_stop {
+                    self.done(header.seq, now, out);
                 }
             }
             Verdict::NoSession | Verdict::Stranger if is_stop => {

@@ -159,6 +159,14 @@ impl Rig {
         decisions
     }
 
+    /// Sets the robot moving towards its goal.
+    fn move_on(&mut self) {
+        self.order(Order::Seek);
+        self.now += 200;
+        assert!(motion(&self.ring(900)).is_some());
+        assert!(self.node.state.is_moving());
+    }
+
     fn ready(clock: Clock) -> Self {
         let mut rig = Self::new(clock);
         let (moves, seed) = (MOVES, 9);

@@ -54,6 +54,26 @@ fn the_latest_answer_is_said_again_byte_for_byte() {
     assert!(matches!(rig.raw(&goals)[..], [FromMind::Done { .. }]));
 }
 
+/// With the numbers it had: a host whose answer was lost misses none.
+#[test]
+fn a_stop_that_comes_again_is_answered_as_it_was() {
+    let mut rig = Rig::ready(Clock::Device);
+    rig.move_on();
+    let (at_ms, ttl_ms, order) = (rig.at_ms(), 1_000, Order::Stop);
+    let stop = rig.packed(&ToMind::Command {
+        at_ms,
+        ttl_ms,
+        order,
+    });
+    let [first, again] = [(); 2].map(|()| {
+        let mut said = Said::default();
+        rig.node.frame(Millis::from_ms(rig.now), &stop, &mut said);
+        said.0
+    });
+    assert_eq!(first.len(), 3, "motion, mode, done");
+    assert_eq!(again, first);
+}
+
 #[test]
 fn no_motion_is_said_again_after_a_stop() {
     let mut rig = Rig::ready(Clock::Device);

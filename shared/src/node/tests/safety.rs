@@ -16,14 +16,6 @@ impl Rig {
         frame.as_bytes().split_last().unwrap().1.to_vec()
     }
 
-    /// Sets the robot moving towards its goal.
-    fn move_on(&mut self) {
-        self.order(Order::Seek);
-        self.now += 200;
-        assert!(motion(&self.ring(900)).is_some());
-        assert!(self.node.state.is_moving());
-    }
-
     /// The stop is obeyed: the base is told to stand, and the mode says so.
     fn is_stopped_by(&mut self, stop: &[u8]) -> Vec<FromMind<16>> {
         let said = self.raw(stop);
