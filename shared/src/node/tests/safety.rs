@@ -115,6 +115,9 @@ fn a_stop_acts_though_it_is_repeated_or_late_or_of_no_session() {
         let stop = Rig::stop_frame(session, 77, rig.at_ms(), 1_000);
         let said = rig.is_stopped_by(&stop);
         assert!(said.contains(&FromMind::Done { seq: 77 }));
+        // And once more, after an answer to the robot's own host.
+        rig.send(ToMind::Counters);
+        rig.is_stopped_by(&stop);
     }
     // And of a host that has opened none.
     let mut fresh = Small::new();
