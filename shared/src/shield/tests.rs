@@ -392,15 +392,20 @@ fn a_small_robot_keeps_its_first_echo() {
     assert_eq!(allowed.distance_mm, 20);
 }
 
-/// 160 mm to the left: 386 mm aside for a narrow lobe, 344 mm for a wide one.
-#[test]
-fn a_lobe_is_as_wide_as_it_is_said_to_be_when_a_way_is_asked_for() {
-    let narrow = Config::recommended();
-    let mut wide = narrow.clone();
-    wide.shield = Some(Shielding {
+/// Lobes of a quarter turn.
+fn wide() -> Config<16> {
+    let mut config = Config::recommended();
+    config.shield = Some(Shielding {
         half_lobe: Bearing::from_turns(1 << 13),
         ..Shielding::nomad200()
     });
+    config
+}
+
+/// 160 mm to the left: 386 mm aside for a narrow lobe, 344 mm for a wide one.
+#[test]
+fn a_lobe_is_as_wide_as_it_is_said_to_be_when_a_way_is_asked_for() {
+    let (narrow, wide) = (Config::recommended(), wide());
     for told in [&narrow, &wide] {
         let shield = heard(told, &[(4, 160)]);
         assert_eq!(way(&shield, &narrow, mm(250, 0), 6).0, 250);
@@ -410,12 +415,7 @@ fn a_lobe_is_as_wide_as_it_is_said_to_be_when_a_way_is_asked_for() {
 
 #[test]
 fn another_lobe_counts_from_the_next_echo_on() {
-    let narrow = Config::recommended();
-    let mut wide = narrow.clone();
-    wide.shield = Some(Shielding {
-        half_lobe: Bearing::from_turns(1 << 13),
-        ..Shielding::nomad200()
-    });
+    let (narrow, wide) = (Config::recommended(), wide());
     let mut shield = heard(&wide, &[]);
     shield.forget();
     for sensor in 0..16 {

@@ -11,9 +11,11 @@ fn ring(shield: &mut Shield<16>, config: &Config<16>, thing: Option<(usize, u16)
     }
 }
 
+/// Nearer to a bound than this either answer is right, mm: sines and roundings.
+const SLACK: f64 = 8.0;
+
 /// What a cone along x from the origin, by an echo of this range, makes of a point; `None` where some millimeters decide.
 fn is_contradicted((along, aside): (f64, f64), range: f64, arc_range: f64) -> Option<bool> {
-    const SLACK: f64 = 8.0;
     let inside_by = |slack: f64| {
         let distance = along + aside.abs() / 4.0;
         let is_beyond = range > distance + 60.0 + distance / 32.0 + slack;
@@ -59,7 +61,7 @@ proptest! {
         for point in 0..POINTS {
             let (along, aside) = place(axis + (5.0 * (point as f64 - 3.0)).to_radians());
             let expected = is_contradicted((along, aside), heard.into(), range.into());
-            let expected = expected.filter(|_| nearer_by.abs() > 8.0);
+            let expected = expected.filter(|_| nearer_by.abs() > SLACK);
             if let Some(expected) = expected.map(|expected| expected && nearer_by > 0.0) {
                 let found = arc.range.is_none() || !arc.stands(point);
                 prop_assert_eq!(found, expected, "{} {} {}", point, along, aside);
