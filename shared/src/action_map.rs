@@ -123,7 +123,9 @@ impl<const SENSORS: usize> Products<SENSORS> {
     /// Adds a neuron's part, or takes it away.
     #[inline(never)]
     fn count(&mut self, action: &[Fine; 2], change: &[Fine; SENSORS], sign: i32) {
-        let [x, y] = action.map(|part| i32::from(coarse(part).to_bits()));
+        let bits = |part: &Fine| i32::from(coarse(*part).to_bits());
+        let [x, y] = action;
+        let (x, y) = (bits(x), bits(y));
         let (signed_x, signed_y) = (x.wrapping_mul(sign), y.wrapping_mul(sign));
         let [xx, xy, yy] = &mut self.plane;
         *xx = xx.wrapping_add(signed_x.wrapping_mul(x));

@@ -211,12 +211,12 @@ impl<const SENSORS: usize> Shield<SENSORS> {
     fn look(&mut self, shielding: &Shielding, lobe: &Lobe, cone: &Cone) {
         let faces = self.faces.as_flattened().iter();
         for (face, arc) in faces.zip(self.arcs.as_flattened_mut()) {
-            let Some(range) = arc.range.filter(|_| cone.looks_along(arc)) else {
-                continue;
-            };
-            if cone.at.is_before(arc.at) {
+            if !cone.looks_along(arc) || cone.at.is_before(arc.at) {
                 continue;
             }
+            let Some(range) = arc.range else {
+                continue;
+            };
             let range_mm = range.as_mm().into();
             if !cone.is_same(*face, arc, shielding.spacing_mm) {
                 cone.look_at(shielding, lobe, *face, arc, range_mm);
@@ -246,9 +246,14 @@ impl<const SENSORS: usize> Shield<SENSORS> {
             return;
         };
         let kept = usize::from(shielding.places).clamp(1, KEPT);
-        let slots = faces.iter_mut().zip(arcs).zip(heard_by).take(kept);
-        let farthest = slots.max_by_key(|((face, arc), _)| arc.half_distance_squared(**face, lobe));
-        if let Some(((face, arc), by)) = farthest {
+        let (mut farthest, mut most) = (None, 0);
+        for ((face, arc), by) in faces.iter_mut().zip(arcs).zip(heard_by).take(kept) {
+            let distance = arc.half_distance_squared(*face, lobe, most);
+            if distance >= most {
+                (farthest, most) = (Some((face, arc, by)), distance);
+            }
+        }
+        if let Some((face, arc, by)) = farthest {
             // A ring has at most 32 transducers.
             (*face, *arc, *by) = (cone.face, Arc::heard(cone.axis, echo), sensor as u8);
         }

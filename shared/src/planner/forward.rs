@@ -209,9 +209,10 @@ impl Inverse {
     /// Both slopes (2⁻¹³) from both sums of products (2⁻²⁶), each within ±2 per step.
     #[inline(always)]
     fn slopes(&self, sums: [i32; 2]) -> (i32, i32) {
-        let [x, y] = sums.map(i64::from);
+        let [x, y] = sums;
+        let product = |a: i32, b: i32| i64::from(a) * i64::from(b);
         let slope = |a: i32, b: i32| {
-            let sum = (i64::from(a) * x).wrapping_add(i64::from(b) * y);
+            let sum = product(a, x).wrapping_add(product(b, y));
             ((sum >> 32) as i32).clamp(-(1 << 14), 1 << 14)
         };
         (slope(self.xx, self.xy), slope(self.xy, self.yy))

@@ -20,7 +20,7 @@ use super::forward::Forward;
 use super::landscape::Landscape;
 use super::{Plan, Planner, Why, difference};
 use crate::config::Choice;
-use crate::fixed::{Mask, ONE_BITS, Weight, coarse};
+use crate::fixed::{Fine, Mask, ONE_BITS, Weight, coarse};
 use crate::goal::{Asked, Frame, Goal, missed, missed_from};
 use crate::scan::Situation;
 use crate::units::{Direction, Displacement};
@@ -217,15 +217,10 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         let mut landscape = Landscape::flat(aim.goal.cap_bits());
         landscape.shape(forward, aim.asked);
         // What is surely not less than the limit may be more.
-        let try_out = |direction: Direction, share_q2: i32, limit: i64| {
+        let score = |direction: Direction, share_q2: i32, limit: i64| {
             let going = aim.going(direction, share_q2);
             let deviation = landscape.at(part(direction, share_q2), limit.wrapping_add(going));
-            Candidate {
-                direction,
-                share_q2,
-                score: deviation.wrapping_sub(going),
-                neuron: None,
-            }
+            deviation.wrapping_sub(going)
         };
         // Where every action is inhibited the robot waits for the first to come back.
         let mut best = Candidate {
@@ -252,9 +247,15 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
                 {
                     // Of two as good the first counts.
                     let limit = best.score.wrapping_add(i64::from(heading < found));
-                    let candidate = try_out(*direction, 4, limit);
-                    if candidate.score < limit && self.is_allowed(*direction) {
-                        (best, found) = (candidate, heading);
+                    let score = score(*direction, 4, limit);
+                    if score < limit && self.is_allowed(*direction) {
+                        found = heading;
+                        best = Candidate {
+                            direction: *direction,
+                            share_q2: 4,
+                            score,
+                            neuron: None,
+                        };
                     }
                 }
             }
@@ -262,9 +263,9 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         if aim.goal.going_q16 == 0 {
             for share_q2 in SHORTER_Q2 {
                 let limit = best.score.wrapping_add(1);
-                let shorter = try_out(best.direction, share_q2, limit);
-                if shorter.score <= best.score {
-                    best = shorter;
+                let score = score(best.direction, share_q2, limit);
+                if score <= best.score {
+                    (best.share_q2, best.score, best.neuron) = (share_q2, score, None);
                 }
             }
         }
@@ -320,10 +321,11 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
     fn neuron_of(&self, direction: Direction) -> usize {
         let (mut farthest, mut most) = (0, i32::MIN);
         for (neuron, action) in self.actions.actions().code().iter().enumerate() {
-            let [x, y] = action.map(|part| i32::from(coarse(part).to_bits()));
-            let along = x
-                .wrapping_mul(i32::from(direction.x_q14 >> 1))
-                .wrapping_add(y.wrapping_mul(i32::from(direction.y_q14 >> 1)));
+            let [x, y] = action;
+            let product = |part: &Fine, q14: i16| {
+                i32::from(coarse(*part).to_bits()).wrapping_mul(i32::from(q14 >> 1))
+            };
+            let along = product(x, direction.x_q14).wrapping_add(product(y, direction.y_q14));
             if along > most {
                 (farthest, most) = (neuron, along);
             }

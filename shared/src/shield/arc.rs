@@ -64,8 +64,14 @@ impl Arc {
         }
     }
 
-    /// How far its nearest point that still counts is from the robot, as the square of half the distance; the greatest for no arc.
-    pub(super) fn half_distance_squared(&self, face: Displacement, lobe: &Lobe) -> u32 {
+    /// How far its nearest point that still counts is from the robot, as the square of half the distance; the greatest for
+    /// no arc. What is below `limit` may be less.
+    pub(super) fn half_distance_squared(
+        &self,
+        face: Displacement,
+        lobe: &Lobe,
+        limit: u32,
+    ) -> u32 {
         const AHEAD: Direction = Direction {
             x_q14: 1 << 14,
             y_q14: 0,
@@ -75,13 +81,18 @@ impl Arc {
         };
         let face_mm = (face.dx_mm.into(), face.dy_mm.into());
         let seen = Seen::along(AHEAD, face_mm, self.axis, range.as_mm().into());
-        let standing = seen.points(lobe).filter(|(point, _)| self.stands(*point));
-        let squares = standing.map(|(_, (x, y))| {
-            // Halves, whose squares are at most 2³⁰ each.
-            let (x, y) = (x >> 1, y >> 1);
-            x.wrapping_mul(x).wrapping_add(y.wrapping_mul(y)) as u32
-        });
-        squares.min().unwrap_or(u32::MAX)
+        let mut least = u32::MAX;
+        for (point, (x, y)) in seen.points(lobe) {
+            if self.stands(point) {
+                // Halves, whose squares are at most 2³⁰ each.
+                let (x, y) = (x >> 1, y >> 1);
+                least = least.min(x.wrapping_mul(x).wrapping_add(y.wrapping_mul(y)) as u32);
+                if least < limit {
+                    break;
+                }
+            }
+        }
+        least
     }
 }
 
