@@ -14,7 +14,7 @@ mod asked;
 mod behaviours;
 mod kept;
 
-pub(crate) use asked::{Asked, Heaviest, Over, heaviest, missed, missed_from};
+pub(crate) use asked::{Asked, Heaviest, Over, heaviest, missed};
 pub use behaviours::Side;
 pub use kept::{KeepError, KeptGoal, KeptGoals, MOST_KEPT, Name};
 

@@ -98,8 +98,6 @@ pub(crate) const SECOND_VIEW_MM: u16 = 80;
 /// What was heard lately.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Shield<const SENSORS: usize> {
-    /// Where the transducer's face was at each arc: apart from them, as these alone change with every move.
-    faces: [[Displacement; KEPT]; SENSORS],
     /// Of each place of the unturned ring those that look nearest its way, in no order.
     arcs: [[Arc; KEPT]; SENSORS],
     /// Which transducer heard each arc.
@@ -135,7 +133,6 @@ impl<const SENSORS: usize> Shield<SENSORS> {
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            faces: [[Displacement::ZERO; KEPT]; SENSORS],
             arcs: [[Arc::NONE; KEPT]; SENSORS],
             heard_by: [[0; KEPT]; SENSORS],
             heard_at: [Millis::from_ms(0); SENSORS],
@@ -148,7 +145,6 @@ impl<const SENSORS: usize> Shield<SENSORS> {
 
     /// Forgets everything heard.
     pub fn forget(&mut self) {
-        self.faces.as_flattened_mut().fill(Displacement::ZERO);
         self.arcs.as_flattened_mut().fill(Arc::NONE);
         self.heard = Mask::NONE;
         self.turned = Bearing::ZERO;
@@ -209,8 +205,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
 
     /// Replaces what was heard through the same cone, unless the echo comes from farther away, and counts what it contradicts.
     fn look(&mut self, shielding: &Shielding, lobe: &Lobe, cone: &Cone) {
-        let faces = self.faces.as_flattened().iter();
-        for (face, arc) in faces.zip(self.arcs.as_flattened_mut()) {
+        for arc in self.arcs.as_flattened_mut() {
             if !cone.looks_along(arc) || cone.at.is_before(arc.at) {
                 continue;
             }
@@ -218,8 +213,8 @@ impl<const SENSORS: usize> Shield<SENSORS> {
                 continue;
             };
             let range_mm = range.as_mm().into();
-            if !cone.is_same(*face, arc, shielding.spacing_mm) {
-                cone.look_at(shielding, lobe, *face, arc, range_mm);
+            if !cone.is_same(arc, shielding.spacing_mm) {
+                cone.look_at(shielding, lobe, arc, range_mm);
             } else if cone.is_beyond(range_mm) {
                 (0..POINTS).for_each(|point| arc.contradict(point));
             } else {
@@ -238,24 +233,21 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         cone: &Cone,
         echo: Echo,
     ) {
-        let (Some(faces), Some(arcs), Some(heard_by)) = (
-            self.faces.get_mut(place),
-            self.arcs.get_mut(place),
-            self.heard_by.get_mut(place),
-        ) else {
+        let (Some(arcs), Some(heard_by)) = (self.arcs.get_mut(place), self.heard_by.get_mut(place))
+        else {
             return;
         };
         let kept = usize::from(shielding.places).clamp(1, KEPT);
         let (mut farthest, mut most) = (None, 0);
-        for ((face, arc), by) in faces.iter_mut().zip(arcs).zip(heard_by).take(kept) {
-            let distance = arc.half_distance_squared(*face, lobe, most);
+        for (arc, by) in arcs.iter_mut().zip(heard_by).take(kept) {
+            let distance = arc.half_distance_squared(lobe, most);
             if distance >= most {
-                (farthest, most) = (Some((face, arc, by)), distance);
+                (farthest, most) = (Some((arc, by)), distance);
             }
         }
-        if let Some((face, arc, by)) = farthest {
+        if let Some((arc, by)) = farthest {
             // A ring has at most 32 transducers.
-            (*face, *arc, *by) = (cone.face, Arc::heard(cone.axis, echo), sensor as u8);
+            (*arc, *by) = (Arc::heard(cone.face, cone.axis, echo), sensor as u8);
         }
     }
 
@@ -277,8 +269,8 @@ impl<const SENSORS: usize> Shield<SENSORS> {
             if self.has_one_view() {
                 self.way_mm = self.way_mm.saturating_add(by.length_mm());
             }
-            for face in self.faces.as_flattened_mut() {
-                *face = face.minus(by);
+            for arc in self.arcs.as_flattened_mut() {
+                arc.face = arc.face.minus(by);
             }
         }
         self.turned = self.turned.plus(turned);
@@ -393,13 +385,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         if axes.any(|(sensor, axis)| self.is_stale(way, sensor, *axis)) {
             return 0;
         }
-        way.until_any(self.arcs(), limit)
-    }
-
-    /// All arcs, each behind the face it was heard from.
-    fn arcs(&self) -> impl Iterator<Item = (&Displacement, &Arc)> {
-        let faces = self.faces.as_flattened().iter();
-        faces.zip(self.arcs.as_flattened())
+        way.until_any(self.arcs.as_flattened().iter(), limit)
     }
 
     /// The same where not all are asked; apart, so that it costs nothing where all are.
@@ -422,7 +408,8 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         if asked.indices(SENSORS).any(is_stale) {
             return 0;
         }
-        let arcs = self.arcs().zip(self.heard_by.as_flattened());
+        let arcs = self.arcs.as_flattened().iter();
+        let arcs = arcs.zip(self.heard_by.as_flattened());
         let theirs = arcs.filter(|(_, by)| asked.contains(usize::from(**by)));
         way.until_any(theirs.map(|(arc, _)| arc), limit)
     }

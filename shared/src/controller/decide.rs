@@ -306,10 +306,10 @@ fn pursued<const SENSORS: usize>(
     if goal.going_q16 > 0 || goal.frame != Frame::Ring {
         return None;
     }
-    let values = situation.map(|value| i32::from(value.to_bits()));
+    let values = situation.iter().map(|value| i32::from(value.to_bits()));
     let mut asked = [Asked::ANYTHING; SENSORS];
     goal.ask(0, enabled, &mut asked);
-    let deviation = missed(&asked, &values, goal.cap_bits(), i64::MAX);
+    let deviation = missed(asked.iter().copied(), values, goal.cap_bits(), i64::MAX);
     if goal.is_met_by(deviation, &asked) {
         *search = Search::NEW;
     } else if search.is_stuck(deviation, wander) {

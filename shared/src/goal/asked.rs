@@ -21,7 +21,7 @@ impl Asked {
     };
 
     #[inline(always)]
-    pub(super) fn of(component: &Component) -> Self {
+    pub(crate) fn of(component: &Component) -> Self {
         Self {
             low: i32::from(component.low.to_bits()),
             high: i32::from(component.high.to_bits()),
@@ -201,26 +201,6 @@ pub(crate) fn heaviest(goal: &[Component]) -> usize {
     first
 }
 
-/// As [`missed`], of the values from place `from` on and begun with transducer `first`: what deviates much is soon seen to.
-pub(crate) fn missed_from<const SENSORS: usize>(
-    asked: &[Asked; SENSORS],
-    first: usize,
-    values: &[i32],
-    from: usize,
-    cap: i32,
-    limit: i64,
-) -> i64 {
-    let (Some((light, heavy)), Some(values)) = (asked.split_at_checked(first), values.get(from..))
-    else {
-        return i64::MAX;
-    };
-    let total = missed(heavy, values.get(first..).unwrap_or(&[]), cap, limit);
-    if total >= limit || light.is_empty() {
-        return total;
-    }
-    total.wrapping_add(missed(light, values, cap, limit.wrapping_sub(total)))
-}
-
 /// How the deviation runs over an interval of values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Over {
@@ -237,13 +217,18 @@ pub(crate) enum Over {
 /// Squared deviation of values (2⁻¹³, which may leave [0, 1]) from what is asked of them, each at most that of the cap, in
 /// units of 2⁻²⁶ · weight; what reaches `limit` may be more.
 #[inline(never)]
-pub(crate) fn missed(asked: &[Asked], values: &[i32], cap: i32, limit: i64) -> i64 {
+pub(crate) fn missed(
+    asked: impl Iterator<Item = Asked>,
+    values: impl Iterator<Item = i32>,
+    cap: i32,
+    limit: i64,
+) -> i64 {
     let mut total = 0_i64;
-    for (asked, value) in asked.iter().zip(values) {
+    for (asked, value) in asked.zip(values) {
         // Most values are as asked: nothing to multiply.
-        let off = if *value < asked.low {
-            asked.low.wrapping_sub(*value)
-        } else if *value > asked.high {
+        let off = if value < asked.low {
+            asked.low.wrapping_sub(value)
+        } else if value > asked.high {
             value.wrapping_sub(asked.high)
         } else {
             continue;

@@ -21,7 +21,7 @@ use super::landscape::Landscape;
 use super::{Plan, Planner, Why, difference};
 use crate::config::Choice;
 use crate::fixed::{Fine, Mask, ONE_BITS, Weight, coarse};
-use crate::goal::{Asked, Frame, Goal, missed, missed_from};
+use crate::goal::{Asked, Frame, Goal, missed};
 use crate::scan::Situation;
 use crate::units::{Direction, Displacement};
 
@@ -56,15 +56,9 @@ struct Aim<'a, const SENSORS: usize> {
 }
 
 impl<const SENSORS: usize> Aim<'_, SENSORS> {
-    fn deviation(&self, values: &[i32; SENSORS]) -> i64 {
-        missed(self.asked, values, self.goal.cap_bits(), i64::MAX)
-    }
-
-    /// The deviation of a situation, whose values are widened in a place of their own: the stack is deepest where this is
-    /// asked.
-    #[inline(never)]
-    fn deviation_of(&self, situation: &Situation<SENSORS>) -> i64 {
-        self.deviation(&situation.map(|value| i32::from(value.to_bits())))
+    fn deviation(&self, values: impl Iterator<Item = i32>) -> i64 {
+        let asked = self.asked.iter().copied();
+        missed(asked, values, self.goal.cap_bits(), i64::MAX)
     }
 
     /// As [`Goal::holds`].
@@ -74,9 +68,9 @@ impl<const SENSORS: usize> Aim<'_, SENSORS> {
         values.all(|(asked, value)| asked.holds_within(i32::from(value.to_bits()), tolerance))
     }
 
-    fn going(&self, direction: Direction, share_q2: i32) -> i64 {
-        let whole = weighted(self.goal.going_q16, cosine_q14(direction, self.way));
-        whole.wrapping_mul(i64::from(share_q2)) >> 2
+    /// What a whole step in this direction is worth.
+    fn going(&self, direction: Direction) -> i64 {
+        weighted(self.goal.going_q16, cosine_q14(direction, self.way))
     }
 }
 
@@ -87,6 +81,11 @@ fn weighted(weight_q16: u16, cosine_q14: i32) -> i64 {
 
 fn cosine_q14(a: Direction, b: Direction) -> i32 {
     a.along(i32::from(b.x_q14), i32::from(b.y_q14))
+}
+
+/// The values of a situation in units of 2⁻¹³.
+fn bits(values: &[Weight]) -> impl Iterator<Item = i32> {
+    values.iter().map(|value| i32::from(value.to_bits()))
 }
 
 /// The unit vector along a displacement; zero for none.
@@ -117,13 +116,9 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             return 0;
         }
         let course = unit(self.course);
-        let values = situation.map(|value| i32::from(value.to_bits()));
         let whole = self.enabled.covers(SENSORS);
         // Twice around, so that each place is the beginning of a ring.
-        let values = [values; 2];
-        let mut asked = [Asked::ANYTHING; SENSORS];
-        goal.ask(0, Mask::ALL, &mut asked);
-        let first = self.heaviest(goal);
+        let twice = [*situation; 2];
         let score = |place: usize, limit: i64| {
             let direction = self.config.robot.directions.get(place).copied();
             let along = cosine_q14(direction.unwrap_or_default(), course);
@@ -131,11 +126,13 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             let limit = limit.wrapping_add(steady);
             let cap = goal.cap_bits();
             let deviation = if whole {
-                missed_from(&asked, first, values.as_flattened(), place, cap, limit)
+                let asked = goal.components.iter().map(Asked::of);
+                let seen = twice.as_flattened().get(place..).unwrap_or(&[]);
+                missed(asked, bits(seen), cap, limit)
             } else {
                 let mut asked = [Asked::ANYTHING; SENSORS];
                 goal.ask(place, self.enabled, &mut asked);
-                missed(&asked, values.as_flattened(), cap, limit)
+                missed(asked.iter().copied(), bits(situation), cap, limit)
             };
             deviation.wrapping_sub(steady)
         };
@@ -183,7 +180,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             Some(neuron) => self.own_values(situation, neuron),
             None => forward.after(part(best.direction, best.share_q2)),
         };
-        let now = aim.deviation_of(situation);
+        let now = aim.deviation(bits(situation));
         // None is below 0.
         let to_come = values.map(|value| Weight::from_bits(value.min(i32::from(ONE_BITS)) as i16));
         let mut plan = Plan {
@@ -216,12 +213,6 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
     ) -> Candidate {
         let mut landscape = Landscape::flat(aim.goal.cap_bits());
         landscape.shape(forward, aim.asked);
-        // What is surely not less than the limit may be more.
-        let score = |direction: Direction, share_q2: i32, limit: i64| {
-            let going = aim.going(direction, share_q2);
-            let deviation = landscape.at(part(direction, share_q2), limit.wrapping_add(going));
-            deviation.wrapping_sub(going)
-        };
         // Where every action is inhibited the robot waits for the first to come back.
         let mut best = Candidate {
             direction: Direction::default(),
@@ -247,7 +238,10 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
                 {
                     // Of two as good the first counts.
                     let limit = best.score.wrapping_add(i64::from(heading < found));
-                    let score = score(*direction, 4, limit);
+                    let going = aim.going(*direction);
+                    // What is surely not less than the limit may be more.
+                    let deviation = landscape.at(*direction, limit.wrapping_add(going));
+                    let score = deviation.wrapping_sub(going);
                     if score < limit && self.is_allowed(*direction) {
                         found = heading;
                         best = Candidate {
@@ -263,7 +257,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         if aim.goal.going_q16 == 0 {
             for share_q2 in SHORTER_Q2 {
                 let limit = best.score.wrapping_add(1);
-                let score = score(best.direction, share_q2, limit);
+                let score = landscape.at(part(best.direction, share_q2), limit);
                 if score <= best.score {
                     (best.share_q2, best.score, best.neuron) = (share_q2, score, None);
                 }
@@ -286,11 +280,11 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         }
         let direction = unit(action);
         let values = self.own_values(situation, neuron);
-        let deviation = aim.deviation(&values);
+        let deviation = aim.deviation(values.into_iter());
         Some(Candidate {
             direction,
             share_q2: 4,
-            score: deviation.wrapping_sub(aim.going(direction, 4)),
+            score: deviation.wrapping_sub(aim.going(direction)),
             neuron: Some(neuron),
         })
     }

@@ -16,6 +16,8 @@ const LONGEST_MM: i32 = 1 << 15;
 /// What a transducer heard at one place, in the shield's frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Arc {
+    /// Where its face was, from where the robot is now.
+    pub(super) face: Displacement,
     /// Where it looked.
     pub(super) axis: Direction,
     /// Range heard; `None` = no arc.
@@ -28,20 +30,27 @@ pub(super) struct Arc {
 impl Arc {
     /// No arc.
     pub(super) const NONE: Self = Self {
+        face: Displacement::ZERO,
         axis: Direction { x_q14: 0, y_q14: 0 },
         range: None,
         contradictions: 0,
         at: Millis::from_ms(0),
     };
 
-    /// What was heard along an axis.
-    pub(super) const fn heard(axis: Direction, echo: Echo) -> Self {
+    /// What was heard from a face along an axis.
+    pub(super) const fn heard(face: Displacement, axis: Direction, echo: Echo) -> Self {
         Self {
+            face,
             axis,
             range: echo.range,
             contradictions: 0,
             at: echo.at,
         }
+    }
+
+    /// Where its face was, millimeters.
+    pub(super) fn face_mm(&self) -> (i32, i32) {
+        (self.face.dx_mm.into(), self.face.dy_mm.into())
     }
 
     /// How often a point was contradicted.
@@ -66,12 +75,7 @@ impl Arc {
 
     /// How far its nearest point that still counts is from the robot, as the square of half the distance; the greatest for
     /// no arc. What is below `limit` may be less.
-    pub(super) fn half_distance_squared(
-        &self,
-        face: Displacement,
-        lobe: &Lobe,
-        limit: u32,
-    ) -> u32 {
+    pub(super) fn half_distance_squared(&self, lobe: &Lobe, limit: u32) -> u32 {
         const AHEAD: Direction = Direction {
             x_q14: 1 << 14,
             y_q14: 0,
@@ -79,7 +83,7 @@ impl Arc {
         let Some(range) = self.range else {
             return u32::MAX;
         };
-        let face_mm = (face.dx_mm.into(), face.dy_mm.into());
+        let face_mm = self.face_mm();
         let seen = Seen::along(AHEAD, face_mm, self.axis, range.as_mm().into());
         let mut least = u32::MAX;
         for (point, (x, y)) in seen.points(lobe) {

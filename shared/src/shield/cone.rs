@@ -62,12 +62,12 @@ impl Cone {
     }
 
     /// Whether an arc was heard through the same cone, as far as anything near it is concerned.
-    pub(super) fn is_same(&self, face: Displacement, arc: &Arc, spacing_mm: u16) -> bool {
+    pub(super) fn is_same(&self, arc: &Arc, spacing_mm: u16) -> bool {
         let differ = |a: i16, b: i16| (i32::from(a) - i32::from(b)).abs() >= SAME_AXIS_Q14;
         if differ(self.axis.x_q14, arc.axis.x_q14) || differ(self.axis.y_q14, arc.axis.y_q14) {
             return false;
         }
-        let apart = self.face.minus(face);
+        let apart = self.face.minus(arc.face);
         let (dx, dy) = (apart.dx_mm.unsigned_abs(), apart.dy_mm.unsigned_abs());
         dx.max(dy) < spacing_mm.max(1)
     }
@@ -82,11 +82,10 @@ impl Cone {
         &self,
         shielding: &Shielding,
         lobe: &Lobe,
-        face: Displacement,
         arc: &mut Arc,
         range_mm: i32,
     ) {
-        let (x, y) = (i32::from(face.dx_mm), i32::from(face.dy_mm));
+        let (x, y) = arc.face_mm();
         if nearest_mm((x, y), range_mm) > FARTHEST_MM {
             return;
         }
@@ -117,7 +116,7 @@ impl Cone {
     /// Whether a point of an arc can lie in the empty part of the cone: spares most arcs their points.
     fn may_contain(&self, lobe: &Lobe, seen: &Seen) -> bool {
         let (along, aside) = seen.middle();
-        if magnitude(along).max(magnitude(aside)) > FARTHEST_MM {
+        if magnitude(along) > FARTHEST_MM || magnitude(aside) > FARTHEST_MM {
             return false;
         }
         let (cos, sin) = lobe.edge_q14();

@@ -66,25 +66,21 @@ impl<'a> Way<'a> {
     }
 
     /// Distance until the body would come within the margin of any of these arcs; `limit` where it would not before that.
-    pub(super) fn until_any<'b>(
-        &self,
-        arcs: impl Iterator<Item = (&'b Displacement, &'b Arc)>,
-        limit: i32,
-    ) -> i32 {
-        arcs.fold(limit, |limit, (face, arc)| self.until(*face, arc, limit))
+    pub(super) fn until_any<'b>(&self, arcs: impl Iterator<Item = &'b Arc>, limit: i32) -> i32 {
+        let far_mm = limit.saturating_add(self.reach_mm);
+        arcs.fold(limit, |limit, arc| self.until(arc, far_mm, limit))
     }
 
-    /// The same for one arc.
+    /// The same for one arc. Nothing farther from the robot than `far_mm` is in the way.
     #[inline(always)]
-    fn until(&self, face: Displacement, arc: &Arc, limit: i32) -> i32 {
+    fn until(&self, arc: &Arc, far_mm: i32, limit: i32) -> i32 {
         let Some(range) = arc.range else { return limit };
-        let (x, y) = (i32::from(face.dx_mm), i32::from(face.dy_mm));
+        let (x, y) = arc.face_mm();
         let range_mm = self.range_now(range, arc.at);
         // As short as the shortest range it may be anywhere between there and the face.
         let least_mm = i32::from(self.shielding.least_range_mm);
         // Most are far off.
-        if range_mm > least_mm && nearest_mm((x, y), range_mm) > limit.saturating_add(self.reach_mm)
-        {
+        if nearest_mm((x, y), range_mm) > far_mm && range_mm > least_mm {
             return limit;
         }
         if self.leaves_behind((x, y), arc.axis) {
