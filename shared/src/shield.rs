@@ -23,7 +23,7 @@ use crate::config::Config;
 use crate::fixed::{Mask, isqrt};
 use crate::scan::Echo;
 use crate::units::{Bearing, Direction, Displacement, Millis};
-use arc::{Arc, Lobe, POINTS};
+use arc::{Arc, Lobe};
 use cone::Cone;
 use serde::{Deserialize, Serialize};
 use way::Way;
@@ -167,15 +167,34 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         let axis = self.in_frame(*axis);
         let (x_mm, y_mm) = axis.times(i32::from(config.robot.face_radius_mm));
         let cone = Cone::new(Displacement::saturating(x_mm, y_mm), axis, echo);
-        let lobe = match self.lobe {
-            Some(lobe) if lobe.half == shielding.half_lobe => lobe,
-            _ => *self.lobe.insert(Lobe::of(shielding.half_lobe)),
-        };
         self.drop_if_silent(shielding, sensor, echo.at);
-        self.look(shielding, &lobe, &cone);
-        if echo.range.is_some() {
-            let place = self.place_of(config, sensor, axis);
-            self.insert(shielding, &lobe, place, sensor, &cone, echo);
+        let place = self.place_of(config, sensor, axis);
+        if self.lobe.is_none_or(|lobe| lobe.half != shielding.half_lobe) {
+            self.lobe = Some(Lobe::of(shielding.half_lobe));
+        }
+        let Some(lobe) = &self.lobe else { return };
+        for arc in self.arcs.as_flattened_mut() {
+            cone.look(shielding, lobe, arc);
+        }
+        let kept = usize::from(shielding.places).clamp(1, KEPT);
+        let (Some(arcs), Some(heard_by), Some(_)) = (
+            self.arcs.get_mut(place),
+            self.heard_by.get_mut(place),
+            echo.range,
+        ) else {
+            return;
+        };
+        // What is kept there and farthest makes room.
+        let (mut farthest, mut most) = (None, 0);
+        for (arc, by) in arcs.iter_mut().zip(heard_by).take(kept) {
+            let distance = arc.half_distance_squared(lobe, most);
+            if distance >= most {
+                (farthest, most) = (Some((arc, by)), distance);
+            }
+        }
+        if let Some((arc, by)) = farthest {
+            // A ring has at most 32 transducers.
+            (*arc, *by) = (Arc::heard(cone.face, cone.axis, echo), sensor as u8);
         }
     }
 
@@ -201,54 +220,6 @@ impl<const SENSORS: usize> Shield<SENSORS> {
     fn since_heard(&self, sensor: usize, now: Millis) -> Option<u32> {
         let at = self.heard_at.get(sensor)?;
         self.heard.contains(sensor).then(|| now.after(*at))
-    }
-
-    /// Replaces what was heard through the same cone, unless the echo comes from farther away, and counts what it contradicts.
-    fn look(&mut self, shielding: &Shielding, lobe: &Lobe, cone: &Cone) {
-        for arc in self.arcs.as_flattened_mut() {
-            if !cone.looks_along(arc) || cone.at.is_before(arc.at) {
-                continue;
-            }
-            let Some(range) = arc.range else {
-                continue;
-            };
-            let range_mm = range.as_mm().into();
-            if !cone.is_same(arc, shielding.spacing_mm) {
-                cone.look_at(shielding, lobe, arc, range_mm);
-            } else if cone.is_beyond(range_mm) {
-                (0..POINTS).for_each(|point| arc.contradict(point));
-            } else {
-                *arc = Arc::NONE;
-            }
-        }
-    }
-
-    /// Keeps an arc at a place of the ring. The one there whose points that still count are farthest makes room.
-    fn insert(
-        &mut self,
-        shielding: &Shielding,
-        lobe: &Lobe,
-        place: usize,
-        sensor: usize,
-        cone: &Cone,
-        echo: Echo,
-    ) {
-        let (Some(arcs), Some(heard_by)) = (self.arcs.get_mut(place), self.heard_by.get_mut(place))
-        else {
-            return;
-        };
-        let kept = usize::from(shielding.places).clamp(1, KEPT);
-        let (mut farthest, mut most) = (None, 0);
-        for (arc, by) in arcs.iter_mut().zip(heard_by).take(kept) {
-            let distance = arc.half_distance_squared(lobe, most);
-            if distance >= most {
-                (farthest, most) = (Some((arc, by)), distance);
-            }
-        }
-        if let Some((arc, by)) = farthest {
-            // A ring has at most 32 transducers.
-            (*arc, *by) = (Arc::heard(cone.face, cone.axis, echo), sensor as u8);
-        }
     }
 
     /// The place of the unturned ring that looks nearest this way: the transducer's own while the ring is not turned.
@@ -327,8 +298,14 @@ impl<const SENSORS: usize> Shield<SENSORS> {
             };
         };
         let length = i32::from(length);
-        let lobe = self.lobe.filter(|lobe| lobe.half == shielding.half_lobe);
-        let lobe = lobe.unwrap_or_else(|| Lobe::of(shielding.half_lobe));
+        let new;
+        let lobe = match &self.lobe {
+            Some(lobe) if lobe.half == shielding.half_lobe => lobe,
+            _ => {
+                new = Lobe::of(shielding.half_lobe);
+                &new
+            }
+        };
         let mut way = Way::new(config, shielding, lobe, wanted, length, now);
         way.direction = self.in_frame(way.direction);
         let free = self.free_distance(

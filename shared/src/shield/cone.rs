@@ -5,7 +5,7 @@
 //! [`CONTRADICTIONS`] of them.
 
 use super::Shielding;
-use super::arc::{Arc, BEFORE, Lobe, Seen, magnitude, nearest_mm};
+use super::arc::{Arc, BEFORE, Lobe, POINTS, Seen, magnitude, nearest_mm};
 use crate::scan::Echo;
 use crate::units::{Direction, Displacement, Millis, Range};
 
@@ -56,7 +56,7 @@ impl Cone {
     }
 
     /// Whether an arc was heard in nearly this direction.
-    pub(super) fn looks_along(&self, arc: &Arc) -> bool {
+    fn looks_along(&self, arc: &Arc) -> bool {
         let (x, y) = (i32::from(arc.axis.x_q14), i32::from(arc.axis.y_q14));
         self.axis.along(x, y) >= SIMILAR_AXIS_Q14
     }
@@ -73,8 +73,24 @@ impl Cone {
     }
 
     /// Whether this echo comes from beyond `range_mm`.
-    pub(super) fn is_beyond(&self, range_mm: i32) -> bool {
+    fn is_beyond(&self, range_mm: i32) -> bool {
         self.range_mm > range_mm.saturating_add(TOLERANCE_MM + (range_mm >> 5))
+    }
+
+    /// Drops what was heard through the same cone, unless this echo comes from farther away, and counts what it contradicts.
+    pub(super) fn look(&self, shielding: &Shielding, lobe: &Lobe, arc: &mut Arc) {
+        if !self.looks_along(arc) || self.at.is_before(arc.at) {
+            return;
+        }
+        let Some(range) = arc.range else { return };
+        let range_mm = range.as_mm().into();
+        if !self.is_same(arc, shielding.spacing_mm) {
+            self.look_at(shielding, lobe, arc, range_mm);
+        } else if self.is_beyond(range_mm) {
+            (0..POINTS).for_each(|point| arc.contradict(point));
+        } else {
+            *arc = Arc::NONE;
+        }
     }
 
     /// Counts the contradictions of an arc of another cone.

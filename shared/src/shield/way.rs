@@ -13,7 +13,7 @@ pub(super) struct Way<'a> {
     pub(super) direction: Direction,
     /// In the ring's.
     in_ring: Direction,
-    lobe: Lobe,
+    lobe: &'a Lobe,
     /// Body and margin.
     reach_mm: i32,
     pub(super) now: Millis,
@@ -23,7 +23,7 @@ impl<'a> Way<'a> {
     pub(super) fn new<const SENSORS: usize>(
         config: &Config<SENSORS>,
         shielding: &'a Shielding,
-        lobe: Lobe,
+        lobe: &'a Lobe,
         wanted: Displacement,
         length: i32,
         now: Millis,
@@ -92,7 +92,7 @@ impl<'a> Way<'a> {
             let before = seen.on_axis(self.shielding.before_mm());
             distance = self.until_point(before, distance);
         }
-        let bounds = seen.bounds(&self.lobe);
+        let bounds = seen.bounds(self.lobe);
         if bounds.along.1 <= 0
             || bounds.aside >= self.reach_mm
             || bounds.along.0.wrapping_sub(distance) >= self.reach_mm
@@ -100,7 +100,7 @@ impl<'a> Way<'a> {
             return distance;
         }
         for (_, at) in seen
-            .points(&self.lobe)
+            .points(self.lobe)
             .filter(|(point, _)| arc.stands(*point))
         {
             distance = self.until_point(at, distance);
