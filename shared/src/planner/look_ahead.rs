@@ -124,6 +124,10 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             let along = cosine_q14(direction.unwrap_or_default(), course);
             let steady = weighted(goal.steady_q16, along);
             let limit = limit.wrapping_add(steady);
+            // No deviation is below 0: most places need not be looked at.
+            if limit <= 0 {
+                return FAR;
+            }
             let cap = goal.cap_bits();
             let deviation = if whole {
                 let asked = goal.components.iter().map(Asked::of);
