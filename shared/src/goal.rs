@@ -249,29 +249,17 @@ impl<const SENSORS: usize> Goal<SENSORS> {
         }
     }
 
-    /// Says of each believed transducer what is asked of it in the ring's frame by a robot that goes towards place
-    /// `place` of the ring.
-    #[inline(never)]
-    pub(crate) fn ask(&self, place: usize, mask: Mask, asked: &mut [Asked; SENSORS]) {
-        let halves = self
-            .components
-            .split_at_checked(SENSORS.wrapping_sub(place));
-        let (first, last) = halves.unwrap_or((&self.components, &[]));
-        let (before, after) = asked.split_at_mut_checked(last.len()).unwrap_or_default();
-        for (components, asked) in [(last, before), (first, after)] {
-            for (component, asked) in components.iter().zip(asked) {
-                if component.weight > 0 {
-                    *asked = Asked::of(component);
-                }
-            }
-        }
-        if !mask.covers(SENSORS) {
-            for (sensor, asked) in asked.iter_mut().enumerate() {
-                if !mask.contains(sensor) {
-                    *asked = Asked::ANYTHING;
-                }
-            }
-        }
+    /// What is asked of each transducer in the ring's frame by a robot that goes towards place `place` of the ring; nothing of
+    /// those that are not believed.
+    pub(crate) fn asked(&self, place: usize, believed: Mask) -> impl Iterator<Item = Asked> {
+        let back = SENSORS.wrapping_sub(place);
+        (0..SENSORS).map(move |sensor| {
+            let component = sensor.wrapping_add(back).checked_rem(SENSORS);
+            let component = component.and_then(|component| self.components.get(component));
+            component
+                .filter(|_| believed.contains(sensor))
+                .map_or(Asked::ANYTHING, Asked::of)
+        })
     }
 
     /// The cap in units of 2⁻¹³, not below 0.
@@ -280,9 +268,9 @@ impl<const SENSORS: usize> Goal<SENSORS> {
     }
 
     /// Whether a deviation is within the tolerance, by what is asked of the believed transducers.
-    pub(crate) fn is_met_by(&self, deviation: i64, asked: &[Asked; SENSORS]) -> bool {
+    pub(crate) fn is_met_by(&self, deviation: i64, asked: impl Iterator<Item = Asked>) -> bool {
         let tolerance = i32::from(self.tolerance.to_bits());
-        let weights: i32 = asked.iter().map(Asked::weight).sum();
+        let weights: i32 = asked.map(|asked| asked.weight()).sum();
         deviation <= i64::from(weights).wrapping_mul(i64::from(tolerance * tolerance))
     }
 }
@@ -399,12 +387,10 @@ mod tests {
                 Component::equal(Weight::ONE),
             ])
         };
-        let mut asked = [Asked::ANYTHING; 3];
-        goal.ask(0, Mask::ALL, &mut asked);
-        assert!(goal.is_met_by(500, &asked) && !goal.is_met_by(501, &asked));
+        let is_met = |deviation, believed| goal.is_met_by(deviation, goal.asked(0, believed));
+        assert!(is_met(500, Mask::ALL) && !is_met(501, Mask::ALL));
         // Who is not believed is not asked.
-        let mut asked = [Asked::ANYTHING; 3];
-        goal.ask(0, Mask::ALL.without(0), &mut asked);
-        assert!(goal.is_met_by(100, &asked) && !goal.is_met_by(101, &asked));
+        let without = Mask::ALL.without(0);
+        assert!(is_met(100, without) && !is_met(101, without));
     }
 }

@@ -169,7 +169,10 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         let cone = Cone::new(Displacement::saturating(x_mm, y_mm), axis, echo);
         self.drop_if_silent(shielding, sensor, echo.at);
         let place = self.place_of(config, sensor, axis);
-        if self.lobe.is_none_or(|lobe| lobe.half != shielding.half_lobe) {
+        if self
+            .lobe
+            .is_none_or(|lobe| lobe.half != shielding.half_lobe)
+        {
             self.lobe = Some(Lobe::of(shielding.half_lobe));
         }
         let Some(lobe) = &self.lobe else { return };

@@ -6,7 +6,7 @@ use super::{Decision, Mode, Motion, Outputs, Pending, State, StopReason};
 use crate::action_map::Effect;
 use crate::config::{Choice, Config, Taught};
 use crate::fixed::Mask;
-use crate::goal::{Asked, Frame, Goal, missed};
+use crate::goal::{Frame, Goal, missed};
 use crate::memory::{self, Sample};
 use crate::planner::{GoalNeuron, NEXT_COURSE, Plan, Planner, Why};
 use crate::scan::{Aligned, Situation, rotated};
@@ -307,10 +307,9 @@ fn pursued<const SENSORS: usize>(
         return None;
     }
     let values = situation.iter().map(|value| i32::from(value.to_bits()));
-    let mut asked = [Asked::ANYTHING; SENSORS];
-    goal.ask(0, enabled, &mut asked);
-    let deviation = missed(asked.iter().copied(), values, goal.cap_bits(), i64::MAX);
-    if goal.is_met_by(deviation, &asked) {
+    let asked = || goal.asked(0, enabled);
+    let deviation = missed(asked(), values, goal.cap_bits(), i64::MAX);
+    if goal.is_met_by(deviation, asked()) {
         *search = Search::NEW;
     } else if search.is_stuck(deviation, wander) {
         let onward = course.now().with_length(config.robot.step_mm);

@@ -141,7 +141,7 @@ impl<const SENSORS: usize> Goal<SENSORS> {
 mod tests {
     use super::*;
     use crate::fixed::Mask;
-    use crate::goal::{Asked, Frame, missed};
+    use crate::goal::{Frame, missed};
 
     fn config() -> Config<16> {
         Config::recommended()
@@ -164,9 +164,12 @@ mod tests {
         let goal = Goal::wall(Side::Right, Range::from_mm(600), &config());
         let deviation = |mm: f64, places: usize| {
             let values = beside_a_wall(mm).map(|value| i32::from(value.to_bits()));
-            let mut asked = [Asked::ANYTHING; 16];
-            goal.ask(places, Mask::ALL, &mut asked);
-            missed(&asked, &values, goal.cap_bits(), i64::MAX)
+            missed(
+                goal.asked(places, Mask::ALL),
+                values.into_iter(),
+                goal.cap_bits(),
+                i64::MAX,
+            )
         };
         let here = deviation(600.0, 0);
         assert!(here < 2_000, "{here}");
@@ -264,9 +267,12 @@ mod tests {
         let deviation = |place: usize, mm: u16| {
             let mut values = [0; 16];
             values[place] = i32::from(value(mm).to_bits());
-            let mut asked = [Asked::ANYTHING; 16];
-            goal.ask(0, Mask::ALL, &mut asked);
-            missed(&asked, &values, goal.cap_bits(), i64::MAX)
+            missed(
+                goal.asked(0, Mask::ALL),
+                values.into_iter(),
+                goal.cap_bits(),
+                i64::MAX,
+            )
         };
         assert_eq!(deviation(0, 700), 0);
         for (place, mm) in [

@@ -38,6 +38,9 @@ impl<const SENSORS: usize> Landscape<SENSORS> {
         let mut sums = Sums::default();
         let mut smooth = false;
         for (asked, line) in asked.iter().zip(forward.lines()) {
+            if asked.weight() == 0 {
+                continue;
+            }
             match asked.over(line.range(), self.cap) {
                 Over::Met => {}
                 Over::Capped => {
@@ -183,14 +186,14 @@ mod tests {
                 weight,
             }));
             goal.cap = Weight::from_bits(cap);
-            let mut asked = [Asked::ANYTHING; 4];
-            goal.ask(0, Mask::ALL, &mut asked);
+            let mut asked = goal.asked(0, Mask::ALL);
+            let asked = core::array::from_fn(|_| asked.next().unwrap());
             let forward = forward(situation.map(Weight::from_bits), slopes);
             let mut landscape = Landscape::flat(goal.cap_bits());
             landscape.shape(&forward, &asked);
             let share = crate::units::Bearing::from_turns(turns).direction();
             let values = forward.after(share);
-            let exact = missed(&asked, &values, goal.cap_bits(), i64::MAX);
+            let exact = missed(asked.into_iter(), values.into_iter(), goal.cap_bits(), i64::MAX);
             let found = landscape.at(share, i64::MAX);
             // Each value is rounded down to one unit; the form's coefficients to 2⁹ and 2¹⁰.
             let weights: i64 = bounds.iter().map(|(_, _, weight)| i64::from(*weight)).sum();

@@ -116,9 +116,6 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             return 0;
         }
         let course = unit(self.course);
-        let whole = self.enabled.covers(SENSORS);
-        // Twice around, so that each place is the beginning of a ring.
-        let twice = [*situation; 2];
         let score = |place: usize, limit: i64| {
             let direction = self.config.robot.directions.get(place).copied();
             let along = cosine_q14(direction.unwrap_or_default(), course);
@@ -128,16 +125,8 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             if limit <= 0 {
                 return FAR;
             }
-            let cap = goal.cap_bits();
-            let deviation = if whole {
-                let asked = goal.components.iter().map(Asked::of);
-                let seen = twice.as_flattened().get(place..).unwrap_or(&[]);
-                missed(asked, bits(seen), cap, limit)
-            } else {
-                let mut asked = [Asked::ANYTHING; SENSORS];
-                goal.ask(place, self.enabled, &mut asked);
-                missed(asked.iter().copied(), bits(situation), cap, limit)
-            };
+            let asked = goal.asked(place, self.enabled);
+            let deviation = missed(asked, bits(situation), goal.cap_bits(), limit);
             deviation.wrapping_sub(steady)
         };
         let likely = usize::from(self.likely.place);
@@ -167,7 +156,9 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         let config = self.config;
         let mask = self.enabled;
         let mut asked = [Asked::ANYTHING; SENSORS];
-        goal.ask(place, mask, &mut asked);
+        for (place, asked) in asked.iter_mut().zip(goal.asked(place, mask)) {
+            *place = asked;
+        }
         let asked = &asked;
         let travels = goal.frame == Frame::Travel && config.robot.symmetric;
         let ahead = config.robot.directions.get(place).copied();
@@ -175,7 +166,9 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             goal,
             asked,
             place: place.min(SENSORS),
-            way: ahead.filter(|_| travels).unwrap_or(unit(self.course)),
+            way: ahead
+                .filter(|_| travels)
+                .unwrap_or_else(|| unit(self.course)),
         };
         let mut forward = Forward::from(situation);
         forward.fit(self.actions, config.action_code, config.robot.step_mm);
@@ -193,7 +186,8 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             intermediate_neuron: self.situations.winner(&to_come, mask) as u8,
             wanted: difference(&to_come, situation),
             action_neuron: self.neuron_of(best.direction) as u8,
-            at_goal: goal.is_met_by(now, asked) || aim.holds(situation, config.planning.tolerance),
+            at_goal: goal.is_met_by(now, asked.iter().copied())
+                || aim.holds(situation, config.planning.tolerance),
             recalled: true,
             action: Displacement::ZERO,
             why: Why::Stay,
@@ -362,6 +356,11 @@ mod tests {
         }
     }
 
+    fn all_asked(goal: &Goal<16>) -> [Asked; 16] {
+        let mut asked = goal.asked(0, Mask::ALL);
+        core::array::from_fn(|_| asked.next().unwrap())
+    }
+
     /// Few different values make many ties.
     fn bounds() -> impl Strategy<Value = Bounds> {
         let value = || prop_oneof![Just(0_i16), Just(4_096), Just(8_192), 0_i16..=8_192];
@@ -433,10 +432,8 @@ mod tests {
             let mut bench = Bench::new([0; 16]);
             bench.config.believed = mask;
             let score = |place: usize| {
-                let mut asked = [Asked::ANYTHING; 16];
-                goal.ask(place, mask, &mut asked);
                 let along = cosine_q14(bench.config.robot.directions[place], unit(course));
-                missed(&asked, &values.map(i32::from), goal.cap_bits(), i64::MAX) - weighted(steady, along)
+                missed(goal.asked(place, mask), values.into_iter().map(i32::from), goal.cap_bits(), i64::MAX) - weighted(steady, along)
             };
             let best = (0..16).min_by_key(|&place| (score(place), place));
             let planner = bench.planner(course, Mask::ALL, begin);
@@ -454,8 +451,7 @@ mod tests {
             let bench = Bench::new(changes);
             let planner = bench.planner(course, allowed, 0);
             let situation = values.map(Weight::from_bits);
-            let mut asked = [Asked::ANYTHING; 16];
-            goal.ask(0, Mask::ALL, &mut asked);
+            let asked = all_asked(&goal);
             let aim = Aim { goal: &goal, asked: &asked, place, way: unit(course) };
             let mut forward = Forward::from(&situation);
             forward.fit(&bench.actions, bench.config.action_code, 250);
@@ -521,8 +517,7 @@ mod tests {
             bench.actions.actions_mut().set_code_vector(k, &code);
         }
         let goal = goal([(0, 0, 1); 16], Frame::Ring, 0, 0);
-        let mut asked = [Asked::ANYTHING; 16];
-        goal.ask(0, Mask::ALL, &mut asked);
+        let asked = all_asked(&goal);
         let (goal, asked, way) = (&goal, &asked, Direction::default());
         let aim = Aim {
             goal,

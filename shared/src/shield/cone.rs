@@ -94,13 +94,7 @@ impl Cone {
     }
 
     /// Counts the contradictions of an arc of another cone.
-    pub(super) fn look_at(
-        &self,
-        shielding: &Shielding,
-        lobe: &Lobe,
-        arc: &mut Arc,
-        range_mm: i32,
-    ) {
+    pub(super) fn look_at(&self, shielding: &Shielding, lobe: &Lobe, arc: &mut Arc, range_mm: i32) {
         let (x, y) = arc.face_mm();
         if nearest_mm((x, y), range_mm) > FARTHEST_MM {
             return;

@@ -8,17 +8,14 @@ use std::vec::Vec;
 mod contradictions;
 mod detours;
 
-/// An arc and where its transducer's face was.
-fn arc(
-    (x, y, turns, range, age): (i16, i16, u16, Option<u16>, u32),
-    now: Millis,
-) -> (Displacement, Arc) {
+/// An arc heard from a face at (x, y).
+fn arc((x, y, turns, range, age): (i16, i16, u16, Option<u16>, u32), now: Millis) -> Arc {
     let echo = Echo {
         range: range.map(Range::from_mm),
         at: Millis::from_ms(now.as_ms().wrapping_sub(age)),
     };
     let axis = Bearing::from_turns(turns).direction();
-    (mm(x, y), Arc::heard(axis, echo))
+    Arc::heard(mm(x, y), axis, echo)
 }
 
 /// Distance along x until a disc of this radius touches a point no farther back than `back`, at most `limit`.
@@ -42,9 +39,9 @@ proptest! {
         let half_lobe = Bearing::from_turns(half_lobe);
         config.shield = Some(Shielding { half_lobe, ..Shielding::nomad200() });
         let shielding = config.shield.as_ref().unwrap();
-        let now = Millis::from_ms(0);
+        let (lobe, now) = (Lobe::of(half_lobe), Millis::from_ms(0));
         let wanted = Displacement::along(Bearing::from_turns(wanted), 250);
-        let way = Way::new(&config, shielding, Lobe::of(half_lobe), wanted, 250, now);
+        let way = Way::new(&config, shielding, &lobe, wanted, 250, now);
         let angle = |direction: Direction| libm::atan2(direction.y_q14.into(), direction.x_q14.into());
         let heading = angle(way.direction);
         let radius = f64::from(config.robot.body_radius_mm + shielding.margin_mm);
@@ -63,8 +60,8 @@ proptest! {
             }
         }
         let arcs = parts.into_iter().map(|(x, y, turns, range)| arc((x, y, turns, Some(range), 0), now));
-        let (faces, arcs): (Vec<_>, Vec<_>) = arcs.unzip();
-        let found = f64::from(way.until_any(faces.iter().zip(&arcs), limit));
+        let arcs: Vec<_> = arcs.collect();
+        let found = f64::from(way.until_any(arcs.iter(), limit));
         prop_assert!(least <= found && found <= most, "{least} {found} {most}");
     }
 }
@@ -225,8 +222,8 @@ fn a_direction_is_open_while_those_who_look_there_have_been_heard() {
 #[test]
 fn an_arc_is_as_far_as_its_points_that_still_count() {
     let (config, lobe) = (Config::recommended(), Lobe::of(Bearing::from_turns(2_731)));
-    let (face, mut arc) = arc((-3_000, 0, 0, Some(3_000), 0), Millis::from_ms(5));
-    let distance = |arc: &Arc| 2 * isqrt(arc.half_distance_squared(face, &lobe).into());
+    let mut arc = arc((-3_000, 0, 0, Some(3_000), 0), Millis::from_ms(5));
+    let distance = |arc: &Arc| 2 * isqrt(arc.half_distance_squared(&lobe, 0).into());
     assert_eq!(distance(&arc), 0);
     for point in [1, 2, 3, 4, 5] {
         (0..3).for_each(|_| arc.contradict(point));
@@ -237,7 +234,8 @@ fn an_arc_is_as_far_as_its_points_that_still_count() {
     // It makes room for a corner, and not the corner for what is heard next.
     let mut shield = heard(&config, &[]);
     for (slot, moved) in (0..4).zip([0, 5, 10, 15]) {
-        (shield.faces[0][slot], shield.arcs[0][slot]) = (mm(-3_000, moved), arc);
+        arc.face = mm(-3_000, moved);
+        shield.arcs[0][slot] = arc;
     }
     for (time, range) in [(6, 500), (7, 2_500), (8, 2_600)] {
         shield.hear(&config, 0, echo(Some(Range::from_mm(range)), time));
@@ -345,7 +343,7 @@ fn a_point_is_met_where_the_body_touches_it() {
     let way = Way::new(
         &config,
         &shielding,
-        lobe,
+        &lobe,
         mm(250, 0),
         250,
         Millis::from_ms(0),

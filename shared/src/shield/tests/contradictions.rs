@@ -1,6 +1,7 @@
 //! What an echo says of what was heard before it.
 
 use super::*;
+use crate::shield::arc::POINTS;
 
 /// A ring from `time`, of which one transducer alone hears something.
 fn ring(shield: &mut Shield<16>, config: &Config<16>, thing: Option<(usize, u16)>, time: u32) {
@@ -44,9 +45,10 @@ proptest! {
         let ahead = Bearing::ZERO.direction();
         let cone = Cone::new(mm(0, 0), ahead, echo(Some(Range::from_mm(heard)), 1));
         let now = Millis::from_ms(0);
-        let (face, mut arc) = arc((face.0, face.1, turn as u16, Some(range), 0), now);
+        let face = mm(face.0, face.1);
+        let mut arc = arc((face.dx_mm, face.dy_mm, turn as u16, Some(range), 0), now);
         for _ in 0..2 {
-            cone.look_at(&shielding, &lobe, face, &mut arc, range.into());
+            cone.look_at(&shielding, &lobe, &mut arc, range.into());
         }
         let axis = f64::from(turn) / 65_536.0 * core::f64::consts::TAU;
         let place = |towards: f64| {
@@ -140,18 +142,18 @@ fn a_transducer_that_was_silent_for_long_begins_anew() {
 /// 57 units of an axis are 0.2°, and the shield's spacing is 2 mm.
 #[test]
 fn a_cone_is_the_same_by_its_axis_and_by_its_face() {
-    let heard_along = |x_q14: i16, y_q14: i16| {
+    let heard_from = |face, x_q14: i16, y_q14: i16| {
         let axis = Direction { x_q14, y_q14 };
-        Arc::heard(axis, echo(None, 0))
+        Arc::heard(face, axis, echo(None, 0))
     };
     let ahead = Bearing::ZERO.direction();
     let cone = Cone::new(mm(231, 0), ahead, echo(None, 5));
-    let is_same = |face, arc: &Arc| cone.is_same(face, arc, 2);
-    assert!(is_same(mm(231, 0), &heard_along(ahead.x_q14, 56)));
-    assert!(!is_same(mm(231, 0), &heard_along(ahead.x_q14, 57)));
-    assert!(!is_same(mm(231, 0), &heard_along(ahead.x_q14 - 57, 0)));
-    assert!(is_same(mm(231, -1), &heard_along(ahead.x_q14, 0)));
-    assert!(!is_same(mm(231, 2), &heard_along(ahead.x_q14, 0)));
+    let is_same = |arc: &Arc| cone.is_same(arc, 2);
+    assert!(is_same(&heard_from(mm(231, 0), ahead.x_q14, 56)));
+    assert!(!is_same(&heard_from(mm(231, 0), ahead.x_q14, 57)));
+    assert!(!is_same(&heard_from(mm(231, 0), ahead.x_q14 - 57, 0)));
+    assert!(is_same(&heard_from(mm(231, -1), ahead.x_q14, 0)));
+    assert!(!is_same(&heard_from(mm(231, 2), ahead.x_q14, 0)));
 }
 
 /// A corner 19° beside the axis of transducer 0, 0.17 m from its face, stands in no lobe. It was heard before the ring turned.
