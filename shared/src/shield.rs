@@ -157,7 +157,8 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         self.way_mm < SECOND_VIEW_MM - 10
     }
 
-    /// Takes an echo of a transducer.
+    /// Takes an echo of a transducer: what it contradicts is counted, and what it tells is kept at its place of the ring, where the
+    /// arc whose points that still count are farthest makes room.
     #[inline(never)]
     pub fn hear(&mut self, config: &Config<SENSORS>, sensor: usize, echo: Echo) {
         let (Some(shielding), Some(axis)) = (&config.shield, config.robot.directions.get(sensor))
@@ -179,20 +180,17 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         for arc in self.arcs.as_flattened_mut() {
             cone.look(shielding, lobe, arc);
         }
-        let kept = usize::from(shielding.places).clamp(1, KEPT);
-        let (Some(arcs), Some(heard_by), Some(_)) = (
-            self.arcs.get_mut(place),
-            self.heard_by.get_mut(place),
-            echo.range,
-        ) else {
+        if echo.range.is_none() {
             return;
-        };
-        // What is kept there and farthest makes room.
+        }
+        let kept = usize::from(shielding.places).clamp(1, KEPT);
+        let arcs = self.arcs.get_mut(place).into_iter().flatten();
+        let heard_by = self.heard_by.get_mut(place).into_iter().flatten();
         let (mut farthest, mut most) = (None, 0);
-        for (arc, by) in arcs.iter_mut().zip(heard_by).take(kept) {
-            let distance = arc.half_distance_squared(lobe, most);
+        for slot in arcs.zip(heard_by).take(kept) {
+            let distance = slot.0.half_distance_squared(lobe, most);
             if distance >= most {
-                (farthest, most) = (Some((arc, by)), distance);
+                (farthest, most) = (Some(slot), distance);
             }
         }
         if let Some((arc, by)) = farthest {

@@ -14,7 +14,7 @@
 //!
 //! Cost for 16 transducers and neurons: 64 products for the linear map of sums that the action map keeps; some ten per
 //! transducer for the deviation as a function of the direction ([`Landscape`]) and ten per direction, with a few more for each
-//! transducer that may cross a bound; for the way of a goal in the frame of travel at most 256 comparisons, mostly a quarter.
+//! transducer that may cross a bound; for the way of a goal in the frame of travel at most 256 comparisons, mostly less than a quarter.
 
 use super::forward::Forward;
 use super::landscape::Landscape;

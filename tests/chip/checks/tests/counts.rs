@@ -11,10 +11,10 @@ const BUDGETS: [(&str, u64, u64); 9] = [
         20_000,
         30_000,
     ),
-    ("decision: along a wall", 24_000, 30_000),
+    ("decision: along a wall", 20_000, 30_000),
     ("decision: to a place", 20_000, 30_000),
-    ("decision: obstacles on the right", 25_000, 30_000),
-    ("decision: after a leader", 21_500, 30_000),
+    ("decision: obstacles on the right", 20_000, 30_000),
+    ("decision: after a leader", 20_000, 30_000),
     ("decision: avoid by the paper's four steps", 20_000, 30_000),
     ("**learning**", 30_000_000, 30_000_000),
 ];
