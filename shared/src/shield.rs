@@ -177,7 +177,8 @@ impl<const SENSORS: usize> Shield<SENSORS> {
             self.lobe = Some(Lobe::of(shielding.half_lobe));
         }
         let Some(lobe) = &self.lobe else { return };
-        for arc in self.arcs.as_flattened_mut() {
+        let arcs = self.arcs.as_flattened_mut().iter_mut();
+        for arc in arcs.filter(|arc| cone.looks_along(arc)) {
             cone.look(shielding, lobe, arc);
         }
         if echo.range.is_none() {

@@ -56,7 +56,7 @@ impl Cone {
     }
 
     /// Whether an arc was heard in nearly this direction.
-    fn looks_along(&self, arc: &Arc) -> bool {
+    pub(super) fn looks_along(&self, arc: &Arc) -> bool {
         let (x, y) = (i32::from(arc.axis.x_q14), i32::from(arc.axis.y_q14));
         self.axis.along(x, y) >= SIMILAR_AXIS_Q14
     }
@@ -77,12 +77,12 @@ impl Cone {
         self.range_mm > range_mm.saturating_add(TOLERANCE_MM + (range_mm >> 5))
     }
 
-    /// Drops what was heard through the same cone, unless this echo comes from farther away, and counts what it contradicts.
+    /// Drops an arc heard in nearly this direction through the same cone, unless this echo comes from farther away; counts
+    /// what it contradicts of others.
     pub(super) fn look(&self, shielding: &Shielding, lobe: &Lobe, arc: &mut Arc) {
-        if !self.looks_along(arc) || self.at.is_before(arc.at) {
+        let Some(range) = arc.range.filter(|_| !self.at.is_before(arc.at)) else {
             return;
-        }
-        let Some(range) = arc.range else { return };
+        };
         let range_mm = range.as_mm().into();
         if !self.is_same(arc, shielding.spacing_mm) {
             self.look_at(shielding, lobe, arc, range_mm);
