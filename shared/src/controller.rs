@@ -21,7 +21,7 @@ use crate::config::Config;
 use crate::faults::Detector;
 use crate::fixed::Mask;
 use crate::memory::Memory;
-use crate::planner::GoalNeuron;
+use crate::planner::Memo;
 use crate::scan::{Aligned, Echo, Scan};
 use crate::shield::Shield;
 use crate::som::kernels::Kernels;
@@ -112,8 +112,8 @@ pub struct State<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usiz
     closed: u8,
     /// Decisions for which each action neuron stays inhibited.
     inhibited: [u8; NEURONS],
-    /// The neuron that stood for the goal last time.
-    goal_neuron: GoalNeuron,
+    /// What the searches of the last decision found.
+    last_plan: Memo,
     /// How the search for a place goes.
     search: Search,
 }
@@ -152,7 +152,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             course: Tracked::ZERO,
             closed: 0,
             inhibited: [0; NEURONS],
-            goal_neuron: GoalNeuron::UNKNOWN,
+            last_plan: Memo::NONE,
             search: Search::NEW,
         }
     }
@@ -403,7 +403,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         at: Millis,
         command: Command<SENSORS>,
     ) -> Outputs<SENSORS> {
-        self.goal_neuron.deviation = None;
+        self.last_plan.forget_cost();
         let most = u16::try_from(SAMPLES).unwrap_or(u16::MAX);
         let mode = match command {
             Command::Explore { moves, .. } if moves == 0 || moves > most => {

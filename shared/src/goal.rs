@@ -14,7 +14,7 @@ mod asked;
 mod behaviours;
 mod kept;
 
-pub(crate) use asked::{Asked, Heaviest, Over, heaviest, missed};
+pub(crate) use asked::{Asked, Over, missed};
 pub use behaviours::Side;
 pub use kept::{KeepError, KeptGoal, KeptGoals, MOST_KEPT, Name};
 
@@ -85,13 +85,6 @@ impl Component {
         let nearest = value.max(self.low).min(self.high);
         let gap = i32::from(value.to_bits()) - i32::from(nearest.to_bits());
         i64::from(gap) * i64::from(gap * i32::from(self.weight))
-    }
-
-    /// Whether a value is as asked, whatever the weight.
-    #[inline(always)]
-    pub(crate) const fn holds(self, value: Weight) -> bool {
-        let value = value.to_bits();
-        self.low.to_bits() <= value && value <= self.high.to_bits()
     }
 
     /// The value nearest to `value` that is wanted; `value` itself where any will do.

@@ -11,15 +11,20 @@
 use crate::action_map::{ActionMap, Match, Preference, Probe};
 use crate::config::{AtGoal, Choice, Config, Intermediate};
 use crate::fixed::{Fine, Mask, Weight, coarse, unit_weight};
-use crate::goal::{Goal, Heaviest, heaviest};
+use crate::goal::{Asked, Goal};
 use crate::scan::Situation;
 use crate::som::Som;
 use crate::units::{Bearing, Displacement};
 use serde::{Deserialize, Serialize};
 
 mod forward;
+mod goal_neuron;
 mod landscape;
 mod look_ahead;
+
+pub(crate) use goal_neuron::Memo;
+use goal_neuron::cost;
+use look_ahead::Aim;
 
 /// Why the planner chose what it chose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -88,34 +93,6 @@ pub struct Plan<const SENSORS: usize> {
     pub why: Why,
 }
 
-/// The neuron that stands for a goal, to start from when it is sought again: it and the place of the ring are looked at
-/// first, and most others soon drop out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct GoalNeuron {
-    /// The neuron.
-    pub neuron: u8,
-    /// Place of the ring towards which the goal was pursued.
-    pub place: u8,
-    /// The goal's component that weighs most, if the deviation is known.
-    pub heaviest: u8,
-    /// Transducers that were believed.
-    pub believed: Mask,
-    /// Its deviation from the goal, if the goal is the same and no neuron but the planner's `current` one has changed since;
-    /// in units of 2⁻²⁶ · weight.
-    pub deviation: Option<i64>,
-}
-
-impl GoalNeuron {
-    /// Any; nothing is known.
-    pub const UNKNOWN: Self = Self {
-        neuron: 0,
-        place: 0,
-        heaviest: 0,
-        believed: Mask::NONE,
-        deviation: None,
-    };
-}
-
 /// The maps and the moment a plan is made of.
 #[derive(Debug, Clone, Copy)]
 pub struct Planner<'a, const SENSORS: usize, const NEURONS: usize> {
@@ -131,8 +108,6 @@ pub struct Planner<'a, const SENSORS: usize, const NEURONS: usize> {
     pub allowed: Mask,
     /// Best-matching unit of the situation, if it is known already.
     pub current: Option<usize>,
-    /// The neuron that stood for the goal last time, or any.
-    pub likely: GoalNeuron,
     /// The last displacement, in the ring's present frame.
     pub course: Displacement,
     /// The last displacement was cut below half.
@@ -140,129 +115,101 @@ pub struct Planner<'a, const SENSORS: usize, const NEURONS: usize> {
 }
 
 impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
-    /// The decision for one situation and one goal.
+    /// The decision for one situation and one goal: the paper's steps 1 and 2, then 3 and 4 or the look-ahead.
     #[must_use]
     pub fn plan(&self, situation: &Situation<SENSORS>, goal: &Goal<SENSORS>) -> Plan<SENSORS> {
-        let way = self.way(situation, goal);
-        self.plan_on_way(situation, goal, way).0
+        let mut nothing = Memo::NONE;
+        self.plan_next(situation, goal, &mut nothing)
     }
 
-    /// The same on the [`way`](Self::way) towards a place of the ring; and the neuron that stands for the goal.
-    #[must_use]
-    pub fn plan_on_way(
+    /// The same after another decision, whose searches warm-start this one's and never change it.
+    pub(crate) fn plan_next(
         &self,
         situation: &Situation<SENSORS>,
         goal: &Goal<SENSORS>,
-        way: usize,
-    ) -> (Plan<SENSORS>, GoalNeuron) {
-        let first = self.heaviest(goal);
-        let heaviest = Heaviest::from(&goal.components, way, self.enabled, first);
-        let planning = &self.config.planning;
-        let own = (planning.choice == Choice::Recall
-            && planning.intermediate == Intermediate::NearestCode)
-            .then_some(self.current)
-            .flatten()
-            .map(|current| self.distance(current, &heaviest, i64::MAX));
-        let (neuron, deviation) = self.goal_neuron(&heaviest, way, own);
-        let found = GoalNeuron {
-            neuron: neuron as u8,
-            place: way as u8,
-            heaviest: first as u8,
-            believed: self.enabled,
-            deviation: Some(deviation),
-        };
-        let plan = match planning.choice {
-            Choice::Recall if way == 0 => self.recall(situation, goal, &heaviest, neuron, own),
-            Choice::Recall => self.recall(situation, &goal.towards(way), &heaviest, neuron, own),
-            Choice::Neurons | Choice::Headings => self.look_ahead(situation, goal, way, neuron),
-        };
-        (plan, found)
-    }
-
-    /// The goal's component that weighs most; not looked for again for the same goal.
-    fn heaviest(&self, goal: &Goal<SENSORS>) -> usize {
-        match self.likely.deviation {
-            Some(_) => usize::from(self.likely.heaviest),
-            None => heaviest(&goal.components),
+        last: &mut Memo,
+    ) -> Plan<SENSORS> {
+        let travel = self.travel_sensor_from(last.travel(), situation, goal);
+        let mut asked = [Asked::ANYTHING; SENSORS];
+        for (slot, asked) in asked.iter_mut().zip(goal.asked(travel, self.enabled)) {
+            *slot = asked;
+        }
+        // Steps 1 and 2.
+        let goal_neuron = last.goal_neuron(self, travel, &asked);
+        let current = self.current_neuron(situation);
+        // Steps 3 and 4, or the look-ahead in their place.
+        match self.config.planning.choice {
+            Choice::Recall => {
+                let goal = goal.towards(travel);
+                self.recall(situation, &goal, &asked, [goal_neuron, current])
+            }
+            Choice::Neurons | Choice::Headings => {
+                let aim = Aim::new(self, goal, &asked, travel);
+                self.look_ahead(situation, &aim, [goal_neuron, current])
+            }
         }
     }
 
-    /// The paper's four steps.
+    /// Step 2: the best-matching unit of the situation.
+    fn current_neuron(&self, situation: &Situation<SENSORS>) -> usize {
+        let search = || self.situations.winner(situation, self.enabled);
+        self.current.unwrap_or_else(search)
+    }
+
+    /// Step 3: the neighbor of the current neuron that is nearest to the goal, and why it or another neuron is aimed at.
+    #[inline(never)]
+    fn subgoal(
+        &self,
+        current: usize,
+        goal_neuron: usize,
+        asked: &[Asked; SENSORS],
+    ) -> (usize, Why) {
+        let grid = self.situations.grid();
+        let by_hops = match self.config.planning.intermediate {
+            Intermediate::Goal => return (goal_neuron, Why::GoalDirectly),
+            _ if current == goal_neuron => return (goal_neuron, Why::GoalNeuron),
+            Intermediate::FewestHops => true,
+            Intermediate::NearestCode => false,
+        };
+        let cost = |neuron: usize| cost(self.situations, neuron, asked, i64::MAX);
+        let hops = |neuron: usize| {
+            if by_hops {
+                grid.hops(neuron, goal_neuron)
+            } else {
+                0
+            }
+        };
+        let neighbors = grid.neighbours(current);
+        match neighbors.min_by_key(|&k| (hops(k), cost(k), k)) {
+            Some(nearest) if by_hops || cost(nearest) < cost(current) => (nearest, Why::Neighbour),
+            _ => (goal_neuron, Why::NoNearerNeighbour),
+        }
+    }
+
+    /// Steps 3 and 4: what the action map recalls for the change that leads to the subgoal.
     #[inline(never)]
     fn recall(
         &self,
         situation: &Situation<SENSORS>,
         goal: &Goal<SENSORS>,
-        asked: &Heaviest<'_, SENSORS>,
-        goal_neuron: usize,
-        own: Option<i64>,
+        asked: &[Asked; SENSORS],
+        [goal_neuron, current]: [usize; 2],
     ) -> Plan<SENSORS> {
-        let planning = &self.config.planning;
-        let mask = self.enabled;
-        let current = self.current(situation);
-        let (aim, why) = self.aim(current, goal_neuron, asked, own);
-        let aimed = match why {
-            Why::Neighbour => self.situations.code().get(aim),
-            _ => None,
-        };
-        let own = match planning.from_measured {
-            true => None,
-            false => self.situations.code().get(current),
-        };
-        let mut wanted = [Weight::ZERO; SENSORS];
-        let (unmet_only, tolerance) = (planning.unmet_only, planning.tolerance);
-        let tolerant = tolerance >= Weight::ZERO;
-        let mut at_goal = tolerant || mask.indices(SENSORS).next().is_none();
-        let ring = situation.iter().zip(&goal.components);
-        // Mostly all is as asked, which is seen sooner by itself.
-        let is_met = || {
-            ring.clone()
-                .all(|(value, component)| component.holds(*value))
-        };
-        let changes = match unmet_only && is_met() {
-            true => &mut [][..],
-            false => &mut wanted,
-        };
-        for (sensor, (change, (value, component))) in changes.iter_mut().zip(ring).enumerate() {
-            let value = *value;
-            if unmet_only && component.holds(value) {
-                continue;
-            }
-            let met = component.nearest(value);
-            if unmet_only && met == value {
-                continue;
-            }
-            at_goal &= !mask.contains(sensor) || value.abs_diff(met) <= tolerance;
-            let part = |row: &[Fine; SENSORS]| row.get(sensor).copied().map(coarse);
-            let target = aimed.and_then(part).unwrap_or(met);
-            let from = own.and_then(part).unwrap_or(value);
-            *change = less(target, from);
-        }
-        let preference = (planning.straight_q8 > 0).then(|| Preference {
-            code: self
-                .config
-                .action_code
-                .encode(self.course, self.config.robot.step_mm),
-            weight_q8: planning.straight_q8,
-        });
-        let probe = Probe {
-            recall: planning.recall,
-            preference,
-        };
-        let mut found = Match::none();
-        self.actions
-            .matches(&wanted, mask, probe, self.allowed, &mut found);
-        let (action, why) = if at_goal {
-            self.at_goal()
-        } else {
-            (self.recalled(&found), why)
+        let (subgoal, why) = self.subgoal(current, goal_neuron, asked);
+        let aim = (why == Why::Neighbour).then_some(subgoal);
+        let wanted = self.change_wanted(situation, goal, current, aim);
+        let answer = self.answer(&wanted);
+        let at_goal = goal.holds(situation, self.enabled, self.config.planning.tolerance);
+        let (action, why) = match at_goal {
+            true => self.at_goal(),
+            false => (self.recalled(&answer), why),
         };
         Plan {
             goal_neuron: goal_neuron as u8,
             current_neuron: current as u8,
-            intermediate_neuron: aim as u8,
+            intermediate_neuron: subgoal as u8,
             wanted,
-            action_neuron: found.neuron as u8,
+            action_neuron: answer.neuron as u8,
             at_goal,
             recalled: !at_goal,
             action,
@@ -270,101 +217,52 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         }
     }
 
-    /// Best-matching unit of the situation.
-    fn current(&self, situation: &Situation<SENSORS>) -> usize {
-        let search = || self.situations.winner(situation, self.enabled);
-        self.current.unwrap_or_else(search)
-    }
-
-    /// The neuron whose code vector deviates least from what is asked, the lowest on ties. Most drop out before all their
-    /// components have been looked at. `own` is the current neuron's deviation, if it is known already.
-    #[inline(never)]
-    fn goal_neuron(
+    /// The change from the situation to the neuron aimed at, or to the goal itself.
+    fn change_wanted(
         &self,
-        asked: &Heaviest<'_, SENSORS>,
-        place: usize,
-        own: Option<i64>,
-    ) -> (usize, i64) {
-        let code = self.situations.code();
-        let likely = self.likely;
-        let mut nearest = usize::from(likely.neuron);
-        let same = usize::from(likely.place) == place && likely.believed == self.enabled;
-        if let Some(least) = likely.deviation.filter(|_| same) {
-            let Some(changed) = self.current else {
-                return (nearest, least);
-            };
-            let limit = least.saturating_add(i64::from(changed <= nearest));
-            let deviation = own.unwrap_or_else(|| self.distance(changed, asked, limit));
-            if deviation < limit {
-                return (changed, deviation);
-            }
-            if changed != nearest {
-                return (nearest, least);
-            }
-        }
-        let mut least = self.distance(nearest, asked, i64::MAX);
-        for (neuron, row) in code.iter().enumerate() {
-            // Of two as near the lower counts.
-            let limit = least.saturating_add(i64::from(neuron < nearest));
-            if limit == 0 {
-                break;
-            }
-            let distance = asked.missed_by(row, limit);
-            if distance < limit {
-                (nearest, least) = (neuron, distance);
-            }
-        }
-        (nearest, least)
-    }
-
-    /// How far neuron `k` deviates from what is asked, in units of 2⁻²⁶ · weight; what reaches `limit` may be more.
-    fn distance(&self, k: usize, asked: &Heaviest<'_, SENSORS>, limit: i64) -> i64 {
-        let row = self.situations.code().get(k);
-        row.map_or(i64::MAX, |row| asked.missed_by(row, limit))
-    }
-
-    /// Step 3: which neuron to aim at, and why.
-    #[inline(never)]
-    fn aim(
-        &self,
+        situation: &Situation<SENSORS>,
+        goal: &Goal<SENSORS>,
         current: usize,
-        goal: usize,
-        asked: &Heaviest<'_, SENSORS>,
-        own: Option<i64>,
-    ) -> (usize, Why) {
-        let grid = self.situations.grid();
-        let hops = match self.config.planning.intermediate {
-            Intermediate::Goal => return (goal, Why::GoalDirectly),
-            _ if current == goal => return (goal, Why::GoalNeuron),
-            Intermediate::FewestHops => true,
-            Intermediate::NearestCode => false,
-        };
-        let far = |k: usize, limit: i64| self.distance(k, asked, limit);
-        let own = if hops {
-            i64::MAX
-        } else {
-            own.unwrap_or_else(|| far(current, i64::MAX))
-        };
-        if own == 0 {
-            return (goal, Why::NoNearerNeighbour);
-        }
-        let mut nearest = None;
-        let mut least = (usize::MAX, own, 0);
-        for k in grid.neighbours(current) {
-            let steps = if hops { grid.hops(k, goal) } else { 0 };
-            let limit = if steps < least.0 {
-                own
-            } else {
-                least.1.saturating_add(1)
-            };
-            let key = (steps, far(k, limit), k);
-            if key < least && (hops || key.1 < own) {
-                (nearest, least) = (Some(k), key);
+        aim: Option<usize>,
+    ) -> [Weight; SENSORS] {
+        let planning = &self.config.planning;
+        let code = |neuron: usize| self.situations.code().get(neuron);
+        let target = aim.and_then(code);
+        let start = code(current).filter(|_| !planning.from_measured);
+        let mut wanted = [Weight::ZERO; SENSORS];
+        for (sensor, (change, value)) in wanted.iter_mut().zip(situation).enumerate() {
+            let component = goal.components.get(sensor).copied();
+            let met = component.map_or(*value, |component| component.nearest(*value));
+            if planning.unmet_only && met == *value {
+                continue;
             }
+            let part = |code: &[Fine; SENSORS]| code.get(sensor).copied().map(coarse);
+            let to = target.and_then(part).unwrap_or(met);
+            let from = start.and_then(part).unwrap_or(*value);
+            *change = less(to, from);
         }
-        nearest.map_or((goal, Why::NoNearerNeighbour), |k| (k, Why::Neighbour))
+        wanted
     }
 
+    /// Step 4: what the action map answers to a change wanted.
+    fn answer(&self, wanted: &[Weight; SENSORS]) -> Match<NEURONS> {
+        let planning = &self.config.planning;
+        let (code, step) = (self.config.action_code, self.config.robot.step_mm);
+        let preference = (planning.straight_q8 > 0).then(|| Preference {
+            code: code.encode(self.course, step),
+            weight_q8: planning.straight_q8,
+        });
+        let probe = Probe {
+            recall: planning.recall,
+            preference,
+        };
+        let mut answer = Match::none();
+        self.actions
+            .matches(wanted, self.enabled, probe, self.allowed, &mut answer);
+        answer
+    }
+
+    /// The displacement that an answer stands for.
     #[inline(never)]
     fn recalled(&self, found: &Match<NEURONS>) -> Displacement {
         let step = self.config.robot.step_mm;
@@ -405,6 +303,26 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             }
         }
     }
+}
+
+/// More than the cost of anything that may be chosen; a sum with one is no overflow.
+const FAR: i64 = i64::MAX / 2;
+
+/// The index of least cost and its cost, the lowest on ties; `count` where none costs less than [`FAR`]. A cost that reaches the limit may be more than that: after a good
+/// first guess most need not be summed to the end.
+#[inline(always)]
+fn cheapest(count: usize, first: usize, cost: impl Fn(usize, i64) -> i64) -> (usize, i64) {
+    let (mut best, mut least) = (count, FAR);
+    for index in core::iter::once(first).chain(0..count) {
+        let limit = least.wrapping_add(i64::from(index < best));
+        if index < count && index != best {
+            let cost = cost(index, limit);
+            if cost < limit {
+                (best, least) = (index, cost);
+            }
+        }
+    }
+    (best, least)
 }
 
 /// Five sixteenths of a turn: 112.5°.

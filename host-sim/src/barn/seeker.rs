@@ -13,7 +13,7 @@ use crate::world::Point;
 use amp::config::Config;
 use amp::fixed::Mask;
 use amp::goal::Goal;
-use amp::planner::{GoalNeuron, Planner};
+use amp::planner::Planner;
 use amp::units::{Displacement, Range};
 
 /// What is wanted on the way.
@@ -83,7 +83,6 @@ impl Policy for Seeker {
             enabled: Mask::ALL,
             allowed: Mask::ALL,
             current: None,
-            likely: GoalNeuron::UNKNOWN,
             course: Displacement::saturating(millimeters(bearing.x), millimeters(bearing.y)),
             cut: false,
         };

@@ -8,7 +8,7 @@ use crate::config::{Choice, Config, Taught};
 use crate::fixed::Mask;
 use crate::goal::{Frame, Goal, missed};
 use crate::memory::{self, Sample};
-use crate::planner::{GoalNeuron, NEXT_COURSE, Plan, Planner, Why};
+use crate::planner::{NEXT_COURSE, Plan, Planner, Why};
 use crate::scan::{Aligned, Situation, rotated};
 use crate::som::Neighbourhood;
 use crate::som::neighbourhood::Pull;
@@ -114,11 +114,9 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             &mut self.search,
             &mut self.course,
         );
-        let likely = GoalNeuron {
-            // Of another goal.
-            deviation: self.goal_neuron.deviation.filter(|_| pursued.is_none()),
-            ..self.goal_neuron
-        };
+        if pursued.is_some() {
+            self.last_plan.forget_cost();
+        }
         let planner = Planner {
             config,
             situations: &self.situations,
@@ -126,23 +124,21 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             enabled,
             allowed,
             current,
-            likely,
             course: self.course.now(),
             cut,
         };
         let goal = pursued.as_ref().unwrap_or(goal);
-        let way = planner.way(&situation.0, goal);
-        let (mut plan, found) = planner.plan_on_way(&situation.0, goal, way);
-        self.goal_neuron = found;
+        let mut plan = planner.plan_next(&situation.0, goal, &mut self.last_plan);
+        let travel = self.last_plan.travel();
         if pursued.is_some() {
-            self.goal_neuron.deviation = None;
+            self.last_plan.forget_cost();
             plan.at_goal = false;
             plan.why = Why::Wander;
         }
         // A robot that backs away from what it follows still looks at it.
         let looks = goal.frame == Frame::Travel && goal.going_q16 == 0;
         let outputs = self.go(config, now, situation, plan.action, Some(&plan));
-        if let Some(direction) = config.robot.directions.get(way).filter(|_| looks) {
+        if let Some(direction) = config.robot.directions.get(travel).filter(|_| looks) {
             let (x, y) = direction.times(i32::from(config.robot.step_mm));
             self.course = Tracked::new(Displacement::saturating(x, y));
         }
@@ -227,7 +223,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let situation_pull = pull(online.situation_rate_q16);
         let winner = self.situations.teach(after, enabled, &situation_pull);
         if online.share_q16 != 0 {
-            self.goal_neuron.deviation = None;
+            self.last_plan.forget_cost();
         }
         // A winner that came nearer, alone, is still the winner.
         (online.share_q16 == 0).then_some(winner)

@@ -12,7 +12,7 @@ use super::{Mode, State};
 use crate::faults::Detector;
 use crate::fixed::Fine;
 use crate::memory::Sample;
-use crate::planner::GoalNeuron;
+use crate::planner::Memo;
 use crate::som::Som;
 use crate::units::Displacement;
 use serde::{Deserialize, Serialize};
@@ -167,7 +167,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.motion_id = 0;
         self.course = Tracked::ZERO;
         self.inhibited = [0; NEURONS];
-        self.goal_neuron = GoalNeuron::UNKNOWN;
+        self.last_plan = Memo::NONE;
         self.search = super::Search::NEW;
     }
 }

@@ -731,7 +731,7 @@ fn who_follows_looks_along_the_way_whichever_way_the_robot_goes() {
             ..Goal::of(components)
         })));
         let decision = bench.ring().decision.expect("a decision");
-        let way = bench.config.robot.directions[usize::from(bench.state.goal_neuron.place)];
+        let way = bench.config.robot.directions[bench.state.last_plan.travel()];
         let (x, y) = way.times(250);
         (
             bench.state.course.now(),

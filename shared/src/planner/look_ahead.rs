@@ -8,17 +8,13 @@
 //! that fits the neurons best (least squares, [`Recall by direction`](crate::action_map::Recall::Direction) turned round).
 //! One neuron alone knows its own direction only, and a short action, stretched to a whole step, magnifies its noise.
 //!
-//! *A goal in the frame of travel* ("a wall to my right") depends on where the robot goes. First the *way* is chosen: the
-//! place of the ring towards which the goal fits the present situation best, with a preference for the course. Seen along
-//! that way the goal stays the same for every candidate: the look-ahead keeps the distance, the way keeps the robot going.
-//!
-//! Cost for 16 transducers and neurons: 64 products for the linear map of sums that the action map keeps; some ten per
-//! transducer for the deviation as a function of the direction ([`Landscape`]) and ten per direction, with a few more for each
-//! transducer that may cross a bound; for the way of a goal in the frame of travel at most 256 comparisons, mostly less than a quarter.
+//! *A goal in the frame of travel* ("a wall to my right") depends on where the robot goes. First the *travel sensor* is chosen:
+//! the one towards which the goal fits the present situation best, with a preference for the course. Seen along it the goal
+//! stays the same for every candidate: the look-ahead keeps the distance, the travel sensor keeps the robot going.
 
 use super::forward::Forward;
 use super::landscape::Landscape;
-use super::{Plan, Planner, Why, difference};
+use super::{FAR, Plan, Planner, Why, cheapest, difference};
 use crate::config::Choice;
 use crate::fixed::{Fine, Mask, ONE_BITS, Weight, coarse};
 use crate::goal::{Asked, Frame, Goal, missed};
@@ -27,9 +23,6 @@ use crate::units::{Direction, Displacement};
 
 /// Shares of a step that are tried along the best direction to a place, in 1/4; the whole step has been tried.
 const SHORTER_Q2: [i32; 4] = [3, 2, 1, 0];
-
-/// More than any deviation, and a sum with one is no overflow.
-const FAR: i64 = i64::MAX / 2;
 
 /// An action and how well the situation it leads to suits the goal.
 #[derive(Debug, Clone, Copy)]
@@ -45,7 +38,7 @@ struct Candidate {
 }
 
 /// A goal as it is looked at while a decision is taken.
-struct Aim<'a, const SENSORS: usize> {
+pub(super) struct Aim<'a, const SENSORS: usize> {
     goal: &'a Goal<SENSORS>,
     /// What it asks of each transducer in the ring's frame.
     asked: &'a [Asked; SENSORS],
@@ -55,7 +48,24 @@ struct Aim<'a, const SENSORS: usize> {
     way: Direction,
 }
 
-impl<const SENSORS: usize> Aim<'_, SENSORS> {
+impl<'a, const SENSORS: usize> Aim<'a, SENSORS> {
+    pub(super) fn new<const NEURONS: usize>(
+        planner: &Planner<'_, SENSORS, NEURONS>,
+        goal: &'a Goal<SENSORS>,
+        asked: &'a [Asked; SENSORS],
+        travel: usize,
+    ) -> Self {
+        let robot = &planner.config.robot;
+        let travels = goal.frame == Frame::Travel && robot.symmetric;
+        let ahead = robot.directions.get(travel).copied().filter(|_| travels);
+        Self {
+            goal,
+            asked,
+            place: travel.min(SENSORS),
+            way: ahead.unwrap_or_else(|| unit(planner.course)),
+        }
+    }
+
     fn deviation(&self, values: impl Iterator<Item = i32>) -> i64 {
         let asked = self.asked.iter().copied();
         missed(asked, values, self.goal.cap_bits(), i64::MAX)
@@ -108,10 +118,21 @@ fn part(direction: Direction, share_q2: i32) -> Direction {
 }
 
 impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
-    /// Place of the ring towards which a goal in the frame of travel fits the situation best, the course preferred; 0
-    /// for other goals.
+    /// The transducer towards which a goal in the frame of travel fits the situation best, the course preferred; 0 for
+    /// other goals.
+    #[must_use]
+    pub fn travel_sensor(&self, situation: &Situation<SENSORS>, goal: &Goal<SENSORS>) -> usize {
+        self.travel_sensor_from(0, situation, goal)
+    }
+
+    /// The same, with a first guess.
     #[inline(never)]
-    pub fn way(&self, situation: &Situation<SENSORS>, goal: &Goal<SENSORS>) -> usize {
+    pub(super) fn travel_sensor_from(
+        &self,
+        first: usize,
+        situation: &Situation<SENSORS>,
+        goal: &Goal<SENSORS>,
+    ) -> usize {
         if goal.frame == Frame::Ring || !self.config.robot.symmetric {
             return 0;
         }
@@ -123,56 +144,28 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             let limit = limit.wrapping_add(steady);
             // No deviation is below 0: most places need not be looked at.
             if limit <= 0 {
-                return FAR;
+                return i64::MAX;
             }
             let asked = goal.asked(place, self.enabled);
             let deviation = missed(asked, bits(situation), goal.cap_bits(), limit);
             deviation.wrapping_sub(steady)
         };
-        let likely = usize::from(self.likely.place);
-        let (mut best, mut least) = (SENSORS, FAR);
-        for place in core::iter::once(likely).chain(0..SENSORS) {
-            // Of two as near the first counts.
-            let limit = least.wrapping_add(i64::from(place < best));
-            if place < SENSORS && place != best {
-                let score = score(place, limit);
-                if score < limit {
-                    (best, least) = (place, score);
-                }
-            }
-        }
-        best
+        cheapest(SENSORS, first, score).0
     }
 
-    /// The action that leads nearest to the goal on the way towards `place`.
+    /// The action that leads nearest to the goal.
     #[inline(never)]
     pub(super) fn look_ahead(
         &self,
         situation: &Situation<SENSORS>,
-        goal: &Goal<SENSORS>,
-        place: usize,
-        goal_neuron: usize,
+        aim: &Aim<'_, SENSORS>,
+        [goal_neuron, current]: [usize; 2],
     ) -> Plan<SENSORS> {
         let config = self.config;
         let mask = self.enabled;
-        let mut asked = [Asked::ANYTHING; SENSORS];
-        for (place, asked) in asked.iter_mut().zip(goal.asked(place, mask)) {
-            *place = asked;
-        }
-        let asked = &asked;
-        let travels = goal.frame == Frame::Travel && config.robot.symmetric;
-        let ahead = config.robot.directions.get(place).copied();
-        let aim = Aim {
-            goal,
-            asked,
-            place: place.min(SENSORS),
-            way: ahead
-                .filter(|_| travels)
-                .unwrap_or_else(|| unit(self.course)),
-        };
         let mut forward = Forward::from(situation);
         forward.fit(self.actions, config.action_code, config.robot.step_mm);
-        let best = self.best(situation, &aim, &forward);
+        let best = self.best(situation, aim, &forward);
         let values = match best.neuron {
             Some(neuron) => self.own_values(situation, neuron),
             None => forward.after(part(best.direction, best.share_q2)),
@@ -182,11 +175,11 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         let to_come = values.map(|value| Weight::from_bits(value.min(i32::from(ONE_BITS)) as i16));
         let mut plan = Plan {
             goal_neuron: goal_neuron as u8,
-            current_neuron: self.current(situation) as u8,
+            current_neuron: current as u8,
             intermediate_neuron: self.situations.winner(&to_come, mask) as u8,
             wanted: difference(&to_come, situation),
             action_neuron: self.neuron_of(best.direction) as u8,
-            at_goal: goal.is_met_by(now, asked.iter().copied())
+            at_goal: aim.goal.is_met_by(now, aim.asked.iter().copied())
                 || aim.holds(situation, config.planning.tolerance),
             recalled: true,
             action: Displacement::ZERO,
@@ -227,29 +220,24 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             }
         } else {
             let directions = &self.config.robot.directions;
-            let mut found = 0;
-            // The way first: most others soon drop out.
-            for headings in [aim.place..SENSORS, 0..aim.place] {
-                for (heading, direction) in headings
-                    .clone()
-                    .zip(directions.get(headings).unwrap_or(&[]))
-                {
-                    // Of two as good the first counts.
-                    let limit = best.score.wrapping_add(i64::from(heading < found));
-                    let going = aim.going(*direction);
-                    // What is surely not less than the limit may be more.
-                    let deviation = landscape.at(*direction, limit.wrapping_add(going));
-                    let score = deviation.wrapping_sub(going);
-                    if score < limit && self.is_allowed(*direction) {
-                        found = heading;
-                        best = Candidate {
-                            direction: *direction,
-                            share_q2: 4,
-                            score,
-                            neuron: None,
-                        };
-                    }
+            let score = |heading: usize, limit: i64| {
+                let direction = directions.get(heading).copied().unwrap_or_default();
+                let going = aim.going(direction);
+                let deviation = landscape.at(direction, limit.wrapping_add(going));
+                let score = deviation.wrapping_sub(going);
+                match score < limit && self.is_allowed(direction) {
+                    true => score,
+                    false => i64::MAX,
                 }
+            };
+            let (heading, score) = cheapest(SENSORS, aim.place, score);
+            if let Some(direction) = directions.get(heading) {
+                best = Candidate {
+                    direction: *direction,
+                    share_q2: 4,
+                    score,
+                    neuron: None,
+                };
             }
         }
         if aim.goal.going_q16 == 0 {
@@ -336,7 +324,6 @@ mod tests {
     use crate::action_map::ActionMap;
     use crate::config::Config;
     use crate::goal::Component;
-    use crate::planner::GoalNeuron;
     use crate::som::{Grid, Som};
     use crate::units::Bearing;
     use proptest::prelude::*;
@@ -402,7 +389,7 @@ mod tests {
             }
         }
 
-        fn planner(&self, course: Displacement, allowed: Mask, place: u8) -> Planner<'_, 16, 16> {
+        fn planner(&self, course: Displacement, allowed: Mask) -> Planner<'_, 16, 16> {
             Planner {
                 config: &self.config,
                 situations: &self.situations,
@@ -410,10 +397,6 @@ mod tests {
                 enabled: self.config.believed,
                 allowed,
                 current: None,
-                likely: GoalNeuron {
-                    place,
-                    ..GoalNeuron::UNKNOWN
-                },
                 course,
                 cut: false,
             }
@@ -425,7 +408,7 @@ mod tests {
         #[test]
         fn the_way_fits_best_and_is_the_first_of_those_as_good(
             bounds in bounds(), values in prop::array::uniform16(prop_oneof![Just(0_i16), Just(4_096), 0_i16..=8_192]),
-            steady in prop_oneof![Just(0_u16), 0_u16..9_000], course in course(), begin in 0_u8..20,
+            steady in prop_oneof![Just(0_u16), 0_u16..9_000], course in course(), begin in 0_usize..20,
             mask in prop_oneof![Just(Mask::ALL), any::<u32>().prop_map(Mask::from_bits)],
         ) {
             let goal = goal(bounds, Frame::Travel, 0, steady);
@@ -436,8 +419,9 @@ mod tests {
                 missed(goal.asked(place, mask), values.into_iter().map(i32::from), goal.cap_bits(), i64::MAX) - weighted(steady, along)
             };
             let best = (0..16).min_by_key(|&place| (score(place), place));
-            let planner = bench.planner(course, Mask::ALL, begin);
-            prop_assert_eq!(Some(planner.way(&values.map(Weight::from_bits), &goal)), best);
+            let planner = bench.planner(course, Mask::ALL);
+            let situation = values.map(Weight::from_bits);
+            prop_assert_eq!(Some(planner.travel_sensor_from(begin, &situation, &goal)), best);
         }
 
         /// The best heading by every heading's score, and by every share of a step where the robot may stay.
@@ -449,7 +433,7 @@ mod tests {
         ) {
             let goal = goal(bounds, Frame::Ring, going, 0);
             let bench = Bench::new(changes);
-            let planner = bench.planner(course, allowed, 0);
+            let planner = bench.planner(course, allowed);
             let situation = values.map(Weight::from_bits);
             let asked = all_asked(&goal);
             let aim = Aim { goal: &goal, asked: &asked, place, way: unit(course) };
@@ -480,11 +464,11 @@ mod tests {
     #[test]
     fn the_neuron_that_answers_for_a_direction_goes_farthest_there() {
         let bench = Bench::new([0; 16]);
-        let planner = bench.planner(Displacement::ZERO, Mask::ALL, 0);
+        let planner = bench.planner(Displacement::ZERO, Mask::ALL);
         for (k, direction) in bench.config.robot.directions.into_iter().enumerate() {
             assert_eq!(planner.neuron_of(direction), k);
             assert!(planner.is_allowed(direction));
-            let without = bench.planner(Displacement::ZERO, Mask::ALL.without(k), 0);
+            let without = bench.planner(Displacement::ZERO, Mask::ALL.without(k));
             assert!(!without.is_allowed(direction));
         }
         assert_eq!(
@@ -525,7 +509,7 @@ mod tests {
             place: 0,
             way,
         };
-        let planner = bench.planner(Displacement::ZERO, Mask::ALL, 0);
+        let planner = bench.planner(Displacement::ZERO, Mask::ALL);
         let own = |k| planner.own_candidate(&[Weight::ZERO; 16], &aim, k);
         let left = Direction {
             x_q14: 0,

@@ -1,4 +1,4 @@
-//! What a planner is told of the last decision spares work and changes nothing.
+//! The four steps, worked by hand.
 
 use super::*;
 use crate::action_map::Recall;
@@ -6,70 +6,7 @@ use crate::config::Planning;
 use crate::goal::{Component, Frame};
 use crate::robot::RobotSpec;
 use crate::som::Grid;
-use proptest::prelude::*;
 use std::string::ToString as _;
-
-proptest! {
-    #[test]
-    fn the_goal_s_neuron_is_the_same_whatever_was_known(
-        code in prop::collection::vec(0_i16..=8_192, 16 * 16),
-        learnt in prop::collection::vec(0_i16..=8_192, 16),
-        asked in prop::collection::vec((0_i16..=8_192, 0_i16..=8_192, 0_u8..3), 16),
-        changed in prop::option::of(0_usize..16), near in any::<bool>(), likely in any::<u8>(),
-    ) {
-        let part = |index: usize| Weight::from_bits(code[index]);
-        let code = core::array::from_fn(|k| core::array::from_fn(|i| part(16 * k + i)));
-        let mut situations = Som::<16, 16>::new(Grid::rectangle(4, 4), code);
-        let actions = ActionMap::<16, 16>::zeroed(Grid::rectangle(4, 4));
-        let goal = Goal::of(core::array::from_fn(|i| {
-            let (a, b, weight) = asked[i];
-            Component {
-                low: Weight::from_bits(a.min(b)),
-                high: Weight::from_bits(a.max(b)),
-                weight,
-            }
-        }));
-        let config = Config::recommended();
-        let situation = [Weight::ZERO; 16];
-        let found = |situations: &Som<16, 16>, current: Option<usize>, likely: GoalNeuron| {
-            let planner = Planner {
-                config: &config,
-                situations,
-                actions: &actions,
-                enabled: Mask::ALL,
-                allowed: Mask::ALL,
-                current,
-                likely,
-                course: Displacement::ZERO,
-                cut: false,
-            };
-            planner.plan_on_way(&situation, &goal, 0).1
-        };
-        let any = GoalNeuron { neuron: likely, ..GoalNeuron::UNKNOWN };
-        let before = found(&situations, None, any);
-        prop_assert_eq!(before, found(&situations, None, GoalNeuron::UNKNOWN));
-        if let Some(changed) = changed {
-            let to: [Weight; 16] = core::array::from_fn(|i| Weight::from_bits(learnt[i]));
-            let wanted = goal.nearest(&to);
-            situations.set_code_vector(changed, if near { &wanted } else { &to });
-        }
-        let current = changed.or(Some(3));
-        let after = found(&situations, current, before);
-        prop_assert_eq!(after, found(&situations, current, GoalNeuron::UNKNOWN));
-        // Wherever the comparison begins.
-        let begun = found(&situations, current, GoalNeuron { heaviest: likely, ..before });
-        prop_assert_eq!((begun.neuron, begun.deviation), (after.neuron, after.deviation));
-        // What was known of another place of the ring, or of other transducers, counts for nothing.
-        let wrong = GoalNeuron { neuron: likely % 16, deviation: Some(0), ..before };
-        for other in [GoalNeuron { place: 1, ..wrong }, GoalNeuron { believed: Mask::NONE.with(3), ..wrong }] {
-            let found = found(&situations, current, other);
-            prop_assert_eq!((found.neuron, found.deviation), (after.neuron, after.deviation));
-        }
-        let deviation = |k: usize| goal.distance(&situations.code_vector(k), Mask::ALL);
-        let nearest = (0..16).min_by_key(|&k| (deviation(k), k));
-        prop_assert_eq!(Some(usize::from(after.neuron)), nearest);
-    }
-}
 
 /// A robot with four transducers (ahead, left, behind, right) whose values are easily worked out by hand.
 fn four() -> Config<4> {
@@ -150,7 +87,6 @@ impl Bench {
             enabled: self.config.believed,
             allowed: self.allowed,
             current: None,
-            likely: GoalNeuron::UNKNOWN,
             course: self.course,
             cut: self.cut,
         };
@@ -380,11 +316,10 @@ fn the_way_of_a_goal_in_the_frame_of_travel_fits_the_situation() {
             enabled: bench.config.believed,
             allowed: Mask::ALL,
             current: None,
-            likely: GoalNeuron::UNKNOWN,
             course: bench.course,
             cut: false,
         };
-        planner.way(&weights(situation), goal)
+        planner.travel_sensor(&weights(situation), goal)
     };
     // The wall at place p is on the right of whoever goes towards place p + 1.
     for wall in 0..4 {
@@ -440,14 +375,14 @@ fn a_goal_in_the_frame_of_travel_is_recalled_along_its_way() {
         enabled: Mask::ALL,
         allowed: Mask::ALL,
         current: None,
-        likely: GoalNeuron::UNKNOWN,
         course: Displacement::ZERO,
         cut: false,
     };
     // Towards the left, what is ahead is on the right.
     let situation = weights([1.0, 0.0, 0.0, 0.0]);
-    let (plan, found) = planner.plan_on_way(&situation, &goal, 1);
-    assert_eq!((found.place, found.neuron, plan.goal_neuron), (1, 1, 1));
+    assert_eq!(planner.travel_sensor(&situation, &goal), 1);
+    let plan = planner.plan(&situation, &goal);
+    assert_eq!(plan.goal_neuron, 1);
     assert_eq!(plan.wanted[0], Weight::from_num(-0.5));
     // Without a neuron in between: half of it on the right, and nothing ahead.
     let mut config = bench.config.clone();
@@ -456,8 +391,8 @@ fn a_goal_in_the_frame_of_travel_is_recalled_along_its_way() {
         config: &config,
         ..planner
     };
-    let (plan, _) = planner.plan_on_way(&weights([1.0, 0.25, 0.0, 0.0]), &goal, 1);
-    assert_eq!(plan.wanted, weights([-0.5, -0.25, 0.0, 0.0]));
+    let plan = planner.plan(&weights([0.75, 0.125, 0.0, 0.0]), &goal);
+    assert_eq!(plan.wanted, weights([-0.25, -0.125, 0.0, 0.0]));
 }
 
 #[test]
@@ -504,6 +439,24 @@ fn one_step_ahead_the_heading_that_leads_nearest_is_taken_as_far_as_it_helps() {
     assert!(there.at_goal);
     // The situation to come is that of the neuron nearest to it: nothing.
     assert_eq!((plan.current_neuron, half.intermediate_neuron), (0, 3));
+}
+
+/// A look-ahead holds its goal by the mean of all deviations or by each of them.
+#[test]
+fn a_place_is_reached_on_average_or_at_every_sensor() {
+    let mut bench = Bench::new();
+    bench.config.planning.choice = Choice::Headings;
+    let at_goal = |bench: &Bench, tolerance: f64, first: f64| {
+        let goal = Goal {
+            tolerance: Weight::from_num(tolerance),
+            ..Goal::of([Component::equal(Weight::ZERO); 4])
+        };
+        bench.plan([first, 0.0, 0.0, 0.0], &goal).at_goal
+    };
+    bench.config.planning.tolerance = Weight::from_num(0.125);
+    assert!(at_goal(&bench, 0.0, 0.125) && !at_goal(&bench, 0.0, 0.25));
+    bench.config.planning.tolerance = Weight::ZERO;
+    assert!(at_goal(&bench, 0.125, 0.25) && !at_goal(&bench, 0.125, 0.375));
 }
 
 #[test]

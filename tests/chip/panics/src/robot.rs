@@ -9,7 +9,7 @@ use amp::controller::{self, Command, Event, NomadState, Part, Progress, StopReas
 use amp::goal::{Component, Goal};
 use amp::memory::{Memory, Sample};
 use amp::parameters::Parameter;
-use amp::planner::{GoalNeuron, Planner, Why, difference};
+use amp::planner::{Planner, Why, difference};
 use amp::robot::RobotSpec;
 use amp::scan::Encoding;
 use amp::shield::Shield;
@@ -63,7 +63,6 @@ fn plans() {
         enabled: mask(),
         allowed: mask(),
         current: any(Some(1)),
-        likely: any(GoalNeuron::UNKNOWN),
         course: displacement(),
         cut: any(true),
     };
