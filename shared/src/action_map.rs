@@ -200,7 +200,6 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         self.search(effect, action_weight_q8)
     }
 
-    #[inline(always)]
     fn search(&self, effect: &Effect<SENSORS>, action_weight_q8: u16) -> usize {
         let own = kernels::rank_margin::<2>(action_weight_q8);
         let margin = Som::<NEURONS, SENSORS>::MARGIN.wrapping_add(own);
@@ -213,7 +212,6 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
     }
 
     /// By the processor's kernels, if there are any for this size, the neurons that may be nearest.
-    #[inline(always)]
     fn rivals_by_hand(
         &self,
         effect: &Effect<SENSORS>,
@@ -320,7 +318,6 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         self.step(winner, effect, pull);
     }
 
-    #[inline(always)]
     fn step(&mut self, winner: usize, effect: &Effect<SENSORS>, pull: &Pull<NEURONS>) {
         // Both codebooks stand on one grid.
         if let Some(groups) = self.changes.groups(winner, effect.mask, pull)
@@ -466,7 +463,6 @@ pub(crate) struct Match<const NEURONS: usize> {
 
 impl<const NEURONS: usize> Match<NEURONS> {
     /// Nothing has been asked yet. Made on the spot: a constant would be copied with all its room.
-    #[inline(always)]
     pub(crate) const fn none() -> Self {
         Self {
             neuron: 0,

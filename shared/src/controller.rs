@@ -236,11 +236,9 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 }
 
-/// Takes one event that happened at `at` and says what to do. Total work is bounded: the dearest event is the echo that
-/// completes a ring while seeking (one decision and one step of learning of both maps), or a tick while learning.
+/// Handles one event that happened at `at`. Worst case: the echo that completes a ring while seeking (one decision plus one
+/// update of each map), or a tick while learning.
 #[must_use]
-// Where the event is known, only what it does is left; on a chip one copy serves all, on less stack.
-#[cfg_attr(not(target_os = "none"), inline(always))]
 pub fn handle<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>(
     config: &Config<SENSORS>,
     state: &mut State<SENSORS, NEURONS, SAMPLES>,
@@ -271,7 +269,6 @@ pub fn handle<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>(
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     State<SENSORS, NEURONS, SAMPLES>
 {
-    #[cfg_attr(not(target_os = "none"), inline(never))]
     fn echo(&mut self, config: &Config<SENSORS>, sensor: u8, echo: Echo) -> Outputs<SENSORS> {
         let age_ms = self.now.since(echo.at);
         if age_ms > patience_ms(config) {

@@ -28,7 +28,7 @@ pub type Fine = ::fixed::types::I3F29;
 pub const FINE_ONE_BITS: i32 = 1 << 29;
 
 /// The weight at or next below a component: its upper 16 bits.
-#[inline(always)]
+#[inline]
 #[must_use]
 pub const fn coarse(component: Fine) -> Weight {
     Weight::from_bits((component.to_bits() >> 16) as i16)
@@ -110,7 +110,7 @@ impl Gain {
 
 /// `from` moved towards `to` by the fraction `gain`, rounded down to 2⁻²⁹. Stays between the two while both lie in [−1, 1];
 /// gain 0 and 1 are exact.
-#[inline(always)]
+#[inline]
 #[must_use]
 pub const fn approach(from: Fine, to: Fine, gain: Gain) -> Fine {
     // Values of the maps (|w| <= 1) differ by at most 2³⁰.
@@ -123,7 +123,7 @@ pub const fn approach(from: Fine, to: Fine, gain: Gain) -> Fine {
 }
 
 /// [`approach`] by a gain below 1/2.
-#[inline(always)]
+#[inline]
 #[must_use]
 pub(crate) const fn approach_slowly(from: Fine, to: Fine, gain: Gain) -> Fine {
     let difference = to.to_bits().wrapping_sub(from.to_bits());
@@ -132,7 +132,7 @@ pub(crate) const fn approach_slowly(from: Fine, to: Fine, gain: Gain) -> Fine {
 }
 
 /// The upper half of a product of 64 bits, rounded down: one instruction on the chip, addition included.
-#[inline(always)]
+#[inline]
 pub(crate) const fn high_product(a: i32, b: i32) -> i32 {
     ((a as i64 * b as i64) >> 32) as i32
 }
@@ -149,24 +149,24 @@ pub trait Scalar: Copy {
 }
 
 impl Scalar for Weight {
-    #[inline(always)]
+    #[inline]
     fn coarse(self) -> Weight {
         self
     }
 
-    #[inline(always)]
+    #[inline]
     fn fine(self) -> Fine {
         Fine::from_bits(i32::from(self.to_bits()) << 16)
     }
 }
 
 impl Scalar for Fine {
-    #[inline(always)]
+    #[inline]
     fn coarse(self) -> Weight {
         coarse(self)
     }
 
-    #[inline(always)]
+    #[inline]
     fn fine(self) -> Fine {
         self
     }
@@ -174,7 +174,7 @@ impl Scalar for Fine {
 
 /// Sum of products of the 16-bit values of two vectors in units of 2⁻²⁶; exact while components lie in [−1, 1]. The
 /// shorter one decides.
-#[inline(always)]
+#[inline]
 #[must_use]
 pub fn dot<A: Scalar, B: Scalar>(a: &[A], b: &[B]) -> i64 {
     let shorter = a.len().min(b.len());
@@ -189,7 +189,7 @@ pub fn dot<A: Scalar, B: Scalar>(a: &[A], b: &[B]) -> i64 {
 }
 
 /// The same of at most 31 components.
-#[inline(always)]
+#[inline]
 pub(crate) fn block_dot<A: Scalar, B: Scalar>(a: &[A], b: &[B]) -> i32 {
     let mut sum = 0_i32;
     for (x, y) in a.iter().zip(b) {
@@ -200,7 +200,7 @@ pub(crate) fn block_dot<A: Scalar, B: Scalar>(a: &[A], b: &[B]) -> i32 {
 }
 
 /// Squared Euclidean length in units of 2⁻²⁶; exact while components lie in [−1, 1].
-#[inline(always)]
+#[inline]
 #[must_use]
 pub fn squared_norm<A: Scalar>(a: &[A]) -> i64 {
     dot(a, a)
@@ -208,7 +208,7 @@ pub fn squared_norm<A: Scalar>(a: &[A]) -> i64 {
 
 /// Squared Euclidean distance over the components that `mask` believes, in units of 2⁻⁵⁰. Differences are rounded down
 /// to 2⁻²⁵; up to 4096 components in [−1, 1] cannot overflow.
-#[inline(always)]
+#[inline]
 #[must_use]
 pub fn squared_distance<A: Scalar, B: Scalar>(a: &[A], b: &[B], mask: Mask) -> u64 {
     let squared = |x: A, y: B| {

@@ -310,7 +310,6 @@ const FAR: i64 = i64::MAX / 2;
 
 /// The index of least cost and its cost, the lowest on ties; `count` where none costs less than [`FAR`]. A cost that reaches the limit may be more than that: after a good
 /// first guess most need not be summed to the end.
-#[inline(always)]
 fn cheapest(count: usize, first: usize, cost: impl Fn(usize, i64) -> i64) -> (usize, i64) {
     let (mut best, mut least) = (count, FAR);
     for index in core::iter::once(first).chain(0..count) {
@@ -342,7 +341,6 @@ pub fn difference<const SENSORS: usize>(
 }
 
 /// `to − from`, clamped to [−1, 1].
-#[inline(always)]
 fn less(to: Weight, from: Weight) -> Weight {
     unit_weight(i32::from(to.to_bits()).wrapping_sub(i32::from(from.to_bits())))
 }

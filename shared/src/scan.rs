@@ -114,7 +114,6 @@ impl Encoding {
         u32::from(self.far_mm.saturating_sub(self.near_mm)).max(1)
     }
 
-    #[inline(always)]
     fn value_within(far: u32, width: u32, range: Option<Range>) -> Weight {
         let range = range.map_or(u16::MAX, Range::as_mm);
         let nearer = far.saturating_sub(u32::from(range)).min(width);

@@ -21,7 +21,6 @@ struct Lesson<const SENSORS: usize> {
 
 impl<const SENSORS: usize> Lesson<SENSORS> {
     /// Nothing seen, nothing done.
-    #[inline(always)]
     const fn empty() -> Self {
         Self {
             after: [Weight::ZERO; SENSORS],

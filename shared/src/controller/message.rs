@@ -170,7 +170,6 @@ impl<const SENSORS: usize> Outputs<SENSORS> {
     pub const NONE: Self = Self::none();
 
     /// As [`NONE`](Self::NONE), made on the spot: the constant would be copied with all its room for a decision.
-    #[inline(always)]
     pub(super) const fn none() -> Self {
         Self {
             motion: None,

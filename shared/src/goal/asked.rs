@@ -18,7 +18,6 @@ impl Asked {
         weight: 0,
     };
 
-    #[inline(always)]
     pub(super) fn of(component: &Component) -> Self {
         Self {
             low: i32::from(component.low.to_bits()),
@@ -28,13 +27,11 @@ impl Asked {
     }
 
     /// Whether a value is as asked.
-    #[inline(always)]
     pub(crate) const fn holds(&self, value: i32) -> bool {
         self.low <= value && value <= self.high
     }
 
     /// Whether a value misses what is asked by at most `tolerance`.
-    #[inline(always)]
     pub(crate) const fn holds_within(&self, value: i32, tolerance: i32) -> bool {
         self.weight == 0
             || self.low.saturating_sub(tolerance) <= value
@@ -80,7 +77,6 @@ impl Asked {
     }
 
     /// Squared deviation of a value, at most that of the cap, in units of 2⁻²⁶ · weight.
-    #[inline(always)]
     pub(crate) fn deviation(&self, value: i32, cap: i32) -> i64 {
         let nearest = value.max(self.low).min(self.high);
         let off = value.wrapping_sub(nearest).saturating_abs().min(cap);

@@ -88,7 +88,6 @@ pub(super) struct Line {
 
 impl Line {
     /// The value after a displacement given as shares of the longest step.
-    #[inline(always)]
     pub(super) fn after(&self, share: Direction) -> i32 {
         let change = share.along(self.along_x, self.along_y);
         change.wrapping_add(self.now).max(0)
@@ -120,12 +119,10 @@ impl Packed {
         Self(u32::from(x as u16) | u32::from(y as u16) << 16)
     }
 
-    #[inline(always)]
     fn x(self) -> i32 {
         i32::from(self.0 as i16)
     }
 
-    #[inline(always)]
     fn y(self) -> i32 {
         i32::from((self.0 >> 16) as i16)
     }
@@ -144,7 +141,6 @@ fn in_plane(code: ActionCode, action: [Weight; 2], step_mm: u16) -> Packed {
 }
 
 /// Sums over all neurons of action times change (2⁻²⁶) for two transducers at once: they stay in registers.
-#[inline(always)]
 fn products_of_two<const SENSORS: usize>(
     plane: &[Packed],
     changes: &[[Fine; SENSORS]],
@@ -207,7 +203,6 @@ impl Inverse {
     }
 
     /// Both slopes (2⁻¹³) from both sums of products (2⁻²⁶), each within ±2 per step.
-    #[inline(always)]
     fn slopes(&self, sums: [i32; 2]) -> (i32, i32) {
         let [x, y] = sums;
         let product = |a: i32, b: i32| i64::from(a) * i64::from(b);

@@ -62,7 +62,6 @@ impl<const SENSORS: usize> Landscape<SENSORS> {
     }
 
     /// The deviation after a displacement given as shares of the longest step, Q14; what reaches `limit` may be more.
-    #[inline(always)]
     pub(super) fn at(&self, share: Direction, limit: i64) -> i64 {
         let mut total = self.form.as_ref().map_or(0, |form| form.at(share));
         for part in &self.parts {
@@ -91,7 +90,6 @@ struct Sums {
 }
 
 impl Sums {
-    #[inline(always)]
     fn add(&mut self, line: &Line, target: i32, weight: i32) {
         let (now, x, y) = line.coefficients();
         let product = |a: i32, b: i32| i64::from(a) * i64::from(b);
@@ -131,7 +129,6 @@ struct Form {
 }
 
 impl Form {
-    #[inline(always)]
     fn at(&self, share: Direction) -> i64 {
         let (x, y) = (i32::from(share.x_q14), i32::from(share.y_q14));
         let product = |a: i32, b: i32| i64::from(a) * i64::from(b);

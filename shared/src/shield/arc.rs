@@ -146,7 +146,6 @@ pub(super) struct Bounds {
 
 impl Seen {
     /// `x_mm` and `y_mm` lead to the face, within ±65.5 m.
-    #[inline(always)]
     pub(super) fn along(
         direction: Direction,
         (x_mm, y_mm): (i32, i32),
@@ -181,7 +180,6 @@ impl Seen {
     }
 
     /// A point is the middle, turned about the face by at most half the lobe.
-    #[inline(always)]
     pub(super) fn bounds(&self, lobe: &Lobe) -> Bounds {
         let (cos, sin) = lobe.edge_q14();
         let (along, aside) = self.middle();

@@ -72,6 +72,7 @@ impl<'a> Way<'a> {
     }
 
     /// The same for one arc. Nothing farther from the robot than `far_mm` is in the way.
+    // Worth 1 100 instructions of a decision on the chip.
     #[inline(always)]
     fn until(&self, arc: &Arc, far_mm: i32, limit: i32) -> i32 {
         let Some(range) = arc.range else { return limit };
@@ -109,7 +110,6 @@ impl<'a> Way<'a> {
     }
 
     /// Whether a face and every point that may be heard from it along this axis lie behind.
-    #[inline(always)]
     fn leaves_behind(&self, (x, y): (i32, i32), axis: Direction) -> bool {
         let (_, sin) = self.lobe.edge_q14();
         let (axis_x, axis_y) = (i32::from(axis.x_q14), i32::from(axis.y_q14));

@@ -169,7 +169,6 @@ impl Grid {
     }
 
     /// The direct neighbours of neuron `k` on a grid of at most 32 neurons, of which some are left out on a larger one.
-    #[inline(always)]
     pub(crate) fn mask_around(self, k: usize) -> Mask {
         if self == PAPERS {
             let bits = AROUND.get(k).copied().unwrap_or(0);

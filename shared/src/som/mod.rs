@@ -178,7 +178,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         self.search(probe, mask)
     }
 
-    #[inline(always)]
+    #[inline]
     fn search(&self, probe: &[Weight; DIMS], mask: Mask) -> usize {
         let by_hand = match mask.covers(DIMS) {
             true => self.rivals_by_hand(&self.norms, probe, Self::MARGIN),
@@ -208,7 +208,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     }
 
     /// Those for the processor, if a map of this size has them.
-    #[inline(always)]
+    #[inline]
     pub(crate) const fn kernels(&self) -> Option<&'static Kernels> {
         if NEURONS == 16 && DIMS == 16 {
             self.kernels
@@ -218,7 +218,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     }
 
     /// The same by the processor's kernels, if there are any for this size; `margin` as of [`kernels::rank_margin`].
-    #[inline(always)]
+    #[inline]
     pub(crate) fn rivals_by_hand(
         &self,
         bases: &[i32; NEURONS],
@@ -237,7 +237,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
 
     /// The scores in units of 2⁻¹⁷, see [`kernels::rank_margin`]. Over a part of the components there are no lengths to
     /// rank by, and all ranks are 0.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn ranks(&self, probe: &[Weight; DIMS], mask: Mask) -> [i32; NEURONS] {
         if !mask.covers(DIMS) {
             return [0; NEURONS];
@@ -307,7 +307,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
 
     /// Squared lengths of the upper halves and their dot products with the probe by the processor's kernels, if there are
     /// any for this size.
-    #[inline(always)]
+    #[inline]
     fn measure_by_hand(&self, probe: &[Weight; DIMS]) -> Option<[[i32; 2]; 16]> {
         let kernels = self.kernels()?;
         let (code, _) = self.code.as_flattened().as_chunks();
@@ -357,7 +357,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         winner
     }
 
-    #[inline(always)]
+    #[inline]
     fn step(&mut self, winner: usize, probe: &[Weight; DIMS], mask: Mask, pull: &Pull<NEURONS>) {
         let groups = self.groups(winner, mask, pull);
         if groups.is_none_or(|groups| !self.pull_groups(probe, &groups)) {
@@ -379,7 +379,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     }
 
     /// Who moves by how much, if there are kernels for the processor that can do this step.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn groups(
         &self,
         winner: usize,
@@ -391,7 +391,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     }
 
     /// Moves groups of neurons by the processor's kernels; `false` if there are none for this size.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn pull_groups(&mut self, probe: &[Weight; DIMS], groups: &[Group; 2]) -> bool {
         if let Some(kernels) = self.kernels
             && let Ok(code) = self.code.as_flattened_mut().as_chunks_mut().0.try_into()
@@ -405,7 +405,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     }
 
     /// Moves groups of neurons one by one: for few components.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn pull_each(&mut self, probe: &[Weight; DIMS], groups: &[Group; 2]) {
         for group in groups {
             for k in Mask::from_bits(group.neurons).indices(NEURONS) {
@@ -435,7 +435,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
 impl<const NEURONS: usize> Som<NEURONS, 2> {
     /// Adds weighted scores to another map's squared lengths, as bases for its [`rivals_by_hand`](Self::rivals_by_hand);
     /// the weight in 1/256 is below 512. `None` where there are other sizes than the kernels'.
-    #[inline(always)]
+    #[inline]
     pub(crate) fn weigh_by_hand(
         &self,
         kernels: &Kernels,

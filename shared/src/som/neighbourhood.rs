@@ -90,7 +90,6 @@ impl<'a> View<'a> {
     }
 
     /// Hands over each neuron that learns around `winner`, and its gain.
-    #[inline(always)]
     pub fn each(self, grid: Grid, winner: usize, mut learns: impl FnMut(usize, Gain)) {
         match self {
             Self::Direct { rate, share } => {
@@ -151,7 +150,6 @@ impl<const REACH: usize> Pull<REACH> {
 
     /// Who moves by how much around `winner`, for [`Kernels::pull`](super::kernels::Kernels::pull); `None` for a gain or a shape
     /// that it does not know.
-    #[inline(always)]
     pub(crate) fn groups(&self, grid: Grid, winner: usize) -> Option<[Group; 2]> {
         let ByHand {
             rate_q32,

@@ -46,7 +46,7 @@ fn print_maps(watch: &Stopwatch, episode: &Episode<'_>) {
     row(
         "best-matching unit, 16 × 16, by 16-bit values",
         coarse,
-        2_700,
+        3_050,
     );
     row("recall of an action", maps::recalls(watch, episode), 4_660);
     let [[situation, action], [near_situation, near_action]] = maps::updates(watch, episode);
