@@ -105,7 +105,7 @@ impl<const NEURONS: usize, const SENSORS: usize> PartialEq for ActionMap<NEURONS
 impl<const NEURONS: usize, const SENSORS: usize> Eq for ActionMap<NEURONS, SENSORS> {}
 
 /// Sums over all neurons of a map, at most 31, in units of 2⁻²⁶. A decision needs all of them, and what is learnt from a
-/// move changes one neuron's part.
+/// move changes one neuron's part: kept, they are worth 6 000 instructions of a decision on the chip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Products<const SENSORS: usize> {
     /// Of the actions' components: x x, x y, y y.

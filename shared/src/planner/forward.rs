@@ -1,7 +1,7 @@
 //! What an action brings: a linear map fitted to the pairs of the action map.
 
 use crate::action_map::{ActionCode, ActionMap};
-use crate::fixed::{Fine, Weight, coarse};
+use crate::fixed::{Weight, coarse};
 use crate::scan::Situation;
 use crate::units::Direction;
 
@@ -39,24 +39,26 @@ impl<const SENSORS: usize> Forward<SENSORS> {
             }
             return;
         }
-        let mut plane = [Packed(0); NEURONS];
+        let mut vectors = [(0, 0); NEURONS];
         let (mut xx, mut xy, mut yy) = (0_i64, 0_i64, 0_i64);
-        for (place, action) in plane.iter_mut().zip(actions.actions().code()) {
-            *place = in_plane(code, action.map(coarse), step_mm);
-            let (x, y) = (i64::from(place.x()), i64::from(place.y()));
+        for (vector, action) in vectors.iter_mut().zip(actions.actions().code()) {
+            let (x, y) = in_plane(code, action.map(coarse), step_mm);
             (xx, xy, yy) = (xx + x * x, xy + x * y, yy + y * y);
+            *vector = (x, y);
         }
         let inverse = Inverse::of(xx, xy, yy);
-        let changes = actions.changes().code();
-        let (pairs, last) = self.lines.as_chunks_mut::<2>();
-        for (pair, [first, second]) in pairs.iter_mut().enumerate() {
-            let [a, b] = products_of_two(&plane, changes, |row| row.as_chunks().0.get(pair));
-            (first.along_x, first.along_y) = inverse.slopes(a);
-            (second.along_x, second.along_y) = inverse.slopes(b);
-        }
-        for last in last {
-            let [_, sums] = products_of_two(&plane, changes, |row| row.last_chunk());
-            (last.along_x, last.along_y) = inverse.slopes(sums);
+        for (sensor, line) in self.lines.iter_mut().enumerate() {
+            let (mut along_x, mut along_y) = (0_i64, 0_i64);
+            for ((x, y), change) in vectors.iter().zip(actions.changes().code()) {
+                let change = change
+                    .get(sensor)
+                    .copied()
+                    .map_or(0, |change| i64::from(coarse(change).to_bits()));
+                (along_x, along_y) = (along_x + x * change, along_y + y * change);
+            }
+            // The sum over 31 neurons always fits.
+            let sum = |sum: i64| sum.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32;
+            (line.along_x, line.along_y) = inverse.slopes([sum(along_x), sum(along_y)]);
         }
     }
 
@@ -107,68 +109,15 @@ impl Line {
     }
 }
 
-/// Products summed in 32 bits before they are widened: 16 · 2²⁶ = 2³⁰.
-const BLOCK: usize = 16;
-
-/// A vector of two 16-bit components in a word: the chip multiplies either half without unpacking it.
-#[derive(Debug, Clone, Copy)]
-struct Packed(u32);
-
-impl Packed {
-    fn new(x: i16, y: i16) -> Self {
-        Self(u32::from(x as u16) | u32::from(y as u16) << 16)
-    }
-
-    fn x(self) -> i32 {
-        i32::from(self.0 as i16)
-    }
-
-    fn y(self) -> i32 {
-        i32::from((self.0 >> 16) as i16)
-    }
-}
-
 /// An action as a vector in units of 2⁻¹³ of the longest step.
-fn in_plane(code: ActionCode, action: [Weight; 2], step_mm: u16) -> Packed {
-    let vector = match code {
+fn in_plane(code: ActionCode, action: [Weight; 2], step_mm: u16) -> (i64, i64) {
+    let [x, y] = match code {
         ActionCode::Displacement => action,
         ActionCode::TurnStep => {
             ActionCode::Displacement.encode(code.decode(action, step_mm), step_mm)
         }
     };
-    let [x, y] = vector.map(Weight::to_bits);
-    Packed::new(x, y)
-}
-
-/// Sums over all neurons of action times change (2⁻²⁶) for two transducers at once: they stay in registers.
-fn products_of_two<const SENSORS: usize>(
-    plane: &[Packed],
-    changes: &[[Fine; SENSORS]],
-    two: impl Fn(&[Fine; SENSORS]) -> Option<&[Fine; 2]>,
-) -> [[i32; 2]; 2] {
-    let mut totals = [[0_i64; 2]; 2];
-    for (plane, changes) in plane.chunks(BLOCK).zip(changes.chunks(BLOCK)) {
-        let [mut first_x, mut first_y, mut second_x, mut second_y] = [0_i32; 4];
-        for (action, row) in plane.iter().zip(changes) {
-            let Some(two) = two(row) else { continue };
-            let [first, second] = two.map(|change| i32::from(coarse(change).to_bits()));
-            first_x = first_x.wrapping_add(action.x().wrapping_mul(first));
-            first_y = first_y.wrapping_add(action.y().wrapping_mul(first));
-            second_x = second_x.wrapping_add(action.x().wrapping_mul(second));
-            second_y = second_y.wrapping_add(action.y().wrapping_mul(second));
-        }
-        let sums = [[first_x, first_y], [second_x, second_y]];
-        for (total, sum) in totals
-            .as_flattened_mut()
-            .iter_mut()
-            .zip(sums.as_flattened())
-        {
-            *total = total.wrapping_add(i64::from(*sum));
-        }
-    }
-    // The sum over 31 neurons always fits.
-    let most = |sum: i64| sum.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32;
-    totals.map(|sums| sums.map(most))
+    (x.to_bits().into(), y.to_bits().into())
 }
 
 /// The inverse of the symmetric 2 × 2 matrix of the actions' products, in units of 2⁻¹⁹ of its own: sums of products in
