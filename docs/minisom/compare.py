@@ -12,7 +12,7 @@ Two questions, each for several seeds and one table of samples per seed:
 2. Defaults against defaults, same number of presentations: is ours at least as good in both errors, on average?
 
 Both maps are measured here with the same code, in 64-bit floats, from their code vectors. MiniSom's own topographic error
-counts diagonal neighbours as neighbours (distance above 1.42); ours does not. The table shows the 4-neighbour figure for
+counts diagonal neighbors as neighbors (distance above 1.42); ours does not. The table shows the 4-neighbor figure for
 both.
 """
 
@@ -58,7 +58,7 @@ def sonar_like(seed, count):
 
 
 def errors(code, data, rows):
-    """Quantization error and 4-neighbour topographic error of code vectors that stand row by row."""
+    """Quantization error and 4-neighbor topographic error of code vectors that stand row by row."""
     columns = len(code) // rows
     distances = np.linalg.norm(data[:, None, :] - code[None, :, :], axis=2)
     first, second = np.argsort(distances, axis=1, kind="stable")[:, :2].T
@@ -99,7 +99,7 @@ def same_training(command, folder, data, grid, epochs, seed):
     start = folder / "start.csv"
     np.savetxt(start, weights(som), delimiter=",", fmt="%.6f")
     som.train(data, epochs * len(data))
-    flags = ["--init", start, "--order", "file", "--neighbourhood", "gaussian"]
+    flags = ["--init", start, "--order", "file", "--neighborhood", "gaussian"]
     flags += ["--rate", f"0.5:{0.5 / 3}:inverse", "--radius", f"1:{1 / 3}:inverse"]
     theirs = errors(weights(som), data, rows=FLAGS[grid][1])
     return theirs, ours(command, folder, data, grid, epochs, flags)

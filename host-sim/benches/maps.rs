@@ -2,8 +2,8 @@
 //! robot and by the one of any size behind `host-sim som`.
 
 use amp::fixed::{Mask, Scalar as _, Weight};
-use amp::som::neighbourhood::Pull;
-use amp::som::{Decay, Grid, Neighbourhood, Schedule, Som};
+use amp::som::neighborhood::Pull;
+use amp::som::{Decay, Grid, Neighborhood, Schedule, Som};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use host_sim::noise::Noise;
 use host_sim::som::train::{Order, Training, start_at_samples, train};
@@ -40,7 +40,7 @@ fn maps(c: &mut Criterion) {
         });
     });
     group.bench_function("training, fixed size", |b| {
-        let pull = Pull::<16>::new(Neighbourhood::Direct, 6_554, 16_384);
+        let pull = Pull::<16>::new(Neighborhood::Direct, 6_554, 16_384);
         let mut map = map.clone();
         b.iter(|| {
             for sample in &samples {
@@ -49,15 +49,15 @@ fn maps(c: &mut Criterion) {
             }
         });
     });
-    for neighbourhood in [Neighbourhood::Direct, Neighbourhood::Gaussian] {
+    for neighborhood in [Neighborhood::Direct, Neighborhood::Gaussian] {
         let training = Training {
-            neighbourhood,
+            neighborhood,
             rate: Schedule::new(32_768, 655, Decay::Exponential),
             radius: Schedule::new(65_536, 16_384, Decay::Exponential),
             epochs: 1,
             order: Order::File,
         };
-        group.bench_function(format!("training, any size, {neighbourhood:?}"), |b| {
+        group.bench_function(format!("training, any size, {neighborhood:?}"), |b| {
             let mut map = any_size.clone();
             b.iter(|| train(&mut map, &flat, &training, &mut noise));
         });

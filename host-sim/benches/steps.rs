@@ -115,8 +115,8 @@ fn rounds() {
         .map(|run| (run, set_up(run.2, &config), Vec::new()))
         .collect();
     for _ in 0..ROUNDS {
-        for ((sonar, _, world), learnt, paces) in &mut runs {
-            let mut mind = Mind::with_state(config.clone(), learnt.state().clone());
+        for ((sonar, _, world), learned, paces) in &mut runs {
+            let mut mind = Mind::with_state(config.clone(), learned.state().clone());
             let begun = Instant::now();
             black_box(drive_pilot(world, &mut mind, body(world, *sonar), STEPS))
                 .expect("it drives");

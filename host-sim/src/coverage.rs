@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use crate::world::Point;
 
-/// Side of a cell, metres.
+/// Side of a cell, meters.
 pub const CELL_M: f64 = 0.25;
 
 /// Most cells along one side: a world larger than 2 km is covered with its first 2 km only.
@@ -152,7 +152,7 @@ impl Coverage {
         }
     }
 
-    /// Area of the covered cells, square metres.
+    /// Area of the covered cells, square meters.
     #[must_use]
     pub fn area_m2(&self) -> f64 {
         let cells: u32 = self.words.iter().map(|word| word.count_ones()).sum();

@@ -42,7 +42,7 @@ impl fmt::Display for BadInput {
 impl std::error::Error for BadInput {}
 
 /// The candidate a person who typed `word` most likely meant, if any is near enough: at most one
-/// slip (a letter added, lost, changed or swapped with its neighbour) per three letters.
+/// slip (a letter added, lost, changed or swapped with its neighbor) per three letters.
 #[must_use]
 pub fn did_you_mean<'a>(word: &str, candidates: &[&'a str]) -> Option<&'a str> {
     let word = word.to_lowercase();

@@ -41,7 +41,7 @@ pub struct GoalFile {
     pub path: String,
     /// What is asked of each sonar.
     pub components: [Component; 16],
-    /// Where the situation was captured, millimetres, if the file says so.
+    /// Where the situation was captured, millimeters, if the file says so.
     pub place_mm: Option<[i32; 2]>,
 }
 
@@ -112,7 +112,7 @@ impl GoalFile {
         Goal::place(self.components)
     }
 
-    /// Where the situation was captured, metres.
+    /// Where the situation was captured, meters.
     #[must_use]
     pub fn place(&self) -> Option<Point> {
         let meters = |mm: i32| f64::from(mm) / 1e3;

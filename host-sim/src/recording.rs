@@ -1,4 +1,4 @@
-//! What an episode leaves behind for pictures and tests: plain values in metres, radians and map units, no behaviour.
+//! What an episode leaves behind for pictures and tests: plain values in meters, radians and map units, no behavior.
 //!
 //! Everything a person sees (paths, maps, histograms) is drawn from a [`Recording`], never from a running episode, so a
 //! picture can be made again later from the same data.
@@ -12,15 +12,15 @@ pub struct Step {
     pub pose: Pose,
     /// Simulated time of the decision, seconds since the episode began.
     pub time_s: f64,
-    /// Ranges by transducer, metres from its face; `None` = no echo.
+    /// Ranges by transducer, meters from its face; `None` = no echo.
     pub ranges_m: Vec<Option<f64>>,
     /// The situation made of them, one value in [0, 1] per transducer: 1 = obstacle at the near limit, 0 = none.
     pub situation: Vec<f64>,
     /// How the planner came to the action; `None` while exploring.
     pub plan: Option<PlanRecord>,
-    /// Displacement the mind asked for, metres in the ring's frame (x along transducer 0, y to its left).
+    /// Displacement the mind asked for, meters in the ring's frame (x along transducer 0, y to its left).
     pub commanded_m: [f64; 2],
-    /// Displacement the base carried out, metres in the same frame.
+    /// Displacement the base carried out, meters in the same frame.
     pub executed_m: [f64; 2],
     /// The robot touched something on the way.
     pub touched: bool,
@@ -28,7 +28,7 @@ pub struct Step {
     pub shielded: bool,
     /// Where the robot that is followed stood, if there is one.
     pub leader: Option<Point>,
-    /// Which of the behaviour's goals was pursued, counted from 0: a chain has several.
+    /// Which of the behavior's goals was pursued, counted from 0: a chain has several.
     pub part: usize,
 }
 
@@ -39,7 +39,7 @@ pub struct PlanRecord {
     pub goal_neuron: usize,
     /// Best-matching unit of the present situation.
     pub current_neuron: usize,
-    /// Neighbour of the current neuron nearer to the goal.
+    /// Neighbor of the current neuron nearer to the goal.
     pub intermediate_neuron: usize,
     /// Change of situation wanted, one value in [-1, 1] per transducer: what the action map is probed with.
     pub wanted_change: Vec<f64>,
@@ -51,7 +51,7 @@ pub struct PlanRecord {
     pub at_goal: bool,
 }
 
-/// A self-organising map as drawn: code vectors row by row over the grid.
+/// A self-organizing map as drawn: code vectors row by row over the grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MapRecord {
     /// Neurons along x and along y of the grid.
@@ -61,16 +61,16 @@ pub struct MapRecord {
     /// How many probes each neuron wins: of the situation map every situation of the episode, of the
     /// action map every remembered change.
     pub hits: Vec<usize>,
-    /// Mean distance of each neuron to its direct neighbours (U-matrix).
+    /// Mean distance of each neuron to its direct neighbors (U-matrix).
     pub u_matrix: Vec<f64>,
 }
 
-/// A whole episode: one world, one exploration, one behaviour.
+/// A whole episode: one world, one exploration, one behavior.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
     /// The world it happened in.
     pub world: World,
-    /// Name of the behaviour, e.g. `avoid`.
+    /// Name of the behavior, e.g. `avoid`.
     pub behavior: String,
     /// Name of the preset, e.g. `default`.
     pub preset: String,
@@ -78,13 +78,13 @@ pub struct Recording {
     pub seed: u64,
     /// Bearings of the transducers in the ring's frame, radians counter-clockwise from its x axis.
     pub bearings_rad: Vec<f64>,
-    /// Range at which a situation value is 1, metres.
+    /// Range at which a situation value is 1, meters.
     pub near_m: f64,
-    /// Range from which on a situation value is 0, metres.
+    /// Range from which on a situation value is 0, meters.
     pub far_m: f64,
     /// Where the nest is, or the place of a captured situation; `None` where no place is sought or it is unknown.
     pub goal_place: Option<Point>,
-    /// Radius of the body that must not touch anything, metres.
+    /// Radius of the body that must not touch anything, meters.
     pub robot_radius_m: f64,
     /// The random moves.
     pub exploration: Vec<Step>,
@@ -94,6 +94,6 @@ pub struct Recording {
     pub situation_map: MapRecord,
     /// The action map's changes of situation at the end.
     pub change_map: MapRecord,
-    /// The action map's actions at the end: displacements in metres in the ring's frame, one per neuron.
+    /// The action map's actions at the end: displacements in meters in the ring's frame, one per neuron.
     pub actions_m: Vec<[f64; 2]>,
 }

@@ -263,7 +263,7 @@ impl Base {
             touched: sweep.touched(),
             bumpers: self.chassis.bumpers_at(&sweep),
             moving: false,
-            travelled_m: sweep.travelled_m,
+            traveled_m: sweep.traveled_m,
             min_clearance_m: sweep.min_clearance_m,
         }
     }

@@ -1,4 +1,4 @@
-//! Behaviours by name: goal situations, and where each begins. How well they go is [measured](crate::episode) by the
+//! Behaviors by name: goal situations, and where each begins. How well they go is [measured](crate::episode) by the
 //! world, which the mind never sees.
 
 use crate::error::BadInput;
@@ -10,16 +10,16 @@ use amp::scan::Situation;
 use amp::units::Range;
 use std::str::FromStr;
 
-/// Range to the wall that is followed, metres from the ring.
+/// Range to the wall that is followed, meters from the ring.
 pub const WALL_RANGE_M: f64 = 0.6;
-/// Room kept clear on the side by which obstacles are passed, metres.
+/// Room kept clear on the side by which obstacles are passed, meters.
 pub const PASSING_ROOM_M: f64 = 1.5;
-/// Range to the leader, metres from the ring.
+/// Range to the leader, meters from the ring.
 pub const LEADER_RANGE_M: f64 = 0.34;
-/// Decisions in which a behaviour without an end has to hold in a chain before the next begins.
+/// Decisions in which a behavior without an end has to hold in a chain before the next begins.
 pub const CHAIN_HOLDS: u32 = 20;
 
-/// A behaviour by name.
+/// A behavior by name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Behavior {
     /// Obstacle avoidance, the paper's experiment: nothing nearer than the clearance.
@@ -51,7 +51,7 @@ impl Behavior {
         "follow",
     ];
 
-    /// What a behaviour of this name does, in a few words; nothing for an unknown one.
+    /// What a behavior of this name does, in a few words; nothing for an unknown one.
     #[must_use]
     pub fn about(name: &str) -> &'static str {
         match name {

@@ -8,7 +8,7 @@ use amp::action_map::{ActionCode, Recall};
 use amp::config::{AtGoal, Choice, Config, Intermediate, Online, Order, Start, Taught, Wander};
 use amp::fixed::{Mask, Weight};
 use amp::shield::{KEPT, Shielding};
-use amp::som::{Decay, Edges, Neighbourhood, Schedule};
+use amp::som::{Decay, Edges, Neighborhood, Schedule};
 use amp::units::Bearing;
 
 /// One open choice.
@@ -88,13 +88,13 @@ type Written = Result<(), String>;
 pub static SETTINGS: Table = &[
     setting!(
         "near",
-        "range at which a value is 1, metres",
+        "range at which a value is 1, meters",
         |c| meters(c.encoding.near_mm),
         |c: &mut Config<16>, t| put(&mut c.encoding.near_mm, millimeters(t, 0.0, 6.5))
     ),
     setting!(
         "far",
-        "range from which on a value is 0, metres",
+        "range from which on a value is 0, meters",
         |c| meters(c.encoding.far_mm),
         |c: &mut Config<16>, t| put(&mut c.encoding.far_mm, millimeters(t, 0.01, 10.0))
     ),
@@ -118,13 +118,13 @@ pub static SETTINGS: Table = &[
     ),
     setting!(
         "step",
-        "longest displacement per decision, metres",
+        "longest displacement per decision, meters",
         |c| meters(c.robot.step_mm),
         |c: &mut Config<16>, t| put(&mut c.robot.step_mm, millimeters(t, 0.01, 1.0))
     ),
     setting!(
         "explore.shortest",
-        "shortest random move, metres (the longest is step)",
+        "shortest random move, meters (the longest is step)",
         |c| meters(c.exploration.shortest_mm),
         |c: &mut Config<16>, t| put(&mut c.exploration.shortest_mm, millimeters(t, 0.0, 1.0))
     ),
@@ -166,7 +166,7 @@ pub static SETTINGS: Table = &[
     ),
     setting!(
         "turned",
-        "samples also learnt turned by ring steps: on | off",
+        "samples also learned turned by ring steps: on | off",
         |c| on_off(c.learning.turned),
         |c: &mut Config<16>, t| put(&mut c.learning.turned, switch(t))
     ),
@@ -192,12 +192,12 @@ pub static SETTINGS: Table = &[
         |c: &mut Config<16>, t| put(&mut c.learning.edges, choice(EDGES, t))
     ),
     setting!(
-        "situation.neighbourhood",
+        "situation.neighborhood",
         "situation map: direct | gaussian",
-        |c| word(NEIGHBOURHOODS, &c.learning.situations.neighbourhood),
+        |c| word(NEIGHBORHOODS, &c.learning.situations.neighborhood),
         |c: &mut Config<16>, t| put(
-            &mut c.learning.situations.neighbourhood,
-            choice(NEIGHBOURHOODS, t)
+            &mut c.learning.situations.neighborhood,
+            choice(NEIGHBORHOODS, t)
         )
     ),
     setting!(
@@ -208,17 +208,17 @@ pub static SETTINGS: Table = &[
     ),
     setting!(
         "situation.radius",
-        "situation map's radius (direct: neighbours' share), likewise",
+        "situation map's radius (direct: neighbors' share), likewise",
         |c| schedule_text(c.learning.situations.radius),
         |c: &mut Config<16>, t| put(&mut c.learning.situations.radius, schedule(t, 64.0))
     ),
     setting!(
-        "action.neighbourhood",
+        "action.neighborhood",
         "action map: direct | gaussian",
-        |c| word(NEIGHBOURHOODS, &c.learning.actions.neighbourhood),
+        |c| word(NEIGHBORHOODS, &c.learning.actions.neighborhood),
         |c: &mut Config<16>, t| put(
-            &mut c.learning.actions.neighbourhood,
-            choice(NEIGHBOURHOODS, t)
+            &mut c.learning.actions.neighborhood,
+            choice(NEIGHBORHOODS, t)
         )
     ),
     setting!(
@@ -229,7 +229,7 @@ pub static SETTINGS: Table = &[
     ),
     setting!(
         "action.radius",
-        "action map's radius (direct: neighbours' share), likewise",
+        "action map's radius (direct: neighbors' share), likewise",
         |c| schedule_text(c.learning.actions.radius),
         |c: &mut Config<16>, t| put(&mut c.learning.actions.radius, schedule(t, 64.0))
     ),
@@ -247,7 +247,7 @@ pub static SETTINGS: Table = &[
     ),
     setting!(
         "online.share",
-        "neighbours' share of it: 0..1",
+        "neighbors' share of it: 0..1",
         |c| q16_text(c.online.map_or(0, |o| o.share_q16)),
         |c: &mut Config<16>, t| put_online(c, t, |o| &mut o.share_q16)
     ),
@@ -337,7 +337,7 @@ pub static SETTINGS: Table = &[
     ),
     setting!(
         "clearance",
-        "what free of obstacles means: nothing nearer than this, metres",
+        "what free of obstacles means: nothing nearer than this, meters",
         |c| meters(c.clearance_mm),
         |c: &mut Config<16>, t| put(&mut c.clearance_mm, millimeters(t, 0.01, 10.0))
     ),
@@ -361,7 +361,7 @@ pub static SETTINGS: Table = &[
     ),
     setting!(
         "shield.margin",
-        "distance the shield keeps, metres",
+        "distance the shield keeps, meters",
         |c| meters(c.shield.map_or(0, |s| s.margin_mm)),
         |c: &mut Config<16>, t| put_shield(c, millimeters(t, 0.0, 2.0), |s, v| s.margin_mm = v)
     ),
@@ -391,7 +391,7 @@ pub static SETTINGS: Table = &[
     ),
     setting!(
         "shield.least-range",
-        "shortest range the ring can report, metres: such a reading may be anything nearer",
+        "shortest range the ring can report, meters: such a reading may be anything nearer",
         |c| meters(c.shield.map_or(0, |s| s.least_range_mm)),
         |c: &mut Config<16>, t| put_shield(c, millimeters(t, 0.0, 2.0), |s, v| s.least_range_mm =
             v)
@@ -430,9 +430,9 @@ const TAUGHT: &[(&str, Taught)] = &[
     ("executed", Taught::Executed),
 ];
 const EDGES: &[(&str, Edges)] = &[("open", Edges::Open), ("wrapped", Edges::Wrapped)];
-const NEIGHBOURHOODS: &[(&str, Neighbourhood)] = &[
-    ("direct", Neighbourhood::Direct),
-    ("gaussian", Neighbourhood::Gaussian),
+const NEIGHBORHOODS: &[(&str, Neighborhood)] = &[
+    ("direct", Neighborhood::Direct),
+    ("gaussian", Neighborhood::Gaussian),
 ];
 const LEARNERS: &[(&str, bool)] = &[("best", false), ("recalled", true)];
 const INTERMEDIATES: &[(&str, Intermediate)] = &[
@@ -661,7 +661,7 @@ mod tests {
     #[test]
     fn the_presets_differ() {
         let training: Training = Config::touzet().learning.situations;
-        assert_eq!(training.neighbourhood, Neighbourhood::Direct);
+        assert_eq!(training.neighborhood, Neighborhood::Direct);
         assert_ne!(Config::touzet(), Config::recommended());
     }
 }

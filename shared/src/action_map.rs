@@ -7,7 +7,7 @@ use crate::fixed::{
     Fine, Mask, ONE_BITS, Weight, coarse, isqrt, quotient, squared_norm, unit_weight,
 };
 use crate::som::kernels::{Found, Kernels};
-use crate::som::neighbourhood::Pull;
+use crate::som::neighborhood::Pull;
 use crate::som::{Grid, Som, kernels};
 use crate::units::{Bearing, Displacement};
 use serde::{Deserialize, Serialize};
@@ -104,7 +104,7 @@ impl<const NEURONS: usize, const SENSORS: usize> PartialEq for ActionMap<NEURONS
 
 impl<const NEURONS: usize, const SENSORS: usize> Eq for ActionMap<NEURONS, SENSORS> {}
 
-/// Sums over all neurons of a map, at most 31, in units of 2⁻²⁶. A decision needs all of them, and what is learnt from a
+/// Sums over all neurons of a map, at most 31, in units of 2⁻²⁶. A decision needs all of them, and what is learned from a
 /// move changes one neuron's part: kept, they are worth 6 000 instructions of a decision on the chip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Products<const SENSORS: usize> {
@@ -527,7 +527,7 @@ fn stretched<const SENSORS: usize>(vector: &[Weight; SENSORS]) -> [Weight; SENSO
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::som::Neighbourhood;
+    use crate::som::Neighborhood;
     use proptest::prelude::*;
 
     const CHANGES: [[i16; 3]; 4] = [[800, 0, 0], [0, 8_192, 0], [6_000, 0, 0], [7_000, 8_000, 0]];
@@ -630,7 +630,7 @@ mod tests {
     fn products_kept_while_learning_are_those_summed_anew() {
         let mut map = map();
         map.keep_products();
-        let alone = Pull::new(Neighbourhood::Direct, 20_000, 0);
+        let alone = Pull::new(Neighborhood::Direct, 20_000, 0);
         for (winner, (change, action)) in CHANGES.iter().zip(ACTIONS).enumerate() {
             let effect = Effect {
                 change: change.map(|bits| Weight::from_bits(bits / 3 - 500)),
@@ -644,8 +644,8 @@ mod tests {
             assert_eq!(map.products(), Some(&kept));
             assert_eq!(map.clone(), map);
         }
-        // Neighbours that learn too, and whatever is written, make them unknown.
-        let together = Pull::new(Neighbourhood::Direct, 20_000, 20_000);
+        // Neighbors that learn too, and whatever is written, make them unknown.
+        let together = Pull::new(Neighborhood::Direct, 20_000, 20_000);
         let effect = Effect {
             change: CHANGES[0].map(Weight::from_bits),
             action: ACTIONS[0].map(Weight::from_bits),
@@ -722,7 +722,7 @@ mod tests {
             }
             let mut map = portable.clone();
             map.use_kernels(&crate::som::tests::by_hand::KERNELS);
-            let shape = if gaussian { Neighbourhood::Gaussian } else { Neighbourhood::Direct };
+            let shape = if gaussian { Neighborhood::Gaussian } else { Neighborhood::Direct };
             let pull = Pull::new(shape, rate, share);
             for probe in probes.as_chunks::<18>().0 {
                 let part = |i: usize| Weight::from_bits(probe[i]);
@@ -755,7 +755,7 @@ mod tests {
             let _ = map.winner(&effect(mask), weight);
             assert_eq!(asked(), [times, times, 0, 0], "{weight}");
         }
-        let pull = Pull::new(Neighbourhood::Direct, 20_000, 0);
+        let pull = Pull::new(Neighborhood::Direct, 20_000, 0);
         map.learn(0, &effect(Mask::ALL), &pull);
         assert_eq!(asked(), [0, 0, 1, 0]);
     }

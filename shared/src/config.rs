@@ -1,6 +1,6 @@
 //! Every open choice of the method as a named value, and the two presets.
 //!
-//! The paper fixes the idea (100 random moves, two maps of 16 neurons, a neighbour nearer to the goal, recall by the
+//! The paper fixes the idea (100 random moves, two maps of 16 neurons, a neighbor nearer to the goal, recall by the
 //! difference) and leaves much open: what an action is, how near is near, how a map is trained, how it is probed, what to
 //! do at the goal. [`Config::touzet`] is the most literal reading of each point, [`Config::recommended`] the best found; the
 //! project's documentation holds the ablation of each choice.
@@ -11,7 +11,7 @@ use crate::node::MOST_CONFIG;
 use crate::robot::RobotSpec;
 use crate::scan::Encoding;
 use crate::shield::Shielding;
-use crate::som::{Decay, Edges, Neighbourhood, Schedule};
+use crate::som::{Decay, Edges, Neighborhood, Schedule};
 use serde::{Deserialize, Serialize};
 
 mod zeroed;
@@ -38,7 +38,7 @@ pub struct Config<const SENSORS: usize> {
     pub online: Option<Online>,
     /// From a goal to an action.
     pub planning: Planning,
-    /// What "free of obstacles" means as a goal: nothing nearer than this, millimetres; at the far limit
+    /// What "free of obstacles" means as a goal: nothing nearer than this, millimeters; at the far limit
     /// or beyond it, nothing perceived at all.
     pub clearance_mm: u16,
     /// What limits motion by the echoes; `None` = nothing does.
@@ -72,7 +72,7 @@ impl<const SENSORS: usize> Config<SENSORS> {
 /// The random moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Exploration {
-    /// Shortest move, millimetres; the longest is the robot's step. Lengths are uniform in between, bearings uniform.
+    /// Shortest move, millimeters; the longest is the robot's step. Lengths are uniform in between, bearings uniform.
     pub shortest_mm: u16,
     /// Bearings drawn before a move that the shield shortens below half is accepted all the same, at least 1.
     pub draws: u8,
@@ -92,7 +92,7 @@ pub enum Order {
 pub enum Start {
     /// Random samples.
     Samples,
-    /// Random values in the range of what is to be learnt.
+    /// Random values in the range of what is to be learned.
     Random,
     /// Actions spread over the grid as over the plane, changes zero; situations from samples.
     Plane,
@@ -110,11 +110,11 @@ pub enum Taught {
 /// How one map learns from the memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Training {
-    /// Shape of the neighbourhood.
-    pub neighbourhood: Neighbourhood,
+    /// Shape of the neighborhood.
+    pub neighborhood: Neighborhood,
     /// Learning rate, Q16.
     pub rate: Schedule,
-    /// Radius of the neighbourhood, Q16 grid steps (or the direct neighbours' share).
+    /// Radius of the neighborhood, Q16 grid steps (or the direct neighbors' share).
     pub radius: Schedule,
 }
 
@@ -153,7 +153,7 @@ pub struct Online {
     pub situation_rate_q16: u32,
     /// Learning rate of the action map, Q16.
     pub action_rate_q16: u32,
-    /// The direct neighbours' share of the rate, Q16.
+    /// The direct neighbors' share of the rate, Q16.
     pub share_q16: u32,
     /// The action map's learner is the neuron that chose the move, not the one that matches it best: a move that brought
     /// nothing then weakens its own cause.
@@ -163,9 +163,9 @@ pub struct Online {
 /// Which neuron is aimed at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Intermediate {
-    /// The direct neighbour fewest grid steps from the goal neuron (the paper's step 3), the one nearer in code on ties.
+    /// The direct neighbor fewest grid steps from the goal neuron (the paper's step 3), the one nearer in code on ties.
     FewestHops,
-    /// The direct neighbour whose code vector is nearest to the goal, if nearer than the present neuron's.
+    /// The direct neighbor whose code vector is nearest to the goal, if nearer than the present neuron's.
     NearestCode,
     /// The goal itself: no intermediate neuron.
     Goal,
@@ -258,13 +258,13 @@ impl<const SENSORS: usize> Config<SENSORS> {
 }
 
 impl Config<16> {
-    /// The most literal reading of the paper: an action is (turn, step), the probe is by squared distance, the neighbour
+    /// The most literal reading of the paper: an action is (turn, step), the probe is by squared distance, the neighbor
     /// by grid steps among the four direct ones, learning goes on, straight ahead at the goal. The ring is to turn with
     /// the heading.
     #[must_use]
     pub const fn touzet() -> Self {
         let training = Training {
-            neighbourhood: Neighbourhood::Direct,
+            neighborhood: Neighborhood::Direct,
             rate: Schedule::new(ONE_Q16 / 2, ONE_Q16 / 20, Decay::Linear),
             radius: Schedule::constant(ONE_Q16 / 2),
         };

@@ -93,8 +93,8 @@ pub struct State<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usiz
     memory: Memory<SENSORS, SAMPLES>,
     situations: Som<NEURONS, SENSORS>,
     actions: ActionMap<NEURONS, SENSORS>,
-    learnt: bool,
-    /// Moves the maps have learnt from since they were made, as far as it counts.
+    learned: bool,
+    /// Moves the maps have learned from since they were made, as far as it counts.
     lessons: u16,
     /// Maps written from outside to their ends, bit by [`Part`].
     written: u8,
@@ -141,7 +141,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             memory: Memory::new(),
             situations: Som::zeroed(grid),
             actions: ActionMap::zeroed(grid),
-            learnt: false,
+            learned: false,
             lessons: 0,
             written: 0,
             generator: None,
@@ -208,8 +208,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 
     /// Whether there are maps to seek with.
     #[must_use]
-    pub const fn has_learnt(&self) -> bool {
-        self.learnt
+    pub const fn has_learned(&self) -> bool {
+        self.learned
     }
 
     /// A seed for whoever is to go on from here with randomness of his own; the same until the next random number.
@@ -409,7 +409,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             Command::Learn if self.memory.samples().is_empty() => {
                 return refused(Refusal::NoSamples);
             }
-            Command::Seek(_) if !self.learnt => return refused(Refusal::NotLearnt),
+            Command::Seek(_) if !self.learned => return refused(Refusal::NotLearnt),
             Command::Explore { moves, seed } => {
                 self.generator = Some(Xoshiro128PlusPlus::seed_from_u64(seed));
                 self.memory.clear();
@@ -512,7 +512,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             self.mode = Mode::Learn { step };
             return Outputs::none();
         }
-        self.learnt = true;
+        self.learned = true;
         self.enter(at, Mode::Idle)
     }
 }

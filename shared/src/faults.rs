@@ -4,10 +4,10 @@
 //!
 //! | fault | what speaks for it | what speaks against it |
 //! |---|---|---|
-//! | *dead* | it hears nothing while both its neighbours hear something near, or where the robot touches something | any echo |
-//! | *stuck* | it says the same as before though the robot has moved and both its neighbours say something else | any change |
+//! | *dead* | it hears nothing while both its neighbors hear something near, or where the robot touches something | any echo |
+//! | *stuck* | it says the same as before though the robot has moved and both its neighbors say something else | any change |
 //! | *jumping* | its range changes by more than the robot has moved, which only a thing that comes into its lobe or leaves it can bring about | a change that fits |
-//! | *short* | what it hears is far nearer than what both its neighbours hear | it is not |
+//! | *short* | what it hears is far nearer than what both its neighbors hear | it is not |
 //!
 //! Each rule has a score per transducer, a one-sided cumulative sum (E. S. Page, "Continuous Inspection Schemes",
 //! Biometrika 41, 1954): what speaks for the fault adds to it, what speaks against it takes away or, where a faulty one
@@ -15,15 +15,15 @@
 //! ([`Detector::enabled`]); when all its scores have come back to zero it is believed again.
 //!
 //! Such a sum counts on looks that are independent. A robot that goes to and fro sees the same again and again, so a look
-//! speaks *for* a fault only where the robot has not been before: in a cell of a quarter of a metre that is new to it. What
+//! speaks *for* a fault only where the robot has not been before: in a cell of a quarter of a meter that is new to it. What
 //! speaks against it counts everywhere as long as the transducer is believed.
-//! Neighbours bear witness only while they are beyond doubt themselves.
+//! Neighbors bear witness only while they are beyond doubt themselves.
 //!
 //! A transducer that has never been heard may be dead from the beginning, and its silence is no proof of free room:
 //! a single look between near things is enough not to believe it ([`Fault::Unheard`]), and its first echo to believe it.
 //!
-//! What the detector cannot tell: a dead transducer from one before which there is nothing, until the neighbours or a touch
-//! disagree; ranges that are wrong by less than [`SHORT_MM`] or a fifth; two faulty neighbours; and while the ring turns
+//! What the detector cannot tell: a dead transducer from one before which there is nothing, until the neighbors or a touch
+//! disagree; ranges that are wrong by less than [`SHORT_MM`] or a fifth; two faulty neighbors; and while the ring turns
 //! with the heading, *stuck* and *jumping*. How often it is wrong and how long it takes is measured in the project's
 //! documentation; it is on by default.
 
@@ -32,16 +32,16 @@ use crate::fixed::{Mask, isqrt};
 use crate::units::{Bearing, Displacement, Range};
 use serde::{Deserialize, Serialize};
 
-/// A look is taken after this way, millimetres.
+/// A look is taken after this way, millimeters.
 pub const LOOK_MM: i32 = 200;
-/// A change of range may exceed the way by this much, and by a 16th of the range, millimetres.
+/// A change of range may exceed the way by this much, and by a 16th of the range, millimeters.
 pub const LOOSE_MM: i32 = 50;
-/// A range that changes by no more than this stands still, millimetres: half an inch.
+/// A range that changes by no more than this stands still, millimeters: half an inch.
 pub const STILL_MM: u16 = 13;
-/// A neighbour whose range changes by this much says something else, millimetres: half of [`LOOK_MM`].
+/// A neighbor whose range changes by this much says something else, millimeters: half of [`LOOK_MM`].
 pub const OTHER_MM: u16 = 100;
 /// Things nearer than this weigh [`NEAR_WEIGHT`], nearer than [`MIDDLE_MM`] 1, where a transducer between them hears
-/// nothing; millimetres.
+/// nothing; millimeters.
 pub const NEAR_MM: u16 = 1_000;
 /// As above.
 pub const MIDDLE_MM: u16 = 3_000;
@@ -55,7 +55,7 @@ pub const TOUCH_WEIGHT: u8 = 30;
 pub const STILL_WEIGHT: u8 = 8;
 /// Weights of a change of range that the way does not explain, and of one it does.
 pub const JUMP_WEIGHTS: [u8; 2] = [5, 8];
-/// A range is short when it is at least this much below the nearer neighbour's, millimetres, and below four fifths of it.
+/// A range is short when it is at least this much below the nearer neighbor's, millimeters, and below four fifths of it.
 pub const SHORT_MM: u16 = 300;
 /// Weights of a range that is short, and of one that is not.
 pub const SHORT_WEIGHTS: [u8; 2] = [4, 4];
@@ -63,7 +63,7 @@ pub const SHORT_WEIGHTS: [u8; 2] = [4, 4];
 pub const LIMIT: u8 = 60;
 /// The same for the silence of one that was never heard.
 pub const UNHEARD_LIMIT: u8 = 1;
-/// Score from which on a transducer does not bear witness against its neighbours.
+/// Score from which on a transducer does not bear witness against its neighbors.
 pub const DOUBT: u8 = LIMIT / 2;
 
 /// What is wrong with a transducer.
@@ -73,7 +73,7 @@ pub enum Fault {
     Dead,
     /// It always says the same.
     Stuck,
-    /// It hears things far nearer than its neighbours do.
+    /// It hears things far nearer than its neighbors do.
     Short,
     /// What it says changes by more than the robot has moved.
     Jumping,
@@ -99,7 +99,7 @@ pub struct Scores {
     pub still: u8,
     /// Changes of range that the way does not explain.
     pub jumps: u8,
-    /// Ranges far below the neighbours'.
+    /// Ranges far below the neighbors'.
     pub short: u8,
 }
 
@@ -140,7 +140,7 @@ impl Said {
 struct Record {
     /// The latest word.
     latest: Said,
-    /// The word at the last look, those of the neighbours, and the odometer there.
+    /// The word at the last look, those of the neighbors, and the odometer there.
     looked: Said,
     sides: [Said; 2],
     x_mm: i16,
@@ -166,7 +166,7 @@ impl Record {
     };
 }
 
-/// Cells of a quarter of a metre on a torus of 4 m: where the robot has been.
+/// Cells of a quarter of a meter on a torus of 4 m: where the robot has been.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Places {
     visited: [u16; 16],
@@ -210,7 +210,7 @@ impl Places {
 pub struct Detector<const SENSORS: usize> {
     records: [Record; SENSORS],
     places: Places,
-    /// Way since the start in the ring's first frame, millimetres, wrapping; and how far the ring has turned.
+    /// Way since the start in the ring's first frame, millimeters, wrapping; and how far the ring has turned.
     x_mm: i16,
     y_mm: i16,
     turned: Bearing,
@@ -460,9 +460,9 @@ const fn take(score: &mut u8, weight: u8) {
 
 /// How a transducer is looked at.
 struct Look {
-    /// What the neighbours said last, where they bear witness.
+    /// What the neighbors said last, where they bear witness.
     sides: [Said; 2],
-    /// Way since the look before, millimetres.
+    /// Way since the look before, millimeters.
     way: i32,
     /// The robot has not been here before.
     is_new: bool,
@@ -503,7 +503,7 @@ impl Record {
         }
     }
 
-    /// Dead or not, where the farther of both neighbours hears something at this range.
+    /// Dead or not, where the farther of both neighbors hears something at this range.
     fn listen(&mut self, look: &Look, farther: Option<u16>) {
         let silent = &mut self.scores.silent;
         if self.latest != Said::SILENCE {
@@ -540,7 +540,7 @@ impl Record {
         look.weigh(jumps, !fits, JUMP_WEIGHTS);
     }
 
-    /// Short, or as far as the nearer neighbour hears something.
+    /// Short, or as far as the nearer neighbor hears something.
     fn measure(&mut self, look: &Look, now: u16, nearest: u16) {
         let short = &mut self.scores.short;
         let is_below = u32::from(now) * 5 < u32::from(nearest) * 4;

@@ -4,7 +4,7 @@
 //! |---|---|---|---|---|
 //! | [`Weight`] | I3F13 | −4 … 4 | 2⁻¹³ = 0.000122 | situations, changes of situation, probes |
 //! | [`Fine`] | I3F29 | −4 … 4 | 2⁻²⁹ = 1.9·10⁻⁹ | code vectors |
-//! | [`Gain`] | Q30 | 0 … 1 | 2⁻³⁰ | learning rates, neighbourhood values |
+//! | [`Gain`] | Q30 | 0 … 1 | 2⁻³⁰ | learning rates, neighborhood values |
 //! | Q16 `u32` | 16.16 | 0 … 65 536 | 2⁻¹⁶ | schedule values, exponents |
 //!
 //! A code vector's components are 16-bit weights with 16 more bits below: searches read the upper half, learning moves the
@@ -51,7 +51,7 @@ pub const fn unit_weight(bits: i32) -> Weight {
     Weight::from_bits(clamped as i16)
 }
 
-/// A fraction in [0, 1] with 30 bits behind the point: learning rates and neighbourhood values.
+/// A fraction in [0, 1] with 30 bits behind the point: learning rates and neighborhood values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub struct Gain(i32);
 

@@ -1,4 +1,4 @@
-//! Behaviours as goal situations: per transducer at least, at most or equal, with a weight.
+//! Behaviors as goal situations: per transducer at least, at most or equal, with a weight.
 //!
 //! A component asks its value to lie within an interval. "Nothing near me" asks every value to be at most 0; "a wall
 //! 0.6 m to my right" asks the value there to equal that of 0.6 m; "what I perceived at the nest" asks every value to
@@ -11,11 +11,11 @@ use crate::units::Range;
 use serde::{Deserialize, Serialize};
 
 mod asked;
-mod behaviours;
+mod behaviors;
 mod kept;
 
 pub(crate) use asked::{Asked, Over, missed};
-pub use behaviours::Side;
+pub use behaviors::Side;
 pub use kept::{KeepError, KeptGoal, KeptGoals, MOST_KEPT, Name};
 
 /// What a step straight ahead weighs in obstacle avoidance: enough to cross free space, too little to graze a wall.

@@ -1,9 +1,9 @@
-//! **Associative memory programming**: a robot explores with 100 random moves, and from then on any behaviour is had at
+//! **Associative memory programming**: a robot explores with 100 random moves, and from then on any behavior is had at
 //! once by naming a *goal situation*.
 //!
 //! The method is that of C. Touzet, "Modeling and Simulation of Elementary Robot Behaviors using Associative Memories",
 //! International Journal of Advanced Robotic Systems 3(2), 2006, 165–170 (doi 10.5772/5742); *the paper* below. Two
-//! self-organising maps (T. Kohonen, *Self-Organizing Maps*, Springer 2001) of 16 neurons do the work:
+//! self-organizing maps (T. Kohonen, *Self-Organizing Maps*, Springer 2001) of 16 neurons do the work:
 //!
 //! * the **situation map** knows what can be perceived: its code vectors are situations;
 //! * the **action map** knows which action brings which change of situation: its code vectors are (change, action) pairs.
@@ -14,7 +14,7 @@
 //! echoes ─► Scan ─► Situation ─► Controller ──────────────────────► Shield ─► Motion
 //!                                 │ Explore: random action, remember (S, a, S')
 //!                                 │ Learn:   memory ─► situation map, action map
-//!                                 └ Seek:    goal ─► neuron ─► neighbour ─► change ─► action
+//!                                 └ Seek:    goal ─► neuron ─► neighbor ─► change ─► action
 //! ```
 //!
 //! [`controller::handle`] is the whole robot as one pure function of configuration, state and event: integer arithmetic,
@@ -26,13 +26,13 @@
 //! | module | what it knows |
 //! |---|---|
 //! | [`fixed`] | the number formats of the maps, dot products, roots, exponentials |
-//! | [`units`] | millimetres, milliseconds, bearings, displacements |
+//! | [`units`] | millimeters, milliseconds, bearings, displacements |
 //! | [`robot`] | ring geometry and limits: the robots differ in data only |
 //! | [`scan`] | ranges with age and validity, and the situation made of them |
-//! | [`som`] | self-organising maps: kernels, grids, schedules, error measures |
+//! | [`som`] | self-organizing maps: kernels, grids, schedules, error measures |
 //! | [`action_map`] | the map of (change of situation, action) |
 //! | [`memory`] | the lazy memory of samples |
-//! | [`goal`] | behaviours as goal situations |
+//! | [`goal`] | behaviors as goal situations |
 //! | [`planner`] | the paper's four steps, with every intermediate value |
 //! | [`faults`] | which transducers to believe |
 //! | [`shield`] | what the ring hears limits how far and how fast |
@@ -42,7 +42,7 @@
 //! | [`link`] | session, order and age of frames, and whether the host is there |
 //! | [`parameters`] | what of the configuration may be changed one by one |
 //! | [`node`] | the mind behind a link: frames in, frames out |
-//! | [`store`] | the saved image of all a mind was told and has learnt |
+//! | [`store`] | the saved image of all a mind was told and has learned |
 //!
 //! # Limits
 //!

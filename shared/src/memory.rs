@@ -1,4 +1,4 @@
-//! The lazy memory: what the robot saw, did and saw then, kept as it was for whatever is to be learnt from it.
+//! The lazy memory: what the robot saw, did and saw then, kept as it was for whatever is to be learned from it.
 //!
 //! Situations are kept as bytes: 0 … 254 is the way from the far to the near limit, 255 a transducer that was not to be
 //! believed. A sample of a 16-sonar ring takes 40 bytes, a hundred of them 4 kB.

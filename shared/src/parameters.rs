@@ -300,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn a_limit_may_come_as_near_as_a_millimetre() {
+    fn a_limit_may_come_as_near_as_a_millimeter() {
         let mut config = Config::recommended();
         (config.encoding.near_mm, config.encoding.far_mm) = (100, 200);
         let mut set = |parameter: Parameter, value| parameter.set(&mut config, value);

@@ -2,7 +2,7 @@
 //!
 //! 1. find the neuron that stands for the *goal* situation;
 //! 2. find the neuron of the *present* situation;
-//! 3. choose a *neighbour* of it nearer to the goal: the intermediate situation;
+//! 3. choose a *neighbor* of it nearer to the goal: the intermediate situation;
 //! 4. probe the action map with the change of situation wanted; it answers with an action.
 //!
 //! With [`Choice::Recall`] these are the steps. The other choices ask the action map the other way round: what change does
@@ -29,11 +29,11 @@ use look_ahead::Aim;
 /// Why the planner chose what it chose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Why {
-    /// A neighbour nearer to the goal was aimed at.
+    /// A neighbor nearer to the goal was aimed at.
     Neighbour,
     /// The present neuron is the goal neuron: the goal itself was aimed at.
     GoalNeuron,
-    /// No neighbour is nearer to the goal than the present neuron: the goal itself was aimed at.
+    /// No neighbor is nearer to the goal than the present neuron: the goal itself was aimed at.
     NoNearerNeighbour,
     /// The choice was to aim at the goal itself.
     GoalDirectly,
@@ -54,9 +54,9 @@ pub enum Why {
 impl core::fmt::Display for Why {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
-            Self::Neighbour => "neighbour",
+            Self::Neighbour => "neighbor",
             Self::GoalNeuron => "at the goal neuron",
-            Self::NoNearerNeighbour => "no nearer neighbour",
+            Self::NoNearerNeighbour => "no nearer neighbor",
             Self::GoalDirectly => "goal directly",
             Self::KeepCourse => "keep course",
             Self::TurnCourse => "turn course",
@@ -179,7 +179,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
                 0
             }
         };
-        let neighbors = grid.neighbours(current);
+        let neighbors = grid.neighbors(current);
         match neighbors.min_by_key(|&k| (hops(k), cost(k), k)) {
             Some(nearest) if by_hops || cost(nearest) < cost(current) => (nearest, Why::Neighbour),
             _ => (goal_neuron, Why::NoNearerNeighbour),

@@ -9,21 +9,21 @@ use serde::{Deserialize, Serialize};
 /// A ring of `SENSORS` transducers on a round body (at most 32).
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RobotSpec<const SENSORS: usize> {
-    /// Directions the transducers look, from the robot's centre in the ring's frame.
+    /// Directions the transducers look, from the robot's center in the ring's frame.
     #[serde(with = "crate::arrays")]
     pub directions: [Direction; SENSORS],
     /// The transducers are evenly spaced, transducer `i` at `i`/`SENSORS` of a turn, so the ring turned by a place is the
     /// same ring.
     pub symmetric: bool,
-    /// Distance of the transducers' faces from the centre, millimetres.
+    /// Distance of the transducers' faces from the center, millimeters.
     pub face_radius_mm: u16,
-    /// Radius of the disc that must not touch anything, millimetres.
+    /// Radius of the disc that must not touch anything, millimeters.
     pub body_radius_mm: u16,
-    /// Longest single displacement, millimetres.
+    /// Longest single displacement, millimeters.
     pub step_mm: u16,
-    /// Highest speed, millimetres per second.
+    /// Highest speed, millimeters per second.
     pub speed_mm_s: u16,
-    /// Deceleration when stopping, millimetres per second squared.
+    /// Deceleration when stopping, millimeters per second squared.
     pub braking_mm_s2: u16,
     /// Time the ring takes to hear every transducer once, milliseconds.
     pub ring_period_ms: u16,

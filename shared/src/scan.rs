@@ -96,9 +96,9 @@ impl<const SENSORS: usize> Scan<SENSORS> {
 /// How a range becomes a value of the situation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Encoding {
-    /// At this range and nearer the value is 1, millimetres.
+    /// At this range and nearer the value is 1, millimeters.
     pub near_mm: u16,
-    /// From this range on the value is 0, millimetres; above `near_mm`.
+    /// From this range on the value is 0, millimeters; above `near_mm`.
     pub far_mm: u16,
 }
 

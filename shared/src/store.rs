@@ -1,11 +1,11 @@
-//! The saved image: all a mind was told and has learnt, as bytes that outlive a loss of power. The chip keeps it in its
+//! The saved image: all a mind was told and has learned, as bytes that outlive a loss of power. The chip keeps it in its
 //! flash, a desktop machine in a file; both hold the same bytes.
 //!
 //! ```text
 //! image  = "AMPS" record…
 //! record = length:u8 body zeros          zeros up to a multiple of 4 bytes; numbers little-endian
 //! body   = 00 layout:u16 grammar:u32 generation:u32 sensors:u8 neurons:u8 samples:u16      the first
-//!        | 01 part:u8 offset:u16 bytes    a piece of a part, as on the wire; maps that were never learnt are left out
+//!        | 01 part:u8 offset:u16 bytes    a piece of a part, as on the wire; maps that were never learned are left out
 //!        | 02 seed:u64                    of the mind's randomness from here on
 //!        | 03 name:[u8; 12] goal          a goal that is kept, in postcard's form; without a name the present one
 //!        | 04 crc:u32                     the last: CRC-32 of everything before it
@@ -93,7 +93,7 @@ const PARTS: [StatePart; 4] = [
 pub struct Contents<'m, const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize> {
     /// What it was told.
     pub config: &'m Config<SENSORS>,
-    /// What it has learnt.
+    /// What it has learned.
     pub state: &'m State<SENSORS, NEURONS, SAMPLES>,
     /// What it is to pursue.
     pub goal: &'m Goal<SENSORS>,
@@ -106,7 +106,7 @@ pub struct Contents<'m, const SENSORS: usize, const NEURONS: usize, const SAMPLE
 pub struct ContentsMut<'m, const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize> {
     /// What it was told.
     pub config: &'m mut Config<SENSORS>,
-    /// What it has learnt.
+    /// What it has learned.
     pub state: &'m mut State<SENSORS, NEURONS, SAMPLES>,
     /// What it is to pursue.
     pub goal: &'m mut Goal<SENSORS>,

@@ -1,4 +1,4 @@
-//! Physical quantities: millimetres, milliseconds, binary turns.
+//! Physical quantities: millimeters, milliseconds, binary turns.
 //!
 //! Each is a newtype with a private field, so that a range cannot be taken for a time; raw integers appear only on the
 //! wire and in drivers, always with a unit suffix.
@@ -11,14 +11,14 @@ use core::num::NonZeroU16;
 use micromath::F32Ext;
 use serde::{Deserialize, Serialize};
 
-/// Distance from a transducer's face to what it hears, 0 … 65.534 m in millimetres.
+/// Distance from a transducer's face to what it hears, 0 … 65.534 m in millimeters.
 ///
 /// Kept as what it lacks of 65.535 m, so that an `Option` of it takes two bytes as well.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Range(NonZeroU16);
 
 impl Range {
-    /// A range of `mm` millimetres, at most 65 534.
+    /// A range of `mm` millimeters, at most 65 534.
     #[must_use]
     pub const fn from_mm(mm: u16) -> Self {
         match NonZeroU16::new(!mm) {
@@ -221,7 +221,7 @@ impl Displacement {
     /// No move.
     pub const ZERO: Self = Self { dx_mm: 0, dy_mm: 0 };
 
-    /// The move by (x, y) millimetres, each saturated to 16 bits.
+    /// The move by (x, y) millimeters, each saturated to 16 bits.
     #[must_use]
     #[inline]
     pub fn saturating(x_mm: i32, y_mm: i32) -> Self {
@@ -239,7 +239,7 @@ impl Displacement {
         Self::saturating(x, y)
     }
 
-    /// Length in millimetres, rounded down.
+    /// Length in millimeters, rounded down.
     #[must_use]
     pub fn length_mm(self) -> u16 {
         crate::fixed::isqrt_u32(self.squared_mm2()) as u16

@@ -6,8 +6,8 @@ use amp::fixed::{Mask, Weight};
 use amp::goal::Goal;
 use amp::robot::{RobotSpec, evenly_spaced};
 use amp::scan::Encoding;
-use amp::som::neighbourhood::Pull;
-use amp::som::{Decay, Grid, Neighbourhood, Schedule, Som};
+use amp::som::neighborhood::Pull;
+use amp::som::{Decay, Grid, Neighborhood, Schedule, Som};
 use amp::units::{Bearing, Displacement, Millis, Range};
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro128PlusPlus;
@@ -153,7 +153,7 @@ fn the_papers_miniature_robot_with_eight_sensors_runs() {
 }
 
 /// Fig. 1a of the paper: a chain of 32 neurons over uniformly distributed points in space; each comes to
-/// stand for about the same number of them, and neighbours in the chain for neighbouring places.
+/// stand for about the same number of them, and neighbors in the chain for neighboring places.
 #[test]
 fn a_chain_of_32_spreads_over_points_in_space() {
     const STEPS: u32 = 40_000;
@@ -168,7 +168,7 @@ fn a_chain_of_32_spreads_over_points_in_space() {
     let radius = Schedule::new(8 << 16, 32_768, Decay::Exponential);
     for step in 0..STEPS {
         let pull = Pull::new(
-            Neighbourhood::Gaussian,
+            Neighborhood::Gaussian,
             rate.at(step, STEPS),
             radius.at(step, STEPS),
         );

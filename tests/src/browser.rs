@@ -160,7 +160,7 @@ impl Browser {
         self.ask("Emulation.setDeviceMetricsOverride", size);
     }
 
-    /// Lets the system prefer dark colours, or light ones.
+    /// Lets the system prefer dark colors, or light ones.
     pub fn set_dark(&mut self, dark: bool) {
         let value = if dark { "dark" } else { "light" };
         let feature = json!({"name": "prefers-color-scheme", "value": value});

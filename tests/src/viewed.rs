@@ -269,8 +269,8 @@ impl Viewer {
         self.wait_after(explored, "now", is_idle);
         let moment = self.moment();
         self.order(json!({"do": "learn"})).expect("it learns");
-        let learnt = self.wait_after(moment, "maps", |maps| maps["learnt"] == true);
-        self.wait_after(learnt, "now", is_idle);
+        let learned = self.wait_after(moment, "maps", |maps| maps["learned"] == true);
+        self.wait_after(learned, "now", is_idle);
     }
 
     /// Waits for so many decisions towards goals.

@@ -64,7 +64,7 @@ fn check(line: &str, world: &str) {
     assert_eq!(object["steps"], 30);
     let count = |key: &str| object[key].as_u64().expect(key);
     assert!(count("goal_steps") <= 30 && count("contacts") <= 30);
-    // A step is 0.25 m; whole millimetres and the slip of the wheels may add a little.
+    // A step is 0.25 m; whole millimeters and the slip of the wheels may add a little.
     assert!(object["distance_m"].as_f64() <= Some(30.0 * 0.25 * 1.05));
     assert!(object["success"].as_f64() <= Some(1.0));
     assert!(object["time_s"].as_f64() > Some(30.0 * 0.6));

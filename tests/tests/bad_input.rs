@@ -148,7 +148,7 @@ const CASES: &[Case] = &[
     ("run --sonar ideel", &["--sonar", "ideel"]),
     ("run --preset best", &["--preset", "best"]),
     ("run --shield maybe", &["--shield", "maybe"]),
-    // Behaviours and goal files.
+    // Behaviors and goal files.
     (
         "run --behavior avoid,",
         &["behavior", "\"\"", "avoid-right"],

@@ -1,4 +1,4 @@
-//! Every behaviour from the same 100 random moves: each runs in every world, and each does what it is for.
+//! Every behavior from the same 100 random moves: each runs in every world, and each does what it is for.
 
 use amp::config::Config;
 use amp::controller::{Event, Motion, Outputs};
@@ -28,7 +28,7 @@ fn figure(line: &Value, key: &str) -> f64 {
 }
 
 #[test]
-fn every_behaviour_runs_in_every_world() {
+fn every_behavior_runs_in_every_world() {
     let program = host_sim!();
     let names = Behavior::NAMES
         .into_iter()
@@ -81,7 +81,7 @@ fn a_captured_place_is_found_again() {
 }
 
 #[test]
-fn the_list_names_every_behaviour() {
+fn the_list_names_every_behavior() {
     let program = host_sim!();
     let list = program.ok("behaviors --only wall --out pictures");
     assert!(list.contains("wall-left") && list.contains("follows a wall on its right"));

@@ -96,7 +96,7 @@ fn flash(chip: &mut Chip, what: Flash) -> Vec<Report<16>> {
 }
 
 #[test]
-fn what_was_learnt_is_known_after_a_reset_and_sought_with_at_once() {
+fn what_was_learned_is_known_after_a_reset_and_sought_with_at_once() {
     let mut chip = Chip::linked(Clock::Device);
     let fresh = chip.open(SESSION + 1, Clock::Device);
     assert_eq!(

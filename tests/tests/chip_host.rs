@@ -59,12 +59,12 @@ fn the_chip_answers_questions() {
     let refused = ask(&["params", "speed", "5000"]);
     assert_eq!(refused.code, Some(2));
     assert!(refused.stderr.contains("508 mm/s"), "{}", refused.stderr);
-    let unlearnt = ask(&["seek"]);
+    let unlearned = ask(&["seek"]);
     assert_eq!(
-        unlearnt.code,
+        unlearned.code,
         Some(2),
         "{} {}",
-        unlearnt.stdout,
-        unlearnt.stderr
+        unlearned.stdout,
+        unlearned.stderr
     );
 }

@@ -27,7 +27,7 @@ fn link(program: &Program, board: &Board, verb: &str) -> String {
 }
 
 #[test]
-fn what_one_chip_has_learnt_another_one_knows() {
+fn what_one_chip_has_learned_another_one_knows() {
     let program = host_sim!();
     let taught = Board::start();
     let _ = program.ok(&format!("{EPISODE} tcp:{}", taught.host()));
@@ -45,7 +45,7 @@ fn what_one_chip_has_learnt_another_one_knows() {
     a_goal_file_is_what_the_chip_pursues(&program, &fresh, &knowledge);
 }
 
-/// Part of the test above, because a chip has to have learnt for it.
+/// Part of the test above, because a chip has to have learned for it.
 fn a_goal_file_is_what_the_chip_pursues(program: &Program, board: &Board, mind: &Knowledge) {
     program.put("wall.toml", GOAL);
     assert_eq!(link(program, board, "goal wall.toml"), "done\n");

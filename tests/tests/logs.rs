@@ -1,4 +1,4 @@
-//! Logs as a user meets them: written by `run --log`, replayed, summarised, cut off by a kill.
+//! Logs as a user meets them: written by `run --log`, replayed, summarized, cut off by a kill.
 
 use amp::config::Config;
 use host_sim::link::Served;
@@ -10,7 +10,7 @@ use tests::viewed::Viewed;
 use tests::{Program, host_sim};
 
 #[test]
-fn every_behaviour_and_sonar_replays_bit_for_bit() {
+fn every_behavior_and_sonar_replays_bit_for_bit() {
     let program = host_sim!();
     for (number, flags) in [
         "--world random:3",

@@ -1,4 +1,4 @@
-//! Maps learnt once serve any goal: a new one costs no move and no training.
+//! Maps learned once serve any goal: a new one costs no move and no training.
 
 use amp::config::Config;
 use amp::controller::{self, Command, Decision, Event, Mode, Outputs};
@@ -116,7 +116,7 @@ fn a_new_goal_costs_no_move_and_no_training() {
 }
 
 #[test]
-fn every_behaviour_is_had_at_once_from_the_same_memory() {
+fn every_behavior_is_had_at_once_from_the_same_memory() {
     for name in Behavior::NAMES {
         let behavior: Behavior = name.parse().expect(name);
         let changed = changed(|config, nest| behavior.goal(config, nest));

@@ -72,7 +72,7 @@ fn a_program_finds_its_robot_at_a_socket() {
     let mut host = robot.connect();
     assert_eq!(*host.mask(), Mask::ALL);
     session(&mut host);
-    // At least a metre to go ahead of its front where it began.
+    // At least a meter to go ahead of its front where it began.
     drop(host);
     let robot = Robot::at_a_port(&program, "--sonar ideal --speed 20");
     let mut host = robot.connect();

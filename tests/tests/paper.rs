@@ -123,7 +123,7 @@ fn claims(stdout: &str, files: &[(String, Vec<u8>)]) {
     }
     let at_once = row("another behavior instantaneously");
     let unchanged = at_once[3]
-        .matches("nothing learnt or moved in 100.0 %")
+        .matches("nothing learned or moved in 100.0 %")
         .count();
     assert_eq!(unchanged, 3, "{at_once:?}");
 }

@@ -69,7 +69,7 @@ fn a_person_explores_learns_seeks_and_stops() {
         60
     );
     page.click("#learn");
-    page.wait("view.maps.learnt && view.now.mode === 'idle'");
+    page.wait("view.maps.learned && view.now.mode === 'idle'");
     assert_eq!(
         page.eval("view.maps.situations.hits.reduce((a, b) => a + b)"),
         60
@@ -162,7 +162,7 @@ fn pictures(page: &mut Browser) {
     page.eval("ask('behavior', {name: 'avoid'}).then(() => ask('speed', {factor: null})).then(() => ask('explore'))");
     page.wait("view.memory.length === 60 && view.now.mode === 'idle'");
     page.eval("ask('learn')");
-    page.wait("view.maps.learnt && view.now.mode === 'idle'");
+    page.wait("view.maps.learned && view.now.mode === 'idle'");
     page.eval("ask('seek').then(() => ask('speed', {factor: 10}))");
     page.wait(
         "view.now.counts.steps > 60 && !view.now.plan.at_goal && view.now.plan.walk.length > 1",
@@ -224,10 +224,10 @@ fn a_recording_is_played_back_and_forth() {
     let spot = [0, 1].map(|axis| number(&spot[axis]));
     page.drag(spot, spot);
     page.wait("view.now.at > 215 && view.now.at < 235 && view.now.mode === 'seek'");
-    page.wait("view.maps.learnt && view.now.plan && view.now.counts.steps > 150");
+    page.wait("view.maps.learned && view.now.plan && view.now.counts.steps > 150");
     page.eval("document.getElementById('at').focus()");
     page.press("Home", "Home");
-    page.wait("view.now.at === 0 && !view.maps.learnt");
+    page.wait("view.now.at === 0 && !view.maps.learned");
     page.press("End", "End");
     page.wait("view.now.at === trail.marks.length");
     page.eval("ask('jump', {to: 190})");
@@ -346,7 +346,7 @@ fn a_board_is_taught_and_steered_over_its_link() {
     steerer.wait("now", |now| now["note"].is_null());
     let scene = steerer.latest("scene");
     assert_eq!(scene["abilities"]["unplaced"], true);
-    steerer.wait("maps", |maps| maps["learnt"] == false);
+    steerer.wait("maps", |maps| maps["learned"] == false);
     for order in [
         json!({"do": "seek"}),
         json!({"do": "goal_neuron", "neuron": 3}),
@@ -358,7 +358,7 @@ fn a_board_is_taught_and_steered_over_its_link() {
     }
     let load = json!({"do": "load_mind", "hex": hex});
     steerer.order(load).expect("it takes the file");
-    steerer.wait("maps", |maps| maps["learnt"] == true);
+    steerer.wait("maps", |maps| maps["learned"] == true);
     steerer.wait("memory", |rows| {
         rows.as_array().is_some_and(|rows| rows.len() == 20)
     });
@@ -370,7 +370,7 @@ fn a_board_is_taught_and_steered_over_its_link() {
     steerer.order(json!({"do": "learn"})).expect("it learns");
     steerer.wait_after(moment, "now", is_idle);
     let neuron = json!({"do": "goal_neuron", "neuron": 3});
-    // What was seen of it may be of before it learnt.
+    // What was seen of it may be of before it learned.
     while steerer.order(neuron.clone()).is_err() {
         std::thread::sleep(Duration::from_millis(50));
     }
@@ -400,7 +400,7 @@ fn a_board_without_sonars_says_that_it_will_not_move() {
 fn board_page(viewed: &Viewed) {
     let mut page = Browser::open(&viewed.watch);
     page.resize(1400, 900);
-    page.wait("view.now && view.now.mode === 'stopped' && view.maps.learnt");
+    page.wait("view.now && view.now.mode === 'stopped' && view.maps.learned");
     page.wait("!document.getElementById('arena-card').offsetParent");
     fits(&mut page);
     keep_aside("view-board.png", &mut page);
@@ -488,7 +488,7 @@ fn strangers_are_refused_and_watchers_cannot_steer() {
 }
 
 /// Explores, learns and takes thirty decisions: what the mind knows then.
-fn learnt(viewed: &Viewed) -> Value {
+fn learned(viewed: &Viewed) -> Value {
     let mut steerer = viewed.steerer();
     steerer
         .order(json!({"do": "explore"}))
@@ -497,8 +497,8 @@ fn learnt(viewed: &Viewed) -> Value {
         now["mode"] == "idle" && now["counts"]["explored"][0] == 40
     });
     steerer.order(json!({"do": "learn"})).expect("it learns");
-    let learnt = steerer.wait_after(0, "maps", |maps| maps["learnt"] == true);
-    steerer.wait_after(learnt, "now", is_idle);
+    let learned = steerer.wait_after(0, "maps", |maps| maps["learned"] == true);
+    steerer.wait_after(learned, "now", is_idle);
     steerer
         .order(json!({"do": "pause", "paused": true}))
         .expect("it pauses");
@@ -517,7 +517,7 @@ fn learnt(viewed: &Viewed) -> Value {
 fn fifty_viewers_and_a_slow_one_change_nothing() {
     let flags = "--explore 40 --speed max --sonar nomad --seed 9";
     let program = host_sim!();
-    let alone = learnt(&Viewed::start(&program, flags));
+    let alone = learned(&Viewed::start(&program, flags));
     let viewed = Viewed::start(&program, flags);
     let mut viewers: Vec<_> = (0..50).map(|_| viewed.viewer()).collect();
     // It asks for files by the dozen and takes none of them.
@@ -538,7 +538,7 @@ fn fifty_viewers_and_a_slow_one_change_nothing() {
         began.elapsed() < Duration::from_secs(3),
         "the slow one was waited for"
     );
-    assert_eq!(learnt(&viewed), alone);
+    assert_eq!(learned(&viewed), alone);
     for viewer in &mut viewers {
         viewer.wait("now", |now| now["counts"]["steps"].as_u64() >= Some(29));
     }
@@ -561,7 +561,7 @@ fn a_mind_at_the_end_of_a_link_is_watched_until_it_is_lost() {
         rows.as_array().is_some_and(|rows| rows.len() == 6)
     });
     steerer.order(json!({"do": "learn"})).expect("it learns");
-    steerer.wait("maps", |maps| maps["learnt"] == true);
+    steerer.wait("maps", |maps| maps["learned"] == true);
     let seek = json!({"do": "seek"});
     while steerer.order(seek.clone()).is_err() {
         std::thread::sleep(Duration::from_millis(50));

@@ -14,8 +14,8 @@ mod tests {
     use amp::controller::{Part, State};
     use amp::fixed::{Mask, Weight};
     use amp::goal::{Component, Goal, KeptGoals};
-    use amp::som::neighbourhood::Pull;
-    use amp::som::{Grid, Neighbourhood, Som};
+    use amp::som::neighborhood::Pull;
+    use amp::som::{Grid, Neighborhood, Som};
     use amp::store::{Contents, ContentsMut, MOST_NOMAD};
     use amp::wire::checksum;
     use amp::wire::message::FlashError;
@@ -137,7 +137,7 @@ mod tests {
 
     /// Alone, with half as much for the neighbors, and with all of it.
     fn pulls() -> [Pull<16>; 3] {
-        [0, 1 << 15, 1 << 16].map(|share| Pull::new(Neighbourhood::Direct, 13_107, share))
+        [0, 1 << 15, 1 << 16].map(|share| Pull::new(Neighborhood::Direct, 13_107, share))
     }
 
     /// Erases both sectors; what was saved last is saved again at the end, as the only image.

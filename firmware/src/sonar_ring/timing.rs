@@ -8,7 +8,7 @@ pub const SENSORS: usize = 16;
 /// What ends a firing order that is shorter than the ring.
 pub const END_OF_ORDER: u8 = 255;
 
-/// Greatest range, millimetres: 255 in. An echo from there takes 37.7 ms at 20 °C.
+/// Greatest range, millimeters: 255 in. An echo from there takes 37.7 ms at 20 °C.
 pub const MOST_MM: u16 = 6_477;
 
 /// When the module may hear an echo.
@@ -92,7 +92,7 @@ impl Timing {
     }
 
     /// The same for channel `channel` of four, each a quadrant of the ring: opposite quadrants fire 2 ms apart, the other
-    /// two half a slot later. No two bursts of 324 µs ever meet, and neighbours never listen to each other's.
+    /// two half a slot later. No two bursts of 324 µs ever meet, and neighbors never listen to each other's.
     #[must_use]
     pub const fn quadrant(self, channel: u8) -> Self {
         let half = self.slot_us() / 2;
@@ -172,7 +172,7 @@ impl FiringOrder {
     }
 }
 
-/// Microseconds of flight per metre of range (there and back), from −20 °C on in steps of 10 K: 2 / c with c = 331.3
+/// Microseconds of flight per meter of range (there and back), from −20 °C on in steps of 10 K: 2 / c with c = 331.3
 /// √(1 + T / 273.15) m/s.
 const US_PER_M: [u16; 8] = [6_271, 6_150, 6_037, 5_929, 5_827, 5_730, 5_638, 5_550];
 

@@ -2,7 +2,7 @@
 //!
 //! D. Perille et al., *Benchmarking metric ground navigation*, 2020 (the worlds, see [`barn`](crate::world::barn)); X. Xiao et
 //! al., *Autonomous ground navigation in highly constrained spaces: lessons learned from the BARN Challenge at ICRA 2022*,
-//! IEEE Robotics & Automation Magazine 29(4), 2022, 148–156 (rules and score). A run succeeds when the robot's centre comes
+//! IEEE Robotics & Automation Magazine 29(4), 2022, 148–156 (rules and score). A run succeeds when the robot's center comes
 //! within 1 m of the goal in 100 s without touching anything. Its score is [`score`].
 //!
 //! All methods drive the same Nomad 200: a disc of 0.269 m, 16 sonars, at most 0.508 m/s, a decision after each ring, under
@@ -165,7 +165,7 @@ pub fn run(world: &World, method: Method, rules: &Rules, number: u64) -> Result<
     })
 }
 
-/// A mind that has explored a random room and learnt.
+/// A mind that has explored a random room and learned.
 fn taught(rules: &Rules, seed: u64) -> Result<Mind, Failure> {
     let room = World::random(seed);
     let setup = Setup {

@@ -14,9 +14,9 @@ const MOST_CELLS: usize = 4_000_000;
 /// Cost of a step to a cell beside and to one across a corner.
 const COSTS: [u32; 2] = [1_000, 1_414];
 
-/// The way of a disc of `radius` m from `start` to `goal`: A* over cells of 5 cm whose centres the disc may take, eight
-/// neighbours each, then pulled taut (the shortest chain of straight free lines between its cells). `None` where there is
-/// none. The way that is shortest over cells need not lie on the side that is shortest in truth: a few centimetres.
+/// The way of a disc of `radius` m from `start` to `goal`: A* over cells of 5 cm whose centers the disc may take, eight
+/// neighbors each, then pulled taut (the shortest chain of straight free lines between its cells). `None` where there is
+/// none. The way that is shortest over cells need not lie on the side that is shortest in truth: a few centimeters.
 ///
 /// # Errors
 /// A world too large to be searched.

@@ -1,10 +1,10 @@
 //! The mind's maps on the way to a place: the bearing of the place as one more component of the situation.
 //!
 //! The maps know 16 sonars. In free space nothing they perceive says where a distant place is; a component more does: the
-//! place's bearing. How it changes need not be learnt: a step towards the place brings the robot nearer by the whole step, one
+//! place's bearing. How it changes need not be learned: a step towards the place brings the robot nearer by the whole step, one
 //! aside by nothing, so a direction is worth the cosine of its angle to the bearing. That is what the look-ahead does with
 //! the direction of travel already (`Goal::going_q16`): the crate's own planner is asked with the bearing in the course's
-//! place. The maps stay those of 16 components, learnt as always, and the chip's program stays as it is.
+//! place. The maps stay those of 16 components, learned as always, and the chip's program stays as it is.
 
 use crate::baselines::{Perceived, Policy, Steered};
 use crate::episode::Failure;
@@ -35,7 +35,7 @@ impl Default for Tuning {
     }
 }
 
-/// Maps learnt elsewhere that are told where to go.
+/// Maps learned elsewhere that are told where to go.
 #[derive(Debug, Clone)]
 pub struct Seeker {
     config: Config<16>,
@@ -47,7 +47,7 @@ pub struct Seeker {
 }
 
 impl Seeker {
-    /// With what a mind has learnt; it starts along `course`, rad from the ring's x axis.
+    /// With what a mind has learned; it starts along `course`, rad from the ring's x axis.
     ///
     /// # Errors
     /// When the mind cannot tell what it knows.

@@ -10,9 +10,9 @@ use std::f64::consts::PI;
 /// The yardstick's constants.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tuning {
-    /// Step per decision, metres.
+    /// Step per decision, meters.
     pub step_m: f64,
-    /// What is farther than this is not heard, metres.
+    /// What is farther than this is not heard, meters.
     pub far_m: f64,
     /// Weight of the push against the course.
     pub push: f64,

@@ -1,6 +1,6 @@
 //! What the learning baselines share: situations, rewards, exploration, and a policy that lets a [`Learner`] drive.
 //!
-//! The reinforcement is that of C. Touzet, *Neural reinforcement learning for behaviour synthesis*, Robotics and Autonomous
+//! The reinforcement is that of C. Touzet, *Neural reinforcement learning for behavior synthesis*, Robotics and Autonomous
 //! Systems 22, 1997, 251–281, as generally known (only the abstract was at hand): +1 when the sum of all values has fallen
 //! by more than a threshold, −1 when those in front or those behind sum above theirs, else 0. The Khepera's front is its
 //! way of driving: our ring, held in the world, counts as in front what looks within a quarter turn of the move. Our
@@ -61,7 +61,7 @@ pub trait Learner: Clone {
     /// Exploring is over: what is to be worked out from all experiences, now is the time.
     fn settle(&mut self) {}
 
-    /// Bytes of what it has learnt.
+    /// Bytes of what it has learned.
     fn bytes(&self) -> usize;
 }
 
@@ -153,7 +153,7 @@ impl<L: Learner> Trainee<L> {
         }
     }
 
-    /// Moves it has learnt from.
+    /// Moves it has learned from.
     #[must_use]
     pub fn moves(&self) -> u32 {
         self.moves
@@ -165,7 +165,7 @@ impl<L: Learner> Trainee<L> {
         self.contacts
     }
 
-    /// What has learnt.
+    /// What has learned.
     #[must_use]
     pub fn learner(&self) -> &L {
         &self.learner

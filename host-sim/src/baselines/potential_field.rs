@@ -120,13 +120,13 @@ mod tests {
 
     #[test]
     fn forces_add_up_as_by_hand() {
-        // Half a metre from the rim: 0.25 · (2 − 1) / 0.25 = 1, just the attraction.
+        // Half a meter from the rim: 0.25 · (2 − 1) / 0.25 = 1, just the attraction.
         let left = hearing(4, 538, 0.0);
         let mut field = PotentialField::new(TUNING, 0.0);
         let step = field.decide(&left);
         assert!((step.angle() + FRAC_PI_4).abs() < 5e-3, "{step:?}");
         assert!((step.length() - STEP_M).abs() < 1e-12);
-        // A metre away nothing repels any more: without a target the course goes on.
+        // A meter away nothing repels any more: without a target the course goes on.
         let far = field.decide(&hearing(4, 1_039, 0.0));
         assert!(far.distance(step) < 1e-12);
     }

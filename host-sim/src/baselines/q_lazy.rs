@@ -18,8 +18,8 @@ use super::turned::Ring;
 use crate::noise::Noise;
 use crate::world::Point;
 
-/// Most neighbours a value is a mean of.
-const MOST_NEIGHBOURS: usize = 8;
+/// Most neighbors a value is a mean of.
+const MOST_NEIGHBORS: usize = 8;
 /// Sweeps of the memory at most, and the change at which they end.
 const SWEEPS: u32 = 500;
 const SETTLED: f64 = 1e-3;
@@ -45,7 +45,7 @@ pub const SCHOOLING: Schooling = Schooling {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tuning {
     /// k, 1 … 8.
-    pub neighbours: usize,
+    pub neighbors: usize,
     /// γ, 0 … below 1.
     pub discount: f64,
     /// λ, the weight of an action beside the situation's components.
@@ -57,7 +57,7 @@ pub struct Tuning {
 impl Default for Tuning {
     fn default() -> Self {
         Self {
-            neighbours: 4,
+            neighbors: 4,
             discount: 0.0,
             action_weight: 0.5,
             turns: 16,
@@ -78,15 +78,15 @@ pub struct QLazy {
 /// The nearest samples found so far: squared distance and index, the nearest first.
 #[derive(Debug, Clone, Copy)]
 struct Nearest {
-    found: [(f64, usize); MOST_NEIGHBOURS],
+    found: [(f64, usize); MOST_NEIGHBORS],
     wanted: usize,
 }
 
 impl Nearest {
     fn new(wanted: usize) -> Self {
         Self {
-            found: [(f64::INFINITY, 0); MOST_NEIGHBOURS],
-            wanted: wanted.clamp(1, MOST_NEIGHBOURS),
+            found: [(f64::INFINITY, 0); MOST_NEIGHBORS],
+            wanted: wanted.clamp(1, MOST_NEIGHBORS),
         }
     }
 
@@ -136,10 +136,10 @@ impl QLazy {
     }
 
     /// For each of the 16 actions, the samples nearest to it in this situation.
-    fn neighbours(&self, situation: &Values) -> [Nearest; 16] {
+    fn neighbors(&self, situation: &Values) -> [Nearest; 16] {
         let actions = headings();
         let weight = self.tuning.action_weight * self.tuning.action_weight;
-        let mut nearest = [Nearest::new(self.tuning.neighbours); 16];
+        let mut nearest = [Nearest::new(self.tuning.neighbors); 16];
         let mut farthest = f64::INFINITY;
         for turn in 0..self.tuning.turns {
             let places = turn * 16 / self.tuning.turns;
@@ -166,8 +166,8 @@ impl QLazy {
 
 impl Learner for QLazy {
     fn best(&self, situation: &Values, course: Point) -> Point {
-        let neighbours = self.neighbours(situation);
-        let values = neighbours.iter().map(|found| found.mean(&self.values));
+        let neighbors = self.neighbors(situation);
+        let values = neighbors.iter().map(|found| found.mean(&self.values));
         best_of(headings().into_iter().zip(values), course)
     }
 
@@ -185,10 +185,10 @@ impl Learner for QLazy {
 
     fn settle(&mut self) {
         let after = self.memory.iter();
-        let neighbours: Vec<_> = after.map(|move_| self.neighbours(&move_.after)).collect();
+        let neighbors: Vec<_> = after.map(|move_| self.neighbors(&move_.after)).collect();
         for _ in 0..SWEEPS {
             let mut change = 0.0_f64;
-            for (index, (sample, found)) in self.memory.iter().zip(&neighbours).enumerate() {
+            for (index, (sample, found)) in self.memory.iter().zip(&neighbors).enumerate() {
                 let all = found.iter().map(|found| found.mean(&self.values));
                 let most = all.fold(f64::NEG_INFINITY, f64::max);
                 let value = sample.reward + self.tuning.discount * most;
@@ -232,7 +232,7 @@ mod tests {
     #[test]
     fn the_memory_is_swept_to_the_discounted_reward() {
         let mut lazy = QLazy::new(Tuning {
-            neighbours: 1,
+            neighbors: 1,
             discount: 0.9,
             action_weight: 0.1,
             turns: 1,
@@ -255,7 +255,7 @@ mod tests {
     #[test]
     fn what_was_good_is_done_again_also_turned() {
         let mut lazy = QLazy::new(Tuning {
-            neighbours: 1,
+            neighbors: 1,
             discount: 0.0,
             action_weight: 1.0,
             turns: 16,

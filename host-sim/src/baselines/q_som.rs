@@ -1,17 +1,17 @@
-//! Q-learning with one self-organising map (Q-KOHON) after C. Touzet, *Neural reinforcement learning for behaviour
+//! Q-learning with one self-organizing map (Q-KOHON) after C. Touzet, *Neural reinforcement learning for behavior
 //! synthesis*, Robotics and Autonomous Systems 22, 1997, 251–281.
 //!
 //! Known from the abstract: a map learns obstacle avoidance more than 40 times faster than plain Q-learning. Our reading of
 //! the rest, as generally known: 16 neurons hold (situation, action, Q). The move is the action of the neuron nearest to
 //! (situation, any, Q = 1); while exploring it is varied. Afterwards the neuron nearest to (situation, action, any) and
-//! its four neighbours are drawn to (situation, action, Q + α (r + γ max Q' − Q)). Q is held in units of 1/(1 − γ), which
+//! its four neighbors are drawn to (situation, action, Q + α (r + γ max Q' − Q)). Q is held in units of 1/(1 − γ), which
 //! bounds it by 1.
 
 use super::learning::{Experience, Learner, Reward, Schooling, Values};
 use crate::world::Point;
 use amp::fixed::{Mask, Weight};
-use amp::som::neighbourhood::Pull;
-use amp::som::{Grid, Neighbourhood, Som};
+use amp::som::neighborhood::Pull;
+use amp::som::{Grid, Neighborhood, Som};
 
 const NEURONS: usize = 16;
 const DIMS: usize = 19;
@@ -47,7 +47,7 @@ pub struct Tuning {
     pub pull_least: f64,
     /// Moves over which the map's learning rate falls.
     pub fades: f64,
-    /// The neighbours' share of the learning rate.
+    /// The neighbors' share of the learning rate.
     pub share: f64,
     /// Weight of the action's components beside the situation's, 0 … 1.
     pub action_weight: f64,
@@ -75,7 +75,7 @@ impl Default for Tuning {
 pub struct QSom {
     tuning: Tuning,
     map: Som<NEURONS, DIMS>,
-    learnt: u32,
+    learned: u32,
 }
 
 impl QSom {
@@ -87,7 +87,7 @@ impl QSom {
         Self {
             tuning,
             map: Som::new(Grid::rectangle(4, 4), std::array::from_fn(row)),
-            learnt: 0,
+            learned: 0,
         }
     }
 
@@ -145,13 +145,13 @@ impl Learner for QSom {
         let value = self.value(winner);
         let target = experience.reward * (1.0 - discount) + discount * most;
         let value = value + rate * (target - value);
-        let fading = libm::exp(-f64::from(self.learnt) / self.tuning.fades);
+        let fading = libm::exp(-f64::from(self.learned) / self.tuning.fades);
         let pull = (self.tuning.pull * fading).max(self.tuning.pull_least);
         let q16 = |value: f64| (value * 65_536.0 + 0.5) as u32;
-        let pull = Pull::new(Neighbourhood::Direct, q16(pull), q16(self.tuning.share));
+        let pull = Pull::new(Neighborhood::Direct, q16(pull), q16(self.tuning.share));
         let lesson = vector(&self.tuning, &experience.before, experience.asked, value);
         self.map.learn(winner, &lesson, Mask::ALL, &pull);
-        self.learnt = self.learnt.saturating_add(1);
+        self.learned = self.learned.saturating_add(1);
     }
 
     fn bytes(&self) -> usize {

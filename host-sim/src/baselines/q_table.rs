@@ -5,7 +5,7 @@
 //! ```
 //!
 //! States as in Touzet 1997 (our reading of what is generally known): values thresholded to eight bits, here one for each
-//! pair of neighbouring sonars, so 256 situations. 16 actions: a whole step along each transducer's axis.
+//! pair of neighboring sonars, so 256 situations. 16 actions: a whole step along each transducer's axis.
 
 use super::learning::{Experience, Learner, Reward, Schooling, Values, best_of, headings};
 use crate::world::Point;

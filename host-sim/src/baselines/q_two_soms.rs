@@ -1,4 +1,4 @@
-//! Q-learning between two self-organising maps: A. J. Smith, *Applications of the self-organising map to reinforcement
+//! Q-learning between two self-organizing maps: A. J. Smith, *Applications of the self-organizing map to reinforcement
 //! learning*, Neural Networks 15, 2002, 1107–1124.
 //!
 //! One map of situations, one of actions, and a Q value for each pair of their neurons. For a situation with winner j an
@@ -17,8 +17,8 @@
 use super::learning::{Experience, Learner, Reward, Schooling, Values, best_of};
 use crate::world::Point;
 use amp::fixed::{Mask, Weight};
-use amp::som::neighbourhood::Pull;
-use amp::som::{Grid, Neighbourhood, Som};
+use amp::som::neighborhood::Pull;
+use amp::som::{Grid, Neighborhood, Som};
 
 /// Neurons of each map.
 const NEURONS: usize = 16;
@@ -75,7 +75,7 @@ pub struct QTwoSoms {
     situations: Som<NEURONS, 16>,
     actions: Som<NEURONS, 2>,
     values: [[f64; NEURONS]; NEURONS],
-    learnt: u32,
+    learned: u32,
 }
 
 impl QTwoSoms {
@@ -95,7 +95,7 @@ impl QTwoSoms {
             situations: Som::new(grid, std::array::from_fn(ahead)),
             actions: Som::new(grid, std::array::from_fn(|n| weights(super::axis(n)))),
             values: [[0.0; NEURONS]; NEURONS],
-            learnt: 0,
+            learned: 0,
         }
     }
 
@@ -109,7 +109,7 @@ impl QTwoSoms {
 
     /// Learning rate and width of this move.
     fn faded(&self) -> f64 {
-        libm::exp(-f64::from(self.learnt) / self.tuning.fades).max(self.tuning.least)
+        libm::exp(-f64::from(self.learned) / self.tuning.fades).max(self.tuning.least)
     }
 }
 
@@ -154,7 +154,7 @@ impl Learner for QTwoSoms {
         let width = self.tuning.width * faded;
         let q16 = |value: f64| (value * 65_536.0 + 0.5) as u32;
         let rate = q16(self.tuning.pull * faded);
-        let pull = Pull::new(Neighbourhood::Gaussian, rate, q16(width));
+        let pull = Pull::new(Neighborhood::Gaussian, rate, q16(width));
         if target > self.row(state).get(action).copied().unwrap_or(0.0) {
             self.actions.learn(action, &asked, Mask::ALL, &pull);
         }
@@ -170,7 +170,7 @@ impl Learner for QTwoSoms {
         }
         let before = experience.before.map(weight);
         self.situations.learn(state, &before, Mask::ALL, &pull);
-        self.learnt = self.learnt.saturating_add(1);
+        self.learned = self.learned.saturating_add(1);
     }
 
     fn bytes(&self) -> usize {
@@ -208,7 +208,7 @@ mod tests {
             reward: 1.0,
         };
         maps.learn(&moved);
-        // The pair itself moves by α, the neighbour of one of the two by α e^(−1/2).
+        // The pair itself moves by α, the neighbor of one of the two by α e^(−1/2).
         assert!((maps.values[state][5] - 0.5).abs() < 1e-9);
         assert!((maps.values[state][6] - 0.5 * libm::exp(-0.5)).abs() < 1e-9);
         // It was better than expected: the action map has come half the way.

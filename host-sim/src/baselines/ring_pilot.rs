@@ -353,8 +353,8 @@ mod tests {
         }
     }
 
-    /// What a mind has learnt that has heard nothing yet.
-    fn learnt(config: &Config<16>) -> SimState {
+    /// What a mind has learned that has heard nothing yet.
+    fn learned(config: &Config<16>) -> SimState {
         let mut mind = Mind::new(config.clone());
         let setup = Setup {
             config: config.clone(),
@@ -381,13 +381,13 @@ mod tests {
         let mut config = Config::recommended();
         // The other driver uses every transducer.
         config.fault_detection = false;
-        let learnt = learnt(&config);
+        let learned = learned(&config);
         for (sonar, turret) in [
             (SonarModel::Ideal, TurretMode::Held),
             (SonarModel::Harsh, TurretMode::Held),
             (SonarModel::Nomad, TurretMode::Follow),
         ] {
-            let mut mind = Mind::with_state(config.clone(), learnt.clone());
+            let mut mind = Mind::with_state(config.clone(), learned.clone());
             // So near that the shield has much to do.
             let goal = Goal::wall(Side::Right, Range::from_mm(150), &config);
             let _ = mind.handle(Millis::from_ms(0), Event::Command(Command::Seek(goal)));

@@ -34,7 +34,7 @@ pub struct AblationArgs {
     /// Only rows whose name contains this text
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
-    /// Measure every behaviour instead, each in one scene without the shield; rooms = worlds, 5 seeds in each
+    /// Measure every behavior instead, each in one scene without the shield; rooms = worlds, 5 seeds in each
     #[arg(long, conflicts_with_all = ["seed", "steps"])]
     behaviors: bool,
     /// Print Markdown
@@ -53,7 +53,7 @@ const HEADS: [&str; 8] = [
     "shield stops",
 ];
 
-/// Scenes in the table over the behaviours.
+/// Scenes in the table over the behaviors.
 const BEHAVIOR_SCENES: [(&str, &str); 7] = [
     ("avoid-right", "one obstacle"),
     ("wall-right", "plain room"),

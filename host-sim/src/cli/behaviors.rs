@@ -1,4 +1,4 @@
-//! `host-sim behaviors`: what each behaviour does and reaches, by the maps alone and with the shield.
+//! `host-sim behaviors`: what each behavior does and reaches, by the maps alone and with the shield.
 
 use super::output::{bar, prepare};
 use super::run::{Preset, SonarChoice};
@@ -33,7 +33,7 @@ pub struct BehaviorsArgs {
     /// What the sonars return
     #[arg(long, value_name = "MODEL", default_value = "ideal", value_enum)]
     sonar: SonarChoice,
-    /// Only behaviours whose name contains this text
+    /// Only behaviors whose name contains this text
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
     /// Print Markdown
@@ -50,7 +50,7 @@ const SHORT: (u32, u32) = (3, 4);
 const WHOLE: (u32, u32) = (10, 30);
 
 const LIST_HEADS: [&str; 6] = [
-    "behaviour",
+    "behavior",
     "what it does",
     "measured",
     "asked",
@@ -59,7 +59,7 @@ const LIST_HEADS: [&str; 6] = [
 ];
 
 const TABLE_HEADS: [&str; 8] = [
-    "behaviour",
+    "behavior",
     "where",
     "measure",
     "asked",
@@ -72,7 +72,7 @@ const TABLE_HEADS: [&str; 8] = [
 /// Measures and prints the list, or the whole table when its size is given.
 ///
 /// # Errors
-/// When no behaviour has the asked name, an episode fails, or something cannot be written.
+/// When no behavior has the asked name, an episode fails, or something cannot be written.
 pub fn behaviors(args: &BehaviorsArgs, out: &mut impl Write) -> Result<(), Failure> {
     let short = args.worlds.is_none() && args.seeds.is_none();
     let mut scenes = chosen(args.only.as_deref())?;
@@ -129,7 +129,7 @@ fn chosen(only: Option<&str>) -> Result<Vec<&'static Scene>, BadInput> {
     let scenes = scenes_named(only);
     match (scenes.is_empty(), only) {
         (true, Some(text)) => Err(BadInput::new(format!(
-            "--only \"{text}\": no behaviour has that in its name"
+            "--only \"{text}\": no behavior has that in its name"
         ))),
         _ => Ok(scenes),
     }
@@ -206,7 +206,7 @@ fn pictures(
         progress.inc(1);
     }
     progress.finish_and_clear();
-    let title = "Behaviours, each from 100 random moves";
+    let title = "Behaviors, each from 100 random moves";
     let svg = plot::behaviors(title, &shown);
     let picture = save(dir, "behaviors.svg", svg.as_bytes()).map_err(BadInput::from)?;
     let png = plot::png::render(&svg, 2.0)
@@ -215,7 +215,7 @@ fn pictures(
     let dir = dir.display();
     Ok(writeln!(
         out,
-        "Pictures: {}, and a page for each behaviour in {dir}/*/index.html",
+        "Pictures: {}, and a page for each behavior in {dir}/*/index.html",
         picture.display()
     )?)
 }

@@ -20,7 +20,7 @@ pub struct CaptureArgs {
     /// World, named as for `run`: a FILE, random:SEED, or a built-in name
     #[arg(long, value_name = "WORLD", default_value = "paper")]
     world: String,
-    /// Where the robot stands, metres, and where its ring looks, degrees [default: the world's start; without
+    /// Where the robot stands, meters, and where its ring looks, degrees [default: the world's start; without
     /// DEG the start's bearing]
     #[arg(long, value_name = "X,Y[,DEG]", value_parser = <At as FromStr>::from_str, allow_hyphen_values = true)]
     at: Option<At>,
@@ -67,7 +67,7 @@ impl FromStr for At {
                 bearing: Some(degrees.to_radians()),
             }),
             _ => Err(BadInput::new(format!(
-                "\"{text}\" is not a place: X,Y in metres or X,Y,DEG"
+                "\"{text}\" is not a place: X,Y in meters or X,Y,DEG"
             ))),
         }
     }

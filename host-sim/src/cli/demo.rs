@@ -96,7 +96,7 @@ fn print(
 ) -> Result<(), Failure> {
     writeln!(
         out,
-        "A Nomad 200 explored with 100 random moves, learnt two maps of 16 neurons and avoided obstacles:\n"
+        "A Nomad 200 explored with 100 random moves, learned two maps of 16 neurons and avoided obstacles:\n"
     )?;
     let cells: Vec<_> = rows
         .iter()

@@ -19,7 +19,7 @@ pub struct FaultsArgs {
     /// Seed of the first room: the limits of the detector were chosen in rooms below 1001
     #[arg(long, value_name = "SEED", default_value_t = 1_001)]
     first: u64,
-    /// Random moves before the behaviour
+    /// Random moves before the behavior
     #[arg(long, value_name = "MOVES", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=i64::from(MOST_MOVES)))]
     explore: u16,
     /// Steps of obstacle avoidance

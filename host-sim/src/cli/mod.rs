@@ -41,7 +41,7 @@ const ABOUT: &str =
     "A simulated Nomad 200 learns from 100 random moves and then does what its goal asks";
 
 const LONG_ABOUT: &str = "A simulated Nomad 200 with a ring of 16 sonars explores with 100 random moves, makes two \
-self-organising maps of 16 neurons from them, and from then on pursues any goal situation. The mind is the same crate \
+self-organizing maps of 16 neurons from them, and from then on pursues any goal situation. The mind is the same crate \
 that runs on the microcontroller.\n\nWithout a command: the demo. It explores, learns and avoids obstacles in the \
 arena of the paper's Fig. 5 and leaves its pictures in out/demo/.";
 
@@ -70,7 +70,7 @@ enum Command {
     Bridge(bridge::BridgeArgs),
     /// Be a simulated Nomad 200 to any program written for the robot
     Nomad(nomad::NomadArgs),
-    /// Train a self-organising map on any CSV file and report its errors
+    /// Train a self-organizing map on any CSV file and report its errors
     Som(crate::som::SomArgs),
     /// Learn both maps from a logged run of a real robot and ask them what it did
     Learn(crate::learn::LearnArgs),
@@ -82,11 +82,11 @@ enum Command {
     Settings,
     /// Measure each open choice by changing it alone, over many random rooms
     Ablation(ablation::AblationArgs),
-    /// List the behaviours with what they reach, measured: the maps alone, and with the shield
+    /// List the behaviors with what they reach, measured: the maps alone, and with the shield
     Behaviors(behaviors::BehaviorsArgs),
     /// Write down what the robot perceives at a place: a goal for `run --behavior seek:FILE` and `link goal FILE`
     Capture(capture::CaptureArgs),
-    /// Measure whether a behaviour improves by being repeated, against frozen maps
+    /// Measure whether a behavior improves by being repeated, against frozen maps
     Repetition(repetition::RepetitionArgs),
     /// Measure what a sonar out of order does, and how soon the robot ceases to believe it
     Faults(faults::FaultsArgs),

@@ -169,7 +169,7 @@ fn report(server: &Server, error: &std::io::Error) {
     let ledger = robot.ledger();
     eprintln!(
         "host gone ({error}): {:.1} m rolled and {} contacts so far, {:.1} s of the robot's time",
-        ledger.travelled_m,
+        ledger.traveled_m,
         ledger.contacts,
         f64::from(robot.time_ms()) / 1e3
     );

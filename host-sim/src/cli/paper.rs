@@ -23,13 +23,13 @@ pub struct PaperArgs {
     /// Random rooms in which avoidance is watched, for each of three presets
     #[arg(long, value_name = "ROOMS", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     rooms: u32,
-    /// Worlds for each of the other behaviours
+    /// Worlds for each of the other behaviors
     #[arg(long, value_name = "WORLDS", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     worlds: u32,
     /// Seeds per world
     #[arg(long, value_name = "SEEDS", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=999))]
     seeds: u32,
-    /// Repetitions of each behaviour
+    /// Repetitions of each behavior
     #[arg(long, value_name = "TIMES", default_value_t = 6, value_parser = clap::value_parser!(u32).range(2..=1_000))]
     times: u32,
     /// Chains, miniature robots and episodes in the paper's arena

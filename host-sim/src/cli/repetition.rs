@@ -1,4 +1,4 @@
-//! `host-sim repetition`: does a behaviour improve by being repeated?
+//! `host-sim repetition`: does a behavior improve by being repeated?
 
 use super::output::{bar, prepare};
 use super::run::{Preset, SonarChoice};
@@ -41,7 +41,7 @@ pub struct RepetitionArgs {
     /// What the sonars return
     #[arg(long, value_name = "MODEL", default_value = "ideal", value_enum)]
     sonar: SonarChoice,
-    /// Only behaviours whose name contains this text
+    /// Only behaviors whose name contains this text
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
     /// Print Markdown
@@ -53,7 +53,7 @@ pub struct RepetitionArgs {
 }
 
 const HEADS: [&str; 8] = [
-    "behaviour",
+    "behavior",
     "where",
     "measure",
     "first",
@@ -66,7 +66,7 @@ const HEADS: [&str; 8] = [
 /// Measures and prints the table, without the shield.
 ///
 /// # Errors
-/// When no behaviour has the asked name, an episode fails, or something cannot be written.
+/// When no behavior has the asked name, an episode fails, or something cannot be written.
 pub fn repetition(args: &RepetitionArgs, out: &mut impl Write) -> Result<(), Failure> {
     let trial = trial(args)?;
     let scenes = chosen(args.only.as_deref())?;
@@ -126,7 +126,7 @@ fn chosen(only: Option<&str>) -> Result<Vec<&'static Scene>, BadInput> {
     scenes.retain(|scene| !scene.behavior.contains(',') && scene.sonar.is_none());
     match (scenes.is_empty(), only) {
         (true, Some(text)) => Err(BadInput::new(format!(
-            "--only \"{text}\": no behaviour that is repeated has that in its name"
+            "--only \"{text}\": no behavior that is repeated has that in its name"
         ))),
         _ => Ok(scenes),
     }
@@ -155,7 +155,7 @@ fn picture(dir: &Path, times: u32, panels: &[Curves], out: &mut impl Write) -> R
         ticks: vec![(0, "1".to_owned()), (times as usize - 1, times.to_string())],
         names: Vec::new(),
     };
-    let svg = plot::curves("Does repetition improve a behaviour?", &key, panels);
+    let svg = plot::curves("Does repetition improve a behavior?", &key, panels);
     let picture = save(dir, "repetition.svg", svg.as_bytes()).map_err(BadInput::from)?;
     let png = plot::png::render(&svg, 2.0)
         .map_err(|error| BadInput::new(format!("repetition.png: {error}")))?;

@@ -46,8 +46,8 @@ pub struct SetupArgs {
     /// What the sonars return
     #[arg(long, value_name = "MODEL", default_value = "ideal", value_enum)]
     sonar: SonarChoice,
-    /// A sonar that is out of order: dead:N, stuck:N:METRES, scaled:N:SHARE, offset:N:METRES, jumping:N:PROBABILITY,
-    /// noisy:N:METRES, delayed:N:FIRINGS, intermittent:N:PROBABILITY, crosstalk:N:PROBABILITY or swapped:N:M; may be
+    /// A sonar that is out of order: dead:N, stuck:N:METERS, scaled:N:SHARE, offset:N:METERS, jumping:N:PROBABILITY,
+    /// noisy:N:METERS, delayed:N:FIRINGS, intermittent:N:PROBABILITY, crosstalk:N:PROBABILITY or swapped:N:M; may be
     /// given several times (see also --set fault-detection=off)
     #[arg(long = "fault", value_name = "KIND:N", value_parser = parsed::<TransducerFault>)]
     faults: Vec<TransducerFault>,

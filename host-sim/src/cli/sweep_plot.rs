@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use std::io::Write;
 use std::path::PathBuf;
 
-/// Behaviours that are drawn.
+/// Behaviors that are drawn.
 const MOST_BEHAVIORS: usize = 8;
 
 /// The `plot` command's flags.
@@ -57,7 +57,7 @@ pub fn plot(args: &PlotArgs, out: &mut impl Write) -> Result<(), Failure> {
     Ok(writeln!(out, "\nPictures: {}", page.display())?)
 }
 
-/// The episodes by behaviour and by what varies.
+/// The episodes by behavior and by what varies.
 struct Sweep<'t> {
     results: &'t Table,
     title: String,
@@ -66,7 +66,7 @@ struct Sweep<'t> {
     left_out: Vec<String>,
     /// Name and unit of its measure, as they come in the results.
     behaviors: Vec<(String, String)>,
-    /// By key, behaviour and value.
+    /// By key, behavior and value.
     found: Vec<Vec<Vec<Option<Found>>>>,
 }
 

@@ -78,9 +78,9 @@ pub struct Moved {
     pub from: Point,
     /// To here.
     pub to: Point,
-    /// Way travelled, metres.
-    pub travelled_m: f64,
-    /// Least gap between body and surfaces on the way, metres; perhaps infinite where
+    /// Way traveled, meters.
+    pub traveled_m: f64,
+    /// Least gap between body and surfaces on the way, meters; perhaps infinite where
     /// [nobody asked](Body::tell_gaps_below).
     pub clearance_m: f64,
     /// The body touched something.
@@ -155,7 +155,7 @@ impl<'w> Body<'w> {
         RING_PERIOD_S
     }
 
-    /// Until the robot is set down elsewhere, gaps between body and surfaces of so much or more, metres, need not be told:
+    /// Until the robot is set down elsewhere, gaps between body and surfaces of so much or more, meters, need not be told:
     /// they may be told as infinite. For those who look for the least gap.
     pub fn tell_gaps_below(&mut self, gap_m: f64) {
         self.base.tell_gaps_below(gap_m);
@@ -208,7 +208,7 @@ impl<'w> Body<'w> {
                 let [dx_m, dy_m] = meters(motion.displacement);
                 let world = crowded(&self.world, self.leader.as_ref());
                 let done = self.base.move_exactly(world, dx_m, dy_m);
-                self.time_s += done.travelled_m / self.limits.speed_m_s;
+                self.time_s += done.traveled_m / self.limits.speed_m_s;
                 happened.moved = Some(self.report(pilot, pose.position, &done));
             }
         }
@@ -276,7 +276,7 @@ impl<'w> Body<'w> {
         }
     }
 
-    /// What each transducer heard last, metres.
+    /// What each transducer heard last, meters.
     #[must_use]
     pub fn ranges_m(&self) -> &[Option<f64>; 16] {
         &self.ranges_m
@@ -288,7 +288,7 @@ impl<'w> Body<'w> {
         self.ranges_m[sensor].map(|m| Range::from_mm((m * 1e3) as u16))
     }
 
-    /// Reports what the base has done since its last report, in whole millimetres; what rounding
+    /// Reports what the base has done since its last report, in whole millimeters; what rounding
     /// leaves over goes into the next report.
     fn report(&mut self, pilot: &mut impl Pilot, from: Point, done: &Executed) -> Moved {
         let moved = self.moved();
@@ -313,13 +313,13 @@ impl<'w> Body<'w> {
         Moved {
             from,
             to: self.base.pose().position,
-            travelled_m: done.travelled_m,
+            traveled_m: done.traveled_m,
             clearance_m: done.min_clearance_m,
             touched: done.touched,
         }
     }
 
-    /// The way from what was reported so far, in whole millimetres, which is reported now.
+    /// The way from what was reported so far, in whole millimeters, which is reported now.
     fn moved(&mut self) -> Displacement {
         let odometry = self.base.odometry();
         if self.stood == Some(odometry) {
@@ -410,7 +410,7 @@ impl<'w> Body<'w> {
         self.base.command(BaseMotion::default(), &mut self.noise);
     }
 
-    /// What the ring would hear from here, metres, as if at rest: nothing happens, neither noise nor time is used up.
+    /// What the ring would hear from here, meters, as if at rest: nothing happens, neither noise nor time is used up.
     #[must_use]
     pub fn look(&self) -> [Option<f64>; 16] {
         let (mut ring, mut noise) = (self.ring.clone(), self.noise.clone());
@@ -496,7 +496,7 @@ fn meters(displacement: Displacement) -> [f64; 2] {
     ]
 }
 
-/// To the nearest millimetre, halves to the even one, as far as a displacement reaches.
+/// To the nearest millimeter, halves to the even one, as far as a displacement reaches.
 fn millimeters(m: f64) -> i16 {
     // Of a sum from 2⁵² to 2⁵³ the lowest bits are those of an integer.
     const ROUNDS: f64 = (3_u64 << 51) as f64;

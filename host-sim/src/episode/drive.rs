@@ -39,7 +39,7 @@ pub struct Setup {
     pub faults: Vec<TransducerFault>,
     /// What the ring does while the base steers.
     pub turret: TurretMode,
-    /// Where the robot is set down after exploring; `None` = where its behaviour says.
+    /// Where the robot is set down after exploring; `None` = where its behavior says.
     pub set_down: Option<Point>,
     /// Keep every step for pictures.
     pub record: bool,
@@ -164,7 +164,7 @@ pub fn run_observed<'w>(
     Ok(Episode { report, recording })
 }
 
-/// A robot whose mind has explored and learnt, and the tally of its random moves.
+/// A robot whose mind has explored and learned, and the tally of its random moves.
 pub(super) fn educated<'w>(
     world: &'w World,
     setup: &Setup,
@@ -369,7 +369,7 @@ impl<'w> Driver<'w> {
         }
         if let Some(moved) = &happened.moved {
             self.tally
-                .moved(moved.from, moved.to, moved.travelled_m, moved.clearance_m);
+                .moved(moved.from, moved.to, moved.traveled_m, moved.clearance_m);
             self.measure.moved(
                 moved.to,
                 moved.touched,

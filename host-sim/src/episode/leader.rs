@@ -14,7 +14,7 @@ use amp::units::{Bearing, Displacement, Millis, Range};
 
 /// Its speed, m/s.
 pub const LEADER_M_S: f64 = 0.15;
-/// Where it starts: this far from the robot, m between centres.
+/// Where it starts: this far from the robot, m between centers.
 const AHEAD_M: f64 = 1.0;
 /// It keeps at least this gap to the robot, m.
 const GAP_M: f64 = 0.02;
@@ -77,7 +77,7 @@ impl Leader {
         }
     }
 
-    /// Its centre.
+    /// Its center.
     #[must_use]
     pub fn position(&self) -> Point {
         self.position
@@ -120,7 +120,7 @@ impl Leader {
         if !(near && nearer) {
             let sweep = world.sweep(self.position, to, COLLISION_RADIUS_M);
             self.position =
-                self.position + step * (sweep.travelled_m / step.length().max(1e-9)).min(1.0);
+                self.position + step * (sweep.traveled_m / step.length().max(1e-9)).min(1.0);
         }
         let ended = Event::Odometry {
             motion: motion.id,

@@ -1,4 +1,4 @@
-//! How well each behaviour goes, by the world as it is: the mind never sees any of this.
+//! How well each behavior goes, by the world as it is: the mind never sees any of this.
 
 use super::tally::Tally;
 use crate::scenes::{Behavior, WALL_RANGE_M};
@@ -8,11 +8,11 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
 
 /// At the nest means within this distance, m.
 pub const NEST_M: f64 = 0.3;
-/// A leader is kept within this distance between centres, m.
+/// A leader is kept within this distance between centers, m.
 pub const KEPT_M: f64 = 2.0;
 /// Time over which following is judged, s.
 pub const FOLLOWED_S: f64 = 300.0;
-/// A thing nearer than this may be in the way or is being passed, m from the centre.
+/// A thing nearer than this may be in the way or is being passed, m from the center.
 const MET_M: f64 = 1.6;
 /// Way too short to have a direction, m.
 const STILL_M: f64 = 0.01;
@@ -160,7 +160,7 @@ impl Measure {
         f64::from(u8::from(self.at.distance(self.nest) <= NEST_M))
     }
 
-    /// Goes on after a change of behaviour.
+    /// Goes on after a change of behavior.
     pub(super) fn at_nest(&self) -> bool {
         self.at.distance(self.nest) <= NEST_M
     }

@@ -1,4 +1,4 @@
-//! The last phase of an episode: one behaviour, or several one after the other.
+//! The last phase of an episode: one behavior, or several one after the other.
 
 use super::drive::{Driver, Failure, Setup, educated, report};
 use super::tally::{Report, Tally};
@@ -10,7 +10,7 @@ use amp::controller::Command;
 /// Carrying the robot takes so long that its shield has forgotten what it heard before, s.
 pub const CARRIED_S: f64 = 601.0;
 
-/// Explores and learns once, then pursues the behaviour `times` times, each from a new scene: the reports of all.
+/// Explores and learns once, then pursues the behavior `times` times, each from a new scene: the reports of all.
 ///
 /// # Errors
 /// When the mind refuses a command or falls silent.
@@ -31,7 +31,7 @@ pub fn repeat(world: &World, setup: &Setup, times: u32) -> Result<Vec<Report>, F
 }
 
 impl Driver<'_> {
-    /// Sets the scene of a behaviour: the robot elsewhere, a leader ahead of it.
+    /// Sets the scene of a behavior: the robot elsewhere, a leader ahead of it.
     pub(super) fn set_scene(&mut self, setup: &Setup) {
         let behavior = &setup.behavior;
         let start = self.world.start().position;
@@ -49,7 +49,7 @@ impl Driver<'_> {
         self.measure_from(nest);
     }
 
-    /// Pursues the behaviour's goals for `setup.steps` decisions in all.
+    /// Pursues the behavior's goals for `setup.steps` decisions in all.
     pub(super) fn pursue(
         &mut self,
         pilot: &mut impl Pilot,
@@ -63,7 +63,7 @@ impl Driver<'_> {
             let goal = part.goal(&setup.config, &self.nest);
             self.command(pilot, Command::Seek(goal))?;
             let begun = self.tally.clone();
-            // Alone, a behaviour goes on to the end; in a chain each decision may be its last.
+            // Alone, a behavior goes on to the end; in a chain each decision may be its last.
             let is_over =
                 |now: &Tally| now.steps >= setup.steps || !alone && is_reached(part, &begun, now);
             self.drive(pilot, is_over, &mut progress)?;

@@ -14,9 +14,9 @@ pub struct Tally {
     pub contacts: u32,
     /// Steps in which another robot ran into the body.
     pub touched_by: u32,
-    /// Way travelled, metres.
+    /// Way traveled, meters.
     pub distance_m: f64,
-    /// Least gap between the body and any surface, metres; `None` before the first step.
+    /// Least gap between the body and any surface, meters; `None` before the first step.
     pub min_clearance_m: Option<f64>,
     /// Steps decided while the goal held.
     pub goal_steps: u32,
@@ -64,8 +64,8 @@ impl Tally {
     }
 
     /// The body has moved straight.
-    pub fn moved(&mut self, from: Point, to: Point, travelled_m: f64, clearance_m: f64) {
-        self.distance_m += travelled_m;
+    pub fn moved(&mut self, from: Point, to: Point, traveled_m: f64, clearance_m: f64) {
+        self.distance_m += traveled_m;
         let least = self
             .min_clearance_m
             .map_or(clearance_m, |least| least.min(clearance_m));
@@ -73,7 +73,7 @@ impl Tally {
         self.coverage.sweep(from, to);
     }
 
-    /// Area swept, square metres.
+    /// Area swept, square meters.
     #[must_use]
     pub fn coverage_m2(&self) -> f64 {
         self.coverage.area_m2()
@@ -85,7 +85,7 @@ impl Tally {
 pub struct Report {
     /// World.
     pub world: String,
-    /// Behaviour.
+    /// Behavior.
     pub behavior: String,
     /// Preset of the open choices.
     pub preset: String,
@@ -103,11 +103,11 @@ pub struct Report {
     pub contacts: u32,
     /// Steps in which another robot ran into the body.
     pub touched_by: u32,
-    /// Way travelled while seeking, metres.
+    /// Way traveled while seeking, meters.
     pub distance_m: f64,
-    /// Least gap to any surface while seeking, metres.
+    /// Least gap to any surface while seeking, meters.
     pub min_clearance_m: f64,
-    /// Area swept while seeking, square metres.
+    /// Area swept while seeking, square meters.
     pub coverage_m2: f64,
     /// Steps in which the goal held.
     pub goal_steps: u32,
@@ -115,7 +115,7 @@ pub struct Report {
     pub shield_stops: u32,
     /// Simulated time of the seeking, seconds.
     pub time_s: f64,
-    /// The behaviour's own measure.
+    /// The behavior's own measure.
     pub success: f64,
     /// Unit of that measure.
     pub success_unit: &'static str,
@@ -145,7 +145,7 @@ impl Report {
     ];
 }
 
-/// A figure as printed: four decimals are below a tenth of a millimetre.
+/// A figure as printed: four decimals are below a tenth of a millimeter.
 #[must_use]
 pub(crate) fn rounded(value: f64) -> f64 {
     (value * 1e4 + 0.5).floor() / 1e4

@@ -56,9 +56,9 @@ pub struct Figures {
     pub clean_exploring: u32,
     /// Contacts per room.
     pub contacts: f64,
-    /// Distance, metres.
+    /// Distance, meters.
     pub distance_m: f64,
-    /// Area swept, square metres.
+    /// Area swept, square meters.
     pub coverage_m2: f64,
     /// Share of the steps in which the goal held.
     pub goal_share: f64,
@@ -93,9 +93,9 @@ const CHANGES: [&str; 39] = [
     "action-weight=4",
     "taught=commanded",
     "edges=wrapped",
-    "situation.neighbourhood=gaussian",
+    "situation.neighborhood=gaussian",
     "situation.rate=0.2:0.02:inverse",
-    "action.neighbourhood=gaussian",
+    "action.neighborhood=gaussian",
     "action.rate=0.5:0.05:linear",
     "action.radius=0.5",
     "action.radius=0",
@@ -125,7 +125,7 @@ const PROBE_CHANGES: [&str; 12] = [
     "inhibition=0",
 ];
 
-/// Choices that matter to the behaviours beside avoidance.
+/// Choices that matter to the behaviors beside avoidance.
 const BEHAVIOR_CHANGES: [&str; 13] = [
     "choose=neurons",
     "choose=recall",
@@ -173,7 +173,7 @@ pub fn variants() -> Result<Vec<Variant>, BadInput> {
     Ok(rows)
 }
 
-/// The rows of the table over the behaviours, in order; without the shield.
+/// The rows of the table over the behaviors, in order; without the shield.
 ///
 /// # Errors
 /// When a change is not a setting; a test holds that none is wrong.

@@ -1,4 +1,4 @@
-//! Every behaviour in its scenes: many seeds in many worlds, mean and 95 % interval.
+//! Every behavior in its scenes: many seeds in many worlds, mean and 95 % interval.
 
 use super::scenes::Scene;
 use super::statistics::{Mean, bootstrap};

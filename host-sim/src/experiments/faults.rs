@@ -19,7 +19,7 @@ pub struct Trial {
     pub rooms: u32,
     /// Seed of the first room; each episode has its room's.
     pub first: u64,
-    /// Random moves before the behaviour.
+    /// Random moves before the behavior.
     pub explore_moves: u16,
     /// Steps of obstacle avoidance.
     pub steps: u32,
@@ -55,7 +55,7 @@ pub struct Course {
     pub unheard: u32,
     /// Area swept, m².
     pub coverage_m2: f64,
-    /// Way travelled, m.
+    /// Way traveled, m.
     pub distance_m: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Improvement by mere repetition: the same behaviour again and again from one memory, the maps going on to learn or
+//! Improvement by mere repetition: the same behavior again and again from one memory, the maps going on to learn or
 //! frozen.
 
 use super::behaviors::{BySeed, Trial, each};
@@ -6,7 +6,7 @@ use super::scenes::Scene;
 use super::statistics::{Mean, bootstrap};
 use crate::episode::{Failure, repeat};
 
-/// Repetitions of one behaviour.
+/// Repetitions of one behavior.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
     /// The measure at each repetition, while the maps learn.

@@ -1,4 +1,4 @@
-//! Worlds made from a seed for the behaviours' scenes; all can be crossed by a robot that keeps its distance.
+//! Worlds made from a seed for the behaviors' scenes; all can be crossed by a robot that keeps its distance.
 
 use crate::noise::Noise;
 use crate::world::{Point, Pose, Shape, World};

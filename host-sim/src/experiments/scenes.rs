@@ -1,13 +1,13 @@
-//! The behaviours' scenes: where each is tried, what is measured and what is asked.
+//! The behaviors' scenes: where each is tried, what is measured and what is asked.
 
 use super::rooms;
 use crate::episode::Report;
 use crate::sonar::SonarModel;
 use crate::world::{Point, World};
 
-/// A behaviour, its worlds and what it is to reach.
+/// A behavior, its worlds and what it is to reach.
 pub struct Scene {
-    /// The behaviour's name; `seek` is to find a place whose situation was shown.
+    /// The behavior's name; `seek` is to find a place whose situation was shown.
     pub behavior: &'static str,
     /// What the worlds are.
     pub place: &'static str,
@@ -19,7 +19,7 @@ pub struct Scene {
     pub asked: &'static str,
     /// Sonars that belong to the scene, whatever else is measured with.
     pub sonar: Option<SonarModel>,
-    /// Where the robot is set down after exploring, by the episode's seed; `None` = where its behaviour says.
+    /// Where the robot is set down after exploring, by the episode's seed; `None` = where its behavior says.
     pub set_down: Option<fn(u64) -> Point>,
     make: fn(u64) -> World,
     value: fn(&Report) -> f64,
@@ -133,14 +133,14 @@ impl Scene {
         (self.make)(index)
     }
 
-    /// Behaviour and place in one line.
+    /// Behavior and place in one line.
     #[must_use]
     pub fn title(&self) -> String {
         format!("{}, {}", self.behavior, self.place)
     }
 }
 
-/// The scenes whose behaviour contains a text; all without one.
+/// The scenes whose behavior contains a text; all without one.
 #[must_use]
 pub fn scenes_named(text: Option<&str>) -> Vec<&'static Scene> {
     let named = |scene: &&Scene| text.is_none_or(|text| scene.behavior.contains(text));
@@ -153,7 +153,7 @@ mod tests {
     use crate::scenes::Behavior;
 
     #[test]
-    fn every_scene_names_a_behaviour_and_every_behaviour_has_a_scene() {
+    fn every_scene_names_a_behavior_and_every_behavior_has_a_scene() {
         for scene in SCENES {
             let known = scene.behavior == "seek" || scene.behavior.parse::<Behavior>().is_ok();
             assert!(known, "{}", scene.behavior);

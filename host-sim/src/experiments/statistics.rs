@@ -182,7 +182,7 @@ mod tests {
     }
     #[test]
     fn a_ratio_is_that_of_the_sums() {
-        // 6 contacts on 4 m and none on 8 m: half a contact per metre, not the mean of 1.5 and 0.
+        // 6 contacts on 4 m and none on 8 m: half a contact per meter, not the mean of 1.5 and 0.
         let rows = vec![vec![[6.0, 4.0], [0.0, 8.0]]; 40];
         let found = bootstrap_of(&rows, |[contacts, way], _| contacts / way);
         assert!((found.mean - 0.5).abs() < 1e-12);

@@ -100,9 +100,9 @@ pub enum Answer {
 /// Units of ranges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Unit {
-    /// Metres
+    /// Meters
     M,
-    /// Centimetres
+    /// Centimeters
     Cm,
     /// Millimetres
     Mm,

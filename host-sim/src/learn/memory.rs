@@ -2,7 +2,7 @@
 //!
 //! The action map is one (both parts of its code vectors are trained together, one is probed), a situation map whose
 //! neurons carry what was done in the situations they won is another, and so are what they are compared with: all the
-//! samples (1-nearest neighbour) and a single answer (the most frequent class, the mean velocities).
+//! samples (1-nearest neighbor) and a single answer (the most frequent class, the mean velocities).
 
 use super::task::Pairs;
 use crate::noise::Noise;
@@ -51,7 +51,7 @@ impl Memory {
         Self::new(pairs.inputs.clone(), pairs.dims, pairs.actions.clone())
     }
 
-    /// The action map: (input, action) pairs learnt together, probed with the input alone. `weight` is that of an action's
+    /// The action map: (input, action) pairs learned together, probed with the input alone. `weight` is that of an action's
     /// whole range beside an input's component, 0 to 1.
     #[must_use]
     pub fn of_pairs(

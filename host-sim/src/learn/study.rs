@@ -1,4 +1,4 @@
-//! Both maps learnt from the first part of a log, asked about the rest.
+//! Both maps learned from the first part of a log, asked about the rest.
 
 use super::memory::Memory;
 use super::score::Score;
@@ -9,7 +9,7 @@ use crate::som::DynSom;
 use crate::som::args::{DEFAULT_RATE, default_radius, rate};
 use crate::som::map::Measures;
 use crate::som::train::{Order, Training, start_at_samples, train};
-use amp::som::{Grid, Neighbourhood};
+use amp::som::{Grid, Neighborhood};
 use rayon::prelude::*;
 
 /// A way to recall an action.
@@ -17,9 +17,9 @@ use rayon::prelude::*;
 pub enum Method {
     /// The most frequent class, or the mean velocities.
     Mean,
-    /// What was done at the learnt change most like this one.
+    /// What was done at the learned change most like this one.
     NearestChange,
-    /// What was done in the learnt situation most like this one.
+    /// What was done in the learned situation most like this one.
     NearestSituation,
     /// The paper's action map, (change, action) pairs, probed with the change.
     ActionByChange,
@@ -36,11 +36,11 @@ impl Method {
         match self {
             Self::Mean if named => ["most frequent class", "nothing"],
             Self::Mean => ["mean", "nothing"],
-            Self::NearestChange => ["1-nearest neighbour", "change"],
-            Self::NearestSituation => ["1-nearest neighbour", "situation"],
+            Self::NearestChange => ["1-nearest neighbor", "change"],
+            Self::NearestSituation => ["1-nearest neighbor", "situation"],
             Self::ActionByChange => ["action map (the paper's)", "change"],
             Self::ActionBySituation => ["action map", "situation"],
-            Self::SituationMap => ["situation map, labelled", "situation"],
+            Self::SituationMap => ["situation map, labeled", "situation"],
         }
     }
 
@@ -67,15 +67,15 @@ pub struct Recalled {
     pub score: Score,
 }
 
-/// What maps of one size learnt.
+/// What maps of one size learned.
 #[derive(Debug, Clone)]
 pub struct Map {
     /// Their grid.
     pub grid: Grid,
     /// The situation map.
     pub situations: DynSom,
-    /// Its quality on the part learnt.
-    pub learnt: Measures,
+    /// Its quality on the part learned.
+    pub learned: Measures,
     /// Its quality on the part held out.
     pub held_out: Measures,
     /// By neuron: what was done in the situations it won; `None` where it won none.
@@ -104,7 +104,7 @@ pub struct Lesson {
     pub action_weight: f64,
 }
 
-/// Learns maps of all the sizes from the part of the log to be learnt and asks them about the rest.
+/// Learns maps of all the sizes from the part of the log to be learned and asks them about the rest.
 ///
 /// # Errors
 /// More presentations than can be counted.
@@ -114,7 +114,7 @@ pub fn study(
     lesson: &Lesson,
     done: &(impl Fn() + Sync),
 ) -> Result<Study, BadInput> {
-    let presentations = task.rows(Part::Learnt) as u64 * u64::from(lesson.epochs);
+    let presentations = task.rows(Part::Learned) as u64 * u64::from(lesson.epochs);
     if presentations > u64::from(u32::MAX) {
         return Err(BadInput::new(format!(
             "--epochs {}: {presentations} presentations are more than {}",
@@ -144,7 +144,7 @@ fn references(task: &Task) -> Vec<Recalled> {
         let score = Score::of(&mut memory, &asked, named);
         Recalled { method, score }
     };
-    let (situations, changes) = (task.situations(Part::Learnt), task.changes(Part::Learnt));
+    let (situations, changes) = (task.situations(Part::Learned), task.changes(Part::Learned));
     [
         (Method::Mean, Memory::of_the_mean(&situations), false),
         (Method::NearestChange, Memory::of_samples(&changes), true),
@@ -160,33 +160,33 @@ fn references(task: &Task) -> Vec<Recalled> {
 }
 
 fn learn(task: &Task, grid: Grid, lesson: &Lesson) -> Result<Map, BadInput> {
-    let neighbourhood = Neighbourhood::Gaussian;
+    let neighborhood = Neighborhood::Gaussian;
     let training = Training {
-        neighbourhood,
+        neighborhood,
         rate: rate(DEFAULT_RATE)?,
-        radius: default_radius(neighbourhood, grid)?,
+        radius: default_radius(neighborhood, grid)?,
         epochs: lesson.epochs,
         order: Order::Shuffled,
     };
-    let (learnt, held_out) = (
-        task.situations(Part::Learnt),
+    let (learned, held_out) = (
+        task.situations(Part::Learned),
         task.situations(Part::HeldOut),
     );
     let noise = || Noise::new(lesson.seed);
     let mut random = noise();
-    let mut map = start_at_samples(grid, learnt.dims, &learnt.inputs, &mut random);
-    train(&mut map, &learnt.inputs, &training, &mut random);
-    let (by_label, labels) = Memory::of_map(&mut map, &learnt);
+    let mut map = start_at_samples(grid, learned.dims, &learned.inputs, &mut random);
+    train(&mut map, &learned.inputs, &training, &mut random);
+    let (by_label, labels) = Memory::of_map(&mut map, &learned);
     let of_pairs =
         |pairs| Memory::of_pairs(pairs, grid, &training, lesson.action_weight, &mut noise());
     let named = task.classes.is_some();
     let asked = [
         (
             Method::ActionByChange,
-            of_pairs(&task.changes(Part::Learnt)),
+            of_pairs(&task.changes(Part::Learned)),
             &task.changes(Part::HeldOut),
         ),
-        (Method::ActionBySituation, of_pairs(&learnt), &held_out),
+        (Method::ActionBySituation, of_pairs(&learned), &held_out),
         (Method::SituationMap, by_label, &held_out),
     ];
     let ask = |(method, mut memory, pairs): (Method, Memory, _)| Recalled {
@@ -195,7 +195,7 @@ fn learn(task: &Task, grid: Grid, lesson: &Lesson) -> Result<Map, BadInput> {
     };
     Ok(Map {
         grid,
-        learnt: map.measure(&learnt.inputs),
+        learned: map.measure(&learned.inputs),
         held_out: map.measure(&held_out.inputs),
         recalls: asked.into_iter().map(ask).collect(),
         situations: map,

@@ -1,4 +1,4 @@
-//! What is to be learnt from a log: situations, changes of situation, and the action that went with each.
+//! What is to be learned from a log: situations, changes of situation, and the action that went with each.
 
 use super::log::{Actions, Log};
 use crate::error::BadInput;
@@ -33,8 +33,8 @@ pub struct Pairs {
 /// A part of the run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
-    /// The beginning, which is learnt.
-    Learnt,
+    /// The beginning, which is learned.
+    Learned,
     /// The end, which is not.
     HeldOut,
 }
@@ -72,7 +72,7 @@ impl Task {
         let cut = libm::rint(rows as f64 * (1.0 - options.held_out)) as usize;
         if cut <= options.stride || rows - cut <= options.stride {
             return Err(BadInput::new(format!(
-                "{}: of {rows} rows {cut} are to be learnt and {} held out; both must be more than --stride {}",
+                "{}: of {rows} rows {cut} are to be learned and {} held out; both must be more than --stride {}",
                 log.source,
                 rows - cut,
                 options.stride
@@ -96,7 +96,7 @@ impl Task {
     #[must_use]
     pub fn rows(&self, part: Part) -> usize {
         match part {
-            Part::Learnt => self.cut,
+            Part::Learned => self.cut,
             Part::HeldOut => self.situations.actions.len() - self.cut,
         }
     }
@@ -110,7 +110,7 @@ impl Task {
             actions,
         } = &self.situations;
         let (inputs, actions) = match part {
-            Part::Learnt => (&inputs[..self.cut * dims], &actions[..self.cut]),
+            Part::Learned => (&inputs[..self.cut * dims], &actions[..self.cut]),
             Part::HeldOut => (&inputs[self.cut * dims..], &actions[self.cut..]),
         };
         Pairs {

@@ -185,14 +185,14 @@ fn larger_maps_fit_better_and_a_seed_is_a_seed() {
     let task = Task::of(&log, &OPTIONS).unwrap();
     let grids = [4, 10].map(|side| Grid::rectangle(side, side));
     let [first, second] = [(); 2].map(|()| study(&task, &grids, &LESSON, &|| {}).unwrap());
-    let error = |map: &Map| map.learnt.quantization_error;
+    let error = |map: &Map| map.learned.quantization_error;
     assert!(error(&first.maps[1]) < 0.8 * error(&first.maps[0]));
     for (a, b) in first.maps.iter().zip(&second.maps) {
         assert_eq!((&a.situations, &a.recalls), (&b.situations, &b.recalls));
     }
     assert_eq!(
-        first.maps[0].learnt.hits.iter().sum::<usize>(),
-        task.rows(Part::Learnt)
+        first.maps[0].learned.hits.iter().sum::<usize>(),
+        task.rows(Part::Learned)
     );
 }
 
@@ -216,14 +216,17 @@ fn a_task_is_what_the_log_says() {
     };
     let task = Task::of(&log, &options).unwrap();
     assert_eq!(
-        (task.near, task.far, task.rows(Part::Learnt)),
+        (task.near, task.far, task.rows(Part::Learned)),
         (1.0, 5.0, 2)
     );
     let values = |pairs: super::task::Pairs| -> Vec<f64> {
         pairs.inputs.iter().map(|value| value.to_num()).collect()
     };
-    assert_eq!(values(task.situations(Part::Learnt)), [1.0, 0.0, 0.5, 0.75]);
-    let change = task.changes(Part::Learnt);
+    assert_eq!(
+        values(task.situations(Part::Learned)),
+        [1.0, 0.0, 0.5, 0.75]
+    );
+    let change = task.changes(Part::Learned);
     assert_eq!(change.actions, [[1.0, 0.0]]);
     assert_eq!(values(change), [-0.5, 0.75]);
 }

@@ -103,8 +103,8 @@ mod tests {
         ] {
             assert_eq!(text.parse::<Address>().unwrap().to_string(), text);
         }
-        let spelt_out = "serial:/dev/ttyS1@115200".parse::<Address>().unwrap();
-        assert_eq!(spelt_out.to_string(), "serial:/dev/ttyS1");
+        let spelled_out = "serial:/dev/ttyS1@115200".parse::<Address>().unwrap();
+        assert_eq!(spelled_out.to_string(), "serial:/dev/ttyS1");
     }
 
     #[test]

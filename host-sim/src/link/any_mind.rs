@@ -17,7 +17,7 @@ pub enum MindPlace {
     Link(Box<Session>, String),
 }
 
-/// Decisions after which what a mind elsewhere has learnt is fetched anew.
+/// Decisions after which what a mind elsewhere has learned is fetched anew.
 const FETCH: u32 = 20;
 
 /// A mind, wherever it is.

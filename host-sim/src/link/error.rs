@@ -92,7 +92,7 @@ impl fmt::Display for LinkError {
             Self::Stopped(reason) => write!(f, "the mind stopped: {}", words::stop(*reason)),
             Self::Learning { waited } => write!(
                 f,
-                "the mind has not learnt within {} s",
+                "the mind has not learned within {} s",
                 waited.as_secs_f32()
             ),
             Self::Unlike { what } => {

@@ -1,4 +1,4 @@
-//! All a mind was told and has learnt, as one file: the image that a chip keeps in its flash, see [`amp::store`].
+//! All a mind was told and has learned, as one file: the image that a chip keeps in its flash, see [`amp::store`].
 
 use super::{Fingerprint, LinkError, Session, next_number};
 use crate::error::BadInput;
@@ -28,7 +28,7 @@ const MAX_FILE_BYTES: u64 = 1 << 20;
 /// Generation of an image in a file, where there is one only.
 const GENERATION: u32 = 1;
 
-/// What a mind was told and has learnt.
+/// What a mind was told and has learned.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Knowledge {
     config: Config<16>,
@@ -38,7 +38,7 @@ pub struct Knowledge {
 }
 
 impl Knowledge {
-    /// What a mind in this process was told and has learnt; its goal is to avoid obstacles.
+    /// What a mind in this process was told and has learned; its goal is to avoid obstacles.
     #[must_use]
     pub fn of(config: &Config<16>, state: &SimState) -> Self {
         Self::new(config.clone(), state.clone())
@@ -84,12 +84,12 @@ impl Knowledge {
         }
         let mut state = SimState::new(Grid::rectangle(4, 4));
         let is_map = |part: StatePart| part != StatePart::Memory;
-        // Maps that were never learnt are all zeros, and are not to count as learnt.
-        let learnt = parts
+        // Maps that were never learned are all zeros, and are not to count as learned.
+        let learned = parts
             .iter()
             .any(|(part, bytes)| is_map(*part) && bytes.iter().any(|byte| *byte != 0));
         for (part, bytes) in parts {
-            if is_map(part) && !learnt {
+            if is_map(part) && !learned {
                 continue;
             }
             let written = state.write_part(part, 0, &bytes);
@@ -110,7 +110,7 @@ impl Knowledge {
         session.order(session.elapsed_ms(), Order::Forget)?;
         // The configuration comes last: a mind that is cut off before has its old one with maps that are read the same.
         for (part, ours) in PARTS.into_iter().rev() {
-            if part == Part::Memory || self.state.has_learnt() {
+            if part == Part::Memory || self.state.has_learned() {
                 session.write_part(part, &self.part(ours))?;
             }
         }

@@ -315,7 +315,7 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
         (std::mem::replace(&mut self.motion, mark) != mark).then(|| order.motion())
     }
 
-    /// Waits until the mind has learnt; it does so by itself, as fast as it can. After `limit` it is given up.
+    /// Waits until the mind has learned; it does so by itself, as fast as it can. After `limit` it is given up.
     fn let_learn(&mut self, limit: Duration) -> Result<Outputs<16>, LinkError> {
         self.learning = false;
         let end = Instant::now() + limit;
@@ -431,7 +431,7 @@ mod tests {
 
         fn receive(&mut self, buffer: &mut [u8], patience: Duration) -> io::Result<usize> {
             if self.began.elapsed() > Duration::from_secs(5) {
-                return Err(io::Error::other("it has learnt for long enough"));
+                return Err(io::Error::other("it has learned for long enough"));
             }
             let mut one = [0];
             let mut bytes = Vec::new();
@@ -470,7 +470,7 @@ mod tests {
         let error = LinkError::Learning {
             waited: MAX_LEARNING,
         };
-        assert_eq!(error.to_string(), "the mind has not learnt within 60 s");
+        assert_eq!(error.to_string(), "the mind has not learned within 60 s");
     }
 
     #[test]

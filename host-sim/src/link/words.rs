@@ -79,7 +79,9 @@ fn command(why: controller::Refusal) -> String {
         controller::Refusal::NoSamples => {
             "there is nothing to learn from: explore first, or push a memory".into()
         }
-        controller::Refusal::NotLearnt => "it has not learnt yet: learn first, or push maps".into(),
+        controller::Refusal::NotLearnt => {
+            "it has not learned yet: learn first, or push maps".into()
+        }
         controller::Refusal::NothingToResume => "no stop has interrupted anything".into(),
     }
 }

@@ -76,7 +76,7 @@ pub enum Happening {
     Odometry {
         /// Motion it is carrying out or has carried out last.
         motion: u16,
-        /// Displacement since the last report, millimetres in the ring's frame at that report.
+        /// Displacement since the last report, millimeters in the ring's frame at that report.
         moved_mm: [i16; 2],
         /// How far the ring has turned since then, in 1/65536 of a turn.
         turned: u16,
@@ -120,7 +120,7 @@ pub enum Happening {
 pub struct EchoRecord {
     /// Transducer.
     pub sensor: u8,
-    /// Range, millimetres; nothing where nothing answered.
+    /// Range, millimeters; nothing where nothing answered.
     pub range_mm: Option<u16>,
     /// How long before it was told, milliseconds.
     #[serde(default, skip_serializing_if = "is_none")]
@@ -254,7 +254,7 @@ impl Answer {
 pub struct MotionRecord {
     /// Number of the motion.
     pub id: u16,
-    /// Where to, millimetres.
+    /// Where to, millimeters.
     pub displacement_mm: [i16; 2],
     /// At most this fast.
     pub speed_mm_s: u16,
@@ -277,7 +277,7 @@ pub struct DecisionRecord {
     pub situation: Vec<f64>,
     /// How it came about; `None` for a random move.
     pub plan: Option<PlanRecord>,
-    /// Displacement wanted, millimetres in the ring's frame.
+    /// Displacement wanted, millimeters in the ring's frame.
     pub wanted_mm: [i16; 2],
     /// Displacement the shield allowed.
     pub allowed_mm: [i16; 2],
@@ -314,7 +314,7 @@ pub struct PlanRecord {
     pub at_goal: bool,
     /// The action is the one the action map recalled.
     pub recalled: bool,
-    /// The move asked for, millimetres in the ring's frame.
+    /// The move asked for, millimeters in the ring's frame.
     pub action_mm: [i16; 2],
     /// Why.
     pub why: String,

@@ -17,9 +17,9 @@ const SURFACES: &str = "surfaces";
 const SHAPES: &str = "shapes";
 /// The entity of a second robot.
 const LEADER: &str = "leader";
-/// A body is drawn this high, metres (about a Nomad 200's height).
+/// A body is drawn this high, meters (about a Nomad 200's height).
 const HEIGHT_M: f64 = 0.9;
-/// What nothing answered to is drawn at the longest range the ring reports, 255 in, metres.
+/// What nothing answered to is drawn at the longest range the ring reports, 255 in, meters.
 const LONGEST_M: f64 = 6.477;
 
 fn stamp(time: u64) -> Value {

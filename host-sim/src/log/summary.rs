@@ -27,7 +27,7 @@ pub struct Summary {
     pub shortened: u64,
     /// Motions that ended at a touch.
     pub contacts: u64,
-    /// Way travelled by the base's own account, metres.
+    /// Way traveled by the base's own account, meters.
     pub distance_m: f64,
     /// How it ends.
     pub ending: Ending,

@@ -185,7 +185,7 @@ impl<W: Write + Seek> Log<W> {
         self.put(channel::PLAN, self.time(answer.at_ms), answer);
     }
 
-    /// The latest ranges by transducer, metres from its face.
+    /// The latest ranges by transducer, meters from its face.
     pub fn sonar(&mut self, at: Millis, ranges_m: &[Option<f64>; 16]) {
         let time = self.time(at.as_ms());
         self.put(channel::SONAR, time, &scene::laser_scan(time, ranges_m));

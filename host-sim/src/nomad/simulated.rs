@@ -44,7 +44,7 @@ struct Awaited {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Ledger {
     /// Way rolled, m.
-    pub travelled_m: f64,
+    pub traveled_m: f64,
     /// How often the body touched something.
     pub contacts: u32,
 }
@@ -204,9 +204,9 @@ impl Simulated {
             let touching = self.axes.bumpers() != 0;
             let (done, counted) = self.axes.advance(1e-3, &self.world);
             self.reckoning.roll(counted);
-            self.ledger.travelled_m += done.travelled_m;
+            self.ledger.traveled_m += done.traveled_m;
             self.ledger.contacts += u32::from(done.touched && !touching);
-            if self.ledger.travelled_m >= self.rolls_m {
+            if self.ledger.traveled_m >= self.rolls_m {
                 self.axes.block_wheels();
             }
         }

@@ -1,4 +1,4 @@
-//! The Nomad's units and the metre, the radian and the second.
+//! The Nomad's units and the meter, the radian and the second.
 
 use crate::sonar::M_PER_INCH;
 use core::f64::consts::PI;

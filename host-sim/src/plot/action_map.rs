@@ -9,7 +9,7 @@ use super::situation_map::{corner, tile};
 use super::svg::{Svg, decimal, fill};
 
 /// Draws an action map: per neuron the change of situation as bars from a zero circle (outwards = increase) at the
-/// transducers' bearings (rad, front up the page) and the action as an arrow (`actions_m`: metres in the ring frame,
+/// transducers' bearings (rad, front up the page) and the action as an arrow (`actions_m`: meters in the ring frame,
 /// x to the front, y to the left), both relative to the largest on the map; background = U-matrix.
 ///
 /// Works for any grid and any number of transducers. Returns an SVG document.
@@ -79,7 +79,7 @@ fn legend(
     });
     legend.skip(6.0);
     u_matrix_legend(&mut legend, svg, ends);
-    legend.note(svg, tiles.neighbours());
+    legend.note(svg, tiles.neighbors());
 }
 
 /// A bar from a zero line, `height` px downwards.
@@ -88,7 +88,7 @@ fn bar(svg: &mut Svg, [x, y]: [f64; 2], height: f64, color: &str) {
         [x - 4.0, y + height.min(0.0), 8.0, height.abs()],
         &fill(color),
     );
-    svg.rect([x - 9.0, y - 0.5, 18.0, 1.0], &fill(color::GREY));
+    svg.rect([x - 9.0, y - 0.5, 18.0, 1.0], &fill(color::GRAY));
 }
 
 fn length(action: &[f64; 2]) -> f64 {

@@ -1,8 +1,8 @@
-//! Several behaviours side by side: one path each.
+//! Several behaviors side by side: one path each.
 
 use crate::recording::Recording;
 
-use super::color::GREY;
+use super::color::GRAY;
 use super::layout::{MARGIN, PAGE, TOP, heading, shortened, wrapped};
 use super::path::way;
 use super::scene::{self, View};
@@ -15,7 +15,7 @@ const CAPTIONS: f64 = 74.0;
 /// Tallest panel, px.
 const TALLEST: f64 = 250.0;
 
-/// One behaviour to be shown.
+/// One behavior to be shown.
 #[derive(Debug, Clone)]
 pub struct Shown {
     /// Its name.
@@ -26,7 +26,7 @@ pub struct Shown {
     pub recording: Recording,
 }
 
-/// Draws the paths of behaviours as small multiples with their captions.
+/// Draws the paths of behaviors as small multiples with their captions.
 ///
 /// Returns an SVG document.
 #[must_use]
@@ -38,7 +38,7 @@ pub fn behaviors(title: &str, shown: &[Shown]) -> String {
         View::new(corners, corner, room)
     };
     let mut svg = Svg::new(PAGE, TOP);
-    let subtitle = "S start · F end · N nest or place shown · L leader · purple: the random moves · colour of the path: time";
+    let subtitle = "S start · F end · N nest or place shown · L leader · purple: the random moves · color of the path: time";
     heading(&mut svg, title, subtitle);
     let mut top = TOP;
     for row in shown.chunks(COLUMNS) {
@@ -63,7 +63,7 @@ fn caption(svg: &mut Svg, [x, y]: [f64; 2], side: f64, shown: &Shown) {
     let lines = wrapped(&shown.about, (side / 6.2) as usize);
     for (number, line) in lines.iter().take(2).enumerate() {
         let at = [x, y + 38.0 + 15.0 * number as f64];
-        svg.text(at, Font::new(11.5).color(GREY), line);
+        svg.text(at, Font::new(11.5).color(GRAY), line);
     }
 }
 
@@ -73,17 +73,17 @@ mod tests {
     use crate::plot::fixture::{assert_well_formed, recording};
 
     #[test]
-    fn every_behaviour_has_its_name_below() {
+    fn every_behavior_has_its_name_below() {
         let shown: Vec<_> = (0..4)
             .map(|i| Shown {
-                name: format!("behaviour-{i}"),
+                name: format!("behavior-{i}"),
                 about: "goes <here> & there".into(),
                 recording: recording(),
             })
             .collect();
-        let picture = behaviors("Behaviours", &shown);
+        let picture = behaviors("Behaviors", &shown);
         assert_well_formed(&picture);
-        assert!((0..4).all(|i| picture.contains(&format!("behaviour-{i}"))));
+        assert!((0..4).all(|i| picture.contains(&format!("behavior-{i}"))));
         assert_well_formed(&behaviors("none", &[]));
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::experiments::paper::chain::{Chain, Cloud, Point3};
 
-use super::color::{GREY, INK, ORANGE, PALE};
+use super::color::{GRAY, INK, ORANGE, PALE};
 use super::layout::{MARGIN, PAGE, TOP, heading};
 use super::svg::{Font, Svg, fill, filled, stroke};
 
@@ -16,14 +16,14 @@ const POINTS: usize = 700;
 const TURN: f64 = 0.55;
 const ABOVE: f64 = 0.35;
 
-/// Draws chains side by side as the paper's Fig. 1: points, neurons as circles, lines between neighbours in the chain,
+/// Draws chains side by side as the paper's Fig. 1: points, neurons as circles, lines between neighbors in the chain,
 /// seen from the side and a little above.
 ///
 /// Returns an SVG document.
 #[must_use]
 pub fn chains(title: &str, chains: [&Chain; 2]) -> String {
     let mut svg = Svg::new(PAGE, TOP + SIDE + CAPTION);
-    let subtitle = "dots: points learnt · circles: neurons · lines: neighbours in the chain · orange: a neuron where no point is";
+    let subtitle = "dots: points learned · circles: neurons · lines: neighbors in the chain · orange: a neuron where no point is";
     heading(&mut svg, title, subtitle);
     for (number, chain) in chains.into_iter().enumerate() {
         let left = MARGIN + number as f64 * (PAGE - 2.0 * MARGIN - SIDE);
@@ -42,7 +42,7 @@ fn panel(svg: &mut Svg, corner: [f64; 2], chain: &Chain) {
     let at = |point: &Point3| place(corner, point);
     cube(svg, corner);
     for point in chain.points.iter().take(POINTS) {
-        let style = format!(r#"{} fill-opacity="0.55""#, fill(GREY));
+        let style = format!(r#"{} fill-opacity="0.55""#, fill(GRAY));
         svg.circle(at(point), 1.1, &style);
     }
     let line: Vec<_> = chain.code.iter().map(at).collect();
@@ -95,7 +95,7 @@ fn caption(svg: &mut Svg, [x, y]: [f64; 2], letter: &str, chain: &Chain) {
     };
     let neurons = chain.code.len();
     svg.text([x, y], Font::new(13.0).bold(), &format!("{letter} {what}"));
-    let font = Font::new(11.5).color(GREY);
+    let font = Font::new(11.5).color(GRAY);
     let share = format!(
         "each of {neurons} neurons wins {least:.2} to {most:.2} times 1/{neurons} of fresh points"
     );

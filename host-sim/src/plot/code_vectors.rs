@@ -2,7 +2,7 @@
 
 use crate::recording::MapRecord;
 
-use super::color::{BLUE, GREY, INK, VALUE, VERMILLION};
+use super::color::{BLUE, GRAY, INK, VALUE, VERMILLION};
 use super::layout::{Legend, TOP, Tiles, heading, normalized, shortened};
 use super::situation_map::{corner, tile};
 use super::svg::{Font, Svg, decimal, fill};
@@ -54,10 +54,10 @@ fn profile(svg: &mut Svg, [x, y, side, _]: [f64; 4], code: &[f64], [low, base, h
         let bar = [left + (i as f64 + 0.1) * slot, from, 0.8 * slot, to - from];
         svg.rect(bar, &fill(color));
     }
-    svg.rect([left, level(base) - 0.5, width, 1.0], &fill(GREY));
+    svg.rect([left, level(base) - 0.5, width, 1.0], &fill(GRAY));
 }
 
-/// The colour of bars above the base: neutral where there is nothing below it.
+/// The color of bars above the base: neutral where there is nothing below it.
 fn upwards(low: f64, base: f64) -> &'static str {
     if low < base { VERMILLION } else { VALUE }
 }
@@ -82,7 +82,7 @@ fn legend(
             svg.rect([x - 5.0, y - 7.0, 10.0, 14.0], &fill(BLUE))
         });
     }
-    legend.note(svg, tiles.neighbours());
+    legend.note(svg, tiles.neighbors());
     if !names.is_empty() {
         legend.skip(4.0);
         legend.headline(svg, "Components");

@@ -1,9 +1,9 @@
-//! Colours that people who see colours differently can tell apart, and continuous ramps.
+//! Colors that people who see colors differently can tell apart, and continuous ramps.
 
 /// Text and outlines.
 pub const INK: &str = "#1f2933";
 /// Secondary text.
-pub const GREY: &str = "#5a6673";
+pub const GRAY: &str = "#5a6673";
 /// Axes, zero lines, empty cells.
 pub const PALE: &str = "#c5ccd3";
 /// Filling of obstacles.
@@ -26,7 +26,7 @@ pub const SKY: &str = "#56b4e9";
 /// Okabe and Ito's yellow.
 pub const YELLOW: &str = "#f0e442";
 
-/// The colour of class `index`; they come again after eight.
+/// The color of class `index`; they come again after eight.
 pub fn class(index: usize) -> &'static str {
     const CLASSES: [&str; 8] = [BLUE, ORANGE, GREEN, PURPLE, SKY, VERMILLION, YELLOW, PALE];
     CLASSES[index % CLASSES.len()]
@@ -66,12 +66,12 @@ pub fn value(at: f64) -> String {
     hex(mix(&CIVIDIS, at))
 }
 
-/// A background that dark bars stay visible on: white to slate grey, `at` in [0, 1].
+/// A background that dark bars stay visible on: white to slate gray, `at` in [0, 1].
 pub fn tint(at: f64) -> String {
     hex(mix(&TINT, at))
 }
 
-/// The text colour to read on [`value`]`(at)`.
+/// The text color to read on [`value`]`(at)`.
 pub fn text_on_value(at: f64) -> &'static str {
     if at < 0.55 { "#ffffff" } else { INK }
 }

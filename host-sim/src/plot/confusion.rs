@@ -1,6 +1,6 @@
 //! Which class was taken for which.
 
-use super::color::{self, GREY, INK};
+use super::color::{self, GRAY, INK};
 use super::layout::{MARGIN, PAGE, TOP, heading, shortened};
 use super::svg::{Anchor, Font, Svg, decimal, fill, filled};
 
@@ -9,7 +9,7 @@ const NAMES: f64 = 150.0;
 /// Room for the classes' names above, px.
 const ABOVE: f64 = 44.0;
 
-/// Draws a confusion matrix: rows are the classes that were, columns those recalled; a cell's colour is its share of its
+/// Draws a confusion matrix: rows are the classes that were, columns those recalled; a cell's color is its share of its
 /// row, the text in it that share and the count.
 ///
 /// Returns an SVG document.
@@ -85,7 +85,7 @@ fn cell(svg: &mut Svg, [x, y]: [f64; 2], [width, height]: [f64; 2], share: f64, 
             &count.to_string(),
         );
     } else if count > 0 {
-        svg.circle([middle, y + height / 2.0], 2.0, &fill(GREY));
+        svg.circle([middle, y + height / 2.0], 2.0, &fill(GRAY));
     }
 }
 

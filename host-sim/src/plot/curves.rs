@@ -2,7 +2,7 @@
 
 use crate::experiments::statistics::Mean;
 
-use super::color::{BLUE, GREEN, GREY, INK, ORANGE, PALE, PURPLE, VERMILLION};
+use super::color::{BLUE, GRAY, GREEN, INK, ORANGE, PALE, PURPLE, VERMILLION};
 use super::layout::{MARGIN, PAGE, TOP, heading, shortened};
 use super::svg::{Anchor, Font, Svg, fill, stroke};
 
@@ -15,7 +15,7 @@ const AXES: f64 = 138.0;
 /// Height of the names below the panels, where there are any, px.
 const NAMES: f64 = 30.0;
 
-/// The lines' colours, in their order.
+/// The lines' colors, in their order.
 const COLORS: [&str; 6] = [BLUE, ORANGE, GREEN, PURPLE, VERMILLION, INK];
 
 /// What holds for all panels.
@@ -25,7 +25,7 @@ pub struct Key {
     pub subtitle: String,
     /// What runs along the panels.
     pub along: String,
-    /// Places along the panels (counted from 0) that are labelled, and how.
+    /// Places along the panels (counted from 0) that are labeled, and how.
     pub ticks: Vec<(usize, String)>,
     /// Names of the lines and whether they are dashed; none where the subtitle names them.
     pub names: Vec<(String, bool)>,
@@ -44,7 +44,7 @@ pub struct Curves {
     pub lines: Vec<Vec<Mean>>,
 }
 
-/// Draws a panel for each measure, the lines in the colours blue, orange, green, purple, vermillion, black.
+/// Draws a panel for each measure, the lines in the colors blue, orange, green, purple, vermillion, black.
 ///
 /// Returns an SVG document.
 #[must_use]
@@ -87,7 +87,7 @@ fn panel(svg: &mut Svg, [left, top]: [f64; 2], side: f64, key: &Key, curves: &Cu
     svg.text([left, top + 14.0], Font::new(12.5).bold(), &name);
     svg.text(
         [left, top + 29.0],
-        Font::new(11.0).color(GREY),
+        Font::new(11.0).color(GRAY),
         &curves.measure,
     );
     let area = [left + 42.0, top + 38.0, side - 62.0, AXES];
@@ -149,7 +149,7 @@ impl Axes {
     fn draw(&self, svg: &mut Svg, key: &Key) {
         let [left, top, width, height] = self.area;
         svg.rect([left, top, width, height], &stroke(PALE, 1.0));
-        let font = Font::new(11.0).color(GREY);
+        let font = Font::new(11.0).color(GRAY);
         for (value, y) in [(self.high, top + 10.0), (self.low, top + height)] {
             let digits = if self.high - self.low > 2.0 { 1 } else { 3 };
             let text = format!("{value:.digits$}");

@@ -73,7 +73,7 @@ pub fn write(
         });
     }
     let title = format!(
-        "Behaviour “{}” in the world “{}”",
+        "Behavior “{}” in the world “{}”",
         recording.behavior,
         recording.world.name()
     );
@@ -89,7 +89,7 @@ pub fn write(
 ///
 /// # Errors
 ///
-/// When the file or its temporary neighbour cannot be written; an older file of that name stays as it was.
+/// When the file or its temporary neighbor cannot be written; an older file of that name stays as it was.
 pub fn save(dir: &Path, name: &str, content: &[u8]) -> Result<PathBuf, WriteError> {
     let path = dir.join(name);
     match files::write(&path, content) {
@@ -113,13 +113,13 @@ fn pictures(recording: &Recording) -> [Picture; 4] {
         ("path", "The way through the world", PATH, path(recording)),
         (
             "situation-map",
-            "What the robot has learnt to recognise",
+            "What the robot has learned to recognize",
             SITUATION_MAP,
             situation_map(&recording.situation_map, ring, marks),
         ),
         (
             "action-map",
-            "What the robot has learnt to bring about",
+            "What the robot has learned to bring about",
             ACTION_MAP,
             action_map(&recording.change_map, &recording.actions_m, ring),
         ),
@@ -134,7 +134,7 @@ fn pictures(recording: &Recording) -> [Picture; 4] {
 
 const PATH: &[&str] = &[
     "The world from above. The robot first makes random moves (purple): that is all it ever learns from before it is \
-     given a goal. Then it seeks the goal, a situation it should perceive, from S to F; the colour of the path tells \
+     given a goal. Then it seeks the goal, a situation it should perceive, from S to F; the color of the path tells \
      the time.",
     "Nobody told the robot what an obstacle is or how to turn: look for places where the path bends away from a wall \
      before the body could touch it.",
@@ -142,8 +142,8 @@ const PATH: &[&str] = &[
 const SITUATION_MAP: &[&str] = &[
     "Each tile is one neuron of the situation map and stands for a situation: the longer a bar, the nearer the \
      obstacle in that direction. The front of the ring points up, its left to the left.",
-    "Neighbouring neurons stand for similar situations; a dark background marks a neuron that differs from its \
-     neighbours. The goal is one of these neurons, and a way from tile to tile towards it is a plan.",
+    "Neighboring neurons stand for similar situations; a dark background marks a neuron that differs from its \
+     neighbors. The goal is one of these neurons, and a way from tile to tile towards it is a plan.",
 ];
 const ACTION_MAP: &[&str] = &[
     "Each tile is one neuron of the action map: a change of situation and the displacement that brings it. Bars \
@@ -153,7 +153,7 @@ const ACTION_MAP: &[&str] = &[
 const SEQUENCE: &[&str] = &[
     "A few decisions in a row. Looking one step ahead, the robot asks the action map what each direction would change, \
      and takes the one whose situation to come is nearest to the goal. (In the presets that keep the paper's four steps it \
-     picks a neighbour of its present neuron that is nearer to the goal and asks which displacement brings the difference.)",
+     picks a neighbor of its present neuron that is nearer to the goal and asks which displacement brings the difference.)",
     "Compare the change that was wanted with the change that was measured after the move: they agree in direction \
      where the maps know the situation well.",
 ];

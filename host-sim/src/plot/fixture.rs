@@ -107,7 +107,7 @@ pub fn recording() -> Recording {
     }
 }
 
-/// An episode in which nothing happened and nothing was learnt.
+/// An episode in which nothing happened and nothing was learned.
 pub fn empty() -> Recording {
     let none = MapRecord {
         grid: [0, 0],
@@ -230,7 +230,7 @@ fn seek(robot: &mut Robot, map: &MapRecord) -> Vec<Step> {
             reason: if strength == 0.0 {
                 "goal held".into()
             } else {
-                "nearer neighbour".into()
+                "nearer neighbor".into()
             },
         };
         let step = robot.step(direction, Some(plan));

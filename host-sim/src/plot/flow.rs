@@ -4,7 +4,7 @@ use core::f64::consts::{FRAC_PI_2, PI};
 
 use crate::experiments::paper::decision::DecisionFigure;
 
-use super::color::{BLUE, GREY, INK, ORANGE, PALE, VERMILLION};
+use super::color::{BLUE, GRAY, INK, ORANGE, PALE, VERMILLION};
 use super::flow_values as values;
 use super::layout::{Legend, MARGIN, PAGE, TOP, axis_end, heading};
 use super::rosette::{Rosette, arrow};
@@ -72,7 +72,7 @@ fn samples(svg: &mut Svg, shown: &DecisionFigure, ring: &[f64]) {
     let [x, ..] = COLUMNS;
     let memory = format!("lazy memory: {} samples", shown.memory);
     title(svg, [x, TOP + 4.0], "A", &memory);
-    let font = Font::new(11.0).color(GREY).at(Anchor::Middle);
+    let font = Font::new(11.0).color(GRAY).at(Anchor::Middle);
     for (name, at) in [("S before", 34.0), ("action", 112.0), ("S after", 190.0)] {
         svg.text([x + at, TOP + 22.0], font, name);
     }
@@ -152,7 +152,7 @@ fn maps(svg: &mut Svg, shown: &DecisionFigure, ring: &[f64]) {
     let full = axis_end(shown.situations.iter().flatten());
     let most = axis_end(shown.changes.iter().flatten());
     let longest = longest(shown.actions_m.iter());
-    let font = Font::new(11.5).color(GREY);
+    let font = Font::new(11.5).color(GRAY);
     svg.text([first, MAPS - 7.0], font, "1st map: situations");
     svg.text([second, MAPS - 7.0], font, "2nd map: changes and actions");
     for (i, code) in shown.situations.iter().enumerate() {
@@ -175,14 +175,14 @@ fn maps(svg: &mut Svg, shown: &DecisionFigure, ring: &[f64]) {
         (first, aim, VERMILLION, 2.0),
         (second, answer, INK, 2.0),
     ] {
-        let [x, y] = centre(left, neuron);
+        let [x, y] = center(left, neuron);
         let side = TILE - 2.0 * inset;
         let half = side / 2.0;
         svg.rect([x - half, y - half, side, side], &stroke(color, 3.0));
     }
 }
 
-fn centre(left: f64, neuron: usize) -> [f64; 2] {
+fn center(left: f64, neuron: usize) -> [f64; 2] {
     let (column, row) = (neuron % 4, neuron / 4);
     [
         left + (column as f64 + 0.5) * TILE,
@@ -190,9 +190,9 @@ fn centre(left: f64, neuron: usize) -> [f64; 2] {
     ]
 }
 
-/// An empty tile; returns its centre.
+/// An empty tile; returns its center.
 fn tile(svg: &mut Svg, left: f64, neuron: usize) -> [f64; 2] {
-    let [x, y] = centre(left, neuron);
+    let [x, y] = center(left, neuron);
     let half = TILE / 2.0;
     svg.rect(
         [x - half, y - half, TILE, TILE],
@@ -222,14 +222,14 @@ fn steps(svg: &mut Svg, shown: &DecisionFigure, ring: &[f64]) {
         (
             "F",
             "intermediate",
-            format!("(3) neighbour: {aim}"),
+            format!("(3) neighbor: {aim}"),
             VERMILLION,
         ),
         (
             "G",
             "F − D: wanted",
             "(4) probes the 2nd map".to_owned(),
-            GREY,
+            GRAY,
         ),
         ("", "action", format!("answer: {answer}"), INK),
     ];

@@ -2,7 +2,7 @@
 
 use crate::experiments::paper::decision::DecisionFigure;
 
-use super::color::{BLUE, GREY, PALE, VERMILLION};
+use super::color::{BLUE, GRAY, PALE, VERMILLION};
 use super::layout::{Legend, PAGE};
 use super::svg::{Anchor, Font, Svg, decimal, fill};
 
@@ -14,8 +14,8 @@ const LETTERS: f64 = 66.0;
 
 /// A row per letter, a column per transducer.
 pub fn table(svg: &mut Svg, [x, y]: [f64; 2], shown: &DecisionFigure) {
-    let font = Font::new(11.0).color(GREY).at(Anchor::End);
-    svg.text([x, y], Font::new(11.0).color(GREY), "transducer");
+    let font = Font::new(11.0).color(GRAY).at(Anchor::End);
+    svg.text([x, y], Font::new(11.0).color(GRAY), "transducer");
     let right = |i: usize| x + LETTERS + COLUMN * (i as f64 + 1.0) - 4.0;
     for i in 0..shown.present.len() {
         svg.text([right(i), y], font, &i.to_string());
@@ -43,7 +43,7 @@ pub fn table(svg: &mut Svg, [x, y]: [f64; 2], shown: &DecisionFigure) {
             let font = match value {
                 v if v > 0.005 && letter == "G" => font.color(VERMILLION),
                 v if v < -0.005 => font.color(BLUE),
-                v if v.abs() <= 0.005 => font.color(GREY),
+                v if v.abs() <= 0.005 => font.color(GRAY),
                 _ => font,
             };
             svg.text([right(i), line], font, &decimal(value, 2));

@@ -2,7 +2,7 @@
 
 use crate::experiments::statistics::Mean;
 
-use super::color::{BLUE, GREY, INK, PALE, SKY};
+use super::color::{BLUE, GRAY, INK, PALE, SKY};
 use super::layout::{MARGIN, PAGE, TOP, heading, shortened, wrapped};
 use super::svg::{Anchor, Font, Svg, decimal, fill, filled, stroke};
 
@@ -82,7 +82,7 @@ pub fn forest(title: &str, subtitle: &str, sections: &[ForestSection]) -> String
     }
     for (line, text) in notes.iter().enumerate() {
         let y = below + 8.0 + 16.0 * line as f64;
-        svg.text([MARGIN, y], Font::new(11.5).color(GREY), text);
+        svg.text([MARGIN, y], Font::new(11.5).color(GRAY), text);
     }
     svg.finish(title, subtitle)
 }
@@ -103,7 +103,7 @@ fn section(svg: &mut Svg, top: f64, section: &ForestSection) {
         svg.text([MARGIN, y + 4.0], Font::new(12.0), &shortened(label, 17));
         svg.text(
             [right, y + 4.0],
-            Font::new(11.0).color(GREY).at(Anchor::End),
+            Font::new(11.0).color(GRAY).at(Anchor::End),
             small,
         );
     }
@@ -113,7 +113,7 @@ fn section(svg: &mut Svg, top: f64, section: &ForestSection) {
         let left = MARGIN + LABELS + index as f64 * (width + GAP);
         svg.text(
             [left, top + 38.0],
-            Font::new(12.0).color(GREY),
+            Font::new(12.0).color(GRAY),
             &shortened(&column.name, 30),
         );
         let axis = Axis::holding(column, left, width);
@@ -165,7 +165,7 @@ impl Axis {
             // Inside the axis' width: the next axis is near.
             let half = text.chars().count() as f64 * 3.1;
             let x = x.max(self.left + half).min(self.left + self.width - half);
-            let font = Font::new(11.0).color(GREY).at(Anchor::Middle);
+            let font = Font::new(11.0).color(GRAY).at(Anchor::Middle);
             svg.text([x, top + height + 14.0], font, &text);
         }
     }

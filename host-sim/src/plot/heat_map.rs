@@ -1,6 +1,6 @@
 //! Measures by two things at once.
 
-use super::color::{self, GREY, INK, PALE};
+use super::color::{self, GRAY, INK, PALE};
 use super::layout::{MARGIN, PAGE, TOP, heading, normalized, shortened};
 use super::svg::{Anchor, Font, Svg, decimal, filled};
 
@@ -88,7 +88,7 @@ pub fn heat_maps(
             let left = MARGIN + LABELS + place as f64 * panel;
             svg.text(
                 [left, top + 36.0],
-                Font::new(12.0).color(GREY),
+                Font::new(12.0).color(GRAY),
                 &shortened(&map.name, 32),
             );
             labels(&mut svg, [left, cells], width, upright, &along.labels);
@@ -141,7 +141,7 @@ fn draw(svg: &mut Svg, [left, top]: [f64; 2], width: f64, map: &HeatMap) {
     }
 }
 
-/// A cell coloured by its `place` in 0 … 1, with a text in its middle.
+/// A cell colored by its `place` in 0 … 1, with a text in its middle.
 pub(super) fn cell(
     svg: &mut Svg,
     [x, y]: [f64; 2],

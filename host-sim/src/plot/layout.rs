@@ -1,6 +1,6 @@
 //! What all pictures share: the page with title and legend column, tiles for map neurons, number words.
 
-use super::color::{self, GREY, INK, PALE};
+use super::color::{self, GRAY, INK, PALE};
 use super::svg::{Anchor, Font, Svg, decimal, fill, stroke};
 
 /// Width of a page, px.
@@ -24,7 +24,7 @@ pub fn heading(svg: &mut Svg, title: &str, subtitle: &str) {
         &shortened(title, 78),
     );
     let subtitle = shortened(subtitle, 124);
-    svg.text([MARGIN, 55.0], Font::new(12.5).color(GREY), &subtitle);
+    svg.text([MARGIN, 55.0], Font::new(12.5).color(GRAY), &subtitle);
 }
 
 /// A column of symbols with their meaning, from top to bottom; the page grows with it.
@@ -66,7 +66,7 @@ impl Legend {
         self.y += 22.0;
     }
 
-    /// A symbol drawn around the centre it is given, and what it means.
+    /// A symbol drawn around the center it is given, and what it means.
     pub fn entry(&mut self, svg: &mut Svg, meaning: &str, draw: impl FnOnce(&mut Svg, [f64; 2])) {
         draw(svg, [self.x + SYMBOL / 2.0 - 4.0, self.y + 9.0]);
         self.lines(svg, meaning, SYMBOL, 12.0, INK);
@@ -75,11 +75,11 @@ impl Legend {
 
     /// A paragraph in small print.
     pub fn note(&mut self, svg: &mut Svg, text: &str) {
-        self.lines(svg, text, 0.0, 11.5, GREY);
+        self.lines(svg, text, 0.0, 11.5, GRAY);
         self.y += 7.0;
     }
 
-    /// A colour bar of [`color`] `ramp` with the values at its ends.
+    /// A color bar of [`color`] `ramp` with the values at its ends.
     pub fn ramp(&mut self, svg: &mut Svg, title: &str, ends: [&str; 2], ramp: fn(f64) -> String) {
         self.lines(svg, title, 0.0, 12.0, INK);
         const PARTS: usize = 32;
@@ -92,7 +92,7 @@ impl Legend {
             svg.rect([self.x + i as f64 * part, top, width, 12.0], &fill(&color));
         }
         svg.rect([self.x, top, self.width, 12.0], &stroke(PALE, 1.0));
-        let font = Font::new(11.0).color(GREY);
+        let font = Font::new(11.0).color(GRAY);
         svg.text([self.x, top + 26.0], font, ends[0]);
         svg.text(
             [self.x + self.width, top + 26.0],
@@ -187,12 +187,12 @@ impl Tiles {
         PAGE.max(PAGE - PLOT + self.width())
     }
 
-    /// How a reader finds a neuron's neighbours.
-    pub fn neighbours(&self) -> &'static str {
+    /// How a reader finds a neuron's neighbors.
+    pub fn neighbors(&self) -> &'static str {
         if self.folded {
-            "The map is a chain, folded like lines of text: N1 and N2 are neighbours, and so on."
+            "The map is a chain, folded like lines of text: N1 and N2 are neighbors, and so on."
         } else {
-            "Tiles that share a side are neighbours in the map."
+            "Tiles that share a side are neighbors in the map."
         }
     }
 
@@ -267,12 +267,12 @@ pub fn axis_end<'a>(values: impl Iterator<Item = &'a f64>) -> f64 {
         .unwrap_or(1.0)
 }
 
-/// The background colour bar of a map, with its meaning.
+/// The background color bar of a map, with its meaning.
 pub fn u_matrix_legend(legend: &mut Legend, svg: &mut Svg, [low, high]: [f64; 2]) {
     let (low, high) = (decimal(low, 2), decimal(high, 2));
     legend.ramp(
         svg,
-        "Background: mean distance to neighbours",
+        "Background: mean distance to neighbors",
         [&low, &high],
         color::tint,
     );

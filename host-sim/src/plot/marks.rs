@@ -1,4 +1,4 @@
-//! What a behaviour adds to a path: the robot that is followed, the place that is sought, the parts of a chain.
+//! What a behavior adds to a path: the robot that is followed, the place that is sought, the parts of a chain.
 
 use crate::episode::NEST_M;
 use crate::recording::Recording;

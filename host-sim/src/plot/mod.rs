@@ -1,10 +1,10 @@
-//! Pictures of what a robot did and what its maps learnt, as SVG text drawn from recorded values only.
+//! Pictures of what a robot did and what its maps learned, as SVG text drawn from recorded values only.
 //!
 //! Every picture function takes plain records and returns one SVG document; [`png::render`] turns any of them into a
 //! bitmap with the bundled font. The same data give the same bytes on every machine: numbers are printed with fixed
 //! decimals, angles go through `libm`, nothing is iterated in hash order.
 //!
-//! Pictures are laid out for a page of 800 px: no text is smaller than 11 px there. Colours are the colour-blind-safe
+//! Pictures are laid out for a page of 800 px: no text is smaller than 11 px there. Colors are the color-blind-safe
 //! ones of Okabe and Ito, with viridis and cividis for continuous values. World y points up the page; in rosettes the
 //! front of the ring points up and its left to the left.
 
@@ -20,7 +20,7 @@ mod flow;
 mod flow_values;
 mod forest;
 mod heat_map;
-mod labelled_map;
+mod labeled_map;
 mod layout;
 mod marks;
 mod page;
@@ -54,7 +54,7 @@ pub use curves::{Curves, Key, curves};
 pub use flow::flow;
 pub use forest::{ForestColumn, ForestSection, Mark, forest};
 pub use heat_map::{HeatAxis, HeatMap, heat_maps};
-pub use labelled_map::{LabelledMap, labelled_map};
+pub use labeled_map::{LabeledMap, labeled_map};
 pub use page::{Figure, index_html};
 pub use path::path;
 pub use routes::{RoutePanel, routes};

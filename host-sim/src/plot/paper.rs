@@ -61,7 +61,7 @@ fn about(measured: &Measured) -> Vec<String> {
          asked meet its rule, and partly when some do."
             .to_owned(),
         format!(
-            "Seed {}; {} random rooms, {} worlds × {} seeds per behaviour, {} repetitions, {} chains and miniature robots. The same \
+            "Seed {}; {} random rooms, {} worlds × {} seeds per behavior, {} repetitions, {} chains and miniature robots. The same \
              numbers give the same page, byte by byte.",
             size.seed, size.rooms, size.worlds, size.seeds, size.times, size.draws
         ),
@@ -127,15 +127,15 @@ const FIGURE_1: &[&str] = &[
      in two clusters. A neuron between the clusters stands for nothing; the chain has to cross there.",
 ];
 const FIGURE_2: &[&str] = &[
-    "What a robot of 55 mm with the eight bearings of a Khepera has learnt from 100 random moves in a small box. The robot has \
-     no turret: its ring turns with it. Look for neighbours that are alike.",
+    "What a robot of 55 mm with the eight bearings of a Khepera has learned from 100 random moves in a small box. The robot has \
+     no turret: its ring turns with it. Look for neighbors that are alike.",
 ];
 const FIGURE_3: &[&str] = &[
     "From the samples (A) come the learning bases of the two maps (B, C). For the decision: (1) the neuron of the goal E, (2) \
-     that of the present situation D, (3) a neighbour nearer to the goal, F; (4) the difference G = F − D probes the second map, \
+     that of the present situation D, (3) a neighbor nearer to the goal, F; (4) the difference G = F − D probes the second map, \
      which answers with the action.",
     "All values are those of a real decision by preset probe: of the first episode, from the given seed on, that has a decision \
-     which aims at a neighbour with something to the left. Such decisions are rare in this preset (see § 2.5).",
+     which aims at a neighbor with something to the left. Such decisions are rare in this preset (see § 2.5).",
 ];
 const FIGURE_3_LITERAL: &[&str] = &[
     "The same by preset touzet: nothing nearer than 1 m is the goal, G is F − D in every component, and the action is a turn and \

@@ -3,7 +3,7 @@
 use crate::recording::{Recording, Step};
 use crate::world::Point;
 
-use super::color::{self, GREY, INK, OBSTACLE, ORANGE, PURPLE, VERMILLION};
+use super::color::{self, GRAY, INK, OBSTACLE, ORANGE, PURPLE, VERMILLION};
 use super::layout::{Legend, MARGIN, PAGE, PLOT, TOP, counted, heading};
 use super::marks;
 use super::scene::{self, View};
@@ -11,13 +11,13 @@ use super::svg::{Anchor, Font, Svg, decimal, filled, num, stroke};
 
 /// Way between two drawn bodies, m.
 const SPACING_M: f64 = 1.0;
-/// Colours along the path.
+/// Colors along the path.
 const SHADES: usize = 48;
 
-/// Draws a whole episode from above: obstacles, exploration, the path coloured by time with the body about every
-/// metre, start S, end F, contacts and shield interventions, scale bar, legend.
+/// Draws a whole episode from above: obstacles, exploration, the path colored by time with the body about every
+/// meter, start S, end F, contacts and shield interventions, scale bar, legend.
 ///
-/// Metres; the world's x to the right, its y up the page. Returns an SVG document.
+/// Meters; the world's x to the right, its y up the page. Returns an SVG document.
 #[must_use]
 pub fn path(recording: &Recording) -> String {
     let view = View::new(
@@ -27,7 +27,7 @@ pub fn path(recording: &Recording) -> String {
     );
     let mut svg = Svg::new(PAGE, TOP + view.size[1] + 48.0);
     let title = format!(
-        "Path of the robot: behaviour “{}”, world “{}”",
+        "Path of the robot: behavior “{}”, world “{}”",
         recording.behavior,
         recording.world.name()
     );
@@ -57,7 +57,7 @@ pub(super) fn way(svg: &mut Svg, view: &View, recording: &Recording) {
 fn subtitle(recording: &Recording) -> String {
     let steps = &recording.seeking;
     format!(
-        "preset {} · seed {} · {} · {} m travelled · {}",
+        "preset {} · seed {} · {} · {} m traveled · {}",
         recording.preset,
         recording.seed,
         counted(steps.len(), "decision"),
@@ -106,7 +106,7 @@ fn seeking(svg: &mut Svg, view: &View, recording: &Recording) {
     contacts(svg, view, &recording.seeking, VERMILLION);
 }
 
-/// The places at which the body is drawn: about every metre of path, where there is room among the others.
+/// The places at which the body is drawn: about every meter of path, where there is room among the others.
 fn footprints(places: &[Point], radius: f64) -> Vec<usize> {
     let ends = [places.first(), places.last()];
     let mut chosen: Vec<usize> = Vec::new();
@@ -182,20 +182,20 @@ fn legend(svg: &mut Svg, view: &View, recording: &Recording) {
     let decisions = format!("{} (F)", steps.len());
     legend.ramp(
         svg,
-        "Path, coloured by decision",
+        "Path, colored by decision",
         ["0 (S)", &decisions],
         color::time,
     );
     legend.skip(8.0);
     let body = format!(
-        "the body (radius {}\u{a0}m), about every metre",
+        "the body (radius {}\u{a0}m), about every meter",
         num(recording.robot_radius_m)
     );
     legend.entry(svg, &body, |svg, at| {
         svg.circle(at, 8.0, &stroke(&color::time(0.5), 1.2))
     });
     legend.entry(svg, "start and end", |svg, [x, y]| {
-        svg.circle([x, y], 8.0, &stroke(GREY, 2.2));
+        svg.circle([x, y], 8.0, &stroke(GRAY, 2.2));
         svg.text([x, y + 4.0], Font::new(11.0).at(Anchor::Middle).bold(), "S");
     });
     let stopped = format!(
@@ -258,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn bodies_are_about_a_metre_apart_and_do_not_pile_up() {
+    fn bodies_are_about_a_meter_apart_and_do_not_pile_up() {
         let line: Vec<Point> = (0..100)
             .map(|i| Point::new(f64::from(i) * 0.1, 0.0))
             .collect();

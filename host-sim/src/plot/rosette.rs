@@ -2,7 +2,7 @@
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use super::color::{BLUE, GREY, INK, PALE, VALUE, VERMILLION};
+use super::color::{BLUE, GRAY, INK, PALE, VALUE, VERMILLION};
 use super::svg::{Anchor, Font, Svg, fill, filled, stroke};
 
 /// Radius of the inner circle of a rosette of values, as part of its radius.
@@ -36,7 +36,7 @@ impl Rosette<'_> {
                 );
             }
         }
-        svg.circle(self.center, self.radius * HUB, &stroke(GREY, 1.0));
+        svg.circle(self.center, self.radius * HUB, &stroke(GRAY, 1.0));
         self.front(svg);
     }
 
@@ -60,11 +60,11 @@ impl Rosette<'_> {
                 );
             }
         }
-        svg.circle(self.center, self.radius * ZERO, &stroke(GREY, 1.0));
+        svg.circle(self.center, self.radius * ZERO, &stroke(GRAY, 1.0));
         self.front(svg);
     }
 
-    /// An arrow from the centre along `displacement` (ring frame, m); `full` m reach nearly to the zero circle.
+    /// An arrow from the center along `displacement` (ring frame, m); `full` m reach nearly to the zero circle.
     pub fn arrow(&self, svg: &mut Svg, displacement: [f64; 2], full: f64) {
         let [x, y] = displacement;
         let length = libm::hypot(x, y);
@@ -85,7 +85,7 @@ impl Rosette<'_> {
     pub fn annotate(&self, svg: &mut Svg) {
         let [x, y] = self.center;
         let r = self.radius;
-        let font = Font::new(11.0).color(GREY);
+        let font = Font::new(11.0).color(GRAY);
         let middle = font.at(Anchor::Middle);
         let at = |bearing| {
             nearest(self.bearings, bearing)
@@ -112,7 +112,7 @@ impl Rosette<'_> {
         let top = y - self.radius;
         svg.polygon(
             &[[x - 3.0, top], [x + 3.0, top], [x, top - 5.0]],
-            &fill(GREY),
+            &fill(GRAY),
         );
     }
 

@@ -4,7 +4,7 @@ use crate::barn::End;
 use crate::robot::COLLISION_RADIUS_M;
 use crate::world::{Point, World};
 
-use super::color::{self, GREY, INK, VERMILLION};
+use super::color::{self, GRAY, INK, VERMILLION};
 use super::layout::{MARGIN, PAGE, TOP, heading, shortened};
 use super::path::contact_mark;
 use super::scene::{self, View};
@@ -93,11 +93,11 @@ fn draw(svg: &mut Svg, panel: &RoutePanel, corner: [f64; 2], room: [f64; 2]) {
     let view = View::new(extent(panel), corner, room);
     scene::obstacles(svg, &view, &panel.world);
     if let Some(goal) = panel.world.goal() {
-        svg.circle(view.at(goal), view.scale, &stroke(GREY, 1.0));
-        svg.circle(view.at(goal), 2.5, &fill(GREY));
+        svg.circle(view.at(goal), view.scale, &stroke(GRAY, 1.0));
+        svg.circle(view.at(goal), 2.5, &fill(GRAY));
     }
     let on_page = |way: &[Point]| way.iter().map(|&place| view.at(place)).collect::<Vec<_>>();
-    let dashed = format!(r#"{} stroke-dasharray="5 4""#, stroke(GREY, 1.3));
+    let dashed = format!(r#"{} stroke-dasharray="5 4""#, stroke(GRAY, 1.3));
     svg.polyline(&on_page(&panel.shortest), &dashed);
     for (index, way) in panel.ways.iter().enumerate() {
         svg.polyline(&on_page(way), &stroke(color::class(index), 1.9));

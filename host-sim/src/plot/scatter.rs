@@ -2,7 +2,7 @@
 
 use crate::recording::MapRecord;
 
-use super::color::{BLUE, GREY, INK, ORANGE, PALE};
+use super::color::{BLUE, GRAY, INK, ORANGE, PALE};
 use super::layout::{Legend, MARGIN, PAGE, PLOT, TOP, counted, heading, shortened};
 use super::svg::{Anchor, Font, Svg, fill, filled, num, stroke};
 
@@ -162,7 +162,7 @@ impl Space {
         };
         for (axis, edge) in edges.into_iter().enumerate().take(count) {
             let [a, b] = edge.map(|corner| self.at(self.corner(corner)));
-            svg.line(a, b, &stroke(GREY, 1.4));
+            svg.line(a, b, &stroke(GRAY, 1.4));
             let name = names
                 .get(axis)
                 .cloned()
@@ -193,7 +193,7 @@ impl Space {
     }
 }
 
-/// Circles for code vectors, lines between neighbours.
+/// Circles for code vectors, lines between neighbors.
 fn neurons(svg: &mut Svg, space: &Space, [columns, _]: [usize; 2], code: &[[f64; 3]]) {
     let columns = columns.max(1);
     for i in 0..code.len() {
@@ -218,9 +218,9 @@ fn legend(svg: &mut Svg, grid: [usize; 2]) {
         svg.circle(at, 6.0, &filled(ORANGE, INK, 1.2))
     });
     let joined = if grid[0].min(grid[1]) <= 1 {
-        "neighbours in the chain"
+        "neighbors in the chain"
     } else {
-        "neighbours in the grid"
+        "neighbors in the grid"
     };
     legend.entry(svg, joined, |svg, [x, y]| {
         svg.line([x - 12.0, y], [x + 12.0, y], &stroke(INK, 1.3));
@@ -233,7 +233,7 @@ mod tests {
     use crate::plot::fixture::{assert_well_formed, map};
 
     #[test]
-    fn every_neuron_is_drawn_once_and_joined_to_its_neighbours() {
+    fn every_neuron_is_drawn_once_and_joined_to_its_neighbors() {
         let samples = map([10, 10], 3, 0.0).code;
         let picture = scatter(&map([4, 4], 3, 0.0), &samples, &[], "cube").unwrap();
         assert_well_formed(&picture);

@@ -1,4 +1,4 @@
-//! The world on the page: metres to pixels, obstacles, scale bar, places along an episode.
+//! The world on the page: meters to pixels, obstacles, scale bar, places along an episode.
 
 use crate::recording::Step;
 use crate::world::{Point, Shape, World};
@@ -18,7 +18,7 @@ pub struct View {
     low: Point,
     /// Page point of that corner, px.
     corner: [f64; 2],
-    /// Pixels per metre.
+    /// Pixels per meter.
     pub scale: f64,
     /// Width and height of the drawing, px.
     pub size: [f64; 2],
@@ -79,14 +79,14 @@ pub fn obstacles(svg: &mut Svg, view: &View, world: &World) {
     }
 }
 
-/// A bar of a round number of metres, at most `room` px long, with its left end at (x, y).
+/// A bar of a round number of meters, at most `room` px long, with its left end at (x, y).
 pub fn scale_bar(svg: &mut Svg, [x, y]: [f64; 2], scale: f64, room: f64) {
     let fits = |&length: &f64| length * scale <= room;
-    let metres = [50.0, 20.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2]
+    let meters = [50.0, 20.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2]
         .into_iter()
         .find(fits)
         .unwrap_or(0.1);
-    let end = x + metres * scale;
+    let end = x + meters * scale;
     svg.line([x, y], [end, y], &stroke(INK, 2.0));
     for tick in [x, end] {
         svg.line([tick, y - 4.0], [tick, y + 4.0], &stroke(INK, 1.5));
@@ -94,7 +94,7 @@ pub fn scale_bar(svg: &mut Svg, [x, y]: [f64; 2], scale: f64, room: f64) {
     svg.text(
         [end + 8.0, y + 4.0],
         Font::new(12.0),
-        &format!("{} m", num(metres)),
+        &format!("{} m", num(meters)),
     );
 }
 
@@ -118,7 +118,7 @@ fn end_of(step: &Step) -> Point {
     step.pose.position + Point::new(x, y).turned(Point::unit(step.pose.heading))
 }
 
-/// The way travelled, m.
+/// The way traveled, m.
 pub fn distance(steps: &[Step]) -> f64 {
     steps
         .iter()

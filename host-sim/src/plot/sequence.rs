@@ -5,7 +5,7 @@ use core::ops::Range;
 use crate::recording::{Recording, Step};
 use crate::world::Point;
 
-use super::color::{self, BLUE, GREY, INK, PALE, VALUE, VERMILLION};
+use super::color::{self, BLUE, GRAY, INK, PALE, VALUE, VERMILLION};
 use super::layout::{Legend, MARGIN, PAGE, TOP, heading, shortened};
 use super::path::{contact_mark, shield_mark};
 use super::scene::{self, View};
@@ -22,7 +22,7 @@ const BOX: f64 = 310.0;
 
 /// Draws up to eight successive decisions in which the robot meets an obstacle and turns away: per decision the
 /// situation, the measured change since the one before and the change that was wanted then; below, the robot's
-/// numbered positions beside the obstacle (metres) and what was planned at each.
+/// numbered positions beside the obstacle (meters) and what was planned at each.
 ///
 /// Returns an SVG document.
 #[must_use]
@@ -33,7 +33,7 @@ pub fn sequence(recording: &Recording) -> String {
     let below = TOP + rows * HEIGHT + 12.0;
     let mut svg = Svg::new(PAGE, below + BOX + 36.0);
     let title = format!(
-        "Decision by decision: behaviour “{}”, world “{}”",
+        "Decision by decision: behavior “{}”, world “{}”",
         recording.behavior,
         recording.world.name()
     );
@@ -137,7 +137,7 @@ fn surroundings(svg: &mut Svg, [x, y]: [f64; 2], recording: &Recording, shown: &
         }
         scene::label(svg, [x, y], 13.0, &text);
     }
-    svg.rect(view.area(), &stroke(GREY, 1.2));
+    svg.rect(view.area(), &stroke(GRAY, 1.2));
     scene::scale_bar(svg, [x + 2.0, y + BOX + 16.0], view.scale, 120.0);
 }
 
@@ -183,7 +183,7 @@ fn explanation(svg: &mut Svg, [x, y]: [f64; 2], recording: &Recording, shown: &R
         ("why", 294.0),
     ];
     for (name, offset) in columns {
-        svg.text([x + offset, y + 11.0], Font::new(11.5).color(GREY), name);
+        svg.text([x + offset, y + 11.0], Font::new(11.5).color(GRAY), name);
     }
     svg.rect([x, y + 17.0, PAGE - MARGIN - x, 1.0], &fill(PALE));
     for (i, step) in recording.seeking[shown.clone()].iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
-use super::color::{BLUE, GREY, PALE, VALUE, VERMILLION};
+use super::color::{BLUE, GRAY, PALE, VALUE, VERMILLION};
 use super::layout::axis_end;
 use super::rosette::nearest;
 use super::svg::{Anchor, Font, Svg, fill};
@@ -73,7 +73,7 @@ pub fn draw(svg: &mut Svg, corner: [f64; 2], panel: &Panel, ends: Ends, bearings
         Ok(wanted) => changes(svg, area(corner, WANTED), wanted, full),
         Err(reason) => {
             changes(svg, area(corner, WANTED), &[], full);
-            let font = Font::new(11.0).color(GREY).at(Anchor::Middle);
+            let font = Font::new(11.0).color(GRAY).at(Anchor::Middle);
             let middle = [x + WIDTH / 2.0, y + WANTED[0] + WANTED[1] / 2.0 - 8.0];
             svg.text(middle, font, reason);
         }
@@ -115,7 +115,7 @@ fn situation(svg: &mut Svg, [x, y, width, height]: [f64; 4], values: &[f64], ful
             &fill(VALUE),
         );
     }
-    svg.rect([x, y + height - 0.5, width, 1.0], &fill(GREY));
+    svg.rect([x, y + height - 0.5, width, 1.0], &fill(GRAY));
 }
 
 fn changes(svg: &mut Svg, [x, y, width, height]: [f64; 4], values: &[f64], full: f64) {
@@ -133,10 +133,10 @@ fn changes(svg: &mut Svg, [x, y, width, height]: [f64; 4], values: &[f64], full:
             &fill(color),
         );
     }
-    svg.rect([x, zero - 0.5, width, 1.0], &fill(GREY));
+    svg.rect([x, zero - 0.5, width, 1.0], &fill(GRAY));
 }
 
-/// The bar of transducer `i` of `count` inside a chart, with a small gap to its neighbours.
+/// The bar of transducer `i` of `count` inside a chart, with a small gap to its neighbors.
 fn bar([x, y, width, height]: [f64; 4], i: usize, count: usize) -> [f64; 4] {
     let slot = width / count.max(1) as f64;
     [x + (i as f64 + 0.12) * slot, y, 0.76 * slot, height]
@@ -145,7 +145,7 @@ fn bar([x, y, width, height]: [f64; 4], i: usize, count: usize) -> [f64; 4] {
 /// Numbers and named directions of the transducers below the charts.
 fn transducers(svg: &mut Svg, [x, y]: [f64; 2], count: usize, bearings: &[f64]) {
     let slot = WIDTH / count.max(1) as f64;
-    let font = Font::new(11.0).color(GREY).at(Anchor::Middle);
+    let font = Font::new(11.0).color(GRAY).at(Anchor::Middle);
     let named = [
         ("front", 0.0),
         ("left", FRAC_PI_2),
@@ -160,21 +160,21 @@ fn transducers(svg: &mut Svg, [x, y]: [f64; 2], count: usize, bearings: &[f64]) 
         };
         taken.push(i);
         let middle = x + (i as f64 + 0.5) * slot;
-        svg.rect([middle - 0.5, y, 1.0, 4.0], &fill(GREY));
+        svg.rect([middle - 0.5, y, 1.0, 4.0], &fill(GRAY));
         svg.text([middle, y + 14.0], font, &i.to_string());
         svg.text([middle.max(x + 11.0), y + 26.0], font, name);
     }
     let last = count.saturating_sub(1);
     if count > 0 && !taken.contains(&last) {
         let middle = x + (last as f64 + 0.5) * slot;
-        svg.rect([middle - 0.5, y, 1.0, 4.0], &fill(GREY));
+        svg.rect([middle - 0.5, y, 1.0, 4.0], &fill(GRAY));
         svg.text([middle, y + 14.0], font, &last.to_string());
     }
 }
 
 /// Axis numbers (place from the top as part of the height, text) and the name of the axis.
 fn numbers(svg: &mut Svg, [x, y, _, height]: [f64; 4], marks: &[(f64, String)], name: &str) {
-    let font = Font::new(11.0).color(GREY).at(Anchor::End);
+    let font = Font::new(11.0).color(GRAY).at(Anchor::End);
     for (place, text) in marks {
         let at = y + place * height;
         svg.rect([x - 4.0, at - 0.5, 4.0, 1.0], &fill(PALE));

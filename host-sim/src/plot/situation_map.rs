@@ -33,7 +33,7 @@ impl From<&PlanRecord> for MapMarks {
 pub fn situation_map(map: &MapRecord, bearings_rad: &[f64], marks: MapMarks) -> String {
     let tiles = Tiles::new(map.grid, map.code.len(), 76.0);
     let mut svg = Svg::new(tiles.page_width(), TOP + tiles.height() + 20.0);
-    let title = "Situation map: what each neuron has learnt to recognise";
+    let title = "Situation map: what each neuron has learned to recognize";
     let subtitle = format!(
         "{} × {} neurons · {} transducers · the front of the ring is up",
         map.grid[0],
@@ -59,7 +59,7 @@ pub fn situation_map(map: &MapRecord, bearings_rad: &[f64], marks: MapMarks) -> 
     ring_legend(&mut legend, &mut svg, bearings_rad, full);
     u_matrix_legend(&mut legend, &mut svg, ends);
     marks_legend(&mut legend, &mut svg, marks);
-    legend.note(&mut svg, tiles.neighbours());
+    legend.note(&mut svg, tiles.neighbors());
     svg.finish(title, &subtitle)
 }
 
@@ -137,7 +137,7 @@ fn marks_legend(legend: &mut Legend, svg: &mut Svg, marks: MapMarks) {
         });
     }
     if marks.current.is_some() {
-        legend.entry(svg, "recognised the last situation", |svg, at| {
+        legend.entry(svg, "recognized the last situation", |svg, at| {
             svg.circle(at, 8.0, &fill(BLUE))
         });
     }

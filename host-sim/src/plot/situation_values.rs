@@ -3,7 +3,7 @@
 use crate::experiments::paper::miniature::Miniature;
 use crate::world::Point;
 
-use super::color::{self, GREY, PURPLE};
+use super::color::{self, GRAY, PURPLE};
 use super::layout::{Legend, TOP, Tiles, heading, normalized, u_matrix_legend};
 use super::rosette::Rosette;
 use super::scene::{self, View};
@@ -54,7 +54,7 @@ pub fn situation_values(title: &str, shown: &Miniature) -> String {
         "Hits: how many of the 100 situations it stands for.",
     );
     u_matrix_legend(&mut legend, &mut svg, ends);
-    legend.note(&mut svg, tiles.neighbours());
+    legend.note(&mut svg, tiles.neighbors());
     legend.skip(8.0);
     walk(&mut svg, &mut legend, shown);
     svg.finish(title, &subtitle)
@@ -69,7 +69,7 @@ fn figures(svg: &mut Svg, rosette: &Rosette<'_>, values: &[f64]) {
         let at = [x - radius * sin, y - radius * cos + 4.0];
         let font = Font::new(11.0).at(Anchor::Middle);
         let font = if value < 0.05 {
-            font.color(GREY)
+            font.color(GRAY)
         } else {
             font.bold()
         };

@@ -1,6 +1,6 @@
 //! A measure by the size of a map, beside levels that do not depend on it.
 
-use super::color::{self, GREY, INK, PALE};
+use super::color::{self, GRAY, INK, PALE};
 use super::layout::{Legend, MARGIN, PAGE, PLOT, TOP, heading};
 use super::svg::{Anchor, Font, Svg, fill, stroke};
 
@@ -85,7 +85,7 @@ impl Axes {
     }
 
     fn draw(&self, svg: &mut Svg, sizes: &[String]) {
-        let font = Font::new(11.0).color(GREY);
+        let font = Font::new(11.0).color(GRAY);
         for fifth in 0..=5 {
             let value = self.top * f64::from(fifth) / 5.0;
             let [from, to] = [self.at(0, value), self.at(self.last, value)];

@@ -79,16 +79,16 @@ fn nearness(step: &Step) -> f64 {
     }
 }
 
-/// The straight way between both ends as part of the way travelled, 0 when the robot stood still.
+/// The straight way between both ends as part of the way traveled, 0 when the robot stood still.
 fn progress(steps: &[Step]) -> f64 {
     let places: Vec<_> = steps.iter().map(|step| step.pose.position).collect();
-    let travelled: f64 = places
+    let traveled: f64 = places
         .windows(2)
         .map(|pair| pair[0].distance(pair[1]))
         .sum();
     let straight = places[0].distance(places[places.len() - 1]);
-    if travelled > 0.0 {
-        straight / travelled
+    if traveled > 0.0 {
+        straight / traveled
     } else {
         0.0
     }

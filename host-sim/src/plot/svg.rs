@@ -38,7 +38,7 @@ impl Font {
         }
     }
 
-    /// The same in another colour.
+    /// The same in another color.
     pub const fn color(self, color: &'static str) -> Self {
         Self { color, ..self }
     }
@@ -133,7 +133,7 @@ impl Svg {
         self.text_element(&place, font, content);
     }
 
-    /// Text that reads upwards, centred on (x, y).
+    /// Text that reads upwards, centered on (x, y).
     pub fn text_upwards(&mut self, [x, y]: [f64; 2], font: Font, content: &str) {
         let place = format!(
             r#"transform="translate({} {}) rotate(-90)""#,

@@ -1,4 +1,4 @@
-//! The shape of any map: distances between neighbours, and how often each neuron answered.
+//! The shape of any map: distances between neighbors, and how often each neuron answered.
 
 use crate::recording::MapRecord;
 
@@ -6,7 +6,7 @@ use super::color::{self, INK};
 use super::layout::{Legend, TOP, Tiles, heading, normalized};
 use super::svg::{Anchor, Font, Svg, decimal, filled};
 
-/// Draws the U-matrix (cell colour = mean distance of a neuron to its neighbours, units of the data) and the hit map
+/// Draws the U-matrix (cell color = mean distance of a neuron to its neighbors, units of the data) and the hit map
 /// (circle area = how often the neuron answered) over the grid of a map.
 ///
 /// Works for any grid and any data. Returns an SVG document.
@@ -40,13 +40,13 @@ fn legend(svg: &mut Svg, tiles: &Tiles, [low, high]: [f64; 2], most: usize) {
     let ends = [decimal(low, 3), decimal(high, 3)];
     legend.ramp(
         svg,
-        "Mean distance to neighbours",
+        "Mean distance to neighbors",
         [&ends[0], &ends[1]],
         color::value,
     );
     legend.note(
         svg,
-        "Dark: the neuron is like its neighbours. Bright: a border between regions.",
+        "Dark: the neuron is like its neighbors. Bright: a border between regions.",
     );
     legend.skip(6.0);
     let area = if tiles.side() > 60.0 {
@@ -58,7 +58,7 @@ fn legend(svg: &mut Svg, tiles: &Tiles, [low, high]: [f64; 2], most: usize) {
     legend.entry(svg, &meaning, |svg, at| {
         svg.circle(at, 9.0, &filled("#ffffff", INK, 1.2))
     });
-    legend.note(svg, tiles.neighbours());
+    legend.note(svg, tiles.neighbors());
 }
 
 fn cell(svg: &mut Svg, area: [f64; 4], index: usize, place: f64, [hits, most]: [usize; 2]) {

@@ -4,7 +4,7 @@ use core::f64::consts::FRAC_PI_2;
 
 use crate::world::World;
 
-use super::color::{GREY, VERMILLION};
+use super::color::{GRAY, VERMILLION};
 use super::layout::{MARGIN, PAGE, TOP, counted, heading, shortened};
 use super::rosette::arrow;
 use super::scene::{self, View};
@@ -15,7 +15,7 @@ const ROBOT_RADIUS_M: f64 = 0.23;
 /// Height of the captions of a row and the gap below them, px.
 const CAPTIONS: f64 = 62.0;
 
-/// Draws worlds as small multiples, each with its name and size in metres below, its start pose as an arrow, and a
+/// Draws worlds as small multiples, each with its name and size in meters below, its start pose as an arrow, and a
 /// scale bar.
 ///
 /// Returns an SVG document.
@@ -83,8 +83,8 @@ fn small(svg: &mut Svg, [x, y]: [f64; 2], [side, height]: [f64; 2], world: &Worl
         &name,
     );
     let size = corners[1] - corners[0];
-    let metres = format!("{} m × {} m", decimal(size.x, 1), decimal(size.y, 1));
-    svg.text([x, y + height + 37.0], Font::new(11.0).color(GREY), &metres);
+    let meters = format!("{} m × {} m", decimal(size.x, 1), decimal(size.y, 1));
+    svg.text([x, y + height + 37.0], Font::new(11.0).color(GRAY), &meters);
     scene::scale_bar(
         svg,
         [x + side * 0.5, y + height + 33.0],

@@ -275,7 +275,7 @@ impl Axes {
         }
         done.touched |= rolled.touched;
         done.bumpers |= rolled.bumpers;
-        done.travelled_m += rolled.travelled_m;
+        done.traveled_m += rolled.traveled_m;
         done.min_clearance_m = rolled.min_clearance_m;
         Point::unit(along) * count
     }

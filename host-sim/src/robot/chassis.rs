@@ -87,7 +87,7 @@ impl Chassis {
         let share = share_of(&sweep, truth.length());
         self.position = self.position + truth * share;
         self.odometry = self.odometry + believed * share;
-        done.travelled_m += sweep.travelled_m;
+        done.traveled_m += sweep.traveled_m;
         done.min_clearance_m = done.min_clearance_m.min(sweep.min_clearance_m);
         if sweep.touched() {
             done.touched = true;
@@ -118,7 +118,7 @@ impl Chassis {
         self.position = to;
         self.odometry = stride.end.odometry;
         for length in steps.map(Point::length) {
-            done.travelled_m += length;
+            done.traveled_m += length;
         }
         true
     }
@@ -150,7 +150,7 @@ impl Chassis {
 /// Share of a way of `length` m that a sweep went.
 pub(super) fn share_of(sweep: &Sweep, length: f64) -> f64 {
     if sweep.touched() && length > 0.0 {
-        (sweep.travelled_m / length).min(1.0)
+        (sweep.traveled_m / length).min(1.0)
     } else {
         1.0
     }

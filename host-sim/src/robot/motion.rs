@@ -20,8 +20,8 @@ pub struct Executed {
     pub bumpers: u32,
     /// Whether the base is still under way.
     pub moving: bool,
-    /// Length of the way travelled, m.
-    pub travelled_m: f64,
+    /// Length of the way traveled, m.
+    pub traveled_m: f64,
     /// Least gap between the disc and any surface along the way, m; perhaps infinite where
     /// [nobody asked](super::Base::tell_gaps_below).
     pub min_clearance_m: f64,
@@ -34,7 +34,7 @@ impl Executed {
             touched: false,
             bumpers: 0,
             moving: false,
-            travelled_m: 0.0,
+            traveled_m: 0.0,
             min_clearance_m: f64::INFINITY,
         }
     }

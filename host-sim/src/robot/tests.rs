@@ -53,7 +53,7 @@ fn run(base: &mut Base, world: &World, dt: f64) -> (f64, Executed) {
         assert!(stopped_hard || (base.speed - speed).abs() <= limits.acceleration_m_s2 * dt + 1e-9);
         assert!((base.turn_rate - rate).abs() <= limits.turn_acceleration_rad_s2 * dt + 1e-9);
         time += dt;
-        sum.travelled_m += done.travelled_m;
+        sum.traveled_m += done.traveled_m;
         sum.touched |= done.touched;
         sum.bumpers |= done.bumpers;
         sum.min_clearance_m = sum.min_clearance_m.min(done.min_clearance_m);
@@ -73,7 +73,7 @@ fn an_exact_move_goes_where_it_says_in_the_ring_frame() {
     assert_eq!(base.odometry(), base.pose().position);
     assert_eq!(base.pose().heading, FRAC_PI_2);
     assert_eq!((done.touched, done.bumpers), (false, 0));
-    assert!((done.travelled_m - 0.05f64.sqrt()).abs() < 1e-12);
+    assert!((done.traveled_m - 0.05f64.sqrt()).abs() < 1e-12);
     assert!((base.heading_in_ring() - libm::atan2(0.1, 0.2)).abs() < 1e-12);
 }
 
@@ -140,7 +140,7 @@ fn a_timed_move_ends_at_rest_at_the_commanded_place() {
                     "{dx} {dy}"
                 );
                 assert_eq!((base.speed, base.turn_rate), (0.0, 0.0));
-                assert!((sum.travelled_m - Point::new(dx, dy).length()).abs() < 1e-8);
+                assert!((sum.traveled_m - Point::new(dx, dy).length()).abs() < 1e-8);
                 assert_eq!(base.odometry(), base.chassis.position);
                 if turret == TurretMode::Held {
                     assert_eq!(base.pose().heading, 0.0);
@@ -160,7 +160,7 @@ fn a_timed_move_ends_at_rest_at_the_commanded_place() {
 
 /// 1 m straight ahead: up to 0.508 m/s and down again takes 0.508 / 0.762 s each and 0.339 m together.
 #[test]
-fn a_straight_metre_takes_its_time() {
+fn a_straight_meter_takes_its_time() {
     let mut base = base(TurretMode::Held);
     go(&mut base, 1.0, 0.0);
     let (time, _) = run(&mut base, &hall(), 0.001);
@@ -180,7 +180,7 @@ fn zero_brakes_within_v_squared_over_2a() {
     let (time, sum) = run(&mut base, &hall(), 0.01);
     let way = base.pose().position.distance(before);
     assert!(
-        (way - speed * speed / (2.0 * 0.762)).abs() < 1e-9 && (sum.travelled_m - way).abs() < 1e-12
+        (way - speed * speed / (2.0 * 0.762)).abs() < 1e-9 && (sum.traveled_m - way).abs() < 1e-12
     );
     assert!((time - speed / 0.762).abs() < 0.011);
 }
@@ -228,7 +228,7 @@ fn the_wheels_stop_turning_when_told_to() {
     base.command(Motion::default(), &mut Noise::new(1));
     let turning = base.pose().heading;
     let (time, sum) = run(&mut base, &hall(), 0.01);
-    assert_eq!((base.turn_rate, sum.travelled_m), (0.0, 0.0));
+    assert_eq!((base.turn_rate, sum.traveled_m), (0.0, 0.0));
     assert!(time > 0.4 && base.pose().heading < FRAC_PI_2);
     assert!(base.pose().heading > turning);
     // Told the other way while turning, they still come to where they should.
@@ -273,7 +273,7 @@ fn a_longer_or_shorter_way_ahead_is_taken_rolling() {
     go(&mut base, 1.5, 0.0);
     let done = base.advance(0.1, &hall());
     assert!(
-        (done.travelled_m - 0.0508).abs() < 1e-9,
+        (done.traveled_m - 0.0508).abs() < 1e-9,
         "no braking in between"
     );
     run(&mut base, &hall(), 0.01);

@@ -4,7 +4,7 @@ use super::scale::Scale;
 use super::train::Order;
 use crate::error::BadInput;
 use crate::settings;
-use amp::som::{Grid, Neighbourhood, Schedule};
+use amp::som::{Grid, Neighborhood, Schedule};
 use clap::builder::{PossibleValuesParser, TypedValueParser as _};
 use std::path::PathBuf;
 
@@ -13,7 +13,7 @@ pub const MAX_NEURONS: usize = 10_000;
 /// Epochs a training may have.
 pub const MAX_EPOCHS: u32 = 1_000_000;
 
-/// Trains a self-organising map on any table of numbers and says how good it is.
+/// Trains a self-organizing map on any table of numbers and says how good it is.
 #[derive(Debug, Clone, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -25,7 +25,7 @@ Examples:
       everything fixed by hand, nothing random")]
 pub struct SomArgs {
     /// Table of numbers: one sample per line, values separated by commas, semicolons or tabs. A heading in the first
-    /// line and labels in the last column are recognised and left out
+    /// line and labels in the last column are recognized and left out
     #[arg(long, value_name = "FILE")]
     pub data: PathBuf,
 
@@ -51,17 +51,17 @@ pub struct SomArgs {
     #[arg(long, value_enum, default_value_t = Order::Shuffled)]
     pub order: Order,
 
-    /// Who learns with the winner: its "direct" neighbours, or everybody by a "gaussian" of the distance on the grid
+    /// Who learns with the winner: its "direct" neighbors, or everybody by a "gaussian" of the distance on the grid
     #[arg(long, alias = "neighborhood", default_value = "gaussian",
-        value_parser = PossibleValuesParser::new(["direct", "gaussian"]).map(neighbourhood))]
-    pub neighbourhood: Neighbourhood,
+        value_parser = PossibleValuesParser::new(["direct", "gaussian"]).map(neighborhood))]
+    pub neighborhood: Neighborhood,
 
     /// Learning rate and how it falls; SHAPE is linear, exponential or inverse
     #[arg(long, value_name = "START:END:SHAPE", default_value = DEFAULT_RATE, value_parser = rate)]
     pub rate: Schedule,
 
     /// Radius of the gaussian in grid steps and how it falls [default: from 0.3 times the longer side of the
-    /// grid, at least 1, to 0.42, exponential]; with direct neighbours their share of the learning rate [default:
+    /// grid, at least 1, to 0.42, exponential]; with direct neighbors their share of the learning rate [default:
     /// 0.5:0.05:exponential]
     #[arg(long, value_name = "START:END:SHAPE", value_parser = radius)]
     pub radius: Option<Schedule>,
@@ -91,19 +91,19 @@ pub enum Init {
 }
 
 impl SomArgs {
-    /// The fall of the radius, by the grid and the neighbourhood where no flag says it.
+    /// The fall of the radius, by the grid and the neighborhood where no flag says it.
     ///
     /// # Errors
-    /// A direct neighbours' share above 1.
+    /// A direct neighbors' share above 1.
     pub fn radius(&self) -> Result<Schedule, BadInput> {
-        match (self.radius, self.neighbourhood) {
-            (Some(radius), Neighbourhood::Direct) if radius.start_q16() > 1 << 16 => {
+        match (self.radius, self.neighborhood) {
+            (Some(radius), Neighborhood::Direct) if radius.start_q16() > 1 << 16 => {
                 Err(BadInput::new(
-                    "--radius must lie between 0 and 1 with --neighbourhood direct: it is the neighbours' share",
+                    "--radius must lie between 0 and 1 with --neighborhood direct: it is the neighbors' share",
                 ))
             }
             (Some(radius), _) => Ok(radius),
-            (None, neighbourhood) => default_radius(neighbourhood, self.grid),
+            (None, neighborhood) => default_radius(neighborhood, self.grid),
         }
     }
 }
@@ -112,12 +112,12 @@ impl SomArgs {
 ///
 /// # Errors
 /// None for a grid of at most [`MAX_NEURONS`].
-pub fn default_radius(neighbourhood: Neighbourhood, grid: Grid) -> Result<Schedule, BadInput> {
-    radius(&match neighbourhood {
-        Neighbourhood::Direct => "0.5:0.05:exponential".to_owned(),
-        Neighbourhood::Gaussian => {
+pub fn default_radius(neighborhood: Neighborhood, grid: Grid) -> Result<Schedule, BadInput> {
+    radius(&match neighborhood {
+        Neighborhood::Direct => "0.5:0.05:exponential".to_owned(),
+        Neighborhood::Gaussian => {
             let side = grid.columns().max(grid.rows());
-            // Ends where neighbours still hold together (less of it costs topographic error, more of it quantization
+            // Ends where neighbors still hold together (less of it costs topographic error, more of it quantization
             // error).
             format!("{}:0.42:exponential", (0.3 * side as f64).max(1.0))
         }
@@ -155,11 +155,11 @@ fn init(text: &str) -> Result<Init, BadInput> {
     })
 }
 
-fn neighbourhood(word: String) -> Neighbourhood {
+fn neighborhood(word: String) -> Neighborhood {
     if word == "direct" {
-        Neighbourhood::Direct
+        Neighborhood::Direct
     } else {
-        Neighbourhood::Gaussian
+        Neighborhood::Gaussian
     }
 }
 
@@ -226,7 +226,7 @@ mod tests {
             ("--rate 0.5:0.1:cubic", "linear, exponential, inverse"),
             ("--radius NaN", "between 0 and 10000"),
             ("--order sorted", "shuffled"),
-            ("--neighbourhood bubble", "gaussian"),
+            ("--neighborhood bubble", "gaussian"),
         ] {
             let error = read(&format!("--data a.csv {flags}")).expect_err(flags);
             assert!(error.contains(why), "{flags}: {error}");
@@ -234,7 +234,7 @@ mod tests {
             assert!(error.contains(flag), "{flags}: {error}");
         }
         assert!(read("").unwrap_err().contains("--data"));
-        let share = read("--data a.csv --neighbourhood direct --radius 2").unwrap();
+        let share = read("--data a.csv --neighborhood direct --radius 2").unwrap();
         assert!(share.radius().unwrap_err().to_string().contains("--radius"));
     }
 }

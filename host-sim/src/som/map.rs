@@ -3,10 +3,10 @@
 use super::lanes::{self, Upper};
 use amp::fixed::{FINE_ONE_BITS, Fine, Gain, Mask, ONE_BITS, squared_norm};
 use amp::som::metrics::{MapView, Quality, u_matrix_value};
-use amp::som::neighbourhood::View;
+use amp::som::neighborhood::View;
 use amp::som::{Grid, kernels};
 
-/// A self-organising map whose size is known at run time only.
+/// A self-organizing map whose size is known at run time only.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DynSom {
     grid: Grid,
@@ -25,7 +25,7 @@ pub struct DynSom {
 pub struct Measures {
     /// Mean distance of a sample to its best-matching unit, in units of a weight's 1.0.
     pub quantization_error: f64,
-    /// Share of the samples whose best two neurons are not direct neighbours, 0 to 1.
+    /// Share of the samples whose best two neurons are not direct neighbors, 0 to 1.
     pub topographic_error: f64,
     /// How many samples each neuron wins.
     pub hits: Vec<usize>,
@@ -90,7 +90,7 @@ impl DynSom {
         })
     }
 
-    /// One presentation: moves the winner and its neighbours towards the probe. Returns the winner.
+    /// One presentation: moves the winner and its neighbors towards the probe. Returns the winner.
     #[inline]
     pub fn learn(&mut self, probe: &[Fine], pull: View<'_>) -> usize {
         let winner = self.winner(probe);
@@ -128,7 +128,7 @@ impl DynSom {
         }
     }
 
-    /// Mean distance of each neuron to its direct neighbours, in units of a weight's 1.0.
+    /// Mean distance of each neuron to its direct neighbors, in units of a weight's 1.0.
     #[must_use]
     pub fn u_matrix(&self) -> Vec<f64> {
         (0..self.grid.len())
@@ -136,7 +136,7 @@ impl DynSom {
             .collect()
     }
 
-    /// Room for the neighbourhood values of a [`View`].
+    /// Room for the neighborhood values of a [`View`].
     #[must_use]
     pub fn axis(&self) -> Vec<Gain> {
         vec![Gain::ZERO; self.grid.columns().max(self.grid.rows())]

@@ -1,4 +1,4 @@
-//! Self-organising maps of any table of numbers, trained by the robot's own fixed-point kernels: `host-sim som`.
+//! Self-organizing maps of any table of numbers, trained by the robot's own fixed-point kernels: `host-sim som`.
 //!
 //! The way of the data: [`table`] (a text file) → [`scale`] (weights in [0, 1]) → [`train`] ([`map::DynSom`]) →
 //! [`report`] (figures in the data's units, code vectors, pictures).
@@ -77,7 +77,7 @@ fn training(args: &SomArgs, data: &Table) -> Result<Training, BadInput> {
         )));
     }
     Ok(Training {
-        neighbourhood: args.neighbourhood,
+        neighborhood: args.neighborhood,
         rate: args.rate,
         radius: args.radius()?,
         epochs: args.epochs,

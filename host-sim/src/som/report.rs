@@ -24,7 +24,7 @@ pub struct Report {
     pub epochs: u32,
     /// Mean Euclidean distance of a sample to its best-matching unit.
     pub quantization_error: f64,
-    /// Share of the samples whose best two neurons are not direct neighbours (left, right, above, below), 0 to 1.
+    /// Share of the samples whose best two neurons are not direct neighbors (left, right, above, below), 0 to 1.
     pub topographic_error: f64,
 }
 
@@ -50,7 +50,7 @@ impl fmt::Display for Report {
         )?;
         write!(
             f,
-            "topographic error   {share:>8.2} %  samples whose best two neurons are not neighbours"
+            "topographic error   {share:>8.2} %  samples whose best two neurons are not neighbors"
         )
     }
 }

@@ -77,7 +77,7 @@ impl Scale {
         self.least + self.span * share
     }
 
-    /// Decimals with which a value tells neighbouring weights apart.
+    /// Decimals with which a value tells neighboring weights apart.
     #[must_use]
     pub fn decimals(self) -> usize {
         let step = self.span / f64::from(FINE_ONE_BITS);

@@ -61,8 +61,8 @@ impl Table {
     fn of(source: &str, mut names: Vec<String>, records: &[Record]) -> Result<Self, BadInput> {
         let last = |fields: &[&str]| fields.last().and_then(|field| number(field));
         let width = records.first().map_or(0, |(_, fields)| fields.len());
-        let labelled = width > 1 && records.iter().all(|(_, fields)| last(fields).is_none());
-        let columns = width - usize::from(labelled);
+        let labeled = width > 1 && records.iter().all(|(_, fields)| last(fields).is_none());
+        let columns = width - usize::from(labeled);
         if columns > MAX_COLUMNS {
             let what = format!("{columns} columns are more than {MAX_COLUMNS}");
             return Err(BadInput::new(format!("{source}: {what}")));
@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn headings_and_labels_are_recognised() {
+    fn headings_and_labels_are_recognized() {
         let plain = Table::parse("t.csv", "1,2\n3,-4e-1\n").unwrap();
         assert_eq!(plain.rows, [[1.0, 2.0], [3.0, -0.4]]);
         assert!(plain.names.is_empty());

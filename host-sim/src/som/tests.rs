@@ -1,8 +1,8 @@
 use super::*;
 use amp::fixed::{Fine, Scalar as _};
 use amp::som::metrics::MapView;
-use amp::som::neighbourhood::{Pull, View};
-use amp::som::{Grid, Neighbourhood, Som};
+use amp::som::neighborhood::{Pull, View};
+use amp::som::{Grid, Neighborhood, Som};
 use clap::{Args as _, FromArgMatches as _};
 use tempfile::TempDir;
 
@@ -136,7 +136,7 @@ fn bad_input_is_named() {
         ("--out @/data.csv", "data.csv: "),
         ("--out @/data.csv/x", "data.csv/x: "),
         (
-            "--neighbourhood direct --radius 3:1:linear",
+            "--neighborhood direct --radius 3:1:linear",
             "--radius must lie between 0 and 1",
         ),
     ] {
@@ -161,7 +161,7 @@ fn the_smallest_maps_and_tables_work() {
     for flags in [
         "--grid 1x1",
         "--grid chain:3",
-        "--grid 3x3 --neighbourhood direct",
+        "--grid 3x3 --neighborhood direct",
         "--init random",
     ] {
         let text = som(&folder, &format!("{flags} --json")).unwrap();
@@ -184,7 +184,7 @@ fn it_learns_as_the_robot_does() {
     let fine =
         |weights: &[amp::fixed::Weight]| weights.iter().map(|w| w.fine()).collect::<Vec<_>>();
     let grid = Grid::rectangle(3, 2);
-    for shape in [Neighbourhood::Direct, Neighbourhood::Gaussian] {
+    for shape in [Neighborhood::Direct, Neighborhood::Gaussian] {
         let mut fixed = Som::<6, 31>::new(grid, std::array::from_fn(|k| code.as_chunks().0[k]));
         let mut dynamic = DynSom::new(grid, 31, fine(&code));
         let mut axis = dynamic.axis();

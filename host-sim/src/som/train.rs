@@ -7,8 +7,8 @@
 use super::map::DynSom;
 use crate::noise::Noise;
 use amp::fixed::Fine;
-use amp::som::neighbourhood::View;
-use amp::som::{Grid, Neighbourhood, Schedule};
+use amp::som::neighborhood::View;
+use amp::som::{Grid, Neighborhood, Schedule};
 
 /// How often learning rate and radius fall during a training, at most: in shorter trainings with every presentation.
 const RENEWALS: u32 = 16_384;
@@ -25,11 +25,11 @@ pub enum Order {
 /// How a map learns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Training {
-    /// Shape of the neighbourhood.
-    pub neighbourhood: Neighbourhood,
+    /// Shape of the neighborhood.
+    pub neighborhood: Neighborhood,
     /// Learning rate.
     pub rate: Schedule,
-    /// Radius of the neighbourhood in grid steps, or the direct neighbours' share of the rate.
+    /// Radius of the neighborhood in grid steps, or the direct neighbors' share of the rate.
     pub radius: Schedule,
     /// Presentations of every sample.
     pub epochs: u32,
@@ -88,7 +88,7 @@ pub fn train(map: &mut DynSom, samples: &[Fine], training: &Training, noise: &mu
         for batch in samples.chunks(slice as usize * dims) {
             let rate = training.rate.at(step, steps);
             let radius = training.radius.at(step, steps);
-            let pull = View::new(training.neighbourhood, rate, radius, &mut axis);
+            let pull = View::new(training.neighborhood, rate, radius, &mut axis);
             map.learn_all(batch, pull);
             step += (batch.len() / dims) as u32;
         }

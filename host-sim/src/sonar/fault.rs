@@ -180,11 +180,11 @@ impl FromStr for TransducerFault {
         };
         let probability = || number("a probability", 0.0, 1.0);
         let kind = match name {
-            "stuck" => FaultKind::Stuck(number("a range in metres", 0.0, 6.4)?),
+            "stuck" => FaultKind::Stuck(number("a range in meters", 0.0, 6.4)?),
             "scaled" => FaultKind::Scaled(number("a share", 0.01, 10.0)?),
-            "offset" => FaultKind::Offset(number("a length in metres", -6.5, 6.5)?),
+            "offset" => FaultKind::Offset(number("a length in meters", -6.5, 6.5)?),
             "jumping" => FaultKind::Jumping(probability()?),
-            "noisy" => FaultKind::Noisy(number("a standard deviation in metres", 0.0, 6.5)?),
+            "noisy" => FaultKind::Noisy(number("a standard deviation in meters", 0.0, 6.5)?),
             "delayed" => FaultKind::Delayed(count("a number of firings", 1, MOST_DELAY)?),
             "intermittent" => FaultKind::Intermittent(probability()?),
             "crosstalk" => FaultKind::Crosstalk(probability()?),
@@ -286,7 +286,7 @@ mod tests {
         assert!(say("daed:3").contains("did you mean \"dead\""));
         assert!(say("dead").contains("0 to 15") && say("dead:16").contains("0 to 15"));
         assert!(say("dead:3:1").contains("left over") && say("stuck:3:1:1").contains("left over"));
-        assert!(say("stuck:3").contains("range in metres"));
+        assert!(say("stuck:3").contains("range in meters"));
         assert!(say("stuck:3:-1").contains("0 to 6.4"));
         assert!(say("scaled:3:NaN").contains("share"));
         for kind in ["jumping", "intermittent", "crosstalk"] {

@@ -7,7 +7,7 @@
 //!   inches, some are missed, some are random;
 //! * *harsh*: blind up close, more misses, reverberation of the ping before, mirrored paths, one dead sonar.
 //!
-//! A reading is a range in metres, or `None` when the ring reports 255 in: nothing heard, or nothing
+//! A reading is a range in meters, or `None` when the ring reports 255 in: nothing heard, or nothing
 //! nearer than that; the byte cannot tell the two apart.
 
 use core::f64::consts::TAU;
@@ -28,7 +28,7 @@ pub const M_PER_INCH: f64 = 0.0254;
 
 const INCHES_PER_M: f64 = 1.0 / M_PER_INCH;
 
-/// Distance of the transducers' faces from the robot's centre, m.
+/// Distance of the transducers' faces from the robot's center, m.
 pub const FACE_RADIUS_M: f64 = 0.2305;
 
 /// The largest reading, in: what a transducer that hears nothing reports.
@@ -385,7 +385,7 @@ fn noisy_inches(range_m: f64, sigma_m: f64, deviate: Deviate) -> f64 {
     }
 }
 
-/// The byte the Nomad's ring reports for a range in metres: whole inches, 255 for `None`.
+/// The byte the Nomad's ring reports for a range in meters: whole inches, 255 for `None`.
 #[must_use]
 pub fn reading_in(range: Option<f64>) -> u8 {
     let inches = range.map_or(f64::INFINITY, |range| libm::rint(range / M_PER_INCH));

@@ -51,7 +51,7 @@ fn ping(world: &World, config: SonarConfig) -> u8 {
     reading_in(ring.ping(world, &Pose::default(), 0, 0.0, &mut Noise::new(2)))
 }
 
-/// Whole inches from the face of sonar 0 to something `distance` m from the centre.
+/// Whole inches from the face of sonar 0 to something `distance` m from the center.
 fn inches(distance: f64) -> u8 {
     reading_in(Some(distance - 0.2305))
 }

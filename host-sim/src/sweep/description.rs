@@ -57,7 +57,7 @@ pub struct Description {
     pub name: String,
     /// Its worlds.
     pub worlds: Vec<WorldSource>,
-    /// Its behaviours.
+    /// Its behaviors.
     pub behaviors: Vec<Behavior>,
     /// Its seeds.
     pub seeds: Vec<u64>,

@@ -117,11 +117,11 @@ pub struct Found {
     pub episodes: usize,
     /// Share of those without contact while seeking, with its interval by Wilson's score.
     pub clean: Mean,
-    /// The behaviour's own measure, its interval by the bootstrap over worlds and seeds.
+    /// The behavior's own measure, its interval by the bootstrap over worlds and seeds.
     pub success: Mean,
-    /// Way, metres: the quantiles 5, 25, 50, 75 and 95 %.
+    /// Way, meters: the quantiles 5, 25, 50, 75 and 95 %.
     pub distance_m: [f64; 5],
-    /// The way of each episode, metres, rising.
+    /// The way of each episode, meters, rising.
     pub distances_m: Vec<f64>,
 }
 

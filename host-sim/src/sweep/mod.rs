@@ -1,7 +1,7 @@
-//! Many episodes from one description: any choices × behaviours × worlds × seeds.
+//! Many episodes from one description: any choices × behaviors × worlds × seeds.
 //!
 //! Terms. A *point* is one set of choices: flags of `run` and keys of `--set`. A sweep's episodes are numbered from 0 by point,
-//! behaviour, world and seed, the seed fastest ([`Plan`]). *Shard* I of N does the episodes whose number leaves I when divided by N
+//! behavior, world and seed, the seed fastest ([`Plan`]). *Shard* I of N does the episodes whose number leaves I when divided by N
 //! ([`Shard`]), so that costly points are spread over all shards.
 //!
 //! Results are rows of CSV in the order of the numbers, added to a file one by one as episodes end ([`ResultsFile`]). The file is all the

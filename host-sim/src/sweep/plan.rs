@@ -16,7 +16,7 @@ pub struct Vocabulary {
     pub flags: Vec<String>,
     /// Whether a key takes a value.
     pub check: fn(&str, &str) -> Result<(), BadInput>,
-    /// An episode's setup from keys and values, with behaviour `avoid` and seed 1.
+    /// An episode's setup from keys and values, with behavior `avoid` and seed 1.
     pub setup: fn(&[Assignment]) -> Result<Setup, BadInput>,
 }
 
@@ -25,7 +25,7 @@ pub struct Vocabulary {
 pub struct Place {
     /// Point.
     pub point: u64,
-    /// Behaviour.
+    /// Behavior.
     pub behavior: usize,
     /// World.
     pub world: usize,

@@ -238,7 +238,7 @@ impl Board {
             }
             Order::Resume => self.order(message::Order::Resume)?,
             Order::Behavior { .. } | Order::GoalNeuron { .. } | Order::GoalFile { .. } => {
-                let known = Some(&*self.known).filter(|known| known.has_learnt());
+                let known = Some(&*self.known).filter(|known| known.has_learned());
                 self.goal = Pursued::asked(order, (self.nest(), Point::default()), known)?;
                 if self.mode == ModeReport::Seek {
                     self.obey(&Order::Seek)?;
@@ -369,10 +369,10 @@ impl Source for Board {
 
     fn snapshot(&mut self) -> Snapshot {
         self.revision += 1;
-        let learnt = self.known.has_learnt();
+        let learned = self.known.has_learned();
         let mut parts: Vec<Arc<dyn Showable>> = vec![self.scene()];
         let (revision, known) = (self.revision, &self.known);
-        parts.extend(self.knowing.parts(revision, known, &self.config, learnt));
+        parts.extend(self.knowing.parts(revision, known, &self.config, learned));
         Snapshot {
             parts,
             now: Box::new(self.now()),

@@ -44,7 +44,7 @@ pub(super) fn switched(
     Ok(config)
 }
 
-/// What a mind was told and has learnt, as a file.
+/// What a mind was told and has learned, as a file.
 pub(super) fn mind_file(config: &Config<16>, known: &SimState) -> Done {
     let knowledge = Knowledge::of(config, known);
     Done::File(File {

@@ -1,4 +1,4 @@
-//! What is pursued: a behaviour by name, or a situation that was shown.
+//! What is pursued: a behavior by name, or a situation that was shown.
 
 use super::order::{Done, File, Order};
 use super::source::Refused;
@@ -96,7 +96,7 @@ impl Pursued {
         }
     }
 
-    /// The behaviour, if it is one.
+    /// The behavior, if it is one.
     pub fn as_behavior(&self) -> Option<&Behavior> {
         match &self.what {
             What::Behavior(behavior) => Some(behavior),
@@ -129,7 +129,7 @@ impl Pursued {
     }
 
     /// Finds out what a goal of the mind is called.
-    pub fn recognised(
+    pub fn recognized(
         goal: &Goal<16>,
         config: &Config<16>,
         nest: &Situation<16>,
@@ -214,7 +214,7 @@ fn meant(known: &SimState, neuron: usize) -> Situation<16> {
     code.map(|value| value.clamp(Weight::ZERO, Weight::ONE))
 }
 
-/// A behaviour of the menu, or a chain of them: no files, which are for whoever sits at this machine.
+/// A behavior of the menu, or a chain of them: no files, which are for whoever sits at this machine.
 fn named(name: &str) -> Result<Behavior, Refused> {
     let known = Behavior::NAMES;
     if let Some(unknown) = name.split(',').find(|part| !known.contains(part)) {

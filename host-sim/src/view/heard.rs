@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 /// Places nearer to each other than this are one, m.
 const CELL_M: f64 = 0.05;
-/// Echoes from farther away say little about where: at 2.5 m a lobe of 25° is more than a metre wide.
+/// Echoes from farther away say little about where: at 2.5 m a lobe of 25° is more than a meter wide.
 const FARTHEST_M: f64 = 2.5;
 
 /// The places.
@@ -73,7 +73,7 @@ mod tests {
     fn an_echo_lies_in_front_of_its_sonar_and_is_kept_once() {
         let mut heard = Heard::new();
         let ring = Pose::new(Point::new(1.0, 2.0), 0.0);
-        // To the left, half a metre from the face.
+        // To the left, half a meter from the face.
         for _ in 0..2 {
             heard.hear(ring, 4, 0.5);
         }

@@ -12,7 +12,7 @@ pub struct Numbered {
     pub order: Order,
 }
 
-/// Something to do. Lengths in metres, in the world's frame.
+/// Something to do. Lengths in meters, in the world's frame.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(tag = "do", rename_all = "snake_case")]
 pub enum Order {
@@ -55,7 +55,7 @@ pub enum Order {
     },
     /// Start anew; what is not given stays.
     Reset(Reset),
-    /// Choose a behaviour as the goal; a robot that seeks pursues it at once.
+    /// Choose a behavior as the goal; a robot that seeks pursues it at once.
     Behavior {
         /// Its name.
         name: String,
@@ -74,9 +74,9 @@ pub enum Order {
     },
     /// The goal as a file.
     SaveGoal,
-    /// What the mind was told and has learnt, as a file.
+    /// What the mind was told and has learned, as a file.
     SaveMind,
-    /// Replace what the mind was told and has learnt.
+    /// Replace what the mind was told and has learned.
     LoadMind {
         /// The file's bytes, in hexadecimal.
         hex: String,
@@ -102,14 +102,14 @@ pub enum Order {
     MoveShape {
         /// Its place among the scene's shapes.
         shape: usize,
-        /// Where its centre is to be.
+        /// Where its center is to be.
         x: f64,
         /// As above.
         y: f64,
     },
     /// Carry the robot.
     MoveRobot {
-        /// Where its centre is to be.
+        /// Where its center is to be.
         x: f64,
         /// As above.
         y: f64,

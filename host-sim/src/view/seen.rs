@@ -37,13 +37,13 @@ impl Knowing {
         self.samples
     }
 
-    /// The parts; the maps are empty unless `learnt`.
+    /// The parts; the maps are empty unless `learned`.
     pub fn parts(
         &mut self,
         revision: u64,
         known: &SimState,
         config: &Config<16>,
-        learnt: bool,
+        learned: bool,
     ) -> [Arc<dyn Showable>; 2] {
         let samples = known.memory().samples();
         if samples.len() != self.samples {
@@ -51,7 +51,7 @@ impl Knowing {
             self.samples = samples.len();
         }
         let maps = self.maps.get_or_insert_with(|| {
-            let seen = if learnt {
+            let seen = if learned {
                 maps(known, config)
             } else {
                 Maps::default()
@@ -103,7 +103,7 @@ fn maps(known: &SimState, config: &Config<16>) -> Maps {
     };
     Maps {
         grid: [situations.grid().columns(), situations.grid().rows()],
-        learnt: true,
+        learned: true,
         situations: map_seen(situations, hits(0)),
         changes: map_seen(actions.changes(), hits(1)),
         actions_m: actions.actions().code().iter().map(decode).collect(),
@@ -165,7 +165,7 @@ pub(super) fn plan_seen(plan: &Plan<16>, known: &SimState) -> PlanSeen {
     }
 }
 
-/// From one neuron to another over direct neighbours, fewest steps, by those most like the goal.
+/// From one neuron to another over direct neighbors, fewest steps, by those most like the goal.
 fn walk(map: &Som<16, 16>, from: usize, to: usize) -> Vec<usize> {
     let grid: Grid = map.grid();
     let mut walk = vec![from];
@@ -181,7 +181,7 @@ fn walk(map: &Som<16, 16>, from: usize, to: usize) -> Vec<usize> {
                 map.distance(k, &goal, amp::fixed::Mask::ALL),
             )
         };
-        match grid.neighbours(at).min_by_key(|&k| far(k)) {
+        match grid.neighbors(at).min_by_key(|&k| far(k)) {
             Some(next) => at = next,
             None => break,
         }
@@ -235,7 +235,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_walk_goes_over_neighbours_to_the_goal() {
+    fn the_walk_goes_over_neighbors_to_the_goal() {
         let map = Som::<16, 16>::zeroed(Grid::rectangle(4, 4));
         let walk = walk(&map, 0, 15);
         assert_eq!(
@@ -244,7 +244,7 @@ mod tests {
         );
         assert!(
             walk.windows(2)
-                .all(|pair| map.grid().are_neighbours(pair[0], pair[1]))
+                .all(|pair| map.grid().are_neighbors(pair[0], pair[1]))
         );
         assert_eq!(super::walk(&map, 5, 5), [5]);
         assert_eq!(super::walk(&map, 99, 5), [99]);

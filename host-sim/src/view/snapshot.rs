@@ -1,4 +1,4 @@
-//! What viewers are shown: plain values in metres, radians, seconds and map units, in parts that change one by one.
+//! What viewers are shown: plain values in meters, radians, seconds and map units, in parts that change one by one.
 
 use super::source::Abilities;
 use serde::{Serialize, Serializer};
@@ -9,7 +9,7 @@ pub const PIECE: usize = 64;
 /// Most pieces of the trail that are kept.
 pub const MOST_PIECES: usize = 100;
 
-/// A value with four decimals: below a tenth of a millimetre.
+/// A value with four decimals: below a tenth of a millimeter.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Short(pub f64);
 
@@ -29,7 +29,7 @@ impl From<f64> for Short {
 /// One value per transducer.
 pub type Ring = [Short; 16];
 
-/// A place or a displacement, metres.
+/// A place or a displacement, meters.
 pub type Xy = [Short; 2];
 
 /// A part and how often it has changed.
@@ -127,19 +127,19 @@ impl Snapshot {
 pub struct Scene {
     /// Name of the world.
     pub world: String,
-    /// Lower left and upper right corner of everything, metres.
+    /// Lower left and upper right corner of everything, meters.
     pub bounds: [Xy; 2],
     /// What stands there.
     pub shapes: Vec<ShapeSeen>,
     /// Where the robot started.
     pub start: Xy,
-    /// Radius of the disc that touches things, and of the transducers' faces, metres.
+    /// Radius of the disc that touches things, and of the transducers' faces, meters.
     pub radii_m: [Short; 2],
     /// Half the angle of a transducer's cone, radians.
     pub half_angle_rad: Short,
-    /// Ranges at which a situation's value is 1 and 0, metres.
+    /// Ranges at which a situation's value is 1 and 0, meters.
     pub near_far_m: [Short; 2],
-    /// Longest displacement, metres.
+    /// Longest displacement, meters.
     pub step_m: Short,
     /// What it runs with.
     pub seed: String,
@@ -157,7 +157,7 @@ pub struct Scene {
     pub recalls: bool,
     /// What can be asked for.
     pub abilities: Abilities,
-    /// Behaviours: name and what it does.
+    /// Behaviors: name and what it does.
     pub behaviors: Vec<[String; 2]>,
     /// Worlds to choose from.
     pub worlds: Vec<String>,
@@ -173,7 +173,7 @@ pub enum ShapeSeen {
     Wall(Vec<Xy>),
     /// The corners of a box, which can be moved.
     Box(Vec<Xy>),
-    /// Centre and radius of a post, which can be moved.
+    /// Center and radius of a post, which can be moved.
     Circle(Xy, Short),
 }
 
@@ -182,13 +182,13 @@ pub enum ShapeSeen {
 pub struct Maps {
     /// Neurons along x and along y.
     pub grid: [usize; 2],
-    /// They have been learnt.
-    pub learnt: bool,
+    /// They have been learned.
+    pub learned: bool,
     /// Situations.
     pub situations: MapSeen,
     /// Changes of situation.
     pub changes: MapSeen,
-    /// Actions, metres in the ring's frame.
+    /// Actions, meters in the ring's frame.
     pub actions_m: Vec<Xy>,
     /// Per sample of the memory: the neurons that answer to it in either map.
     pub rows: Vec<[usize; 2]>,
@@ -201,7 +201,7 @@ pub struct MapSeen {
     pub code: Vec<Vec<Short>>,
     /// Samples of the memory each neuron answers to.
     pub hits: Vec<u32>,
-    /// Mean distance of each neuron to its direct neighbours.
+    /// Mean distance of each neuron to its direct neighbors.
     pub u_matrix: Vec<Short>,
 }
 
@@ -212,7 +212,7 @@ pub struct Row {
     pub before: [Option<Short>; 16],
     /// Situation after.
     pub after: [Option<Short>; 16],
-    /// Displacement carried out, metres in the ring's frame.
+    /// Displacement carried out, meters in the ring's frame.
     pub moved_m: Xy,
 }
 
@@ -241,7 +241,7 @@ pub struct Now {
     pub resumes: bool,
     /// How much of exploring or learning is done, 0 to 1.
     pub done: Short,
-    /// Latest ranges, metres.
+    /// Latest ranges, meters.
     pub ranges_m: [Option<Short>; 16],
     /// Transducers that are on.
     pub on: [bool; 16],
@@ -251,7 +251,7 @@ pub struct Now {
     pub changed: Option<Ring>,
     /// How the latest decision came about.
     pub plan: Option<PlanSeen>,
-    /// Displacement wanted and allowed by the shield, metres in the ring's frame.
+    /// Displacement wanted and allowed by the shield, meters in the ring's frame.
     pub wanted_m: Xy,
     /// As above.
     pub allowed_m: Xy,
@@ -299,7 +299,7 @@ pub struct PlanSeen {
     pub current: usize,
     /// Neuron aimed at, or expected.
     pub intermediate: usize,
-    /// From the present neuron to the goal's over direct neighbours.
+    /// From the present neuron to the goal's over direct neighbors.
     pub walk: Vec<usize>,
     /// Neuron of the action map that answers.
     pub action: usize,
@@ -343,11 +343,11 @@ pub struct Counts {
     pub shielded: u32,
     /// Those taken while the goal held.
     pub at_goal: u32,
-    /// Way, metres.
+    /// Way, meters.
     pub distance_m: Short,
-    /// Least gap to anything, metres.
+    /// Least gap to anything, meters.
     pub clearance_m: Option<Short>,
-    /// Area swept, square metres, if its measure is known.
+    /// Area swept, square meters, if its measure is known.
     pub coverage_m2: Option<Short>,
 }
 

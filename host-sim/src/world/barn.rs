@@ -3,7 +3,7 @@
 //! D. Perille, A. Truong, X. Xiao, P. Stone, *Benchmarking metric ground navigation*, IEEE International Symposium on
 //! Safety, Security, and Rescue Robotics, 2020, 116–121: 300 worlds grown by a cellular automaton on cells of 0.15 m, each
 //! filled cell a cylinder of radius 0.075 m. They are read as published, `world_N.world` (Gazebo's SDF), from a file or a
-//! folder of them, or from a table of filled cells with the heading `world,ix,iy`, where cell (ix, iy) has its centre at
+//! folder of them, or from a table of filled cells with the heading `world,ix,iy`, where cell (ix, iy) has its center at
 //! x = −0.075 m − 0.15 m · ix, y = 0.075 m + 0.15 m · iy.
 //!
 //! Start and goal are those of the BARN Challenge: from (−2, 3) m along y, to (−2, 13) m.

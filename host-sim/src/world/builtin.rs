@@ -25,7 +25,7 @@ impl World {
     }
 
     /// The arena of the paper's Fig. 5 (Touzet 2006): a room with walls and smaller obstacles; the robot
-    /// starts in the centre and moves to the right.
+    /// starts in the center and moves to the right.
     ///
     /// # Errors
     /// None in practice: the text is part of the program, and tested.
@@ -55,7 +55,7 @@ mod tests {
     }
 
     #[test]
-    fn the_papers_robot_starts_in_the_centre_and_looks_right() {
+    fn the_papers_robot_starts_in_the_center_and_looks_right() {
         let world = World::paper().unwrap();
         let (low, high) = world.bounds();
         let start = world.start();

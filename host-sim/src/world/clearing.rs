@@ -1,4 +1,4 @@
-//! What a disc on its way may touch or come nearest to: found once for a whole neighbourhood, used as long as the disc stays.
+//! What a disc on its way may touch or come nearest to: found once for a whole neighborhood, used as long as the disc stays.
 //!
 //! Distance changes by no more than the way gone (it is 1-Lipschitz; what J. C. Hart, *Sphere tracing*, The Visual Computer
 //! 12, 1996, steps along rays by): a disc that is farther from everything than it can have come since needs no look.
@@ -62,7 +62,7 @@ impl Clearing {
     }
 
     /// Whether it is known, without a look, that the disc touches nothing on its way and that no gap on it is to be told.
-    /// What a disc has travelled brings it nearer to things by no more than that.
+    /// What a disc has traveled brings it nearer to things by no more than that.
     #[inline]
     pub fn is_far(&self, world: &World, from: Point, to: Point, radius: f64) -> bool {
         let (Some(told), Some((place, free))) = (self.told_below, self.free) else {
@@ -109,7 +109,7 @@ impl Clearing {
     pub fn sweep(&mut self, world: &World, from: Point, to: Point, radius: f64) -> Sweep {
         if self.is_far(world, from, to, radius) {
             return Sweep {
-                travelled_m: from.distance(to),
+                traveled_m: from.distance(to),
                 contact: None,
                 min_clearance_m: f64::INFINITY,
             };
@@ -119,7 +119,7 @@ impl Clearing {
         let nearest = self.spot.distance_to_path(&path, &world.posts);
         self.free = Some((to, nearest));
         let free = Sweep {
-            travelled_m: path.length,
+            traveled_m: path.length,
             contact: None,
             min_clearance_m: (nearest - radius).max(0.0),
         };
@@ -129,7 +129,7 @@ impl Clearing {
         match self.spot.first_touch(&path, radius, &world.posts) {
             None => free,
             Some((way, contact)) => Sweep {
-                travelled_m: min(way, path.length),
+                traveled_m: min(way, path.length),
                 contact: Some(contact),
                 min_clearance_m: 0.0,
             },

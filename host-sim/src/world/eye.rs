@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::geometry::Point;
 use super::lobe::Lobe;
-use super::neighbourhoods::Neighbourhoods;
+use super::neighborhoods::Neighborhoods;
 use super::steady::Aim;
 
 /// One of several eyes, of which each may look along the same axis again and again.
@@ -28,7 +28,7 @@ pub(super) struct Upright {
 impl Eye {
     /// Looks along a lobe. Returns whether it has before: whoever turns looks once.
     #[inline]
-    pub fn looks(&mut self, lobe: &Lobe, around: &Neighbourhoods) -> bool {
+    pub fn looks(&mut self, lobe: &Lobe, around: &Neighborhoods) -> bool {
         let is_steady = self.aim.axis == lobe.axis
             && self.world == around.worlds()
             && self.aim.offset_m == lobe.offset_m
@@ -40,13 +40,13 @@ impl Eye {
     }
 
     #[cold]
-    fn aim_anew(&mut self, lobe: &Lobe, around: &Neighbourhoods) {
+    fn aim_anew(&mut self, lobe: &Lobe, around: &Neighborhoods) {
         self.aim = Aim::new(self.aim.number + 1, lobe.offset_m, lobe.axis, lobe.cone);
         self.world = around.worlds();
         self.find_upright(around);
     }
 
-    fn find_upright(&mut self, around: &Neighbourhoods) {
+    fn find_upright(&mut self, around: &Neighborhoods) {
         let to = self.aim;
         self.upright.clear();
         if let Some(feet) = around.surfaces().map(|surfaces| &surfaces.feet) {

@@ -1,6 +1,6 @@
 //! Every flat surface of a world, laid out for queries.
 //!
-//! A *face* is one side of a straight piece: from `a`, `length` metres along the unit vector `u`, seen
+//! A *face* is one side of a straight piece: from `a`, `length` meters along the unit vector `u`, seen
 //! only from its left. A solid's outline gives one face per piece, a thin wall two. Faces come in blocks
 //! of [`LANES`] so that a loop over a block has a fixed length, no bounds check and no branch, and the
 //! compiler turns it into vector instructions; the last block is filled up with faces far away.
@@ -100,7 +100,7 @@ pub(super) struct Faces {
 }
 
 impl Faces {
-    /// The faces of `shapes`, numbered in their order, sorted so that neighbours stand together, and the box around each
+    /// The faces of `shapes`, numbered in their order, sorted so that neighbors stand together, and the box around each
     /// block.
     pub fn of(shapes: &[Shape]) -> (Self, Vec<Bounds>) {
         let mut all = Vec::new();

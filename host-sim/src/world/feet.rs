@@ -2,7 +2,7 @@
 //!
 //! The foot of the perpendicular from a place on a face lies where the place does, as measured along the face. Faces of one
 //! direction stand in the order of their starts along it, so that those around a place are found by halving; those of
-//! much different length stand apart, so that a long wall does not make neighbours of all. The directions stand in the order
+//! much different length stand apart, so that a long wall does not make neighbors of all. The directions stand in the order
 //! of their angles.
 
 use super::faces::{Face, Faces, max};

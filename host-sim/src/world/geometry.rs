@@ -1,20 +1,20 @@
-//! Points and poses in the plane: metres, radians, counter-clockwise positive.
+//! Points and poses in the plane: meters, radians, counter-clockwise positive.
 
 use core::f64::consts::{PI, TAU};
 use core::ops::{Add, Mul, Neg, Sub};
 use serde::{Deserialize, Serialize};
 
-/// A place or a displacement, in metres.
+/// A place or a displacement, in meters.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Point {
-    /// Metres along the world's x axis.
+    /// Meters along the world's x axis.
     pub x: f64,
-    /// Metres along the world's y axis.
+    /// Meters along the world's y axis.
     pub y: f64,
 }
 
 impl Point {
-    /// The point (`x`, `y`), metres.
+    /// The point (`x`, `y`), meters.
     #[must_use]
     pub const fn new(x: f64, y: f64) -> Self {
         Self { x, y }
@@ -104,7 +104,7 @@ impl Neg for Point {
 /// Where the robot is and where its turret looks.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Pose {
-    /// Centre of the robot, m.
+    /// Center of the robot, m.
     pub position: Point,
     /// Bearing of the turret (sonar 0) in the world, rad, counter-clockwise from the x axis.
     pub heading: f64,

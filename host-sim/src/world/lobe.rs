@@ -14,7 +14,7 @@ use super::eye::Eye;
 use super::faces::{Face, max, min};
 use super::feet::Parallel;
 use super::geometry::Point;
-use super::neighbourhoods::Neighbourhoods;
+use super::neighborhoods::Neighborhoods;
 use super::outline::Sector;
 use super::rays::{Rays, SeenCircle, SeenFace};
 use super::steady::Station;
@@ -67,7 +67,7 @@ impl Default for FirstLook {
 /// What one lobe can meet. Reusable: building it again seldom allocates.
 #[derive(Debug, Clone, Default)]
 pub struct LobeView {
-    around: Neighbourhoods,
+    around: Neighborhoods,
     eyes: Vec<Eye>,
     eye: usize,
     lobe: Lobe,

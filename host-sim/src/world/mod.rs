@@ -8,7 +8,7 @@
 //! answer, and what it found is used again while the robot stays near; no answer depends on any of that.
 //!
 //! Worlds come from files ([`World::load`]), from a seed ([`World::random`]) or are built in
-//! ([`World::builtin`]). All are flat: straight pieces and circles, metres and radians.
+//! ([`World::builtin`]). All are flat: straight pieces and circles, meters and radians.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -26,7 +26,7 @@ mod feet;
 mod geometry;
 mod lobe;
 mod nearby;
-mod neighbourhoods;
+mod neighborhoods;
 mod occupancy;
 mod outline;
 mod pgm;
@@ -193,7 +193,7 @@ impl World {
         }
         Err(BadInput::new(format!(
             "the robot would start inside something: at ({}, {}) the nearest surface is {clearance:.3} m \
-             from its centre, its radius is {radius_m} m",
+             from its center, its radius is {radius_m} m",
             at.x, at.y
         )))
     }

@@ -11,12 +11,12 @@ const ROOM_HALF_M: f64 = 4.0;
 const BOXES: usize = 12;
 /// Least and greatest half side of a box, m; each of its two sides is drawn on its own.
 const BOX_HALF_M: (f64, f64) = (0.15, 0.5);
-/// No box comes nearer to the centre than this, m.
+/// No box comes nearer to the center than this, m.
 const FREE_RADIUS_M: f64 = 1.0;
 
 impl World {
     /// A room of 8 m × 8 m around the origin with 12 boxes parallel to its walls, which may overlap; the
-    /// robot starts at the centre and looks along x. Named `random:SEED`.
+    /// robot starts at the center and looks along x. Named `random:SEED`.
     #[must_use]
     pub fn random(seed: u64) -> Self {
         let mut noise = Noise::new(seed);
@@ -28,7 +28,7 @@ impl World {
     }
 }
 
-/// A box inside the room, or none if the draw came too near to the centre.
+/// A box inside the room, or none if the draw came too near to the center.
 fn random_box(noise: &mut Noise) -> Option<Shape> {
     let mut half = || noise.uniform_in(BOX_HALF_M.0, BOX_HALF_M.1);
     let half = Point::new(half(), half());

@@ -159,7 +159,7 @@ fn build(name: &str, info: &MapInfo, image: &Graymap) -> Result<World, BadInput>
         from: place(from.0 as f64, from.1 as f64),
         to: place(to.0 as f64, to.1 as f64),
     });
-    // One cell more, because the grid measures from cell centre to cell centre.
+    // One cell more, because the grid measures from cell center to cell center.
     let clearance = libm::ceil(START_CLEARANCE_M / info.resolution).clamp(1.0, 100.0) as u8 + 1;
     let Some((column, row)) = map.start(clearance) else {
         return Err(BadInput::new("no cell of the map is free"));

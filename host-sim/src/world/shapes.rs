@@ -6,13 +6,13 @@ use serde::{Deserialize, Serialize};
 /// Least length of a piece, a box's side or a radius, m.
 pub(super) const MIN_SIZE_M: f64 = 1e-6;
 
-/// A thing sound and the robot meet. Metres and radians.
+/// A thing sound and the robot meet. Meters and radians.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Shape {
     /// A thin wall: a chain of straight pieces, solid seen from either side.
     Wall {
-        /// At least two points, no two neighbours equal.
+        /// At least two points, no two neighbors equal.
         points: Vec<Point>,
     },
     /// A solid rectangle.

@@ -1,7 +1,7 @@
-//! What may lie in the lobes of an eye that looks the same way again and again, chosen and prepared once for a neighbourhood.
+//! What may lie in the lobes of an eye that looks the same way again and again, chosen and prepared once for a neighborhood.
 //!
 //! The transducers of a turret that is held are such eyes. What of the first look at a thing does not depend on where the eye
-//! is within the neighbourhood is worked out beforehand; what is left are comparisons.
+//! is within the neighborhood is worked out beforehand; what is left are comparisons.
 
 use wide::f32x8;
 

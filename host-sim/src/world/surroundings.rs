@@ -1,4 +1,4 @@
-//! What can be seen or heard around one place: found once for a whole neighbourhood, used as long as the robot stays in it.
+//! What can be seen or heard around one place: found once for a whole neighborhood, used as long as the robot stays in it.
 
 use super::faces::{FaceBlock, LANES, clamp, max, min};
 use super::geometry::Point;

@@ -1,7 +1,7 @@
 //! A disc that moves straight through the world until it touches something.
 //!
 //! The distance from a moving point to a straight piece or a disc is a convex function of the way
-//! travelled, so there is one first touch and it has a closed form: a ray against a capsule, or against
+//! traveled, so there is one first touch and it has a closed form: a ray against a capsule, or against
 //! a circle. One vectorised pass finds the distance between the path and every face near it ([`Clearing`]);
 //! only a path that comes near enough to something pays for the closed form.
 
@@ -18,11 +18,11 @@ pub const TOUCH_SLACK_M: f64 = 1e-6;
 /// What a moving disc met.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sweep {
-    /// Way travelled, m; less than asked for only after a touch.
-    pub travelled_m: f64,
+    /// Way traveled, m; less than asked for only after a touch.
+    pub traveled_m: f64,
     /// The point touched, if anything was: the disc stopped there.
     pub contact: Option<Point>,
-    /// Least gap between the disc and any surface along the way travelled, m, never negative.
+    /// Least gap between the disc and any surface along the way traveled, m, never negative.
     pub min_clearance_m: f64,
 }
 
@@ -34,7 +34,7 @@ impl Sweep {
     }
 }
 
-/// A straight path: from `start`, `length` metres along the unit vector `direction`.
+/// A straight path: from `start`, `length` meters along the unit vector `direction`.
 pub(super) struct Path {
     start: Point,
     direction: Point,
@@ -56,8 +56,8 @@ impl Path {
         }
     }
 
-    fn at(&self, travelled: f64) -> Point {
-        self.start + self.direction * travelled
+    fn at(&self, traveled: f64) -> Point {
+        self.start + self.direction * traveled
     }
 
     /// Least distance between this path and a point, m.
@@ -146,7 +146,7 @@ fn gap_squared(path: &Path, a: Point, u: Point, length: f64) -> f64 {
     }
 }
 
-/// First touch of a disc with a face: the way travelled and the point touched.
+/// First touch of a disc with a face: the way traveled and the point touched.
 pub(super) fn touch_face(path: &Path, face: &Face, radius: f64) -> Option<(f64, Point)> {
     let end = face.a + face.u * face.length;
     let nearest_to = |p: Point| face.a + face.u * clamp((p - face.a).dot(face.u), 0.0, face.length);
@@ -182,7 +182,7 @@ fn flat_way(path: &Path, face: &Face, radius: f64) -> Option<f64> {
     (0.0..=face.length).contains(&along).then_some(way)
 }
 
-/// First touch of a disc with a circle: the way travelled and the point touched.
+/// First touch of a disc with a circle: the way traveled and the point touched.
 pub(super) fn touch_circle(path: &Path, circle: &Circle, radius: f64) -> Option<(f64, Point)> {
     let way = touch_point(path, circle.center, radius + circle.radius)?;
     let inward = circle.center - path.at(way);

@@ -83,7 +83,7 @@ fn ray(world: &World, from: Point, direction: Point) -> f64 {
 }
 
 /// Nearest thing in a cone by brute force: rays 0.025° apart, and two past each corner and one to the
-/// middle of each circle, where a fan alone would be a millimetre off. What is left is of second order.
+/// middle of each circle, where a fan alone would be a millimeter off. What is left is of second order.
 fn dense_cone(world: &World, tip: Point, bearing: f64, half: f64) -> f64 {
     let fan = (0..=1000).map(|ray| bearing + half * (f64::from(ray) / 500.0 - 1.0));
     let corners = world.surfaces.corners.iter().flat_map(|&corner| {
@@ -101,7 +101,7 @@ fn dense_cone(world: &World, tip: Point, bearing: f64, half: f64) -> f64 {
     ranges.fold(f64::INFINITY, f64::min)
 }
 
-/// In metres, for ranges up to 6.5 m: f32 in the query, 0.025° in the brute force.
+/// In meters, for ranges up to 6.5 m: f32 in the query, 0.025° in the brute force.
 const CONE_TOLERANCE_M: f64 = 2e-5;
 
 #[test]
@@ -157,10 +157,10 @@ fn a_cone_sees_exactly_the_nearest_point_of_a_wall() {
     }
 }
 
-/// A transducer may see a side of a box that the robot's centre does not: the cull must keep it.
+/// A transducer may see a side of a box that the robot's center does not: the cull must keep it.
 #[test]
 fn faces_that_only_the_rim_sees_are_kept() {
-    // The top of the box lies 0.1 m above the centre; the face of this sonar looks down on it.
+    // The top of the box lies 0.1 m above the center; the face of this sonar looks down on it.
     let world = world(vec![square(1.3, -0.9, 2.0, 0.0)]);
     let (bearing, half) = (40.0 * PI / 180.0, 60.0 * PI / 180.0);
     let axis = Point::unit(bearing);
@@ -172,7 +172,7 @@ fn faces_that_only_the_rim_sees_are_kept() {
         (range - expected).abs() < CONE_TOLERANCE_M,
         "{range} {expected}"
     );
-    // Only the top is in that cone: from the centre it is not to be seen.
+    // Only the top is in that cone: from the center it is not to be seen.
     view.build(&world, Point::default(), 0.0, REACH_M);
     assert!(view.nearest_in_cone(axis, FACE_M, ConeShape::new(half)) > 1e8);
 }
@@ -238,8 +238,8 @@ fn sweeps_agree_with_fine_steps() {
             let steps = (way.length() / 1e-4) as usize;
             let gap = |i: usize| world.clearance(from + way * (i as f64 / steps as f64)) - RADIUS;
             let stop = (0..=steps).find(|&i| gap(i) < 0.0);
-            let travelled = stop.unwrap_or(steps) as f64 * 1e-4;
-            assert!((sweep.travelled_m - travelled).abs() < 2.5e-4 || grazes(&world, from, way));
+            let traveled = stop.unwrap_or(steps) as f64 * 1e-4;
+            assert!((sweep.traveled_m - traveled).abs() < 2.5e-4 || grazes(&world, from, way));
             let least = (0..stop.unwrap_or(steps + 1))
                 .map(gap)
                 .fold(f64::INFINITY, f64::min);
@@ -249,12 +249,12 @@ fn sweeps_agree_with_fine_steps() {
             );
             if sweep.touched() {
                 touched += 1;
-                let stopped = from + way * (sweep.travelled_m / way.length());
+                let stopped = from + way * (sweep.traveled_m / way.length());
                 assert!((world.clearance(stopped) - RADIUS).abs() < 1e-9);
                 assert!((sweep.contact.unwrap().distance(stopped) - RADIUS).abs() < 1e-9);
             } else {
                 free += 1;
-                assert!((sweep.travelled_m - way.length()).abs() < 1e-12);
+                assert!((sweep.traveled_m - way.length()).abs() < 1e-12);
             }
         }
     }
@@ -276,16 +276,16 @@ fn a_disc_at_rest_against_a_wall_may_leave_and_slide_but_not_push() {
     ] {
         let world = world(vec![shape]);
         let first = world.sweep(Point::default(), Point::new(2.0, 0.0), RADIUS);
-        assert!(first.touched() && (first.travelled_m - (1.0 - RADIUS)).abs() < 1e-12);
+        assert!(first.touched() && (first.traveled_m - (1.0 - RADIUS)).abs() < 1e-12);
         assert_eq!(first.min_clearance_m, 0.0);
         assert!(first.contact.unwrap().distance(Point::new(1.0, 0.0)) < 1e-9);
-        let at = Point::new(first.travelled_m, 0.0);
+        let at = Point::new(first.traveled_m, 0.0);
         let go = |x: f64, y: f64| world.sweep(at, at + Point::new(x, y), RADIUS);
         let push = go(0.1, 0.0);
-        assert!(push.touched() && push.travelled_m <= 1e-9, "{push:?}");
+        assert!(push.touched() && push.traveled_m <= 1e-9, "{push:?}");
         assert!(go(0.1, 0.05).touched());
         let leave = go(-0.1, 0.0);
-        assert!(!leave.touched() && (leave.travelled_m - 0.1).abs() < 1e-12);
+        assert!(!leave.touched() && (leave.traveled_m - 0.1).abs() < 1e-12);
         // Within the slack is no touch, and what is too deep already may still get out.
         assert!(!go(5e-7, 0.0).touched() && go(5e-6, 0.0).touched());
         let deep = at + Point::new(1e-3, 0.0);
@@ -295,7 +295,7 @@ fn a_disc_at_rest_against_a_wall_may_leave_and_slide_but_not_push() {
                 .touched()
         );
         let deeper = world.sweep(deep, deep + Point::new(0.1, 0.0), RADIUS);
-        assert!(deeper.touched() && deeper.travelled_m == 0.0);
+        assert!(deeper.touched() && deeper.traveled_m == 0.0);
         assert!(!go(-0.1, 0.1).touched() && !go(0.0, 0.1).touched() && !go(0.0, 0.0).touched());
     }
 }
@@ -305,7 +305,7 @@ fn a_disc_slides_along_one_wall_into_the_next() {
     let world = world(vec![wall(&[(1.0, -3.0), (1.0, 1.0), (-3.0, 1.0)])]);
     let at = Point::new(1.0 - RADIUS, 0.0);
     let sweep = world.sweep(at, at + Point::new(1e-9, 1.0), RADIUS);
-    assert!(sweep.touched() && (sweep.travelled_m - (1.0 - RADIUS)).abs() < 1e-8);
+    assert!(sweep.touched() && (sweep.traveled_m - (1.0 - RADIUS)).abs() < 1e-8);
 }
 
 #[test]
@@ -315,12 +315,12 @@ fn a_fast_disc_does_not_jump_over_a_thin_wall() {
         wall(&[(5.0, 0.0), (6.0, 0.0)]),
     ]);
     let sweep = world.sweep(Point::default(), Point::new(100.0, 0.0), RADIUS);
-    assert!(sweep.touched() && (sweep.travelled_m - (1.0 - RADIUS)).abs() < 1e-4);
+    assert!(sweep.touched() && (sweep.traveled_m - (1.0 - RADIUS)).abs() < 1e-4);
     // In line with a wall, but not up to it: in line is not across.
     let short = world.sweep(Point::new(3.0, 0.0), Point::new(4.0, 0.0), RADIUS);
     assert!(!short.touched() && (short.min_clearance_m - (1.0 - RADIUS)).abs() < 1e-12);
     let end_on = world.sweep(Point::new(3.0, 0.0), Point::new(5.5, 0.0), RADIUS);
-    assert!((end_on.travelled_m - (2.0 - RADIUS)).abs() < 1e-12);
+    assert!((end_on.traveled_m - (2.0 - RADIUS)).abs() < 1e-12);
 }
 
 #[test]

@@ -16,7 +16,7 @@
 //! radius_m = 0.3
 //! ```
 //!
-//! Metres and degrees. At least one `wall`, `box` or `circle`; everything else has a default: the file's
+//! Meters and degrees. At least one `wall`, `box` or `circle`; everything else has a default: the file's
 //! name, the origin, angle 0. A key that is not listed here is an error, with its line.
 
 use core::ops::Range;

@@ -1,6 +1,6 @@
 //! A tree of boxes over the things of a world, so that a question about one place costs the same in a room and in a town.
 //!
-//! Things are put in the order of a curve that fills the plane (Morton 1966), so that neighbours in the list are neighbours
+//! Things are put in the order of a curve that fills the plane (Morton 1966), so that neighbors in the list are neighbors
 //! in the plane, and cut into blocks of [`LANES`]. Each block has a box around it, [`LANES`] boxes have one around them, and
 //! so on up to a single row of boxes: a hierarchy of bounding boxes without pointers. All it says is which blocks cannot
 //! matter; what does is then worked out as without it, so no answer depends on it.
@@ -124,7 +124,7 @@ impl Bounds {
     }
 }
 
-/// Brings things into the order in which neighbours stand together. Things with the same key keep theirs.
+/// Brings things into the order in which neighbors stand together. Things with the same key keep theirs.
 pub(super) fn sort<T>(things: &mut [T], bounds: impl Fn(&T) -> Bounds) {
     let all = Bounds::all(things.iter().map(&bounds));
     let size = all.size();

@@ -6,7 +6,7 @@
 //! between the face's ends, the point nearest to the foot is the nearest one. The line of sight to the
 //! nearest point of *all* faces lies in the cone, so nothing can hide it.
 //!
-//! The view is built once per pose in f64, from the surroundings that hold for a whole neighbourhood; it drops faces that
+//! The view is built once per pose in f64, from the surroundings that hold for a whole neighborhood; it drops faces that
 //! look away or lie too far. The query
 //! runs once per transducer over what is left, in f32 relative to the robot: within 1 µm + 1 ppm. Both go from near to far,
 //! and only as far as something could be nearer than what was found: in a crowd most of it is never looked at.
@@ -14,7 +14,7 @@
 use super::World;
 use super::faces::{FaceBlock, LANES, clamp, max, min};
 use super::geometry::Point;
-use super::neighbourhoods::Neighbourhoods;
+use super::neighborhoods::Neighborhoods;
 
 /// A squared distance no query can reach, m².
 const NOTHING: f32 = 1e18;
@@ -55,7 +55,7 @@ impl ViewBlock {
 /// once it has grown to the size of the world.
 #[derive(Debug, Clone, Default)]
 pub struct View {
-    around: Neighbourhoods,
+    around: Neighborhoods,
     middle: Point,
     offset_m: f64,
     reach_m: f64,

@@ -8,7 +8,7 @@ use crate::action_map::{ActionCode, Recall};
 use crate::fixed::{Mask, Weight};
 use crate::robot::RobotSpec;
 use crate::scan::Encoding;
-use crate::som::{Edges, Neighbourhood, Schedule};
+use crate::som::{Edges, Neighborhood, Schedule};
 use crate::units::Direction;
 
 impl<const SENSORS: usize> Config<SENSORS> {
@@ -17,7 +17,7 @@ impl<const SENSORS: usize> Config<SENSORS> {
     #[must_use]
     pub(crate) const fn zeroed() -> Self {
         let training = Training {
-            neighbourhood: Neighbourhood::Direct,
+            neighborhood: Neighborhood::Direct,
             rate: Schedule::constant(0),
             radius: Schedule::constant(0),
         };

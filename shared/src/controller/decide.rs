@@ -10,8 +10,8 @@ use crate::goal::{Frame, Goal, missed};
 use crate::memory::{self, Sample};
 use crate::planner::{NEXT_COURSE, Plan, Planner, Why};
 use crate::scan::{Aligned, Situation, rotated};
-use crate::som::Neighbourhood;
-use crate::som::neighbourhood::Pull;
+use crate::som::Neighborhood;
+use crate::som::neighborhood::Pull;
 use crate::units::{Bearing, Displacement, Millis};
 
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
@@ -187,7 +187,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         for (value, before) in change.iter_mut().zip(&pending.before.0) {
             *value = value.wrapping_sub(*before);
         }
-        // The moves of a behaviour are one-sided; turned by a random number of ring places they teach every
+        // The moves of a behavior are one-sided; turned by a random number of ring places they teach every
         // direction, as the random moves did.
         let turns = config.learning.turned
             && config.robot.symmetric
@@ -207,7 +207,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             mask: enabled,
         };
         let halvings = self.halvings();
-        let pull = |rate: u32| Pull::new(Neighbourhood::Direct, rate >> halvings, online.share_q16);
+        let pull = |rate: u32| Pull::new(Neighborhood::Direct, rate >> halvings, online.share_q16);
         let winner = match self.asked_by {
             Some(neuron) if online.blame_recalled => usize::from(neuron),
             _ => self

@@ -64,7 +64,7 @@ pub enum Refusal {
     },
     /// There is nothing to learn from.
     NoSamples,
-    /// The maps have not been learnt.
+    /// The maps have not been learned.
     NotLearnt,
     /// No stop interrupted anything.
     NothingToResume,
@@ -142,7 +142,7 @@ pub struct Motion {
     pub id: u16,
     /// Where to, from here.
     pub displacement: Displacement,
-    /// At most this fast, millimetres per second.
+    /// At most this fast, millimeters per second.
     pub speed_mm_s: u16,
 }
 

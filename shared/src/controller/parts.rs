@@ -5,7 +5,7 @@
 //! | [`Part::Situations`] | code vectors of the situation map, neuron by neuron, each component as `i32` in units of 2⁻²⁹ |
 //! | [`Part::Changes`] | code vectors of the action map's changes, as above |
 //! | [`Part::Actions`] | code vectors of its actions (two components), as above |
-//! | [`Part::Memory`] | samples in the order they came: before and after, a byte per transducer (see [`memory`](crate::memory)); commanded dx, dy, executed dx, dy as `i16` millimetres |
+//! | [`Part::Memory`] | samples in the order they came: before and after, a byte per transducer (see [`memory`](crate::memory)); commanded dx, dy, executed dx, dy as `i16` millimeters |
 
 use super::tracked::Tracked;
 use super::{Mode, State};
@@ -94,7 +94,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 
     /// Replaces a piece of a part. A memory is written from its beginning on, whole samples in order; a piece at offset 0
-    /// empties it first. When all three maps have been written to their ends they count as learnt.
+    /// empties it first. When all three maps have been written to their ends they count as learned.
     ///
     /// # Errors
     /// [`PartError`]; nothing has changed then.
@@ -111,7 +111,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         if offset.saturating_add(bytes.len()) == self.part_len(part) {
             self.written |= 1 << (part as u8);
             self.lessons = 0;
-            self.learnt |= self.written == 0b111;
+            self.learned |= self.written == 0b111;
         }
         Ok(())
     }
@@ -157,7 +157,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.situations.clear();
         self.actions.changes_mut().clear();
         self.actions.actions_mut().clear();
-        self.learnt = false;
+        self.learned = false;
         self.lessons = 0;
         self.written = 0;
         self.generator = None;

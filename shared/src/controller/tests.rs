@@ -17,7 +17,7 @@ type Out = Outputs<16>;
 struct Bench {
     config: Config<16>,
     state: Robot,
-    /// Place in the room, millimetres from its middle.
+    /// Place in the room, millimeters from its middle.
     x: i32,
     y: i32,
     time: u32,
@@ -236,15 +236,15 @@ fn learning_takes_the_ticks_it_should_and_stands_still() {
 
 #[test]
 fn the_maps_do_not_depend_on_the_slices() {
-    let learnt = |slice| {
+    let learned = |slice| {
         let mut config = Config::recommended();
         config.learning.slice = slice;
         let state = Bench::ready(config).state;
         (state.situations, state.actions)
     };
-    let whole = learnt(16);
+    let whole = learned(16);
     for slice in [0, 1, 3, 4, 7, u16::MAX] {
-        assert!(learnt(slice) == whole, "{slice}");
+        assert!(learned(slice) == whole, "{slice}");
     }
 }
 
@@ -460,7 +460,7 @@ fn a_stop_of_a_robot_that_does_nothing_leaves_nothing_to_resume() {
 
 #[test]
 fn maps_may_start_anywhere_and_learn_what_was_asked_for_in_the_order_recorded() {
-    let learnt = |start, order, taught| {
+    let learned = |start, order, taught| {
         let mut config = Config::recommended();
         config.learning.turned = false;
         config.learning.epochs = 2;
@@ -474,19 +474,19 @@ fn maps_may_start_anywhere_and_learn_what_was_asked_for_in_the_order_recorded() 
         all.iter()
             .all(|value| (0..=1 << 29).contains(&value.to_bits()))
     };
-    let random = learnt(Start::Random, Order::Recorded, Taught::Executed);
-    assert!(random == learnt(Start::Random, Order::Recorded, Taught::Executed));
+    let random = learned(Start::Random, Order::Recorded, Taught::Executed);
+    assert!(random == learned(Start::Random, Order::Recorded, Taught::Executed));
     for (start, order, taught) in [
         (Start::Samples, Order::Recorded, Taught::Executed),
         (Start::Random, Order::Random, Taught::Executed),
         (Start::Plane, Order::Recorded, Taught::Commanded),
     ] {
-        let other = learnt(start, order, taught);
+        let other = learned(start, order, taught);
         assert!(other.situations() != random.situations() && values(&other));
     }
     // What was carried out and what was asked for are the same until a wall was in the way.
-    let executed = learnt(Start::Plane, Order::Recorded, Taught::Executed);
-    let commanded = learnt(Start::Plane, Order::Recorded, Taught::Commanded);
+    let executed = learned(Start::Plane, Order::Recorded, Taught::Executed);
+    let commanded = learned(Start::Plane, Order::Recorded, Taught::Commanded);
     let samples = executed.memory().samples().iter();
     let cut = samples.filter(|s| s.commanded != s.executed).count();
     assert_eq!(cut > 0, executed.actions() != commanded.actions());
@@ -705,7 +705,7 @@ fn who_stays_keeps_the_course_while_looking_ahead() {
     ] {
         // Maps that know nothing: no action brings anything.
         let mut bench = Bench::new(config);
-        bench.state.learnt = true;
+        bench.state.learned = true;
         bench.state.course = Tracked::new(aside);
         let goal = Goal::place([Component::equal(Weight::ONE); 16]);
         bench.send(Event::Command(Command::Seek(goal)));

@@ -332,7 +332,7 @@ fn said(mm: Option<u16>) -> Said {
 }
 
 #[test]
-fn two_words_differ_by_a_tenth_of_a_metre_or_by_silence() {
+fn two_words_differ_by_a_tenth_of_a_meter_or_by_silence() {
     let is_other = |a: Said, b: Said| a.is_other_than(b);
     assert!(
         is_other(said(Some(500)), said(Some(600))) && is_other(said(Some(600)), said(Some(500)))
@@ -361,7 +361,7 @@ fn looked(before: Option<u16>, scores: Scores, now: Option<u16>, look: &Look) ->
     record.scores
 }
 
-/// 200 mm on, at a new place, where both neighbours say something else than before.
+/// 200 mm on, at a new place, where both neighbors say something else than before.
 const NEW: Look = Look {
     sides: [Said(2_000 + Said::LEAST), Said(2_100 + Said::LEAST)],
     way: 200,
@@ -377,7 +377,7 @@ const TEN: Scores = Scores {
 };
 
 #[test]
-fn silence_counts_by_what_the_farther_neighbour_hears() {
+fn silence_counts_by_what_the_farther_neighbor_hears() {
     let silent = |mm: u16, is_new| {
         let sides = [said(Some(mm)), said(Some(300))];
         looked(
@@ -402,7 +402,7 @@ fn silence_counts_by_what_the_farther_neighbour_hears() {
     assert_eq!(
         looked(Some(900), TEN, None, &one).silent,
         10,
-        "one neighbour is no witness"
+        "one neighbor is no witness"
     );
     // An echo ends it at once, or step by step for one that is not believed.
     assert_eq!(looked(Some(900), TEN, Some(900), &NEW).silent, 0);
@@ -415,7 +415,7 @@ fn silence_counts_by_what_the_farther_neighbour_hears() {
 }
 
 #[test]
-fn a_range_that_stands_still_counts_where_the_neighbours_change() {
+fn a_range_that_stands_still_counts_where_the_neighbors_change() {
     let still = |now: u16, look: &Look| looked(Some(2_000), TEN, Some(now), look).still;
     let found = [2_000, 2_013, 1_987, 2_014, 1_986].map(|now| still(now, &NEW));
     assert_eq!(found, [18, 18, 18, 0, 0]);
@@ -429,7 +429,7 @@ fn a_range_that_stands_still_counts_where_the_neighbours_change() {
         ),
         10
     );
-    // One of the neighbours stands still as well.
+    // One of the neighbors stands still as well.
     let sides = [said(Some(5_050)), said(Some(2_100))];
     assert_eq!(still(2_000, &Look { sides, ..NEW }), 10);
     let doubted = Look {
@@ -472,7 +472,7 @@ fn a_jump_is_more_than_the_way_and_what_is_loose() {
 }
 
 #[test]
-fn a_range_is_short_below_four_fifths_and_by_more_than_three_tenths_of_a_metre() {
+fn a_range_is_short_below_four_fifths_and_by_more_than_three_tenths_of_a_meter() {
     let short = |now: u16, nearest: u16| {
         let sides = [said(Some(nearest)), said(Some(nearest + 700))];
         looked(None, TEN, Some(now), &Look { sides, ..NEW }).short
@@ -552,7 +552,7 @@ fn scores_stop_at_the_limit_and_name_the_fault() {
 }
 
 #[test]
-fn cells_are_known_when_they_have_been_left_and_on_a_torus_of_four_metres() {
+fn cells_are_known_when_they_have_been_left_and_on_a_torus_of_four_meters() {
     let mut places = Places::NEW;
     let mut enter = |x_mm, y_mm| {
         places.enter(x_mm, y_mm);

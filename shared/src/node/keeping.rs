@@ -39,7 +39,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
     }
 
-    /// Replaces all it was told and has learnt by an image's; for a node that stands still.
+    /// Replaces all it was told and has learned by an image's; for a node that stands still.
     ///
     /// # Errors
     /// [`Fault`]; nothing has changed then, see [`ContentsMut::read`].

@@ -482,7 +482,7 @@ fn what_is_known_can_be_carried_to_another_node() {
     assert_eq!(
         refusal(&other.order(Order::Seek)),
         None,
-        "the maps count as learnt"
+        "the maps count as learned"
     );
     let busy = ToMind::Write {
         part: Part::Memory,

@@ -120,7 +120,7 @@ mod tests {
         #[test]
         fn the_goal_neuron_is_the_same_whatever_was_known(
             code in prop::collection::vec(0_i16..=8_192, 16 * 16),
-            learnt in prop::collection::vec(0_i16..=8_192, 16),
+            learned in prop::collection::vec(0_i16..=8_192, 16),
             bounds in prop::collection::vec((0_i16..=8_192, 0_i16..=8_192, 0_u8..3), 16),
             changed in prop::option::of(0_usize..16), near in any::<bool>(), guess in any::<u8>(), travel in 0_usize..16,
         ) {
@@ -158,7 +158,7 @@ mod tests {
             let before = found(&situations, None, guessed);
             prop_assert_eq!(before, found(&situations, None, Memo::NONE));
             if let Some(changed) = changed {
-                let to: [Weight; 16] = core::array::from_fn(|i| Weight::from_bits(learnt[i]));
+                let to: [Weight; 16] = core::array::from_fn(|i| Weight::from_bits(learned[i]));
                 let wanted = goal.towards(travel).nearest(&to);
                 situations.set_code_vector(changed, if near { &wanted } else { &to });
             }

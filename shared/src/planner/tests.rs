@@ -41,7 +41,7 @@ fn weights<const COUNT: usize>(values: [f64; COUNT]) -> [Weight; COUNT] {
 }
 
 /// Something ahead; less of it; something on the right; nothing: on a square of 2 × 2, where the first and the last are no
-/// neighbours.
+/// neighbors.
 const SITUATIONS: [[f64; 4]; 4] = [
     [1.0, 0.0, 0.0, 0.0],
     [0.5, 0.0, 0.0, 0.0],
@@ -106,17 +106,17 @@ fn near(found: Displacement, dx_mm: i16, dy_mm: i16) -> bool {
     found.minus(mm(dx_mm, dy_mm)).length_mm() <= 3
 }
 
-/// The paper's four steps: goal neuron, present neuron, the neighbour nearer to the goal, recall by the difference.
+/// The paper's four steps: goal neuron, present neuron, the neighbor nearer to the goal, recall by the difference.
 #[test]
-fn the_neighbour_nearer_to_the_goal_is_aimed_at() {
+fn the_neighbor_nearer_to_the_goal_is_aimed_at() {
     let mut bench = Bench::new();
     for intermediate in [Intermediate::FewestHops, Intermediate::NearestCode] {
         bench.config.planning.intermediate = intermediate;
         let plan = bench.free([0.9, 0.0, 0.0, 0.0]);
         assert_eq!((plan.goal_neuron, plan.current_neuron), (3, 0));
-        // Both neighbours are one step from the goal's neuron; less ahead is nearer to nothing than something on the right.
+        // Both neighbors are one step from the goal's neuron; less ahead is nearer to nothing than something on the right.
         assert_eq!((plan.intermediate_neuron, plan.why), (1, Why::Neighbour));
-        // From what was measured to the neighbour's code vector.
+        // From what was measured to the neighbor's code vector.
         assert_eq!(
             plan.wanted,
             difference(&weights(SITUATIONS[1]), &weights([0.9, 0.0, 0.0, 0.0]))
@@ -130,10 +130,10 @@ fn the_neighbour_nearer_to_the_goal_is_aimed_at() {
 }
 
 #[test]
-fn without_a_nearer_neighbour_the_goal_itself_is_aimed_at() {
+fn without_a_nearer_neighbor_the_goal_itself_is_aimed_at() {
     let mut bench = Bench::new();
     bench.config.planning.intermediate = Intermediate::NearestCode;
-    // Both neighbours of the first are farther from nothing than it is.
+    // Both neighbors of the first are farther from nothing than it is.
     bench
         .situations
         .set_code_vector(1, &weights([1.0, 1.0, 0.0, 0.0]));
@@ -166,7 +166,7 @@ fn without_a_nearer_neighbour_the_goal_itself_is_aimed_at() {
 }
 
 #[test]
-fn the_goal_can_be_aimed_at_without_a_neighbour() {
+fn the_goal_can_be_aimed_at_without_a_neighbor() {
     let mut bench = Bench::new();
     bench.config.planning.intermediate = Intermediate::Goal;
     let plan = bench.free([0.0, 0.0, 0.0, 0.75]);
@@ -558,7 +558,7 @@ fn changes_are_differences_within_one() {
 }
 
 #[test]
-fn a_goal_that_the_present_neuron_meets_has_no_nearer_neighbour() {
+fn a_goal_that_the_present_neuron_meets_has_no_nearer_neighbor() {
     let mut bench = Bench::new();
     bench.config.planning.intermediate = Intermediate::NearestCode;
     // Both the last neuron and the second are nothing; the lower stands for the goal, the robot is at the other one.

@@ -1,4 +1,4 @@
-//! Where the neurons stand: a rectangle with four direct neighbours each, or a chain with two.
+//! Where the neurons stand: a rectangle with four direct neighbors each, or a chain with two.
 
 use crate::fixed::Mask;
 use serde::{Deserialize, Serialize};
@@ -9,10 +9,10 @@ pub(crate) const NOBODY: usize = usize::MAX;
 /// What happens at the border of the grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Edges {
-    /// Neurons at the border have fewer neighbours.
+    /// Neurons at the border have fewer neighbors.
     #[default]
     Open,
-    /// Left meets right and top meets bottom (a torus): every neuron has four neighbours.
+    /// Left meets right and top meets bottom (a torus): every neuron has four neighbors.
     Wrapped,
 }
 
@@ -54,7 +54,7 @@ impl Grid {
         }
     }
 
-    /// A chain of `neurons` with two neighbours each.
+    /// A chain of `neurons` with two neighbors each.
     #[must_use]
     pub const fn chain(neurons: u16) -> Self {
         Self::rectangle(neurons, 1)
@@ -124,20 +124,20 @@ impl Grid {
         }
     }
 
-    /// Length of the shortest walk between two neurons over direct neighbours.
+    /// Length of the shortest walk between two neurons over direct neighbors.
     #[must_use]
     pub fn hops(self, a: usize, b: usize) -> usize {
         let (dx, dy) = self.offsets(a, b);
         dx.saturating_add(dy)
     }
 
-    /// The direct neighbours of neuron `k`: left, right, above, below, as far as they exist.
-    pub fn neighbours(self, k: usize) -> impl Iterator<Item = usize> {
+    /// The direct neighbors of neuron `k`: left, right, above, below, as far as they exist.
+    pub fn neighbors(self, k: usize) -> impl Iterator<Item = usize> {
         let around = self.around(k).into_iter();
-        around.filter(|&neighbour| neighbour != NOBODY)
+        around.filter(|&neighbor| neighbor != NOBODY)
     }
 
-    /// The direct neighbours of neuron `k`: left, right, above, below; [`NOBODY`] for one that does not exist.
+    /// The direct neighbors of neuron `k`: left, right, above, below; [`NOBODY`] for one that does not exist.
     #[inline]
     pub(crate) fn around(self, k: usize) -> [usize; 4] {
         let (x, y) = self.position(k);
@@ -145,7 +145,7 @@ impl Grid {
         let before = |place: usize, length: usize| match self.edges {
             Edges::Open => place.checked_sub(1),
             Edges::Wrapped if length > 2 => Some(place.checked_sub(1).unwrap_or(length - 1)),
-            // Along an axis of two the neighbour before is the neighbour after: it counts once.
+            // Along an axis of two the neighbor before is the neighbor after: it counts once.
             Edges::Wrapped => None,
         };
         let after = |place: usize, length: usize| match self.edges {
@@ -168,23 +168,23 @@ impl Grid {
         ]
     }
 
-    /// The direct neighbours of neuron `k` on a grid of at most 32 neurons, of which some are left out on a larger one.
+    /// The direct neighbors of neuron `k` on a grid of at most 32 neurons, of which some are left out on a larger one.
     pub(crate) fn mask_around(self, k: usize) -> Mask {
         if self == PAPERS {
             let bits = AROUND.get(k).copied().unwrap_or(0);
             return Mask::from_bits(u32::from(bits));
         }
-        self.mask_of_neighbours(k)
+        self.mask_of_neighbors(k)
     }
 
     #[inline(never)]
-    fn mask_of_neighbours(self, k: usize) -> Mask {
-        self.neighbours(k).fold(Mask::NONE, Mask::with)
+    fn mask_of_neighbors(self, k: usize) -> Mask {
+        self.neighbors(k).fold(Mask::NONE, Mask::with)
     }
 
-    /// Whether two neurons are direct neighbours.
+    /// Whether two neurons are direct neighbors.
     #[must_use]
-    pub fn are_neighbours(self, a: usize, b: usize) -> bool {
+    pub fn are_neighbors(self, a: usize, b: usize) -> bool {
         self.hops(a, b) == 1
     }
 }
@@ -195,8 +195,8 @@ mod tests {
     use std::vec::Vec;
 
     #[test]
-    fn neighbours_of_a_rectangle_and_a_chain() {
-        let list = |grid: Grid, k| grid.neighbours(k).collect::<Vec<_>>();
+    fn neighbors_of_a_rectangle_and_a_chain() {
+        let list = |grid: Grid, k| grid.neighbors(k).collect::<Vec<_>>();
         let square = Grid::rectangle(4, 4);
         assert_eq!(list(square, 0), [1, 4]);
         assert_eq!(list(square, 5), [4, 6, 1, 9]);
@@ -210,16 +210,16 @@ mod tests {
     }
 
     #[test]
-    fn neighbours_are_one_hop_away_and_mutual() {
+    fn neighbors_are_one_hop_away_and_mutual() {
         for edges in [Edges::Open, Edges::Wrapped] {
             for (columns, rows) in [(4, 4), (32, 1), (5, 3), (2, 2), (1, 1)] {
                 let grid = Grid::rectangle(columns, rows).with_edges(edges);
                 for a in 0..grid.len() {
-                    let direct: Vec<_> = grid.neighbours(a).collect();
+                    let direct: Vec<_> = grid.neighbors(a).collect();
                     for b in 0..grid.len() {
                         assert_eq!(
                             direct.contains(&b),
-                            grid.are_neighbours(a, b),
+                            grid.are_neighbors(a, b),
                             "{grid:?} {a} {b}"
                         );
                         assert_eq!(grid.hops(a, b), grid.hops(b, a));
@@ -235,7 +235,7 @@ mod tests {
             for (columns, rows) in [(4, 4), (16, 1), (32, 1), (1, 32), (5, 3), (2, 2), (1, 1)] {
                 let grid = Grid::rectangle(columns, rows).with_edges(edges);
                 for k in 0..34 {
-                    let around = grid.neighbours(k).collect::<Vec<_>>();
+                    let around = grid.neighbors(k).collect::<Vec<_>>();
                     let mask = grid.mask_around(k).to_bits();
                     let bits = (0..32).filter(|k| mask & (1 << k) != 0);
                     let mut around = around.clone();

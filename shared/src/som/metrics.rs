@@ -1,8 +1,8 @@
 //! How good a map is: the field's usual measures.
 //!
 //! * *quantization error*: mean Euclidean distance of the samples to their best-matching units;
-//! * *topographic error*: share of the samples whose best two neurons are not direct neighbours (K. Kiviluoto 1996);
-//! * *U-matrix*: mean distance of each neuron to its direct neighbours (A. Ultsch 1990);
+//! * *topographic error*: share of the samples whose best two neurons are not direct neighbors (K. Kiviluoto 1996);
+//! * *U-matrix*: mean distance of each neuron to its direct neighbors (A. Ultsch 1990);
 //! * *hit map*: how many samples each neuron wins.
 
 use super::{Grid, kernels};
@@ -44,7 +44,7 @@ impl Quality {
         // The root of a number of 2⁻⁵⁰ is one of 2⁻²⁵.
         self.distance = self.distance.saturating_add(u64::from(isqrt(least)) >> 4);
         self.samples = self.samples.saturating_add(1);
-        if first != second && !map.grid.are_neighbours(first, second) {
+        if first != second && !map.grid.are_neighbors(first, second) {
             self.apart = self.apart.saturating_add(1);
         }
         first
@@ -64,13 +64,13 @@ impl Quality {
         self.samples
     }
 
-    /// Number of samples whose best two neurons are not direct neighbours.
+    /// Number of samples whose best two neurons are not direct neighbors.
     #[must_use]
     pub const fn apart(self) -> u32 {
         self.apart
     }
 
-    /// Share of samples whose best two neurons are not direct neighbours, Q16; 0 without samples.
+    /// Share of samples whose best two neurons are not direct neighbors, Q16; 0 without samples.
     #[must_use]
     pub fn topographic_error_q16(self) -> u32 {
         let share = (u64::from(self.apart) << 16)
@@ -80,7 +80,7 @@ impl Quality {
     }
 }
 
-/// Mean distance of neuron `k` to its direct neighbours, in units of a weight's 1.0, Q13; 0 without neighbours.
+/// Mean distance of neuron `k` to its direct neighbors, in units of a weight's 1.0, Q13; 0 without neighbors.
 #[must_use]
 pub fn u_matrix_value(map: MapView<'_>, k: usize) -> u32 {
     let row = |k: usize| {
@@ -91,8 +91,8 @@ pub fn u_matrix_value(map: MapView<'_>, k: usize) -> u32 {
     };
     let own = row(k);
     let (mut sum, mut count) = (0_u64, 0_u64);
-    for neighbour in map.grid.neighbours(k) {
-        let distance = squared_distance(own, row(neighbour), Mask::ALL);
+    for neighbor in map.grid.neighbors(k) {
+        let distance = squared_distance(own, row(neighbor), Mask::ALL);
         sum = sum.saturating_add(u64::from(isqrt(distance)) >> 12);
         count += 1;
     }

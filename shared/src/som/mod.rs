@@ -1,13 +1,13 @@
-//! Self-organising maps in fixed point (T. Kohonen, *Self-Organizing Maps*, 3rd ed., Springer 2001).
+//! Self-organizing maps in fixed point (T. Kohonen, *Self-Organizing Maps*, 3rd ed., Springer 2001).
 //!
 //! A map is a [`Grid`] of *neurons*, each with a *code vector*; the *best-matching unit* (BMU, here [`Som::winner`]) of a
-//! probe is the neuron whose code vector is nearest. Learning moves the winner and its neighbours towards the probe:
+//! probe is the neuron whose code vector is nearest. Learning moves the winner and its neighbors towards the probe:
 //!
 //! ```text
 //! w_k ← w_k + α(t) · h(k, winner) · (x − w_k)
 //! ```
 //!
-//! with a falling *learning rate* α ([`Schedule`]) and a *neighbourhood* h ([`Neighbourhood`]). What we changed: the maps
+//! with a falling *learning rate* α ([`Schedule`]) and a *neighborhood* h ([`Neighborhood`]). What we changed: the maps
 //! are associative memories as in the paper, so they can be probed with a part of the vector (a [`Mask`]) and by the
 //! *direction* of a probe instead of its distance.
 //!
@@ -17,16 +17,16 @@
 pub mod grid;
 pub mod kernels;
 pub mod metrics;
-pub mod neighbourhood;
+pub mod neighborhood;
 pub mod schedule;
 
 pub use grid::{Edges, Grid};
-pub use neighbourhood::Neighbourhood;
+pub use neighborhood::Neighborhood;
 pub use schedule::{Decay, Schedule};
 
 use crate::fixed::{FINE_ONE_BITS, Fine, Gain, Mask, Scalar, Weight, coarse, squared_norm};
 use kernels::{Found, Group, Kernels};
-use neighbourhood::Pull;
+use neighborhood::Pull;
 
 /// A map of `NEURONS` neurons with code vectors of `DIMS` components in [−1, 1].
 #[derive(Debug, Clone)]
@@ -50,7 +50,7 @@ impl<const NEURONS: usize, const DIMS: usize> Eq for Som<NEURONS, DIMS> {}
 
 impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     /// A map with these code vectors; components are clamped to [−1, 1]. `grid` should have `NEURONS` places: neurons
-    /// beyond them are searched but have no neighbours.
+    /// beyond them are searched but have no neighbors.
     #[must_use]
     pub fn new(grid: Grid, code: [[Weight; DIMS]; NEURONS]) -> Self {
         let unit = |w: Weight| crate::fixed::unit_weight(i32::from(w.to_bits())).fine();
@@ -332,7 +332,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         projections
     }
 
-    /// One step of learning: moves `winner` and its neighbours towards the probe over the components `mask` believes.
+    /// One step of learning: moves `winner` and its neighbors towards the probe over the components `mask` believes.
     #[inline(never)]
     pub fn learn(
         &mut self,

@@ -96,7 +96,7 @@ proptest! {
         }
         let probe: [Weight; 4] = probe.try_into().unwrap();
         let mask = Mask::from_bits(mask);
-        map.learn(5, &probe, mask, &Pull::new(Neighbourhood::Direct, rate / 100, 30_000));
+        map.learn(5, &probe, mask, &Pull::new(Neighborhood::Direct, rate / 100, 30_000));
         let distances: Vec<_> = (0..16).map(|k| map.distance(k, &probe, mask)).collect();
         let least = distances.iter().min().unwrap();
         prop_assert_eq!(map.winner(&probe, mask), distances.iter().position(|d| d == least).unwrap());
@@ -114,22 +114,22 @@ proptest! {
         prop_assert_eq!(map.scores_masked(&probe, mask), map.scores_masked(&other, mask));
         prop_assert_eq!(map.projections(&probe, mask), map.projections(&other, mask));
         prop_assert_eq!(map.alignments(&probe, mask), map.alignments(&other, mask));
-        let (mut learnt, winner) = (map.clone(), map.winner(&probe, mask));
-        learnt.learn(winner, &probe, mask, &Pull::new(Neighbourhood::Gaussian, 1 << 15, 1 << 16));
-        for (before, after) in map.code().iter().zip(learnt.code()) {
+        let (mut learned, winner) = (map.clone(), map.winner(&probe, mask));
+        learned.learn(winner, &probe, mask, &Pull::new(Neighborhood::Gaussian, 1 << 15, 1 << 16));
+        for (before, after) in map.code().iter().zip(learned.code()) {
             prop_assert_eq!(before[off], after[off]);
         }
     }
 
     #[test]
-    fn the_direct_neighbourhood_moves_nobody_else(
+    fn the_direct_neighborhood_moves_nobody_else(
         code in components(-8192..=0, 64), winner in 0_usize..16, rate in 1_u32..=65_536, share in 1_u32..=65_536, torus in any::<bool>(),
     ) {
         let edges = if torus { Edges::Wrapped } else { Edges::Open };
         let map: Som<16, 4> = map_of(SQUARE.with_edges(edges), &code);
         let probe = [Weight::ONE; 4];
-        let mut learnt = map.clone();
-        learnt.learn(winner, &probe, Mask::ALL, &Pull::new(Neighbourhood::Direct, rate, share));
+        let mut learned = map.clone();
+        learned.learn(winner, &probe, Mask::ALL, &Pull::new(Neighborhood::Direct, rate, share));
         let gain = Gain::from_q16(rate);
         for k in 0..16 {
             let gain = match map.grid().hops(winner, k) {
@@ -138,7 +138,7 @@ proptest! {
                 _ => Gain::ZERO,
             };
             let expected = map.code()[k].map(|w| crate::fixed::approach(w, Weight::ONE.fine(), gain));
-            prop_assert_eq!(learnt.code()[k], expected);
+            prop_assert_eq!(learned.code()[k], expected);
         }
     }
 
@@ -147,7 +147,7 @@ proptest! {
         code in components(-8192..=8192, 12 * 19), probes in components(0..=8192, 8 * 19), gaussian in any::<bool>(), radius in 0_u32..200_000,
     ) {
         let grid = Grid::rectangle(4, 3);
-        let shape = if gaussian { Neighbourhood::Gaussian } else { Neighbourhood::Direct };
+        let shape = if gaussian { Neighborhood::Gaussian } else { Neighborhood::Direct };
         let mut map: Som<12, 19> = map_of(grid, &code);
         let mut scores = vec![0; 12];
         for probe in probes.as_chunks::<19>().0 {
@@ -170,10 +170,10 @@ proptest! {
         let edge = |a: usize, b: usize| {
             libm::sqrt(squared_distance(&map.code()[a], &map.code()[b], Mask::ALL) as f64) / 4096.0
         };
-        let sides = (0..16).flat_map(|a| SQUARE.neighbours(a).map(move |b| (a, b)));
+        let sides = (0..16).flat_map(|a| SQUARE.neighbors(a).map(move |b| (a, b)));
         let sum: f64 = sides.map(|(a, b)| edge(a, b)).sum();
         let values = map.u_matrix();
-        let counted: f64 = (0..16).map(|k| f64::from(values[k]) * SQUARE.neighbours(k).count() as f64).sum();
+        let counted: f64 = (0..16).map(|k| f64::from(values[k]) * SQUARE.neighbors(k).count() as f64).sum();
         prop_assert!((sum - counted).abs() <= 48.0 * 2.0, "{} {}", sum, counted);
     }
 }
@@ -271,7 +271,7 @@ const PROBES: usize = if cfg!(miri) { 40 } else { 10_000 };
 /// learning at its own winners: the winner is the same for at least 99.5 % of 10 000 probes afterwards (and of the
 /// presentations), the quantization error within 0.5 %.
 ///
-/// Where two neurons are equally near the last bit decides, and two maps that once learnt at different neurons may part
+/// Where two neurons are equally near the last bit decides, and two maps that once learned at different neurons may part
 /// for good. That the two stay together needs all of it: 32-bit code vectors, winners in full precision, fine gains.
 #[test]
 fn the_fixed_point_map_is_its_twin_in_floats() {
@@ -291,7 +291,7 @@ fn the_fixed_point_map_is_its_twin_in_floats() {
             let winner = map.winner(&probe, Mask::ALL);
             let twins = twin.nearest(&exact).0;
             agreed += u32::from(twins == winner);
-            let pull = Pull::new(Neighbourhood::Gaussian, rate, radius);
+            let pull = Pull::new(Neighborhood::Gaussian, rate, radius);
             map.learn(winner, &probe, Mask::ALL, &pull);
             twin.learn(twins, &exact, q16(rate), q16(radius));
         }
@@ -427,7 +427,7 @@ proptest! {
         }
         let mut map = portable.clone();
         map.use_kernels(&by_hand::KERNELS);
-        let pull = Pull::new(Neighbourhood::Direct, rate, share);
+        let pull = Pull::new(Neighborhood::Direct, rate, share);
         for probe in probes.as_chunks::<16>().0 {
             let winner = portable.winner(probe, mask);
             prop_assert_eq!(map.winner(probe, mask), winner);
@@ -445,7 +445,7 @@ fn kernels_are_asked_for_whole_rings_and_gains_below_half() {
     let mut map = Som::<16, 16>::zeroed(SQUARE);
     map.use_kernels(&by_hand::KERNELS);
     let (probe, some) = ([Weight::ONE; 16], Mask::ALL.without(3));
-    let pull = |rate| Pull::new(Neighbourhood::Direct, rate, 0);
+    let pull = |rate| Pull::new(Neighborhood::Direct, rate, 0);
     by_hand::asked();
     for (mask, times) in [(Mask::ALL, 1), (some, 0)] {
         let _ = map.winner(&probe, mask);
@@ -583,20 +583,20 @@ fn maps_are_equal_by_their_grids_and_code_vectors() {
 #[test]
 fn kernels_are_told_who_moves_by_how_much() {
     let groups = |rate: u32, share: u32| {
-        Pull::<16>::new(Neighbourhood::Direct, rate, share).groups(SQUARE, 5)
+        Pull::<16>::new(Neighborhood::Direct, rate, share).groups(SQUARE, 5)
     };
-    let [winner, neighbours] = groups(16_384, 32_768).expect("below one half");
+    let [winner, neighbors] = groups(16_384, 32_768).expect("below one half");
     assert_eq!((winner.gain_q32, winner.neurons), (1 << 30, 1 << 5));
     assert_eq!(
-        (neighbours.gain_q32, neighbours.neurons),
+        (neighbors.gain_q32, neighbors.neurons),
         (1 << 29, 1 << 1 | 1 << 4 | 1 << 6 | 1 << 9)
     );
     let [_, nobody] = groups(16_384, 0).expect("below one half");
     assert_eq!((nobody.gain_q32, nobody.neurons), (0, 0));
     assert_eq!((groups(32_768, 0), groups(65_536, 65_536)), (None, None));
     assert!(groups(32_767, 65_536).is_some());
-    let gaussian = Pull::<16>::new(Neighbourhood::Gaussian, 100, 100);
+    let gaussian = Pull::<16>::new(Neighborhood::Gaussian, 100, 100);
     assert_eq!(gaussian.groups(SQUARE, 5), None);
-    let alone = |share| Pull::<16>::new(Neighbourhood::Direct, 100, share).is_alone();
+    let alone = |share| Pull::<16>::new(Neighborhood::Direct, 100, share).is_alone();
     assert!(alone(0) && !alone(40_000) && !gaussian.is_alone());
 }

@@ -145,7 +145,7 @@ fn what_is_written_is_read() {
             assert!(other.kept == mind.kept && other.state.memory() == mind.state.memory());
             assert!(other.state.situations() == mind.state.situations());
             assert!(other.state.actions() == mind.state.actions());
-            assert_eq!(other.state.has_learnt(), mind.state.has_learnt());
+            assert_eq!(other.state.has_learned(), mind.state.has_learned());
         }
     }
 }
@@ -229,7 +229,7 @@ fn other_versions_and_robots_are_known_as_such() {
     let mut strange = image.clone();
     strange[name.unwrap()] = 7;
     assert_eq!(mind.read(&sealed(strange)), Err(Fault::Version));
-    assert!(!mind.state.has_learnt() && mind.state.memory().samples().is_empty());
+    assert!(!mind.state.has_learned() && mind.state.memory().samples().is_empty());
 }
 
 #[test]

@@ -65,7 +65,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let most = match part {
             // Pieces of the memory end where samples do.
             StatePart::Memory => MOST_PIECE.checked_div(sample)?.wrapping_mul(sample),
-            _ if !self.state.has_learnt() => return None,
+            _ if !self.state.has_learned() => return None,
             _ => MOST_PIECE,
         };
         let mut buffer = [0; MOST_PIECE];

@@ -38,7 +38,7 @@ impl Clocks {
     }
 }
 
-/// A mind that has learnt and pursues free space, in session [`SESSION`] by its own clock.
+/// A mind that has learned and pursues free space, in session [`SESSION`] by its own clock.
 #[derive(Debug, Clone)]
 pub(super) struct Ready {
     pub(super) node: Box<NomadNode>,

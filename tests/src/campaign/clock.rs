@@ -92,7 +92,7 @@ pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> Result<Verdict, Fai
     Ok(verdict(&all?))
 }
 
-/// The behaviour and sonars of an episode: each with each.
+/// The behavior and sonars of an episode: each with each.
 fn setup(seed: u64, number: u64) -> Setup {
     let sonars = [SonarModel::Ideal, SonarModel::Nomad, SonarModel::Harsh];
     let behaviors = [Behavior::Avoid, Behavior::WallLeft, Behavior::Nest];

@@ -148,7 +148,7 @@ fn drive(
             hour.contacts += u64::from(std::mem::take(&mut touched));
         }
         if let Some(moved) = &happened.moved {
-            tally.moved(moved.from, moved.to, moved.travelled_m, moved.clearance_m);
+            tally.moved(moved.from, moved.to, moved.traveled_m, moved.clearance_m);
             touched |= moved.touched;
         }
     }

@@ -38,7 +38,7 @@ const BAD: Badness = Badness {
 };
 /// Truly older than this no motion may be executed: its time to live of 500 ms, and what the promptest frames take, ms.
 const OLDEST_MS: u64 = 520;
-/// Both clocks come to their ends a few seconds after the mind has learnt.
+/// Both clocks come to their ends a few seconds after the mind has learned.
 const CLOCKS: Clocks = Clocks {
     device: u32::MAX - 10_000,
     host: u32::MAX - 15_000,
@@ -145,7 +145,7 @@ struct Delays {
 }
 
 impl Delays {
-    /// While the mind learnt, frames took no time at all.
+    /// While the mind learned, frames took no time at all.
     fn new() -> Self {
         Self {
             latest_ms: 0,

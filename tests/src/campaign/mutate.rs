@@ -11,7 +11,7 @@ pub enum Damage {
     FewBits,
     /// 4 to 8 bits flipped.
     ManyBits,
-    /// 2 to 8 neighbouring bytes are noise.
+    /// 2 to 8 neighboring bytes are noise.
     Burst,
     /// A piece is missing: beginning, middle or end.
     Cut,

@@ -110,7 +110,7 @@ struct Stopped {
 /// Makes `count` trials of each kind.
 ///
 /// # Panics
-/// When a mind that has learnt does not set its base moving.
+/// When a mind that has learned does not set its base moving.
 #[must_use]
 pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
     let mut verdict = Verdict::default();

@@ -89,7 +89,7 @@ impl<'a> Wheels<'a> {
         }
         if now_ms.is_multiple_of(STRIDE_MS) {
             let done = self.base.advance(STRIDE_MS as f64 / 1e3, self.world);
-            self.way_m += done.travelled_m;
+            self.way_m += done.traveled_m;
         }
     }
 

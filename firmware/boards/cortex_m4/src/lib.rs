@@ -10,7 +10,7 @@
 //! | instructions, call included | portable | by hand |
 //! |---|---:|---:|
 //! | search | 1345 | 455 |
-//! | pull of a winner and its four neighbours | 783 | 438 |
+//! | pull of a winner and its four neighbors | 783 | 438 |
 
 //!
 //! The crate is empty on every other processor.

@@ -55,7 +55,7 @@ pub fn guard_stack(mpu: &mut MPU) {
 
 const _: () = assert!(
     cortex_m_rt::STACK_PAINT_VALUE == stack::PAINT,
-    "start-up code paints the stack in another colour"
+    "start-up code paints the stack in another color"
 );
 
 /// The crash that ended the last run, once.

@@ -85,7 +85,7 @@ impl Told<'_> {
             ("log", self.log.source.clone()),
             ("ranges per row", self.log.names.len().to_string()),
             (kind, self.components().join(", ")),
-            ("rows learnt", rows(Part::Learnt)),
+            ("rows learned", rows(Part::Learned)),
             ("rows held out, at the end", rows(Part::HeldOut)),
             (
                 "a situation's value",
@@ -129,13 +129,13 @@ impl Told<'_> {
         let unit = self.args.unit.sign();
         let heads = [
             "situation map".to_owned(),
-            format!("quantization error {unit}, learnt"),
+            format!("quantization error {unit}, learned"),
             "held out".to_owned(),
-            "topographic error %, learnt".to_owned(),
+            "topographic error %, learned".to_owned(),
             "held out".to_owned(),
         ];
         let row = |map: &Map| {
-            let parts = [&map.learnt, &map.held_out];
+            let parts = [&map.learned, &map.held_out];
             let errors = parts.map(|part| format!("{:.3}", part.quantization_error * self.span()));
             let apart = parts.map(|part| format!("{:.1}", 100.0 * part.topographic_error));
             [size(map)].into_iter().chain(errors).chain(apart).collect()
@@ -267,11 +267,11 @@ impl Told<'_> {
             "map": size(map),
             "seed": self.args.seed,
             "epochs": self.args.epochs,
-            "rows_learnt": self.task.rows(Part::Learnt),
+            "rows_learned": self.task.rows(Part::Learned),
             "rows_held_out": self.task.rows(Part::HeldOut),
             "components": self.components(),
-            "quantization_error": [map.learnt.quantization_error * self.span(), map.held_out.quantization_error * self.span()],
-            "topographic_error": [map.learnt.topographic_error, map.held_out.topographic_error],
+            "quantization_error": [map.learned.quantization_error * self.span(), map.held_out.quantization_error * self.span()],
+            "topographic_error": [map.learned.topographic_error, map.held_out.topographic_error],
             "recall": recalls.collect::<serde_json::Map<_, _>>(),
         })
     }

@@ -3,7 +3,7 @@
 use super::{Told, size};
 use crate::cli::Failure;
 use crate::learn::{Map, Method, Score};
-use crate::plot::{self, Figure, LabelledMap};
+use crate::plot::{self, Figure, LabeledMap};
 use crate::recording::MapRecord;
 use crate::som::report::{code_vectors_csv, write_files};
 use std::path::Path;
@@ -28,7 +28,7 @@ impl Told<'_> {
             files.extend(maps);
             figures.extend(names);
         }
-        let page = plot::index_html("Learnt from a log", &self.facts(), &figures, &[]);
+        let page = plot::index_html("Learned from a log", &self.facts(), &figures, &[]);
         files.push(("index.html".to_owned(), page));
         let files: Vec<_> = files
             .iter()
@@ -43,7 +43,7 @@ impl Told<'_> {
             _ => format!("{what}_{}.{ending}", size(map)),
         };
         let record = self.record(map);
-        let labels = LabelledMap {
+        let labels = LabeledMap {
             map: &record,
             labels: &map.labels,
             components: self.components(),
@@ -53,7 +53,7 @@ impl Told<'_> {
         let title = format!("Situation map, {}", size(map));
         let mut figures = vec![figure(&svg, &title, MAP)];
         let mut files = vec![
-            (svg, plot::labelled_map(&labels, &title)),
+            (svg, plot::labeled_map(&labels, &title)),
             (csv, code_vectors_csv(&record, &self.log.names, DECIMALS)),
         ];
         for recalled in &map.recalls {
@@ -80,7 +80,7 @@ impl Told<'_> {
         MapRecord {
             grid: [map.grid.columns(), map.grid.rows()],
             code: map.situations.code_vectors().map(nearness).collect(),
-            hits: map.learnt.hits.clone(),
+            hits: map.learned.hits.clone(),
             u_matrix: map
                 .situations
                 .u_matrix()
@@ -140,5 +140,5 @@ fn figure(file: &str, title: &str, caption: &str) -> Figure {
 const CURVE: &str =
     "How much of the part held out is recalled, by the size of the maps, beside what needs no map.";
 const MAP: &str = "Each tile is a neuron: in maps of large tiles bars show how near something is around the ring, first column up and the \
-    others counter-clockwise from there; the colour is what was done most often in the situations the neuron won.";
+    others counter-clockwise from there; the color is what was done most often in the situations the neuron won.";
 const CONFUSION: &str = "Rows: what was done; columns: what was recalled; in each cell its share of the row and its number.";

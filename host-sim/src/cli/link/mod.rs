@@ -26,7 +26,7 @@ Examples, each after `host-sim link --to serial:/dev/ttyUSB0`:
   monitor            watch it until Ctrl-C
   explore 100        make 100 random moves (the robot drives!)
   learn              make the maps from them
-  pull robot.mind    keep what it has learnt
+  pull robot.mind    keep what it has learned
   push robot.mind    give it back, to this chip or another
   flash save         let it outlive being switched off
   goal wall-right    set the goal ...
@@ -72,7 +72,7 @@ enum Verb {
     Hello,
     /// Watch what the mind says, one line per message, until interrupted
     Monitor(Span),
-    /// Set the goal: perceived (what is heard now), a behaviour by name, or a goal FILE
+    /// Set the goal: perceived (what is heard now), a behavior by name, or a goal FILE
     Goal {
         /// perceived, avoid, avoid-right, wall-left, wall-right, follow, kept:NAME, or a TOML file
         goal: String,
@@ -240,7 +240,7 @@ fn name(text: &str) -> Result<Name, BadInput> {
     name.ok_or_else(|| BadInput::new(format!("\"{text}\": {}", KeepError::Name)))
 }
 
-/// A behaviour's goal, for the ranges of the preset `default`, or a file's.
+/// A behavior's goal, for the ranges of the preset `default`, or a file's.
 fn goal_by_name(name: &str) -> Result<Goal<16>, BadInput> {
     let is_file = name.contains(['.', '/']) || Path::new(name).exists();
     if is_file {

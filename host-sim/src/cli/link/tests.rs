@@ -40,7 +40,7 @@ fn every_verb_says_what_came_of_it() {
     assert!(explored.contains("explores, 5 moves left"), "{explored}");
     for (line, part) in [
         ("learn", "nothing to learn from"),
-        ("seek", "it has not learnt yet"),
+        ("seek", "it has not learned yet"),
         ("explore 0", "from 1 to 100 random moves"),
         ("explore 5", "not every sonar was heard in time"),
         ("goal perceived", "not every sonar has been heard"),
@@ -89,9 +89,9 @@ fn what_an_episode_taught_is_pulled_and_pushed() {
     assert!(pushed.unwrap().contains("100 samples are in the mind"));
     let goals = host_sim(&two, "link --to MIND goals").unwrap();
     assert!(goals.contains("goal       kept"), "{goals}");
-    let learnt = host_sim(&two, "link --to MIND learn").unwrap();
-    let last = learnt.lines().last().unwrap();
-    assert!(last.ends_with("mode       idle"), "{learnt}");
+    let learned = host_sim(&two, "link --to MIND learn").unwrap();
+    let last = learned.lines().last().unwrap();
+    assert!(last.ends_with("mode       idle"), "{learned}");
 }
 
 #[test]

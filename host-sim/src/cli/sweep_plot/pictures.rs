@@ -39,7 +39,7 @@ pub(super) fn pictures(sweep: &Sweep<'_>) -> Vec<(Figure, String)> {
 }
 
 const BY_KEY: &str = "Each value's episodes, all other choices together: the share without contact (interval by Wilson's score, \
-                      episodes taken as independent), the behaviour's own measure (interval by the bootstrap over worlds \
+                      episodes taken as independent), the behavior's own measure (interval by the bootstrap over worlds \
                       and seeds), the way.";
 const BY_PAIR: &str = "Means of the episodes that have both values; an empty cell has none.";
 

@@ -37,13 +37,13 @@ pub struct Outcome {
     pub learning_contacts: u32,
     /// Steps with contact, of those measured.
     pub contacts: u32,
-    /// Way travelled, m.
+    /// Way traveled, m.
     pub distance_m: f64,
     /// Area swept, m².
     pub coverage_m2: f64,
     /// Least gap to any surface, m.
     pub clearance_m: f64,
-    /// Bytes of what it has learnt or remembers.
+    /// Bytes of what it has learned or remembers.
     pub bytes: usize,
     /// What was seen of its decisions.
     pub seen: Seen,

@@ -37,7 +37,7 @@ pub struct Figures {
     /// From where something is nearer than 0.6 m until nothing is, s; an episode's end counts as one. `None` where nothing
     /// ever was.
     pub to_goal_s: Option<Mean>,
-    /// Bytes of what was learnt or is remembered.
+    /// Bytes of what was learned or is remembered.
     pub bytes: f64,
     /// Wall time per decision, µs; 0 unless it was timed.
     pub decision_us: f64,

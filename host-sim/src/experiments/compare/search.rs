@@ -129,7 +129,7 @@ static NEAREST_PAIR: [Knob; 3] = [
 ];
 
 static Q_LAZY: [Knob; 9] = [
-    whole!("neighbours", [1.0, 2.0, 4.0, 8.0], q_lazy.0.neighbours),
+    whole!("neighbors", [1.0, 2.0, 4.0, 8.0], q_lazy.0.neighbors),
     knob!("discount", [0.0, 0.5, 0.8, 0.9], q_lazy.0.discount),
     knob!(
         "action weight",

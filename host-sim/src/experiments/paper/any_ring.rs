@@ -166,7 +166,7 @@ impl<'w, const SENSORS: usize> AnyRing<'w, SENSORS> {
         let sweep = self.world.sweep(from, to, radius_m);
         let length = asked.length();
         let share = if sweep.touched() && length > 0.0 {
-            (sweep.travelled_m / length).min(1.0)
+            (sweep.traveled_m / length).min(1.0)
         } else {
             1.0
         };

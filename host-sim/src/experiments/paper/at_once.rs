@@ -1,4 +1,4 @@
-//! Another behaviour at once: what a change of goal does to memory, maps and the very next decision.
+//! Another behavior at once: what a change of goal does to memory, maps and the very next decision.
 
 use super::Reading;
 use super::rooms::setup;

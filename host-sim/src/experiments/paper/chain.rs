@@ -2,12 +2,12 @@
 //!
 //! Three clouds of points: the paper's two (uniform in the unit cube; two clusters), and an uneven one for the sentences
 //! that go with them (three points in four lie in one half of the cube). The figure does not say how its chain was
-//! trained; here: 40 000 presentations, a Gaussian neighbourhood whose radius falls from 8 to 0.5 neurons.
+//! trained; here: 40 000 presentations, a Gaussian neighborhood whose radius falls from 8 to 0.5 neurons.
 
 use crate::noise::Noise;
 use crate::som::train::{Order, Training, start_at_samples, train};
 use amp::fixed::Fine;
-use amp::som::{Decay, Grid, Neighbourhood, Schedule};
+use amp::som::{Decay, Grid, Neighborhood, Schedule};
 
 /// Neurons of the chain.
 pub const NEURONS: usize = 32;
@@ -71,7 +71,7 @@ impl Cloud {
 pub struct Chain {
     /// The cloud.
     pub cloud: Cloud,
-    /// The points it learnt from.
+    /// The points it learned from.
     pub points: Vec<Point3>,
     /// Code vectors along the chain.
     pub code: Vec<Point3>,
@@ -79,7 +79,7 @@ pub struct Chain {
     pub hits: Vec<usize>,
     /// Share of the unit cube that each neuron wins: its receptive field.
     pub volumes: Vec<f64>,
-    /// Share of fresh points whose best two neurons are not neighbours in the chain.
+    /// Share of fresh points whose best two neurons are not neighbors in the chain.
     pub topographic_error: f64,
     /// Neurons whose code vector lies where no point can.
     pub in_the_void: usize,
@@ -150,7 +150,7 @@ impl Chain {
 /// How the chain learns; the rate falls from 0.5 to 0.02.
 fn training() -> Training {
     Training {
-        neighbourhood: Neighbourhood::Gaussian,
+        neighborhood: Neighborhood::Gaussian,
         rate: Schedule::new(32_768, 1_311, Decay::Exponential),
         radius: Schedule::new(8 << 16, 32_768, Decay::Exponential),
         epochs: EPOCHS,

@@ -1,6 +1,6 @@
 //! Fig. 3: one real decision with every value in it.
 //!
-//! The paper shows a decision that aims at a neighbour, with an obstacle on the left. Here it is the one with most to the
+//! The paper shows a decision that aims at a neighbor, with an obstacle on the left. Here it is the one with most to the
 //! left, compared with what is to the right, of the first episode (its seed and the following ones) that has such a
 //! decision at all.
 
@@ -74,7 +74,7 @@ pub struct DecisionFigure {
 /// The decision, in the arena after Fig. 5.
 ///
 /// # Errors
-/// When an episode fails; [`Failure::Silent`] when none of a hundred has a decision that aims at a neighbour.
+/// When an episode fails; [`Failure::Silent`] when none of a hundred has a decision that aims at a neighbor.
 pub fn decision(reading: &Reading, world: &World, seed: u64) -> Result<DecisionFigure, Failure> {
     for seed in (0..EPISODES).map(|i| seed.wrapping_add(i)) {
         let setup = rooms::setup(reading, Behavior::Avoid, seed, STEPS);
@@ -94,7 +94,7 @@ pub fn decision(reading: &Reading, world: &World, seed: u64) -> Result<DecisionF
     Err(Failure::Silent)
 }
 
-/// The decision that aims at a neighbour with most to the left, the first of equals.
+/// The decision that aims at a neighbor with most to the left, the first of equals.
 fn telling(seen: &[Seen]) -> Option<usize> {
     let to_the_left = |now: &Seen| -> i32 {
         let sum = |places: std::ops::Range<usize>| -> i32 {
@@ -200,7 +200,7 @@ mod tests {
             assert_eq!((shown.memory, shown.samples.len()), (100, SHOWN));
             assert_eq!(
                 (shown.preset, shown.why.as_str()),
-                (reading.name, "neighbour")
+                (reading.name, "neighbor")
             );
             assert_ne!(shown.neurons[1], shown.neurons[2]);
             for (i, wanted) in shown.wanted.iter().enumerate() {

@@ -1,6 +1,6 @@
 //! How far the robot keeps from walls and from small obstacles (Fig. 5).
 //!
-//! A *pass* is a stretch of the way on which the nearest surface is of one kind and within a metre of the body; its gap is
+//! A *pass* is a stretch of the way on which the nearest surface is of one kind and within a meter of the body; its gap is
 //! the least one on the stretch. The paper's figure suggests that gaps to walls are wider.
 
 use crate::recording::Step;

@@ -9,7 +9,7 @@ use amp::memory::from_bytes;
 use amp::planner::difference;
 use amp::som::Som;
 
-/// Recall of actions from changes that were not learnt.
+/// Recall of actions from changes that were not learned.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Recalled {
     /// Angle between the displacement recalled and the one that brought the change, degrees in [0, 180], move by move.
@@ -72,7 +72,7 @@ pub fn samples_alike(state: &SimState, seen: &[Seen]) -> Vec<usize> {
 pub struct Discreteness {
     /// Mean distance of situations to their code vectors, with the map as the random moves made it.
     pub error_before: f64,
-    /// The same with the map as the behaviour made it.
+    /// The same with the map as the behavior made it.
     pub error_after: f64,
     /// Neurons that answer, before.
     pub used_before: usize,
@@ -109,16 +109,16 @@ mod tests {
     use crate::world::World;
 
     #[test]
-    fn maps_recall_what_they_have_learnt_and_memory_knows_its_samples() {
+    fn maps_recall_what_they_have_learned_and_memory_knows_its_samples() {
         let reading = &readings()[1];
         let world = World::random(1);
         let setup = rooms::setup(reading, Behavior::Avoid, 1, 20);
         let mut watched = Watched::new(reading.config.clone(), 10);
         crate::episode::run_with(&world, &setup, &mut watched, |_, _, _| {}).expect("an episode");
-        let (Some(learnt), Some(later)) = (watched.learnt, watched.later) else {
+        let (Some(learned), Some(later)) = (watched.learned, watched.later) else {
             panic!("both states are kept");
         };
-        let own = Recalled::of(&learnt, &learnt, &reading.config);
+        let own = Recalled::of(&learned, &learned, &reading.config);
         assert!(own.errors_deg.len() >= 90);
         // Chance would be 90° off on the average.
         let mean = own.errors_deg.iter().sum::<f64>() / own.errors_deg.len() as f64;
@@ -130,10 +130,10 @@ mod tests {
         );
         // Put back to where a sample began, the robot finds at least that sample.
         let mut there = watched.seen.first().copied().expect("a decision");
-        there.situation = from_bytes(&learnt.memory().samples()[7].before).0;
-        assert!(samples_alike(&learnt, &[there])[0] >= 1);
-        let same = Discreteness::of(&learnt, &learnt, &watched.seen);
+        there.situation = from_bytes(&learned.memory().samples()[7].before).0;
+        assert!(samples_alike(&learned, &[there])[0] >= 1);
+        let same = Discreteness::of(&learned, &learned, &watched.seen);
         assert_eq!(same.error_before, same.error_after);
-        assert_ne!(Discreteness::of(&learnt, &later, &watched.seen), same);
+        assert_ne!(Discreteness::of(&learned, &later, &watched.seen), same);
     }
 }

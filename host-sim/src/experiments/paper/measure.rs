@@ -36,13 +36,13 @@ pub const LEARNING_MOVES: [u32; 4] = [100, 200, 1_000, 5_000];
 pub struct Size {
     /// Random rooms in which every decision is watched.
     pub rooms: u32,
-    /// Worlds of each behaviour.
+    /// Worlds of each behavior.
     pub worlds: u32,
-    /// Seeds per world of the behaviours and repetitions.
+    /// Seeds per world of the behaviors and repetitions.
     pub seeds: u32,
     /// Chains of each kind, miniature robots, and episodes in the arena.
     pub draws: u32,
-    /// Repetitions of each behaviour, at least 2.
+    /// Repetitions of each behavior, at least 2.
     pub times: u32,
     /// Seed of everything.
     pub seed: u64,
@@ -56,7 +56,7 @@ pub trait Watcher: Sync {
     fn done(&self);
 }
 
-/// A behaviour's scene and what came of it by each reading.
+/// A behavior's scene and what came of it by each reading.
 pub type Reached = (&'static Scene, [Outcome; 3]);
 
 /// Everything that was measured.
@@ -75,11 +75,11 @@ pub struct Measured {
     pub arena: [Vec<Gaps>; 3],
     /// Rooms by reading.
     pub rooms: [Vec<Room>; 3],
-    /// Changes of goal by reading and behaviour, in the order of [`Behavior::NAMES`].
+    /// Changes of goal by reading and behavior, in the order of [`Behavior::NAMES`].
     pub at_once: [Vec<AtOnce>; 3],
     /// Avoidance after fewer and more random moves, by [`FEWER_MOVES`], `default` and `probe`.
     pub moves: Vec<[Figures; 2]>,
-    /// Behaviours by scene.
+    /// Behaviors by scene.
     pub behaviors: Vec<Reached>,
     /// Repetitions by scene, `default`.
     pub repetitions: Vec<(&'static Scene, Curve)>,

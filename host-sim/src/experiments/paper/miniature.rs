@@ -1,4 +1,4 @@
-//! Fig. 2: what the situation map of a miniature robot with eight sensors has learnt from 100 random moves.
+//! Fig. 2: what the situation map of a miniature robot with eight sensors has learned from 100 random moves.
 //!
 //! The robot is [`RobotSpec::miniature`]: a body of 55 mm with the Khepera's eight bearings, six in front and two behind.
 //! It has no turret, so its ring turns with it. Nearness runs from 1 at 2 cm to 0 at 5 cm, as in the figure. What the
@@ -38,7 +38,7 @@ pub struct Miniature {
     pub order: Order,
     /// The random moves.
     pub exploration: Count,
-    /// Afterwards: away from everything, with the maps as they were learnt.
+    /// Afterwards: away from everything, with the maps as they were learned.
     pub seeking: Count,
 }
 

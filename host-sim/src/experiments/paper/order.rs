@@ -1,4 +1,4 @@
-//! How orderly a map is: are situations that are alike coded by neurons that are neighbours?
+//! How orderly a map is: are situations that are alike coded by neurons that are neighbors?
 
 use crate::noise::Noise;
 use amp::fixed::{Fine, Weight};
@@ -10,15 +10,15 @@ pub const SHUFFLINGS: usize = 999;
 /// The order of a map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Order {
-    /// Mean distance of the code vectors of two direct neighbours (1 = a whole sensor's scale).
-    pub neighbours: f64,
+    /// Mean distance of the code vectors of two direct neighbors (1 = a whole sensor's scale).
+    pub neighbors: f64,
     /// The same of two neurons that are not.
     pub others: f64,
-    /// Share of samples whose best two neurons are not direct neighbours.
+    /// Share of samples whose best two neurons are not direct neighbors.
     pub topographic_error: f64,
     /// Correlation (Pearson) of grid steps and distance of the code vectors over all pairs of neurons.
     pub correlation: f64,
-    /// Shufflings of the same code vectors, of [`SHUFFLINGS`], whose neighbours are as near or nearer.
+    /// Shufflings of the same code vectors, of [`SHUFFLINGS`], whose neighbors are as near or nearer.
     pub as_good_by_chance: usize,
     /// Standard deviation of the samples won by a neuron over their mean.
     pub hit_spread: f64,
@@ -40,14 +40,14 @@ pub fn order_of<const NEURONS: usize, const DIMS: usize>(
         _ => 0.0,
     };
     let mut places: Vec<usize> = (0..NEURONS).collect();
-    let (neighbours, others) = means(grid, NEURONS, &places, distance);
+    let (neighbors, others) = means(grid, NEURONS, &places, distance);
     let mut noise = Noise::new(seed);
     let as_good_by_chance = (0..SHUFFLINGS)
         .filter(|_| {
             for last in (1..NEURONS).rev() {
                 places.swap(last, noise.index(last + 1));
             }
-            means(grid, NEURONS, &places, distance).0 <= neighbours
+            means(grid, NEURONS, &places, distance).0 <= neighbors
         })
         .count();
     let pairs = (0..NEURONS).flat_map(|a| (0..a).map(move |b| (a, b)));
@@ -61,7 +61,7 @@ pub fn order_of<const NEURONS: usize, const DIMS: usize>(
         .map(|&hit| (f64::from(hit) - mean) * (f64::from(hit) - mean))
         .sum::<f64>();
     Order {
-        neighbours,
+        neighbors,
         others,
         topographic_error: f64::from(quality.apart()) / f64::from(quality.samples().max(1)),
         correlation: pearson(&pairs),
@@ -71,7 +71,7 @@ pub fn order_of<const NEURONS: usize, const DIMS: usize>(
     }
 }
 
-/// Mean distances between neighbours and between the others when neuron `k` has the code vector of `places[k]`.
+/// Mean distances between neighbors and between the others when neuron `k` has the code vector of `places[k]`.
 fn means(
     grid: Grid,
     neurons: usize,
@@ -132,14 +132,14 @@ mod tests {
             .collect();
         let sorted = std::array::from_fn(|i| i as f64 / 8.0);
         let good = order_of(&chain(sorted), &samples, 1);
-        assert!((good.neighbours - 0.125).abs() < 1e-3);
+        assert!((good.neighbors - 0.125).abs() < 1e-3);
         assert!((good.correlation - 1.0).abs() < 1e-6);
         assert_eq!((good.topographic_error, good.idle), (0.0, 0));
         assert_eq!(good.hit_spread, 0.0);
         assert!(good.as_good_by_chance <= 2);
         let mixed = [0.0, 0.5, 0.125, 0.625, 0.25, 0.75, 0.375, 0.875];
         let bad = order_of(&chain(mixed), &samples, 1);
-        assert!(bad.neighbours > 3.0 * good.neighbours);
+        assert!(bad.neighbors > 3.0 * good.neighbors);
         assert!(bad.as_good_by_chance > 200 && bad.topographic_error > 0.5);
     }
 

@@ -12,14 +12,14 @@ use amp::som::Som;
 pub struct Plans {
     /// Decisions taken while the goal did not hold.
     pub unmet: u32,
-    /// Of them: a neighbour was aimed at.
-    pub neighbour: u32,
+    /// Of them: a neighbor was aimed at.
+    pub neighbor: u32,
     /// Of them: the present neuron was the goal neuron, or its code vector is as the goal wants it, too.
     pub at_goal_neuron: u32,
-    /// Of them: it was not, and no neighbour was nearer to the goal.
+    /// Of them: it was not, and no neighbor was nearer to the goal.
     pub no_nearer: u32,
-    /// Of those that aimed at a neighbour: it was nearer to the goal in its code vector, too.
-    pub nearer_neighbour: u32,
+    /// Of those that aimed at a neighbor: it was nearer to the goal in its code vector, too.
+    pub nearer_neighbor: u32,
     /// Of them: that neuron was the best-matching unit afterwards.
     pub at_aim: u32,
     /// Moves for which a change was wanted.
@@ -55,11 +55,11 @@ impl Plans {
             }
             stretch += 1;
             plans.unmet += 1;
-            let neighbour = now.plan.why == Why::Neighbour;
-            plans.neighbour += u32::from(neighbour);
-            plans.nearer_neighbour += u32::from(neighbour && now.aim_is_nearer);
+            let neighbor = now.plan.why == Why::Neighbour;
+            plans.neighbor += u32::from(neighbor);
+            plans.nearer_neighbor += u32::from(neighbor && now.aim_is_nearer);
             let there = now.plan.why == Why::GoalNeuron || now.neuron_meets_goal;
-            plans.at_goal_neuron += u32::from(!neighbour && there);
+            plans.at_goal_neuron += u32::from(!neighbor && there);
             let lost = now.plan.why == Why::NoNearerNeighbour;
             plans.no_nearer += u32::from(lost && !there);
             if let Some(next) = seen.get(i + 1) {
@@ -111,10 +111,10 @@ impl Plans {
     pub fn plus(self, other: Self) -> Self {
         Self {
             unmet: self.unmet + other.unmet,
-            neighbour: self.neighbour + other.neighbour,
+            neighbor: self.neighbor + other.neighbor,
             at_goal_neuron: self.at_goal_neuron + other.at_goal_neuron,
             no_nearer: self.no_nearer + other.no_nearer,
-            nearer_neighbour: self.nearer_neighbour + other.nearer_neighbour,
+            nearer_neighbor: self.nearer_neighbor + other.nearer_neighbor,
             at_aim: self.at_aim + other.at_aim,
             moves: self.moves + other.moves,
             nearer: self.nearer + other.nearer,
@@ -129,18 +129,18 @@ impl Plans {
     }
 }
 
-/// The neurons of a map seen from a goal: is there a way over neighbours?
+/// The neurons of a map seen from a goal: is there a way over neighbors?
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Ways {
     /// Neurons that do not stand for the goal.
     pub neurons: u32,
-    /// Of them, those with a direct neighbour nearer to the goal in its code vector.
+    /// Of them, those with a direct neighbor nearer to the goal in its code vector.
     pub with_nearer: u32,
-    /// Of them, those whose neighbour fewest grid steps from the goal neuron is nearer in its code vector.
+    /// Of them, those whose neighbor fewest grid steps from the goal neuron is nearer in its code vector.
     pub by_hops: u32,
     /// Pairs of neurons: from one to the other as a goal.
     pub pairs: u32,
-    /// Of them, those between which a way leads over neighbours each of which is nearer to the other's code vector.
+    /// Of them, those between which a way leads over neighbors each of which is nearer to the other's code vector.
     pub joined: u32,
 }
 
@@ -157,10 +157,10 @@ impl Ways {
         let mut ways = Self::default();
         for k in (0..away.len()).filter(|&k| k != goal_neuron && away[k] > 0) {
             ways.neurons += 1;
-            let nearest = grid.neighbours(k).map(|n| away[n]).min();
+            let nearest = grid.neighbors(k).map(|n| away[n]).min();
             ways.with_nearer += u32::from(nearest.is_some_and(|n| n < away[k]));
             let by_hops = grid
-                .neighbours(k)
+                .neighbors(k)
                 .min_by_key(|&n| (grid.hops(n, goal_neuron), away[n], n));
             ways.by_hops += u32::from(by_hops.is_some_and(|n| away[n] < away[k]));
         }
@@ -185,7 +185,7 @@ impl Ways {
     }
 }
 
-/// Whether going to the neighbour whose code vector is nearest to that of `end`, as long as that is nearer, leads there.
+/// Whether going to the neighbor whose code vector is nearest to that of `end`, as long as that is nearer, leads there.
 fn leads(map: &Som<16, 16>, start: usize, end: usize) -> bool {
     let code = map.code();
     let away = |k: usize| match (code.get(k), code.get(end)) {
@@ -194,7 +194,7 @@ fn leads(map: &Som<16, 16>, start: usize, end: usize) -> bool {
     };
     let mut at = start;
     while at != end {
-        let nearest = map.grid().neighbours(at).min_by_key(|&n| (away(n), n));
+        let nearest = map.grid().neighbors(at).min_by_key(|&n| (away(n), n));
         match nearest.filter(|&n| away(n) < away(at)) {
             Some(next) => at = next,
             None => return false,
@@ -243,13 +243,13 @@ mod tests {
         assert_eq!(
             (
                 plans.unmet,
-                plans.neighbour,
+                plans.neighbor,
                 plans.no_nearer,
                 plans.at_goal_neuron
             ),
             (4, 2, 1, 1)
         );
-        assert_eq!((plans.nearer_neighbour, plans.at_aim), (2, 0));
+        assert_eq!((plans.nearer_neighbor, plans.at_aim), (2, 0));
         assert_eq!(
             (
                 plans.reached,

@@ -16,7 +16,7 @@ use amp::memory::from_bytes;
 use amp::scan::{Situation, rotated};
 use rayon::prelude::*;
 
-/// Added to an episode's seed for random moves that its maps have not learnt.
+/// Added to an episode's seed for random moves that its maps have not learned.
 const OTHER_MOVES: u64 = 1_000_000;
 
 /// What was found in one room.
@@ -32,7 +32,7 @@ pub struct Room {
     pub order: Order,
     /// Gaps to what was passed.
     pub gaps: Gaps,
-    /// Recall of moves that were not learnt.
+    /// Recall of moves that were not learned.
     pub recalled: Recalled,
     /// Samples like the present situation.
     pub alike: Vec<usize>,
@@ -87,24 +87,24 @@ fn one(reading: &Reading, world: &World, seed: u64) -> Result<Room, Failure> {
     let others = other_moves(&setup, world)?;
     let steps = episode.recording.map_or(Vec::new(), |r| r.seeking);
     let goal = Goal::avoiding(&reading.config);
-    let learnt = watched.learnt.as_deref().ok_or(Failure::Silent)?;
+    let learned = watched.learned.as_deref().ok_or(Failure::Silent)?;
     let late = watched.seen.get(half..).unwrap_or_default();
     Ok(Room {
         report: episode.report,
         plans: Plans::of(&watched.seen),
-        ways: Ways::of(learnt, &goal),
-        order: order_of(learnt.situations(), &lessons(learnt, reading), seed),
+        ways: Ways::of(learned, &goal),
+        order: order_of(learned.situations(), &lessons(learned, reading), seed),
         gaps: Gaps::of(world, &steps),
-        recalled: Recalled::of(learnt, &others, &reading.config),
-        alike: samples_alike(learnt, &watched.seen),
+        recalled: Recalled::of(learned, &others, &reading.config),
+        alike: samples_alike(learned, &watched.seen),
         discreteness: watched
             .later
             .as_deref()
-            .map(|later| Discreteness::of(learnt, later, late)),
+            .map(|later| Discreteness::of(learned, later, late)),
     })
 }
 
-/// The situations the map has learnt from: where every sample counts turned by each ring step, all of those.
+/// The situations the map has learned from: where every sample counts turned by each ring step, all of those.
 fn lessons(state: &SimState, reading: &Reading) -> Vec<Situation<16>> {
     let turns = if reading.config.learning.turned {
         16
@@ -130,5 +130,5 @@ fn other_moves(setup: &Setup, world: &World) -> Result<Box<SimState>, Failure> {
     };
     let mut watched = Watched::new(other.config.clone(), 0);
     run_with(world, &other, &mut watched, |_, _, _| {})?;
-    watched.learnt.ok_or(Failure::Silent)
+    watched.learned.ok_or(Failure::Silent)
 }

@@ -34,7 +34,7 @@ pub struct Watched {
     /// All decisions towards the goal.
     pub seen: Vec<Seen>,
     /// What it knew when it was given its goal.
-    pub learnt: Option<Box<SimState>>,
+    pub learned: Option<Box<SimState>>,
     /// What it knew some decisions later.
     pub later: Option<Box<SimState>>,
 }
@@ -48,7 +48,7 @@ impl Watched {
             keep_after,
             goal: None,
             seen: Vec::new(),
-            learnt: None,
+            learned: None,
             later: None,
         }
     }
@@ -58,7 +58,7 @@ impl Pilot for Watched {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
         if let Event::Command(Command::Seek(goal)) = event {
             self.goal = Some(goal);
-            self.learnt
+            self.learned
                 .get_or_insert_with(|| Box::new(self.mind.state().clone()));
         }
         let outputs = self.mind.handle(at, event);

@@ -135,7 +135,7 @@ fn knowledge_goes_from_one_mind_to_another_through_a_file() {
     let mut pupil = opened(Local::new(Config::touzet()));
     read.push(&mut pupil).unwrap();
     assert_eq!(Knowledge::pull(&mut pupil).unwrap(), knowledge);
-    // It has learnt.
+    // It has learned.
     pupil.order(0, Order::Seek).unwrap();
     let refused = Err(LinkError::Refused(Refusal::Moving));
     assert_eq!(Knowledge::pull(&mut pupil), refused);

@@ -37,7 +37,7 @@ pub(super) struct Feed {
     now: Millis,
     /// Robot's time of the latest packet.
     board_ms: u32,
-    /// Where the mind believes to be; what rounding to millimetres leaves over goes into the next report.
+    /// Where the mind believes to be; what rounding to millimeters leaves over goes into the next report.
     reported: Point,
     bearing: Bearing,
     /// When each sonar was heard last, by the robot.
@@ -146,7 +146,7 @@ impl Feed {
         }
     }
 
-    /// The way to a place in whole millimetres of the ring's frame, and the ring's turn.
+    /// The way to a place in whole millimeters of the ring's frame, and the ring's turn.
     fn way(&self, place: &PosData) -> (Displacement, Bearing) {
         let ring = Point::unit(radians(self.bearing));
         let way = (position(&place.pose) - self.reported).turned_back(ring) * 1e3;

@@ -47,7 +47,7 @@ struct Stride {
 enum Phase {
     Explore,
     Learn,
-    /// Part of the behaviour, and steps and goal steps when it began.
+    /// Part of the behavior, and steps and goal steps when it began.
     Seek(usize, u32, u32),
     Over,
 }
@@ -185,7 +185,7 @@ impl<'p> Bridge<'p> {
         is_reached(part, steps, goal_steps)
     }
 
-    /// Begins to pursue a part of the behaviour; after the last one it is over.
+    /// Begins to pursue a part of the behavior; after the last one it is over.
     fn seek(&mut self, part: usize) {
         let Some(behavior) = self.plan.behavior.parts().get(part) else {
             self.phase = Phase::Over;

@@ -33,7 +33,7 @@ fn state(robot: &mut Simulated) -> State {
 }
 
 #[test]
-fn it_begins_at_zero_with_a_metre_to_go() {
+fn it_begins_at_zero_with_a_meter_to_go() {
     let mut robot = robot_in(World::paper().unwrap());
     robot.advance(640);
     let state = state(&mut robot);
@@ -217,7 +217,7 @@ fn a_wall_is_felt_heard_and_seen() {
         (2, 2, 15)
     );
     assert_eq!(robot.ledger().contacts, 1);
-    assert!((robot.ledger().travelled_m - (1.0 - 0.269)).abs() < 1e-6);
+    assert!((robot.ledger().traveled_m - (1.0 - 0.269)).abs() < 1e-6);
 }
 
 #[test]

@@ -312,11 +312,11 @@ impl WatchedNomad {
 
     fn knows_maps(&self) -> bool {
         let known = self.mind.known.as_deref();
-        known.is_some_and(SimState::has_learnt)
+        known.is_some_and(SimState::has_learned)
     }
 }
 
-/// Bounds that hold a place and some metres around it; they grow by whole metres.
+/// Bounds that hold a place and some meters around it; they grow by whole meters.
 fn around(place: Point, [low, high]: [Point; 2]) -> [Point; 2] {
     const ROOM_M: f64 = 2.0;
     let down = |m: f64| libm::floor(m - ROOM_M);

@@ -18,10 +18,10 @@ impl WatchedNomad {
         self.shown.revision += 1;
         let revision = self.shown.revision;
         let mut parts: Vec<Arc<dyn Showable>> = vec![self.scene(revision)];
-        let learnt = self.knows_maps();
+        let learned = self.knows_maps();
         if let Some(known) = &self.mind.known {
             let knowing = &mut self.shown.knowing;
-            parts.extend(knowing.parts(revision, known, &self.config, learnt));
+            parts.extend(knowing.parts(revision, known, &self.config, learned));
         }
         Snapshot {
             parts,

@@ -1,4 +1,4 @@
-// The arena from above, in centimetres; the world's y axis is up.
+// The arena from above, in centimeters; the world's y axis is up.
 const arena = { root: $("arena"), pieces: new Map(), spots: new Map(), shapes: [], drag: null, unit: 1 };
 
 function buildArena() {
@@ -15,7 +15,7 @@ function buildArena() {
   arena.robots.style.display = "none";
   Object.assign(arena, { robot, body: svg("circle", { class: "body" }, robot), front: svg("path", { class: "front" }, robot) });
   arena.ghost = svg("circle", { class: "ghost", "pointer-events": "none" }, arena.signs);
-  arena.scale = svg("path", { fill: "none", stroke: "var(--grey)" }, arena.signs);
+  arena.scale = svg("path", { fill: "none", stroke: "var(--gray)" }, arena.signs);
   arena.scaleText = svg("text", { class: "quiet halo", "text-anchor": "middle" }, arena.signs);
   arena.start = svg("text", { class: "halo", "text-anchor": "middle" }, arena.signs);
   root.addEventListener("pointermove", dragOn);

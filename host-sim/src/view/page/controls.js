@@ -13,7 +13,7 @@ function showGoalChoice() {
   const [scene, now] = [view.scene, view.now];
   if (!scene || !now) return;
   const names = scene.behaviors.map(([name]) => [name, name]);
-  // A chain is one behaviour after the other.
+  // A chain is one behavior after the other.
   const chained = now.goal.name.split(",").every((part) => scene.behaviors.some(([name]) => name === part));
   $("then-choice").hidden = !chained || !scene.abilities.drive;
   options($("then"), [["", "–"], ...names.filter(([name]) => name !== now.goal.name.split(",").pop())], "");
@@ -49,12 +49,12 @@ function showMode(now) {
   if (now.note) say($("note"), `${now.note}.`);
   const text = MODES[now.mode] + goal;
   if (text !== told) { told = text; say($("status"), `The robot ${text}`); }
-  const learnt = view.maps && view.maps.learnt;
+  const learned = view.maps && view.maps.learned;
   $("resume").disabled = !now.resumes;
   $("learn").disabled = !view.memory.length || busy;
-  $("seek").disabled = !learnt || now.mode === "learn" || now.mode === "seek";
+  $("seek").disabled = !learned || now.mode === "learn" || now.mode === "seek";
   $("explore").disabled = now.mode === "explore" || now.mode === "learn";
-  const next = !view.memory.length ? "explore" : !learnt ? "learn" : "seek";
+  const next = !view.memory.length ? "explore" : !learned ? "learn" : "seek";
   for (const id of ["explore", "learn", "seek"]) $(id).classList.toggle("primary", id === next && !$(id).disabled);
   const over = recording() && now.pace.standing;
   say($("pause"), over ? "Play again" : now.pace.paused ? (recording() ? "Play" : "Run on") : "Pause");

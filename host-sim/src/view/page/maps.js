@@ -62,9 +62,9 @@ function look(name, neuron) {
 function describe(name) {
   const neuron = maps.shown[name];
   const seen = view.maps;
-  const note = !seen || !seen.learnt ? "" : name === "situations" ? `Shade: U-matrix; number: moves it answers to.${view.scene && view.scene.abilities.drive ? " Choose a neuron as the goal." : ""}` :
+  const note = !seen || !seen.learned ? "" : name === "situations" ? `Shade: U-matrix; number: moves it answers to.${view.scene && view.scene.abilities.drive ? " Choose a neuron as the goal." : ""}` :
     "Bars: change of situation; arrow: the move that brings it.";
-  say($(`${name}-detail`), neuron === null || !seen || !seen.learnt ? note : words(name, neuron, seen));
+  say($(`${name}-detail`), neuron === null || !seen || !seen.learned ? note : words(name, neuron, seen));
 }
 
 function words(name, neuron, seen) {
@@ -83,11 +83,11 @@ function words(name, neuron, seen) {
 
 function showMaps(seen) {
   for (const name of ["situations", "changes"]) {
-    $(name).toggleAttribute("hidden", !seen.learnt);
-    $(`${name}-empty`).hidden = seen.learnt;
+    $(name).toggleAttribute("hidden", !seen.learned);
+    $(`${name}-empty`).hidden = seen.learned;
     describe(name);
   }
-  if (!seen.learnt) return;
+  if (!seen.learned) return;
   const shade = (map) => {
     const [low, high] = [Math.min(...map.u_matrix), Math.max(...map.u_matrix)];
     return map.u_matrix.map((u) => high > low ? 100 * (u - low) / (high - low) : 0);

@@ -54,7 +54,7 @@ function sampleRow(sample, index) {
 // Rows and neurons that belong together: those of the neuron looked at, those of the row looked at, those of the present neuron.
 function showTrained() {
   const seen = view.maps;
-  const pairs = seen && seen.learnt ? seen.rows : [];
+  const pairs = seen && seen.learned ? seen.rows : [];
   const { situations, changes } = maps.shown;
   const here = view.now && view.now.plan ? view.now.plan.current : null;
   memory.rows.forEach(({ row, trained }, index) => {

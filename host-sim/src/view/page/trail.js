@@ -22,7 +22,7 @@ function drawTrail() {
   const marks = allMarks();
   trail.marks = marks;
   pen.font = "11px system-ui, sans-serif";
-  pen.fillStyle = color("grey");
+  pen.fillStyle = color("gray");
   if (!marks.length) {
     pen.font = "13px system-ui, sans-serif";
     pen.fillText("No decisions yet.", 8, height / 2 + 4);

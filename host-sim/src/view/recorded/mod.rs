@@ -304,7 +304,7 @@ impl Playing {
             let nest = self
                 .nest
                 .map_or([amp::fixed::Weight::ZERO; 16], |(nest, _)| nest);
-            let goal = Pursued::recognised(goal, mind.config(), &nest, mind.state());
+            let goal = Pursued::recognized(goal, mind.config(), &nest, mind.state());
             self.goal = Some(goal);
         }
     }
@@ -358,10 +358,10 @@ impl Source for Recorded {
             return Stepped::Standing;
         }
         let (decided, starts) = (self.playing.decided, self.playing.starts);
-        let learnt = self.learns();
+        let learned = self.learns();
         self.go_on();
         let whole = self.playing.decided > decided;
-        if whole || learnt != self.learns() {
+        if whole || learned != self.learns() {
             self.shown.knowing.forget_maps();
         }
         if starts != self.playing.starts {

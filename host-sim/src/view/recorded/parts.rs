@@ -21,9 +21,9 @@ impl Recorded {
         let revision = self.shown.revision;
         let mut parts: Vec<Arc<dyn Showable>> = vec![self.scene(revision)];
         let (mind, learns) = (self.playing.retold.mind(), self.learns());
-        let learnt = learns || mind.state().has_learnt();
+        let learned = learns || mind.state().has_learned();
         let knowing = &mut self.shown.knowing;
-        parts.extend(knowing.parts(revision, mind.state(), mind.config(), learnt));
+        parts.extend(knowing.parts(revision, mind.state(), mind.config(), learned));
         let heard = self.playing.heard.parts();
         Snapshot {
             parts,

@@ -102,7 +102,7 @@ pub struct Simulator {
     /// What the ring heard, and where it was then.
     ranges_m: [Option<f64>; 16],
     heard_at: Pose,
-    learnt: bool,
+    learned: bool,
     learning: u32,
     touched: bool,
     step_s: f64,
@@ -158,7 +158,7 @@ impl Simulator {
             before: None,
             ranges_m,
             heard_at: body.pose(),
-            learnt: false,
+            learned: false,
             learning: 0,
             touched: false,
             step_s: 0.0,
@@ -209,7 +209,7 @@ impl Simulator {
             }
         }
         if whole {
-            (self.doing, self.learnt) = (Doing::Idle, true);
+            (self.doing, self.learned) = (Doing::Idle, true);
         }
         self.shown.knowing.forget_maps();
         self.mind.pilot().forget_known(whole);
@@ -303,7 +303,7 @@ impl Simulator {
     fn follow(&mut self, happened: &Happened) {
         let Some(moved) = &happened.moved else { return };
         self.tally()
-            .moved(moved.from, moved.to, moved.travelled_m, moved.clearance_m);
+            .moved(moved.from, moved.to, moved.traveled_m, moved.clearance_m);
         self.touched |= moved.touched;
         if let Some(open) = &mut self.open {
             open.touched |= moved.touched;

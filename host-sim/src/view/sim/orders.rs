@@ -152,7 +152,7 @@ impl Simulator {
 
     fn choose_goal(&mut self, order: &Order) -> Result<(), Refused> {
         let here = (self.perceived(), self.body.pose().position);
-        let known = match self.learnt {
+        let known = match self.learned {
             true => Some(self.mind.pilot().known()?),
             false => None,
         };
@@ -179,7 +179,7 @@ impl Simulator {
         let knowledge = Knowledge::from_bytes(&bytes)?;
         self.renew(self.start.clone(), knowledge.config())?;
         self.mind.know(self.body.now(), &knowledge);
-        self.learnt = knowledge.state().has_learnt();
+        self.learned = knowledge.state().has_learned();
         Ok(())
     }
 

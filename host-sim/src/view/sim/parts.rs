@@ -40,14 +40,14 @@ impl Simulator {
     }
 
     fn maps_and_memory(&mut self, revision: u64) -> Vec<Arc<dyn Showable>> {
-        let learnt = self.learnt || self.doing == Doing::Learn;
+        let learned = self.learned || self.doing == Doing::Learn;
         let Ok(known) = self.mind.pilot().known() else {
             return Vec::new();
         };
         let parts = self
             .shown
             .knowing
-            .parts(revision, known, &self.config, learnt);
+            .parts(revision, known, &self.config, learned);
         parts.into()
     }
 

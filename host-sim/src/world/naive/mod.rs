@@ -74,7 +74,7 @@ impl Naive {
         let gaps = gaps.chain(self.circles.iter().map(|circle| path.gap(circle)));
         let nearest = gaps.fold(f64::INFINITY, min);
         let free = Sweep {
-            travelled_m: path.length,
+            traveled_m: path.length,
             contact: None,
             min_clearance_m: (nearest - radius).max(0.0),
         };
@@ -95,7 +95,7 @@ impl Naive {
         {
             None => free,
             Some((way, contact)) => Sweep {
-                travelled_m: min(way, path.length),
+                traveled_m: min(way, path.length),
                 contact: Some(contact),
                 min_clearance_m: 0.0,
             },

@@ -91,8 +91,8 @@ fn the_least_gap_has_the_oracles_bits() {
                 if found.min_clearance_m == f64::INFINITY {
                     assert!(expected.min_clearance_m > least, "{seed} {at:?}");
                     assert_eq!(
-                        (found.travelled_m, found.contact),
-                        (expected.travelled_m, expected.contact)
+                        (found.traveled_m, found.contact),
+                        (expected.traveled_m, expected.contact)
                     );
                 } else {
                     told += 1;

@@ -1,4 +1,4 @@
-//! What is learnt on the way, move by move.
+//! What is learned on the way, move by move.
 
 use super::*;
 use crate::config::{Choice, Online, Taught};
@@ -51,7 +51,7 @@ fn rates_of_online_learning_fall_as_one_over_n_and_begin_anew_with_new_maps() {
 }
 
 #[test]
-fn a_map_that_has_learnt_long_moves_less() {
+fn a_map_that_has_learned_long_moves_less() {
     let moved = |lessons| {
         let mut bench = Bench::ready(Config::recommended());
         bench.state.lessons = lessons;
@@ -112,7 +112,7 @@ fn changed(before: &Robot, after: &Robot) -> [Vec<usize>; 2] {
 }
 
 #[test]
-fn each_move_teaches_the_winners_alone_or_their_neighbours_as_well() {
+fn each_move_teaches_the_winners_alone_or_their_neighbors_as_well() {
     let (before, after, motion, _) = taught_by_half_a_move(|_| ());
     let [situations, actions] = changed(&before, &after);
     assert_eq!((situations.len(), actions.len()), (1, 1));
@@ -159,7 +159,7 @@ fn each_move_teaches_the_winners_alone_or_their_neighbours_as_well() {
     assert_ne!(changed(&before, &after)[1], [asked]);
 }
 
-/// What the one neuron that learnt from a move was taught of action and change: it went a fiftieth of the way there.
+/// What the one neuron that learned from a move was taught of action and change: it went a fiftieth of the way there.
 fn lesson(before: &Robot, after: &Robot) -> ([f64; 2], [f64; 16]) {
     let [_, winners] = changed(before, after);
     assert_eq!(winners.len(), 1);
@@ -187,7 +187,7 @@ fn turned(action: [f64; 2], motion: Motion) -> u16 {
 
 /// One step ahead, moves are taught turned by a random number of ring places, change and action alike.
 #[test]
-fn what_is_learnt_on_the_way_is_turned_with_the_ring() {
+fn what_is_learned_on_the_way_is_turned_with_the_ring() {
     let (before, after, motion, _) =
         taught_by_half_a_move(|config| *config = Config::recommended());
     let (action, change) = lesson(&before, &after);
@@ -211,7 +211,7 @@ fn what_is_learnt_on_the_way_is_turned_with_the_ring() {
 
 #[test]
 #[cfg_attr(miri, ignore = "four robots made ready: minutes")]
-fn what_is_learnt_on_the_way_is_not_turned_where_that_would_be_another_ring() {
+fn what_is_learned_on_the_way_is_not_turned_where_that_would_be_another_ring() {
     let changes: [fn(&mut Config<16>); 4] = [
         |config| config.learning.turned = false,
         |config| config.believed = Mask::ALL.without(11),
@@ -232,7 +232,7 @@ fn what_is_learnt_on_the_way_is_not_turned_where_that_would_be_another_ring() {
     }
 }
 
-/// Whatever has been learnt since, and whoever learnt it.
+/// Whatever has been learned since, and whoever learned it.
 #[test]
 #[cfg_attr(miri, ignore = "sixty decisions: minutes")]
 fn a_decision_is_taken_by_the_maps_as_they_are() {

@@ -5,7 +5,7 @@ use checks::{TARGET, cargo, rows, workspace};
 /// Bounds by the beginning of a row: instructions on average, and of the longest call.
 const BUDGETS: [(&str, u64, u64); 9] = [
     ("best-matching unit, 16 × 16, exact", 500, 500),
-    ("situation map learns, winner and 4 neighbours", 450, 450),
+    ("situation map learns, winner and 4 neighbors", 450, 450),
     (
         "**decision** (last echo of the ring): avoid",
         20_000,

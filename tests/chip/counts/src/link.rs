@@ -47,7 +47,7 @@ pub struct Counts {
     pub decision: Tally,
 }
 
-/// A mind that knows what another learnt, and the base it steers.
+/// A mind that knows what another learned, and the base it steers.
 struct Base {
     node: NomadNode,
     sent: Mail,

@@ -6,13 +6,13 @@ use amp::action_map::{Effect, Probe, Recall};
 use amp::controller::Decision;
 use amp::fixed::{Mask, squared_norm};
 use amp::scan::Situation;
-use amp::som::neighbourhood::Pull;
-use amp::som::{Neighbourhood, kernels};
+use amp::som::neighborhood::Pull;
+use amp::som::{Neighborhood, kernels};
 use core::hint::black_box;
 
 /// 0.05 in Q16.
 const RATE_Q16: u32 = 3_277;
-/// Half as much for the neighbours.
+/// Half as much for the neighbors.
 const SHARE_Q16: u32 = 1 << 15;
 
 /// Searches of the situation map: the whole one, and its search by 16-bit values alone.
@@ -66,15 +66,15 @@ pub fn recalls(watch: &Stopwatch, episode: &Episode<'_>) -> Tally {
 }
 
 /// A step of learning of the situation map and of the action map, without the search for the winner, for the winner alone
-/// and with four neighbours.
+/// and with four neighbors.
 pub fn updates(watch: &Stopwatch, episode: &Episode<'_>) -> [[Tally; 2]; 2] {
     [0, SHARE_Q16].map(|share_q16| {
-        let pull = Pull::<16>::new(Neighbourhood::Direct, RATE_Q16, share_q16);
+        let pull = Pull::<16>::new(Neighborhood::Direct, RATE_Q16, share_q16);
         let mut situations_map = episode.state.situations().clone();
         let mut actions_map = episode.state.actions().clone();
         let mut tallies = [Tally::default(); 2];
         for pair in episode.decisions.windows(2) {
-            // Neuron 5 stands inside the grid and has four neighbours.
+            // Neuron 5 stands inside the grid and has four neighbors.
             let winner = black_box(5);
             let after = &pair[1].situation;
             let (situation, ()) = watch.count(|| {

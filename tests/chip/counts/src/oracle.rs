@@ -2,8 +2,8 @@
 
 use amp::action_map::{ActionMap, Effect};
 use amp::fixed::{Mask, Weight};
-use amp::som::neighbourhood::Pull;
-use amp::som::{Edges, Grid, Neighbourhood, Som};
+use amp::som::neighborhood::Pull;
+use amp::som::{Edges, Grid, Neighborhood, Som};
 use core::array::from_fn;
 use cortex_m4::KERNELS;
 
@@ -70,7 +70,7 @@ fn learn(
         assert_eq!(actions_by_hand.winner(&effect, weight), neuron);
         // Rates and shares from 0 to 1, mostly below 1/2.
         let (rate, share) = (noise.below(40_000) as u32, noise.below(65_536) as u32);
-        let pull = Pull::new(Neighbourhood::Direct, rate, share * (step % 3));
+        let pull = Pull::new(Neighborhood::Direct, rate, share * (step % 3));
         situations.learn(winner, probe, Mask::ALL, &pull);
         by_hand.learn(winner, probe, Mask::ALL, &pull);
         actions.learn(neuron, &effect, &pull);

@@ -10,7 +10,7 @@ const HALF_ROOM_MM: i32 = 2_000;
 /// Where the robot stands.
 pub struct Room {
     robot: RobotSpec<16>,
-    /// From the middle, millimetres.
+    /// From the middle, millimeters.
     x: i32,
     y: i32,
 }

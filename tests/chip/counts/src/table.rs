@@ -52,13 +52,13 @@ fn print_maps(watch: &Stopwatch, episode: &Episode<'_>) {
     let [[situation, action], [near_situation, near_action]] = maps::updates(watch, episode);
     row("situation map learns, winner alone", situation, 170);
     row(
-        "situation map learns, winner and 4 neighbours",
+        "situation map learns, winner and 4 neighbors",
         near_situation,
         450,
     );
     row("action map learns, winner alone", action, 225);
     row(
-        "action map learns, winner and 4 neighbours",
+        "action map learns, winner and 4 neighbors",
         near_action,
         675,
     );

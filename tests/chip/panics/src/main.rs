@@ -54,12 +54,12 @@ fn any<T>(value: T) -> T {
     black_box(value)
 }
 
-/// Keeps a result from being optimised away.
+/// Keeps a result from being optimized away.
 fn sink<T>(value: T) {
     let _ = black_box(value);
 }
 
-/// Keeps a text from being optimised away.
+/// Keeps a text from being optimized away.
 fn say(text: impl core::fmt::Display) {
     struct Nowhere;
     impl core::fmt::Write for Nowhere {

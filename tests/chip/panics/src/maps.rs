@@ -5,8 +5,8 @@ use crate::{any, sink};
 use amp::action_map::{ActionCode, ActionMap, Effect, Preference, Probe, Recall};
 use amp::fixed::{Fine, Gain, Weight};
 use amp::som::metrics::{MapView, Quality, u_matrix_value};
-use amp::som::neighbourhood::{Pull, View, gaussian};
-use amp::som::{Edges, Grid, Neighbourhood, Som, kernels};
+use amp::som::neighborhood::{Pull, View, gaussian};
+use amp::som::{Edges, Grid, Neighborhood, Som, kernels};
 
 pub fn all() {
     grids();
@@ -24,8 +24,8 @@ pub fn grid() -> Grid {
 fn grids() {
     let (a, b) = (any(1_usize), any(2_usize));
     sink((grid().position(a), grid().offsets(a, b), grid().hops(a, b)));
-    sink((grid().len(), grid().are_neighbours(a, b)));
-    grid().neighbours(a).for_each(sink);
+    sink((grid().len(), grid().are_neighbors(a, b)));
+    grid().neighbors(a).for_each(sink);
     sink(Grid::chain(any(3)));
 }
 
@@ -61,8 +61,8 @@ fn searches() {
     sink(kernels::nearest(room, dims, any(1), distance));
 }
 
-fn shape() -> Neighbourhood {
-    any(Neighbourhood::Direct)
+fn shape() -> Neighborhood {
+    any(Neighborhood::Direct)
 }
 
 fn learning() {

@@ -1,4 +1,4 @@
-//! Sections 3 and 5.1: obstacle avoidance (Figs. 5 and 6), other behaviours at once, any robot.
+//! Sections 3 and 5.1: obstacle avoidance (Figs. 5 and 6), other behaviors at once, any robot.
 
 use super::{Claim, PRESETS, Verdict, each, mean, percent, percents, reinforcement};
 use crate::experiments::behaviors::Outcome;
@@ -116,7 +116,7 @@ fn hundred_moves(measured: &Measured) -> Claim {
 }
 
 fn at_once(measured: &Measured) -> Claim {
-    // The first behaviour is the one that is left.
+    // The first behavior is the one that is left.
     let sums = measured.at_once.each_ref().map(|answers| {
         answers
             .iter()
@@ -131,7 +131,7 @@ fn at_once(measured: &Measured) -> Claim {
     });
     let text = |(tried, unchanged, other): &(u32, u32, u32)| {
         format!(
-            "nothing learnt or moved in {}, another action at once in {}",
+            "nothing learned or moved in {}, another action at once in {}",
             percents(percent(*unchanged, *tried)),
             percents(percent(*other, *tried))
         )
@@ -257,7 +257,7 @@ fn any_behavior(measured: &Measured) -> Claim {
         .first()
         .map_or(0, |(_, outcomes)| outcomes[0].episodes);
     Claim::new("5.1", "any behavior can be generated")
-        .holds_if("every behaviour reaches what docs/behaviours.md asks of it, in every scene")
+        .holds_if("every behavior reaches what docs/behaviors.md asks of it, in every scene")
         .measured(
             each(&PRESETS, &reached, |count| {
                 format!("{count} of {all} scenes")

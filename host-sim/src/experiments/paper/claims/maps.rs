@@ -1,4 +1,4 @@
-//! Sections 2.1 to 2.4: goals that are perceived, lazy memory, self-organising maps (Figs. 1 and 2).
+//! Sections 2.1 to 2.4: goals that are perceived, lazy memory, self-organizing maps (Figs. 1 and 2).
 
 use super::{Claim, PRESETS, Verdict, each, mean, median, percent, percents};
 use crate::experiments::paper::chain::{Chain, NEURONS, PROBES};
@@ -20,7 +20,7 @@ pub(super) fn claims(measured: &Measured) -> Vec<Claim> {
             "2.3",
             "4 neighbors correspond to a 2-D map; the number of neurons is fixed",
         )
-        .by_construction("4 × 4 neurons with up to 4 direct neighbours; the chain has 2"),
+        .by_construction("4 × 4 neurons with up to 4 direct neighbors; the chain has 2"),
     );
     claims.extend(chains(measured));
     claims.extend([same_number(measured), larger_fields(measured)]);
@@ -117,7 +117,7 @@ fn by_content(measured: &Measured) -> Claim {
         "2.3",
         "associative memories are accessible using part of their content",
     )
-    .holds_if("median error < 45° of the action recalled from a change not learnt (chance: 90°)")
+    .holds_if("median error < 45° of the action recalled from a change not learned (chance: 90°)")
     .measured(each(&PRESETS[1..], &middle, |m| format!("{m:.0}°")), sample)
     .verdict(Verdict::of(&middle.map(|middle| middle < 45.0)))
 }
@@ -240,7 +240,7 @@ fn continuous(measured: &Measured) -> Claim {
         "2.4",
         "the first map builds a continuous representation of the situation space",
     )
-    .holds_if("≤ 10 % of what was learnt has its best two neurons apart (topographic error)")
+    .holds_if("≤ 10 % of what was learned has its best two neurons apart (topographic error)")
     .measured(
         each(
             &["probe", "touzet", "miniature"],
@@ -268,10 +268,10 @@ fn paths(measured: &Measured) -> Claim {
         "2.4",
         "can be used to find a path towards a goal situation, wherever it is",
     )
-    .holds_if("≥ 95 % of the neurons lead to any other: over grid steps, and over neighbours ever nearer in code")
+    .holds_if("≥ 95 % of the neurons lead to any other: over grid steps, and over neighbors ever nearer in code")
     .measured(
         format!(
-            "over grid steps all (the grid is connected); over ever nearer neighbours {}",
+            "over grid steps all (the grid is connected); over ever nearer neighbors {}",
             each(&PRESETS[1..], &joined, |share| percents(*share))
         ),
         format!("240 pairs of neurons in {}", rooms(measured)),
@@ -291,13 +291,13 @@ fn alike(measured: &Measured) -> Claim {
     let texts = maps.each_ref().map(|orders| {
         format!(
             "{:.2} against {:.2}",
-            mean(orders.iter().map(|order| order.neighbours)),
+            mean(orders.iter().map(|order| order.neighbors)),
             mean(orders.iter().map(|order| order.others))
         )
     });
     let orderly = |order: &Order| {
         let by_chance = order.as_good_by_chance * 100 < SHUFFLINGS;
-        order.neighbours < order.others && by_chance
+        order.neighbors < order.others && by_chance
     };
     let share = maps.each_ref().map(|orders| {
         let orderly = orders.iter().filter(|order| orderly(order)).count();
@@ -305,7 +305,7 @@ fn alike(measured: &Measured) -> Claim {
     });
     Claim::new("Fig. 2", "similar situations are coded by neighbor neurons")
         .holds_if(
-            "in ≥ 95 % of maps neighbours are nearer than others, as < 1 % of shuffled maps are",
+            "in ≥ 95 % of maps neighbors are nearer than others, as < 1 % of shuffled maps are",
         )
         .measured(
             format!(

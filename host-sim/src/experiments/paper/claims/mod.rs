@@ -25,7 +25,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// All verdicts, from the most favourable.
+    /// All verdicts, from the most favorable.
     pub const ALL: [Self; 4] = [
         Self::Holds,
         Self::Partly,

@@ -13,7 +13,7 @@ pub(super) fn claims(measured: &Measured) -> Vec<Claim> {
     vec![
         brings_about(&plans),
         metric(measured),
-        nearer_neighbour(&plans),
+        nearer_neighbor(&plans),
         becomes_intermediate(&plans),
         until_goal(&plans),
         differences(&plans),
@@ -74,19 +74,19 @@ fn metric(measured: &Measured) -> Claim {
     .verdict(Verdict::of(&all.map(|r| r >= 0.7)))
 }
 
-fn nearer_neighbour(plans: &[Plans; 3]) -> Claim {
+fn nearer_neighbor(plans: &[Plans; 3]) -> Claim {
     let shares = [plans[1], plans[2]].map(|plans| {
         let share = |count| percent(count, plans.unmet);
         [
-            share(plans.nearer_neighbour),
-            share(plans.neighbour - plans.nearer_neighbour),
+            share(plans.nearer_neighbor),
+            share(plans.neighbor - plans.nearer_neighbor),
             share(plans.at_goal_neuron),
             share(plans.no_nearer),
         ]
     });
     let text = |[nearer, not_nearer, goal, none]: &[f64; 4]| {
         format!(
-            "{nearer:.0} % nearer neighbour, {not_nearer:.0} % neighbour not nearer in its code, {goal:.0} % at a neuron that meets the goal, {none:.0} % none (a local minimum)"
+            "{nearer:.0} % nearer neighbor, {not_nearer:.0} % neighbor not nearer in its code, {goal:.0} % at a neuron that meets the goal, {none:.0} % none (a local minimum)"
         )
     };
     let met = shares.map(|[nearer, _, goal, _]| nearer + goal >= 90.0);
@@ -105,7 +105,7 @@ fn nearer_neighbour(plans: &[Plans; 3]) -> Claim {
 }
 
 fn becomes_intermediate(plans: &[Plans; 3]) -> Claim {
-    let there = [plans[1], plans[2]].map(|plans| percent(plans.at_aim, plans.neighbour));
+    let there = [plans[1], plans[2]].map(|plans| percent(plans.at_aim, plans.neighbor));
     Claim::new(
         "2.5 (2)",
         "the action that will move the robot into that desired intermediate situation",
@@ -113,7 +113,7 @@ fn becomes_intermediate(plans: &[Plans; 3]) -> Claim {
     .holds_if("after ≥ 50 % of the moves the neuron aimed at is the best-matching one")
     .measured(
         each(&PRESETS[1..], &there, |share| percents(*share)),
-        decisions(&plans[1..], |plans| plans.neighbour),
+        decisions(&plans[1..], |plans| plans.neighbor),
     )
     .verdict(Verdict::of(&there.map(|share| share >= 50.0)))
 }

@@ -1,4 +1,4 @@
-//! Section 2.4 (and the abstract): a behaviour improves by being repeated.
+//! Section 2.4 (and the abstract): a behavior improves by being repeated.
 
 use super::{Claim, Verdict};
 use crate::experiments::paper::measure::Measured;

@@ -16,7 +16,7 @@ const NUMBER: f64 = 20.0;
 
 /// A map and its labels.
 #[derive(Debug, Clone, Copy)]
-pub struct LabelledMap<'a> {
+pub struct LabeledMap<'a> {
     /// The map, values from 0 (nothing near) to 1.
     pub map: &'a MapRecord,
     /// By neuron: shares of the classes, or mean velocities; `None` where nothing was won.
@@ -27,13 +27,13 @@ pub struct LabelledMap<'a> {
     pub named: bool,
 }
 
-/// Draws a tile for each neuron, coloured by what was done most often there, as strongly as it prevailed; larger tiles hold
+/// Draws a tile for each neuron, colored by what was done most often there, as strongly as it prevailed; larger tiles hold
 /// the neuron's code vector as a rosette, the first component up and the others counter-clockwise at equal steps.
 /// Velocities stand in the tiles as numbers.
 ///
 /// Returns an SVG document.
 #[must_use]
-pub fn labelled_map(shown: &LabelledMap<'_>, title: &str) -> String {
+pub fn labeled_map(shown: &LabeledMap<'_>, title: &str) -> String {
     let [columns, rows] = shown.map.grid;
     let side = (PLOT / columns.max(1) as f64).min(150.0);
     let mut svg = Svg::new(PAGE, TOP + side * rows as f64 + MARGIN);
@@ -75,7 +75,7 @@ fn tile(
     svg: &mut Svg,
     [x, y]: [f64; 2],
     side: f64,
-    shown: &LabelledMap<'_>,
+    shown: &LabeledMap<'_>,
     label: Option<&Vec<f64>>,
 ) {
     svg.rect([x, y, side, side], &filled("#ffffff", PALE, 1.0));
@@ -119,7 +119,7 @@ fn tile(
     }
 }
 
-fn legend(svg: &mut Svg, shown: &LabelledMap<'_>, side: f64) {
+fn legend(svg: &mut Svg, shown: &LabeledMap<'_>, side: f64) {
     let columns = shown.map.grid[0].max(1);
     let mut legend = Legend::right_of(side * columns as f64);
     legend.headline(svg, "One tile = one neuron");
@@ -127,7 +127,7 @@ fn legend(svg: &mut Svg, shown: &LabelledMap<'_>, side: f64) {
         legend.note(svg, "Bars: how near something is around the ring; the outer circle is 1, at the near limit.");
     }
     if shown.named {
-        legend.note(svg, "Colour: what was done most often in the learnt situations the neuron won; the paler, the less it prevailed.");
+        legend.note(svg, "Color: what was done most often in the learned situations the neuron won; the paler, the less it prevailed.");
         for (class, name) in shown.components.iter().enumerate().take(16) {
             let name = if side < ROSETTE {
                 format!("{}  {name}", class + 1)
@@ -145,7 +145,7 @@ fn legend(svg: &mut Svg, shown: &LabelledMap<'_>, side: f64) {
         let names = shown.components.join(", ");
         legend.note(
             svg,
-            &format!("Numbers: mean {names} in the learnt situations the neuron won."),
+            &format!("Numbers: mean {names} in the learned situations the neuron won."),
         );
     }
     legend.entry(svg, "won nothing", |svg, [x, y]| {
@@ -154,7 +154,7 @@ fn legend(svg: &mut Svg, shown: &LabelledMap<'_>, side: f64) {
             &filled("#ffffff", PALE, 1.0),
         );
     });
-    legend.note(svg, "Tiles that share a side are neighbours in the map.");
+    legend.note(svg, "Tiles that share a side are neighbors in the map.");
 }
 
 #[cfg(test)]
@@ -174,13 +174,13 @@ mod tests {
             let map = map(grid, 24, 0.0);
             let mut labels = vec![Some(vec![0.25, 0.75]); map.code.len()];
             labels[3] = None;
-            let shown = LabelledMap {
+            let shown = LabeledMap {
                 map: &map,
                 labels: &labels,
                 components: &names,
                 named,
             };
-            let picture = labelled_map(&shown, "a map");
+            let picture = labeled_map(&shown, "a map");
             assert_well_formed(&picture);
             assert!(picture.contains("ahead"));
         }

@@ -12,7 +12,7 @@ const MOST: usize = 128;
 
 /// The surroundings of places in one world.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Neighbourhoods {
+pub(super) struct Neighborhoods {
     of: Option<Arc<Surfaces>>,
     /// How many worlds there have been.
     worlds: u64,
@@ -22,7 +22,7 @@ pub(super) struct Neighbourhoods {
     oldest: usize,
 }
 
-impl Neighbourhoods {
+impl Neighborhoods {
     /// Makes `here` ready for eyes which are at most `offset_m` from `middle` and see `reach_m` far: it holds all circles
     /// afterwards.
     #[inline]

@@ -1,21 +1,21 @@
-//! How strongly the winner's neighbours learn with it.
+//! How strongly the winner's neighbors learn with it.
 
 use super::grid::{Grid, NOBODY};
 use super::kernels::Group;
 use crate::fixed::{Gain, Mask, exp_neg};
 use serde::{Deserialize, Serialize};
 
-/// The shape of the neighbourhood.
+/// The shape of the neighborhood.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Neighbourhood {
-    /// The paper's: the winner and its direct neighbours (four on a rectangle, two on a chain), nobody else. The radius of
-    /// the schedule is the neighbours' share of the learning rate, at most 1.
+pub enum Neighborhood {
+    /// The paper's: the winner and its direct neighbors (four on a rectangle, two on a chain), nobody else. The radius of
+    /// the schedule is the neighbors' share of the learning rate, at most 1.
     Direct,
     /// exp(−d²/2σ²) over the grid distance d, with the schedule's radius as σ.
     Gaussian,
 }
 
-/// Learning rate and neighbourhood of one step, ready to apply to maps whose grid is at most `REACH` neurons long.
+/// Learning rate and neighborhood of one step, ready to apply to maps whose grid is at most `REACH` neurons long.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pull<const REACH: usize> {
     rate: Gain,
@@ -24,7 +24,7 @@ pub struct Pull<const REACH: usize> {
     by_hand: Option<ByHand>,
 }
 
-/// Gains of the winner and of its direct neighbours, in units of 2⁻³².
+/// Gains of the winner and of its direct neighbors, in units of 2⁻³².
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct ByHand {
     rate_q32: i32,
@@ -50,18 +50,18 @@ enum Shape<const REACH: usize> {
 /// A [`Pull`] without its size, for maps of any size.
 #[derive(Debug, Clone, Copy)]
 pub enum View<'a> {
-    /// The winner's gain and that of its direct neighbours.
+    /// The winner's gain and that of its direct neighbors.
     Direct {
         /// Gain of the winner.
         rate: Gain,
-        /// Gain of the direct neighbours.
+        /// Gain of the direct neighbors.
         share: Gain,
     },
     /// Gains by distance along one axis; the two axes multiply.
     Gaussian {
         /// Gain of the winner.
         rate: Gain,
-        /// Neighbourhood value by grid steps along one axis.
+        /// Neighborhood value by grid steps along one axis.
         axis: &'a [Gain],
     },
 }
@@ -71,18 +71,18 @@ impl<'a> View<'a> {
     /// step along the longer side of the grid.
     #[must_use]
     pub fn new(
-        neighbourhood: Neighbourhood,
+        neighborhood: Neighborhood,
         rate_q16: u32,
         radius_q16: u32,
         axis: &'a mut [Gain],
     ) -> Self {
         let rate = Gain::from_q16(rate_q16);
-        match neighbourhood {
-            Neighbourhood::Direct => Self::Direct {
+        match neighborhood {
+            Neighborhood::Direct => Self::Direct {
                 rate,
                 share: rate.times(Gain::from_q16(radius_q16)),
             },
-            Neighbourhood::Gaussian => {
+            Neighborhood::Gaussian => {
                 gaussian(radius_q16, axis);
                 Self::Gaussian { rate, axis }
             }
@@ -123,14 +123,14 @@ impl<'a> View<'a> {
 impl<const REACH: usize> Pull<REACH> {
     /// The pull at learning rate `rate_q16` and radius `radius_q16` (both Q16).
     #[must_use]
-    pub fn new(neighbourhood: Neighbourhood, rate_q16: u32, radius_q16: u32) -> Self {
+    pub fn new(neighborhood: Neighborhood, rate_q16: u32, radius_q16: u32) -> Self {
         let rate = Gain::from_q16(rate_q16);
-        let (shape, by_hand) = match neighbourhood {
-            Neighbourhood::Direct => {
+        let (shape, by_hand) = match neighborhood {
+            Neighborhood::Direct => {
                 let share = rate.times(Gain::from_q16(radius_q16));
                 (Shape::Direct { share }, ByHand::new(rate, share))
             }
-            Neighbourhood::Gaussian => {
+            Neighborhood::Gaussian => {
                 let mut axis = [Gain::ZERO; REACH];
                 gaussian(radius_q16, &mut axis);
                 (Shape::Gaussian { axis }, None)
@@ -155,7 +155,7 @@ impl<const REACH: usize> Pull<REACH> {
             rate_q32,
             share_q32,
         } = self.by_hand?;
-        let neighbours = match share_q32 {
+        let neighbors = match share_q32 {
             0 => Mask::NONE,
             _ => grid.mask_around(winner),
         };
@@ -166,7 +166,7 @@ impl<const REACH: usize> Pull<REACH> {
             },
             Group {
                 gain_q32: share_q32,
-                neurons: neighbours.to_bits(),
+                neurons: neighbors.to_bits(),
             },
         ])
     }

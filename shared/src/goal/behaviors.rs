@@ -1,7 +1,7 @@
-//! Behaviours by name as goals: what a ring would perceive if the robot did what is asked.
+//! Behaviors by name as goals: what a ring would perceive if the robot did what is asked.
 //!
 //! All in the frame of travel: component 0 looks where the robot goes. Weights and preferences were found by measurement
-//! (the project's documentation has the table); none is learnt by the robot.
+//! (the project's documentation has the table); none is learned by the robot.
 
 use super::{Component, Frame, Goal};
 use crate::config::Config;
@@ -51,8 +51,8 @@ impl<const SENSORS: usize> Goal<SENSORS> {
         let face = u32::from(config.robot.face_radius_mm);
         // How far a straight wall is along a lobe of ±12.5° whose axis lies one or two places beside the normal.
         let slanted = |stretch_q10: u32| {
-            let from_centre = ((u32::from(range.as_mm()) + face) * stretch_q10) >> 10;
-            u16::try_from(from_centre.saturating_sub(face)).unwrap_or(u16::MAX)
+            let from_center = ((u32::from(range.as_mm()) + face) * stretch_q10) >> 10;
+            u16::try_from(from_center.saturating_sub(face)).unwrap_or(u16::MAX)
         };
         let value = |mm: u16| config.encoding.value(Some(Range::from_mm(mm)));
         let at_most = |mm: u16, weight: u8| Component {
@@ -181,7 +181,7 @@ mod tests {
         }
     }
 
-    /// What is asked of each place of the ring: (at least, at most) in millimetres, weight.
+    /// What is asked of each place of the ring: (at least, at most) in millimeters, weight.
     fn asks(goal: &Goal<16>, table: [(Option<u16>, Option<u16>, u8); 16]) {
         let value = |mm: u16| config().encoding.value(Some(Range::from_mm(mm)));
         for (place, (farthest, nearest, weight)) in table.into_iter().enumerate() {
