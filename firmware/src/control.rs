@@ -3,7 +3,7 @@
 //! It is not paced: it runs when a frame has come, when the clock says that time has passed, and again at once while there
 //! is more to do. Learning is done in slices between events, so that an event waits for one slice at most.
 
-use crate::line::{Faults, Outbox};
+use crate::line::{Faults, FrameSink};
 use crate::persist::{NoFlash, Store};
 use crate::safety::Alarms;
 use crate::sonar_ring::Firing;
@@ -23,7 +23,7 @@ pub fn start(
     mind: &mut NomadNode,
     identity: Identity,
     now: Millis,
-    out: &mut impl amp::node::Outbox,
+    out: &mut impl amp::node::FrameSink,
 ) {
     prepare(mind, identity);
     mind.hello(now, out);
@@ -35,7 +35,7 @@ fn prepare(mind: &mut NomadNode, identity: Identity) {
 
 /// Something the log should know.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum News {
+pub enum LogEvent {
     /// A host is there.
     Linked,
     /// It is gone.
@@ -45,7 +45,7 @@ pub enum News {
 }
 
 #[cfg(all(feature = "defmt", target_os = "none"))]
-impl News {
+impl LogEvent {
     /// Writes it to the log, which holds off every interrupt for as long as a line takes.
     pub fn log(self) {
         match self {
@@ -62,7 +62,7 @@ pub struct Control<'parts, F = NoFlash> {
     receiver: Receiver,
     received: Consumer<'parts, u8>,
     ring: Option<Consumer<'parts, Firing>>,
-    outbox: Outbox<'parts>,
+    outbox: FrameSink<'parts>,
     faults: &'parts Faults,
     store: Option<Store<F>>,
     /// Whether a request for the flash will bring a pause, once it has been announced.
@@ -81,7 +81,7 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
     pub fn new(
         mind: &'parts mut NomadNode,
         received: Consumer<'parts, u8>,
-        outbox: Outbox<'parts>,
+        outbox: FrameSink<'parts>,
         faults: &'parts Faults,
         store: Option<Store<F>>,
     ) -> Self {
@@ -239,18 +239,22 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
     }
 
     /// One thing that has changed since this was asked last.
-    pub fn news(&mut self) -> Option<News> {
+    pub fn news(&mut self) -> Option<LogEvent> {
         let (linked, lost) = (
             self.is_linked(),
             self.faults.overruns().wrapping_add(self.faults.lost()),
         );
         if linked != self.known_linked {
             self.known_linked = linked;
-            return Some(if linked { News::Linked } else { News::Unlinked });
+            return Some(if linked {
+                LogEvent::Linked
+            } else {
+                LogEvent::Unlinked
+            });
         }
         if lost != self.known_lost {
             self.known_lost = lost;
-            return Some(News::BytesLost(lost));
+            return Some(LogEvent::BytesLost(lost));
         }
         None
     }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!            serial interrupt              control                       serial interrupt
-//! bytes ─► line::Line ─► queue ─► control::Control ─► amp::node::Node ─► line::Outbox ─► queue ─► line::Line ─► bytes
+//! bytes ─► line::Line ─► queue ─► control::Control ─► amp::node::Node ─► line::FrameSink ─► queue ─► line::Line ─► bytes
 //! ```
 //!
 //! | module | what it decides |
@@ -16,7 +16,7 @@
 //! | [`safety`] | what emergency stop, bumper and motion permit do |
 //! | [`sonar_ring`] | when which sonar fires, and what its echo means |
 //! | [`stack`] | how deep the stack has been |
-//! | [`vigil`] | whether the watchdog may be fed |
+//! | [`task_monitor`] | whether the watchdog may be fed |
 //!
 //! The packages in `boards/` own the chips: each says what runs when, and is the only place that touches pins and clocks.
 #![no_std]
@@ -37,7 +37,7 @@ pub mod persist;
 pub mod safety;
 pub mod sonar_ring;
 pub mod stack;
-pub mod vigil;
+pub mod task_monitor;
 
 /// The commit this was built from, as eight characters; the version where there is no commit.
 pub const BUILD: [u8; 8] = match env!("FIRMWARE_BUILD").as_bytes().first_chunk() {

@@ -123,12 +123,12 @@ impl<'queues> Line<'queues> {
 }
 
 /// The control task's side of what is to be sent.
-pub struct Outbox<'queues> {
+pub struct FrameSink<'queues> {
     to_send: Producer<'queues, u8>,
     sent: bool,
 }
 
-impl<'queues> Outbox<'queues> {
+impl<'queues> FrameSink<'queues> {
     /// An outbox that fills the queue which the interrupt empties.
     #[must_use]
     pub const fn new(to_send: Producer<'queues, u8>) -> Self {
@@ -151,7 +151,7 @@ impl<'queues> Outbox<'queues> {
     }
 }
 
-impl amp::node::Outbox for Outbox<'_> {
+impl amp::node::FrameSink for FrameSink<'_> {
     /// Queues a whole frame or, if there is no room for all of it, nothing: half a frame would cost the receiver the
     /// next one as well.
     fn send(&mut self, frame: &[u8]) -> bool {
@@ -170,7 +170,7 @@ impl amp::node::Outbox for Outbox<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use amp::node::Outbox as _;
+    use amp::node::FrameSink as _;
     use heapless::spsc::Queue;
     use std::vec::Vec;
 
@@ -247,7 +247,7 @@ mod tests {
         let (mut received, mut to_send) = (Queue::<u8, 2>::new(), Queue::<u8, 6>::new());
         let (producer, consumer) = to_send.split();
         let faults = Faults::new();
-        let mut outbox = Outbox::new(producer);
+        let mut outbox = FrameSink::new(producer);
         let mut line = Line::new(received.split().0, consumer);
         let mut wires = Wires::default();
         assert!(!outbox.take_sent());

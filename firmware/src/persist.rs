@@ -24,7 +24,7 @@ use core::convert::Infallible;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 
 /// Bytes of a slot for the Nomad's mind.
-pub const SLOT_BYTES: u32 = amp::store::MOST_NOMAD as u32;
+pub const SLOT_BYTES: u32 = amp::store::MAX_NOMAD as u32;
 
 /// Longest time to erase a sector of 128 KiB by words, milliseconds (STM32F405 data sheet DS8626, flash memory programming;
 /// half of it is typical).

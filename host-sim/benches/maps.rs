@@ -2,7 +2,7 @@
 //! robot and by the one of any size behind `host-sim som`.
 
 use amp::fixed::{Mask, Scalar as _, Weight};
-use amp::som::neighborhood::Pull;
+use amp::som::neighborhood::Update;
 use amp::som::{Decay, Grid, Neighborhood, Schedule, Som};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use host_sim::noise::Noise;
@@ -20,7 +20,11 @@ fn samples(noise: &mut Noise) -> Vec<[Weight; 16]> {
 fn maps(c: &mut Criterion) {
     let mut noise = Noise::new(1);
     let samples = samples(&mut noise);
-    let flat: Vec<_> = samples.iter().flatten().map(|value| value.fine()).collect();
+    let flat: Vec<_> = samples
+        .iter()
+        .flatten()
+        .map(|value| value.to_weight32())
+        .collect();
     let grid = Grid::rectangle(4, 4);
     let code = std::array::from_fn(|neuron| samples[neuron]);
     let map: Som<16, 16> = Som::new(grid, code);
@@ -40,7 +44,7 @@ fn maps(c: &mut Criterion) {
         });
     });
     group.bench_function("training, fixed size", |b| {
-        let pull = Pull::<16>::new(Neighborhood::Direct, 6_554, 16_384);
+        let pull = Update::<16>::new(Neighborhood::Direct, 6_554, 16_384);
         let mut map = map.clone();
         b.iter(|| {
             for sample in &samples {

@@ -8,7 +8,7 @@ use crate::world::Point;
 pub const CELL_M: f64 = 0.25;
 
 /// Most cells along one side: a world larger than 2 km is covered with its first 2 km only.
-const MOST_CELLS: usize = 8_192;
+const MAX_CELLS: usize = 8_192;
 
 /// How far beyond the body is looked for cells that are not covered, m.
 const AHEAD_M: f64 = 0.12;
@@ -35,7 +35,7 @@ impl Coverage {
         let cells = |least: f64, greatest: f64| {
             (((greatest - least) / CELL_M) as usize)
                 .saturating_add(1)
-                .min(MOST_CELLS)
+                .min(MAX_CELLS)
         };
         let columns = cells(bounds.0.x, bounds.1.x);
         let rows = cells(bounds.0.y, bounds.1.y);

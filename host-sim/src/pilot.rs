@@ -9,10 +9,10 @@ use amp::som::Grid;
 use amp::units::{Millis, Range};
 
 /// Most random moves the simulator's memory holds.
-pub const MOST_MOVES: u16 = 1_000;
+pub const MAX_MOVES: u16 = 1_000;
 
 /// The mind's state with the simulator's larger memory; all else as on the chip.
-pub type SimState = State<16, 16, { MOST_MOVES as usize }>;
+pub type SimState = State<16, 16, { MAX_MOVES as usize }>;
 
 /// What a transducer heard.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -72,7 +72,7 @@ pub trait Pilot {
 }
 
 /// A pilot whose maps can be looked at.
-pub trait Thinker: Pilot {
+pub trait InspectableController: Pilot {
     /// What it knows.
     ///
     /// # Errors
@@ -94,7 +94,7 @@ impl<P: Pilot> Pilot for &mut P {
     }
 }
 
-impl<P: Thinker> Thinker for &mut P {
+impl<P: InspectableController> InspectableController for &mut P {
     fn knowledge(&mut self) -> Result<&SimState, Failure> {
         (**self).knowledge()
     }
@@ -167,7 +167,7 @@ impl Pilot for Mind {
     }
 }
 
-impl Thinker for Mind {
+impl InspectableController for Mind {
     fn knowledge(&mut self) -> Result<&SimState, Failure> {
         Ok(&self.state)
     }

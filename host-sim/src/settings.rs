@@ -5,9 +5,9 @@
 
 use crate::error::BadInput;
 use amp::action_map::{ActionCode, Recall};
-use amp::config::{AtGoal, Choice, Config, Intermediate, Online, Order, Start, Taught, Wander};
+use amp::config::{AtGoal, Choice, Config, Online, Order, Start, Subgoal, Taught, Wander};
 use amp::fixed::{Mask, Weight};
-use amp::shield::{KEPT, Shielding};
+use amp::shield::{ARCS_PER_SENSOR, Shielding};
 use amp::som::{Decay, Edges, Neighborhood, Schedule};
 use amp::units::Bearing;
 
@@ -380,7 +380,8 @@ pub static SETTINGS: Table = &[
         "shield.places",
         "arcs the shield keeps per sonar: 1..4",
         |c| c.shield.map_or(0, |s| s.places).to_string(),
-        |c: &mut Config<16>, t| put_shield(c, number(t, 1.0, KEPT as f64), |s, v| s.places =
+        |c: &mut Config<16>, t| put_shield(c, number(t, 1.0, ARCS_PER_SENSOR as f64), |s, v| s
+            .places =
             v as u8)
     ),
     setting!(
@@ -435,10 +436,10 @@ const NEIGHBORHOODS: &[(&str, Neighborhood)] = &[
     ("gaussian", Neighborhood::Gaussian),
 ];
 const LEARNERS: &[(&str, bool)] = &[("best", false), ("recalled", true)];
-const INTERMEDIATES: &[(&str, Intermediate)] = &[
-    ("hops", Intermediate::FewestHops),
-    ("code", Intermediate::NearestCode),
-    ("goal", Intermediate::Goal),
+const INTERMEDIATES: &[(&str, Subgoal)] = &[
+    ("hops", Subgoal::FewestHops),
+    ("code", Subgoal::NearestCode),
+    ("goal", Subgoal::Goal),
 ];
 const RECALLS: &[(&str, Recall)] = &[
     ("distance", Recall::Distance),

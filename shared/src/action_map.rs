@@ -4,10 +4,10 @@
 //! winner by both parts, |Δ − Δ_k|² + λ |a − a_k|²; recall probes with the change alone.
 
 use crate::fixed::{
-    Fine, Mask, ONE_BITS, Weight, coarse, isqrt, quotient, squared_norm, unit_weight,
+    Mask, ONE_BITS, Weight, Weight32, isqrt, quotient, squared_norm, to_weight16, unit_weight,
 };
 use crate::som::kernels::{Found, Kernels};
-use crate::som::neighborhood::Pull;
+use crate::som::neighborhood::Update;
 use crate::som::{Grid, Som, kernels};
 use crate::units::{Bearing, Displacement};
 use serde::{Deserialize, Serialize};
@@ -73,7 +73,7 @@ pub enum Recall {
 }
 
 /// From this weight on, in 1/256, a squared length with the weighted score of an action might not fit 32 bits.
-const MOST_BASE_WEIGHT_Q8: u16 = 512;
+const MAX_BASE_WEIGHT_Q8: u16 = 512;
 
 /// One thing to learn: this action brought this change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -122,8 +122,8 @@ impl<const SENSORS: usize> Products<SENSORS> {
 
     /// Adds a neuron's part, or takes it away.
     #[inline(never)]
-    fn count(&mut self, action: &[Fine; 2], change: &[Fine; SENSORS], sign: i32) {
-        let bits = |part: &Fine| i32::from(coarse(*part).to_bits());
+    fn count(&mut self, action: &[Weight32; 2], change: &[Weight32; SENSORS], sign: i32) {
+        let bits = |part: &Weight32| i32::from(to_weight16(*part).to_bits());
         let [x, y] = action;
         let (x, y) = (bits(x), bits(y));
         let (signed_x, signed_y) = (x.wrapping_mul(sign), y.wrapping_mul(sign));
@@ -132,7 +132,7 @@ impl<const SENSORS: usize> Products<SENSORS> {
         *xy = xy.wrapping_add(signed_x.wrapping_mul(y));
         *yy = yy.wrapping_add(signed_y.wrapping_mul(y));
         for ([along_x, along_y], change) in self.changes.iter_mut().zip(change) {
-            let change = i32::from(coarse(*change).to_bits());
+            let change = i32::from(to_weight16(*change).to_bits());
             *along_x = along_x.wrapping_add(signed_x.wrapping_mul(change));
             *along_y = along_y.wrapping_add(signed_y.wrapping_mul(change));
         }
@@ -203,45 +203,45 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
     fn search(&self, effect: &Effect<SENSORS>, action_weight_q8: u16) -> usize {
         let own = kernels::rank_margin::<2>(action_weight_q8);
         let margin = Som::<NEURONS, SENSORS>::MARGIN.wrapping_add(own);
-        let by_hand = self.rivals_by_hand(effect, action_weight_q8, margin);
-        let portably = || Found::among(self.rivals(effect, action_weight_q8, margin));
+        let by_hand = self.candidates_simd(effect, action_weight_q8, margin);
+        let portably = || Found::among(self.candidates(effect, action_weight_q8, margin));
         match by_hand.unwrap_or_else(portably) {
             Found::One(neuron) => neuron,
-            Found::Rivals(rivals) => self.nearest_of(rivals, effect, action_weight_q8),
+            Found::Rivals(candidates) => self.nearest_of(candidates, effect, action_weight_q8),
         }
     }
 
     /// By the processor's kernels, if there are any for this size, the neurons that may be nearest.
-    fn rivals_by_hand(
+    fn candidates_simd(
         &self,
         effect: &Effect<SENSORS>,
         weight_q8: u16,
         margin: i32,
     ) -> Option<Found> {
-        if !effect.mask.covers(SENSORS) || weight_q8 >= MOST_BASE_WEIGHT_Q8 {
+        if !effect.mask.covers(SENSORS) || weight_q8 >= MAX_BASE_WEIGHT_Q8 {
             return None;
         }
         let kernels = self.changes.kernels()?;
         let mut bases = *self.changes.norms();
         self.actions
-            .weigh_by_hand(kernels, effect.action, weight_q8, &mut bases)?;
-        self.changes.rivals_by_hand(&bases, &effect.change, margin)
+            .weigh_simd(kernels, effect.action, weight_q8, &mut bases)?;
+        self.changes.candidates_simd(&bases, &effect.change, margin)
     }
 
     #[inline(never)]
-    fn rivals(&self, effect: &Effect<SENSORS>, weight_q8: u16, margin: i32) -> Mask {
+    fn candidates(&self, effect: &Effect<SENSORS>, weight_q8: u16, margin: i32) -> Mask {
         let mut ranks = self.changes.ranks(&effect.change, effect.mask);
         if effect.mask.covers(SENSORS) {
             self.actions
                 .rank_weighted(&effect.action, weight_q8, &mut ranks);
         }
         let halves = Som::<NEURONS, SENSORS>::HALVES_MARGIN;
-        kernels::rivals(&ranks, margin.wrapping_add(halves))
+        kernels::candidates(&ranks, margin.wrapping_add(halves))
     }
 
     #[inline(never)]
-    fn nearest_of(&self, rivals: Mask, effect: &Effect<SENSORS>, weight_q8: u16) -> usize {
-        kernels::nearest_of(rivals, |k| {
+    fn nearest_of(&self, candidates: Mask, effect: &Effect<SENSORS>, weight_q8: u16) -> usize {
+        kernels::nearest_of(candidates, |k| {
             let change = self.changes.distance(k, &effect.change, effect.mask);
             let action = self.actions.distance(k, &effect.action, Mask::ALL);
             // Rounded before it is weighted: at most 2^45 times 2^16.
@@ -279,7 +279,7 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         &mut self,
         winner: usize,
         effect: &Effect<SENSORS>,
-        pull: &Pull<NEURONS>,
+        pull: &Update<NEURONS>,
     ) {
         if !pull.is_alone() {
             return self.learn(winner, effect, pull);
@@ -290,7 +290,7 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
     }
 
     /// One step of learning around `winner`.
-    pub fn learn(&mut self, winner: usize, effect: &Effect<SENSORS>, pull: &Pull<NEURONS>) {
+    pub fn learn(&mut self, winner: usize, effect: &Effect<SENSORS>, pull: &Update<NEURONS>) {
         self.forget_products();
         self.pull(winner, effect, pull);
     }
@@ -302,7 +302,7 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
 
     /// As [`learn`](Self::learn), the products left as they are.
     #[inline(never)]
-    pub(crate) fn pull(&mut self, winner: usize, effect: &Effect<SENSORS>, pull: &Pull<NEURONS>) {
+    pub(crate) fn pull(&mut self, winner: usize, effect: &Effect<SENSORS>, pull: &Update<NEURONS>) {
         self.step(winner, effect, pull);
     }
 
@@ -312,13 +312,13 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         &mut self,
         effect: &Effect<SENSORS>,
         action_weight_q8: u16,
-        pull: &Pull<NEURONS>,
+        pull: &Update<NEURONS>,
     ) {
         let winner = self.search(effect, action_weight_q8);
         self.step(winner, effect, pull);
     }
 
-    fn step(&mut self, winner: usize, effect: &Effect<SENSORS>, pull: &Pull<NEURONS>) {
+    fn step(&mut self, winner: usize, effect: &Effect<SENSORS>, pull: &Update<NEURONS>) {
         // Both codebooks stand on one grid.
         if let Some(groups) = self.changes.groups(winner, effect.mask, pull)
             && self.changes.pull_groups(&effect.change, &groups)
@@ -330,7 +330,7 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
     }
 
     #[inline(never)]
-    fn pull_portably(&mut self, winner: usize, effect: &Effect<SENSORS>, pull: &Pull<NEURONS>) {
+    fn pull_portably(&mut self, winner: usize, effect: &Effect<SENSORS>, pull: &Update<NEURONS>) {
         let grid = self.changes.grid();
         pull.view().each(grid, winner, |k, gain| {
             self.changes.pull(k, &effect.change, effect.mask, gain);
@@ -444,7 +444,7 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
             let weight = (squared * squared) >> 10;
             total = total.wrapping_add(weight);
             for (sum, part) in sum.iter_mut().zip(action) {
-                let part = i32::from(coarse(*part).to_bits());
+                let part = i32::from(to_weight16(*part).to_bits());
                 *sum = sum.wrapping_add(weight * part);
             }
         }
@@ -630,7 +630,7 @@ mod tests {
     fn products_kept_while_learning_are_those_summed_anew() {
         let mut map = map();
         map.keep_products();
-        let alone = Pull::new(Neighborhood::Direct, 20_000, 0);
+        let alone = Update::new(Neighborhood::Direct, 20_000, 0);
         for (winner, (change, action)) in CHANGES.iter().zip(ACTIONS).enumerate() {
             let effect = Effect {
                 change: change.map(|bits| Weight::from_bits(bits / 3 - 500)),
@@ -645,7 +645,7 @@ mod tests {
             assert_eq!(map.clone(), map);
         }
         // Neighbors that learn too, and whatever is written, make them unknown.
-        let together = Pull::new(Neighborhood::Direct, 20_000, 20_000);
+        let together = Update::new(Neighborhood::Direct, 20_000, 20_000);
         let effect = Effect {
             change: CHANGES[0].map(Weight::from_bits),
             action: ACTIONS[0].map(Weight::from_bits),
@@ -654,7 +654,7 @@ mod tests {
         map.learn_on(0, &effect, &together);
         assert_eq!(map.products(), None);
         map.keep_products();
-        map.actions_mut().set_component(0, Fine::from_bits(5));
+        map.actions_mut().set_component(0, Weight32::from_bits(5));
         assert_eq!(map.products(), None);
     }
 
@@ -679,7 +679,7 @@ mod tests {
             let mut map = ActionMap::<16, 16>::zeroed(Grid::rectangle(4, 4));
             for (k, shifts) in shifts.chunks_exact(18).enumerate() {
                 for (i, shift) in shifts.iter().enumerate() {
-                    let value = Fine::from_bits((i32::from(middle[i]) << 16) + shift * 30_001);
+                    let value = Weight32::from_bits((i32::from(middle[i]) << 16) + shift * 30_001);
                     match i.checked_sub(16) {
                         None => map.changes_mut().set_component(k * 16 + i, value),
                         Some(i) => map.actions_mut().set_component(k * 2 + i, value),
@@ -713,7 +713,7 @@ mod tests {
             let mut portable = ActionMap::<16, 16>::zeroed(Grid::rectangle(4, 4));
             for (k, shifts) in shifts.chunks_exact(18).enumerate() {
                 for (i, shift) in shifts.iter().enumerate() {
-                    let value = Fine::from_bits((i32::from(middle[i]) + shift) << 16);
+                    let value = Weight32::from_bits((i32::from(middle[i]) + shift) << 16);
                     match i.checked_sub(16) {
                         None => portable.changes_mut().set_component(k * 16 + i, value),
                         Some(i) => portable.actions_mut().set_component(k * 2 + i, value),
@@ -723,7 +723,7 @@ mod tests {
             let mut map = portable.clone();
             map.use_kernels(&crate::som::tests::by_hand::KERNELS);
             let shape = if gaussian { Neighborhood::Gaussian } else { Neighborhood::Direct };
-            let pull = Pull::new(shape, rate, share);
+            let pull = Update::new(shape, rate, share);
             for probe in probes.as_chunks::<18>().0 {
                 let part = |i: usize| Weight::from_bits(probe[i]);
                 let effect = Effect { change: core::array::from_fn(part), action: [part(16), part(17)], mask };
@@ -755,7 +755,7 @@ mod tests {
             let _ = map.winner(&effect(mask), weight);
             assert_eq!(asked(), [times, times, 0, 0], "{weight}");
         }
-        let pull = Pull::new(Neighborhood::Direct, 20_000, 0);
+        let pull = Update::new(Neighborhood::Direct, 20_000, 0);
         map.learn(0, &effect(Mask::ALL), &pull);
         assert_eq!(asked(), [0, 0, 1, 0]);
     }

@@ -7,7 +7,7 @@
 
 use crate::action_map::{ActionCode, Recall};
 use crate::fixed::{Mask, Weight};
-use crate::node::MOST_CONFIG;
+use crate::node::MAX_CONFIG;
 use crate::robot::RobotSpec;
 use crate::scan::Encoding;
 use crate::shield::Shielding;
@@ -56,7 +56,7 @@ impl<const SENSORS: usize> Config<SENSORS> {
     // One copy of it in a program.
     #[inline(never)]
     #[must_use]
-    pub fn to_bytes<'a>(&self, buffer: &'a mut [u8; MOST_CONFIG]) -> &'a [u8] {
+    pub fn to_bytes<'a>(&self, buffer: &'a mut [u8; MAX_CONFIG]) -> &'a [u8] {
         postcard::to_slice(self, buffer).map_or(&[], |bytes| bytes)
     }
 
@@ -162,7 +162,7 @@ pub struct Online {
 
 /// Which neuron is aimed at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Intermediate {
+pub enum Subgoal {
     /// The direct neighbor fewest grid steps from the goal neuron (the paper's step 3), the one nearer in code on ties.
     FewestHops,
     /// The direct neighbor whose code vector is nearest to the goal, if nearer than the present neuron's.
@@ -208,7 +208,7 @@ pub struct Planning {
     /// How the action is found; what follows up to `at_goal` is for [`Choice::Recall`].
     pub choice: Choice,
     /// Which neuron is aimed at.
-    pub intermediate: Intermediate,
+    pub intermediate: Subgoal,
     /// How the action map is probed.
     pub recall: Recall,
     /// The wanted change starts from the situation as measured, not from the present neuron's code vector.
@@ -300,7 +300,7 @@ impl Config<16> {
             }),
             planning: Planning {
                 choice: Choice::Recall,
-                intermediate: Intermediate::FewestHops,
+                intermediate: Subgoal::FewestHops,
                 recall: Recall::Distance,
                 from_measured: true,
                 together: false,
@@ -368,7 +368,7 @@ impl Config<16> {
                 blame_recalled: false,
             }),
             planning: Planning {
-                intermediate: Intermediate::NearestCode,
+                intermediate: Subgoal::NearestCode,
                 recall: Recall::Direction,
                 together: true,
                 unmet_only: true,
@@ -407,7 +407,7 @@ mod tests {
             (3_276, 1_310)
         );
         let sum =
-            |config: &Config<16>| crate::wire::checksum(config.to_bytes(&mut [0; MOST_CONFIG]));
+            |config: &Config<16>| crate::wire::checksum(config.to_bytes(&mut [0; MAX_CONFIG]));
         let sums = [literal, Config::probing(), best].map(|config| sum(&config));
         assert_eq!(sums, [0xf042_b63f, 0x69c7_118f, 0xae31_8ba1]);
     }
@@ -415,7 +415,7 @@ mod tests {
     #[test]
     fn a_configuration_comes_back_from_its_bytes_and_nothing_from_others() {
         let config = Config::probing();
-        let mut buffer = [0; MOST_CONFIG];
+        let mut buffer = [0; MAX_CONFIG];
         let bytes = config.to_bytes(&mut buffer);
         assert_eq!(Config::from_bytes(bytes), Some(config));
         assert_eq!(Config::<16>::from_bytes(&bytes[..bytes.len() - 1]), None);

@@ -3,7 +3,7 @@
 //! | type | bits | range | resolution | used for |
 //! |---|---|---|---|---|
 //! | [`Weight`] | I3F13 | −4 … 4 | 2⁻¹³ = 0.000122 | situations, changes of situation, probes |
-//! | [`Fine`] | I3F29 | −4 … 4 | 2⁻²⁹ = 1.9·10⁻⁹ | code vectors |
+//! | [`Weight32`] | I3F29 | −4 … 4 | 2⁻²⁹ = 1.9·10⁻⁹ | code vectors |
 //! | [`Gain`] | Q30 | 0 … 1 | 2⁻³⁰ | learning rates, neighborhood values |
 //! | Q16 `u32` | 16.16 | 0 … 65 536 | 2⁻¹⁶ | schedule values, exponents |
 //!
@@ -22,15 +22,15 @@ use serde::{Deserialize, Serialize};
 pub type Weight = ::fixed::types::I3F13;
 
 /// A component of a code vector: I3F29, 1.0 = 2²⁹. Its upper half is the [`Weight`] below it.
-pub type Fine = ::fixed::types::I3F29;
+pub type Weight32 = ::fixed::types::I3F29;
 
-/// 1.0 as raw bits of a [`Fine`].
+/// 1.0 as raw bits of a [`Weight32`].
 pub const FINE_ONE_BITS: i32 = 1 << 29;
 
 /// The weight at or next below a component: its upper 16 bits.
 #[inline]
 #[must_use]
-pub const fn coarse(component: Fine) -> Weight {
+pub const fn to_weight16(component: Weight32) -> Weight {
     Weight::from_bits((component.to_bits() >> 16) as i16)
 }
 
@@ -112,23 +112,23 @@ impl Gain {
 /// gain 0 and 1 are exact.
 #[inline]
 #[must_use]
-pub const fn approach(from: Fine, to: Fine, gain: Gain) -> Fine {
+pub const fn approach(from: Weight32, to: Weight32, gain: Gain) -> Weight32 {
     // Values of the maps (|w| <= 1) differ by at most 2³⁰.
     let difference = to.to_bits().wrapping_sub(from.to_bits());
     // The step is the upper half of difference · 4 gain, one instruction on the chip. From 1/2 on, 4 gain leaves 31 bits
     // and wraps to 4 gain − 2³², which lacks just one difference: the way begins at its other end instead.
     let step = (difference as i64 * (gain.0 << 2) as i64) >> 32;
     let begin = if gain.0 < 1 << 29 { from } else { to };
-    Fine::from_bits(begin.to_bits().wrapping_add(step as i32))
+    Weight32::from_bits(begin.to_bits().wrapping_add(step as i32))
 }
 
 /// [`approach`] by a gain below 1/2.
 #[inline]
 #[must_use]
-pub(crate) const fn approach_slowly(from: Fine, to: Fine, gain: Gain) -> Fine {
+pub(crate) const fn approach_slowly(from: Weight32, to: Weight32, gain: Gain) -> Weight32 {
     let difference = to.to_bits().wrapping_sub(from.to_bits());
     let step = (difference as i64 * (gain.0 << 2) as i64) >> 32;
-    Fine::from_bits(from.to_bits().wrapping_add(step as i32))
+    Weight32::from_bits(from.to_bits().wrapping_add(step as i32))
 }
 
 /// The upper half of a product of 64 bits, rounded down: one instruction on the chip, addition included.
@@ -143,31 +143,31 @@ const BLOCK: usize = 16;
 /// A component of a vector, in either precision.
 pub trait Scalar: Copy {
     /// The 16-bit value at or next below it.
-    fn coarse(self) -> Weight;
+    fn to_weight16(self) -> Weight;
     /// Its value in full precision.
-    fn fine(self) -> Fine;
+    fn to_weight32(self) -> Weight32;
 }
 
 impl Scalar for Weight {
     #[inline]
-    fn coarse(self) -> Weight {
+    fn to_weight16(self) -> Weight {
         self
     }
 
     #[inline]
-    fn fine(self) -> Fine {
-        Fine::from_bits(i32::from(self.to_bits()) << 16)
+    fn to_weight32(self) -> Weight32 {
+        Weight32::from_bits(i32::from(self.to_bits()) << 16)
     }
 }
 
-impl Scalar for Fine {
+impl Scalar for Weight32 {
     #[inline]
-    fn coarse(self) -> Weight {
-        coarse(self)
+    fn to_weight16(self) -> Weight {
+        to_weight16(self)
     }
 
     #[inline]
-    fn fine(self) -> Fine {
+    fn to_weight32(self) -> Weight32 {
         self
     }
 }
@@ -193,7 +193,7 @@ pub fn dot<A: Scalar, B: Scalar>(a: &[A], b: &[B]) -> i64 {
 pub(crate) fn block_dot<A: Scalar, B: Scalar>(a: &[A], b: &[B]) -> i32 {
     let mut sum = 0_i32;
     for (x, y) in a.iter().zip(b) {
-        let (x, y) = (x.coarse().to_bits(), y.coarse().to_bits());
+        let (x, y) = (x.to_weight16().to_bits(), y.to_weight16().to_bits());
         sum = sum.wrapping_add(i32::from(x).wrapping_mul(i32::from(y)));
     }
     sum
@@ -212,7 +212,12 @@ pub fn squared_norm<A: Scalar>(a: &[A]) -> i64 {
 #[must_use]
 pub fn squared_distance<A: Scalar, B: Scalar>(a: &[A], b: &[B], mask: Mask) -> u64 {
     let squared = |x: A, y: B| {
-        let difference = i64::from(x.fine().to_bits().wrapping_sub(y.fine().to_bits()) >> 4);
+        let difference = i64::from(
+            x.to_weight32()
+                .to_bits()
+                .wrapping_sub(y.to_weight32().to_bits())
+                >> 4,
+        );
         difference * difference
     };
     let pairs = a.iter().zip(b).map(|(x, y)| squared(*x, *y));

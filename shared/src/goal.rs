@@ -10,13 +10,13 @@ use crate::scan::{Encoding, Situation};
 use crate::units::Range;
 use serde::{Deserialize, Serialize};
 
-mod asked;
 mod behaviors;
 mod kept;
+mod value_bounds;
 
-pub(crate) use asked::{Asked, Over, missed};
 pub use behaviors::Side;
-pub use kept::{KeepError, KeptGoal, KeptGoals, MOST_KEPT, Name};
+pub use kept::{KeepError, KeptGoal, KeptGoals, MAX_KEPT, Name};
+pub(crate) use value_bounds::{Over, ValueBounds, cost_of};
 
 /// What a step straight ahead weighs in obstacle avoidance: enough to cross free space, too little to graze a wall.
 const AVOIDING_Q16: u16 = 33;
@@ -244,14 +244,14 @@ impl<const SENSORS: usize> Goal<SENSORS> {
 
     /// What is asked of each transducer in the ring's frame by a robot that goes towards place `place` of the ring; nothing of
     /// those that are not believed.
-    pub(crate) fn asked(&self, place: usize, believed: Mask) -> impl Iterator<Item = Asked> {
+    pub(crate) fn asked(&self, place: usize, believed: Mask) -> impl Iterator<Item = ValueBounds> {
         let back = SENSORS.wrapping_sub(place);
         (0..SENSORS).map(move |sensor| {
             let component = sensor.wrapping_add(back).checked_rem(SENSORS);
             let component = component.and_then(|component| self.components.get(component));
             component
                 .filter(|_| believed.contains(sensor))
-                .map_or(Asked::ANYTHING, Asked::of)
+                .map_or(ValueBounds::ANYTHING, ValueBounds::of)
         })
     }
 
@@ -261,7 +261,11 @@ impl<const SENSORS: usize> Goal<SENSORS> {
     }
 
     /// Whether a deviation is within the tolerance, by what is asked of the believed transducers.
-    pub(crate) fn is_met_by(&self, deviation: i64, asked: impl Iterator<Item = Asked>) -> bool {
+    pub(crate) fn is_met_by(
+        &self,
+        deviation: i64,
+        asked: impl Iterator<Item = ValueBounds>,
+    ) -> bool {
         let tolerance = i32::from(self.tolerance.to_bits());
         let weights: i32 = asked.map(|asked| asked.weight()).sum();
         deviation <= i64::from(weights).wrapping_mul(i64::from(tolerance * tolerance))
@@ -285,17 +289,17 @@ mod tests {
             Component::ANY,
         ]);
         let met = weights([0.5, 0.25, 0.75, 0.9]);
-        let missed = weights([0.25, 0.5, 0.25, 0.9]);
+        let cost_of = weights([0.25, 0.5, 0.25, 0.9]);
         assert_eq!(goal.distance(&met, Mask::ALL), 0);
         assert!(goal.holds(&met, Mask::ALL, Weight::ZERO));
-        assert_eq!(goal.nearest(&missed), weights([0.5, 0.25, 0.75, 0.9]));
+        assert_eq!(goal.nearest(&cost_of), weights([0.5, 0.25, 0.75, 0.9]));
         let unit = 1_i64 << 26;
         assert_eq!(
-            goal.distance(&missed, Mask::ALL),
+            goal.distance(&cost_of, Mask::ALL),
             unit / 16 + unit / 16 + unit / 4
         );
-        assert!(!goal.holds(&missed, Mask::ALL, Weight::from_num(0.4)));
-        assert!(goal.holds(&missed, Mask::ALL, Weight::from_num(0.5)));
+        assert!(!goal.holds(&cost_of, Mask::ALL, Weight::from_num(0.4)));
+        assert!(goal.holds(&cost_of, Mask::ALL, Weight::from_num(0.5)));
     }
 
     #[test]

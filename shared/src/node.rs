@@ -36,10 +36,10 @@ pub const MOTION_TTL_MS: u16 = 500;
 /// A motion under way is sent again after this time, milliseconds.
 pub const RENEWAL_MS: u32 = 200;
 /// Most bytes of a configuration in postcard's form.
-pub const MOST_CONFIG: usize = 384;
+pub const MAX_CONFIG: usize = 384;
 
 /// Takes frames on their way out.
-pub trait Outbox {
+pub trait FrameSink {
     /// Takes a whole frame, zero included, or none of it.
     fn send(&mut self, frame: &[u8]) -> bool;
 }
@@ -84,7 +84,7 @@ pub struct Node<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize
     /// A stale echo was reported since the last decision.
     stale_reported: bool,
     /// A configuration on its way in.
-    staged: Vec<u8, MOST_CONFIG>,
+    staged: Vec<u8, MAX_CONFIG>,
 }
 
 /// The node of the Nomad 200 with the paper's sizes.
@@ -144,7 +144,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         grid: Grid,
         identity: Identity,
         now: Millis,
-        out: &mut impl Outbox,
+        out: &mut impl FrameSink,
     ) {
         self.prepare(config, grid, identity);
         self.hello(now, out);
@@ -206,7 +206,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 
     /// Takes a received frame, without its zero, at `now` by the device's clock.
-    pub fn frame(&mut self, now: Millis, frame: &[u8], out: &mut impl Outbox) {
+    pub fn frame(&mut self, now: Millis, frame: &[u8], out: &mut impl FrameSink) {
         let counters = &mut self.counters;
         match frame::unpack::<ToMind<SENSORS>>(frame) {
             Ok((header, ref message)) => self.message(header, message, now, out),
@@ -221,7 +221,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         header: Header,
         message: &ToMind<SENSORS>,
         now: Millis,
-        out: &mut impl Outbox,
+        out: &mut impl FrameSink,
     ) {
         if let ToMind::Hello(hello) = *message {
             return self.open(header, hello, now, out);
@@ -269,12 +269,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 
     /// Stops the robot, by the time of the session's clock.
-    fn stop(&mut self, now: Millis, out: &mut impl Outbox) {
+    fn stop(&mut self, now: Millis, out: &mut impl FrameSink) {
         let stop = Event::Command(Command::Stop);
         self.happen(self.link.time(now), stop, now, out);
     }
 
-    fn open(&mut self, header: Header, hello: HostHello, now: Millis, out: &mut impl Outbox) {
+    fn open(&mut self, header: Header, hello: HostHello, now: Millis, out: &mut impl FrameSink) {
         let ours = Self::dimensions();
         if hello.dimensions != ours || header.session == 0 {
             return self.refuse(header.seq, Refusal::Incompatible(ours), now, out);
@@ -310,7 +310,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 
     /// Says hello: the second half of [`start`](Self::start).
-    pub fn hello(&mut self, now: Millis, out: &mut impl Outbox) {
+    pub fn hello(&mut self, now: Millis, out: &mut impl FrameSink) {
         let hello = MindHello {
             dimensions: Self::dimensions(),
             samples: SAMPLES as u16,
@@ -325,7 +325,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 
     /// Lets time pass. Returns whether there is more to do at once.
-    pub fn tick(&mut self, now: Millis, out: &mut impl Outbox) -> bool {
+    pub fn tick(&mut self, now: Millis, out: &mut impl FrameSink) -> bool {
         let time = self.link.time(now);
         if matches!(self.state.mode(), Mode::Learn { .. }) {
             self.happen(time, Event::Tick, now, out);
@@ -336,7 +336,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 
     /// What has to happen with time, at `time` by the session's clock.
-    fn watch(&mut self, time: Millis, now: Millis, out: &mut impl Outbox) {
+    fn watch(&mut self, time: Millis, now: Millis, out: &mut impl FrameSink) {
         if self.link.falls_silent(time) {
             add(&mut self.counters.link_losses);
             self.happen(time, Event::Alarm(StopReason::LinkLost), now, out);
@@ -355,7 +355,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         range: Option<Range>,
         age_ms: u32,
         now: Millis,
-        out: &mut impl Outbox,
+        out: &mut impl FrameSink,
     ) {
         if self.source == Source::Ring {
             let time = self.link.time(now).as_ms();
@@ -365,16 +365,16 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 
     /// Stops a robot that may move, for a reason the device has found.
-    pub fn alarm(&mut self, reason: StopReason, now: Millis, out: &mut impl Outbox) {
+    pub fn alarm(&mut self, reason: StopReason, now: Millis, out: &mut impl FrameSink) {
         self.happen(self.link.time(now), Event::Alarm(reason), now, out);
     }
 
     /// Ends the motion under way: a bumper of the device touched something.
-    pub fn touched(&mut self, now: Millis, out: &mut impl Outbox) {
+    pub fn touched(&mut self, now: Millis, out: &mut impl FrameSink) {
         self.happen(self.link.time(now), Event::Touched, now, out);
     }
 
-    fn renew_motion(&mut self, time: Millis, now: Millis, out: &mut impl Outbox) {
+    fn renew_motion(&mut self, time: Millis, now: Millis, out: &mut impl FrameSink) {
         let moving = self.state.is_moving();
         if let Some(underway) = self.underway.filter(|_| moving)
             && time.since(underway.sent) >= RENEWAL_MS
@@ -393,7 +393,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         at: Millis,
         event: Event<SENSORS>,
         now: Millis,
-        out: &mut impl Outbox,
+        out: &mut impl FrameSink,
     ) -> Option<controller::Refusal> {
         let outputs = controller::handle(&self.config, &mut self.state, at, event);
         self.tell(&outputs, at, now, out);
@@ -402,7 +402,13 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 
     // Not a part of the stack of what the mind does.
     #[inline(never)]
-    fn tell(&mut self, outputs: &Outputs<SENSORS>, at: Millis, now: Millis, out: &mut impl Outbox) {
+    fn tell(
+        &mut self,
+        outputs: &Outputs<SENSORS>,
+        at: Millis,
+        now: Millis,
+        out: &mut impl FrameSink,
+    ) {
         if outputs.motion.is_some() || outputs.mode_changed {
             self.kept.overtake();
         }
@@ -441,7 +447,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 
     /// Counts a stale echo; reports the first one since the last decision.
-    fn count_stale(&mut self, age_ms: u32, now: Millis, out: &mut impl Outbox) {
+    fn count_stale(&mut self, age_ms: u32, now: Millis, out: &mut impl FrameSink) {
         add(&mut self.counters.stale_echoes);
         if !core::mem::replace(&mut self.stale_reported, true) {
             self.note(Notice::StaleEcho { age_ms }, now, out);
@@ -450,29 +456,29 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 
     // These four lie apart: what they say is no part of the stack of what the mind does.
     #[inline(never)]
-    fn order(&mut self, order: MotionOrder, now: Millis, out: &mut impl Outbox) {
+    fn order(&mut self, order: MotionOrder, now: Millis, out: &mut impl FrameSink) {
         self.say(FromMind::Motion(order), now, out);
     }
 
     #[inline(never)]
-    fn refuse(&mut self, seq: u16, why: Refusal, now: Millis, out: &mut impl Outbox) {
+    fn refuse(&mut self, seq: u16, why: Refusal, now: Millis, out: &mut impl FrameSink) {
         add(&mut self.counters.refused);
         self.say(FromMind::Refusal { seq, why }, now, out);
     }
 
     #[inline(never)]
-    fn done(&mut self, seq: u16, now: Millis, out: &mut impl Outbox) {
+    fn done(&mut self, seq: u16, now: Millis, out: &mut impl FrameSink) {
         self.say(FromMind::Done { seq }, now, out);
     }
 
     #[inline(never)]
-    fn note(&mut self, notice: Notice, now: Millis, out: &mut impl Outbox) {
+    fn note(&mut self, notice: Notice, now: Millis, out: &mut impl FrameSink) {
         self.say(FromMind::Log(notice), now, out);
     }
 
     // One copy of it in a program.
     #[inline(never)]
-    fn say(&mut self, said: FromMind<SENSORS>, now: Millis, out: &mut impl Outbox) {
+    fn say(&mut self, said: FromMind<SENSORS>, now: Millis, out: &mut impl FrameSink) {
         self.seq = self.seq.wrapping_add(1);
         let header = Header {
             session: self.link.session(),
@@ -491,7 +497,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 
     /// Sends the answer to the last frame once more, as it was; only confirms it if too much was said to be kept.
-    fn say_again(&mut self, seq: u16, now: Millis, out: &mut impl Outbox) {
+    fn say_again(&mut self, seq: u16, now: Millis, out: &mut impl FrameSink) {
         let mut frames = 0_u32;
         for frame in self.kept.frames() {
             self.counters.count_sent(out.send(frame));

@@ -9,17 +9,17 @@
 //! each action bring, and which of the situations to come is nearest to the goal (`look_ahead`).
 
 use crate::action_map::{ActionMap, Match, Preference, Probe};
-use crate::config::{AtGoal, Choice, Config, Intermediate};
-use crate::fixed::{Fine, Mask, Weight, coarse, unit_weight};
-use crate::goal::{Asked, Goal};
+use crate::config::{AtGoal, Choice, Config, Subgoal};
+use crate::fixed::{Mask, Weight, Weight32, to_weight16, unit_weight};
+use crate::goal::{Goal, ValueBounds};
 use crate::scan::Situation;
 use crate::som::Som;
 use crate::units::{Bearing, Displacement};
 use serde::{Deserialize, Serialize};
 
-mod forward;
+mod cost_surface;
+mod forward_model;
 mod goal_neuron;
-mod landscape;
 mod look_ahead;
 
 pub(crate) use goal_neuron::Memo;
@@ -130,7 +130,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         last: &mut Memo,
     ) -> Plan<SENSORS> {
         let travel = self.travel_sensor_from(last.travel(), situation, goal);
-        let mut asked = [Asked::ANYTHING; SENSORS];
+        let mut asked = [ValueBounds::ANYTHING; SENSORS];
         for (slot, asked) in asked.iter_mut().zip(goal.asked(travel, self.enabled)) {
             *slot = asked;
         }
@@ -162,14 +162,14 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         &self,
         current: usize,
         goal_neuron: usize,
-        asked: &[Asked; SENSORS],
+        asked: &[ValueBounds; SENSORS],
     ) -> (usize, Why) {
         let grid = self.situations.grid();
         let by_hops = match self.config.planning.intermediate {
-            Intermediate::Goal => return (goal_neuron, Why::GoalDirectly),
+            Subgoal::Goal => return (goal_neuron, Why::GoalDirectly),
             _ if current == goal_neuron => return (goal_neuron, Why::GoalNeuron),
-            Intermediate::FewestHops => true,
-            Intermediate::NearestCode => false,
+            Subgoal::FewestHops => true,
+            Subgoal::NearestCode => false,
         };
         let cost = |neuron: usize| cost(self.situations, neuron, asked, i64::MAX);
         let hops = |neuron: usize| {
@@ -192,7 +192,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         &self,
         situation: &Situation<SENSORS>,
         goal: &Goal<SENSORS>,
-        asked: &[Asked; SENSORS],
+        asked: &[ValueBounds; SENSORS],
         [goal_neuron, current]: [usize; 2],
     ) -> Plan<SENSORS> {
         let (subgoal, why) = self.subgoal(current, goal_neuron, asked);
@@ -236,7 +236,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             if planning.unmet_only && met == *value {
                 continue;
             }
-            let part = |code: &[Fine; SENSORS]| code.get(sensor).copied().map(coarse);
+            let part = |code: &[Weight32; SENSORS]| code.get(sensor).copied().map(to_weight16);
             let to = target.and_then(part).unwrap_or(met);
             let from = start.and_then(part).unwrap_or(*value);
             *change = less(to, from);

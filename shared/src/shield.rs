@@ -34,7 +34,7 @@ mod detour;
 mod way;
 
 /// Arcs kept per place of the ring, at most.
-pub const KEPT: usize = 4;
+pub const ARCS_PER_SENSOR: usize = 4;
 
 /// How careful to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -43,7 +43,7 @@ pub struct Shielding {
     pub margin_mm: u16,
     /// Half the opening of a transducer's lobe.
     pub half_lobe: Bearing,
-    /// Arcs kept per place of the ring, 1 … [`KEPT`]. The newest replaces the farthest, by the points that still count.
+    /// Arcs kept per place of the ring, 1 … [`ARCS_PER_SENSOR`]. The newest replaces the farthest, by the points that still count.
     pub places: u8,
     /// Echoes whose faces were less than this apart, with the same axis, come through one cone, millimeters: the newer
     /// replaces the older or contradicts all of it. Small, as a near corner leaves the lobe within a few centimeters.
@@ -99,9 +99,9 @@ pub(crate) const SECOND_VIEW_MM: u16 = 80;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Shield<const SENSORS: usize> {
     /// Of each place of the unturned ring those that look nearest its way, in no order.
-    arcs: [[Arc; KEPT]; SENSORS],
+    arcs: [[Arc; ARCS_PER_SENSOR]; SENSORS],
     /// Which transducer heard each arc.
-    heard_by: [[u8; KEPT]; SENSORS],
+    heard_by: [[u8; ARCS_PER_SENSOR]; SENSORS],
     /// When each transducer was heard last, if ever.
     heard_at: [Millis; SENSORS],
     heard: Mask,
@@ -133,8 +133,8 @@ impl<const SENSORS: usize> Shield<SENSORS> {
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            arcs: [[Arc::NONE; KEPT]; SENSORS],
-            heard_by: [[0; KEPT]; SENSORS],
+            arcs: [[Arc::NONE; ARCS_PER_SENSOR]; SENSORS],
+            heard_by: [[0; ARCS_PER_SENSOR]; SENSORS],
             heard_at: [Millis::from_ms(0); SENSORS],
             heard: Mask::NONE,
             turned: Bearing::ZERO,
@@ -184,7 +184,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         if echo.range.is_none() {
             return;
         }
-        let kept = usize::from(shielding.places).clamp(1, KEPT);
+        let kept = usize::from(shielding.places).clamp(1, ARCS_PER_SENSOR);
         let arcs = self.arcs.get_mut(place).into_iter().flatten();
         let heard_by = self.heard_by.get_mut(place).into_iter().flatten();
         let (mut farthest, mut most) = (None, 0);

@@ -17,13 +17,13 @@
 //! Not kept: what is under way (motions, rings, a search for a place), counters, the link.
 //!
 //! Cost: writing takes a record's bytes of memory, reading and checking as much; an image of the Nomad's mind has at most
-//! [`MOST_NOMAD`] bytes.
+//! [`MAX_NOMAD`] bytes.
 
 use crate::config::Config;
 use crate::controller::{Part as StatePart, State};
 use crate::goal::{Goal, KeptGoal, KeptGoals, Name};
-use crate::node::MOST_CONFIG;
-use crate::wire::message::MOST_PIECE;
+use crate::node::MAX_CONFIG;
+use crate::wire::message::MAX_PIECE;
 use crate::wire::{CRC, Checksum};
 
 mod read;
@@ -35,7 +35,7 @@ pub use read::{Fault, Found, check};
 pub const WORD: usize = 4;
 
 /// Most bytes of an image of a mind with 16 transducers, 16 neurons to a map and 100 samples; a test fills one.
-pub const MOST_NOMAD: usize = 8_256;
+pub const MAX_NOMAD: usize = 8_256;
 
 /// How an image begins.
 const MAGIC: [u8; WORD] = *b"AMPS";
@@ -44,7 +44,7 @@ const MAGIC: [u8; WORD] = *b"AMPS";
 const LAYOUT: u16 = 1;
 
 /// Most bytes of a record, length and zeros included.
-const MOST_RECORD: usize = 256;
+const MAX_RECORD: usize = 256;
 
 /// First byte of each kind of record's body.
 mod kind {

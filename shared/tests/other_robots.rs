@@ -6,7 +6,7 @@ use amp::fixed::{Mask, Weight};
 use amp::goal::Goal;
 use amp::robot::{RobotSpec, evenly_spaced};
 use amp::scan::Encoding;
-use amp::som::neighborhood::Pull;
+use amp::som::neighborhood::Update;
 use amp::som::{Decay, Grid, Neighborhood, Schedule, Som};
 use amp::units::{Bearing, Displacement, Millis, Range};
 use rand_core::{Rng, SeedableRng};
@@ -167,7 +167,7 @@ fn a_chain_of_32_spreads_over_points_in_space() {
     let rate = Schedule::new(32_768, 1_311, Decay::Exponential);
     let radius = Schedule::new(8 << 16, 32_768, Decay::Exponential);
     for step in 0..STEPS {
-        let pull = Pull::new(
+        let pull = Update::new(
             Neighborhood::Gaussian,
             rate.at(step, STEPS),
             radius.at(step, STEPS),

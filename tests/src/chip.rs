@@ -289,7 +289,7 @@ pub fn packed(header: Header, message: &ToMind<16>) -> Vec<u8> {
 #[derive(Debug, Default)]
 pub struct Recorded(pub Vec<u8>);
 
-impl amp::node::Outbox for Recorded {
+impl amp::node::FrameSink for Recorded {
     fn send(&mut self, frame: &[u8]) -> bool {
         self.0.extend_from_slice(frame);
         true

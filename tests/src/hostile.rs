@@ -4,7 +4,7 @@
 
 use amp::config::Config;
 use amp::controller::Mode;
-use amp::node::{Identity, Node, Outbox};
+use amp::node::{FrameSink, Identity, Node};
 use amp::parameters::Parameter;
 use amp::som::Grid;
 use amp::store::{GRAMMAR, WORD, check};
@@ -80,7 +80,7 @@ pub fn content(bytes: &[u8]) {
 #[derive(Default)]
 struct Said(Vec<Report<16>>);
 
-impl Outbox for Said {
+impl FrameSink for Said {
     fn send(&mut self, frame: &[u8]) -> bool {
         let coded = frame.split_last().map_or(frame, |(_, coded)| coded);
         let (_, report) = unpack(coded).expect("a mind says sound frames");

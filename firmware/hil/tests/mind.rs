@@ -14,9 +14,9 @@ mod tests {
     use amp::controller::{Part, State};
     use amp::fixed::{Mask, Weight};
     use amp::goal::{Component, Goal, KeptGoals};
-    use amp::som::neighborhood::Pull;
+    use amp::som::neighborhood::Update;
     use amp::som::{Grid, Neighborhood, Som};
-    use amp::store::{Contents, ContentsMut, MOST_NOMAD};
+    use amp::store::{Contents, ContentsMut, MAX_NOMAD};
     use amp::wire::checksum;
     use amp::wire::message::FlashError;
     use core::array::from_fn;
@@ -98,14 +98,14 @@ mod tests {
         }
     }
 
-    type Image = [u8; MOST_NOMAD];
+    type Image = [u8; MAX_NOMAD];
 
     /// Too large for the stack: what was saved before, is saved, is recalled; and images of the latter two.
     type Room = ([Mind; 3], [Image; 2]);
 
     static ROOM: Mutex<RefCell<Room>> = Mutex::new(RefCell::new((
         [const { Mind::new() }; 3],
-        [[0; MOST_NOMAD]; 2],
+        [[0; MAX_NOMAD]; 2],
     )));
 
     /// Numbers in no order (G. Marsaglia, Xorshift RNGs, 2003).
@@ -136,8 +136,8 @@ mod tests {
     }
 
     /// Alone, with half as much for the neighbors, and with all of it.
-    fn pulls() -> [Pull<16>; 3] {
-        [0, 1 << 15, 1 << 16].map(|share| Pull::new(Neighborhood::Direct, 13_107, share))
+    fn pulls() -> [Update<16>; 3] {
+        [0, 1 << 15, 1 << 16].map(|share| Update::new(Neighborhood::Direct, 13_107, share))
     }
 
     /// Erases both sectors; what was saved last is saved again at the end, as the only image.

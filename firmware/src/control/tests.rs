@@ -42,7 +42,7 @@ fn bench_on<F: NorFlash>(store: Option<Store<F>>) -> Bench<F> {
     let (incoming, received) = received.split();
     let (to_send, outgoing) = to_send.split();
     Bench {
-        control: Control::new(mind, received, Outbox::new(to_send), faults, store),
+        control: Control::new(mind, received, FrameSink::new(to_send), faults, store),
         incoming,
         outgoing,
         seq: 0,
@@ -146,7 +146,7 @@ fn frames_are_answered_and_what_the_device_counts_is_told() {
     bench.open();
     assert!(!bench.control.run(Millis::from_ms(7)));
     assert!(bench.control.is_linked());
-    assert_eq!(bench.control.news(), Some(News::Linked));
+    assert_eq!(bench.control.news(), Some(LogEvent::Linked));
     assert_eq!(bench.control.news(), None);
     bench.said();
     bench.control.note_stack(1_234);
@@ -163,9 +163,9 @@ fn a_host_that_falls_silent_is_news() {
     bench.start();
     bench.open();
     assert!(!bench.control.run(Millis::from_ms(0)));
-    assert_eq!(bench.control.news(), Some(News::Linked));
+    assert_eq!(bench.control.news(), Some(LogEvent::Linked));
     assert!(!bench.control.run(Millis::from_ms(1_000)));
-    assert_eq!(bench.control.news(), Some(News::Unlinked));
+    assert_eq!(bench.control.news(), Some(LogEvent::Unlinked));
 }
 
 #[test]

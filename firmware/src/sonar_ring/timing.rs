@@ -9,7 +9,7 @@ pub const SENSORS: usize = 16;
 pub const END_OF_ORDER: u8 = 255;
 
 /// Greatest range, millimeters: 255 in. An echo from there takes 37.7 ms at 20 °C.
-pub const MOST_MM: u16 = 6_477;
+pub const MAX_MM: u16 = 6_477;
 
 /// When the module may hear an echo.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -196,13 +196,13 @@ impl Sound {
         }
     }
 
-    /// The range a flight of so many microseconds means; `None` from [`MOST_MM`] on.
+    /// The range a flight of so many microseconds means; `None` from [`MAX_MM`] on.
     #[must_use]
     pub fn range(self, flight_us: u32) -> Option<Range> {
         let us_per_m = u32::from(self.us_per_m.max(1));
         // 65 ms times 1 000 fit.
         let mm = (flight_us.min(65_535) * 1_000 + us_per_m / 2) / us_per_m;
-        let mm = u16::try_from(mm).ok().filter(|&mm| mm < MOST_MM)?;
+        let mm = u16::try_from(mm).ok().filter(|&mm| mm < MAX_MM)?;
         Some(Range::from_mm(mm))
     }
 }

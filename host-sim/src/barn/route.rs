@@ -10,7 +10,7 @@ const CELL_M: f64 = 0.05;
 /// How far around everything is searched, m.
 const RIM_M: f64 = 1.0;
 /// Cells a search may have.
-const MOST_CELLS: usize = 4_000_000;
+const MAX_CELLS: usize = 4_000_000;
 /// Cost of a step to a cell beside and to one across a corner.
 const COSTS: [u32; 2] = [1_000, 1_414];
 
@@ -28,7 +28,7 @@ pub fn route(
 ) -> Result<Option<Vec<Point>>, BadInput> {
     let Some(grid) = Grid::around(world, start, goal) else {
         return Err(BadInput::new(format!(
-            "world {}: more than {MOST_CELLS} cells to search for a way",
+            "world {}: more than {MAX_CELLS} cells to search for a way",
             world.name()
         )));
     };
@@ -64,7 +64,7 @@ impl Grid {
         let high = Point::new(most(high.x, start.x, goal.x), most(high.y, start.y, goal.y));
         let count = |length: f64| libm::ceil(length / CELL_M) as usize;
         let (columns, rows) = (count(high.x - low.x), count(high.y - low.y));
-        (columns.checked_mul(rows)? <= MOST_CELLS).then_some(Self { low, columns, rows })
+        (columns.checked_mul(rows)? <= MAX_CELLS).then_some(Self { low, columns, rows })
     }
 
     fn cells(&self) -> usize {

@@ -8,7 +8,7 @@
 
 use crate::baselines::{Perceived, Policy, Steered};
 use crate::episode::Failure;
-use crate::pilot::{Mind, SimState, Thinker as _};
+use crate::pilot::{InspectableController as _, Mind, SimState};
 use crate::world::Point;
 use amp::config::Config;
 use amp::fixed::Mask;

@@ -19,7 +19,7 @@ use crate::noise::Noise;
 use crate::world::Point;
 
 /// Most neighbors a value is a mean of.
-const MOST_NEIGHBORS: usize = 8;
+const MAX_NEIGHBORS: usize = 8;
 /// Sweeps of the memory at most, and the change at which they end.
 const SWEEPS: u32 = 500;
 const SETTLED: f64 = 1e-3;
@@ -78,15 +78,15 @@ pub struct QLazy {
 /// The nearest samples found so far: squared distance and index, the nearest first.
 #[derive(Debug, Clone, Copy)]
 struct Nearest {
-    found: [(f64, usize); MOST_NEIGHBORS],
+    found: [(f64, usize); MAX_NEIGHBORS],
     wanted: usize,
 }
 
 impl Nearest {
     fn new(wanted: usize) -> Self {
         Self {
-            found: [(f64::INFINITY, 0); MOST_NEIGHBORS],
-            wanted: wanted.clamp(1, MOST_NEIGHBORS),
+            found: [(f64::INFINITY, 0); MAX_NEIGHBORS],
+            wanted: wanted.clamp(1, MAX_NEIGHBORS),
         }
     }
 

@@ -10,7 +10,7 @@
 use super::learning::{Experience, Learner, Reward, Schooling, Values};
 use crate::world::Point;
 use amp::fixed::{Mask, Weight};
-use amp::som::neighborhood::Pull;
+use amp::som::neighborhood::Update;
 use amp::som::{Grid, Neighborhood, Som};
 
 const NEURONS: usize = 16;
@@ -148,7 +148,7 @@ impl Learner for QSom {
         let fading = libm::exp(-f64::from(self.learned) / self.tuning.fades);
         let pull = (self.tuning.pull * fading).max(self.tuning.pull_least);
         let q16 = |value: f64| (value * 65_536.0 + 0.5) as u32;
-        let pull = Pull::new(Neighborhood::Direct, q16(pull), q16(self.tuning.share));
+        let pull = Update::new(Neighborhood::Direct, q16(pull), q16(self.tuning.share));
         let lesson = vector(&self.tuning, &experience.before, experience.asked, value);
         self.map.learn(winner, &lesson, Mask::ALL, &pull);
         self.learned = self.learned.saturating_add(1);

@@ -17,7 +17,7 @@
 use super::learning::{Experience, Learner, Reward, Schooling, Values, best_of};
 use crate::world::Point;
 use amp::fixed::{Mask, Weight};
-use amp::som::neighborhood::Pull;
+use amp::som::neighborhood::Update;
 use amp::som::{Grid, Neighborhood, Som};
 
 /// Neurons of each map.
@@ -135,7 +135,7 @@ fn nearness(neuron: usize, width: f64) -> [f64; NEURONS] {
 impl Learner for QTwoSoms {
     fn best(&self, situation: &Values, course: Point) -> Point {
         let values = self.row(self.situation_neuron(situation));
-        let unit = |row: &[amp::fixed::Fine; 2]| {
+        let unit = |row: &[amp::fixed::Weight32; 2]| {
             let [x, y] = row.map(|part| part.to_num::<f64>());
             let way = Point::new(x, y);
             way * (1.0 / way.length().max(1e-6))
@@ -154,7 +154,7 @@ impl Learner for QTwoSoms {
         let width = self.tuning.width * faded;
         let q16 = |value: f64| (value * 65_536.0 + 0.5) as u32;
         let rate = q16(self.tuning.pull * faded);
-        let pull = Pull::new(Neighborhood::Gaussian, rate, q16(width));
+        let pull = Update::new(Neighborhood::Gaussian, rate, q16(width));
         if target > self.row(state).get(action).copied().unwrap_or(0.0) {
             self.actions.learn(action, &asked, Mask::ALL, &pull);
         }

@@ -7,7 +7,7 @@ use crate::barn::{self, CHALLENGE_M_S, End, Method, Rules, Run, Tuning, length, 
 use crate::error::BadInput;
 use crate::experiments::statistics::bootstrap;
 use crate::files::{MAX_INPUT_BYTES, read_text};
-use crate::pilot::MOST_MOVES;
+use crate::pilot::MAX_MOVES;
 use crate::plot::{self, RoutePanel, demo::save};
 use crate::settings;
 use crate::som::table::{Records, Table};
@@ -51,7 +51,7 @@ pub struct BarnArgs {
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
     /// Random moves the maps learn from, in a random room
-    #[arg(long, value_name = "MOVES", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=i64::from(MOST_MOVES)))]
+    #[arg(long, value_name = "MOVES", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=i64::from(MAX_MOVES)))]
     explore: u16,
     /// Let the sonars limit everybody's motion
     #[arg(long, value_name = "ON|OFF", default_value = "on", value_enum)]

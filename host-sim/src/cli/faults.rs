@@ -5,7 +5,7 @@ use super::run::{Preset, SonarChoice, Switch};
 use super::{Failure, table};
 use crate::error::BadInput;
 use crate::experiments::faults::{Course, FAULTS, Trial, courses};
-use crate::pilot::MOST_MOVES;
+use crate::pilot::MAX_MOVES;
 use crate::sonar::{FaultKind, TransducerFault};
 use clap::Args;
 use std::io::Write;
@@ -20,7 +20,7 @@ pub struct FaultsArgs {
     #[arg(long, value_name = "SEED", default_value_t = 1_001)]
     first: u64,
     /// Random moves before the behavior
-    #[arg(long, value_name = "MOVES", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=i64::from(MOST_MOVES)))]
+    #[arg(long, value_name = "MOVES", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=i64::from(MAX_MOVES)))]
     explore: u16,
     /// Steps of obstacle avoidance
     #[arg(long, value_name = "STEPS", default_value_t = 300, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]

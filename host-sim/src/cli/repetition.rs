@@ -8,7 +8,7 @@ use crate::experiments::behaviors::Trial;
 use crate::experiments::repetition::{Curve, measure};
 use crate::experiments::scenes::{Scene, scenes_named};
 use crate::experiments::statistics::Mean;
-use crate::pilot::MOST_MOVES;
+use crate::pilot::MAX_MOVES;
 use crate::plot::{self, Curves, Key, demo::save};
 use clap::Args;
 use std::io::Write;
@@ -27,7 +27,7 @@ pub struct RepetitionArgs {
     #[arg(long, value_name = "TIMES", default_value_t = 8, value_parser = clap::value_parser!(u32).range(2..=1_000))]
     times: u32,
     /// Random moves before the first: the fewer, the more is left to learn
-    #[arg(long, value_name = "MOVES", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=i64::from(MOST_MOVES)))]
+    #[arg(long, value_name = "MOVES", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=i64::from(MAX_MOVES)))]
     explore: u16,
     /// Number of the first world: each has its own rooms and seeds
     #[arg(long, value_name = "NUMBER", default_value_t = 1)]

@@ -9,7 +9,7 @@ use crate::episode::{self, Episode, Report, Setup};
 use crate::error::BadInput;
 use crate::link::Knowledge;
 use crate::log;
-use crate::pilot::{Mind, Thinker};
+use crate::pilot::{InspectableController, Mind};
 use crate::plot;
 use crate::robot::TurretMode;
 use crate::sonar::SonarModel;
@@ -21,7 +21,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Most steps of one episode.
-const MOST_STEPS: u32 = 10_000_000;
+const MAX_STEPS: u32 = 10_000_000;
 
 /// Worlds in the air at once: bounds memory, and keeps the lines coming in order.
 const CHUNK: usize = 256;
@@ -36,7 +36,7 @@ pub struct RunArgs {
     #[command(flatten)]
     setup: SetupArgs,
     /// Decisions towards the goal
-    #[arg(long, value_name = "STEPS", default_value_t = 1_000, value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_STEPS)))]
+    #[arg(long, value_name = "STEPS", default_value_t = 1_000, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_STEPS)))]
     steps: u32,
     #[command(flatten)]
     mind: MindArgs,
@@ -303,7 +303,7 @@ fn episode(
 pub(super) fn drive(
     world: &World,
     setup: &Setup,
-    mind: &mut impl Thinker,
+    mind: &mut impl InspectableController,
     log: Option<&Path>,
 ) -> Result<Episode, episode::Failure> {
     match log {

@@ -3,7 +3,7 @@
 use super::run::{Preset, SonarChoice, Switch, TurretChoice};
 use crate::episode::Setup;
 use crate::error::BadInput;
-use crate::pilot::MOST_MOVES;
+use crate::pilot::MAX_MOVES;
 use crate::robot::TurretMode;
 use crate::scenes::Behavior;
 use crate::settings;
@@ -19,7 +19,7 @@ pub struct TaskArgs {
     #[arg(long, value_name = "NAME", default_value = "avoid", value_parser = parsed::<Behavior>)]
     pub(super) behavior: Behavior,
     /// Random moves before it
-    #[arg(long, value_name = "MOVES", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=i64::from(MOST_MOVES)))]
+    #[arg(long, value_name = "MOVES", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=i64::from(MAX_MOVES)))]
     pub(super) explore: u16,
     /// Seed of all randomness: the same seed gives the same bytes
     #[arg(long, value_name = "SEED", default_value_t = 1)]

@@ -15,7 +15,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 /// Behaviors that are drawn.
-const MOST_BEHAVIORS: usize = 8;
+const MAX_BEHAVIORS: usize = 8;
 
 /// The `plot` command's flags.
 #[derive(Debug, Clone, Args)]
@@ -90,7 +90,7 @@ impl<'t> Sweep<'t> {
         let behaviors = names.iter().enumerate();
         let behaviors =
             behaviors.map(|(place, name)| (name.clone(), unit(place).unwrap_or_default()));
-        let behaviors: Vec<_> = behaviors.take(MOST_BEHAVIORS).collect();
+        let behaviors: Vec<_> = behaviors.take(MAX_BEHAVIORS).collect();
         let of_value = |key: &Key, behavior: usize, value: usize| {
             let has = |row: usize| {
                 key.of_row.get(row) == Some(&value)

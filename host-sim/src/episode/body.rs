@@ -43,7 +43,7 @@ pub struct Body<'w> {
 
 /// What one turn of the simulation brought about.
 #[derive(Debug)]
-pub struct Happened {
+pub struct StepResult {
     /// Where the robot stood, and when.
     pub pose: Pose,
     /// Simulated time, seconds.
@@ -162,7 +162,7 @@ impl<'w> Body<'w> {
     }
 
     /// One turn: a whole ring and its motion with the ideal sonars, one firing slot with the others.
-    pub fn advance(&mut self, pilot: &mut impl Pilot) -> Happened {
+    pub fn advance(&mut self, pilot: &mut impl Pilot) -> StepResult {
         let (before_s, before) = (self.time_s, self.base.pose().position);
         let mut happened = self.turn(pilot);
         let way = self.base.pose().position - before;
@@ -170,7 +170,7 @@ impl<'w> Body<'w> {
         happened
     }
 
-    fn turn(&mut self, pilot: &mut impl Pilot) -> Happened {
+    fn turn(&mut self, pilot: &mut impl Pilot) -> StepResult {
         let mut happened = if self.ring.model() == SonarModel::Ideal {
             self.ideal_ring(pilot)
         } else {
@@ -181,7 +181,7 @@ impl<'w> Body<'w> {
     }
 
     /// Lets the pilot look at the time: it stops a robot whose motion is overdue or whose ring stays incomplete.
-    fn pass_time(&mut self, pilot: &mut impl Pilot, happened: &mut Happened) {
+    fn pass_time(&mut self, pilot: &mut impl Pilot, happened: &mut StepResult) {
         let outputs = pilot.handle(self.now(), Event::Tick);
         happened.take(&outputs);
         if let Some(motion) = outputs.motion {
@@ -189,7 +189,7 @@ impl<'w> Body<'w> {
         }
     }
 
-    fn ideal_ring(&mut self, pilot: &mut impl Pilot) -> Happened {
+    fn ideal_ring(&mut self, pilot: &mut impl Pilot) -> StepResult {
         let pose = self.base.pose();
         self.time_s += RING_PERIOD_S;
         let world = crowded(&self.world, self.leader.as_ref());
@@ -215,7 +215,7 @@ impl<'w> Body<'w> {
         happened
     }
 
-    fn slot(&mut self, pilot: &mut impl Pilot) -> Happened {
+    fn slot(&mut self, pilot: &mut impl Pilot) -> StepResult {
         let pose = self.base.pose();
         let sensor = FIRING_ORDER[self.slot % FIRING_ORDER.len()];
         self.slot += 1;
@@ -236,7 +236,7 @@ impl<'w> Body<'w> {
         let done = self.base.advance(FIRING_SLOT_S, world);
         self.time_s += FIRING_SLOT_S;
         let moved = Some(self.report(pilot, pose.position, &done));
-        Happened {
+        StepResult {
             pose,
             time_s,
             decision: outputs.decision,
@@ -263,8 +263,8 @@ impl<'w> Body<'w> {
         );
     }
 
-    fn nothing_yet(&self, pose: Pose) -> Happened {
-        Happened {
+    fn nothing_yet(&self, pose: Pose) -> StepResult {
+        StepResult {
             pose,
             time_s: self.time_s,
             decision: None,
@@ -454,7 +454,7 @@ impl<'w> Body<'w> {
     }
 }
 
-impl Happened {
+impl StepResult {
     fn take(&mut self, outputs: &Outputs<16>) {
         self.decision = self.decision.or(outputs.decision);
         self.mode_changed |= outputs.mode_changed;

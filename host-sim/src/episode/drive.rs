@@ -1,12 +1,12 @@
 //! Explore, learn, seek: the course of an episode.
 
 use super::Seeds;
-use super::body::{Body, Collision, Happened, milliseconds};
+use super::body::{Body, Collision, StepResult, milliseconds};
 use super::measure::Measure;
 use super::record::Recorder;
-use super::tally::{Report, Stride, Tally, rounded};
+use super::tally::{Metrics, Report, Stride, rounded};
 use crate::link::{LinkError, words};
-use crate::pilot::{Mind, Pilot, Thinker};
+use crate::pilot::{InspectableController, Mind, Pilot};
 use crate::recording::Recording;
 use crate::robot::TurretMode;
 use crate::scenes::Behavior;
@@ -27,7 +27,7 @@ pub struct Setup {
     pub preset: String,
     /// What to do after exploring.
     pub behavior: Behavior,
-    /// Random moves, 1 … [`MOST_MOVES`](crate::pilot::MOST_MOVES).
+    /// Random moves, 1 … [`MAX_MOVES`](crate::pilot::MAX_MOVES).
     pub explore_moves: u16,
     /// Decisions towards the goal, at least 1.
     pub steps: u32,
@@ -99,7 +99,7 @@ impl std::error::Error for Failure {}
 /// Looks on while an episode runs. What it does changes nothing.
 pub trait Observer {
     /// The simulation went on by a turn, which ended its ring at `at` and left the body so.
-    fn happened(&mut self, at: Millis, happened: &Happened, body: &Body<'_>);
+    fn happened(&mut self, at: Millis, happened: &StepResult, body: &Body<'_>);
 }
 
 /// What came of an episode.
@@ -130,7 +130,7 @@ pub fn run(
 pub fn run_with(
     world: &World,
     setup: &Setup,
-    mind: &mut impl Thinker,
+    mind: &mut impl InspectableController,
     progress: impl FnMut(Phase, u32, u32),
 ) -> Result<Episode, Failure> {
     run_observed(world, setup, mind, None, progress)
@@ -143,7 +143,7 @@ pub fn run_with(
 pub fn run_observed<'w>(
     world: &'w World,
     setup: &Setup,
-    mind: &mut impl Thinker,
+    mind: &mut impl InspectableController,
     observer: Option<&'w mut dyn Observer>,
     mut progress: impl FnMut(Phase, u32, u32),
 ) -> Result<Episode, Failure> {
@@ -171,7 +171,7 @@ pub(super) fn educated<'w>(
     mind: &mut impl Pilot,
     observer: Option<&'w mut dyn Observer>,
     mut progress: impl FnMut(Phase, u32, u32),
-) -> Result<(Driver<'w>, Tally), Failure> {
+) -> Result<(Driver<'w>, Metrics), Failure> {
     let seeds = Seeds::of(setup.seed);
     let body = Body::new(world, setup.sonar, setup.turret, seeds.noise).with_faults(&setup.faults);
     let mut driver = Driver::new(world, body, setup.record);
@@ -215,7 +215,7 @@ pub fn drive_pilot(
     pilot: &mut impl Pilot,
     mut body: Body<'_>,
     steps: u32,
-) -> Result<Tally, Failure> {
+) -> Result<Metrics, Failure> {
     body.restart();
     let mut driver = Driver::new(world, body, false);
     driver.drive(pilot, |tally| tally.steps >= steps, |_| {})?;
@@ -225,8 +225,8 @@ pub fn drive_pilot(
 pub(super) fn report(
     world: &World,
     setup: &Setup,
-    exploration: &Tally,
-    seeking: &Tally,
+    exploration: &Metrics,
+    seeking: &Metrics,
     time_s: f64,
     (success, success_unit): (f64, &'static str),
 ) -> Report {
@@ -255,7 +255,7 @@ pub(super) fn report(
 pub(super) struct Driver<'w> {
     pub(super) world: &'w World,
     pub(super) body: Body<'w>,
-    pub(super) tally: Tally,
+    pub(super) tally: Metrics,
     pub(super) measure: Measure,
     /// What is being done now, and which part of a chain it is.
     pub(super) behavior: Behavior,
@@ -277,7 +277,7 @@ impl<'w> Driver<'w> {
         Self {
             world,
             body,
-            tally: Tally::new(world),
+            tally: Metrics::new(world),
             measure: Measure::new(world, world.start().position),
             behavior: Behavior::Avoid,
             part: 0,
@@ -311,7 +311,7 @@ impl<'w> Driver<'w> {
     pub(super) fn drive(
         &mut self,
         pilot: &mut impl Pilot,
-        is_over: impl Fn(&Tally) -> bool,
+        is_over: impl Fn(&Metrics) -> bool,
         mut progress: impl FnMut(u32),
     ) -> Result<(), Failure> {
         let mut last_decision_s = self.body.time_s();
@@ -346,7 +346,7 @@ impl<'w> Driver<'w> {
         Ok(())
     }
 
-    fn open(&mut self, decision: &Decision<16>, happened: &Happened) {
+    fn open(&mut self, decision: &Decision<16>, happened: &StepResult) {
         if self.first {
             self.first = false;
             self.nest = decision.situation;
@@ -362,7 +362,7 @@ impl<'w> Driver<'w> {
         }
     }
 
-    fn follow(&mut self, happened: &Happened) {
+    fn follow(&mut self, happened: &StepResult) {
         if let Some(open) = &mut self.open {
             open.touched |= happened.collision == Some(Collision::ByRobot);
             open.touched_by |= happened.collision == Some(Collision::ByOther);
@@ -402,10 +402,10 @@ impl<'w> Driver<'w> {
     }
 
     /// Begins a new tally; returns the old one.
-    pub(super) fn next_phase(&mut self, world: &World) -> Tally {
+    pub(super) fn next_phase(&mut self, world: &World) -> Metrics {
         if let Some(recorder) = &mut self.recorder {
             recorder.next_phase();
         }
-        std::mem::replace(&mut self.tally, Tally::new(world))
+        std::mem::replace(&mut self.tally, Metrics::new(world))
     }
 }

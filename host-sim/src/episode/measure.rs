@@ -1,6 +1,6 @@
 //! How well each behavior goes, by the world as it is: the mind never sees any of this.
 
-use super::tally::Tally;
+use super::tally::Metrics;
 use crate::scenes::{Behavior, WALL_RANGE_M};
 use crate::sonar::FACE_RADIUS_M;
 use crate::world::{ConeShape, Point, Shape, View, World};
@@ -116,7 +116,7 @@ impl Measure {
     }
 
     /// How well it went, and in which unit.
-    pub(super) fn success(&self, behavior: &Behavior, tally: &Tally) -> (f64, &'static str) {
+    pub(super) fn success(&self, behavior: &Behavior, tally: &Metrics) -> (f64, &'static str) {
         let share = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
         match behavior {
             Behavior::Avoid => {

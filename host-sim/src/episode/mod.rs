@@ -16,7 +16,7 @@ mod record;
 mod tally;
 
 pub(crate) use body::milliseconds;
-pub use body::{Body, Collision, Happened, Moved};
+pub use body::{Body, Collision, Moved, StepResult};
 pub use capture::perceive;
 pub use drive::{
     Episode, Failure, Observer, Phase, Setup, drive_pilot, educate, run, run_observed, run_with,
@@ -26,7 +26,7 @@ pub use measure::{FOLLOWED_S, KEPT_M, NEST_M};
 pub use places::elsewhere;
 pub use pursue::{CARRIED_S, repeat};
 pub(crate) use tally::rounded;
-pub use tally::{Report, Stride, Tally};
+pub use tally::{Metrics, Report, Stride};
 
 use rand_core::{Rng as _, SeedableRng as _};
 use rand_xoshiro::SplitMix64;

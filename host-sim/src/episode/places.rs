@@ -11,7 +11,7 @@ const GAP_M: f64 = 0.15;
 /// Grid of the search for a way, m.
 const CELL_M: f64 = 0.1;
 /// Most cells looked at: bounds time and memory in huge worlds.
-const MOST_CELLS: usize = 250_000;
+const MAX_CELLS: usize = 250_000;
 
 /// A free place at least 1 m from `nest` that can be reached from it, drawn by `noise`; the nest itself where there is none.
 #[must_use]
@@ -35,7 +35,7 @@ fn reachable(world: &World, nest: Point) -> Vec<Point> {
     let (low, high) = world.bounds();
     while let Some(cell) = queue.pop_front() {
         reached.push(place(cell));
-        if seen.len() >= MOST_CELLS {
+        if seen.len() >= MAX_CELLS {
             continue;
         }
         for (dx, dy) in [(1, 0), (0, 1), (-1, 0), (0, -1)] {

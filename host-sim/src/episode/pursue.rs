@@ -1,7 +1,7 @@
 //! The last phase of an episode: one behavior, or several one after the other.
 
 use super::drive::{Driver, Failure, Setup, educated, report};
-use super::tally::{Report, Tally};
+use super::tally::{Metrics, Report};
 use crate::pilot::{Mind, Pilot};
 use crate::scenes::{self, Behavior};
 use crate::world::World;
@@ -65,7 +65,7 @@ impl Driver<'_> {
             let begun = self.tally.clone();
             // Alone, a behavior goes on to the end; in a chain each decision may be its last.
             let is_over =
-                |now: &Tally| now.steps >= setup.steps || !alone && is_reached(part, &begun, now);
+                |now: &Metrics| now.steps >= setup.steps || !alone && is_reached(part, &begun, now);
             self.drive(pilot, is_over, &mut progress)?;
             if !is_reached(part, &begun, &self.tally) {
                 return Ok(());
@@ -78,7 +78,7 @@ impl Driver<'_> {
 }
 
 /// As [`is_reached`](scenes::is_reached), by the tallies when it was begun and now.
-fn is_reached(part: &Behavior, begun: &Tally, now: &Tally) -> bool {
+fn is_reached(part: &Behavior, begun: &Metrics, now: &Metrics) -> bool {
     let held = now.goal_steps.saturating_sub(begun.goal_steps);
     scenes::is_reached(part, now.steps.saturating_sub(begun.steps), held)
 }

@@ -1,6 +1,6 @@
 //! Collects the steps of an episode for pictures.
 
-use super::body::{Body, Happened, Moved};
+use super::body::{Body, Moved, StepResult};
 use super::drive::Setup;
 use super::tally::Stride;
 use crate::pilot::SimState;
@@ -8,7 +8,7 @@ use crate::recording::{MapRecord, PlanRecord, Recording, Step};
 use crate::robot::COLLISION_RADIUS_M;
 use crate::world::{Point, Pose, World};
 use amp::controller::Decision;
-use amp::fixed::{Scalar, Weight, coarse};
+use amp::fixed::{Scalar, Weight, to_weight16};
 use amp::memory::from_bytes;
 use amp::planner::Plan;
 use amp::som::Som;
@@ -25,7 +25,7 @@ impl Recorder {
     pub(super) fn open(
         &mut self,
         decision: &Decision<16>,
-        happened: &Happened,
+        happened: &StepResult,
         body: &Body<'_>,
         part: usize,
     ) {
@@ -110,7 +110,7 @@ impl Recorder {
                     meters(
                         config
                             .action_code
-                            .decode(code.map(coarse), config.robot.step_mm),
+                            .decode(code.map(to_weight16), config.robot.step_mm),
                     )
                 })
                 .collect(),
@@ -134,7 +134,7 @@ fn meters(displacement: amp::units::Displacement) -> [f64; 2] {
 fn values<T: Scalar>(weights: &[T]) -> Vec<f64> {
     weights
         .iter()
-        .map(|weight| weight.fine().to_num())
+        .map(|weight| weight.to_weight32().to_num())
         .collect()
 }
 

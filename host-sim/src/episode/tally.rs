@@ -7,7 +7,7 @@ use serde::Serialize;
 
 /// Counts and sums over the steps of one phase.
 #[derive(Debug, Clone)]
-pub struct Tally {
+pub struct Metrics {
     /// Decisions carried out.
     pub steps: u32,
     /// Steps in which the body's own motion touched something.
@@ -25,7 +25,7 @@ pub struct Tally {
     coverage: Coverage,
 }
 
-/// What one step adds to a [`Tally`].
+/// What one step adds to a [`Metrics`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Stride {
     /// The body's own motion touched something.
@@ -38,7 +38,7 @@ pub struct Stride {
     pub at_goal: bool,
 }
 
-impl Tally {
+impl Metrics {
     /// Nothing counted yet.
     #[must_use]
     pub fn new(world: &World) -> Self {

@@ -1,7 +1,7 @@
 //! What a transducer that is out of order does to the robot, and how soon the robot notices.
 
 use crate::episode::{Failure, Setup, run_with};
-use crate::pilot::{HeardEcho, Mind, Pilot, SimState, Thinker};
+use crate::pilot::{HeardEcho, InspectableController, Mind, Pilot, SimState};
 use crate::robot::TurretMode;
 use crate::scenes::Behavior;
 use crate::sonar::{FaultKind, SonarModel, TransducerFault};
@@ -166,7 +166,7 @@ impl Pilot for Witness {
     }
 }
 
-impl Thinker for Witness {
+impl InspectableController for Witness {
     fn knowledge(&mut self) -> Result<&SimState, Failure> {
         self.mind.knowledge()
     }

@@ -8,7 +8,7 @@ use super::task::Pairs;
 use crate::noise::Noise;
 use crate::som::DynSom;
 use crate::som::train::{Training, start_at_samples, train};
-use amp::fixed::{FINE_ONE_BITS, Fine};
+use amp::fixed::{FINE_ONE_BITS, Weight32};
 use amp::som::Grid;
 
 /// A codebook with answers.
@@ -19,7 +19,7 @@ pub struct Memory {
 }
 
 impl Memory {
-    fn new(code: Vec<Fine>, dims: usize, answers: Vec<Vec<f64>>) -> Self {
+    fn new(code: Vec<Weight32>, dims: usize, answers: Vec<Vec<f64>>) -> Self {
         // Only the nearest code vector is asked for: the shape of the grid does not matter.
         let count = u16::try_from(answers.len()).unwrap_or(u16::MAX);
         Self {
@@ -29,7 +29,7 @@ impl Memory {
     }
 
     /// The action that goes with an input.
-    pub fn recall(&mut self, input: &[Fine]) -> &[f64] {
+    pub fn recall(&mut self, input: &[Weight32]) -> &[f64] {
         let winner = self.codebook.winner(input);
         self.answers.get(winner).map_or(&[], Vec::as_slice)
     }
@@ -39,7 +39,7 @@ impl Memory {
     pub fn of_the_mean(pairs: &Pairs) -> Self {
         let all: Vec<usize> = (0..pairs.actions.len()).collect();
         Self::new(
-            vec![Fine::ZERO; pairs.dims],
+            vec![Weight32::ZERO; pairs.dims],
             pairs.dims,
             vec![mean(pairs, &all)],
         )
@@ -136,16 +136,16 @@ impl Ranges {
         Self((0..width).map(range).collect())
     }
 
-    fn weights(&self, action: &[f64], weight: f64) -> Vec<Fine> {
+    fn weights(&self, action: &[f64], weight: f64) -> Vec<Weight32> {
         let part = |((least, span), value): (&(f64, f64), &f64)| {
             let share = (value - least) / span * weight;
-            Fine::from_bits(libm::rint(share.clamp(0.0, 1.0) * f64::from(FINE_ONE_BITS)) as i32)
+            Weight32::from_bits(libm::rint(share.clamp(0.0, 1.0) * f64::from(FINE_ONE_BITS)) as i32)
         };
         self.0.iter().zip(action).map(part).collect()
     }
 
-    fn action(&self, code: &[Fine], weight: f64) -> Vec<f64> {
-        let part = |((least, span), value): (&(f64, f64), &Fine)| {
+    fn action(&self, code: &[Weight32], weight: f64) -> Vec<f64> {
+        let part = |((least, span), value): (&(f64, f64), &Weight32)| {
             let share = f64::from(value.to_bits()) / f64::from(FINE_ONE_BITS);
             least + span * share / weight
         };

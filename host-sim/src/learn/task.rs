@@ -4,7 +4,7 @@ use super::log::{Actions, Log};
 use crate::error::BadInput;
 use crate::som::scale::Scale;
 use crate::som::table::Table;
-use amp::fixed::Fine;
+use amp::fixed::Weight32;
 
 /// How a log is taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,7 +25,7 @@ pub struct Pairs {
     /// Components of an input.
     pub dims: usize,
     /// The inputs one after another: situations in [0, 1] or their changes in [−1, 1].
-    pub inputs: Vec<Fine>,
+    pub inputs: Vec<Weight32>,
     /// The actions: 1 for the class and 0 for the others, or velocities.
     pub actions: Vec<Vec<f64>>,
 }
@@ -129,8 +129,9 @@ impl Task {
             actions,
         } = self.situations(part);
         let later = inputs.get(self.stride * dims..).unwrap_or_default();
-        let change =
-            |(after, before): (&Fine, &Fine)| Fine::from_bits(after.to_bits() - before.to_bits());
+        let change = |(after, before): (&Weight32, &Weight32)| {
+            Weight32::from_bits(after.to_bits() - before.to_bits())
+        };
         Pairs {
             dims,
             actions: actions[..later.len() / dims].to_vec(),
@@ -166,7 +167,7 @@ fn actions(log: &Log) -> Vec<Vec<f64>> {
 }
 
 /// Nearness, linear between the limits: 1 at `near` or nearer, 0 from `far` on.
-fn situations(log: &Log, near: f64, far: f64) -> Result<Vec<Fine>, BadInput> {
+fn situations(log: &Log, near: f64, far: f64) -> Result<Vec<Weight32>, BadInput> {
     let nearness = |&range: &f64| ((far - range) / (far - near)).clamp(0.0, 1.0);
     let rows = log.ranges.iter();
     let table = Table {

@@ -3,7 +3,7 @@
 use super::{Knowledge, LinkError, RemoteMind, Session, next_number};
 use crate::episode::Failure;
 use crate::error::BadInput;
-use crate::pilot::{HeardEcho, Mind, Pilot, SimState, Thinker as _};
+use crate::pilot::{HeardEcho, InspectableController as _, Mind, Pilot, SimState};
 use amp::config::Config;
 use amp::controller::{Event, Outputs};
 use amp::fixed::Mask;

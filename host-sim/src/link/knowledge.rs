@@ -7,7 +7,7 @@ use crate::pilot::SimState;
 use amp::config::Config;
 use amp::controller::Part as StatePart;
 use amp::goal::{Goal, KeptGoal, KeptGoals, Name};
-use amp::node::MOST_CONFIG;
+use amp::node::MAX_CONFIG;
 use amp::som::Grid;
 use amp::store::{Contents, ContentsMut};
 use amp::wire::message::{Clock, FromMind, GoalBy, ModeReport, Order, Part, Refusal};
@@ -134,7 +134,7 @@ impl Knowledge {
 
     /// A configuration as on the wire.
     pub(super) fn of_config(config: &Config<16>) -> Result<Vec<u8>, LinkError> {
-        match config.to_bytes(&mut [0; MOST_CONFIG]) {
+        match config.to_bytes(&mut [0; MAX_CONFIG]) {
             [] => Err(LinkError::Refused(Refusal::Config)),
             bytes => Ok(bytes.to_vec()),
         }
@@ -158,7 +158,7 @@ impl Knowledge {
             maps.update(&self.part(map));
         }
         Fingerprint {
-            config_crc: CRC.checksum(self.config.to_bytes(&mut [0; MOST_CONFIG])),
+            config_crc: CRC.checksum(self.config.to_bytes(&mut [0; MAX_CONFIG])),
             maps_crc: maps.finalize(),
             memory_crc: CRC.checksum(&self.part(StatePart::Memory)),
         }

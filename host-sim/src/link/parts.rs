@@ -3,7 +3,7 @@
 use super::{LinkError, Session};
 use amp::parameters::{Parameter, Spec};
 use amp::wire::ToMind;
-use amp::wire::message::{Counters, FromMind, MOST_PIECE, ModeReport, Part};
+use amp::wire::message::{Counters, FromMind, MAX_PIECE, ModeReport, Part};
 
 impl Session {
     /// Reads a whole part.
@@ -45,7 +45,7 @@ impl Session {
         let mut offset = 0_usize;
         loop {
             let rest = bytes.get(offset..).unwrap_or(&[]);
-            let piece = rest.get(..MOST_PIECE).unwrap_or(rest);
+            let piece = rest.get(..MAX_PIECE).unwrap_or(rest);
             let end = offset + piece.len();
             let last = end >= bytes.len();
             let answer = self.request(&ToMind::Write {

@@ -18,7 +18,7 @@ const ENDING: Duration = Duration::from_millis(500);
 const GLANCE: Duration = Duration::from_millis(2);
 
 /// Most bytes kept of what the emulator said.
-const MOST_KEPT: usize = 4_096;
+const MAX_KEPT: usize = 4_096;
 
 /// Kills a process as soon as its own standard input ends, which it does however this process ends.
 const WATCH: &str = "read -r _; kill -KILL \"$1\" 2>/dev/null";
@@ -207,7 +207,7 @@ fn keep(stderr: impl Read, said: &Said, verbose: bool) {
         }
         let mut said = said.lock().unwrap_or_else(PoisonError::into_inner);
         said.push_str(&text);
-        let mut surplus = said.len().saturating_sub(MOST_KEPT);
+        let mut surplus = said.len().saturating_sub(MAX_KEPT);
         while !said.is_char_boundary(surplus) {
             surplus += 1;
         }

@@ -5,7 +5,7 @@
 
 use super::{Answer, Knowledge, LinkError, Local, Session, next_number};
 use crate::episode::Failure;
-use crate::pilot::{HeardEcho, Pilot, SimState, Thinker};
+use crate::pilot::{HeardEcho, InspectableController, Pilot, SimState};
 use amp::config::Config;
 use amp::controller::{Command, Event, Motion, Outputs, Progress, StopReason};
 use amp::fixed::Mask;
@@ -196,7 +196,7 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
             // A minute and older: more than any mind still uses.
             age_ms: echo.age_ms.try_into().unwrap_or(u16::MAX),
         };
-        let echoes = echoes.iter().take(message::MOST_ECHOES).map(heard);
+        let echoes = echoes.iter().take(message::MAX_ECHOES).map(heard);
         let message = ToMind::Scan {
             at_ms: at.as_ms(),
             echoes: echoes.collect(),
@@ -373,7 +373,7 @@ impl<S: BorrowMut<Session>> Pilot for RemoteMind<S> {
     }
 }
 
-impl<S: BorrowMut<Session>> Thinker for RemoteMind<S> {
+impl<S: BorrowMut<Session>> InspectableController for RemoteMind<S> {
     fn knowledge(&mut self) -> Result<&SimState, Failure> {
         // Nothing happens in the mind while nothing is said to it, whatever its mode.
         let pulled = Knowledge::read(self.session.borrow_mut()).map(Knowledge::into_state);
@@ -407,7 +407,7 @@ fn batch(echoes: &[HeardEcho], believed: Mask) -> usize {
     let counts = |echo: &HeardEcho| believed.contains(usize::from(echo.sensor));
     let last = echoes.iter().rposition(counts);
     // Behind the last believed one, or where none is, each may complete what was heard before.
-    last.map_or(1, |last| last + 1).min(message::MOST_ECHOES)
+    last.map_or(1, |last| last + 1).min(message::MAX_ECHOES)
 }
 
 #[cfg(test)]

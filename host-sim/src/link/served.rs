@@ -2,7 +2,7 @@
 
 use super::Transport;
 use amp::config::Config;
-use amp::node::{Identity, Node, Outbox};
+use amp::node::{FrameSink, Identity, Node};
 use amp::som::Grid;
 use amp::units::Millis;
 use amp::wire::Receiver;
@@ -29,7 +29,7 @@ pub struct Local<const SENSORS: usize = 16> {
 
 struct Outgoing(VecDeque<u8>);
 
-impl Outbox for Outgoing {
+impl FrameSink for Outgoing {
     fn send(&mut self, frame: &[u8]) -> bool {
         self.0.extend(frame);
         true

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 pub(super) const ORDER_TTL_MS: u16 = 1_000;
 
 /// The longest pause of a mind that is waited for, however long it says.
-const MOST_PAUSE: Duration = Duration::from_secs(30);
+const MAX_PAUSE: Duration = Duration::from_secs(30);
 
 /// All pauses of a mind during one attempt together.
 const MAX_PAUSES: Duration = Duration::from_secs(120);
@@ -229,7 +229,7 @@ impl Session {
                 // It cannot hear: nothing is repeated before it can.
                 FromMind::Busy { ms } => {
                     let pause = Duration::from_millis(ms.into());
-                    until = Instant::now() + pause.min(MOST_PAUSE) + self.patience.attempt;
+                    until = Instant::now() + pause.min(MAX_PAUSE) + self.patience.attempt;
                     until = until.min(latest);
                 }
                 _ => reports.push((number, report)),

@@ -40,7 +40,7 @@ pub use record::{
     Setup,
 };
 pub use replay::{Replayed, replay};
-pub use retell::Retold;
+pub use retell::Replayer;
 pub use run::run;
 pub use scene::{SceneChange, pose_of, scene_changes};
 pub use shared::SharedLog;

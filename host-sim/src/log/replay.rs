@@ -3,7 +3,7 @@
 use super::channel;
 use super::read::{Ending, LogFile, Message};
 use super::record::{Answer, EventRecord};
-use super::retell::Retold;
+use super::retell::Replayer;
 use crate::error::BadInput;
 
 /// What came of a replay.
@@ -29,7 +29,7 @@ pub struct Replayed {
 /// When a message is not what its channel should hold.
 pub fn replay(log: &LogFile, mut progress: impl FnMut(u64)) -> Result<Replayed, BadInput> {
     let mut replay = Replay {
-        retold: Retold::new(log.setup()),
+        retold: Replayer::new(log.setup()),
         done: Replayed {
             events: 0,
             answers: 0,
@@ -53,7 +53,7 @@ pub fn replay(log: &LogFile, mut progress: impl FnMut(u64)) -> Result<Replayed, 
 }
 
 struct Replay {
-    retold: Retold,
+    retold: Replayer,
     done: Replayed,
 }
 
@@ -62,7 +62,7 @@ impl Replay {
         match message.topic.as_str() {
             channel::SETUP => {
                 self.nothing_left();
-                self.retold = Retold::new(&message.content()?);
+                self.retold = Replayer::new(&message.content()?);
             }
             channel::EVENT => {
                 // What the mind said to the events before, the log says before this one.

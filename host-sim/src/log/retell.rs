@@ -9,15 +9,15 @@ use amp::units::Millis;
 use std::collections::VecDeque;
 
 /// Ticks after which a mind counts as one that never stops learning.
-const MOST_TICKS: u32 = 10_000_000;
+const MAX_TICKS: u32 = 10_000_000;
 
 /// A mind of a log, and what it has answered that the log has not yet said.
-pub struct Retold {
+pub struct Replayer {
     mind: Mind,
     answers: VecDeque<Answer>,
 }
 
-impl Retold {
+impl Replayer {
     /// A mind that starts under these conditions.
     #[must_use]
     pub fn new(setup: &Setup) -> Self {
@@ -69,8 +69,8 @@ impl Retold {
     /// Ticks that ended learning do so here as well, however many it takes. At most one answer comes of them, the last
     /// one's, and outside learning the second tick of a moment does what the first did: nothing.
     fn tick(&mut self, at: Millis, count: u32, done: bool, heard: &mut impl FnMut(&Outputs<16>)) {
-        let most = if done { MOST_TICKS } else { count };
-        for _ in 0..most.min(MOST_TICKS) {
+        let most = if done { MAX_TICKS } else { count };
+        for _ in 0..most.min(MAX_TICKS) {
             let outputs = self.mind.handle(at, Event::Tick);
             self.answered(at, &outputs, heard);
             let learns = matches!(self.mind.state().mode(), Mode::Learn { .. });

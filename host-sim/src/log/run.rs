@@ -5,7 +5,7 @@ use super::shared::SharedLog;
 use super::tap::{Tap, Watcher};
 use super::write::Log;
 use crate::episode::{self, Episode, Failure, Setup};
-use crate::pilot::Thinker;
+use crate::pilot::InspectableController;
 use crate::world::World;
 use std::path::Path;
 
@@ -17,7 +17,7 @@ use std::path::Path;
 pub fn run(
     world: &World,
     setup: &Setup,
-    mind: impl Thinker,
+    mind: impl InspectableController,
     path: &Path,
 ) -> Result<Episode, Failure> {
     let log = Log::create(path).map_err(|error| Failure::Log(error.to_string()))?;

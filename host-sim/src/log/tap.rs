@@ -2,8 +2,8 @@
 
 use super::record::{Answer, EchoRecord, EventRecord, Happening, Setup};
 use super::shared::SharedLog;
-use crate::episode::{Body, Failure, Happened, Observer};
-use crate::pilot::{HeardEcho, Pilot, SimState, Thinker};
+use crate::episode::{Body, Failure, Observer, StepResult};
+use crate::pilot::{HeardEcho, InspectableController, Pilot, SimState};
 use crate::world::World;
 use amp::controller::{Command, Event, Outputs};
 use amp::units::Millis;
@@ -150,7 +150,7 @@ impl<P: Pilot, W: Write + Seek> Tap<P, W> {
     }
 }
 
-impl<P: Thinker, W: Write + Seek> Thinker for Tap<P, W> {
+impl<P: InspectableController, W: Write + Seek> InspectableController for Tap<P, W> {
     fn knowledge(&mut self) -> Result<&SimState, Failure> {
         self.pilot.knowledge()
     }
@@ -169,7 +169,7 @@ impl<W: Write + Seek> Watcher<W> {
 }
 
 impl<W: Write + Seek> Observer for Watcher<W> {
-    fn happened(&mut self, at: Millis, happened: &Happened, body: &Body<'_>) {
+    fn happened(&mut self, at: Millis, happened: &StepResult, body: &Body<'_>) {
         self.log.write(|log| {
             log.pose(at, happened.pose, body.leader());
             if happened.decision.is_some() {

@@ -218,7 +218,7 @@ fn a_message_that_could_not_be_read_is_not_written() {
 #[test]
 fn ticks_that_change_nothing_are_not_counted_out() {
     let log = file(logged(SonarModel::Ideal));
-    let mut mind = Retold::new(log.setup());
+    let mut mind = Replayer::new(log.setup());
     for done in [false, true] {
         let event = Happening::Ticks {
             count: u32::MAX,

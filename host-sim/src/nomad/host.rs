@@ -1,7 +1,7 @@
 //! A host's end of the robot's line: asks, and waits for the answer.
 
 use super::{
-    Command, Decoder, Greeting, Kind, MOST_FROM_ROBOT, Mask, NoCommand, Packet, State, WrongLength,
+    Command, Decoder, Greeting, Kind, MAX_FROM_ROBOT, Mask, NoCommand, Packet, State, WrongLength,
 };
 use crate::link::{Deadline, Transport};
 use std::collections::VecDeque;
@@ -72,7 +72,7 @@ impl Host {
     pub fn new(line: impl Transport + 'static) -> Self {
         Self {
             line: Box::new(line),
-            decoder: Decoder::new(MOST_FROM_ROBOT),
+            decoder: Decoder::new(MAX_FROM_ROBOT),
             deadline: Deadline::default(),
             found: VecDeque::new(),
             mask: Mask::ALL,

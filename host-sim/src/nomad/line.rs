@@ -2,7 +2,7 @@
 
 use super::nserver::{self, Message, Request};
 use super::simulated::nak;
-use super::{Command, Decoder, Greeting, LaserSetup, MOST_TO_ROBOT, Packet, Simulated};
+use super::{Command, Decoder, Greeting, LaserSetup, MAX_TO_ROBOT, Packet, Simulated};
 
 /// How one speaks on the line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,7 +37,7 @@ impl Line {
         Self {
             robot,
             protocol,
-            decoder: Decoder::new(MOST_TO_ROBOT),
+            decoder: Decoder::new(MAX_TO_ROBOT),
             begun: Vec::new(),
             out: Vec::new(),
         }
@@ -51,7 +51,7 @@ impl Line {
 
     /// Somebody else is at the other end: what was begun is forgotten.
     pub fn renew(&mut self) {
-        self.decoder = Decoder::new(MOST_TO_ROBOT);
+        self.decoder = Decoder::new(MAX_TO_ROBOT);
         self.begun.clear();
         self.robot.forget_question();
         self.out.clear();
@@ -154,7 +154,7 @@ impl Line {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::nomad::{Group, Kind, MOST_FROM_ROBOT};
+    use crate::nomad::{Group, Kind, MAX_FROM_ROBOT};
     use crate::sonar::SonarModel;
     use crate::world::World;
 
@@ -168,7 +168,7 @@ mod tests {
 
     fn kinds(line: &mut Line) -> Vec<u8> {
         let mut found = Vec::new();
-        Decoder::new(MOST_FROM_ROBOT).push(&line.take(), &mut found);
+        Decoder::new(MAX_FROM_ROBOT).push(&line.take(), &mut found);
         found.into_iter().map(|packet| packet.kind).collect()
     }
 

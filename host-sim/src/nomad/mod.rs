@@ -42,9 +42,9 @@ pub use line::{Line, Protocol};
 pub use mask::{
     Greeting, LaserSetup, Mask, WITH_BUMPER, WITH_COMPASS, WITH_INFRARED, WITH_LASER, WITH_SONAR,
 };
-pub use packet::{Decoder, MOST_FROM_ROBOT, MOST_TO_ROBOT, Packet};
+pub use packet::{Decoder, MAX_FROM_ROBOT, MAX_TO_ROBOT, Packet};
 #[cfg(unix)]
 pub use pty::Pty;
 pub use server::{Pace, Server};
 pub use simulated::{Ledger, Simulated};
-pub use state::{MOST_LASER_POINTS, PosData, State};
+pub use state::{MAX_LASER_POINTS, PosData, State};

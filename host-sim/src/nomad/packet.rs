@@ -14,10 +14,10 @@ const HEAD: usize = 3;
 const UNCOUNTED: usize = 4;
 
 /// Largest LEN of a packet to the robot: the client library writes its low byte only.
-pub const MOST_TO_ROBOT: usize = 255;
+pub const MAX_TO_ROBOT: usize = 255;
 
 /// Largest LEN of a packet from the robot that is believed: the client library's buffer.
-pub const MOST_FROM_ROBOT: usize = 4_096;
+pub const MAX_FROM_ROBOT: usize = 4_096;
 
 /// A packet without its frame.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -164,7 +164,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn decoded(bytes: &[u8]) -> Vec<Packet> {
-        let (mut decoder, mut found) = (Decoder::new(MOST_TO_ROBOT), Vec::new());
+        let (mut decoder, mut found) = (Decoder::new(MAX_TO_ROBOT), Vec::new());
         decoder.push(bytes, &mut found);
         found
     }
@@ -193,7 +193,7 @@ mod tests {
             let mut stream = bytes.clone();
             stream[place] ^= 0x10;
             stream.extend_from_slice(&bytes);
-            let (mut decoder, mut found) = (Decoder::new(MOST_TO_ROBOT), Vec::new());
+            let (mut decoder, mut found) = (Decoder::new(MAX_TO_ROBOT), Vec::new());
             decoder.push(&stream, &mut found);
             // A longer LEN swallows the next packet until the line has been silent for a while.
             decoder.idle(&mut found);
@@ -206,7 +206,7 @@ mod tests {
     fn a_false_beginning_hides_a_packet_only_for_a_while() {
         let good = Packet::new(Kind::Gs, Vec::new());
         let stream = [&[BEGIN, 200, 0, 7], &good.to_bytes()[..]].concat();
-        let (mut decoder, mut found) = (Decoder::new(MOST_TO_ROBOT), Vec::new());
+        let (mut decoder, mut found) = (Decoder::new(MAX_TO_ROBOT), Vec::new());
         decoder.push(&stream, &mut found);
         assert!(found.is_empty() && decoder.is_waiting());
         decoder.idle(&mut found);
@@ -216,11 +216,11 @@ mod tests {
 
     #[test]
     fn a_decoder_keeps_no_more_than_one_packet() {
-        let mut decoder = Decoder::new(MOST_TO_ROBOT);
+        let mut decoder = Decoder::new(MAX_TO_ROBOT);
         let mut found = Vec::new();
         for round in 0..20_000_u32 {
             decoder.push(&[BEGIN, (round % 256) as u8, 0], &mut found);
-            assert!(decoder.kept.len() <= MOST_TO_ROBOT + UNCOUNTED);
+            assert!(decoder.kept.len() <= MAX_TO_ROBOT + UNCOUNTED);
         }
     }
 
@@ -228,7 +228,7 @@ mod tests {
         #[test]
         fn any_packet_comes_back_byte_by_byte(kind: u8, payload in prop::collection::vec(any::<u8>(), 0..253)) {
             let packet = Packet { kind, payload };
-            let (mut decoder, mut found) = (Decoder::new(MOST_TO_ROBOT), Vec::new());
+            let (mut decoder, mut found) = (Decoder::new(MAX_TO_ROBOT), Vec::new());
             for byte in packet.to_bytes() {
                 prop_assert!(found.is_empty());
                 decoder.push(&[byte], &mut found);
@@ -240,7 +240,7 @@ mod tests {
         #[test]
         fn after_any_garbage_and_a_pause_the_next_packet_is_found(garbage in prop::collection::vec(any::<u8>(), 0..600)) {
             let good = Packet::new(Kind::St, Vec::new());
-            let (mut decoder, mut found) = (Decoder::new(MOST_TO_ROBOT), Vec::new());
+            let (mut decoder, mut found) = (Decoder::new(MAX_TO_ROBOT), Vec::new());
             decoder.push(&garbage, &mut found);
             decoder.idle(&mut found);
             decoder.push(&good.to_bytes(), &mut found);
@@ -248,7 +248,7 @@ mod tests {
             // And without a pause, once the line is silent.
             let mut stream = garbage;
             stream.extend(good.to_bytes());
-            let (mut decoder, mut found) = (Decoder::new(MOST_TO_ROBOT), Vec::new());
+            let (mut decoder, mut found) = (Decoder::new(MAX_TO_ROBOT), Vec::new());
             decoder.push(&stream, &mut found);
             decoder.idle(&mut found);
             prop_assert_eq!(found.last(), Some(&good));

@@ -12,7 +12,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::time::Duration;
 
 /// Pieces in the air in each direction. What nobody reads is lost, as on a serial line.
-const MOST_PIECES: usize = 64;
+const MAX_PIECES: usize = 64;
 
 /// Our end of a pseudo terminal.
 #[derive(Debug)]
@@ -39,8 +39,8 @@ impl Pty {
         let path = ttyname(&pair.slave)?;
         let reader = File::from(pair.master);
         let writer = reader.try_clone()?;
-        let (heard, from_host) = sync_channel(MOST_PIECES);
-        let (to_host, said) = sync_channel(MOST_PIECES);
+        let (heard, from_host) = sync_channel(MAX_PIECES);
+        let (to_host, said) = sync_channel(MAX_PIECES);
         std::thread::spawn(move || read(reader, &heard));
         std::thread::spawn(move || write(writer, &said));
         Ok(Self {

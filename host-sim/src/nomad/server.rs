@@ -22,7 +22,7 @@ const PROBE_EVERY: Duration = Duration::from_secs(5);
 const MAX_UNACKNOWLEDGED: Duration = Duration::from_secs(20);
 
 /// A robot that has fallen behind the clock by more than this catches up no more, s.
-const MOST_LAG_S: u128 = 1;
+const MAX_LAG_S: u128 = 1;
 
 /// How fast the robot's time runs.
 #[derive(Debug, Clone, Copy)]
@@ -49,7 +49,7 @@ impl Pace {
         let speed = u128::from(self.speed);
         let real_ms = now.saturating_duration_since(self.began).as_millis();
         let due_ms = (real_ms * speed).saturating_sub(self.lived_ms);
-        let most_ms = MOST_LAG_S * 1_000 * speed;
+        let most_ms = MAX_LAG_S * 1_000 * speed;
         self.lived_ms += due_ms;
         // At most a second at some thousand times real time.
         due_ms.min(most_ms) as u32

@@ -9,7 +9,7 @@ use super::command::Group;
 use super::mask::{Mask, WITH_BUMPER, WITH_COMPASS, WITH_INFRARED, WITH_LASER, WITH_SONAR};
 
 /// Most points of the laser.
-pub const MOST_LASER_POINTS: usize = 482;
+pub const MAX_LASER_POINTS: usize = 482;
 
 /// Where the robot was when something was sensed, and when that was.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -41,7 +41,7 @@ pub struct State {
     pub acceleration: [u16; 3],
     /// 0.1°.
     pub compass: u16,
-    /// Points or pixels of the laser, at most [`MOST_LASER_POINTS`].
+    /// Points or pixels of the laser, at most [`MAX_LASER_POINTS`].
     pub laser: Vec<u16>,
     /// Bit 0: translation is active; 1: steering; 2: turret.
     pub motors: u8,
@@ -279,7 +279,7 @@ impl State {
     }
 
     fn put_laser(&self, out: &mut Vec<u8>, mask: &Mask) {
-        let points = self.laser.get(..MOST_LASER_POINTS).unwrap_or(&self.laser);
+        let points = self.laser.get(..MAX_LASER_POINTS).unwrap_or(&self.laser);
         // At most 482.
         put_u16(out, points.len() as u16);
         points.iter().for_each(|&point| put_u16(out, point));

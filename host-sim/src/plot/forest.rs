@@ -17,7 +17,7 @@ const ABOVE: f64 = 50.0;
 /// Height below them: the axes' numbers, px.
 const BELOW: f64 = 34.0;
 /// Up to so many values are drawn as dots of their own.
-const MOST_DOTS: usize = 60;
+const MAX_DOTS: usize = 60;
 
 /// What is drawn of one measure in one row.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,7 +35,7 @@ impl Mark {
         match self {
             Self::Interval(mean) => mean.interval,
             Self::Spread([low, .., high], values) => match (values.first(), values.last()) {
-                (Some(first), Some(last)) if values.len() <= MOST_DOTS => [*first, *last],
+                (Some(first), Some(last)) if values.len() <= MAX_DOTS => [*first, *last],
                 _ => [*low, *high],
             },
             Self::Nothing => [f64::INFINITY, f64::NEG_INFINITY],
@@ -187,7 +187,7 @@ impl Axis {
                     &filled(SKY, BLUE, 1.4),
                 );
                 svg.line([middle, y - half], [middle, y + half], &stroke(INK, 2.2));
-                if values.len() <= MOST_DOTS {
+                if values.len() <= MAX_DOTS {
                     self.dots(svg, y, values);
                 }
             }

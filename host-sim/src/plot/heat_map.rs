@@ -15,7 +15,7 @@ const CELL: f64 = 30.0;
 /// Height of a section's title and its panels', px.
 const TITLES: f64 = 44.0;
 /// Longest label of a column, in characters.
-const MOST_LETTERS: usize = 14;
+const MAX_LETTERS: usize = 14;
 
 /// One measure.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,7 +60,7 @@ pub fn heat_maps(
         .unwrap_or(0);
     let upright = letters as f64 * 6.3 + 4.0 > width;
     let above = if upright {
-        letters.min(MOST_LETTERS) as f64 * 6.2 + 10.0
+        letters.min(MAX_LETTERS) as f64 * 6.2 + 10.0
     } else {
         18.0
     };
@@ -81,7 +81,7 @@ pub fn heat_maps(
                 cells + (row as f64 + 0.5) * CELL + 4.0,
             ];
             let font = Font::new(11.5).color(INK).at(Anchor::End);
-            svg.text(at, font, &shortened(label, MOST_LETTERS));
+            svg.text(at, font, &shortened(label, MAX_LETTERS));
         }
         for (place, map) in maps.iter().take(COLUMNS).enumerate() {
             let panel = width * along.labels.len() as f64 + GAP;
@@ -102,7 +102,7 @@ fn labels(svg: &mut Svg, [left, top]: [f64; 2], width: f64, upright: bool, label
     let font = Font::new(11.0).color(INK);
     for (column, label) in labels.iter().enumerate() {
         let middle = left + (column as f64 + 0.5) * width;
-        let label = shortened(label, MOST_LETTERS);
+        let label = shortened(label, MAX_LETTERS);
         if upright {
             let length = label.chars().count() as f64 * 6.2;
             svg.text_upwards([middle + 4.0, top - 6.0 - length / 2.0], font, &label);

@@ -3,7 +3,7 @@
 //!
 //! A vector of components in [−1, 1] is held in whole blocks of sixteen lanes; lanes without a component are 0.
 
-use amp::fixed::{FINE_ONE_BITS, Fine, Gain};
+use amp::fixed::{FINE_ONE_BITS, Gain, Weight32};
 use wide::{i16x8, i32x4, i32x8, u32x4};
 
 /// Components of a block: as many as have products whose sum fits 32 bits, 16 · 2²⁶ = 2³⁰.
@@ -19,7 +19,7 @@ pub const fn blocks(dims: usize) -> usize {
 
 /// The upper halves of a vector's components, into its blocks.
 #[inline(always)]
-pub fn round_down<'a>(vector: &[Fine], mut upper: impl Iterator<Item = &'a mut Upper>) {
+pub fn round_down<'a>(vector: &[Weight32], mut upper: impl Iterator<Item = &'a mut Upper>) {
     let (whole, rest) = vector.as_chunks();
     for (block, upper) in whole.iter().zip(&mut upper) {
         *upper = upper_halves(load(block));
@@ -39,9 +39,9 @@ pub fn dot([a0, a1]: &Upper, [b0, b1]: &Upper) -> i64 {
 /// units of 2⁻²⁶.
 #[inline(always)]
 pub fn pull<'a>(
-    row: &mut [Fine],
+    row: &mut [Weight32],
     mut upper: impl Iterator<Item = &'a mut Upper>,
-    probe: &[Fine],
+    probe: &[Weight32],
     gain: Gain,
 ) -> i64 {
     let ((whole, rest), (probe, probe_rest)) = (row.as_chunks_mut(), probe.as_chunks());
@@ -62,7 +62,7 @@ pub fn pull<'a>(
 }
 
 #[inline(always)]
-fn pull_block(block: &mut [Fine; LANES], probe: &[Fine; LANES], gain: Gain) -> Upper {
+fn pull_block(block: &mut [Weight32; LANES], probe: &[Weight32; LANES], gain: Gain) -> Upper {
     let (from, to) = (load(block), load(probe));
     let moved = match gain {
         Gain::ONE => to,
@@ -70,14 +70,14 @@ fn pull_block(block: &mut [Fine; LANES], probe: &[Fine; LANES], gain: Gain) -> U
     };
     let bits = moved.map(i32x4::to_array);
     for (w, bits) in block.iter_mut().zip(bits.as_flattened()) {
-        *w = Fine::from_bits(*bits);
+        *w = Weight32::from_bits(*bits);
     }
     upper_halves(moved)
 }
 
 #[cold]
-fn padded(components: &[Fine]) -> [Fine; LANES] {
-    let mut block = [Fine::ZERO; LANES];
+fn padded(components: &[Weight32]) -> [Weight32; LANES] {
+    let mut block = [Weight32::ZERO; LANES];
     for (component, given) in block.iter_mut().zip(components) {
         *component = *given;
     }
@@ -86,9 +86,9 @@ fn padded(components: &[Fine]) -> [Fine; LANES] {
 
 /// The components, four by four.
 #[inline(always)]
-fn load(block: &[Fine; LANES]) -> [i32x4; 4] {
+fn load(block: &[Weight32; LANES]) -> [i32x4; 4] {
     let (fours, _) = block.as_chunks();
-    std::array::from_fn(|i| i32x4::new(fours[i].map(Fine::to_bits)))
+    std::array::from_fn(|i| i32x4::new(fours[i].map(Weight32::to_bits)))
 }
 
 #[inline(always)]
@@ -113,11 +113,11 @@ fn approach(from: i32x4, to: i32x4, gain: Gain) -> i32x4 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use amp::fixed::{approach, coarse, squared_norm};
+    use amp::fixed::{approach, squared_norm, to_weight16};
     use proptest::prelude::*;
 
-    fn vector(bits: impl Iterator<Item = i32>) -> Vec<Fine> {
-        bits.map(Fine::from_bits).collect()
+    fn vector(bits: impl Iterator<Item = i32>) -> Vec<Weight32> {
+        bits.map(Weight32::from_bits).collect()
     }
 
     proptest! {
@@ -150,7 +150,7 @@ mod tests {
                 round_down(vector, upper.iter_mut());
                 upper
             });
-            let [x, y] = vectors.map(|vector| vector.into_iter().map(coarse).collect::<Vec<_>>());
+            let [x, y] = vectors.map(|vector| vector.into_iter().map(to_weight16).collect::<Vec<_>>());
             let product: i64 = a.iter().zip(&b).map(|(a, b)| dot(a, b)).sum();
             prop_assert_eq!(product, amp::fixed::dot(&x, &y));
         }

@@ -1,7 +1,7 @@
 //! A map of run-time size that searches and learns as the maps of the robot, bit for bit.
 
 use super::lanes::{self, Upper};
-use amp::fixed::{FINE_ONE_BITS, Fine, Gain, Mask, ONE_BITS, squared_norm};
+use amp::fixed::{FINE_ONE_BITS, Gain, Mask, ONE_BITS, Weight32, squared_norm};
 use amp::som::metrics::{MapView, Quality, u_matrix_value};
 use amp::som::neighborhood::View;
 use amp::som::{Grid, kernels};
@@ -11,7 +11,7 @@ use amp::som::{Grid, kernels};
 pub struct DynSom {
     grid: Grid,
     dims: usize,
-    code: Vec<Fine>,
+    code: Vec<Weight32>,
     /// The upper halves of the code vectors, which searches read: of all neurons the first block, then the second.
     upper: Vec<Upper>,
     norms: Vec<i64>,
@@ -35,11 +35,11 @@ impl DynSom {
     /// A map of `dims` ≥ 1 components with these code vectors, one after another; components are clamped to [−1, 1],
     /// missing ones are 0.
     #[must_use]
-    pub fn new(grid: Grid, dims: usize, mut code: Vec<Fine>) -> Self {
+    pub fn new(grid: Grid, dims: usize, mut code: Vec<Weight32>) -> Self {
         let dims = dims.max(1);
-        code.resize(grid.len() * dims, Fine::ZERO);
+        code.resize(grid.len() * dims, Weight32::ZERO);
         for weight in &mut code {
-            *weight = Fine::from_bits(weight.to_bits().clamp(-FINE_ONE_BITS, FINE_ONE_BITS));
+            *weight = Weight32::from_bits(weight.to_bits().clamp(-FINE_ONE_BITS, FINE_ONE_BITS));
         }
         let blocks = lanes::blocks(dims);
         let mut upper = vec![Upper::default(); grid.len() * blocks];
@@ -70,13 +70,13 @@ impl DynSom {
     }
 
     /// The code vectors, neuron by neuron.
-    pub fn code_vectors(&self) -> impl Iterator<Item = &[Fine]> {
+    pub fn code_vectors(&self) -> impl Iterator<Item = &[Weight32]> {
         self.code.chunks_exact(self.dims)
     }
 
     /// The best-matching unit of a probe, whose components lie in [−1, 1]; the lowest index on ties.
     #[inline]
-    pub fn winner(&mut self, probe: &[Fine]) -> usize {
+    pub fn winner(&mut self, probe: &[Weight32]) -> usize {
         lanes::round_down(probe, self.probe.iter_mut());
         self.scores.copy_from_slice(&self.norms);
         let blocks = self.upper.chunks_exact(self.grid.len()).zip(&self.probe);
@@ -92,7 +92,7 @@ impl DynSom {
 
     /// One presentation: moves the winner and its neighbors towards the probe. Returns the winner.
     #[inline]
-    pub fn learn(&mut self, probe: &[Fine], pull: View<'_>) -> usize {
+    pub fn learn(&mut self, probe: &[Weight32], pull: View<'_>) -> usize {
         let winner = self.winner(probe);
         pull.each(self.grid, winner, |k, gain| {
             let row = &mut self.code[k * self.dims..][..self.dims];
@@ -103,14 +103,14 @@ impl DynSom {
     }
 
     /// One presentation of each sample with the same pull; `samples` holds them one after another.
-    pub fn learn_all(&mut self, samples: &[Fine], pull: View<'_>) {
+    pub fn learn_all(&mut self, samples: &[Weight32], pull: View<'_>) {
         for probe in samples.chunks_exact(self.dims) {
             self.learn(probe, pull);
         }
     }
 
     /// How good the map is for these samples, which stand one after another.
-    pub fn measure(&mut self, samples: &[Fine]) -> Measures {
+    pub fn measure(&mut self, samples: &[Weight32]) -> Measures {
         let mut scores = std::mem::take(&mut self.scores);
         let mut quality = Quality::default();
         let mut hits = vec![0; self.grid.len()];

@@ -17,7 +17,7 @@ pub use report::Report;
 
 use crate::error::BadInput;
 use crate::noise::Noise;
-use amp::fixed::Fine;
+use amp::fixed::Weight32;
 use args::Init;
 use scale::Scale;
 use std::path::Path;
@@ -88,7 +88,7 @@ fn training(args: &SomArgs, data: &Table) -> Result<Training, BadInput> {
 fn start(
     args: &SomArgs,
     scale: Scale,
-    samples: &[Fine],
+    samples: &[Weight32],
     dims: usize,
     noise: &mut Noise,
 ) -> Result<DynSom, BadInput> {

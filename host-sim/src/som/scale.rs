@@ -7,7 +7,7 @@
 
 use super::table::Table;
 use crate::error::BadInput;
-use amp::fixed::{FINE_ONE_BITS, Fine};
+use amp::fixed::{FINE_ONE_BITS, Weight32};
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
@@ -61,15 +61,16 @@ impl Scale {
     }
 
     /// The weight nearest to a value, or nothing when the value lies outside this part of the scale.
-    fn weight(self, value: f64, part: &RangeInclusive<f64>) -> Option<Fine> {
+    fn weight(self, value: f64, part: &RangeInclusive<f64>) -> Option<Weight32> {
         let share = (value - self.least) / self.span;
         let bits = (share.clamp(-1.0, 1.0) * f64::from(FINE_ONE_BITS)).round();
-        part.contains(&share).then(|| Fine::from_bits(bits as i32))
+        part.contains(&share)
+            .then(|| Weight32::from_bits(bits as i32))
     }
 
     /// The value a weight stands for.
     #[must_use]
-    pub fn value(self, weight: Fine) -> f64 {
+    pub fn value(self, weight: Weight32) -> f64 {
         self.at(f64::from(weight.to_bits()) / f64::from(FINE_ONE_BITS))
     }
 
@@ -88,7 +89,7 @@ impl Scale {
     ///
     /// # Errors
     /// A sentence naming the line, column and value that lies outside the scale.
-    pub fn samples(self, table: &Table) -> Result<Vec<Fine>, BadInput> {
+    pub fn samples(self, table: &Table) -> Result<Vec<Weight32>, BadInput> {
         self.weights(table, &(0.0..=1.0))
     }
 
@@ -97,11 +98,11 @@ impl Scale {
     ///
     /// # Errors
     /// As [`samples`](Self::samples).
-    pub fn code(self, table: &Table) -> Result<Vec<Fine>, BadInput> {
+    pub fn code(self, table: &Table) -> Result<Vec<Weight32>, BadInput> {
         self.weights(table, &CODE)
     }
 
-    fn weights(self, table: &Table, part: &RangeInclusive<f64>) -> Result<Vec<Fine>, BadInput> {
+    fn weights(self, table: &Table, part: &RangeInclusive<f64>) -> Result<Vec<Weight32>, BadInput> {
         let mut weights = Vec::with_capacity(table.rows.len() * table.columns());
         for (row, &line) in table.rows.iter().zip(&table.lines) {
             for (index, &value) in row.iter().enumerate() {
@@ -152,7 +153,9 @@ mod tests {
         assert_eq!(bits, [0, 1 << 29, 1 << 28, 107_374_182]);
         assert_eq!(scale.span(), 10.0);
         assert_eq!(
-            Scale::of(&table("3,3\n3,3\n")).unwrap().value(Fine::ZERO),
+            Scale::of(&table("3,3\n3,3\n"))
+                .unwrap()
+                .value(Weight32::ZERO),
             3.0
         );
     }
@@ -196,9 +199,9 @@ mod tests {
             // Below a relative width of 2⁻²⁰ the value's own 53 bits no longer hold the steps.
             prop_assume!(span / least.abs().max(span) > 1e-6);
             let scale = Scale::between(least, least + span).unwrap();
-            let printed = format!("{:.*}", scale.decimals(), scale.value(Fine::from_bits(bits)));
+            let printed = format!("{:.*}", scale.decimals(), scale.value(Weight32::from_bits(bits)));
             let read = scale.weight(printed.parse().unwrap(), &CODE);
-            prop_assert_eq!(read, Some(Fine::from_bits(bits)));
+            prop_assert_eq!(read, Some(Weight32::from_bits(bits)));
         }
     }
 }

@@ -1,7 +1,7 @@
 use super::*;
-use amp::fixed::{Fine, Scalar as _};
+use amp::fixed::{Scalar as _, Weight32};
 use amp::som::metrics::MapView;
-use amp::som::neighborhood::{Pull, View};
+use amp::som::neighborhood::{Update, View};
 use amp::som::{Grid, Neighborhood, Som};
 use clap::{Args as _, FromArgMatches as _};
 use tempfile::TempDir;
@@ -181,15 +181,19 @@ fn it_learns_as_the_robot_does() {
         bits.map(amp::fixed::unit_weight).collect()
     };
     let (code, samples) = (draw(6 * 31), draw(200 * 31));
-    let fine =
-        |weights: &[amp::fixed::Weight]| weights.iter().map(|w| w.fine()).collect::<Vec<_>>();
+    let to_weight32 = |weights: &[amp::fixed::Weight]| {
+        weights.iter().map(|w| w.to_weight32()).collect::<Vec<_>>()
+    };
     let grid = Grid::rectangle(3, 2);
     for shape in [Neighborhood::Direct, Neighborhood::Gaussian] {
         let mut fixed = Som::<6, 31>::new(grid, std::array::from_fn(|k| code.as_chunks().0[k]));
-        let mut dynamic = DynSom::new(grid, 31, fine(&code));
+        let mut dynamic = DynSom::new(grid, 31, to_weight32(&code));
         let mut axis = dynamic.axis();
-        dynamic.learn_all(&fine(&samples), View::new(shape, 9_000, 40_000, &mut axis));
-        let pull = Pull::<6>::new(shape, 9_000, 40_000);
+        dynamic.learn_all(
+            &to_weight32(&samples),
+            View::new(shape, 9_000, 40_000, &mut axis),
+        );
+        let pull = Update::<6>::new(shape, 9_000, 40_000);
         for probe in samples.as_chunks::<31>().0 {
             let winner = fixed.winner(probe, amp::fixed::Mask::ALL);
             fixed.learn(winner, probe, amp::fixed::Mask::ALL, &pull);
@@ -204,7 +208,7 @@ fn it_learns_as_the_robot_does() {
             code
         );
         let (quality, hits) = fixed.quality(samples.as_chunks().0);
-        let measures = dynamic.measure(&fine(&samples));
+        let measures = dynamic.measure(&to_weight32(&samples));
         assert_eq!(measures.hits, hits.map(|hit| hit as usize));
         assert_eq!(
             measures.topographic_error,
@@ -215,7 +219,7 @@ fn it_learns_as_the_robot_does() {
 
 #[test]
 fn the_shuffle_keeps_every_sample() {
-    let samples: Vec<_> = (0..50).map(Fine::from_bits).collect();
+    let samples: Vec<_> = (0..50).map(Weight32::from_bits).collect();
     let mut shuffled = samples.clone();
     train::shuffle(&mut shuffled, 2, &mut Noise::new(1));
     assert_ne!(shuffled, samples);
@@ -227,13 +231,13 @@ fn the_shuffle_keeps_every_sample() {
 #[test]
 fn starts_lie_among_the_samples() {
     let bits = [100, 7_000, 300, 8_000, 200, 7_500];
-    let samples: Vec<_> = bits.map(Fine::from_bits).to_vec();
+    let samples: Vec<_> = bits.map(Weight32::from_bits).to_vec();
     let map = train::start_at_samples(Grid::chain(3), 2, &samples, &mut Noise::new(1));
     let mut rows: Vec<_> = map.code_vectors().map(<[_]>::to_vec).collect();
     rows.sort();
     assert_eq!(
         rows.concat(),
-        [100, 7_000, 200, 7_500, 300, 8_000].map(Fine::from_bits)
+        [100, 7_000, 200, 7_500, 300, 8_000].map(Weight32::from_bits)
     );
     let map = train::start_at_random(Grid::chain(100), 2, &samples, &mut Noise::new(1));
     for row in map.code_vectors() {

@@ -6,7 +6,7 @@
 
 use super::map::DynSom;
 use crate::noise::Noise;
-use amp::fixed::Fine;
+use amp::fixed::Weight32;
 use amp::som::neighborhood::View;
 use amp::som::{Grid, Neighborhood, Schedule};
 
@@ -39,7 +39,12 @@ pub struct Training {
 
 /// Code vectors that are random samples: different ones as long as there are enough.
 #[must_use]
-pub fn start_at_samples(grid: Grid, dims: usize, samples: &[Fine], noise: &mut Noise) -> DynSom {
+pub fn start_at_samples(
+    grid: Grid,
+    dims: usize,
+    samples: &[Weight32],
+    noise: &mut Noise,
+) -> DynSom {
     let rows: Vec<_> = samples.chunks_exact(dims.max(1)).collect();
     let mut left = Vec::new();
     let mut code = Vec::with_capacity(grid.len() * dims);
@@ -56,24 +61,24 @@ pub fn start_at_samples(grid: Grid, dims: usize, samples: &[Fine], noise: &mut N
 
 /// Code vectors whose components are uniform between the least and the greatest value of each component.
 #[must_use]
-pub fn start_at_random(grid: Grid, dims: usize, samples: &[Fine], noise: &mut Noise) -> DynSom {
-    let mut ends = vec![(Fine::MAX, Fine::MIN); dims];
+pub fn start_at_random(grid: Grid, dims: usize, samples: &[Weight32], noise: &mut Noise) -> DynSom {
+    let mut ends = vec![(Weight32::MAX, Weight32::MIN); dims];
     for sample in samples.chunks_exact(dims.max(1)) {
         for ((low, high), &value) in ends.iter_mut().zip(sample) {
             (*low, *high) = (value.min(*low), value.max(*high));
         }
     }
-    let mut draw = |&(low, high): &(Fine, Fine)| {
+    let mut draw = |&(low, high): &(Weight32, Weight32)| {
         let width = high.to_bits() - low.to_bits();
         let steps = noise.index(usize::try_from(width + 1).unwrap_or(1));
-        low.saturating_add(Fine::from_bits(steps as i32))
+        low.saturating_add(Weight32::from_bits(steps as i32))
     };
     let code = (0..grid.len()).flat_map(|_| ends.iter().map(&mut draw).collect::<Vec<_>>());
     DynSom::new(grid, dims, code.collect())
 }
 
 /// Trains a map on samples that stand one after another.
-pub fn train(map: &mut DynSom, samples: &[Fine], training: &Training, noise: &mut Noise) {
+pub fn train(map: &mut DynSom, samples: &[Weight32], training: &Training, noise: &mut Noise) {
     let dims = map.dims();
     let count = samples.len() / dims;
     let steps = u32::try_from(count as u64 * u64::from(training.epochs)).unwrap_or(u32::MAX);
@@ -96,7 +101,7 @@ pub fn train(map: &mut DynSom, samples: &[Fine], training: &Training, noise: &mu
 }
 
 /// Exchanges rows until every order is equally likely.
-pub(super) fn shuffle(rows: &mut [Fine], dims: usize, noise: &mut Noise) {
+pub(super) fn shuffle(rows: &mut [Weight32], dims: usize, noise: &mut Noise) {
     for last in (1..rows.len() / dims).rev() {
         let other = noise.index(last + 1);
         if other != last {

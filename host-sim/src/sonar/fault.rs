@@ -39,7 +39,7 @@ pub enum FaultKind {
 }
 
 /// Most firings by which a reading is late.
-const MOST_DELAY: usize = 1_000;
+const MAX_DELAY: usize = 1_000;
 
 impl FaultKind {
     /// The names, in the order of the variants.
@@ -185,7 +185,7 @@ impl FromStr for TransducerFault {
             "offset" => FaultKind::Offset(number("a length in meters", -6.5, 6.5)?),
             "jumping" => FaultKind::Jumping(probability()?),
             "noisy" => FaultKind::Noisy(number("a standard deviation in meters", 0.0, 6.5)?),
-            "delayed" => FaultKind::Delayed(count("a number of firings", 1, MOST_DELAY)?),
+            "delayed" => FaultKind::Delayed(count("a number of firings", 1, MAX_DELAY)?),
             "intermittent" => FaultKind::Intermittent(probability()?),
             "crosstalk" => FaultKind::Crosstalk(probability()?),
             "swapped" => match count("another transducer", 0, 15)? {

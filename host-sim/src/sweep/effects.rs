@@ -6,7 +6,7 @@ use crate::experiments::statistics::{Mean, bootstrap, quantile, wilson};
 use std::collections::BTreeMap;
 
 /// Most values of a key that are told apart; more numbers than that are put together, more texts left out.
-const MOST_VALUES: usize = 12;
+const MAX_VALUES: usize = 12;
 /// Stretches that many numbers are put into.
 const STRETCHES: usize = 8;
 
@@ -37,12 +37,12 @@ pub fn keys(table: &Table) -> (Vec<Key>, Vec<String>) {
         match (texts.len(), numbers) {
             (0 | 1, _) => {}
             (_, Ok(numbers)) => keys.push(of_numbers(name, numbers, texts, of_row)),
-            (..=MOST_VALUES, Err(_)) => keys.push(of_texts(name, texts, of_row)),
+            (..=MAX_VALUES, Err(_)) => keys.push(of_texts(name, texts, of_row)),
             (_, Err(_)) => left_out.push(name.to_owned()),
         }
     }
     let (worlds, of_row) = table.texts("world");
-    if (2..=MOST_VALUES).contains(&worlds.len()) {
+    if (2..=MAX_VALUES).contains(&worlds.len()) {
         keys.push(of_texts("world", worlds, of_row));
     }
     (keys, left_out)
@@ -69,7 +69,7 @@ fn of_texts(name: &str, texts: &[String], of_row: &[u32]) -> Key {
 /// Numbers in their order, each by itself or in stretches with equally many values.
 fn of_numbers(name: &str, mut numbers: Vec<f64>, texts: &[String], of_row: &[u32]) -> Key {
     numbers.sort_by(f64::total_cmp);
-    let stretches = if numbers.len() > MOST_VALUES {
+    let stretches = if numbers.len() > MAX_VALUES {
         STRETCHES
     } else {
         numbers.len()

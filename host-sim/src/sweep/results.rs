@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 /// What a power failure may cost at most.
 const SYNC_EVERY: Duration = Duration::from_secs(5);
 /// Longest head, bytes.
-const MOST_HEAD: u64 = 1 << 20;
+const MAX_HEAD: u64 = 1 << 20;
 /// How the first line begins.
 const MARK: &str = "# host-sim sweep ";
 
@@ -82,7 +82,7 @@ impl Header {
     pub fn read(path: &Path, input: &mut impl BufRead) -> Result<Self, BadInput> {
         let stranger = || BadInput::file(path, "is not a results file of `host-sim sweep`");
         let mut text = String::new();
-        let mut head = input.take(MOST_HEAD);
+        let mut head = input.take(MAX_HEAD);
         for _ in 0..2 {
             head.read_line(&mut text)
                 .map_err(|error| match error.kind() {

@@ -34,7 +34,7 @@ const ALIVE: Duration = Duration::from_millis(100);
 const CHECK: u32 = 10;
 
 /// So many questions in a row may remain without an answer before the board counts as lost.
-const MOST_SILENT: u32 = 3;
+const MAX_SILENT: u32 = 3;
 
 /// A board that is watched and steered.
 pub struct Board {
@@ -346,7 +346,7 @@ impl Source for Board {
                 whole
             }
             // It may only be slow.
-            Err(LinkError::Silent { .. }) if self.silent < MOST_SILENT => {
+            Err(LinkError::Silent { .. }) if self.silent < MAX_SILENT => {
                 self.silent += 1;
                 false
             }

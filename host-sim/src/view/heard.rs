@@ -1,6 +1,6 @@
 //! Where something was heard: what is shown of surroundings nobody has described.
 
-use super::snapshot::{MOST_PIECES, PIECE, Short, Showable, Xy};
+use super::snapshot::{MAX_PIECES, PIECE, Short, Showable, Xy};
 use super::trail::Pieces;
 use crate::sonar::RingGeometry;
 use crate::world::{Point, Pose};
@@ -23,7 +23,7 @@ impl Heard {
     /// Nothing yet.
     pub fn new() -> Self {
         Self {
-            pieces: Pieces::new("heard", MOST_PIECES),
+            pieces: Pieces::new("heard", MAX_PIECES),
             cells: BTreeSet::new(),
         }
     }
@@ -46,7 +46,7 @@ impl Heard {
         let place = ring.position + way * (geometry.face_radius_m + range_m);
         let cell = [place.x, place.y].map(|m| libm::floor(m / CELL_M) as i32);
         // The oldest are forgotten, and may be heard again.
-        if self.cells.len() >= MOST_PIECES * PIECE {
+        if self.cells.len() >= MAX_PIECES * PIECE {
             self.cells.clear();
         }
         if self.cells.insert(cell) {

@@ -5,7 +5,7 @@ use crate::pilot::SimState;
 use crate::world::{Point, Pose, Shape};
 use amp::action_map::Effect;
 use amp::config::Config;
-use amp::fixed::{Scalar, coarse};
+use amp::fixed::{Scalar, to_weight16};
 use amp::memory::{Sample, from_bytes};
 use amp::planner::{Plan, difference};
 use amp::scan::Situation;
@@ -98,7 +98,7 @@ fn maps(known: &SimState, config: &Config<16>) -> Maps {
         hits
     };
     let decode = |code: &[_; 2]| {
-        let code = [coarse(code[0]), coarse(code[1])];
+        let code = [to_weight16(code[0]), to_weight16(code[1])];
         meters(config.action_code.decode(code, config.robot.step_mm))
     };
     Maps {
@@ -205,7 +205,7 @@ pub(super) fn row(sample: &Sample<16>) -> Row {
 fn shorts<T: Scalar>(weights: &[T]) -> Vec<Short> {
     weights
         .iter()
-        .map(|weight| Short(weight.fine().to_num()))
+        .map(|weight| Short(weight.to_weight32().to_num()))
         .collect()
 }
 

@@ -27,7 +27,7 @@ use tokio::sync::{oneshot, watch};
 /// Most viewers without the token at a time.
 const MAX_WATCHERS: usize = 100;
 /// Orders that may wait for the robot's thread.
-const MOST_ORDERS: usize = 64;
+const MAX_ORDERS: usize = 64;
 /// Longest message of a viewer, bytes: a mind's file with a thousand samples, in hexadecimal, and room to spare.
 const LONGEST_MESSAGE: usize = 1 << 18;
 
@@ -124,7 +124,7 @@ pub fn serve(
 ) -> Result<(), BadInput> {
     let refuse =
         |error: std::io::Error| BadInput::new(format!("the view cannot be served: {error}"));
-    let (orders, asked) = sync_channel(MOST_ORDERS);
+    let (orders, asked) = sync_channel(MAX_ORDERS);
     let (show, latest) = watch::channel(Parts::default());
     let stage = Stage::new(source, options.speed);
     let seat = Arc::new(Mutex::new(Seat::new(door.token)));

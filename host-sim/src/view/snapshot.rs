@@ -7,7 +7,7 @@ use std::sync::{Arc, OnceLock};
 /// Decisions in a piece of the trail.
 pub const PIECE: usize = 64;
 /// Most pieces of the trail that are kept.
-pub const MOST_PIECES: usize = 100;
+pub const MAX_PIECES: usize = 100;
 
 /// A value with four decimals: below a tenth of a millimeter.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

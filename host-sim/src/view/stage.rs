@@ -7,7 +7,7 @@ use super::source::{Refused, Source, Stepped};
 use std::time::Duration;
 
 /// Most steps between two looks at what else there is to do.
-const MOST_STEPS: u32 = 64;
+const MAX_STEPS: u32 = 64;
 
 /// Shortest time between two snapshots.
 pub const FRAME: Duration = Duration::from_millis(100);
@@ -43,7 +43,7 @@ impl Stage {
         let now_s = now.as_secs_f64();
         // A source that has a time of its own is waited for at each step.
         let most = if self.source.abilities().pace {
-            MOST_STEPS
+            MAX_STEPS
         } else {
             1
         };

@@ -1,6 +1,6 @@
 //! What only grows, in pieces that no longer change once they are full: decisions, places where something was heard.
 
-use super::snapshot::{MOST_PIECES, Mark, PIECE, Part, Short, Showable};
+use super::snapshot::{MAX_PIECES, Mark, PIECE, Part, Short, Showable};
 use crate::episode::Stride;
 use crate::world::Point;
 use serde::Serialize;
@@ -98,7 +98,7 @@ impl Trail {
 
     /// The latest six thousand decisions.
     pub fn latest() -> Self {
-        Self::new("trail", MOST_PIECES)
+        Self::new("trail", MAX_PIECES)
     }
 }
 
@@ -146,12 +146,12 @@ mod tests {
         add(&mut trail);
         let text = trail.parts().next().unwrap().text();
         assert!(text.contains("[1.0,2.0,3.0,1,5,4,-1.0]"), "{text}");
-        for _ in 1..PIECE * (MOST_PIECES + 2) {
+        for _ in 1..PIECE * (MAX_PIECES + 2) {
             add(&mut trail);
         }
         let keys: Vec<_> = trail.parts().map(|part| part.key().1).collect();
-        assert_eq!(keys.len(), MOST_PIECES + 1);
-        assert_eq!([keys[0], keys[MOST_PIECES]], trail.ends());
+        assert_eq!(keys.len(), MAX_PIECES + 1);
+        assert_eq!([keys[0], keys[MAX_PIECES]], trail.ends());
         let next = trail.afresh();
         assert!(next.ends()[0] > trail.ends()[1]);
         assert_eq!(next.parts().count(), 1);

@@ -22,7 +22,7 @@ const PATIENCE: Duration = Duration::from_secs(5);
 const PING_EVERY: Duration = Duration::from_millis(250);
 
 /// Replies that may wait for a viewer.
-const MOST_REPLIES: usize = 64;
+const MAX_REPLIES: usize = 64;
 
 /// Gives up a viewer's place, however it ends.
 pub(super) struct Leaving {
@@ -52,7 +52,7 @@ impl Drop for Leaving {
 /// Serves a viewer until it goes.
 pub(super) async fn attend(socket: WebSocket, shared: Arc<Shared>, leaving: Leaving) {
     let (outgoing, incoming) = socket.split();
-    let (reply, replies) = mpsc::channel(MOST_REPLIES);
+    let (reply, replies) = mpsc::channel(MAX_REPLIES);
     let latest = shared.latest.clone();
     let seating = shared.seating.subscribe();
     // Whichever ends first ends the other; reading never waits for writing, so that a stop is always heard.

@@ -22,7 +22,7 @@ use crate::som::table::{Records, Table};
 /// Side of a cell, m; half of it is a cylinder's radius.
 const CELL_M: f64 = 0.15;
 /// Cells lie within so many of the origin.
-const MOST_CELLS: u16 = 1_000;
+const MAX_CELLS: u16 = 1_000;
 /// Where the robot starts.
 const START_M: Point = Point::new(-2.0, 3.0);
 /// Where it is to go.
@@ -194,7 +194,7 @@ fn cells(path: &Path) -> Result<Vec<Row>, BadInput> {
                 Table::cell(&source, *line, column, what)
             })
         };
-        let most = u32::from(MOST_CELLS);
+        let most = u32::from(MAX_CELLS);
         Ok((
             number(0, u32::MAX)?,
             [number(1, most)? as u16, number(2, most)? as u16],

@@ -1,8 +1,8 @@
 //! A configuration that says nothing yet.
 
 use super::{
-    AtGoal, Choice, Config, Exploration, Intermediate, Learning, Online, Order, Planning, Start,
-    Taught, Training,
+    AtGoal, Choice, Config, Exploration, Learning, Online, Order, Planning, Start, Subgoal, Taught,
+    Training,
 };
 use crate::action_map::{ActionCode, Recall};
 use crate::fixed::{Mask, Weight};
@@ -65,7 +65,7 @@ impl<const SENSORS: usize> Config<SENSORS> {
             planning: Planning {
                 choice: Choice::Recall,
                 wander: None,
-                intermediate: Intermediate::FewestHops,
+                intermediate: Subgoal::FewestHops,
                 recall: Recall::Distance,
                 from_measured: false,
                 together: false,

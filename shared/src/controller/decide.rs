@@ -6,12 +6,12 @@ use super::{Decision, Mode, Motion, Outputs, Pending, State, StopReason};
 use crate::action_map::Effect;
 use crate::config::{Choice, Config, Taught};
 use crate::fixed::Mask;
-use crate::goal::{Frame, Goal, missed};
+use crate::goal::{Frame, Goal, cost_of};
 use crate::memory::{self, Sample};
 use crate::planner::{NEXT_COURSE, Plan, Planner, Why};
 use crate::scan::{Aligned, Situation, rotated};
 use crate::som::Neighborhood;
-use crate::som::neighborhood::Pull;
+use crate::som::neighborhood::Update;
 use crate::units::{Bearing, Displacement, Millis};
 
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
@@ -207,7 +207,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             mask: enabled,
         };
         let halvings = self.halvings();
-        let pull = |rate: u32| Pull::new(Neighborhood::Direct, rate >> halvings, online.share_q16);
+        let pull =
+            |rate: u32| Update::new(Neighborhood::Direct, rate >> halvings, online.share_q16);
         let winner = match self.asked_by {
             Some(neuron) if online.blame_recalled => usize::from(neuron),
             _ => self
@@ -304,7 +305,7 @@ fn pursued<const SENSORS: usize>(
     }
     let values = situation.iter().map(|value| i32::from(value.to_bits()));
     let asked = || goal.asked(0, enabled);
-    let deviation = missed(asked(), values, goal.cap_bits(), i64::MAX);
+    let deviation = cost_of(asked(), values, goal.cap_bits(), i64::MAX);
     if goal.is_met_by(deviation, asked()) {
         *search = Search::NEW;
     } else if search.is_stuck(deviation, wander) {

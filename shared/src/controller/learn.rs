@@ -6,7 +6,7 @@ use crate::config::{Config, Order, Start, Taught, Training};
 use crate::fixed::{Mask, Weight, unit_weight};
 use crate::memory::{Sample, turned_change};
 use crate::scan::Situation;
-use crate::som::neighborhood::Pull;
+use crate::som::neighborhood::Update;
 use crate::units::Bearing;
 
 /// Presentations between two steps of the schedules. A slice ends with them at the latest, so that the maps do not depend
@@ -102,7 +102,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 training.rate.at(renewed, steps),
                 training.radius.at(renewed, steps),
             );
-            Pull::<NEURONS>::new(training.neighborhood, rate, radius)
+            Update::<NEURONS>::new(training.neighborhood, rate, radius)
         };
         let (for_situations, for_actions) = (pull(&learning.situations), pull(&learning.actions));
         let mut lesson = Lesson::empty();

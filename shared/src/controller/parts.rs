@@ -10,7 +10,7 @@
 use super::tracked::Tracked;
 use super::{Mode, State};
 use crate::faults::Detector;
-use crate::fixed::Fine;
+use crate::fixed::Weight32;
 use crate::memory::Sample;
 use crate::planner::Memo;
 use crate::som::Som;
@@ -173,7 +173,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 }
 
 fn map_byte<const NEURONS: usize, const DIMS: usize>(map: &Som<NEURONS, DIMS>, index: usize) -> u8 {
-    let component = map.component(index / COMPONENT).unwrap_or(Fine::ZERO);
+    let component = map.component(index / COMPONENT).unwrap_or(Weight32::ZERO);
     let bytes = component.to_bits().to_le_bytes();
     bytes.get(index % COMPONENT).copied().unwrap_or(0)
 }
@@ -189,7 +189,7 @@ fn write_map<const NEURONS: usize, const DIMS: usize>(
         return Err(PartError::Place);
     }
     for (index, component) in (offset / COMPONENT..).zip(components) {
-        map.set_component(index, Fine::from_bits(i32::from_le_bytes(*component)));
+        map.set_component(index, Weight32::from_bits(i32::from_le_bytes(*component)));
     }
     Ok(())
 }

@@ -656,7 +656,7 @@ fn a_map_that_starts_anywhere_has_values_of_either_sign_where_there_are_such() {
     let mut bench = Bench::new(config);
     bench.explore(20);
     bench.send(Event::Command(Command::Learn));
-    let spread = |code: &[crate::fixed::Fine]| {
+    let spread = |code: &[crate::fixed::Weight32]| {
         let bits = code.iter().map(|value| value.to_bits() >> 16);
         (bits.clone().min().unwrap_or(0), bits.max().unwrap_or(0))
     };
@@ -715,7 +715,7 @@ fn who_stays_keeps_the_course_while_looking_ahead() {
     }
 }
 
-/// A wall is wanted 0.5 m to the right, and it is nearer: the robot backs away from it and looks along it.
+/// Something is wanted 0.5 m behind to the right, and it is nearer: the robot backs away from it and looks along it.
 #[test]
 #[cfg_attr(miri, ignore = "four robots made ready: minutes")]
 fn who_follows_looks_along_the_way_whichever_way_the_robot_goes() {
@@ -724,15 +724,15 @@ fn who_follows_looks_along_the_way_whichever_way_the_robot_goes() {
         (bench.x, bench.y) = (1_700, 0);
         let near = bench.config.encoding.value(Some(Range::from_mm(500)));
         let mut components = [Component::ANY; 16];
-        components[12] = Component::equal(near);
+        components[9] = Component::equal(near);
         bench.send(Event::Command(Command::Seek(Goal {
             frame,
             going_q16,
             ..Goal::of(components)
         })));
         let decision = bench.ring().decision.expect("a decision");
-        let way = bench.config.robot.directions[bench.state.last_plan.travel()];
-        let (x, y) = way.times(250);
+        // Transducer 13 hears it best.
+        let (x, y) = bench.config.robot.directions[4].times(250);
         (
             bench.state.course.now(),
             Displacement::saturating(x, y),

@@ -29,7 +29,7 @@ impl Tracked {
     #[must_use]
     pub fn new(way: Displacement) -> Self {
         Self {
-            way: fine(way),
+            way: to_weight32(way),
             turned: Bearing::ZERO,
         }
     }
@@ -44,7 +44,7 @@ impl Tracked {
     /// The robot has moved and then its ring has turned: what is left of it.
     pub fn go(&mut self, moved: Displacement, turned: Bearing) {
         let (x, y) = self.way;
-        let (dx, dy) = turned_by(self.turned, fine(moved));
+        let (dx, dy) = turned_by(self.turned, to_weight32(moved));
         self.way = (x.wrapping_sub(dx), y.wrapping_sub(dy));
         self.turn(turned);
     }
@@ -55,7 +55,7 @@ impl Tracked {
     }
 }
 
-fn fine(way: Displacement) -> (i32, i32) {
+fn to_weight32(way: Displacement) -> (i32, i32) {
     (FINE * i32::from(way.dx_mm), FINE * i32::from(way.dy_mm))
 }
 

@@ -120,14 +120,17 @@ fn gains_multiply_to_the_nearest_and_know_their_half() {
 
 #[test]
 fn upper_halves_are_rounded_down() {
-    assert_eq!(coarse(Fine::from_bits((5 << 16) + 65_535)).to_bits(), 5);
-    assert_eq!(coarse(Fine::from_bits(-1)).to_bits(), -1);
-    assert_eq!(Weight::from_bits(-7).fine().to_bits(), -7 << 16);
     assert_eq!(
-        Weight::from_bits(-7).fine().coarse(),
-        Weight::from_bits(-7).coarse()
+        to_weight16(Weight32::from_bits((5 << 16) + 65_535)).to_bits(),
+        5
     );
-    assert_eq!(Fine::from_bits(9).fine(), Fine::from_bits(9));
+    assert_eq!(to_weight16(Weight32::from_bits(-1)).to_bits(), -1);
+    assert_eq!(Weight::from_bits(-7).to_weight32().to_bits(), -7 << 16);
+    assert_eq!(
+        Weight::from_bits(-7).to_weight32().to_weight16(),
+        Weight::from_bits(-7).to_weight16()
+    );
+    assert_eq!(Weight32::from_bits(9).to_weight32(), Weight32::from_bits(9));
     assert_eq!(
         (high_product(1 << 20, 1 << 20), high_product(-1, 1)),
         (1 << 8, -1)
@@ -180,7 +183,7 @@ proptest! {
 
     #[test]
     fn slow_steps_are_those_of_approach(from in -1_i32 << 29..=1 << 29, to in -1_i32 << 29..=1 << 29, gain in 0_u32..1 << 29) {
-        let (a, b, gain) = (Fine::from_bits(from), Fine::from_bits(to), Gain::from_bits(gain));
+        let (a, b, gain) = (Weight32::from_bits(from), Weight32::from_bits(to), Gain::from_bits(gain));
         prop_assert_eq!(approach_slowly(a, b, gain), approach(a, b, gain));
     }
 
@@ -196,7 +199,7 @@ proptest! {
 
     #[test]
     fn approach_stays_between(from in -1_i32 << 29..=1 << 29, to in -1_i32 << 29..=1 << 29, gain in 0_u32..=1 << 30) {
-        let (a, b) = (Fine::from_bits(from), Fine::from_bits(to));
+        let (a, b) = (Weight32::from_bits(from), Weight32::from_bits(to));
         let moved = approach(a, b, Gain::from_bits(gain));
         prop_assert!(moved >= a.min(b) && moved <= a.max(b));
         let exact = f64::from(from) + (f64::from(to) - f64::from(from)) * f64::from(gain) / f64::from(1 << 30);

@@ -141,7 +141,7 @@ impl<const SENSORS: usize> Goal<SENSORS> {
 mod tests {
     use super::*;
     use crate::fixed::Mask;
-    use crate::goal::{Frame, missed};
+    use crate::goal::{Frame, cost_of};
 
     fn config() -> Config<16> {
         Config::recommended()
@@ -164,7 +164,7 @@ mod tests {
         let goal = Goal::wall(Side::Right, Range::from_mm(600), &config());
         let deviation = |mm: f64, places: usize| {
             let values = beside_a_wall(mm).map(|value| i32::from(value.to_bits()));
-            missed(
+            cost_of(
                 goal.asked(places, Mask::ALL),
                 values.into_iter(),
                 goal.cap_bits(),
@@ -267,7 +267,7 @@ mod tests {
         let deviation = |place: usize, mm: u16| {
             let mut values = [0; 16];
             values[place] = i32::from(value(mm).to_bits());
-            missed(
+            cost_of(
                 goal.asked(0, Mask::ALL),
                 values.into_iter(),
                 goal.cap_bits(),

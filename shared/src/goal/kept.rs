@@ -5,24 +5,24 @@ use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 /// Most goals kept.
-pub const MOST_KEPT: usize = 8;
+pub const MAX_KEPT: usize = 8;
 
 /// Most bytes of a name.
-const MOST_NAME: usize = 12;
+const MAX_NAME: usize = 12;
 
 /// A name of 1 to 12 printable ASCII characters without blanks; padded with zeros.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Name([u8; MOST_NAME]);
+pub struct Name([u8; MAX_NAME]);
 
 impl Name {
     /// No name: stands for the goal that is pursued, wherever a name stands beside a goal.
-    pub const NONE: Self = Self([0; MOST_NAME]);
+    pub const NONE: Self = Self([0; MAX_NAME]);
 
     /// The name, if it may be one.
     #[must_use]
     pub fn new(text: &str) -> Option<Self> {
         let mut name = Self::NONE;
-        if text.len() > MOST_NAME {
+        if text.len() > MAX_NAME {
             return None;
         }
         for (place, byte) in name.0.iter_mut().zip(text.bytes()) {
@@ -47,17 +47,17 @@ impl Name {
         core::str::from_utf8(self.as_bytes()).unwrap_or("")
     }
 
-    pub(crate) const fn to_bytes(self) -> [u8; MOST_NAME] {
+    pub(crate) const fn to_bytes(self) -> [u8; MAX_NAME] {
         self.0
     }
 
-    pub(crate) const fn from_bytes(bytes: [u8; MOST_NAME]) -> Self {
+    pub(crate) const fn from_bytes(bytes: [u8; MAX_NAME]) -> Self {
         Self(bytes)
     }
 
     fn as_bytes(&self) -> &[u8] {
         let end = self.0.iter().position(|byte| *byte == 0);
-        self.0.get(..end.unwrap_or(MOST_NAME)).unwrap_or(&[])
+        self.0.get(..end.unwrap_or(MAX_NAME)).unwrap_or(&[])
     }
 }
 
@@ -90,10 +90,10 @@ impl core::fmt::Display for KeepError {
 
 impl core::error::Error for KeepError {}
 
-/// At most [`MOST_KEPT`] goals by name, in the order they came.
+/// At most [`MAX_KEPT`] goals by name, in the order they came.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct KeptGoals<const SENSORS: usize> {
-    goals: Vec<KeptGoal<SENSORS>, MOST_KEPT>,
+    goals: Vec<KeptGoal<SENSORS>, MAX_KEPT>,
 }
 
 impl<const SENSORS: usize> KeptGoals<SENSORS> {

@@ -3,7 +3,7 @@
 //! The node itself has no flash. It notes what a host asks for; whoever has the flash looks at [`Node::flash_task`], does
 //! it and says how it ended.
 
-use super::{Node, Outbox};
+use super::{FrameSink, Node};
 use crate::goal::{KeptGoal, Name};
 use crate::store::{Contents, ContentsMut, Fault};
 use crate::units::Millis;
@@ -72,7 +72,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 
     /// Says that nothing will be heard or said for at most `ms` milliseconds.
-    pub fn announce_pause(&mut self, ms: u32, now: Millis, out: &mut impl Outbox) {
+    pub fn announce_pause(&mut self, ms: u32, now: Millis, out: &mut impl FrameSink) {
         self.say(FromMind::Busy { ms }, now, out);
     }
 
@@ -81,7 +81,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         &mut self,
         result: Result<(), FlashError>,
         now: Millis,
-        out: &mut impl Outbox,
+        out: &mut impl FrameSink,
     ) {
         let Some(seq) = self.flash.seq.take() else {
             return;
@@ -115,7 +115,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 
     /// Says every goal, the present one first. Not a part of every request's stack.
     #[inline(never)]
-    pub(super) fn say_goals(&mut self, now: Millis, out: &mut impl Outbox) {
+    pub(super) fn say_goals(&mut self, now: Millis, out: &mut impl FrameSink) {
         let (name, goal) = (Name::NONE, self.goal);
         self.say(FromMind::Goal { name, goal }, now, out);
         for index in 0..self.goals.as_slice().len() {

@@ -1,10 +1,10 @@
 //! Configuration, maps and memory in pieces, and their checksums.
 
-use super::{MOST_CONFIG, Node, Outbox};
+use super::{FrameSink, MAX_CONFIG, Node};
 use crate::config::Config;
 use crate::controller::{self, PartError};
 use crate::units::Millis;
-use crate::wire::message::{FromMind, MOST_PIECE, Part, Refusal};
+use crate::wire::message::{FromMind, MAX_PIECE, Part, Refusal};
 use crate::wire::{Checksum, checksum};
 use heapless::Vec;
 
@@ -18,22 +18,22 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         part: Part,
         offset: u16,
         now: Millis,
-        out: &mut impl Outbox,
+        out: &mut impl FrameSink,
     ) {
-        let mut bytes = Vec::<u8, MOST_PIECE>::new();
+        let mut bytes = Vec::<u8, MAX_PIECE>::new();
         let start = usize::from(offset);
         let total = match known(part) {
             Some(part) => {
-                let mut buffer = [0; MOST_PIECE];
+                let mut buffer = [0; MAX_PIECE];
                 let count = self.state.read_part(part, start, &mut buffer);
                 let _ = bytes.extend_from_slice(buffer.get(..count).unwrap_or(&[]));
                 self.state.part_len(part)
             }
             None => {
-                let mut buffer = [0; MOST_CONFIG];
+                let mut buffer = [0; MAX_CONFIG];
                 let whole = self.config.to_bytes(&mut buffer);
                 let rest = whole.get(start..).unwrap_or(&[]);
-                let _ = bytes.extend_from_slice(rest.get(..MOST_PIECE).unwrap_or(rest));
+                let _ = bytes.extend_from_slice(rest.get(..MAX_PIECE).unwrap_or(rest));
                 whole.len()
             }
         };
@@ -79,7 +79,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 
     pub(super) fn config_crc(&self) -> u32 {
-        checksum(self.config.to_bytes(&mut [0; MOST_CONFIG]))
+        checksum(self.config.to_bytes(&mut [0; MAX_CONFIG]))
     }
 
     pub(super) fn maps_crc(&self) -> u32 {

@@ -1,6 +1,6 @@
 //! What a host may ask of a node.
 
-use super::{Node, Outbox};
+use super::{FrameSink, Node};
 use crate::controller::{Command, Event, Mode};
 use crate::goal::{Component, Goal};
 use crate::memory;
@@ -19,7 +19,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         seq: u16,
         message: &ToMind<SENSORS>,
         now: Millis,
-        out: &mut impl Outbox,
+        out: &mut impl FrameSink,
     ) {
         let answered = !matches!(message, ToMind::Alive { .. });
         let result = match *message {
@@ -88,7 +88,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         &mut self,
         question: &ToMind<SENSORS>,
         now: Millis,
-        out: &mut impl Outbox,
+        out: &mut impl FrameSink,
     ) -> Result<(), Refusal> {
         match *question {
             ToMind::Read { part, offset } => self.read_piece(part, offset, now, out),
@@ -125,7 +125,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 
     /// Takes the host's time of a frame; by the host's clock, time passes with it. Returns the moment by the session's clock.
-    fn hear_of(&mut self, at_ms: u32, now: Millis, out: &mut impl Outbox) -> Millis {
+    fn hear_of(&mut self, at_ms: u32, now: Millis, out: &mut impl FrameSink) -> Millis {
         let at = Millis::from_ms(at_ms);
         if self.link.clock() == Clock::Host {
             self.watch(at, now, out);
@@ -133,7 +133,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.link.heard(at, now)
     }
 
-    fn scan(&mut self, at: Millis, echoes: &[Heard], now: Millis, out: &mut impl Outbox) {
+    fn scan(&mut self, at: Millis, echoes: &[Heard], now: Millis, out: &mut impl FrameSink) {
         if self.source != Source::Link {
             return;
         }
@@ -154,7 +154,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         ttl_ms: u16,
         order: &Order<SENSORS>,
         now: Millis,
-        out: &mut impl Outbox,
+        out: &mut impl FrameSink,
     ) -> Result<(), Refusal> {
         let age_ms = self.link.age_ms(Millis::from_ms(at_ms), now);
         if age_ms > u32::from(ttl_ms) && *order != Order::Stop {
@@ -237,7 +237,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         parameter: Parameter,
         value: Option<i32>,
         now: Millis,
-        out: &mut impl Outbox,
+        out: &mut impl FrameSink,
     ) -> Result<(), Refusal> {
         if let Some(value) = value {
             self.standing()?;

@@ -18,7 +18,7 @@ type Small = Node<16, 16, 20>;
 #[derive(Default)]
 struct Said(Vec<Vec<u8>>);
 
-impl Outbox for Said {
+impl FrameSink for Said {
     fn send(&mut self, frame: &[u8]) -> bool {
         self.0.push(frame.to_vec());
         true
@@ -542,7 +542,7 @@ fn a_renewed_motion_is_the_same_and_a_shortened_one_a_revision() {
 #[test]
 fn a_full_way_out_is_counted() {
     struct Full;
-    impl Outbox for Full {
+    impl FrameSink for Full {
         fn send(&mut self, _: &[u8]) -> bool {
             false
         }

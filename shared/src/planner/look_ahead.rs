@@ -4,7 +4,7 @@
 //! associative memory does with any part of its content; the present situation plus that change is the situation to come.
 //! The action whose situation to come deviates least from the goal is taken.
 //!
-//! *The change of a direction* ([`Forward`]) is what all neurons together say of it: the linear map from action to change
+//! *The change of a direction* ([`ForwardModel`]) is what all neurons together say of it: the linear map from action to change
 //! that fits the neurons best (least squares, [`Recall by direction`](crate::action_map::Recall::Direction) turned round).
 //! One neuron alone knows its own direction only, and a short action, stretched to a whole step, magnifies its noise.
 //!
@@ -12,12 +12,12 @@
 //! the one towards which the goal fits the present situation best, with a preference for the course. Seen along it the goal
 //! stays the same for every candidate: the look-ahead keeps the distance, the travel sensor keeps the robot going.
 
-use super::forward::Forward;
-use super::landscape::Landscape;
+use super::cost_surface::CostSurface;
+use super::forward_model::ForwardModel;
 use super::{FAR, Plan, Planner, Why, cheapest, difference};
 use crate::config::Choice;
-use crate::fixed::{Fine, Mask, ONE_BITS, Weight, coarse};
-use crate::goal::{Asked, Frame, Goal, missed};
+use crate::fixed::{Mask, ONE_BITS, Weight, Weight32, to_weight16};
+use crate::goal::{Frame, Goal, ValueBounds, cost_of};
 use crate::scan::Situation;
 use crate::units::{Direction, Displacement};
 
@@ -41,7 +41,7 @@ struct Candidate {
 pub(super) struct Aim<'a, const SENSORS: usize> {
     goal: &'a Goal<SENSORS>,
     /// What it asks of each transducer in the ring's frame.
-    asked: &'a [Asked; SENSORS],
+    asked: &'a [ValueBounds; SENSORS],
     /// Place of the ring towards which the goal is pursued.
     place: usize,
     /// Direction in which going on is preferred; zero = none.
@@ -52,7 +52,7 @@ impl<'a, const SENSORS: usize> Aim<'a, SENSORS> {
     pub(super) fn new<const NEURONS: usize>(
         planner: &Planner<'_, SENSORS, NEURONS>,
         goal: &'a Goal<SENSORS>,
-        asked: &'a [Asked; SENSORS],
+        asked: &'a [ValueBounds; SENSORS],
         travel: usize,
     ) -> Self {
         let robot = &planner.config.robot;
@@ -68,7 +68,7 @@ impl<'a, const SENSORS: usize> Aim<'a, SENSORS> {
 
     fn deviation(&self, values: impl Iterator<Item = i32>) -> i64 {
         let asked = self.asked.iter().copied();
-        missed(asked, values, self.goal.cap_bits(), i64::MAX)
+        cost_of(asked, values, self.goal.cap_bits(), i64::MAX)
     }
 
     /// As [`Goal::holds`].
@@ -147,7 +147,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
                 return i64::MAX;
             }
             let asked = goal.asked(place, self.enabled);
-            let deviation = missed(asked, bits(situation), goal.cap_bits(), limit);
+            let deviation = cost_of(asked, bits(situation), goal.cap_bits(), limit);
             deviation.wrapping_sub(steady)
         };
         cheapest(SENSORS, first, score).0
@@ -163,7 +163,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
     ) -> Plan<SENSORS> {
         let config = self.config;
         let mask = self.enabled;
-        let mut forward = Forward::from(situation);
+        let mut forward = ForwardModel::from(situation);
         forward.fit(self.actions, config.action_code, config.robot.step_mm);
         let best = self.best(situation, aim, &forward);
         let values = match best.neuron {
@@ -200,10 +200,10 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         &self,
         situation: &Situation<SENSORS>,
         aim: &Aim<'_, SENSORS>,
-        forward: &Forward<SENSORS>,
+        forward: &ForwardModel<SENSORS>,
     ) -> Candidate {
-        let mut landscape = Landscape::flat(aim.goal.cap_bits());
-        landscape.shape(forward, aim.asked);
+        let mut cost_surface = CostSurface::flat(aim.goal.cap_bits());
+        cost_surface.shape(forward, aim.asked);
         // Where every action is inhibited the robot waits for the first to come back.
         let mut best = Candidate {
             direction: Direction::default(),
@@ -223,7 +223,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             let score = |heading: usize, limit: i64| {
                 let direction = directions.get(heading).copied().unwrap_or_default();
                 let going = aim.going(direction);
-                let deviation = landscape.at(direction, limit.wrapping_add(going));
+                let deviation = cost_surface.at(direction, limit.wrapping_add(going));
                 let score = deviation.wrapping_sub(going);
                 match score < limit && self.is_allowed(direction) {
                     true => score,
@@ -243,7 +243,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         if aim.goal.going_q16 == 0 {
             for share_q2 in SHORTER_Q2 {
                 let limit = best.score.wrapping_add(1);
-                let score = landscape.at(part(best.direction, share_q2), limit);
+                let score = cost_surface.at(part(best.direction, share_q2), limit);
                 if score <= best.score {
                     (best.share_q2, best.score, best.neuron) = (share_q2, score, None);
                 }
@@ -302,8 +302,8 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         let (mut farthest, mut most) = (0, i32::MIN);
         for (neuron, action) in self.actions.actions().code().iter().enumerate() {
             let [x, y] = action;
-            let product = |part: &Fine, q14: i16| {
-                i32::from(coarse(*part).to_bits()).wrapping_mul(i32::from(q14 >> 1))
+            let product = |part: &Weight32, q14: i16| {
+                i32::from(to_weight16(*part).to_bits()).wrapping_mul(i32::from(q14 >> 1))
             };
             let along = product(x, direction.x_q14).wrapping_add(product(y, direction.y_q14));
             if along > most {
@@ -343,7 +343,7 @@ mod tests {
         }
     }
 
-    fn all_asked(goal: &Goal<16>) -> [Asked; 16] {
+    fn all_asked(goal: &Goal<16>) -> [ValueBounds; 16] {
         let mut asked = goal.asked(0, Mask::ALL);
         core::array::from_fn(|_| asked.next().unwrap())
     }
@@ -416,7 +416,7 @@ mod tests {
             bench.config.believed = mask;
             let score = |place: usize| {
                 let along = cosine_q14(bench.config.robot.directions[place], unit(course));
-                missed(goal.asked(place, mask), values.into_iter().map(i32::from), goal.cap_bits(), i64::MAX) - weighted(steady, along)
+                cost_of(goal.asked(place, mask), values.into_iter().map(i32::from), goal.cap_bits(), i64::MAX) - weighted(steady, along)
             };
             let best = (0..16).min_by_key(|&place| (score(place), place));
             let planner = bench.planner(course, Mask::ALL);
@@ -437,16 +437,16 @@ mod tests {
             let situation = values.map(Weight::from_bits);
             let asked = all_asked(&goal);
             let aim = Aim { goal: &goal, asked: &asked, place, way: unit(course) };
-            let mut forward = Forward::from(&situation);
+            let mut forward = ForwardModel::from(&situation);
             forward.fit(&bench.actions, bench.config.action_code, 250);
-            let mut landscape = Landscape::flat(goal.cap_bits());
-            landscape.shape(&forward, &asked);
+            let mut cost_surface = CostSurface::flat(goal.cap_bits());
+            cost_surface.shape(&forward, &asked);
             let directions = bench.config.robot.directions;
             let score = |heading: usize, share_q2: i32| {
                 let share = part(directions[heading], share_q2);
                 let whole = i64::from(going) * i64::from(cosine_q14(directions[heading], aim.way));
                 let preferred = ((whole >> 4) * i64::from(share_q2)) >> 2;
-                landscape.at(share, i64::MAX) - preferred
+                cost_surface.at(share, i64::MAX) - preferred
             };
             let open = (0..16).filter(|&k| allowed.contains(planner.neuron_of(directions[k])));
             let best = planner.best(&situation, &aim, &forward);

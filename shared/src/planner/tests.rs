@@ -24,7 +24,7 @@ fn four() -> Config<4> {
     let mut config = Config::recommended().for_robot(robot);
     config.planning = Planning {
         choice: Choice::Recall,
-        intermediate: Intermediate::FewestHops,
+        intermediate: Subgoal::FewestHops,
         recall: Recall::Direction,
         together: false,
         unmet_only: false,
@@ -110,7 +110,7 @@ fn near(found: Displacement, dx_mm: i16, dy_mm: i16) -> bool {
 #[test]
 fn the_neighbor_nearer_to_the_goal_is_aimed_at() {
     let mut bench = Bench::new();
-    for intermediate in [Intermediate::FewestHops, Intermediate::NearestCode] {
+    for intermediate in [Subgoal::FewestHops, Subgoal::NearestCode] {
         bench.config.planning.intermediate = intermediate;
         let plan = bench.free([0.9, 0.0, 0.0, 0.0]);
         assert_eq!((plan.goal_neuron, plan.current_neuron), (3, 0));
@@ -132,7 +132,7 @@ fn the_neighbor_nearer_to_the_goal_is_aimed_at() {
 #[test]
 fn without_a_nearer_neighbor_the_goal_itself_is_aimed_at() {
     let mut bench = Bench::new();
-    bench.config.planning.intermediate = Intermediate::NearestCode;
+    bench.config.planning.intermediate = Subgoal::NearestCode;
     // Both neighbors of the first are farther from nothing than it is.
     bench
         .situations
@@ -150,10 +150,10 @@ fn without_a_nearer_neighbor_the_goal_itself_is_aimed_at() {
         difference(&[Weight::ZERO; 4], &weights([0.9, 0.0, 0.0, 0.0]))
     );
     // By grid steps it has one all the same.
-    bench.config.planning.intermediate = Intermediate::FewestHops;
+    bench.config.planning.intermediate = Subgoal::FewestHops;
     assert_eq!(bench.free([0.9, 0.0, 0.0, 0.0]).why, Why::Neighbour);
     // A goal the present neuron meets exactly leaves nothing nearer.
-    bench.config.planning.intermediate = Intermediate::NearestCode;
+    bench.config.planning.intermediate = Subgoal::NearestCode;
     bench.situations.set_code_vector(0, &weights([0.0; 4]));
     bench
         .situations
@@ -168,7 +168,7 @@ fn without_a_nearer_neighbor_the_goal_itself_is_aimed_at() {
 #[test]
 fn the_goal_can_be_aimed_at_without_a_neighbor() {
     let mut bench = Bench::new();
-    bench.config.planning.intermediate = Intermediate::Goal;
+    bench.config.planning.intermediate = Subgoal::Goal;
     let plan = bench.free([0.0, 0.0, 0.0, 0.75]);
     assert_eq!((plan.intermediate_neuron, plan.why), (3, Why::GoalDirectly));
     assert_eq!(plan.wanted, weights([0.0, 0.0, 0.0, -0.75]));
@@ -186,7 +186,7 @@ fn the_goal_can_be_aimed_at_without_a_neighbor() {
 #[test]
 fn what_is_met_already_is_not_wanted_if_so_configured() {
     let mut bench = Bench::new();
-    bench.config.planning.intermediate = Intermediate::FewestHops;
+    bench.config.planning.intermediate = Subgoal::FewestHops;
     let goal = Goal::of([
         Component::equal(Weight::ZERO),
         Component::at_least(Weight::from_num(0.25)),
@@ -228,7 +228,7 @@ fn at_the_goal_the_course_is_kept_turned_or_straight_ahead() {
 #[test]
 fn together_neurons_that_point_the_wanted_way_share_the_action() {
     let mut bench = Bench::new();
-    bench.config.planning.intermediate = Intermediate::Goal;
+    bench.config.planning.intermediate = Subgoal::Goal;
     bench.config.planning.together = true;
     // Ahead and on the right as much: half back, half left.
     let plan = bench.free([0.5, 0.0, 0.0, 0.5]);
@@ -243,7 +243,7 @@ fn together_neurons_that_point_the_wanted_way_share_the_action() {
 #[test]
 fn of_answers_that_cancel_out_the_best_one_counts() {
     let mut bench = Bench::new();
-    bench.config.planning.intermediate = Intermediate::Goal;
+    bench.config.planning.intermediate = Subgoal::Goal;
     bench.config.planning.together = true;
     let situation = [0.5, 0.0, 0.0, 0.0];
     let action = |bench: &mut Bench, second: f64| {
@@ -386,7 +386,7 @@ fn a_goal_in_the_frame_of_travel_is_recalled_along_its_way() {
     assert_eq!(plan.wanted[0], Weight::from_num(-0.5));
     // Without a neuron in between: half of it on the right, and nothing ahead.
     let mut config = bench.config.clone();
-    config.planning.intermediate = Intermediate::Goal;
+    config.planning.intermediate = Subgoal::Goal;
     let planner = Planner {
         config: &config,
         ..planner
@@ -530,7 +530,7 @@ fn the_strength_of_going_is_weighed_against_the_deviation() {
 #[test]
 fn a_neuron_that_keeps_the_course_is_preferred_where_so_configured() {
     let mut bench = Bench::new();
-    bench.config.planning.intermediate = Intermediate::Goal;
+    bench.config.planning.intermediate = Subgoal::Goal;
     let situation = [0.5, 0.0, 0.0, 0.5];
     assert!(near(bench.free(situation).action, -200, 0));
     bench.course = mm(0, 100);
@@ -541,7 +541,7 @@ fn a_neuron_that_keeps_the_course_is_preferred_where_so_configured() {
 #[test]
 fn a_share_of_the_course_is_added_and_the_sum_is_at_most_a_step() {
     let mut bench = Bench::new();
-    bench.config.planning.intermediate = Intermediate::Goal;
+    bench.config.planning.intermediate = Subgoal::Goal;
     bench.config.planning.inertia_q8 = 64;
     bench.course = mm(100, 0);
     // A step to the left and a quarter of one ahead, brought back to a step.
@@ -560,7 +560,7 @@ fn changes_are_differences_within_one() {
 #[test]
 fn a_goal_that_the_present_neuron_meets_has_no_nearer_neighbor() {
     let mut bench = Bench::new();
-    bench.config.planning.intermediate = Intermediate::NearestCode;
+    bench.config.planning.intermediate = Subgoal::NearestCode;
     // Both the last neuron and the second are nothing; the lower stands for the goal, the robot is at the other one.
     bench.situations.set_code_vector(1, &weights([0.0; 4]));
     bench

@@ -137,7 +137,7 @@ pub(super) struct Seen {
 }
 
 /// Where all points of an arc are, at most.
-pub(super) struct Bounds {
+pub(super) struct Extent {
     /// Least and greatest distance along the direction.
     pub(super) along: (i32, i32),
     /// Least distance from the line.
@@ -180,7 +180,7 @@ impl Seen {
     }
 
     /// A point is the middle, turned about the face by at most half the lobe.
-    pub(super) fn bounds(&self, lobe: &Lobe) -> Bounds {
+    pub(super) fn bounds(&self, lobe: &Lobe) -> Extent {
         let (cos, sin) = lobe.edge_q14();
         let (along, aside) = self.middle();
         let turned = |inward: i32, sideward: i32| {
@@ -191,7 +191,7 @@ impl Seen {
         };
         let depth = turned(self.reach.0, self.reach.1);
         let width = turned(self.reach.1, self.reach.0);
-        Bounds {
+        Extent {
             along: (along.wrapping_sub(depth), along.wrapping_add(depth)),
             aside: magnitude(aside).wrapping_sub(width),
         }

@@ -5,7 +5,7 @@
 //! Measured in scalar products: a search of 16 neurons of 16 components is 256 multiply–adds and 16 comparisons.
 
 use crate::fixed::{
-    Fine, Gain, Mask, ONE_BITS, Scalar, Weight, approach, approach_slowly, block_dot, dot,
+    Gain, Mask, ONE_BITS, Scalar, Weight, Weight32, approach, approach_slowly, block_dot, dot,
     high_product, isqrt, quotient, squared_distance, squared_norm,
 };
 
@@ -13,7 +13,7 @@ use crate::fixed::{
 /// |w|² − 2 w·x, in units of 2⁻²⁶.
 #[inline(always)]
 pub fn scores<P: Scalar>(
-    code: &[Fine],
+    code: &[Weight32],
     norms: impl Iterator<Item = i64>,
     dims: usize,
     probe: &[P],
@@ -25,7 +25,13 @@ pub fn scores<P: Scalar>(
 }
 
 /// As [`scores`], over the components that `mask` believes.
-pub fn scores_masked(code: &[Fine], dims: usize, probe: &[Weight], mask: Mask, scores: &mut [i64]) {
+pub fn scores_masked(
+    code: &[Weight32],
+    dims: usize,
+    probe: &[Weight],
+    mask: Mask,
+    scores: &mut [i64],
+) {
     for (row, score) in rows(code, dims).zip(scores) {
         let (norm, product) = masked_products(row, probe, mask);
         *score = norm.wrapping_sub(product.wrapping_mul(2));
@@ -34,7 +40,7 @@ pub fn scores_masked(code: &[Fine], dims: usize, probe: &[Weight], mask: Mask, s
 
 /// Dot product of the probe with each code vector over the components `mask` believes.
 pub fn projections(
-    code: &[Fine],
+    code: &[Weight32],
     dims: usize,
     probe: &[Weight],
     mask: Mask,
@@ -49,7 +55,7 @@ pub fn projections(
 /// length of all, in units of 2⁻¹³ · the probe's. The mean keeps code vectors much shorter than it, whose direction is
 /// mostly chance, from answering; where all are equally long, this is half the probe's length times the cosine.
 pub fn alignments(
-    code: &[Fine],
+    code: &[Weight32],
     norms: impl Iterator<Item = i64>,
     dims: usize,
     probe: &[Weight],
@@ -101,8 +107,8 @@ pub struct Kernels {
     /// The neuron whose rank, (base − 2 w·x) / 2 in units of 2⁻²⁶, is the least, if all others are above it by more than
     /// `margin`. Or else bit 16 + `k` for each neuron that is not; a single one, if some were close to another only. Half of
     /// a base and each product w x are rounded down; bases are such that no rank leaves 32 bits.
-    pub rivals: extern "C" fn(
-        code: &[[Fine; 16]; 16],
+    pub candidates: extern "C" fn(
+        code: &[[Weight32; 16]; 16],
         bases: &[i32; 16],
         probe: &[Weight; 16],
         margin: i32,
@@ -111,26 +117,29 @@ pub struct Kernels {
     /// its squared length times the first factor and of its components times the others.
     pub weigh: extern "C" fn(
         bases: &mut [i32; 16],
-        code: &[[Fine; 2]; 16],
+        code: &[[Weight32; 2]; 16],
         norms: &[i32; 16],
         factors: &[i32; 3],
     ),
     /// Moves the code vectors of two groups of neurons towards the probe as [`approach`], and keeps their squared lengths
     /// in step, the sums of their components' squares in units of 2⁻²⁶, each rounded down.
     pub pull: extern "C" fn(
-        code: &mut [[Fine; 16]; 16],
+        code: &mut [[Weight32; 16]; 16],
         norms: &mut [i32; 16],
         probe: &[Weight; 16],
         groups: &[Group; 2],
     ),
     /// Of the upper halves of each code vector the squared length and the dot product with the probe, in units of 2⁻²⁶.
-    pub measure:
-        extern "C" fn(code: &[[Fine; 16]; 16], probe: &[Weight; 16], measures: &mut [[i32; 2]; 16]),
+    pub measure: extern "C" fn(
+        code: &[[Weight32; 16]; 16],
+        probe: &[Weight; 16],
+        measures: &mut [[i32; 2]; 16],
+    ),
 }
 
 /// Squared length of a code vector in units of 2⁻²⁶, the square of each component rounded down.
 #[inline(always)]
-pub(crate) fn length_squared(row: &[Fine]) -> i32 {
+pub(crate) fn length_squared(row: &[Weight32]) -> i32 {
     row.iter().copied().map(square).fold(0, i32::wrapping_add)
 }
 
@@ -150,7 +159,7 @@ pub(crate) const RANK_BITS: u32 = 9;
 /// Adds −2 w·x of each code vector, by its upper halves, to its rank, in units of 2⁻¹⁷, rounded up.
 #[inline(always)]
 pub(crate) fn rank_products<const NEURONS: usize, const DIMS: usize>(
-    code: &[[Fine; DIMS]; NEURONS],
+    code: &[[Weight32; DIMS]; NEURONS],
     probe: &[Weight; DIMS],
     ranks: &mut [i32; NEURONS],
 ) {
@@ -162,7 +171,7 @@ pub(crate) fn rank_products<const NEURONS: usize, const DIMS: usize>(
 
 /// As a function of its own, which compilers do not write out twice: the chip's kernels have no use for it.
 #[inline(never)]
-fn row_product<const DIMS: usize>(row: &[Fine; DIMS], probe: &[Weight; DIMS]) -> i32 {
+fn row_product<const DIMS: usize>(row: &[Weight32; DIMS], probe: &[Weight; DIMS]) -> i32 {
     block_dot(row, probe)
 }
 
@@ -182,7 +191,7 @@ pub(crate) const fn rank_factor(x: Weight, weight_q8: u16) -> i32 {
 #[inline(always)]
 pub(crate) fn rank_sum<const DIMS: usize>(
     rank: i32,
-    row: &[Fine; DIMS],
+    row: &[Weight32; DIMS],
     factors: &[i32; DIMS],
 ) -> i32 {
     let products = row.iter().zip(factors);
@@ -202,14 +211,14 @@ pub(crate) const fn norm_factor(weight_q8: u16) -> i32 {
     (weight_q8 as i32) << 15
 }
 
-fn masked_products(row: &[Fine], probe: &[Weight], mask: Mask) -> (i64, i64) {
+fn masked_products(row: &[Weight32], probe: &[Weight], mask: Mask) -> (i64, i64) {
     if mask.covers(row.len()) {
         return (squared_norm(row), dot(row, probe));
     }
     let (mut norm, mut product) = (0_i64, 0_i64);
     for (index, (w, x)) in row.iter().zip(probe).enumerate() {
         if mask.contains(index) {
-            let (w, x) = (i64::from(w.coarse().to_bits()), i64::from(x.to_bits()));
+            let (w, x) = (i64::from(w.to_weight16().to_bits()), i64::from(x.to_bits()));
             norm = norm.wrapping_add(w * w);
             product = product.wrapping_add(w * x);
         }
@@ -217,7 +226,7 @@ fn masked_products(row: &[Fine], probe: &[Weight], mask: Mask) -> (i64, i64) {
     (norm, product)
 }
 
-fn rows(code: &[Fine], dims: usize) -> impl Iterator<Item = &[Fine]> {
+fn rows(code: &[Weight32], dims: usize) -> impl Iterator<Item = &[Weight32]> {
     code.chunks_exact(dims.max(1))
 }
 
@@ -321,7 +330,7 @@ pub(crate) enum Found {
 }
 
 impl Found {
-    /// What [`Kernels::rivals`] says.
+    /// What [`Kernels::candidates`] says.
     #[inline(always)]
     pub(crate) const fn by_hand(bits: u32) -> Self {
         if bits < 1 << 16 {
@@ -332,21 +341,21 @@ impl Found {
     }
 
     #[inline(always)]
-    pub(crate) const fn among(rivals: Mask) -> Self {
-        let bits = rivals.to_bits();
+    pub(crate) const fn among(candidates: Mask) -> Self {
+        let bits = candidates.to_bits();
         if bits & bits.wrapping_sub(1) == 0 {
             Self::One(bits.trailing_zeros() as usize)
         } else {
-            Self::Rivals(rivals)
+            Self::Rivals(candidates)
         }
     }
 }
 
 /// The nearest of the neurons, the lowest index on ties.
 #[inline(always)]
-pub(crate) fn nearest_of(rivals: Mask, distance: impl Fn(usize) -> u64) -> usize {
+pub(crate) fn nearest_of(candidates: Mask, distance: impl Fn(usize) -> u64) -> usize {
     let mut best = (0, u64::MAX);
-    for rival in rivals.indices(32) {
+    for rival in candidates.indices(32) {
         let distance = distance(rival);
         if distance < best.1 {
             best = (rival, distance);
@@ -357,7 +366,7 @@ pub(crate) fn nearest_of(rivals: Mask, distance: impl Fn(usize) -> u64) -> usize
 
 /// The neurons, at most 32, whose ranks are above the least by `margin` at most. One copy of it in a program.
 #[inline(never)]
-pub(crate) fn rivals<const NEURONS: usize>(ranks: &[i32; NEURONS], margin: i32) -> Mask {
+pub(crate) fn candidates<const NEURONS: usize>(ranks: &[i32; NEURONS], margin: i32) -> Mask {
     const { assert!(NEURONS <= 32, "a mask has 32 bits") };
     let (mut first, mut least, mut second) = (0, i32::MAX, i32::MAX);
     for (index, &rank) in ranks.iter().enumerate() {
@@ -371,20 +380,26 @@ pub(crate) fn rivals<const NEURONS: usize>(ranks: &[i32; NEURONS], margin: i32) 
         }
     }
     let most = least.saturating_add(margin);
-    let mut rivals = Mask::NONE.with(first);
+    let mut candidates = Mask::NONE.with(first);
     if second <= most {
         for (index, _) in ranks.iter().enumerate().filter(|(_, rank)| **rank <= most) {
-            rivals = rivals.with(index);
+            candidates = candidates.with(index);
         }
     }
-    rivals
+    candidates
 }
 
 /// Squared distance in full precision of the probe to code vector `k` over the components that `mask` believes, in units
 /// of 2⁻⁵⁰.
 #[inline(always)]
 #[must_use]
-pub fn distance<P: Scalar>(code: &[Fine], dims: usize, k: usize, probe: &[P], mask: Mask) -> u64 {
+pub fn distance<P: Scalar>(
+    code: &[Weight32],
+    dims: usize,
+    k: usize,
+    probe: &[P],
+    mask: Mask,
+) -> u64 {
     let start = k.wrapping_mul(dims);
     let row = code.get(start..start.wrapping_add(dims)).unwrap_or(&[]);
     squared_distance(row, probe, mask)
@@ -393,13 +408,13 @@ pub fn distance<P: Scalar>(code: &[Fine], dims: usize, k: usize, probe: &[P], ma
 /// As [`pull`] over all components by a gain below 1/2; returns the code vector's new [`length_squared`].
 #[inline(always)]
 pub(crate) fn pull_row<const DIMS: usize>(
-    row: &mut [Fine; DIMS],
+    row: &mut [Weight32; DIMS],
     probe: &[Weight; DIMS],
     gain: Gain,
 ) -> i32 {
     let mut norm = 0_i32;
     for (w, x) in row.iter_mut().zip(probe) {
-        *w = approach_slowly(*w, x.fine(), gain);
+        *w = approach_slowly(*w, x.to_weight32(), gain);
         norm = norm.wrapping_add(square(*w));
     }
     norm
@@ -408,7 +423,7 @@ pub(crate) fn pull_row<const DIMS: usize>(
 /// [`pull_row`] as a function of its own.
 #[inline(never)]
 pub(crate) fn pull_long_row<const DIMS: usize>(
-    row: &mut [Fine; DIMS],
+    row: &mut [Weight32; DIMS],
     probe: &[Weight; DIMS],
     gain: Gain,
 ) -> i32 {
@@ -418,7 +433,7 @@ pub(crate) fn pull_long_row<const DIMS: usize>(
 /// As [`pull`]; returns the code vector's new [`length_squared`].
 #[inline(never)]
 pub(crate) fn pull_row_masked<const DIMS: usize>(
-    row: &mut [Fine; DIMS],
+    row: &mut [Weight32; DIMS],
     probe: &[Weight; DIMS],
     mask: Mask,
     gain: Gain,
@@ -426,13 +441,13 @@ pub(crate) fn pull_row_masked<const DIMS: usize>(
     let mut norm = 0_i32;
     for (index, (w, x)) in row.iter_mut().zip(probe).enumerate() {
         if mask.contains(index) {
-            *w = approach(*w, x.fine(), gain);
+            *w = approach(*w, x.to_weight32(), gain);
         }
         norm = norm.wrapping_add(square(*w));
     }
     norm
 }
 
-const fn square(w: Fine) -> i32 {
+const fn square(w: Weight32) -> i32 {
     high_product(w.to_bits(), w.to_bits())
 }

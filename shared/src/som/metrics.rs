@@ -6,7 +6,7 @@
 //! * *hit map*: how many samples each neuron wins.
 
 use super::{Grid, kernels};
-use crate::fixed::{Fine, Mask, Scalar, Weight, isqrt, squared_distance};
+use crate::fixed::{Mask, Scalar, Weight, Weight32, isqrt, squared_distance};
 
 /// A map as the measures see it: any size, on flat slices.
 #[derive(Debug, Clone, Copy)]
@@ -14,7 +14,7 @@ pub struct MapView<'a> {
     /// The grid.
     pub grid: Grid,
     /// Code vectors one after another.
-    pub code: &'a [Fine],
+    pub code: &'a [Weight32],
     /// Components of a code vector.
     pub dims: usize,
 }

@@ -24,9 +24,11 @@ pub use grid::{Edges, Grid};
 pub use neighborhood::Neighborhood;
 pub use schedule::{Decay, Schedule};
 
-use crate::fixed::{FINE_ONE_BITS, Fine, Gain, Mask, Scalar, Weight, coarse, squared_norm};
+use crate::fixed::{
+    FINE_ONE_BITS, Gain, Mask, Scalar, Weight, Weight32, squared_norm, to_weight16,
+};
 use kernels::{Found, Group, Kernels};
-use neighborhood::Pull;
+use neighborhood::Update;
 
 /// A map of `NEURONS` neurons with code vectors of `DIMS` components in [−1, 1].
 #[derive(Debug, Clone)]
@@ -34,7 +36,7 @@ pub struct Som<const NEURONS: usize, const DIMS: usize> {
     grid: Grid,
     /// Used where the map has their size; `None` = the portable ones alone.
     kernels: Option<&'static Kernels>,
-    code: [[Fine; DIMS]; NEURONS],
+    code: [[Weight32; DIMS]; NEURONS],
     /// Squared lengths of the code vectors as of [`kernels::length_squared`], kept in step with `code`.
     norms: [i32; NEURONS],
 }
@@ -53,7 +55,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     /// beyond them are searched but have no neighbors.
     #[must_use]
     pub fn new(grid: Grid, code: [[Weight; DIMS]; NEURONS]) -> Self {
-        let unit = |w: Weight| crate::fixed::unit_weight(i32::from(w.to_bits())).fine();
+        let unit = |w: Weight| crate::fixed::unit_weight(i32::from(w.to_bits())).to_weight32();
         let code = code.map(|row| row.map(unit));
         const { assert!(DIMS <= 31, "squared lengths are kept in 32 bits") };
         let norms =
@@ -73,7 +75,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         Self {
             grid,
             kernels: None,
-            code: [[Fine::ZERO; DIMS]; NEURONS],
+            code: [[Weight32::ZERO; DIMS]; NEURONS],
             norms: [0; NEURONS],
         }
     }
@@ -92,7 +94,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     /// Makes all code vectors zero.
     pub(crate) fn clear(&mut self) {
         for component in self.code.as_flattened_mut() {
-            *component = Fine::ZERO;
+            *component = Weight32::ZERO;
         }
         self.norms = [0; NEURONS];
     }
@@ -105,20 +107,20 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     /// Replaces the code vector of neuron `k`; components are clamped to [−1, 1].
     pub(crate) fn set_code_vector(&mut self, k: usize, vector: &[Weight; DIMS]) {
         for (index, weight) in (k.wrapping_mul(DIMS)..).zip(vector) {
-            self.set_component(index, weight.fine());
+            self.set_component(index, weight.to_weight32());
         }
     }
 
     /// The component at place `index`, counted through the code vectors one after another.
-    pub(crate) fn component(&self, index: usize) -> Option<Fine> {
+    pub(crate) fn component(&self, index: usize) -> Option<Weight32> {
         self.code.as_flattened().get(index).copied()
     }
 
     /// Replaces the component at place `index`, clamped to [−1, 1]; nothing happens beyond the last.
-    pub(crate) fn set_component(&mut self, index: usize, value: Fine) {
+    pub(crate) fn set_component(&mut self, index: usize, value: Weight32) {
         if let Some(place) = self.code.as_flattened_mut().get_mut(index) {
             let bits = value.to_bits().clamp(-FINE_ONE_BITS, FINE_ONE_BITS);
-            *place = Fine::from_bits(bits);
+            *place = Weight32::from_bits(bits);
         }
         let row = index.checked_div(DIMS).unwrap_or(0);
         if let (Some(norm), Some(code)) = (self.norms.get_mut(row), self.code.get(row)) {
@@ -128,7 +130,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
 
     /// The code vectors, neuron by neuron.
     #[must_use]
-    pub const fn code(&self) -> &[[Fine; DIMS]; NEURONS] {
+    pub const fn code(&self) -> &[[Weight32; DIMS]; NEURONS] {
         &self.code
     }
 
@@ -137,7 +139,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     pub fn code_vector(&self, k: usize) -> [Weight; DIMS] {
         self.code
             .get(k)
-            .map_or([Weight::ZERO; DIMS], |row| row.map(coarse))
+            .map_or([Weight::ZERO; DIMS], |row| row.map(to_weight16))
     }
 
     /// Squared distance of the probe to every code vector less the probe's own squared length, in units of 2⁻²⁶: the
@@ -181,12 +183,12 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     #[inline]
     fn search(&self, probe: &[Weight; DIMS], mask: Mask) -> usize {
         let by_hand = match mask.covers(DIMS) {
-            true => self.rivals_by_hand(&self.norms, probe, Self::MARGIN),
+            true => self.candidates_simd(&self.norms, probe, Self::MARGIN),
             false => None,
         };
-        match by_hand.unwrap_or_else(|| Found::among(self.rivals(probe, mask))) {
+        match by_hand.unwrap_or_else(|| Found::among(self.candidates(probe, mask))) {
             Found::One(neuron) => neuron,
-            Found::Rivals(rivals) => self.nearest_of(rivals, probe, mask),
+            Found::Rivals(candidates) => self.nearest_of(candidates, probe, mask),
         }
     }
 
@@ -198,13 +200,13 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
 
     /// The neurons that may be nearest.
     #[inline(never)]
-    fn rivals(&self, probe: &[Weight; DIMS], mask: Mask) -> Mask {
-        kernels::rivals(&self.ranks(probe, mask), Self::MARGIN + Self::HALVES_MARGIN)
+    fn candidates(&self, probe: &[Weight; DIMS], mask: Mask) -> Mask {
+        kernels::candidates(&self.ranks(probe, mask), Self::MARGIN + Self::HALVES_MARGIN)
     }
 
     #[inline(never)]
-    fn nearest_of(&self, rivals: Mask, probe: &[Weight; DIMS], mask: Mask) -> usize {
-        kernels::nearest_of(rivals, |k| self.distance(k, probe, mask))
+    fn nearest_of(&self, candidates: Mask, probe: &[Weight; DIMS], mask: Mask) -> usize {
+        kernels::nearest_of(candidates, |k| self.distance(k, probe, mask))
     }
 
     /// Those for the processor, if a map of this size has them.
@@ -219,7 +221,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
 
     /// The same by the processor's kernels, if there are any for this size; `margin` as of [`kernels::rank_margin`].
     #[inline]
-    pub(crate) fn rivals_by_hand(
+    pub(crate) fn candidates_simd(
         &self,
         bases: &[i32; NEURONS],
         probe: &[Weight; DIMS],
@@ -231,8 +233,8 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         let probe = probe.as_slice().try_into().ok()?;
         // Ranks are half as large.
         let margin = margin << (kernels::RANK_BITS - 1);
-        let rivals = (kernels.rivals)(code, bases, probe, margin);
-        Some(Found::by_hand(rivals))
+        let candidates = (kernels.candidates)(code, bases, probe, margin);
+        Some(Found::by_hand(candidates))
     }
 
     /// The scores in units of 2⁻¹⁷, see [`kernels::rank_margin`]. Over a part of the components there are no lengths to
@@ -288,7 +290,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     pub fn alignments(&self, probe: &[Weight; DIMS], mask: Mask) -> [i64; NEURONS] {
         let mut alignments = [0; NEURONS];
         let measures = match mask.covers(DIMS) {
-            true => self.measure_by_hand(probe),
+            true => self.measure_simd(probe),
             false => None,
         };
         match measures {
@@ -308,7 +310,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     /// Squared lengths of the upper halves and their dot products with the probe by the processor's kernels, if there are
     /// any for this size.
     #[inline]
-    fn measure_by_hand(&self, probe: &[Weight; DIMS]) -> Option<[[i32; 2]; 16]> {
+    fn measure_simd(&self, probe: &[Weight; DIMS]) -> Option<[[i32; 2]; 16]> {
         let kernels = self.kernels()?;
         let (code, _) = self.code.as_flattened().as_chunks();
         let (code, probe) = (code.try_into().ok()?, probe.as_slice().try_into().ok()?);
@@ -339,7 +341,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         winner: usize,
         probe: &[Weight; DIMS],
         mask: Mask,
-        pull: &Pull<NEURONS>,
+        pull: &Update<NEURONS>,
     ) {
         self.step(winner, probe, mask, pull);
     }
@@ -350,7 +352,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         &mut self,
         probe: &[Weight; DIMS],
         mask: Mask,
-        pull: &Pull<NEURONS>,
+        pull: &Update<NEURONS>,
     ) -> usize {
         let winner = self.search(probe, mask);
         self.step(winner, probe, mask, pull);
@@ -358,7 +360,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     }
 
     #[inline]
-    fn step(&mut self, winner: usize, probe: &[Weight; DIMS], mask: Mask, pull: &Pull<NEURONS>) {
+    fn step(&mut self, winner: usize, probe: &[Weight; DIMS], mask: Mask, pull: &Update<NEURONS>) {
         let groups = self.groups(winner, mask, pull);
         if groups.is_none_or(|groups| !self.pull_groups(probe, &groups)) {
             self.learn_portably(winner, probe, mask, pull);
@@ -371,7 +373,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         winner: usize,
         probe: &[Weight; DIMS],
         mask: Mask,
-        pull: &Pull<NEURONS>,
+        pull: &Update<NEURONS>,
     ) {
         pull.view().each(self.grid, winner, |k, gain| {
             self.pull(k, probe, mask, gain);
@@ -384,7 +386,7 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         &self,
         winner: usize,
         mask: Mask,
-        pull: &Pull<NEURONS>,
+        pull: &Update<NEURONS>,
     ) -> Option<[Group; 2]> {
         let can = self.kernels().is_some() && mask.covers(DIMS);
         can.then(|| pull.groups(self.grid, winner)).flatten()
@@ -433,10 +435,10 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
 }
 
 impl<const NEURONS: usize> Som<NEURONS, 2> {
-    /// Adds weighted scores to another map's squared lengths, as bases for its [`rivals_by_hand`](Self::rivals_by_hand);
+    /// Adds weighted scores to another map's squared lengths, as bases for its [`candidates_simd`](Self::candidates_simd);
     /// the weight in 1/256 is below 512. `None` where there are other sizes than the kernels'.
     #[inline]
-    pub(crate) fn weigh_by_hand(
+    pub(crate) fn weigh_simd(
         &self,
         kernels: &Kernels,
         probe: [Weight; 2],

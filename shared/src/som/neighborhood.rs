@@ -17,7 +17,7 @@ pub enum Neighborhood {
 
 /// Learning rate and neighborhood of one step, ready to apply to maps whose grid is at most `REACH` neurons long.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Pull<const REACH: usize> {
+pub struct Update<const REACH: usize> {
     rate: Gain,
     shape: Shape<REACH>,
     /// What the processor's kernels need of both, if they can do with it.
@@ -47,7 +47,7 @@ enum Shape<const REACH: usize> {
     Gaussian { axis: [Gain; REACH] },
 }
 
-/// A [`Pull`] without its size, for maps of any size.
+/// An [`Update`] without its size, for maps of any size.
 #[derive(Debug, Clone, Copy)]
 pub enum View<'a> {
     /// The winner's gain and that of its direct neighbors.
@@ -120,7 +120,7 @@ impl<'a> View<'a> {
     }
 }
 
-impl<const REACH: usize> Pull<REACH> {
+impl<const REACH: usize> Update<REACH> {
     /// The pull at learning rate `rate_q16` and radius `radius_q16` (both Q16).
     #[must_use]
     pub fn new(neighborhood: Neighborhood, rate_q16: u32, radius_q16: u32) -> Self {

@@ -9,8 +9,8 @@ use std::vec::Vec;
 
 const SQUARE: Grid = Grid::rectangle(4, 4);
 
-fn fine(bits: impl IntoIterator<Item = i16>) -> Vec<Fine> {
-    weights(bits).into_iter().map(|w| w.fine()).collect()
+fn to_weight32(bits: impl IntoIterator<Item = i16>) -> Vec<Weight32> {
+    weights(bits).into_iter().map(|w| w.to_weight32()).collect()
 }
 
 fn weights(bits: impl IntoIterator<Item = i16>) -> Vec<Weight> {
@@ -68,14 +68,14 @@ proptest! {
         all in any::<bool>(),
     ) {
         let mut map: Som<16, 9> = Som::zeroed(SQUARE);
-        let row: [Fine; 9] = std::array::from_fn(|i| Fine::from_bits(pairs[i].0));
+        let row: [Weight32; 9] = std::array::from_fn(|i| Weight32::from_bits(pairs[i].0));
         let probe: [Weight; 9] = std::array::from_fn(|i| Weight::from_bits(pairs[i].1));
         let gain = Gain::from_bits(gain);
         let mask = if all { Mask::ALL } else { Mask::from_bits(bits) };
         map.code[7] = row;
         map.pull(7, &probe, mask, gain);
         for (i, &w) in map.code[7].iter().enumerate() {
-            let expected = if mask.contains(i) { crate::fixed::approach(row[i], probe[i].fine(), gain) } else { row[i] };
+            let expected = if mask.contains(i) { crate::fixed::approach(row[i], probe[i].to_weight32(), gain) } else { row[i] };
             prop_assert_eq!(w, expected);
         }
         prop_assert_eq!(map.norms[7], kernels::length_squared(&map.code[7]));
@@ -90,13 +90,13 @@ proptest! {
         let mut map: Som<16, 4> = Som::zeroed(SQUARE);
         for (k, shift) in shifts.chunks_exact(4).enumerate() {
             for (i, shift) in shift.iter().enumerate() {
-                map.code[k][i] = Fine::from_bits(middle[i].fine().to_bits() + shift * 3_001);
+                map.code[k][i] = Weight32::from_bits(middle[i].to_weight32().to_bits() + shift * 3_001);
             }
             map.norms[k] = squared_norm(&map.code[k]) as i32;
         }
         let probe: [Weight; 4] = probe.try_into().unwrap();
         let mask = Mask::from_bits(mask);
-        map.learn(5, &probe, mask, &Pull::new(Neighborhood::Direct, rate / 100, 30_000));
+        map.learn(5, &probe, mask, &Update::new(Neighborhood::Direct, rate / 100, 30_000));
         let distances: Vec<_> = (0..16).map(|k| map.distance(k, &probe, mask)).collect();
         let least = distances.iter().min().unwrap();
         prop_assert_eq!(map.winner(&probe, mask), distances.iter().position(|d| d == least).unwrap());
@@ -115,7 +115,7 @@ proptest! {
         prop_assert_eq!(map.projections(&probe, mask), map.projections(&other, mask));
         prop_assert_eq!(map.alignments(&probe, mask), map.alignments(&other, mask));
         let (mut learned, winner) = (map.clone(), map.winner(&probe, mask));
-        learned.learn(winner, &probe, mask, &Pull::new(Neighborhood::Gaussian, 1 << 15, 1 << 16));
+        learned.learn(winner, &probe, mask, &Update::new(Neighborhood::Gaussian, 1 << 15, 1 << 16));
         for (before, after) in map.code().iter().zip(learned.code()) {
             prop_assert_eq!(before[off], after[off]);
         }
@@ -129,7 +129,7 @@ proptest! {
         let map: Som<16, 4> = map_of(SQUARE.with_edges(edges), &code);
         let probe = [Weight::ONE; 4];
         let mut learned = map.clone();
-        learned.learn(winner, &probe, Mask::ALL, &Pull::new(Neighborhood::Direct, rate, share));
+        learned.learn(winner, &probe, Mask::ALL, &Update::new(Neighborhood::Direct, rate, share));
         let gain = Gain::from_q16(rate);
         for k in 0..16 {
             let gain = match map.grid().hops(winner, k) {
@@ -137,7 +137,7 @@ proptest! {
                 1 => gain.times(Gain::from_q16(share)),
                 _ => Gain::ZERO,
             };
-            let expected = map.code()[k].map(|w| crate::fixed::approach(w, Weight::ONE.fine(), gain));
+            let expected = map.code()[k].map(|w| crate::fixed::approach(w, Weight::ONE.to_weight32(), gain));
             prop_assert_eq!(learned.code()[k], expected);
         }
     }
@@ -156,7 +156,7 @@ proptest! {
             kernels::scores(flat, flat.chunks_exact(19).map(squared_norm), 19, probe, &mut scores);
             let distance = |k| kernels::distance(flat, 19, k, probe, Mask::ALL);
             prop_assert_eq!(kernels::nearest(&scores, 19, 1, distance), winner);
-            map.learn(winner, probe, Mask::ALL, &Pull::new(shape, 20_000, radius));
+            map.learn(winner, probe, Mask::ALL, &Update::new(shape, 20_000, radius));
         }
         prop_assert_eq!(map.norms, map.code().each_ref().map(|row| kernels::length_squared(row)));
     }
@@ -180,8 +180,8 @@ proptest! {
 
 /// Four neurons in a row at 0, 1/4, 1 and 1/2: the last two are out of order.
 #[test]
-fn errors_of_a_map_worked_by_hand() {
-    let code = fine([0, 2048, 8192, 4096]);
+fn errors_of_a_map_worked_simd() {
+    let code = to_weight32([0, 2048, 8192, 4096]);
     let map = MapView {
         grid: Grid::chain(4),
         code: &code,
@@ -291,7 +291,7 @@ fn the_fixed_point_map_is_its_twin_in_floats() {
             let winner = map.winner(&probe, Mask::ALL);
             let twins = twin.nearest(&exact).0;
             agreed += u32::from(twins == winner);
-            let pull = Pull::new(Neighborhood::Gaussian, rate, radius);
+            let pull = Update::new(Neighborhood::Gaussian, rate, radius);
             map.learn(winner, &probe, Mask::ALL, &pull);
             twin.learn(twins, &exact, q16(rate), q16(radius));
         }
@@ -320,14 +320,14 @@ pub(crate) mod by_hand {
     use kernels::{Group, Kernels};
 
     pub static KERNELS: Kernels = Kernels {
-        rivals,
+        candidates,
         weigh,
         pull,
         measure,
     };
 
     std::thread_local! {
-        /// How often each of them was asked by this test: `rivals`, `weigh`, `pull`, `measure`.
+        /// How often each of them was asked by this test: `candidates`, `weigh`, `pull`, `measure`.
         static ASKED: core::cell::Cell<[u32; 4]> = const { core::cell::Cell::new([0; 4]) };
     }
 
@@ -342,14 +342,14 @@ pub(crate) mod by_hand {
         ASKED.replace([0; 4])
     }
 
-    extern "C" fn rivals(
-        code: &[[Fine; 16]; 16],
+    extern "C" fn candidates(
+        code: &[[Weight32; 16]; 16],
         bases: &[i32; 16],
         probe: &[Weight; 16],
         margin: i32,
     ) -> u32 {
         count(0);
-        let product = |(w, x): (&Fine, &Weight)| {
+        let product = |(w, x): (&Weight32, &Weight)| {
             ((i64::from(w.to_bits()) * i64::from(x.to_bits())) >> 16) as i32
         };
         let ranks = std::array::from_fn::<i32, 16, _>(|k| {
@@ -366,7 +366,7 @@ pub(crate) mod by_hand {
 
     extern "C" fn weigh(
         bases: &mut [i32; 16],
-        code: &[[Fine; 2]; 16],
+        code: &[[Weight32; 2]; 16],
         norms: &[i32; 16],
         factors: &[i32; 3],
     ) {
@@ -380,7 +380,7 @@ pub(crate) mod by_hand {
     }
 
     extern "C" fn measure(
-        code: &[[Fine; 16]; 16],
+        code: &[[Weight32; 16]; 16],
         probe: &[Weight; 16],
         measures: &mut [[i32; 2]; 16],
     ) {
@@ -391,7 +391,7 @@ pub(crate) mod by_hand {
     }
 
     extern "C" fn pull(
-        code: &mut [[Fine; 16]; 16],
+        code: &mut [[Weight32; 16]; 16],
         norms: &mut [i32; 16],
         probe: &[Weight; 16],
         groups: &[Group; 2],
@@ -401,9 +401,9 @@ pub(crate) mod by_hand {
             let gain = Gain::from_q32(group.gain_q32);
             for k in (0..16).filter(|k| group.neurons & (1 << k) != 0) {
                 for (w, x) in code[k].iter_mut().zip(probe) {
-                    *w = crate::fixed::approach(*w, x.fine(), gain);
+                    *w = crate::fixed::approach(*w, x.to_weight32(), gain);
                 }
-                let square = |w: &Fine| (i64::from(w.to_bits()).pow(2) >> 32) as i32;
+                let square = |w: &Weight32| (i64::from(w.to_bits()).pow(2) >> 32) as i32;
                 norms[k] = code[k].iter().map(square).sum();
             }
         }
@@ -423,11 +423,11 @@ proptest! {
         for (index, shift) in shifts.iter().enumerate() {
             let shift = if far { shift << 17 } else { shift * 200 };
             let value = (i32::from(middle[index % 16].to_bits()) << 15).saturating_add(shift);
-            portable.set_component(index, Fine::from_bits(value));
+            portable.set_component(index, Weight32::from_bits(value));
         }
         let mut map = portable.clone();
         map.use_kernels(&by_hand::KERNELS);
-        let pull = Pull::new(Neighborhood::Direct, rate, share);
+        let pull = Update::new(Neighborhood::Direct, rate, share);
         for probe in probes.as_chunks::<16>().0 {
             let winner = portable.winner(probe, mask);
             prop_assert_eq!(map.winner(probe, mask), winner);
@@ -445,7 +445,7 @@ fn kernels_are_asked_for_whole_rings_and_gains_below_half() {
     let mut map = Som::<16, 16>::zeroed(SQUARE);
     map.use_kernels(&by_hand::KERNELS);
     let (probe, some) = ([Weight::ONE; 16], Mask::ALL.without(3));
-    let pull = |rate| Pull::new(Neighborhood::Direct, rate, 0);
+    let pull = |rate| Update::new(Neighborhood::Direct, rate, 0);
     by_hand::asked();
     for (mask, times) in [(Mask::ALL, 1), (some, 0)] {
         let _ = map.winner(&probe, mask);
@@ -531,20 +531,24 @@ fn ranks_leave_the_rivals_within_the_margin() {
     );
     // Upper halves: 2 · 2⁻¹³ per component.
     assert_eq!(kernels::halves_margin::<16>(), 512);
-    let rivals = |ranks: [i32; 5]| kernels::rivals(&ranks, 10).to_bits();
-    assert_eq!(rivals([20, 9, 19, 21, 10]), 0b1_0110);
+    let candidates = |ranks: [i32; 5]| kernels::candidates(&ranks, 10).to_bits();
+    assert_eq!(candidates([20, 9, 19, 21, 10]), 0b1_0110);
     assert_eq!(
-        (rivals([20, 9, 20, 21, 30]), rivals([9, 9, 40, 40, 40])),
+        (
+            candidates([20, 9, 20, 21, 30]),
+            candidates([9, 9, 40, 40, 40])
+        ),
         (0b10, 0b11)
     );
-    assert_eq!(rivals([i32::MAX; 5]), 0b1_1111);
-    let found = |rivals| match Found::among(rivals) {
+    assert_eq!(candidates([i32::MAX; 5]), 0b1_1111);
+    let found = |candidates| match Found::among(candidates) {
         Found::One(neuron) => Ok(neuron),
-        Found::Rivals(rivals) => Err(rivals),
+        Found::Rivals(candidates) => Err(candidates),
     };
     let two = Mask::NONE.with(17).with(3);
     assert_eq!((found(Mask::NONE.with(17)), found(two)), (Ok(17), Err(two)));
-    let nearest = |rivals: u32| kernels::nearest_of(Mask::from_bits(rivals), |k| [4, 7, 3, 3][k]);
+    let nearest =
+        |candidates: u32| kernels::nearest_of(Mask::from_bits(candidates), |k| [4, 7, 3, 3][k]);
     assert_eq!((nearest(0b1111), nearest(0b1010), nearest(0b11)), (2, 3, 0));
 }
 
@@ -567,8 +571,8 @@ fn maps_are_equal_by_their_grids_and_code_vectors() {
         map([[i16::MAX, i16::MIN], [0, 0]]).code_vector(0),
         [Weight::ONE, -Weight::ONE]
     );
-    other.set_component(3, Fine::from_bits(i32::MIN));
-    other.set_component(4, Fine::from_bits(9));
+    other.set_component(3, Weight32::from_bits(i32::MIN));
+    other.set_component(4, Weight32::from_bits(9));
     assert_eq!(
         (other.code_vector(1), other.component(4)),
         ([Weight::ZERO, -Weight::ONE], None)
@@ -583,7 +587,7 @@ fn maps_are_equal_by_their_grids_and_code_vectors() {
 #[test]
 fn kernels_are_told_who_moves_by_how_much() {
     let groups = |rate: u32, share: u32| {
-        Pull::<16>::new(Neighborhood::Direct, rate, share).groups(SQUARE, 5)
+        Update::<16>::new(Neighborhood::Direct, rate, share).groups(SQUARE, 5)
     };
     let [winner, neighbors] = groups(16_384, 32_768).expect("below one half");
     assert_eq!((winner.gain_q32, winner.neurons), (1 << 30, 1 << 5));
@@ -595,8 +599,8 @@ fn kernels_are_told_who_moves_by_how_much() {
     assert_eq!((nobody.gain_q32, nobody.neurons), (0, 0));
     assert_eq!((groups(32_768, 0), groups(65_536, 65_536)), (None, None));
     assert!(groups(32_767, 65_536).is_some());
-    let gaussian = Pull::<16>::new(Neighborhood::Gaussian, 100, 100);
+    let gaussian = Update::<16>::new(Neighborhood::Gaussian, 100, 100);
     assert_eq!(gaussian.groups(SQUARE, 5), None);
-    let alone = |share| Pull::<16>::new(Neighborhood::Direct, 100, share).is_alone();
+    let alone = |share| Update::<16>::new(Neighborhood::Direct, 100, share).is_alone();
     assert!(alone(0) && !alone(40_000) && !gaussian.is_alone());
 }

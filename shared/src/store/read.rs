@@ -134,7 +134,7 @@ impl Fields<'_> {
 struct Walk {
     at: usize,
     most: usize,
-    buffer: [u8; MOST_RECORD],
+    buffer: [u8; MAX_RECORD],
     /// Lengths of the record just read: its body's and its own.
     body: usize,
     length: usize,
@@ -152,7 +152,7 @@ impl Walk {
         Ok(Self {
             at: WORD,
             most,
-            buffer: [0; MOST_RECORD],
+            buffer: [0; MAX_RECORD],
             body: 0,
             length: 0,
         })
@@ -259,7 +259,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 
 /// The configuration in an image, which sends it first.
 fn told<const SENSORS: usize>(read: Read<'_>, most: usize) -> Result<Config<SENSORS>, Fault> {
-    let mut buffer = [0; MOST_CONFIG];
+    let mut buffer = [0; MAX_CONFIG];
     let mut length = 0_usize;
     let mut walk = Walk::begin(read, most)?;
     loop {

@@ -1,6 +1,6 @@
 use super::*;
 use crate::fixed::Weight;
-use crate::goal::{Component, Frame, MOST_KEPT};
+use crate::goal::{Component, Frame, MAX_KEPT};
 use crate::som::Grid;
 use proptest::prelude::*;
 use std::boxed::Box;
@@ -53,7 +53,7 @@ impl<const SAMPLES: usize> Mind<SAMPLES> {
             tolerance: Weight::MIN,
             ..Goal::of([component; 16])
         };
-        for number in 0..MOST_KEPT {
+        for number in 0..MAX_KEPT {
             let name: String = std::format!("goal-number-{number}");
             let name = Name::new(&name[name.len() - 12..]).unwrap();
             let goal = mind.goal;
@@ -71,7 +71,7 @@ impl<const SAMPLES: usize> Mind<SAMPLES> {
         };
         let mut image = Vec::new();
         let written = contents.write(generation, &mut |bytes| {
-            assert!(bytes.len() <= MOST_RECORD && bytes.len().is_multiple_of(WORD));
+            assert!(bytes.len() <= MAX_RECORD && bytes.len().is_multiple_of(WORD));
             image.extend_from_slice(bytes);
             Ok::<_, ()>(())
         });
@@ -165,11 +165,11 @@ fn the_largest_image_has_the_room_it_was_given() {
     let mind = Mind::<100>::full();
     let bytes = mind.image(u32::MAX).len();
     // A configuration of the longest numbers has another record at most.
-    let mut buffer = [0; MOST_CONFIG];
+    let mut buffer = [0; MAX_CONFIG];
     let told = mind.config.to_bytes(&mut buffer).len();
-    let most = bytes + (MOST_CONFIG - told) + 12;
+    let most = bytes + (MAX_CONFIG - told) + 12;
     std::println!("{bytes} bytes, with the longest configuration {most} at most");
-    assert!((MOST_NOMAD - 64..=MOST_NOMAD).contains(&most), "{most}");
+    assert!((MAX_NOMAD - 64..=MAX_NOMAD).contains(&most), "{most}");
 }
 
 #[test]

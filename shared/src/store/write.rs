@@ -24,10 +24,10 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             sink(record.as_bytes())
         };
         put(&self.head(generation))?;
-        let mut buffer = [0; MOST_CONFIG];
+        let mut buffer = [0; MAX_CONFIG];
         let config = self.config.to_bytes(&mut buffer);
-        for (index, bytes) in config.chunks(MOST_PIECE).enumerate() {
-            put(&piece(0, index.wrapping_mul(MOST_PIECE), bytes))?;
+        for (index, bytes) in config.chunks(MAX_PIECE).enumerate() {
+            put(&piece(0, index.wrapping_mul(MAX_PIECE), bytes))?;
         }
         for (number, part) in (1..).zip(PARTS) {
             let mut offset = 0_usize;
@@ -64,11 +64,11 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let sample = State::<SENSORS, NEURONS, SAMPLES>::SAMPLE_BYTES;
         let most = match part {
             // Pieces of the memory end where samples do.
-            StatePart::Memory => MOST_PIECE.checked_div(sample)?.wrapping_mul(sample),
+            StatePart::Memory => MAX_PIECE.checked_div(sample)?.wrapping_mul(sample),
             _ if !self.state.has_learned() => return None,
-            _ => MOST_PIECE,
+            _ => MAX_PIECE,
         };
-        let mut buffer = [0; MOST_PIECE];
+        let mut buffer = [0; MAX_PIECE];
         let count = self.state.read_part(part, offset, buffer.get_mut(..most)?);
         let bytes = buffer.get(..count).filter(|bytes| !bytes.is_empty())?;
         Some((piece(number, offset, bytes), count))
@@ -83,14 +83,14 @@ fn piece(part: u8, offset: usize, bytes: &[u8]) -> Draft {
 
 #[inline(never)]
 fn goal<const SENSORS: usize>(name: Name, goal: &Goal<SENSORS>) -> Draft {
-    let mut buffer = [0; MOST_RECORD];
+    let mut buffer = [0; MAX_RECORD];
     let bytes = postcard::to_slice(goal, &mut buffer).map_or(&[][..], |bytes| bytes);
     Draft::of(kind::GOAL, &[&name.to_bytes(), bytes])
 }
 
 /// A record that is being written.
 struct Draft {
-    bytes: [u8; MOST_RECORD],
+    bytes: [u8; MAX_RECORD],
     length: usize,
 }
 
@@ -100,7 +100,7 @@ impl Draft {
     #[inline(never)]
     fn of(kind: u8, fields: &[&[u8]]) -> Self {
         let mut draft = Self {
-            bytes: [0; MOST_RECORD],
+            bytes: [0; MAX_RECORD],
             length: 1,
         };
         for field in [&[kind][..]].iter().chain(fields) {

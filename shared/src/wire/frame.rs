@@ -4,10 +4,10 @@ use super::{checksum, cobs};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 /// Longest frame with its zero, bytes.
-pub const MOST_FRAME: usize = 256;
+pub const MAX_FRAME: usize = 256;
 
 /// Longest header and message in postcard's form, bytes: a frame less COBS's byte, the zero and the CRC.
-pub const MOST_BODY: usize = MOST_FRAME - 2 - CRC_BYTES;
+pub const MAX_BODY: usize = MAX_FRAME - 2 - CRC_BYTES;
 
 const CRC_BYTES: usize = 4;
 
@@ -52,14 +52,14 @@ impl core::error::Error for FrameError {}
 /// A frame ready to be sent, zero at its end.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Frame {
-    bytes: [u8; MOST_FRAME],
+    bytes: [u8; MAX_FRAME],
     length: usize,
 }
 
 impl Frame {
     /// Nothing.
     pub const EMPTY: Self = Self {
-        bytes: [0; MOST_FRAME],
+        bytes: [0; MAX_FRAME],
         length: 0,
     };
 
@@ -78,7 +78,7 @@ impl Frame {
     /// [`FrameError::TooLong`]; the frame is empty then.
     pub fn fill<M: Serialize>(&mut self, header: Header, message: &M) -> Result<(), FrameError> {
         self.length = 0;
-        let body = self.bytes.get_mut(1..MOST_BODY.wrapping_add(1));
+        let body = self.bytes.get_mut(1..MAX_BODY.wrapping_add(1));
         let body = body.ok_or(FrameError::TooLong)?;
         let used = postcard::to_slice(&(header, message), body)
             .map_err(|_| FrameError::TooLong)?
@@ -137,7 +137,7 @@ pub fn unpack<M: DeserializeOwned>(frame: &[u8]) -> Result<(Header, M), FrameErr
 /// everything up to the next zero.
 #[derive(Debug, Clone)]
 pub struct Receiver {
-    buffer: [u8; MOST_FRAME],
+    buffer: [u8; MAX_FRAME],
     length: usize,
     ended: bool,
     oversized: u32,
@@ -154,7 +154,7 @@ impl Receiver {
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            buffer: [0; MOST_FRAME],
+            buffer: [0; MAX_FRAME],
             length: 0,
             ended: false,
             oversized: 0,
@@ -171,11 +171,11 @@ impl Receiver {
                 *place = byte;
             }
             // One beyond the buffer marks a frame that is too long.
-            self.length = self.length.saturating_add(1).min(MOST_FRAME);
+            self.length = self.length.saturating_add(1).min(MAX_FRAME);
             return None;
         }
         self.ended = true;
-        if self.length >= MOST_FRAME {
+        if self.length >= MAX_FRAME {
             self.oversized = self.oversized.saturating_add(1);
             return None;
         }

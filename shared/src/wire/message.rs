@@ -12,9 +12,9 @@ use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 /// Most bytes of a part in one message.
-pub const MOST_PIECE: usize = 160;
+pub const MAX_PIECE: usize = 160;
 /// Most echoes in one message.
-pub const MOST_ECHOES: usize = 16;
+pub const MAX_ECHOES: usize = 16;
 
 /// From the base (or a computer in its place) to the mind.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -31,7 +31,7 @@ pub enum ToMind<const SENSORS: usize> {
         /// Host's time of the last echo.
         at_ms: u32,
         /// The echoes.
-        echoes: Vec<Heard, MOST_ECHOES>,
+        echoes: Vec<Heard, MAX_ECHOES>,
     },
     /// What the base has done since its last report.
     Odometry {
@@ -71,7 +71,7 @@ pub enum ToMind<const SENSORS: usize> {
         /// Where the piece begins.
         offset: u16,
         /// The piece.
-        bytes: Vec<u8, MOST_PIECE>,
+        bytes: Vec<u8, MAX_PIECE>,
         /// It is the last one: a configuration takes effect.
         last: bool,
     },
@@ -342,7 +342,7 @@ pub enum FromMind<const SENSORS: usize> {
         /// Bytes of the whole part.
         total: u16,
         /// The piece; empty beyond the end.
-        bytes: Vec<u8, MOST_PIECE>,
+        bytes: Vec<u8, MAX_PIECE>,
     },
     /// A parameter's value and what it may be.
     Parameter {

@@ -1,4 +1,4 @@
-use super::frame::{MOST_FRAME, unpack};
+use super::frame::{MAX_FRAME, unpack};
 use super::message::{
     Clock, Counters, DeviceCounters, Dimensions, Flash, FlashError, GoalBy, Heard, HostHello,
     MindHello, ModeReport, MotionOrder, Notice, Order, Oscillator, Part, Refusal, ResetCause,
@@ -292,7 +292,7 @@ fn from_mind() -> std::vec::Vec<(&'static str, FromMind<16>)> {
 fn there_and_back<M: Serialize + DeserializeOwned + PartialEq + Debug>(message: &M) -> String {
     let frame = Frame::pack(HEADER, message).unwrap();
     let bytes = frame.as_bytes();
-    assert!(bytes.len() <= MOST_FRAME);
+    assert!(bytes.len() <= MAX_FRAME);
     let (&zero, rest) = bytes.split_last().unwrap();
     assert!(zero == 0 && !rest.contains(&0));
     let back: (Header, M) = unpack(rest).unwrap();
@@ -378,7 +378,7 @@ fn the_longest_messages_fit_a_frame() {
         tolerance: Weight::MIN,
         ..Goal::of([component; 16])
     };
-    let piece = Vec::from_slice(&[255; message::MOST_PIECE]).unwrap();
+    let piece = Vec::from_slice(&[255; message::MAX_PIECE]).unwrap();
     there_and_back(&report(FromMind::<16>::Decision(decision)));
     there_and_back(&report(FromMind::<16>::Piece {
         part: Part::Memory,
@@ -394,7 +394,7 @@ fn the_longest_messages_fit_a_frame() {
     });
     there_and_back(&ToMind::<16>::Scan {
         at_ms: u32::MAX,
-        echoes: core::iter::repeat_n(heard, message::MOST_ECHOES).collect(),
+        echoes: core::iter::repeat_n(heard, message::MAX_ECHOES).collect(),
     });
     there_and_back(&ToMind::<16>::Command {
         at_ms: u32::MAX,
@@ -403,7 +403,7 @@ fn the_longest_messages_fit_a_frame() {
     });
     let name = Name::new("twelve-chars").unwrap();
     there_and_back(&report(FromMind::<16>::Goal { name, goal }));
-    let mut config = [0; crate::node::MOST_CONFIG];
+    let mut config = [0; crate::node::MAX_CONFIG];
     assert!(postcard::to_slice(&Config::recommended(), &mut config).is_ok());
 }
 
@@ -468,7 +468,7 @@ proptest! {
 #[test]
 fn what_does_not_fit_a_frame_is_not_sent() {
     // One byte more than a frame's body, less the header's three.
-    let long = [255_u8; frame::MOST_BODY - 2];
+    let long = [255_u8; frame::MAX_BODY - 2];
     let words = (&long[..200], &long[200..]);
     assert_eq!(Frame::pack(HEADER, &words), Err(FrameError::TooLong));
 }
@@ -504,7 +504,7 @@ fn a_receiver_takes_the_longest_frame_and_counts_longer_ones() {
         (length(256), length(1_000), length(2)),
         (None, None, Some(2))
     );
-    assert_eq!((receiver.oversized(), frame::MOST_BODY), (2, 250));
+    assert_eq!((receiver.oversized(), frame::MAX_BODY), (2, 250));
 }
 
 #[test]

@@ -9,7 +9,7 @@ use amp::config::Config;
 use host_sim::link::{AnyMind, Local, MindPlace, Patience, Session, Transport};
 use host_sim::log::LoggedMind;
 use host_sim::nomad::bridge::{Plan, drive};
-use host_sim::nomad::{Command, Decoder, Host, Line, MOST_TO_ROBOT, Protocol, Simulated};
+use host_sim::nomad::{Command, Decoder, Host, Line, MAX_TO_ROBOT, Protocol, Simulated};
 use host_sim::scenes::Behavior;
 use host_sim::sonar::SonarModel;
 use host_sim::world::{Point, Pose, Shape, World};
@@ -26,7 +26,7 @@ const AT_ONCE: usize = 8;
 /// So slow that even the first motion, of 80 mm, takes more than 8 s: whoever stops it is seen.
 const SPEED_MM_S: u16 = 10;
 /// The moment comes at most so long after the motors began to run, ms.
-const MOST_MS: usize = 4_000;
+const MAX_MS: usize = 4_000;
 /// From an order to stand to wheels that stand, if they were turning at 45 °/s, ms.
 const BRAKING_MS: u32 = 1_510;
 /// A base that does not begin to move, or goes on for so long, is not watched any longer, ms.
@@ -94,7 +94,7 @@ impl Scene {
             ran_ms: 0,
             gone,
             moment: None,
-            decoder: Decoder::new(MOST_TO_ROBOT),
+            decoder: Decoder::new(MAX_TO_ROBOT),
             told_ms: None,
             stood: None,
             is_over: Arc::default(),
@@ -232,7 +232,7 @@ struct Stopped {
 fn try_it(gone: Gone, seed: u64, trial: u64) -> Stopped {
     let mut config = Config::recommended();
     config.robot.speed_mm_s = SPEED_MM_S;
-    let after_ms = below(&mut generator(seed, trial), MOST_MS) as u32;
+    let after_ms = below(&mut generator(seed, trial), MAX_MS) as u32;
     let scene = Scene::new(gone, after_ms, seed.wrapping_add(trial));
     let is_over = Arc::clone(&scene.is_over);
     let scene = Arc::new(Mutex::new(scene));

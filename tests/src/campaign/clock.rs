@@ -6,7 +6,7 @@ use amp::config::Config;
 use amp::controller::{Decision, Event, Outputs};
 use amp::units::Millis;
 use host_sim::episode::{Failure, Setup, run_with};
-use host_sim::pilot::{Mind, Pilot, SimState, Thinker};
+use host_sim::pilot::{InspectableController, Mind, Pilot, SimState};
 use host_sim::robot::TurretMode;
 use host_sim::scenes::Behavior;
 use host_sim::sonar::SonarModel;
@@ -64,7 +64,7 @@ impl Pilot for Shifted {
     }
 }
 
-impl Thinker for Shifted {
+impl InspectableController for Shifted {
     fn knowledge(&mut self) -> Result<&SimState, Failure> {
         self.mind.knowledge()
     }

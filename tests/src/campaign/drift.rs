@@ -15,7 +15,7 @@ use amp::controller::{Command, Event, Mode};
 use amp::fixed::Weight;
 use amp::goal::Goal;
 use amp::units::Millis;
-use host_sim::episode::{Body, Failure, Seeds, Setup, Tally, educate};
+use host_sim::episode::{Body, Failure, Metrics, Seeds, Setup, educate};
 use host_sim::experiments::statistics::{Mean, bootstrap};
 use host_sim::pilot::{Pilot as _, SimState};
 use host_sim::robot::TurretMode;
@@ -31,7 +31,7 @@ pub const HOURS: u32 = 24;
 /// The hours in the table, counted from 1; the clock ends between the twelfth and the thirteenth of 24.
 const SHOWN: [usize; 8] = [1, 2, 3, 6, 12, 13, 18, 24];
 /// What the way of the hour after the day may differ from the first one's, as a share of it.
-const MOST_DRIFT: f64 = 0.05;
+const MAX_DRIFT: f64 = 0.05;
 /// The way of every robot in every hour is at least so long, m: a tenth of the mean. One that goes less has come to stand.
 const LEAST_WAY_M: f64 = 36.0;
 
@@ -137,7 +137,7 @@ fn drive(
     until_s: f64,
 ) -> Result<Hour, Failure> {
     let mut hour = Hour::default();
-    let mut tally = Tally::new(world);
+    let mut tally = Metrics::new(world);
     let mut touched = false;
     while body.time_s() < until_s {
         let happened = body.advance(mind);
@@ -220,7 +220,7 @@ fn verdict(days: &[Day], sonar: SonarModel) -> Verdict {
         "the hour after the day over the first, less 1: way {way}, area {area} (95 % intervals)"
     ));
     let [low, high] = way.interval;
-    let stays = low > -MOST_DRIFT && high < MOST_DRIFT;
+    let stays = low > -MAX_DRIFT && high < MAX_DRIFT;
     verdict.require(
         stays,
         "the way of the hour after the day is not that of the first",

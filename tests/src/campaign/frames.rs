@@ -49,7 +49,7 @@ pub(super) fn examples() -> Vec<Example> {
 
 /// What became of damaged frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-struct Tally {
+struct Metrics {
     /// Damaged.
     frames: u64,
     /// As they were in spite of it.
@@ -68,7 +68,7 @@ struct Tally {
     wrong: u64,
 }
 
-impl Tally {
+impl Metrics {
     fn plus(mut self, other: &Self) -> Self {
         self.frames += other.frames;
         self.unharmed += other.unharmed;
@@ -87,7 +87,7 @@ impl Tally {
     }
 }
 
-type Tallies = [Tally; Damage::ALL.len()];
+type Tallies = [Metrics; Damage::ALL.len()];
 
 /// Damages `count` frames.
 #[must_use]
@@ -128,7 +128,7 @@ fn damage(examples: &[Example], random: &mut Xoshiro256PlusPlus, count: u64) -> 
     tallies
 }
 
-fn receive(bytes: &[u8], to_mind: bool, examples: &[Example], tally: &mut Tally) {
+fn receive(bytes: &[u8], to_mind: bool, examples: &[Example], tally: &mut Metrics) {
     let mut receiver = Receiver::new();
     for &byte in bytes.iter().chain(&[0]) {
         let Some(piece) = receiver.push(byte) else {
@@ -158,8 +158,8 @@ fn receive(bytes: &[u8], to_mind: bool, examples: &[Example], tally: &mut Tally)
 }
 
 fn verdict(tallies: &Tallies, examples: usize) -> Verdict {
-    let sum = tallies.iter().fold(Tally::default(), Tally::plus);
-    let row = |name: &str, tally: &Tally| {
+    let sum = tallies.iter().fold(Metrics::default(), Metrics::plus);
+    let row = |name: &str, tally: &Metrics| {
         [
             name.to_owned(),
             grouped(tally.frames),
@@ -198,7 +198,7 @@ fn verdict(tallies: &Tallies, examples: usize) -> Verdict {
 }
 
 /// Whether chance explains what was wrongly accepted.
-fn judge(verdict: &mut Verdict, sum: &Tally) {
+fn judge(verdict: &mut Verdict, sum: &Metrics) {
     let expected = sum.compared() as f64 / 4_294_967_296.0;
     let [low, high] = poisson_interval(sum.wrong);
     let tail = poisson_tail(sum.wrong, expected);
@@ -222,7 +222,7 @@ mod tests {
         let examples = examples();
         assert!(examples.len() > 30);
         assert!(examples.iter().any(|example| !example.to_mind));
-        let mut tally = Tally::default();
+        let mut tally = Metrics::default();
         for example in &examples {
             receive(&example.bytes, example.to_mind, &examples, &mut tally);
         }
@@ -236,13 +236,13 @@ mod tests {
 
     #[test]
     fn one_wrong_frame_in_few_is_more_than_chance() {
-        let few = Tally {
+        let few = Metrics {
             pieces: 1_000,
             wrong_sum: 999,
             wrong: 1,
-            ..Tally::default()
+            ..Metrics::default()
         };
-        let many = Tally {
+        let many = Metrics {
             pieces: 4_000_000_000,
             wrong_sum: 3_999_999_999,
             ..few

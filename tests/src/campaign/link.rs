@@ -10,7 +10,7 @@ use super::channel::{Badness, Channel, Come};
 use super::{Progress, Verdict, below, generator, grouped, parts};
 use amp::controller::{Mode, Progress as Way, StopReason};
 use amp::link::{Link, Verdict as Judged};
-use amp::node::Outbox;
+use amp::node::FrameSink;
 use amp::units::Millis;
 use amp::wire::frame::{Header, unpack};
 use amp::wire::message::{Clock, FromMind, GoalBy, MotionOrder, Order, Report, ToMind};
@@ -303,7 +303,7 @@ impl<'a> Said<'a> {
     }
 }
 
-impl Outbox for Said<'_> {
+impl FrameSink for Said<'_> {
     fn send(&mut self, frame: &[u8]) -> bool {
         self.line.send(self.now_ms, frame);
         self.base.is_on_its_way(frame);

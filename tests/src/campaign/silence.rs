@@ -18,7 +18,7 @@ use amp::wire::Receiver;
 use amp::wire::frame::{Header, unpack};
 use amp::wire::message::{FromMind, Heard, Report, ToMind};
 use firmware::control::Control;
-use firmware::line::{Faults, Outbox};
+use firmware::line::{Faults, FrameSink};
 use heapless::spsc::{Consumer, Producer, Queue};
 use host_sim::sonar::FIRING_ORDER;
 use host_sim::world::{Point, Pose, Shape, World};
@@ -37,7 +37,7 @@ const REPORT_MS: u64 = 100;
 /// Bytes on the line per 100 ms: 115 200 baud, ten bits to a byte.
 const BYTES: u32 = 1_152;
 /// Longest time from the motion's beginning to the moment, ms; to a host's return, ms.
-const MOST_MS: usize = 2_000;
+const MAX_MS: usize = 2_000;
 const RETURN_MS: usize = 1_000;
 /// A base that goes on for so long is not watched any longer, ms.
 const GIVE_UP_MS: u64 = 20_000;
@@ -197,13 +197,13 @@ fn try_it(ready: &Ready, hall: &World, gone: Gone, seed: u64, trial: u64) -> Sto
     let faults = Faults::new();
     let (producer, consumer) = received.split();
     let (to_send, outgoing) = to_send.split();
-    let control = Control::new(&mut node, consumer, Outbox::new(to_send), &faults, None);
+    let control = Control::new(&mut node, consumer, FrameSink::new(to_send), &faults, None);
     let wheels = Wheels::new(hall, trial);
     let mut scene = Scene::new(ready, control, wheels, producer, outgoing);
     // Somewhere between two rounds, echoes and reports.
     scene.now_ms += below(&mut random, 200) as u64;
     scene.set_off();
-    for _ in 0..below(&mut random, MOST_MS) {
+    for _ in 0..below(&mut random, MAX_MS) {
         scene.pass();
     }
     while !scene.wheels.is_ordered() {
@@ -399,7 +399,7 @@ mod tests {
         let faults = Faults::new();
         let (producer, consumer) = received.split();
         let (to_send, outgoing) = to_send.split();
-        let control = Control::new(&mut node, consumer, Outbox::new(to_send), &faults, None);
+        let control = Control::new(&mut node, consumer, FrameSink::new(to_send), &faults, None);
         let hall = hall();
         let wheels = Wheels::new(&hall, 1);
         let mut scene = Scene::new(&ready, control, wheels, producer, outgoing);

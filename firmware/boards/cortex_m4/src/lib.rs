@@ -18,13 +18,13 @@
 #![cfg(all(target_arch = "arm", target_os = "none"))]
 #![allow(unsafe_code)]
 
-use amp::fixed::{Fine, Weight};
+use amp::fixed::{Weight, Weight32};
 use amp::som::kernels::{Group, Kernels};
 use core::arch::naked_asm;
 
 /// For [`amp::node::Node::use_kernels`].
 pub static KERNELS: Kernels = Kernels {
-    rivals,
+    candidates,
     weigh,
     pull,
     measure,
@@ -39,8 +39,8 @@ pub static KERNELS: Kernels = Kernels {
 // SAFETY: keeps to the calling convention: r4 to r11 and the stack pointer come back as they were, and only the arguments
 // are read, whose sizes their types know. Nothing needs an alignment that they do not have: `ldr` may read from anywhere.
 #[unsafe(naked)]
-extern "C" fn rivals(
-    code: &[[Fine; 16]; 16],
+extern "C" fn candidates(
+    code: &[[Weight32; 16]; 16],
     bases: &[i32; 16],
     probe: &[Weight; 16],
     margin: i32,
@@ -185,7 +185,7 @@ extern "C" fn rivals(
 #[unsafe(naked)]
 extern "C" fn weigh(
     bases: &mut [i32; 16],
-    code: &[[Fine; 2]; 16],
+    code: &[[Weight32; 2]; 16],
     norms: &[i32; 16],
     factors: &[i32; 3],
 ) {
@@ -225,7 +225,7 @@ extern "C" fn weigh(
 // SAFETY: as above; rows and lengths are written for neurons below 16 only.
 #[unsafe(naked)]
 extern "C" fn pull(
-    code: &mut [[Fine; 16]; 16],
+    code: &mut [[Weight32; 16]; 16],
     norms: &mut [i32; 16],
     probe: &[Weight; 16],
     groups: &[Group; 2],
@@ -322,7 +322,7 @@ extern "C" fn pull(
 // SAFETY: as above; the measures are written, and the last one ends the loop.
 #[unsafe(naked)]
 extern "C" fn measure(
-    code: &[[Fine; 16]; 16],
+    code: &[[Weight32; 16]; 16],
     probe: &[Weight; 16],
     measures: &mut [[i32; 2]; 16],
 ) {

@@ -14,7 +14,7 @@ use cortex_m::peripheral::{NVIC, SCB};
 use cortex_m_rt::{entry, exception};
 use critical_section::Mutex;
 use firmware::control::Control;
-use firmware::line::{Faults, Line, Outbox};
+use firmware::line::{Faults, FrameSink, Line};
 use firmware::{BUILD, lamp, stack};
 use heapless::spsc::Queue;
 use nrf51_pac::{Interrupt, Peripherals, interrupt};
@@ -45,8 +45,13 @@ fn main() -> ! {
     let (to_send_in, to_send_out) = TO_SEND.split();
     let peripherals = Peripherals::take().unwrap();
     let mut device = Device::start(peripherals);
-    let mut control: Control<'_> =
-        Control::new(MIND, received_out, Outbox::new(to_send_in), &FAULTS, None);
+    let mut control: Control<'_> = Control::new(
+        MIND,
+        received_out,
+        FrameSink::new(to_send_in),
+        &FAULTS,
+        None,
+    );
     let link = Link {
         line: Line::new(received_in, to_send_out),
         uart: device.uart,

@@ -6,7 +6,7 @@ use amp::wire::message::{Oscillator, ResetCause};
 use core::panic::PanicInfo;
 use firmware::BUILD;
 use firmware::control::Control;
-use firmware::line::{Faults, Line, Outbox};
+use firmware::line::{Faults, FrameSink, Line};
 use heapless::spsc::Queue;
 use riscv_rt::entry;
 
@@ -20,7 +20,7 @@ fn main() -> ! {
     let (received_in, received_out) = received.split();
     let (to_send_in, to_send_out) = to_send.split();
     let mut line = Line::new(received_in, to_send_out);
-    let outbox = Outbox::new(to_send_in);
+    let outbox = FrameSink::new(to_send_in);
     let mut control: Control<'_> = Control::new(&mut mind, received_out, outbox, &faults, None);
     let identity = Identity {
         build: BUILD,

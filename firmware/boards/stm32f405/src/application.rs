@@ -36,10 +36,10 @@ macro_rules! application {
             use firmware::control::Control;
             use firmware::crash::{Flags, name, reset_cause};
             use firmware::lamp;
-            use firmware::line::{Faults, Line, Outbox};
+            use firmware::line::{Faults, Line, FrameSink};
             use firmware::persist::{SLOT_BYTES, Store};
             use firmware::sonar_ring::{Capture, Driver, Firing, FiringOrder, Ring, Sound, Timing};
-            use firmware::vigil::{Task, Vigil};
+            use firmware::task_monitor::{Task, TaskMonitor};
             use heapless::spsc::Queue;
             use stm32f4xx_hal::pac::Interrupt;
 
@@ -60,7 +60,7 @@ macro_rules! application {
                 linked: AtomicBool,
                 ring_wanted: AtomicBool,
                 reset: ResetCause,
-                vigil: Vigil,
+                task_monitor: TaskMonitor,
                 faults: &'static Faults,
             }
 
@@ -91,14 +91,14 @@ macro_rules! application {
                 let faults: &'static Faults = cx.local.faults;
                 let (received_in, received_out) = cx.local.received.split();
                 let (to_send_in, to_send_out) = cx.local.to_send.split();
-                let outbox = Outbox::new(to_send_in);
+                let outbox = FrameSink::new(to_send_in);
                 cx.local.mind.use_kernels(&cortex_m4::KERNELS);
                 let (firings_in, firings_out) = cx.local.firings.split();
                 let store = Store::mount(devices.kept, SLOT_BYTES);
                 let control = Control::new(cx.local.mind, received_out, outbox, faults, Some(store));
                 let mut control = control.with_ring(firings_out);
                 // A sector of flash may have to be erased.
-                devices.watchdog.be_patient(true);
+                devices.watchdog.set_long_timeout(true);
                 control.start(
                     Identity {
                         build: BUILD,
@@ -108,7 +108,7 @@ macro_rules! application {
                     },
                     Millis::from_ms(0),
                 );
-                devices.watchdog.be_patient(false);
+                devices.watchdog.set_long_timeout(false);
                 // The hello waits in its queue.
                 rtic::pend(Interrupt::$link);
                 let shared = Shared {
@@ -116,7 +116,7 @@ macro_rules! application {
                     linked: AtomicBool::new(false),
                     ring_wanted: AtomicBool::new(false),
                     reset,
-                    vigil: Vigil::new(),
+                    task_monitor: TaskMonitor::new(),
                     faults,
                 };
                 let (timing, mut timer) = (Timing::relays().self_tested(), devices.ring_timer);
@@ -145,31 +145,31 @@ macro_rules! application {
                 }
             }
 
-            #[task(binds = $link, priority = 3, local = [line, port], shared = [&faults, &vigil])]
+            #[task(binds = $link, priority = 3, local = [line, port], shared = [&faults, &task_monitor])]
             fn serial(cx: serial::Context) {
                 if cx.local.line.serve(cx.local.port, cx.shared.faults) {
                     rtic::pend(CONTROL);
                 }
-                cx.shared.vigil.seen(Task::Serial);
+                cx.shared.task_monitor.seen(Task::Serial);
             }
 
-            #[task(binds = SysTick, priority = 2, local = [led, watchdog], shared = [&now_ms, &linked, &reset, &vigil])]
+            #[task(binds = SysTick, priority = 2, local = [led, watchdog], shared = [&now_ms, &linked, &reset, &task_monitor])]
             fn clock(cx: clock::Context) {
                 let shared = cx.shared;
                 let now_ms = shared
                     .now_ms
                     .fetch_add(1, Ordering::Relaxed)
                     .wrapping_add(1);
-                shared.vigil.seen(Task::Clock);
+                shared.task_monitor.seen(Task::Clock);
                 if now_ms == clocks::PROOF_MS {
                     clocks::prove();
                 }
                 let watchdog = &mut *cx.local.watchdog;
                 shared
-                    .vigil
-                    .change_patience(|patient| watchdog.be_patient(patient));
+                    .task_monitor
+                    .change_patience(|patient| watchdog.set_long_timeout(patient));
                 if now_ms.is_multiple_of(ROUND_MS) {
-                    if shared.vigil.relieve() {
+                    if shared.task_monitor.all_checked_in() {
                         watchdog.feed();
                     }
                     // Both have to show themselves until the next round.
@@ -191,11 +191,11 @@ macro_rules! application {
                 timer.wake_at(next_us, cx.local.ring.listens());
             }
 
-            #[task(binds = FSMC, priority = 1, local = [control, safety, supply, looked_ms: u32 = 0], shared = [&now_ms, &linked, &ring_wanted, &vigil])]
+            #[task(binds = FSMC, priority = 1, local = [control, safety, supply, looked_ms: u32 = 0], shared = [&now_ms, &linked, &ring_wanted, &task_monitor])]
             fn control(cx: control::Context) {
                 let (control, shared) = (cx.local.control, cx.shared);
                 let now_ms = shared.now_ms.load(Ordering::Relaxed);
-                control.note_patience(shared.vigil.is_patient());
+                control.note_patience(shared.task_monitor.is_patient());
                 let now = Millis::from_ms(now_ms);
                 if HAS_PINS {
                     let alarms = cx.local.safety.read(now);
@@ -205,7 +205,7 @@ macro_rules! application {
                 if HAS_PINS {
                     cx.local.safety.permit(control.may_move(now), now);
                 }
-                shared.vigil.want_patience(control.wants_patience());
+                shared.task_monitor.want_patience(control.wants_patience());
                 if control.take_sent() {
                     rtic::pend(Interrupt::$link);
                 }
@@ -218,7 +218,7 @@ macro_rules! application {
                     *cx.local.looked_ms = now_ms;
                     look_after(control);
                 }
-                shared.vigil.seen(Task::Control);
+                shared.task_monitor.seen(Task::Control);
                 if more {
                     rtic::pend(CONTROL);
                 }

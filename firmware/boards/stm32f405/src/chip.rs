@@ -185,7 +185,7 @@ impl Watchdog {
     /// Makes it bite after [`PATIENT_MS`] from now on, or after [`WATCHDOG_MS`] again.
     // One copy of it in the program.
     #[inline(never)]
-    pub fn be_patient(&mut self, patient: bool) {
+    pub fn set_long_timeout(&mut self, patient: bool) {
         let bite_ms = if patient { PATIENT_MS } else { WATCHDOG_MS };
         // A change takes the watchdog some cycles of its own clock, 0.3 ms, during which it takes no other: it is waited for,
         // and then it is fed, so that it counts from the new time.

@@ -71,7 +71,7 @@ impl Told<'_> {
 
     /// The situation map as nearness; distances in the log's unit.
     fn record(&self, map: &Map) -> MapRecord {
-        let nearness = |row: &[amp::fixed::Fine]| {
+        let nearness = |row: &[amp::fixed::Weight32]| {
             let one = f64::from(amp::fixed::FINE_ONE_BITS);
             row.iter()
                 .map(|weight| f64::from(weight.to_bits()) / one)

@@ -8,7 +8,7 @@ use crate::plot::{
 use crate::sweep::{Found, Key};
 
 /// Choices whose pairs are drawn.
-const MOST_PAIRED: usize = 4;
+const MAX_PAIRED: usize = 4;
 
 /// All of them, with what the page says about each.
 pub(super) fn pictures(sweep: &Sweep<'_>) -> Vec<(Figure, String)> {
@@ -22,7 +22,7 @@ pub(super) fn pictures(sweep: &Sweep<'_>) -> Vec<(Figure, String)> {
         );
         pictures.push((figure(&key.name, &title, BY_KEY), svg));
     }
-    let paired = sweep.keys.get(..MOST_PAIRED).unwrap_or(&sweep.keys);
+    let paired = sweep.keys.get(..MAX_PAIRED).unwrap_or(&sweep.keys);
     for (index, down) in paired.iter().enumerate() {
         for along in paired.iter().skip(index + 1) {
             let title = format!("{} and {} together", down.name, along.name);

@@ -1,7 +1,7 @@
 //! Looks over a driver's shoulder: how long it takes until nothing is near again, and how long it thinks.
 
 use crate::episode::Failure;
-use crate::pilot::{Pilot, SimState, Thinker};
+use crate::pilot::{InspectableController, Pilot, SimState};
 use amp::controller::{Command, Event, Outputs};
 use amp::units::{Millis, Range};
 use std::time::{Duration, Instant};
@@ -96,7 +96,7 @@ impl<P: Pilot> Pilot for Watched<P> {
     }
 }
 
-impl<P: Thinker> Thinker for Watched<P> {
+impl<P: InspectableController> InspectableController for Watched<P> {
     fn knowledge(&mut self) -> Result<&SimState, Failure> {
         self.driver.knowledge()
     }

@@ -3,7 +3,7 @@
 use super::Reading;
 use super::rooms::setup;
 use crate::episode::{Failure, run_with};
-use crate::pilot::{Mind, Pilot, SimState, Thinker};
+use crate::pilot::{InspectableController, Mind, Pilot, SimState};
 use crate::scenes::Behavior;
 use crate::world::World;
 use amp::controller::{Command, Decision, Event, Outputs, handle};
@@ -89,7 +89,7 @@ impl Pilot for Asked {
     }
 }
 
-impl Thinker for Asked {
+impl InspectableController for Asked {
     fn knowledge(&mut self) -> Result<&SimState, Failure> {
         self.mind.knowledge()
     }

@@ -6,7 +6,7 @@
 
 use crate::noise::Noise;
 use crate::som::train::{Order, Training, start_at_samples, train};
-use amp::fixed::Fine;
+use amp::fixed::Weight32;
 use amp::som::{Decay, Grid, Neighborhood, Schedule};
 
 /// Neurons of the chain.
@@ -158,15 +158,15 @@ fn training() -> Training {
     }
 }
 
-fn flat(points: &[Point3]) -> Vec<Fine> {
+fn flat(points: &[Point3]) -> Vec<Weight32> {
     points
         .iter()
         .flatten()
-        .map(|&v| Fine::from_num(v))
+        .map(|&v| Weight32::from_num(v))
         .collect()
 }
 
-fn point_of(code: &[Fine]) -> Point3 {
+fn point_of(code: &[Weight32]) -> Point3 {
     std::array::from_fn(|i| code.get(i).map_or(0.0, |value| value.to_num()))
 }
 

@@ -10,7 +10,7 @@ use crate::episode::{Failure, run_with};
 use crate::pilot::SimState;
 use crate::scenes::Behavior;
 use crate::world::World;
-use amp::fixed::{Fine, Weight, coarse};
+use amp::fixed::{Weight, Weight32, to_weight16};
 use amp::goal::Goal;
 use amp::memory::from_bytes;
 use amp::planner::Why;
@@ -120,15 +120,15 @@ fn figure(
     let config = &reading.config;
     let goal = Goal::avoiding(config);
     let plan = &seen.plan;
-    let rows = |code: &[[Fine; 16]; 16]| -> Vec<Vec<f64>> {
+    let rows = |code: &[[Weight32; 16]; 16]| -> Vec<Vec<f64>> {
         code.iter()
             .map(|row| row.iter().map(|value| value.to_num()).collect())
             .collect()
     };
     let actions = state.actions().actions().code();
-    let decode = |code: &[Fine; 2]| {
+    let decode = |code: &[Weight32; 2]| {
         let step = config.robot.step_mm;
-        meters(config.action_code.decode(code.map(coarse), step))
+        meters(config.action_code.decode(code.map(to_weight16), step))
     };
     DecisionFigure {
         preset: reading.name,

@@ -1,7 +1,7 @@
 //! How orderly a map is: are situations that are alike coded by neurons that are neighbors?
 
 use crate::noise::Noise;
-use amp::fixed::{Fine, Weight};
+use amp::fixed::{Weight, Weight32};
 use amp::som::{Grid, Som};
 
 /// Shufflings of a map's code vectors with which its order is compared.
@@ -109,7 +109,7 @@ pub fn pearson(pairs: &[[f64; 2]]) -> f64 {
     }
 }
 
-fn difference(a: &[Fine], b: &[Fine]) -> f64 {
+fn difference(a: &[Weight32], b: &[Weight32]) -> f64 {
     let squares = a.iter().zip(b).map(|(a, b)| {
         let gap: f64 = a.to_num::<f64>() - b.to_num::<f64>();
         gap * gap

@@ -1,7 +1,7 @@
 //! A mind that is watched while it decides: every plan with the situation it was made for, and what was known when.
 
 use crate::episode::Failure;
-use crate::pilot::{Mind, Pilot, SimState, Thinker};
+use crate::pilot::{InspectableController, Mind, Pilot, SimState};
 use amp::config::Config;
 use amp::controller::{Command, Event, Outputs};
 use amp::fixed::{Mask, Weight};
@@ -88,7 +88,7 @@ impl Pilot for Watched {
     }
 }
 
-impl Thinker for Watched {
+impl InspectableController for Watched {
     fn knowledge(&mut self) -> Result<&SimState, Failure> {
         self.mind.knowledge()
     }

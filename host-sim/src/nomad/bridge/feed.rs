@@ -15,7 +15,7 @@ const SAME_PLACE_M: f64 = 0.015;
 /// A gap between two state packets longer than this is shortened to it on the mind's clock, ms: after a pause of this
 /// program, or after an answer that was lost, the mind must not believe that its ring has fallen silent or that its motion
 /// is overdue. Less than the shortest time a motion is given, and a packet over a serial line takes a quarter of it.
-const MOST_GAP_MS: u32 = 200;
+const MAX_GAP_MS: u32 = 200;
 
 /// Something that happened, and where the robot was then.
 #[derive(Debug, Clone, Copy)]
@@ -86,7 +86,7 @@ impl Feed {
         let gap_ms = state.time_ms.wrapping_sub(self.board_ms);
         self.board_ms = state.time_ms;
         let before = self.now;
-        let passed = gap_ms.min(MOST_GAP_MS);
+        let passed = gap_ms.min(MAX_GAP_MS);
         self.now = Millis::from_ms(before.as_ms().wrapping_add(passed));
         for sensor in self.news(state) {
             let place = &state.sonar_at[sensor];

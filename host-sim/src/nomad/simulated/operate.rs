@@ -8,7 +8,7 @@ use crate::robot::Axis;
 use crate::world::{Point, wrap_angle};
 
 /// Most tenths of an infrared reading that come from the one before.
-const MOST_HISTORY: u8 = 10;
+const MAX_HISTORY: u8 = 10;
 
 /// Seconds count as milliseconds here.
 const MS_PER_S: u32 = 1_000;
@@ -90,7 +90,7 @@ impl Simulated {
                 self.firing = Firing::new(*rate, *order, self.time_ms());
             }
             Command::ConfigureInfrared { history, order } => {
-                self.history = (*history).min(MOST_HISTORY);
+                self.history = (*history).min(MAX_HISTORY);
                 let listed = order.iter().take_while(|&&sensor| sensor < 16);
                 self.infrared_on = listed.fold(0, |on, sensor| on | 1 << sensor);
             }

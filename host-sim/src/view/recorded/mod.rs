@@ -15,7 +15,7 @@ use super::snapshot::{Part, Scene, ShapeSeen, Snapshot};
 use super::source::{Abilities, Refused, Source, Stepped};
 use crate::coverage::Coverage;
 use crate::error::BadInput;
-use crate::log::{Answer, EventRecord, Happening, LogFile, Retold, Setup};
+use crate::log::{Answer, EventRecord, Happening, LogFile, Replayer, Setup};
 use crate::robot::COLLISION_RADIUS_M;
 use crate::view::snapshot::Counts;
 use crate::world::{Point, Pose};
@@ -50,7 +50,7 @@ struct Shown {
 /// The robot and its mind at a moment of the recording.
 struct Playing {
     setup: Setup,
-    retold: Retold,
+    retold: Replayer,
     /// Starts so far.
     starts: usize,
     /// How often what stands around has changed.
@@ -176,7 +176,7 @@ impl Playing {
         let [low, high] = tape.bounds;
         Self {
             setup: setup.clone(),
-            retold: Retold::new(setup),
+            retold: Replayer::new(setup),
             starts: 0,
             scene_changes: 0,
             decided: 0,

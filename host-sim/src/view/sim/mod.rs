@@ -13,7 +13,7 @@ use super::snapshot::{Part, Scene, Snapshot};
 use super::source::{Abilities, Refused, Source, Stepped};
 use super::trail::{Trail, mark};
 use crate::episode::{
-    Body, Failure, Happened, Observer as _, Seeds, Setup, Stride, Tally, milliseconds,
+    Body, Failure, Metrics, Observer as _, Seeds, Setup, StepResult, Stride, milliseconds,
 };
 use crate::error::BadInput;
 use crate::link::{AnyMind, MindPlace};
@@ -108,8 +108,8 @@ pub struct Simulator {
     step_s: f64,
     last_decision_s: f64,
     explorations: u64,
-    explored: Tally,
-    seeking: Tally,
+    explored: Metrics,
+    seeking: Metrics,
     open: Option<Stride>,
     trail: Trail,
     shown: Shown,
@@ -164,8 +164,8 @@ impl Simulator {
             step_s: 0.0,
             last_decision_s: 0.0,
             explorations: 0,
-            explored: Tally::new(&start.world),
-            seeking: Tally::new(&start.world),
+            explored: Metrics::new(&start.world),
+            seeking: Metrics::new(&start.world),
             open: None,
             trail: Trail::latest(),
             shown: Shown::default(),
@@ -255,7 +255,7 @@ impl Simulator {
         }
     }
 
-    fn open(&mut self, decision: &Decision<16>, happened: &Happened) {
+    fn open(&mut self, decision: &Decision<16>, happened: &StepResult) {
         if self.nest.is_none() {
             self.nest = Some((decision.situation, happened.pose.position));
         }
@@ -293,14 +293,14 @@ impl Simulator {
         }
     }
 
-    fn tally(&mut self) -> &mut Tally {
+    fn tally(&mut self) -> &mut Metrics {
         match self.doing {
             Doing::Explore => &mut self.explored,
             _ => &mut self.seeking,
         }
     }
 
-    fn follow(&mut self, happened: &Happened) {
+    fn follow(&mut self, happened: &StepResult) {
         let Some(moved) = &happened.moved else { return };
         self.tally()
             .moved(moved.from, moved.to, moved.traveled_m, moved.clearance_m);

@@ -86,7 +86,7 @@ impl Simulator {
         let moves = setup.explore_moves;
         self.command(Command::Explore { moves, seed })?;
         self.explorations += 1;
-        self.explored = crate::episode::Tally::new(self.body.world());
+        self.explored = crate::episode::Metrics::new(self.body.world());
         self.begin(Doing::Explore);
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::config::{Choice, Online, Taught};
-use crate::fixed::Fine;
+use crate::fixed::Weight32;
 
 #[test]
 fn without_online_learning_the_maps_stay() {
@@ -168,7 +168,7 @@ fn lesson(before: &Robot, after: &Robot) -> ([f64; 2], [f64; 16]) {
         let winner = winners[0];
         (map.actions().code()[winner], map.changes().code()[winner])
     });
-    let taught = |before: Fine, after: Fine| {
+    let taught = |before: Weight32, after: Weight32| {
         let (before, after) = (before.to_num::<f64>(), after.to_num::<f64>());
         before + (after - before) * 65_536.0 / 1_310.0
     };

@@ -2,11 +2,11 @@
 
 use super::*;
 use crate::controller::supervise::{SILENT_RINGS, SLACK_MS};
-use crate::goal::MOST_KEPT;
+use crate::goal::MAX_KEPT;
 use crate::link::offset::{SLOT_MS, SLOTS};
 use crate::node::kept;
-use crate::wire::frame::MOST_FRAME;
-use crate::wire::message::{MOST_ECHOES, MOST_PIECE};
+use crate::wire::frame::MAX_FRAME;
+use crate::wire::message::{MAX_ECHOES, MAX_PIECE};
 use crate::wire::tests::document::{DOCUMENT, check_block};
 use std::format;
 use std::string::String;
@@ -30,12 +30,12 @@ fn documented_constants_are_those_of_the_program() {
         .map(|(value, _)| value.replace(' ', ""))
         .collect();
     let wanted = [
-        format!("{MOST_FRAME}bytes"),
-        format!("{MOST_PIECE}bytes"),
-        format!("{MOST_ECHOES}echoes"),
-        format!("{MOST_CONFIG}bytes"),
+        format!("{MAX_FRAME}bytes"),
+        format!("{MAX_PIECE}bytes"),
+        format!("{MAX_ECHOES}echoes"),
+        format!("{MAX_CONFIG}bytes"),
         format!("{}bytes", kept::MOST),
-        format!("{MOST_KEPT}goals"),
+        format!("{MAX_KEPT}goals"),
         format!("{SILENCE_MS}ms"),
         format!("{MOTION_TTL_MS}ms"),
         format!("{RENEWAL_MS}ms"),
@@ -50,15 +50,15 @@ fn documented_constants_are_those_of_the_program() {
     ];
     assert_eq!(found, wanted);
     let sentences = [
-        format!("has at most {MOST_FRAME} bytes"),
-        format!("of more than {MOST_PIECE} bytes"),
-        format!("of more than {MOST_ECHOES} echoes"),
+        format!("has at most {MAX_FRAME} bytes"),
+        format!("of more than {MAX_PIECE} bytes"),
+        format!("of more than {MAX_ECHOES} echoes"),
         format!("keeps {} bytes of its latest answer", kept::MOST),
         format!("at least every {SILENCE_MS} ms"),
         format!("time to live of {MOTION_TTL_MS} ms"),
         format!("under way every {RENEWAL_MS} ms"),
         format!("÷ speed + {SLACK_MS} ms"),
-        format!("at most {MOST_KEPT}\ngoals"),
+        format!("at most {MAX_KEPT}\ngoals"),
     ];
     for sentence in sentences {
         assert!(DOCUMENT.contains(&sentence), "{sentence}");
@@ -79,7 +79,7 @@ struct Recorder<'a> {
     reports: Vec<FromMind<16>>,
 }
 
-impl Outbox for Recorder<'_> {
+impl FrameSink for Recorder<'_> {
     fn send(&mut self, bytes: &[u8]) -> bool {
         let (_, coded) = bytes.split_last().unwrap();
         let (header, report) = frame::unpack::<Report<16>>(coded).unwrap();

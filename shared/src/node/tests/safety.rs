@@ -311,7 +311,7 @@ fn a_configuration_that_nobody_could_supervise_is_refused() {
         let mut rig = Rig::new(Clock::Device);
         let mut config = Config::recommended();
         change(&mut config);
-        let mut buffer = [0; MOST_CONFIG];
+        let mut buffer = [0; MAX_CONFIG];
         let bytes = config.to_bytes(&mut buffer);
         let pieces: Vec<_> = bytes.chunks(160).collect();
         let mut refused = None;

@@ -6,11 +6,11 @@ use crate::fixed::{Gain, Mask, ONE_BITS};
 use crate::node::MOTION_TTL_MS;
 use crate::parameters::{Parameter, Unit};
 use crate::scan::Echo;
-use crate::shield::{KEPT, Shield, Shielding};
+use crate::shield::{ARCS_PER_SENSOR, Shield, Shielding};
 use crate::som::{Decay, Schedule};
 use crate::units::{Bearing, Displacement, Millis, Range};
 use crate::wire::PROTOCOL;
-use crate::wire::message::{MOST_ECHOES, MOST_PIECE};
+use crate::wire::message::{MAX_ECHOES, MAX_PIECE};
 use std::format;
 use std::string::{String, ToString as _};
 use std::sync::{LazyLock, Mutex, PoisonError};
@@ -354,7 +354,7 @@ fn ranges_end_where_the_program_says() {
         ("RobotSpec.face_radius_mm", 0, i16::MAX.into()),
         ("Direction.x_q14", -cosine, cosine),
         ("Direction.y_q14", -cosine, cosine),
-        ("Shielding.places", 1, KEPT as i128),
+        ("Shielding.places", 1, ARCS_PER_SENSOR as i128),
         ("FromMind.Decision.situation", 0, one),
         ("Planning.tolerance", 0, one),
         ("Goal.cap", 0, one),
@@ -380,8 +380,8 @@ fn ranges_end_where_the_program_says() {
         .filter(|(_, cells)| cells[1].starts_with("vec<"));
     for (symbol, cells) in vectors {
         let wanted = match cells[1].as_str() {
-            "vec<u8>" => format!("at most {MOST_PIECE} bytes"),
-            _ => format!("at most {MOST_ECHOES}"),
+            "vec<u8>" => format!("at most {MAX_PIECE} bytes"),
+            _ => format!("at most {MAX_ECHOES}"),
         };
         assert_eq!(cells[2], wanted, "{symbol}.{}", cells[0]);
     }

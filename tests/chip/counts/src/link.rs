@@ -4,11 +4,11 @@ use crate::episode::Episode;
 use crate::room::Room;
 use crate::stopwatch::{Stopwatch, Tally};
 use amp::controller::{self, Progress};
-use amp::node::{Identity, NomadNode, Outbox};
+use amp::node::{Identity, NomadNode, FrameSink};
 use amp::som::Grid;
 use amp::units::Millis;
 use amp::wire::message::{
-    Clock, Dimensions, FromMind, GoalBy, Heard, HostHello, MOST_PIECE, MotionOrder, Order, Part,
+    Clock, Dimensions, FromMind, GoalBy, Heard, HostHello, MAX_PIECE, MotionOrder, Order, Part,
     ToMind,
 };
 use amp::wire::{Frame, Header, PROTOCOL, Report, SCHEMA, frame};
@@ -124,7 +124,7 @@ impl Base {
     fn teach(&mut self, episode: &Episode<'_>, part: Part, of: controller::Part) {
         let mut offset = 0;
         loop {
-            let mut piece = [0; MOST_PIECE];
+            let mut piece = [0; MAX_PIECE];
             let count = episode.state.read_part(of, offset, &mut piece);
             if count == 0 {
                 return;
@@ -210,7 +210,7 @@ impl Mail {
     }
 }
 
-impl Outbox for Mail {
+impl FrameSink for Mail {
     fn send(&mut self, frame: &[u8]) -> bool {
         self.0.extend_from_slice(frame).is_ok()
     }

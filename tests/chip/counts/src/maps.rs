@@ -6,7 +6,7 @@ use amp::action_map::{Effect, Probe, Recall};
 use amp::controller::Decision;
 use amp::fixed::{Mask, squared_norm};
 use amp::scan::Situation;
-use amp::som::neighborhood::Pull;
+use amp::som::neighborhood::Update;
 use amp::som::{Neighborhood, kernels};
 use core::hint::black_box;
 
@@ -26,7 +26,7 @@ pub fn searches(watch: &Stopwatch, episode: &Episode<'_>) -> [Tally; 2] {
             let (map, probe, mask) = black_box((map, situation, Mask::ALL));
             map.winner(probe, mask)
         });
-        let (coarse, _) = watch.count(|| {
+        let (to_weight16, _) = watch.count(|| {
             let (code, norms, probe) = black_box((code, &norms, situation));
             let mut scores = [0; 16];
             let norms = norms.iter().copied();
@@ -34,7 +34,7 @@ pub fn searches(watch: &Stopwatch, episode: &Episode<'_>) -> [Tally; 2] {
             kernels::least(&scores)
         });
         tallies[0].add(whole);
-        tallies[1].add(coarse);
+        tallies[1].add(to_weight16);
     }
     tallies
 }
@@ -69,7 +69,7 @@ pub fn recalls(watch: &Stopwatch, episode: &Episode<'_>) -> Tally {
 /// and with four neighbors.
 pub fn updates(watch: &Stopwatch, episode: &Episode<'_>) -> [[Tally; 2]; 2] {
     [0, SHARE_Q16].map(|share_q16| {
-        let pull = Pull::<16>::new(Neighborhood::Direct, RATE_Q16, share_q16);
+        let pull = Update::<16>::new(Neighborhood::Direct, RATE_Q16, share_q16);
         let mut situations_map = episode.state.situations().clone();
         let mut actions_map = episode.state.actions().clone();
         let mut tallies = [Tally::default(); 2];

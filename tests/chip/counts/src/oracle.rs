@@ -2,7 +2,7 @@
 
 use amp::action_map::{ActionMap, Effect};
 use amp::fixed::{Mask, Weight};
-use amp::som::neighborhood::Pull;
+use amp::som::neighborhood::Update;
 use amp::som::{Edges, Grid, Neighborhood, Som};
 use core::array::from_fn;
 use cortex_m4::KERNELS;
@@ -41,9 +41,9 @@ fn learn(
     middle: &[i16; 16],
     spread: i32,
 ) {
-    let (mut by_hand, mut actions_by_hand) = (situations.clone(), actions.clone());
+    let (mut by_hand, mut actions_simd) = (situations.clone(), actions.clone());
     by_hand.use_kernels(&KERNELS);
-    actions_by_hand.use_kernels(&KERNELS);
+    actions_simd.use_kernels(&KERNELS);
     for step in 0..STEPS {
         let mut near = |middle: i16| {
             let value = i32::from(middle) + noise.below(spread) - spread / 2;
@@ -67,15 +67,15 @@ fn learn(
         assert_eq!(by_hand.winner(probe, Mask::ALL), winner);
         let weight = [0, 256, 511, 512][step as usize % 4];
         let neuron = actions.winner(&effect, weight);
-        assert_eq!(actions_by_hand.winner(&effect, weight), neuron);
+        assert_eq!(actions_simd.winner(&effect, weight), neuron);
         // Rates and shares from 0 to 1, mostly below 1/2.
         let (rate, share) = (noise.below(40_000) as u32, noise.below(65_536) as u32);
-        let pull = Pull::new(Neighborhood::Direct, rate, share * (step % 3));
+        let pull = Update::new(Neighborhood::Direct, rate, share * (step % 3));
         situations.learn(winner, probe, Mask::ALL, &pull);
         by_hand.learn(winner, probe, Mask::ALL, &pull);
         actions.learn(neuron, &effect, &pull);
-        actions_by_hand.learn(neuron, &effect, &pull);
-        assert!(by_hand == situations && actions_by_hand == actions);
+        actions_simd.learn(neuron, &effect, &pull);
+        assert!(by_hand == situations && actions_simd == actions);
     }
 }
 

@@ -8,7 +8,7 @@ use cortex_m::peripheral::syst::SystClkSource;
 /// SysTick counts per 1000 instructions.
 const TICKS_PER_1000_INSTRUCTIONS: u32 = 1_344;
 /// SysTick counts down through 24 bits.
-const MOST_TICKS: u32 = (1 << 24) - 1;
+const MAX_TICKS: u32 = (1 << 24) - 1;
 
 /// A running SysTick.
 pub struct Stopwatch {
@@ -20,7 +20,7 @@ impl Stopwatch {
     /// Starts the timer.
     pub fn new(mut timer: SYST) -> Self {
         timer.set_clock_source(SystClkSource::Core);
-        timer.set_reload(MOST_TICKS);
+        timer.set_reload(MAX_TICKS);
         timer.clear_current();
         timer.enable_counter();
         let mut watch = Self { overhead: 0 };
@@ -44,7 +44,7 @@ impl Stopwatch {
         // By reference: a result should not be copied for the sake of being counted.
         black_box(&result);
         let end = SYST::get_current();
-        (begin.wrapping_sub(end) & MOST_TICKS, result)
+        (begin.wrapping_sub(end) & MAX_TICKS, result)
     }
 }
 

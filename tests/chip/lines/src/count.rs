@@ -7,7 +7,7 @@ use core::panic::PanicInfo;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
 use defmt_rtt as _;
-use firmware::control::News;
+use firmware::control::LogEvent;
 use stm32f4xx_hal as _;
 
 /// Enough for the logger's ring of 1 KiB to come round some times, so that lines are cut at its end as well.
@@ -39,8 +39,8 @@ fn main() -> ! {
 fn count(watch: &Stopwatch) -> Tally {
     let mut tally = Tally::default();
     for round in 0..ROUNDS {
-        let lost = News::BytesLost(u32::MAX >> (round % 32));
-        for news in [News::Linked, News::Unlinked, lost] {
+        let lost = LogEvent::BytesLost(u32::MAX >> (round % 32));
+        for news in [LogEvent::Linked, LogEvent::Unlinked, lost] {
             let (instructions, ()) = watch.count(|| black_box(news).log());
             tally.add(instructions);
         }

@@ -1,7 +1,7 @@
 //! Numbers, quantities and the situation made of them.
 
 use crate::{any, bytes, sink};
-use amp::fixed::{self, Fine, Gain, Mask, Weight};
+use amp::fixed::{self, Weight32, Gain, Mask, Weight};
 use amp::memory;
 use amp::robot::{self, RobotSpec};
 use amp::scan::{self, Echo, Encoding, Scan};
@@ -25,18 +25,18 @@ pub fn weight() -> Weight {
 }
 
 fn formats() {
-    let fine = Fine::from_bits(any(1));
+    let fine = Weight32::from_bits(any(1));
     let gain = Gain::from_bits(any(1));
-    sink(fixed::coarse(fine));
+    sink(fixed::to_weight16(fine));
     sink(fixed::unit_weight(any(1)));
     sink(Gain::from_q16(any(1)).times(gain).to_bits());
-    sink(fixed::approach(fine, Fine::from_bits(any(2)), gain));
+    sink(fixed::approach(fine, Weight32::from_bits(any(2)), gain));
 }
 
 /// Vectors of any length.
 fn vectors() {
     static WEIGHTS: [Weight; 40] = [Weight::ZERO; 40];
-    static FINES: [Fine; 40] = [Fine::ZERO; 40];
+    static FINES: [Weight32; 40] = [Weight32::ZERO; 40];
     let (weights, fines) = (any(&WEIGHTS[..]), any(&FINES[..]));
     sink(fixed::dot(fines, weights));
     sink(fixed::squared_norm(fines));

@@ -3,9 +3,9 @@
 use crate::arithmetic::{displacement, mask, weight};
 use crate::{any, sink};
 use amp::action_map::{ActionCode, ActionMap, Effect, Preference, Probe, Recall};
-use amp::fixed::{Fine, Gain, Weight};
+use amp::fixed::{Weight32, Gain, Weight};
 use amp::som::metrics::{MapView, Quality, u_matrix_value};
-use amp::som::neighborhood::{Pull, View, gaussian};
+use amp::som::neighborhood::{Update, View, gaussian};
 use amp::som::{Edges, Grid, Neighborhood, Som, kernels};
 
 pub fn all() {
@@ -29,8 +29,8 @@ fn grids() {
     sink(Grid::chain(any(3)));
 }
 
-fn code() -> &'static [Fine] {
-    static CODE: [Fine; 300] = [Fine::ZERO; 300];
+fn code() -> &'static [Weight32] {
+    static CODE: [Weight32; 300] = [Weight32::ZERO; 300];
     any(&CODE[..])
 }
 
@@ -88,8 +88,8 @@ fn metrics() {
     sink(u_matrix_value(view, any(3)));
 }
 
-fn pull() -> Pull<16> {
-    Pull::new(shape(), any(1), any(2))
+fn pull() -> Update<16> {
+    Update::new(shape(), any(1), any(2))
 }
 
 fn som() {

@@ -5,7 +5,7 @@ use crate::maps::grid;
 use crate::robot::config;
 use crate::{any, bytes, say, sink};
 use amp::link::Link;
-use amp::node::{Identity, NomadNode, Outbox};
+use amp::node::{Identity, NomadNode, FrameSink};
 use amp::store::check;
 use amp::wire::message::{Clock, FlashError, Heard, Order, ToMind};
 use amp::wire::{CRC, Frame, Header, Receiver, Report, cobs, frame};
@@ -94,7 +94,7 @@ fn linking() {
 /// Takes frames and may refuse them.
 struct Anywhere;
 
-impl Outbox for Anywhere {
+impl FrameSink for Anywhere {
     fn send(&mut self, frame: &[u8]) -> bool {
         sink(frame);
         any(true)

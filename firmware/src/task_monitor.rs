@@ -41,7 +41,7 @@ const fn complete(marks: u32) -> bool {
 
 /// Who has run since the watchdog was fed last.
 #[derive(Debug, Default)]
-pub struct Vigil {
+pub struct TaskMonitor {
     marks: AtomicU32,
     /// Somebody is about to hold up everybody for longer than the watchdog bears.
     patience_wanted: AtomicBool,
@@ -49,7 +49,7 @@ pub struct Vigil {
     is_patient: AtomicBool,
 }
 
-impl Vigil {
+impl TaskMonitor {
     /// Nobody has run yet.
     #[must_use]
     pub const fn new() -> Self {
@@ -87,7 +87,7 @@ impl Vigil {
 
     /// Whether the watchdog may be fed now; if so, everyone has to show himself anew.
     #[must_use]
-    pub fn relieve(&self) -> bool {
+    pub fn all_checked_in(&self) -> bool {
         let all = complete(self.marks.load(Ordering::Relaxed));
         if all {
             self.marks.store(0, Ordering::Relaxed);
@@ -109,39 +109,39 @@ mod tests {
     #[test]
     fn one_task_that_stays_away_starves_the_watchdog() {
         for missing in Task::ALL {
-            let vigil = Vigil::new();
+            let task_monitor = TaskMonitor::new();
             for task in Task::ALL.into_iter().filter(|&task| task != missing) {
-                vigil.seen(task);
-                vigil.seen(task);
+                task_monitor.seen(task);
+                task_monitor.seen(task);
             }
-            assert!(!vigil.relieve(), "fed without {missing:?}");
-            vigil.seen(missing);
-            assert!(vigil.relieve());
+            assert!(!task_monitor.all_checked_in(), "fed without {missing:?}");
+            task_monitor.seen(missing);
+            assert!(task_monitor.all_checked_in());
         }
     }
 
     #[test]
     fn patience_is_there_when_the_watchdog_has_it() {
-        let vigil = Vigil::new();
-        vigil.change_patience(|_| panic!("nobody wants it"));
-        vigil.want_patience(true);
-        assert!(!vigil.is_patient());
+        let task_monitor = TaskMonitor::new();
+        task_monitor.change_patience(|_| panic!("nobody wants it"));
+        task_monitor.want_patience(true);
+        assert!(!task_monitor.is_patient());
         let mut made = None;
-        vigil.change_patience(|patient| made = Some(patient));
-        assert!(made == Some(true) && vigil.is_patient());
-        vigil.change_patience(|_| panic!("it has it"));
-        vigil.want_patience(false);
-        vigil.change_patience(|patient| made = Some(patient));
-        assert!(made == Some(false) && !vigil.is_patient());
+        task_monitor.change_patience(|patient| made = Some(patient));
+        assert!(made == Some(true) && task_monitor.is_patient());
+        task_monitor.change_patience(|_| panic!("it has it"));
+        task_monitor.want_patience(false);
+        task_monitor.change_patience(|patient| made = Some(patient));
+        assert!(made == Some(false) && !task_monitor.is_patient());
     }
 
     #[test]
     fn after_a_feed_everyone_has_to_come_again() {
-        let vigil = Vigil::new();
+        let task_monitor = TaskMonitor::new();
         for task in Task::ALL {
-            vigil.seen(task);
+            task_monitor.seen(task);
         }
-        assert!(vigil.relieve());
-        assert!(!vigil.relieve());
+        assert!(task_monitor.all_checked_in());
+        assert!(!task_monitor.all_checked_in());
     }
 }

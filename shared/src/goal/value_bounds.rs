@@ -4,13 +4,13 @@ use super::Component;
 
 /// What is asked of a value in units of 2⁻¹³.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Asked {
+pub(crate) struct ValueBounds {
     low: i32,
     high: i32,
     weight: i32,
 }
 
-impl Asked {
+impl ValueBounds {
     /// Any value is as asked.
     pub(crate) const ANYTHING: Self = Self {
         low: i32::MIN,
@@ -100,8 +100,8 @@ pub(crate) enum Over {
 /// Squared deviation of values (2⁻¹³, which may leave [0, 1]) from what is asked of them, each at most that of the cap, in
 /// units of 2⁻²⁶ · weight; what reaches `limit` may be more.
 #[inline(never)]
-pub(crate) fn missed(
-    asked: impl Iterator<Item = Asked>,
+pub(crate) fn cost_of(
+    asked: impl Iterator<Item = ValueBounds>,
     values: impl Iterator<Item = i32>,
     cap: i32,
     limit: i64,
@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn what_is_asked_holds_up_to_its_bounds_and_a_tolerance_beyond() {
-        let asked = Asked {
+        let asked = ValueBounds {
             low: 10,
             high: 20,
             weight: 1,
@@ -152,8 +152,8 @@ mod tests {
         assert_eq!([9, 10, 20, 21].map(holds), [false, true, true, false]);
         let within = |value| asked.holds_within(value, 5);
         assert_eq!([4, 5, 25, 26].map(within), [false, true, true, false]);
-        assert!(Asked::ANYTHING.holds_within(i32::MIN, 5));
-        assert!(Asked::ANYTHING.holds_within(i32::MAX, 5));
+        assert!(ValueBounds::ANYTHING.holds_within(i32::MIN, 5));
+        assert!(ValueBounds::ANYTHING.holds_within(i32::MAX, 5));
     }
 
     proptest! {
@@ -168,10 +168,10 @@ mod tests {
             let bits = || values.iter().copied().map(i32::from);
             // Without a cap as of the goal turned that far.
             let deviation = goal.towards(place).distance(&values.map(Weight::from_bits), mask);
-            prop_assert_eq!(missed(asked(), bits(), i32::MAX, i64::MAX), deviation);
-            prop_assert!(deviation == 0 || missed(asked(), bits(), i32::MAX, deviation) >= deviation);
+            prop_assert_eq!(cost_of(asked(), bits(), i32::MAX, i64::MAX), deviation);
+            prop_assert!(deviation == 0 || cost_of(asked(), bits(), i32::MAX, deviation) >= deviation);
             let exact: i64 = asked().zip(&values).map(|(asked, value)| asked.deviation(i32::from(*value), cap)).sum();
-            prop_assert_eq!(missed(asked(), bits(), cap, i64::MAX), exact);
+            prop_assert_eq!(cost_of(asked(), bits(), cap, i64::MAX), exact);
         }
     }
 }

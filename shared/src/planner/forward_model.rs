@@ -1,17 +1,17 @@
 //! What an action brings: a linear map fitted to the pairs of the action map.
 
 use crate::action_map::{ActionCode, ActionMap};
-use crate::fixed::{Weight, coarse};
+use crate::fixed::{Weight, to_weight16};
 use crate::scan::Situation;
 use crate::units::Direction;
 
 /// The linear map from displacements to changes of situation, from the present one on.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Forward<const SENSORS: usize> {
+pub(super) struct ForwardModel<const SENSORS: usize> {
     lines: [Line; SENSORS],
 }
 
-impl<const SENSORS: usize> Forward<SENSORS> {
+impl<const SENSORS: usize> ForwardModel<SENSORS> {
     /// From this situation nothing changes, whatever the action.
     pub(super) fn from(situation: &Situation<SENSORS>) -> Self {
         let mut lines = [Line::default(); SENSORS];
@@ -42,7 +42,7 @@ impl<const SENSORS: usize> Forward<SENSORS> {
         let mut vectors = [(0, 0); NEURONS];
         let (mut xx, mut xy, mut yy) = (0_i64, 0_i64, 0_i64);
         for (vector, action) in vectors.iter_mut().zip(actions.actions().code()) {
-            let (x, y) = in_plane(code, action.map(coarse), step_mm);
+            let (x, y) = in_plane(code, action.map(to_weight16), step_mm);
             (xx, xy, yy) = (xx + x * x, xy + x * y, yy + y * y);
             *vector = (x, y);
         }
@@ -53,7 +53,7 @@ impl<const SENSORS: usize> Forward<SENSORS> {
                 let change = change
                     .get(sensor)
                     .copied()
-                    .map_or(0, |change| i64::from(coarse(change).to_bits()));
+                    .map_or(0, |change| i64::from(to_weight16(change).to_bits()));
                 (along_x, along_y) = (along_x + x * change, along_y + y * change);
             }
             // The sum over 31 neurons always fits.
@@ -212,7 +212,7 @@ mod tests {
         ([slope(yy, -xy), slope(-xy, xx)], determinant / (xx * yy))
     }
 
-    fn slopes(forward: &Forward<5>) -> Vec<[i32; 2]> {
+    fn slopes(forward: &ForwardModel<5>) -> Vec<[i32; 2]> {
         let lines = forward.lines().iter();
         lines.map(|line| [line.along_x, line.along_y]).collect()
     }
@@ -222,7 +222,7 @@ mod tests {
         fn it_fits_the_neurons_best(pairs in pairs(), now in prop::array::uniform5(0_i16..=8_192)) {
             let mut map = map(&pairs, ActionCode::Displacement);
             let situation = now.map(Weight::from_bits);
-            let mut forward = Forward::from(&situation);
+            let mut forward = ForwardModel::from(&situation);
             forward.fit(&map, ActionCode::Displacement, 250);
             for (sensor, found) in slopes(&forward).into_iter().enumerate() {
                 let (exact, span) = exact(&map, sensor);
@@ -234,7 +234,7 @@ mod tests {
             }
             // By sums that were kept it is the same to the last bit.
             map.keep_products();
-            let mut kept = Forward::from(&situation);
+            let mut kept = ForwardModel::from(&situation);
             kept.fit(&map, ActionCode::Displacement, 250);
             prop_assert_eq!(&kept, &forward);
             // No move, no change; a value is never below 0.
@@ -253,7 +253,7 @@ mod tests {
         #[test]
         fn the_code_of_the_actions_hardly_matters(pairs in pairs()) {
             let fitted = |code: ActionCode| {
-                let (mut summed, mut kept) = (Forward::from(&[Weight::ZERO; 5]), Forward::from(&[Weight::ZERO; 5]));
+                let (mut summed, mut kept) = (ForwardModel::from(&[Weight::ZERO; 5]), ForwardModel::from(&[Weight::ZERO; 5]));
                 let mut map = map(&pairs, code);
                 summed.fit(&map, code, 250);
                 // Sums that were kept are of displacements: of no use for turns.
@@ -275,7 +275,7 @@ mod tests {
     fn actions_that_do_not_span_the_plane_change_nothing_and_slopes_are_limited() {
         let line = |turns: u16, change: i16| {
             let pairs = [(turns, 250, [change; 5]); NEURONS];
-            let mut forward = Forward::from(&[Weight::ONE; 5]);
+            let mut forward = ForwardModel::from(&[Weight::ONE; 5]);
             forward.fit(
                 &map(&pairs, ActionCode::Displacement),
                 ActionCode::Displacement,
@@ -283,7 +283,7 @@ mod tests {
             );
             forward
         };
-        assert_eq!(line(0, 2_000), Forward::from(&[Weight::ONE; 5]));
+        assert_eq!(line(0, 2_000), ForwardModel::from(&[Weight::ONE; 5]));
         // Short moves that changed much: at most twice the whole scale per step.
         let short = |k: usize| {
             (
@@ -293,7 +293,7 @@ mod tests {
             )
         };
         let pairs: Vec<_> = (0..NEURONS).map(short).collect();
-        let mut forward = Forward::from(&[Weight::ZERO; 5]);
+        let mut forward = ForwardModel::from(&[Weight::ZERO; 5]);
         forward.fit(
             &map(&pairs, ActionCode::Displacement),
             ActionCode::Displacement,

@@ -4,8 +4,8 @@
 //! whole step, or do not change at all: their coefficients are summed once, and a direction costs a few products. Only
 //! transducers whose value may cross a bound within the step are looked at one by one.
 
-use super::forward::{Forward, Line};
-use crate::goal::{Asked, Over};
+use super::forward_model::{ForwardModel, Line};
+use crate::goal::{Over, ValueBounds};
 use crate::units::Direction;
 use heapless::Vec;
 
@@ -13,17 +13,17 @@ use heapless::Vec;
 #[derive(Debug, Clone, Copy)]
 struct Part {
     line: Line,
-    asked: Asked,
+    asked: ValueBounds,
 }
 
 /// Deviation from a goal as a function of the displacement, in units of 2⁻²⁶ · weight.
-pub(super) struct Landscape<const SENSORS: usize> {
+pub(super) struct CostSurface<const SENSORS: usize> {
     form: Option<Form>,
     parts: Vec<Part, SENSORS>,
     cap: i32,
 }
 
-impl<const SENSORS: usize> Landscape<SENSORS> {
+impl<const SENSORS: usize> CostSurface<SENSORS> {
     /// Of a goal that asks nothing and counts each deviation as at most `cap`.
     pub(super) const fn flat(cap: i32) -> Self {
         Self {
@@ -34,7 +34,11 @@ impl<const SENSORS: usize> Landscape<SENSORS> {
     }
 
     /// Says what is asked of each transducer.
-    pub(super) fn shape(&mut self, forward: &Forward<SENSORS>, asked: &[Asked; SENSORS]) {
+    pub(super) fn shape(
+        &mut self,
+        forward: &ForwardModel<SENSORS>,
+        asked: &[ValueBounds; SENSORS],
+    ) {
         let mut sums = Sums::default();
         let mut smooth = false;
         for (asked, line) in asked.iter().zip(forward.lines()) {
@@ -149,12 +153,12 @@ mod tests {
     use super::*;
     use crate::action_map::{ActionCode, ActionMap};
     use crate::fixed::{Mask, Weight};
-    use crate::goal::{Component, Goal, missed};
+    use crate::goal::{Component, Goal, cost_of};
     use crate::som::Grid;
     use proptest::prelude::*;
 
     /// Four actions along the axes and what each changes.
-    fn forward(situation: [Weight; 4], slopes: [[i16; 4]; 2]) -> Forward<4> {
+    fn forward(situation: [Weight; 4], slopes: [[i16; 4]; 2]) -> ForwardModel<4> {
         let bits = |row: [i16; 4], sign: i16| row.map(|bits| Weight::from_bits(sign * bits));
         let [x, y] = slopes;
         let actions = [[8_192, 0], [-8_192, 0], [0, 8_192], [0, -8_192]];
@@ -163,7 +167,7 @@ mod tests {
             [bits(x, 1), bits(x, -1), bits(y, 1), bits(y, -1)],
             actions.map(|action| action.map(Weight::from_bits)),
         );
-        let mut forward = Forward::from(&situation);
+        let mut forward = ForwardModel::from(&situation);
         forward.fit(&map, ActionCode::Displacement, 250);
         forward
     }
@@ -186,12 +190,12 @@ mod tests {
             let mut asked = goal.asked(0, Mask::ALL);
             let asked = core::array::from_fn(|_| asked.next().unwrap());
             let forward = forward(situation.map(Weight::from_bits), slopes);
-            let mut landscape = Landscape::flat(goal.cap_bits());
-            landscape.shape(&forward, &asked);
+            let mut cost_surface = CostSurface::flat(goal.cap_bits());
+            cost_surface.shape(&forward, &asked);
             let share = crate::units::Bearing::from_turns(turns).direction();
             let values = forward.after(share);
-            let exact = missed(asked.into_iter(), values.into_iter(), goal.cap_bits(), i64::MAX);
-            let found = landscape.at(share, i64::MAX);
+            let exact = cost_of(asked.into_iter(), values.into_iter(), goal.cap_bits(), i64::MAX);
+            let found = cost_surface.at(share, i64::MAX);
             // Each value is rounded down to one unit; the form's coefficients to 2⁹ and 2¹⁰.
             let weights: i64 = bounds.iter().map(|(_, _, weight)| i64::from(*weight)).sum();
             let bound = weights * (2 * i64::from(cap) + 2) + 5 * 1_024;
