@@ -45,7 +45,7 @@ fn print_maps(watch: &Stopwatch, episode: &Episode<'_>) {
     row("best-matching unit, 16 × 16, exact", whole, 500);
     row(
         "best-matching unit, 16 × 16, by 16-bit values",
-        to_weight16,
+        coarse,
         3_050,
     );
     row("recall of an action", maps::recalls(watch, episode), 4_660);
