@@ -64,7 +64,7 @@ mod device {
     use crate::serial::{SerialPort, settings};
     use firmware::safety::SafetyLines;
     use firmware::sonar_ring::Pins;
-    use stm32f4xx_hal::gpio::{PinState, Update};
+    use stm32f4xx_hal::gpio::{PinState, Pull};
     use stm32f4xx_hal::pac;
     use stm32f4xx_hal::prelude::*;
 
@@ -88,7 +88,7 @@ mod device {
         let gpioc = device.GPIOC.split(&mut rcc);
         let led = gpioc.pc1.into_push_pull_output_in_state(PinState::Low);
         // An open wire would be noise; the idle line is high.
-        let receive = gpiob.pb11.into_alternate().internal_resistor(Update::Up);
+        let receive = gpiob.pb11.into_alternate().internal_resistor(Pull::Up);
         let ring_pins = Pins {
             address: [
                 gpioa.pa4.into_push_pull_output().erase(),

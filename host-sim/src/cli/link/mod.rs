@@ -124,7 +124,7 @@ enum Verb {
     /// Show what the mind has counted since it started
     Counters,
     /// Save configuration, maps, memory and goals to a file
-    Update {
+    Pull {
         /// The file
         file: PathBuf,
     },
@@ -273,7 +273,7 @@ fn perform(
                 "{file}: configuration, maps and {samples} samples are in the mind"
             )?)
         }
-        (Verb::Update { file }, _) => {
+        (Verb::Pull { file }, _) => {
             let knowledge = Knowledge::pull(session)?;
             knowledge.save(file)?;
             let samples = knowledge.samples();
