@@ -4,7 +4,7 @@ use crate::episode::Episode;
 use crate::room::Room;
 use crate::stopwatch::{Stopwatch, Tally};
 use amp::controller::{self, Progress};
-use amp::node::{Identity, NomadNode, FrameSink};
+use amp::node::{FrameSink, Identity, NomadNode};
 use amp::som::Grid;
 use amp::units::Millis;
 use amp::wire::message::{

@@ -1,7 +1,7 @@
 //! Numbers, quantities and the situation made of them.
 
 use crate::{any, bytes, sink};
-use amp::fixed::{self, Weight32, Gain, Mask, Weight};
+use amp::fixed::{self, Gain, Mask, Weight, Weight32};
 use amp::memory;
 use amp::robot::{self, RobotSpec};
 use amp::scan::{self, Echo, Encoding, Scan};

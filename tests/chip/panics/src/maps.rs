@@ -3,7 +3,7 @@
 use crate::arithmetic::{displacement, mask, weight};
 use crate::{any, sink};
 use amp::action_map::{ActionCode, ActionMap, Effect, Preference, Probe, Recall};
-use amp::fixed::{Weight32, Gain, Weight};
+use amp::fixed::{Gain, Weight, Weight32};
 use amp::som::metrics::{MapView, Quality, u_matrix_value};
 use amp::som::neighborhood::{Update, View, gaussian};
 use amp::som::{Edges, Grid, Neighborhood, Som, kernels};

@@ -5,7 +5,7 @@ use crate::maps::grid;
 use crate::robot::config;
 use crate::{any, bytes, say, sink};
 use amp::link::Link;
-use amp::node::{Identity, NomadNode, FrameSink};
+use amp::node::{FrameSink, Identity, NomadNode};
 use amp::store::check;
 use amp::wire::message::{Clock, FlashError, Heard, Order, ToMind};
 use amp::wire::{CRC, Frame, Header, Receiver, Report, cobs, frame};
