@@ -2,13 +2,13 @@
 //! falls on both.
 
 use amp::config::Config;
-use host_sim::episode::{self, Setup};
-use host_sim::robot::TurretMode;
-use host_sim::scenes::Behavior;
-use host_sim::sonar::SonarModel;
-use host_sim::world::World;
+use arena::robot::TurretMode;
+use arena::sonar::SonarModel;
+use arena::world::World;
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use sim::episode::{self, Setup};
+use sim::scenes::Behavior;
 use std::hint::black_box;
 use std::time::Instant;
 

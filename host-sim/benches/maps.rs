@@ -4,9 +4,9 @@
 use amp::fixed::{Mask, Scalar as _, Weight};
 use amp::som::neighborhood::Update;
 use amp::som::{Decay, Grid, Neighborhood, Schedule, Som};
+use arena::noise::Noise;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use host_sim::noise::Noise;
-use host_sim::som::train::{Order, Training, start_at_samples, train};
+use datasets::som::train::{Order, Training, start_at_samples, train};
 use std::hint::black_box;
 
 const SAMPLES: usize = 1_000;

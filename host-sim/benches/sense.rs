@@ -1,10 +1,10 @@
 //! How long the robot takes to look around and to move: what a simulated step costs without its mind.
 
+use arena::noise::Noise;
+use arena::robot::COLLISION_RADIUS_M;
+use arena::sonar::{Ring, SonarModel};
+use arena::world::{Point, Pose, World};
 use criterion::{Criterion, criterion_group, criterion_main};
-use host_sim::noise::Noise;
-use host_sim::robot::COLLISION_RADIUS_M;
-use host_sim::sonar::{Ring, SonarModel};
-use host_sim::world::{Point, Pose, World};
 use std::hint::black_box;
 
 /// Places where the robot fits, with a heading each.

@@ -6,13 +6,13 @@
 use amp::config::Config;
 use amp::controller::{Command, Event};
 use amp::units::Millis;
+use arena::noise::Noise;
+use arena::robot::TurretMode;
+use arena::sonar::SonarModel;
+use arena::world::{Point, Pose, Shape, World};
 use criterion::{BatchSize, Criterion, Throughput, criterion_group};
-use host_sim::episode::{Body, drive_pilot};
-use host_sim::noise::Noise;
-use host_sim::pilot::{Mind, Pilot};
-use host_sim::robot::TurretMode;
-use host_sim::sonar::SonarModel;
-use host_sim::world::{Point, Pose, Shape, World};
+use sim::episode::{Body, drive_pilot};
+use sim::pilot::{Mind, Pilot};
 use std::hint::black_box;
 use std::time::Instant;
 

@@ -1,15 +1,15 @@
 //! What a look at a seeking robot costs its loop (ten times a second while somebody watches), and the viewers' tasks.
 
 use amp::config::Config;
+use arena::robot::TurretMode;
+use arena::sonar::SonarModel;
+use arena::world::World;
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
-use host_sim::episode::Setup;
-use host_sim::link::MindPlace;
-use host_sim::robot::TurretMode;
-use host_sim::scenes::Behavior;
-use host_sim::sonar::SonarModel;
-use host_sim::view::order::Order;
-use host_sim::view::{Simulator, Source, Start, Stepped};
-use host_sim::world::World;
+use remote::link::MindPlace;
+use sim::episode::Setup;
+use sim::scenes::Behavior;
+use view::order::Order;
+use view::{Simulator, Source, Start, Stepped};
 
 fn seeking() -> Simulator {
     let config = Config::recommended();
@@ -63,7 +63,7 @@ fn benches(c: &mut Criterion) {
     });
 }
 
-fn text_len(part: &std::sync::Arc<dyn host_sim::view::snapshot::Showable>) -> usize {
+fn text_len(part: &std::sync::Arc<dyn view::snapshot::Showable>) -> usize {
     part.text().len()
 }
 

@@ -1,30 +1,3 @@
-//! Simulator of a Nomad 200 driven by the `amp` crate.
-pub mod barn;
-pub mod baselines;
+//! The command line of the simulator: see `host-sim --help`.
+
 pub mod cli;
-pub mod coverage;
-mod direction;
-pub mod episode;
-pub mod error;
-pub mod experiments;
-mod files;
-pub mod goal_file;
-mod hex;
-pub mod learn;
-pub mod link;
-mod listen;
-pub mod log;
-pub mod noise;
-pub mod nomad;
-pub mod pilot;
-pub mod plot;
-pub mod recording;
-pub mod robot;
-pub mod scenes;
-pub mod settings;
-pub mod som;
-pub mod sonar;
-pub mod sweep;
-mod toml_reader;
-pub mod view;
-pub mod world;

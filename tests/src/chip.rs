@@ -8,7 +8,7 @@ use amp::wire::message::{
     Clock, Counters, Dimensions, FromMind, HostHello, MindHello, Order, Refusal, Report, ToMind,
 };
 use amp::wire::{Frame, PROTOCOL, Receiver, SCHEMA};
-use host_sim::link::{Machine, Qemu, Tcp, Transport, build_image};
+use remote::link::{Machine, Qemu, Tcp, Transport, build_image};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};

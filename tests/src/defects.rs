@@ -1,7 +1,7 @@
 //! `tests/defects.toml`: what is to be broken on purpose, and who has to notice.
 
 use crate::root;
-use host_sim::link::Machine;
+use remote::link::Machine;
 use serde::Deserialize;
 use std::path::PathBuf;
 

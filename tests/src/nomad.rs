@@ -1,8 +1,8 @@
 //! A simulated Nomad 200 as a user starts it, and programs that drive it.
 
 use crate::Program;
-use host_sim::link::{Serial, Tcp};
-use host_sim::nomad::{Host, State};
+use nomad200::{Host, State};
+use remote::link::{Serial, Tcp};
 use std::io::{BufRead as _, BufReader, ErrorKind, Read, Write as _};
 use std::net::{Shutdown, TcpListener, TcpStream};
 use std::process::{Child, Command, Stdio};

@@ -9,7 +9,7 @@ use amp::wire::frame::{self, Header};
 use amp::wire::message::{
     Clock, FromMind, GoalBy, Heard, HostHello, ModeReport, Order, Part, Report, ToMind,
 };
-use host_sim::pilot::Pilot;
+use sim::pilot::Pilot;
 use std::time::Instant;
 
 /// Simulated time between two signs of life.

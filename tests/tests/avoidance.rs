@@ -1,7 +1,7 @@
 //! What the robot is for: it learns from 100 random moves and then drives without touching anything.
 
-use host_sim::experiments::ablation::{Figures, Trial, measure, variants};
-use host_sim::sonar::SonarModel;
+use arena::sonar::SonarModel;
+use experiments::ablation::{Figures, Trial, measure, variants};
 
 const IDEAL: Trial = Trial {
     first: 1,

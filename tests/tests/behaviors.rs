@@ -3,15 +3,15 @@
 use amp::config::Config;
 use amp::controller::{Event, Motion, Outputs};
 use amp::units::{Displacement, Millis};
-use host_sim::episode::{Body, Report, run};
-use host_sim::experiments::behaviors::{Trial, each};
-use host_sim::experiments::scenes::{SCENES, Scene};
-use host_sim::pilot::Pilot;
-use host_sim::robot::{COLLISION_RADIUS_M, TurretMode};
-use host_sim::scenes::Behavior;
-use host_sim::sonar::SonarModel;
-use host_sim::world::World;
+use arena::robot::{COLLISION_RADIUS_M, TurretMode};
+use arena::sonar::SonarModel;
+use arena::world::World;
+use experiments::behaviors::{Trial, each};
+use experiments::scenes::{SCENES, Scene};
 use serde_json::Value;
+use sim::episode::{Body, Report, run};
+use sim::pilot::Pilot;
+use sim::scenes::Behavior;
 use tests::{Program, host_sim};
 
 /// The figures of one line that `run --json` prints.
@@ -227,7 +227,7 @@ fn touching_the_leader_is_a_contact() {
     let world = World::builtin("room").expect("a built-in world");
     let mut body = Body::new(&world, SonarModel::Ideal, TurretMode::Held, 1);
     let start = world.start().position;
-    let free = world.sweep(start, start + host_sim::world::Point::new(1.5, 0.0), 0.3);
+    let free = world.sweep(start, start + arena::world::Point::new(1.5, 0.0), 0.3);
     assert!(!free.touched(), "nothing but the leader is in the way");
     body.add_leader();
     let moved: Vec<_> = (0..30)

@@ -1,9 +1,9 @@
 //! A mind drives the simulated Nomad over the robot's own line, and either of them may be lost.
 
 use amp::config::Config;
-use host_sim::link::Served;
-use host_sim::log::{Answer, EventRecord, Happening, channel, read};
-use host_sim::nomad::Command;
+use nomad200::Command;
+use remote::link::Served;
+use remote::log::{Answer, EventRecord, Happening, channel, read};
 use serde_json::Value;
 use std::path::Path;
 use std::thread::sleep;

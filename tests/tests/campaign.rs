@@ -1,7 +1,7 @@
 //! The campaigns with a thousandth of their counts.
 
 use amp::config::Config;
-use host_sim::sonar::SonarModel;
+use arena::sonar::SonarModel;
 use tests::campaign::{Verdict, clock, drift, frames, link, shield, silence};
 
 const QUIETLY: &(dyn Fn(u64) + Sync) = &|_| {};

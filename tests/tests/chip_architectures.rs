@@ -1,11 +1,11 @@
 //! One episode on three architectures, each emulated: everything a chip sends is what the same crate sends on this machine,
 //! and so are its maps and its memory.
 
-use host_sim::episode::Body;
-use host_sim::link::{Machine, build_image};
-use host_sim::robot::TurretMode;
-use host_sim::sonar::SonarModel;
-use host_sim::world::World;
+use arena::robot::TurretMode;
+use arena::sonar::SonarModel;
+use arena::world::World;
+use remote::link::{Machine, build_image};
+use sim::episode::Body;
 use tests::chip::{Chip, SESSION};
 use tests::twin::Twin;
 

@@ -5,10 +5,10 @@ use amp::config::Config;
 use amp::goal::{Goal, Side};
 use amp::units::Range;
 use amp::wire::message::{GoalBy, Order};
-use host_sim::episode::Body;
-use host_sim::robot::TurretMode;
-use host_sim::sonar::SonarModel;
-use host_sim::world::World;
+use arena::robot::TurretMode;
+use arena::sonar::SonarModel;
+use arena::world::World;
+use sim::episode::Body;
 use tests::twin::Twin;
 
 /// What is pursued in each room: free space, both goals in the frame of travel, a place that the robot has to search for.

@@ -1,9 +1,9 @@
 //! Damaged logs: refused in a sentence that names the place, or played as far as they are whole. Never a wrong verdict on
 //! the mind, never a crash, never much memory.
 
-use host_sim::log::{Ending, LogFile, Message, replay};
 use rand_core::{Rng as _, SeedableRng as _};
 use rand_xoshiro::Xoshiro256PlusPlus;
+use remote::log::{Ending, LogFile, Message, replay};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::fs;

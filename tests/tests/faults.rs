@@ -2,12 +2,12 @@
 
 use amp::config::Config;
 use amp::faults::{Fault, Verdict};
-use host_sim::episode::{Setup, run_with};
-use host_sim::pilot::Mind;
-use host_sim::robot::TurretMode;
-use host_sim::scenes::Behavior;
-use host_sim::sonar::{SonarModel, TransducerFault};
-use host_sim::world::World;
+use arena::robot::TurretMode;
+use arena::sonar::{SonarModel, TransducerFault};
+use arena::world::World;
+use sim::episode::{Setup, run_with};
+use sim::pilot::Mind;
+use sim::scenes::Behavior;
 use tests::{host_sim, words};
 
 /// What a mind that watches its transducers decides about them in a random room, and how often the robot touches something.

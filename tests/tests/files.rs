@@ -2,7 +2,7 @@
 #![cfg(unix)]
 
 use amp::config::Config;
-use host_sim::link::Served;
+use remote::link::Served;
 use std::fs;
 use std::io::Read as _;
 use std::os::unix::fs::{FileTypeExt as _, PermissionsExt as _, symlink};

@@ -2,11 +2,11 @@
 
 use amp::config::Config;
 use amp::wire::message::{GoalBy, Heard, Order, Part, ToMind};
-use host_sim::link::Knowledge;
-use host_sim::nomad::{Kind, Packet};
-use host_sim::pilot::Mind;
+use nomad200::{Kind, Packet};
 use rand_core::SeedableRng as _;
 use rand_xoshiro::Xoshiro256PlusPlus;
+use remote::link::Knowledge;
+use sim::pilot::Mind;
 use std::fs;
 use tests::campaign::mutate::Damage;
 use tests::hostile::{self, READERS};

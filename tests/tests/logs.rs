@@ -1,7 +1,7 @@
 //! Logs as a user meets them: written by `run --log`, replayed, summarized, cut off by a kill.
 
 use amp::config::Config;
-use host_sim::link::Served;
+use remote::link::Served;
 use serde_json::json;
 use std::fs;
 use std::thread;

@@ -7,12 +7,12 @@ use amp::goal::{Component, Goal};
 use amp::scan::Situation;
 use amp::som::Grid;
 use amp::units::Millis;
-use host_sim::episode::{Body, Seeds, perceive};
-use host_sim::pilot::{Pilot, SimState};
-use host_sim::robot::TurretMode;
-use host_sim::scenes::Behavior;
-use host_sim::sonar::SonarModel;
-use host_sim::world::World;
+use arena::robot::TurretMode;
+use arena::sonar::SonarModel;
+use arena::world::World;
+use sim::episode::{Body, Seeds, perceive};
+use sim::pilot::{Pilot, SimState};
+use sim::scenes::Behavior;
 
 /// A mind and, from some moment on, its twin: it hears the same and is not obeyed.
 struct Robot {

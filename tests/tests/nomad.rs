@@ -1,12 +1,12 @@
 //! The simulated Nomad 200 and programs as they were written for the real one: it answers within a second, keeps their
 //! masks, stops when they fall silent, and outlives them.
 
-use host_sim::link::Tcp;
-use host_sim::nomad::nserver::Message;
-use host_sim::nomad::{
+use arena::sonar::FIRING_ORDER;
+use nomad200::nserver::Message;
+use nomad200::{
     AxisMode, Command, Group, Host, Kind, Mask, PATIENCE, Packet, RobotError, WITH_SONAR,
 };
-use host_sim::sonar::FIRING_ORDER;
+use remote::link::Tcp;
 use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
 use std::thread::sleep;
@@ -18,7 +18,7 @@ fn ms(ms: u64) -> Duration {
     Duration::from_millis(ms)
 }
 
-fn ask(host: &mut Host, command: &Command) -> host_sim::nomad::State {
+fn ask(host: &mut Host, command: &Command) -> nomad200::State {
     let state = host.ask(command);
     state
         .unwrap_or_else(|error| panic!("{command:?}: {error}"))
@@ -249,7 +249,7 @@ fn a_packet_may_come_byte_by_byte() {
     let program = host_sim!();
     let robot = Robot::at_a_port(&program, "");
     let mut line = Tcp::open(&robot.place).expect("a robot");
-    use host_sim::link::Transport as _;
+    use remote::link::Transport as _;
     let mut host = Host::greeted(Tcp::open(&robot.place).expect("a queue"));
     assert!(host.is_err(), "one at a time");
     let mut buffer = [0; 64];

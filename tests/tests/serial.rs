@@ -1,7 +1,7 @@
 //! A mind at a serial device: a pseudo terminal with the chip's code at its other end.
 
 use amp::config::Config;
-use host_sim::link::Served;
+use remote::link::Served;
 use tests::host_sim;
 use tests::pty::{Line, Pty};
 

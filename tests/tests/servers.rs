@@ -4,9 +4,9 @@
 use amp::config::Config;
 use amp::wire::message::{Counters, FromMind};
 use amp::wire::{Frame, Header, Report};
-use host_sim::link::Served;
-use host_sim::log;
-use host_sim::nomad::{Command, Greeting, Kind, LaserSetup, Mask, Packet};
+use nomad200::{Command, Greeting, Kind, LaserSetup, Mask, Packet};
+use remote::link::Served;
+use remote::log;
 use serde_json::{Value, json};
 use std::io::{ErrorKind, Read as _, Write as _};
 use std::net::{TcpListener, TcpStream};

@@ -1,7 +1,7 @@
 //! The bench view as people meet it: in a real browser, and as strangers at the door.
 
 use amp::config::Config;
-use host_sim::link::Served;
+use remote::link::Served;
 use serde_json::{Value, json};
 use std::fs;
 use std::time::{Duration, Instant};
@@ -311,7 +311,7 @@ fn a_nomad_explores_learns_and_seeks_and_stops() {
     // The base stands once it has braked, or its wheels have: whoever comes next finds it so.
     std::thread::sleep(Duration::from_millis(1_700));
     let mut host = robot.connect();
-    let state = host.ask(&host_sim::nomad::Command::GetState);
+    let state = host.ask(&nomad200::Command::GetState);
     assert!(tests::nomad::stands(state.expect("an answer")));
 }
 

@@ -3,14 +3,13 @@
 use super::output::bar;
 use super::run::SonarChoice;
 use super::{Failure, table};
-use crate::episode;
-use crate::error::BadInput;
-use crate::experiments::ablation::{
+use clap::Args;
+use experiments::ablation::{
     Driver, Figures, Trial, Variant, behavior_variants, measure, variants,
 };
-use crate::experiments::behaviors;
-use crate::experiments::scenes::{Scene, scenes_named};
-use clap::Args;
+use experiments::behaviors;
+use experiments::scenes::{Scene, scenes_named};
+use files::error::BadInput;
 use std::io::Write;
 
 /// The `ablation` command's flags.
@@ -114,7 +113,10 @@ pub fn ablation(args: &AblationArgs, out: &mut impl Write) -> Result<(), Failure
     Ok(out.write_all(text.as_bytes())?)
 }
 
-fn avoidance_row(variant: &Variant, args: &AblationArgs) -> Result<Vec<String>, episode::Failure> {
+fn avoidance_row(
+    variant: &Variant,
+    args: &AblationArgs,
+) -> Result<Vec<String>, sim::failure::Failure> {
     let trial = Trial {
         first: args.first,
         rooms: args.rooms,
@@ -127,7 +129,10 @@ fn avoidance_row(variant: &Variant, args: &AblationArgs) -> Result<Vec<String>, 
     Ok(row(&variant.name, &figures, f64::from(args.rooms)))
 }
 
-fn behavior_row(variant: &Variant, args: &AblationArgs) -> Result<Vec<String>, episode::Failure> {
+fn behavior_row(
+    variant: &Variant,
+    args: &AblationArgs,
+) -> Result<Vec<String>, sim::failure::Failure> {
     let mut row = vec![variant.name.clone()];
     let Driver::Mind(config, turret) = &variant.driver else {
         return Ok(row);

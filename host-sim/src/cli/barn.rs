@@ -3,19 +3,22 @@
 use super::output::{bar, prepare};
 use super::run::{Preset, SonarChoice, Switch};
 use super::{Failure, table};
-use crate::barn::{self, CHALLENGE_M_S, End, Method, Rules, Run, Tuning, length, score, shortest};
-use crate::error::BadInput;
-use crate::experiments::statistics::bootstrap;
-use crate::files::{MAX_INPUT_BYTES, read_text};
-use crate::pilot::MAX_MOVES;
-use crate::plot::{self, RoutePanel, demo::save};
-use crate::settings;
-use crate::som::table::{Records, Table};
-use crate::world::barn::{range, sources};
-use crate::world::{Point, World};
+use arena::world::barn::{range, sources};
+use arena::world::{Point, World};
 use clap::Args;
+use experiments::barn::{
+    self, CHALLENGE_M_S, End, Method, Rules, Run, Tuning, length, score, shortest,
+};
+use experiments::barn::{RoutePanel, routes};
+use files::error::BadInput;
+use files::save;
+use files::table::{Records, Table};
+use files::{MAX_INPUT_BYTES, read_text};
 use rayon::prelude::*;
 use serde_json::json;
+use sim::pilot::MAX_MOVES;
+use sim::settings;
+use sim::statistics::bootstrap;
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::ops::RangeInclusive;
@@ -178,7 +181,7 @@ fn drive(
     rules: &Rules,
     methods: &[Method],
     lengths: Option<&BTreeMap<u32, f64>>,
-    source: &crate::world::barn::BarnSource,
+    source: &arena::world::barn::BarnSource,
 ) -> Result<Course, BadInput> {
     let world = source.load()?;
     let number = source.number;
@@ -379,11 +382,11 @@ fn picture(
     };
     let panels: Vec<_> = (0..count).filter_map(spread).map(panel).collect();
     let names: Vec<_> = methods.iter().map(|method| method.name()).collect();
-    let svg = plot::routes("Ways through the BARN worlds", &names, &panels);
-    let path = save(dir, "barn.svg", svg.as_bytes()).map_err(BadInput::from)?;
-    let png = plot::png::render(&svg, 2.0)
+    let svg = routes("Ways through the BARN worlds", &names, &panels);
+    let path = save(dir, "barn.svg", svg.as_bytes())?;
+    let png = plots::png::render(&svg, 2.0)
         .map_err(|error| BadInput::new(format!("barn.png: {error}")))?;
-    save(dir, "barn.png", &png).map_err(BadInput::from)?;
+    save(dir, "barn.png", &png)?;
     if !quiet {
         writeln!(out, "\nPicture: {}", path.display())?;
     }

@@ -3,12 +3,13 @@
 use super::output::{bar, prepare};
 use super::run::{Preset, SonarChoice};
 use super::{Failure, summary, table};
-use crate::error::BadInput;
-use crate::experiments::behaviors::{Outcome, Trial, first, measure};
-use crate::experiments::scenes::{Scene, scenes_named};
-use crate::plot::{self, Shown, demo::save};
-use crate::scenes::Behavior;
 use clap::Args;
+use experiments::behaviors::{Outcome, Trial, first, measure};
+use experiments::scenes::{Scene, scenes_named};
+use files::error::BadInput;
+use files::save;
+use plots::Shown;
+use sim::scenes::Behavior;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -138,7 +139,7 @@ fn chosen(only: Option<&str>) -> Result<Vec<&'static Scene>, BadInput> {
 /// Without the shield, and with it.
 fn trials(args: &BehaviorsArgs, (worlds, seeds): (u32, u32)) -> Result<(Trial, Trial), BadInput> {
     let mut config = args.preset.config();
-    crate::settings::apply(&mut config, &args.sets)?;
+    sim::settings::apply(&mut config, &args.sets)?;
     let shielded = Trial {
         worlds: args.worlds.unwrap_or(worlds),
         seeds: args.seeds.unwrap_or(seeds),
@@ -197,7 +198,7 @@ fn pictures(
         };
         let folder = dir.join(tame(&scene.title()));
         let rows = summary::rows(&episode.report);
-        plot::demo::write(&folder, &recording, &rows, &[]).map_err(BadInput::from)?;
+        plots::demo::write(&folder, &recording, &rows, &[])?;
         shown.push(Shown {
             name: scene.behavior.to_owned(),
             about: format!("{}: {}", Behavior::about(scene.behavior), scene.place),
@@ -207,11 +208,11 @@ fn pictures(
     }
     progress.finish_and_clear();
     let title = "Behaviors, each from 100 random moves";
-    let svg = plot::behaviors(title, &shown);
-    let picture = save(dir, "behaviors.svg", svg.as_bytes()).map_err(BadInput::from)?;
-    let png = plot::png::render(&svg, 2.0)
+    let svg = plots::behaviors(title, &shown);
+    let picture = save(dir, "behaviors.svg", svg.as_bytes())?;
+    let png = plots::png::render(&svg, 2.0)
         .map_err(|error| BadInput::new(format!("behaviors.png: {error}")))?;
-    save(dir, "behaviors.png", &png).map_err(BadInput::from)?;
+    save(dir, "behaviors.png", &png)?;
     let dir = dir.display();
     Ok(writeln!(
         out,

@@ -2,14 +2,13 @@
 
 use super::Failure;
 use super::run::{Preset, SonarChoice};
-use crate::episode::perceive;
-use crate::error::BadInput;
-use crate::files;
-use crate::goal_file;
-use crate::robot::COLLISION_RADIUS_M;
-use crate::settings;
-use crate::world::{MAX_COORDINATE_M, Point, Pose, World, parse_worlds};
+use arena::robot::COLLISION_RADIUS_M;
+use arena::world::{MAX_COORDINATE_M, Point, Pose, World, parse_worlds};
 use clap::Args;
+use files::error::BadInput;
+use sim::episode::perceive;
+use sim::goal_file;
+use sim::settings;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;

@@ -3,13 +3,12 @@
 use super::output::{bar, prepare};
 use super::run::Preset;
 use super::{Failure, summary, table};
-use crate::episode::{self, Phase, Setup};
-use crate::error::BadInput;
-use crate::plot;
-use crate::scenes::Behavior;
-use crate::sonar::SonarModel;
-use crate::world::World;
+use arena::sonar::SonarModel;
+use arena::world::World;
 use clap::Args;
+use files::error::BadInput;
+use sim::episode::{self, Phase, Setup};
+use sim::scenes::Behavior;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -83,7 +82,7 @@ pub fn demo(args: &DemoArgs, out: &mut impl Write) -> Result<(), Failure> {
     let rows = summary::rows(&episode.report);
     let mut files = Vec::new();
     if let Some(recording) = &episode.recording {
-        files = plot::demo::write(&args.out, recording, &rows, &NEXT).map_err(BadInput::from)?;
+        files = plots::demo::write(&args.out, recording, &rows, &NEXT)?;
     }
     progress.finish_and_clear();
     print(out, &rows, &files)

@@ -3,11 +3,11 @@
 use super::output::bar;
 use super::run::{Preset, SonarChoice, Switch};
 use super::{Failure, table};
-use crate::error::BadInput;
-use crate::experiments::faults::{Course, FAULTS, Trial, courses};
-use crate::pilot::MAX_MOVES;
-use crate::sonar::{FaultKind, TransducerFault};
+use arena::sonar::{FaultKind, TransducerFault};
 use clap::Args;
+use experiments::faults::{Course, FAULTS, Trial, courses};
+use files::error::BadInput;
+use sim::pilot::MAX_MOVES;
 use std::io::Write;
 
 /// The `faults` command's flags.
@@ -109,7 +109,7 @@ pub fn faults(args: &FaultsArgs, out: &mut impl Write) -> Result<(), Failure> {
 fn trial(args: &FaultsArgs) -> Result<Trial, BadInput> {
     let mut config = args.preset.config();
     config.fault_detection = args.detection == Switch::On;
-    crate::settings::apply(&mut config, &args.sets)?;
+    sim::settings::apply(&mut config, &args.sets)?;
     Ok(Trial {
         rooms: args.rooms,
         first: args.first,

@@ -3,8 +3,8 @@
 use super::Failure;
 use super::output::bar;
 use super::table::plain;
-use crate::log::{self, LogFile, Summary};
 use clap::Args;
+use remote::log::{self, LogFile, Summary};
 use std::io::Write;
 use std::path::PathBuf;
 

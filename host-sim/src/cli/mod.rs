@@ -29,8 +29,8 @@ mod table;
 mod view;
 mod worlds;
 
-use crate::error::BadInput;
 use clap::{CommandFactory, Parser, Subcommand};
+use files::error::BadInput;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
@@ -71,9 +71,9 @@ enum Command {
     /// Be a simulated Nomad 200 to any program written for the robot
     Nomad(nomad::NomadArgs),
     /// Train a self-organizing map on any CSV file and report its errors
-    Som(crate::som::SomArgs),
+    Som(datasets::som::SomArgs),
     /// Learn both maps from a logged run of a real robot and ask them what it did
-    Learn(crate::learn::LearnArgs),
+    Learn(datasets::learn::LearnArgs),
     /// Drive the worlds of the BARN navigation benchmark: success and score
     Barn(barn::BarnArgs),
     /// List and draw worlds
@@ -193,8 +193,8 @@ fn execute(command: Option<Command>, out: &mut impl Write) -> Result<(), Failure
     }
 }
 
-fn run_som(args: &crate::som::SomArgs, out: &mut impl Write) -> Result<(), Failure> {
-    Ok(writeln!(out, "{}", crate::som::run(args)?)?)
+fn run_som(args: &datasets::som::SomArgs, out: &mut impl Write) -> Result<(), Failure> {
+    Ok(writeln!(out, "{}", datasets::som::run(args)?)?)
 }
 
 fn settings(out: &mut impl Write) -> Result<(), Failure> {
@@ -204,7 +204,7 @@ fn settings(out: &mut impl Write) -> Result<(), Failure> {
         run::Preset::Touzet,
     ];
     let configs = presets.map(run::Preset::config);
-    let rows: Vec<_> = crate::settings::SETTINGS
+    let rows: Vec<_> = sim::settings::SETTINGS
         .iter()
         .map(|setting| {
             let values = configs.iter().map(|config| setting.value(config));

@@ -2,11 +2,11 @@
 
 use super::Failure;
 use super::run::SonarChoice;
-use crate::error::BadInput;
-use crate::listen::check_reach;
-use crate::nomad::{Line, Protocol, Server, Simulated};
-use crate::world::{World, parse_worlds};
+use arena::world::{World, parse_worlds};
 use clap::{Args, Subcommand, ValueEnum};
+use files::error::BadInput;
+use nomad200::{Line, Protocol, Server, Simulated};
+use remote::listen::check_reach;
 use std::io::Write;
 use std::net::{TcpListener, ToSocketAddrs as _};
 
@@ -152,7 +152,7 @@ fn serve_tcp(robot: Simulated, args: &ServeArgs, out: &mut impl Write) -> Result
 #[cfg(unix)]
 fn serve_pty(mut server: Server, out: &mut impl Write) -> Result<(), Failure> {
     let refuse = |error: std::io::Error| BadInput::new(format!("--pty: {error}"));
-    let mut pty = crate::nomad::Pty::open().map_err(refuse)?;
+    let mut pty = nomad200::Pty::open().map_err(refuse)?;
     announce(out, pty.path().display())?;
     let error = server.speak(&mut pty);
     Err(refuse(error).into())

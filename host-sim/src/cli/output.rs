@@ -1,7 +1,6 @@
 //! Output folders, worker threads and progress bars.
 
-use crate::error::BadInput;
-use crate::plot::demo::WriteError;
+use files::error::BadInput;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;
 use std::path::Path;
@@ -16,12 +15,6 @@ pub fn prepare(dir: &Path) -> Result<(), BadInput> {
     let probe = dir.join(format!(".probe-{}", std::process::id()));
     std::fs::write(&probe, []).map_err(refuse)?;
     std::fs::remove_file(&probe).map_err(refuse)
-}
-
-impl From<WriteError> for BadInput {
-    fn from(error: WriteError) -> Self {
-        Self::new(error.to_string())
-    }
 }
 
 /// So many worker threads, or one per core.

@@ -2,11 +2,11 @@
 
 use super::output::{bar, prepare};
 use super::{Failure, table};
-use crate::error::BadInput;
-use crate::experiments::paper::claims::{Claim, Verdict, claims};
-use crate::experiments::paper::measure::{Size, Watcher, measure};
-use crate::plot::{self, demo::save};
 use clap::Args;
+use experiments::paper::claims::{Claim, Verdict, claims};
+use experiments::paper::measure::{Size, Watcher, measure};
+use files::error::BadInput;
+use files::save;
 use indicatif::ProgressBar;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -81,7 +81,7 @@ pub fn paper(args: &PaperArgs, out: &mut impl Write) -> Result<(), Failure> {
     let claims = claims(&measured);
     bars.begin("draw", 1);
     let files = write(&args.out, &claims, |dir| {
-        plot::paper::write(dir, &measured, &claims, &NEXT).map_err(BadInput::from)
+        experiments::pictures::paper::write(dir, &measured, &claims, &NEXT)
     })?;
     bars.0.finish_and_clear();
     print(out, &claims)?;

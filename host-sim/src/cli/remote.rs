@@ -2,13 +2,14 @@
 
 use super::run::drive;
 use super::setup::parsed;
-use crate::episode::{self, Episode, Setup};
-use crate::error::BadInput;
-use crate::link::{self, Address, Emulation, LinkError, MindPlace, RemoteMind, Session};
-use crate::world::World;
 use amp::config::Config;
 use amp::wire::message::Clock;
+use arena::world::World;
 use clap::Args;
+use files::error::BadInput;
+use remote::link::{self, Address, Emulation, LinkError, MindPlace, RemoteMind, Session};
+use sim::episode::{Episode, Setup};
+use sim::failure::Failure;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -111,8 +112,8 @@ impl Remote {
         world: &World,
         setup: &Setup,
         log: Option<&Path>,
-    ) -> Result<Episode, episode::Failure> {
-        let mut mind = self.mind(&setup.config).map_err(episode::Failure::Link)?;
+    ) -> Result<Episode, Failure> {
+        let mut mind = self.mind(&setup.config).map_err(Failure::from)?;
         drive(world, setup, &mut mind, log)
     }
 

@@ -3,14 +3,15 @@
 use super::output::{bar, prepare};
 use super::run::{Preset, SonarChoice};
 use super::{Failure, table};
-use crate::error::BadInput;
-use crate::experiments::behaviors::Trial;
-use crate::experiments::repetition::{Curve, measure};
-use crate::experiments::scenes::{Scene, scenes_named};
-use crate::experiments::statistics::Mean;
-use crate::pilot::MAX_MOVES;
-use crate::plot::{self, Curves, Key, demo::save};
 use clap::Args;
+use experiments::behaviors::Trial;
+use experiments::repetition::{Curve, measure};
+use experiments::scenes::{Scene, scenes_named};
+use files::error::BadInput;
+use files::save;
+use plots::{Curves, Key};
+use sim::pilot::MAX_MOVES;
+use sim::statistics::Mean;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -106,7 +107,7 @@ pub fn repetition(args: &RepetitionArgs, out: &mut impl Write) -> Result<(), Fai
 
 fn trial(args: &RepetitionArgs) -> Result<Trial, BadInput> {
     let mut config = args.preset.config();
-    crate::settings::apply(&mut config, &args.sets)?;
+    sim::settings::apply(&mut config, &args.sets)?;
     config.shield = None;
     Ok(Trial {
         worlds: args.worlds,
@@ -155,10 +156,10 @@ fn picture(dir: &Path, times: u32, panels: &[Curves], out: &mut impl Write) -> R
         ticks: vec![(0, "1".to_owned()), (times as usize - 1, times.to_string())],
         names: Vec::new(),
     };
-    let svg = plot::curves("Does repetition improve a behavior?", &key, panels);
-    let picture = save(dir, "repetition.svg", svg.as_bytes()).map_err(BadInput::from)?;
-    let png = plot::png::render(&svg, 2.0)
+    let svg = plots::curves("Does repetition improve a behavior?", &key, panels);
+    let picture = save(dir, "repetition.svg", svg.as_bytes())?;
+    let png = plots::png::render(&svg, 2.0)
         .map_err(|error| BadInput::new(format!("repetition.png: {error}")))?;
-    save(dir, "repetition.png", &png).map_err(BadInput::from)?;
+    save(dir, "repetition.png", &png)?;
     Ok(writeln!(out, "Picture: {}", picture.display())?)
 }

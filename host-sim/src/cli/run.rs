@@ -5,18 +5,17 @@ use super::output::{bar, pool, prepare};
 use super::remote::{MindArgs, MindChoice, Remote};
 use super::setup::SetupArgs;
 use super::summary;
-use crate::episode::{self, Episode, Report, Setup};
-use crate::error::BadInput;
-use crate::link::Knowledge;
-use crate::log;
-use crate::pilot::{InspectableController, Mind};
-use crate::plot;
-use crate::robot::TurretMode;
-use crate::sonar::SonarModel;
-use crate::world::{World, WorldSource, parse_worlds};
 use amp::config::Config;
+use arena::robot::TurretMode;
+use arena::sonar::SonarModel;
+use arena::world::{World, WorldSource, parse_worlds};
 use clap::{Args, ValueEnum};
+use files::error::BadInput;
 use rayon::prelude::*;
+use remote::link::Knowledge;
+use remote::log;
+use sim::episode::{self, Episode, Report, Setup};
+use sim::pilot::{InspectableController, Mind};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -288,13 +287,13 @@ fn folder(args: &RunArgs, index: usize, source: &WorldSource, count: usize) -> O
 fn episode(
     source: &WorldSource,
     folder: Option<&Path>,
-    run: impl FnOnce(&World) -> Result<Episode, episode::Failure>,
+    run: impl FnOnce(&World) -> Result<Episode, sim::failure::Failure>,
 ) -> Result<Report, BadInput> {
     let world = source.load()?;
     let episode = run(&world)
         .map_err(|failure| BadInput::new(format!("world {}: {failure}", world.name())))?;
     if let (Some(folder), Some(recording)) = (folder, &episode.recording) {
-        plot::demo::write(folder, recording, &summary::rows(&episode.report), &[])?;
+        plots::demo::write(folder, recording, &summary::rows(&episode.report), &[])?;
     }
     Ok(episode.report)
 }
@@ -305,7 +304,7 @@ pub(super) fn drive(
     setup: &Setup,
     mind: &mut impl InspectableController,
     log: Option<&Path>,
-) -> Result<Episode, episode::Failure> {
+) -> Result<Episode, sim::failure::Failure> {
     match log {
         Some(path) => log::run(world, setup, mind, path),
         None => episode::run_with(world, setup, mind, |_, _, _| {}),

@@ -1,15 +1,15 @@
 //! The flags that say what an episode is made of.
 
 use super::run::{Preset, SonarChoice, Switch, TurretChoice};
-use crate::episode::Setup;
-use crate::error::BadInput;
-use crate::pilot::MAX_MOVES;
-use crate::robot::TurretMode;
-use crate::scenes::Behavior;
-use crate::settings;
-use crate::sonar::TransducerFault;
 use amp::config::Config;
+use arena::robot::TurretMode;
+use arena::sonar::TransducerFault;
 use clap::Args;
+use files::error::BadInput;
+use sim::episode::Setup;
+use sim::pilot::MAX_MOVES;
+use sim::scenes::Behavior;
+use sim::settings;
 
 /// What a robot is to do, and the open choices of its mind.
 #[derive(Debug, Clone, Args)]

@@ -1,7 +1,7 @@
 //! What came of episodes, as tables.
 
 use super::table::plain;
-use crate::episode::Report;
+use sim::episode::Report;
 
 /// One episode as (label, value) rows.
 pub(super) fn rows(report: &Report) -> Vec<(String, String)> {

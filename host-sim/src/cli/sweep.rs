@@ -4,12 +4,12 @@ use super::Failure;
 use super::output::{bar, pool};
 use super::run::RunArgs;
 use super::setup::{SetupArgs, parsed};
-use crate::episode::Setup;
-use crate::error::BadInput;
-use crate::settings::{self, SETTINGS};
-use crate::sweep::{self, Description, Plan, Progress, Shard, Vocabulary};
 use amp::config::Config;
 use clap::{Args, Parser};
+use experiments::sweep::{self, Description, Plan, Progress, Shard, Vocabulary};
+use files::error::BadInput;
+use sim::episode::Setup;
+use sim::settings::{self, SETTINGS};
 use std::io::{IsTerminal as _, Write};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -245,7 +245,7 @@ fn can_write_parquet(_: bool) -> Result<(), BadInput> {
 }
 
 #[cfg(feature = "parquet")]
-use crate::sweep::write_parquet;
+use experiments::sweep::write_parquet;
 
 #[cfg(not(feature = "parquet"))]
 fn can_write_parquet(wanted: bool) -> Result<(), BadInput> {

@@ -4,13 +4,13 @@ mod pictures;
 
 use super::output::prepare;
 use super::{Failure, table};
-use crate::error::BadInput;
-use crate::experiments::statistics::Mean;
-use crate::plot::demo::save;
-use crate::plot::{index_html, png};
-use crate::sweep::{Found, Key, Table, keys};
 use clap::Args;
+use experiments::sweep::{Found, Key, Table, keys};
+use files::error::BadInput;
+use files::save;
+use plots::{index_html, png};
 use rayon::prelude::*;
+use sim::statistics::Mean;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -45,15 +45,15 @@ pub fn plot(args: &PlotArgs, out: &mut impl Write) -> Result<(), Failure> {
     }
     let mut figures = Vec::new();
     for (figure, svg) in pictures::pictures(&sweep) {
-        save(&args.out, &figure.file, svg.as_bytes()).map_err(BadInput::from)?;
+        save(&args.out, &figure.file, svg.as_bytes())?;
         let bitmap = figure.file.replace(".svg", ".png");
         let png =
             png::render(&svg, 2.0).map_err(|error| BadInput::new(format!("{bitmap}: {error}")))?;
-        save(&args.out, &bitmap, &png).map_err(BadInput::from)?;
+        save(&args.out, &bitmap, &png)?;
         figures.push(figure);
     }
     let page = index_html(&sweep.title, &sweep.summary, &figures, &[]);
-    let page = save(&args.out, "index.html", page.as_bytes()).map_err(BadInput::from)?;
+    let page = save(&args.out, "index.html", page.as_bytes())?;
     Ok(writeln!(out, "\nPictures: {}", page.display())?)
 }
 

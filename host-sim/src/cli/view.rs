@@ -5,20 +5,20 @@ use super::bridge::{Robot, held, mind, watch};
 use super::remote::{MindArgs, named, open};
 use super::run::{Preset, sources};
 use super::setup::{SetupArgs, parsed};
-use crate::error::BadInput;
-use crate::link::Address;
-use crate::log;
-use crate::view::pace::SPEEDS;
-use crate::view::{
-    Board, Door, NomadStart, PresetChoice, Recorded, ServeOptions, Simulator, Source, Start,
-    WatchedNomad, serve,
-};
 use amp::wire::message::Clock;
 use clap::{Args, ValueEnum as _};
+use files::error::BadInput;
+use remote::link::Address;
+use remote::log;
 use std::io::Write;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Duration;
+use view::pace::SPEEDS;
+use view::{
+    Board, Door, NomadStart, PresetChoice, Recorded, ServeOptions, Simulator, Source, Start,
+    WatchedNomad, serve,
+};
 
 const EXAMPLES: &str = "\
 Opens no browser by itself: open the printed address. It ends with Ctrl-C.

@@ -3,10 +3,9 @@
 use super::output::prepare;
 use super::run::sources;
 use super::{Failure, table};
-use crate::error::BadInput;
-use crate::plot;
-use crate::world::World;
+use arena::world::World;
 use clap::Args;
+use files::error::BadInput;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -61,12 +60,11 @@ pub fn worlds(args: &WorldsArgs, out: &mut impl Write) -> Result<(), Failure> {
     out.write_all(table::plain(&heads, &rows, &[2, 4]).as_bytes())?;
 
     let all: Vec<_> = worlds.iter().collect();
-    let svg = plot::worlds("Worlds", &all);
-    let picture =
-        plot::demo::save(&args.out, "worlds.svg", svg.as_bytes()).map_err(BadInput::from)?;
-    let png = plot::png::render(&svg, 2.0)
+    let svg = plots::worlds("Worlds", &all);
+    let picture = files::save(&args.out, "worlds.svg", svg.as_bytes())?;
+    let png = plots::png::render(&svg, 2.0)
         .map_err(|error| BadInput::new(format!("worlds.png: {error}")))?;
-    plot::demo::save(&args.out, "worlds.png", &png).map_err(BadInput::from)?;
+    files::save(&args.out, "worlds.png", &png)?;
     writeln!(out, "\nPicture: {}", picture.display())?;
     Ok(())
 }

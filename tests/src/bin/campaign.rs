@@ -2,10 +2,10 @@
 //! was as it has to be; 1: it was not; 2: bad arguments.
 
 use amp::config::Config;
+use arena::sonar::SonarModel;
 use clap::{Parser, Subcommand};
-use host_sim::settings;
-use host_sim::sonar::SonarModel;
 use indicatif::{ProgressBar, ProgressStyle};
+use sim::settings;
 use std::process::ExitCode;
 use std::time::Instant;
 use tests::campaign::{Verdict, chip, clock, drift, frames, link, shield, silence};

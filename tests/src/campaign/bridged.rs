@@ -6,13 +6,13 @@
 
 use super::{Verdict, below, generator};
 use amp::config::Config;
-use host_sim::link::{AnyMind, Local, MindPlace, Patience, Session, Transport};
-use host_sim::log::LoggedMind;
-use host_sim::nomad::bridge::{Plan, drive};
-use host_sim::nomad::{Command, Decoder, Host, Line, MAX_TO_ROBOT, Protocol, Simulated};
-use host_sim::scenes::Behavior;
-use host_sim::sonar::SonarModel;
-use host_sim::world::{Point, Pose, Shape, World};
+use arena::sonar::SonarModel;
+use arena::world::{Point, Pose, Shape, World};
+use nomad200::bridge::{Plan, drive};
+use nomad200::{Command, Decoder, Host, Line, MAX_TO_ROBOT, Protocol, Simulated};
+use remote::link::{AnyMind, Local, MindPlace, Patience, Session, Transport};
+use remote::log::LoggedMind;
+use sim::scenes::Behavior;
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

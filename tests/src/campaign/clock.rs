@@ -5,13 +5,14 @@ use super::{Progress, Verdict, below, generator, grouped};
 use amp::config::Config;
 use amp::controller::{Decision, Event, Outputs};
 use amp::units::Millis;
-use host_sim::episode::{Failure, Setup, run_with};
-use host_sim::pilot::{InspectableController, Mind, Pilot, SimState};
-use host_sim::robot::TurretMode;
-use host_sim::scenes::Behavior;
-use host_sim::sonar::SonarModel;
-use host_sim::world::World;
+use arena::robot::TurretMode;
+use arena::sonar::SonarModel;
+use arena::world::World;
 use rayon::prelude::*;
+use sim::episode::{Setup, run_with};
+use sim::failure::Failure;
+use sim::pilot::{InspectableController, Mind, Pilot, SimState};
+use sim::scenes::Behavior;
 
 /// Episodes of a full campaign.
 pub const COUNT: u64 = 1_000;

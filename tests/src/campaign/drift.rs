@@ -15,14 +15,15 @@ use amp::controller::{Command, Event, Mode};
 use amp::fixed::Weight;
 use amp::goal::Goal;
 use amp::units::Millis;
-use host_sim::episode::{Body, Failure, Metrics, Seeds, Setup, educate};
-use host_sim::experiments::statistics::{Mean, bootstrap};
-use host_sim::pilot::{Pilot as _, SimState};
-use host_sim::robot::TurretMode;
-use host_sim::scenes::Behavior;
-use host_sim::sonar::SonarModel;
-use host_sim::world::World;
+use arena::robot::TurretMode;
+use arena::sonar::SonarModel;
+use arena::world::World;
 use rayon::prelude::*;
+use sim::episode::{Body, Metrics, Seeds, Setup, educate};
+use sim::failure::Failure;
+use sim::pilot::{Pilot as _, SimState};
+use sim::scenes::Behavior;
+use sim::statistics::{Mean, bootstrap};
 
 /// Seeds of a full campaign.
 pub const COUNT: u64 = 100;

@@ -9,9 +9,9 @@ use super::mutate::Damage;
 use super::{Progress, Verdict, below, generator, grouped, parts};
 use amp::wire::frame::{FrameError, unpack};
 use amp::wire::{Receiver, Report, ToMind};
-use host_sim::experiments::statistics::{poisson_interval, poisson_tail};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
+use sim::statistics::{poisson_interval, poisson_tail};
 
 /// Frames of a full campaign.
 pub const COUNT: u64 = 1_000_000_000;

@@ -6,15 +6,16 @@
 
 use super::{Progress, Verdict, grouped};
 use amp::config::Config;
-use host_sim::episode::{Failure, Setup, elsewhere, perceive, run as run_episode};
-use host_sim::error::BadInput;
-use host_sim::goal_file::GoalFile;
-use host_sim::noise::Noise;
-use host_sim::robot::TurretMode;
-use host_sim::scenes::Behavior;
-use host_sim::sonar::SonarModel;
-use host_sim::world::{Point, Pose, Shape, World};
+use arena::noise::Noise;
+use arena::robot::TurretMode;
+use arena::sonar::SonarModel;
+use arena::world::{Point, Pose, Shape, World};
+use files::error::BadInput;
 use rayon::prelude::*;
+use sim::episode::{Setup, elsewhere, perceive, run as run_episode};
+use sim::failure::Failure;
+use sim::goal_file::GoalFile;
+use sim::scenes::Behavior;
 use std::f64::consts::TAU;
 
 /// Cells: 8 behaviors, 2 sonar models, 2 turret modes.

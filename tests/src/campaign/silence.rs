@@ -17,11 +17,11 @@ use crate::chip::packed;
 use amp::wire::Receiver;
 use amp::wire::frame::{Header, unpack};
 use amp::wire::message::{FromMind, Heard, Report, ToMind};
+use arena::sonar::FIRING_ORDER;
+use arena::world::{Point, Pose, Shape, World};
 use firmware::control::Control;
 use firmware::line::{Faults, FrameSink};
 use heapless::spsc::{Consumer, Producer, Queue};
-use host_sim::sonar::FIRING_ORDER;
-use host_sim::world::{Point, Pose, Shape, World};
 use rayon::prelude::*;
 use std::collections::VecDeque;
 

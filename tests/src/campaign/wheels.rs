@@ -4,9 +4,9 @@
 use amp::units::Displacement;
 use amp::wire::message::{MotionOrder, ToMind};
 use amp::{controller::Progress, units::Bearing};
-use host_sim::noise::Noise;
-use host_sim::robot::{Base, BaseLimits, Motion, TurretMode};
-use host_sim::world::{Point, World};
+use arena::noise::Noise;
+use arena::robot::{Base, BaseLimits, Motion, TurretMode};
+use arena::world::{Point, World};
 
 /// Time between two looks at the motors, ms.
 const STRIDE_MS: u64 = 10;

@@ -3,9 +3,10 @@
 use super::picture::picture;
 use super::tables::{Line, Report};
 use crate::cli::Failure;
-use crate::error::BadInput;
-use crate::experiments::statistics::Mean;
-use crate::plot::{demo::save, png};
+use ::files::error::BadInput;
+use ::files::save;
+use plots::png;
+use sim::statistics::Mean;
 use std::io::Write;
 use std::path::Path;
 
@@ -20,9 +21,9 @@ pub fn write(
     out: &mut impl Write,
 ) -> Result<(), Failure> {
     let csv = csv(report).map_err(|error| BadInput::new(format!("compare.csv: {error}")))?;
-    save(dir, "compare.csv", &csv).map_err(BadInput::from)?;
+    save(dir, "compare.csv", &csv)?;
     let markdown = format!("{}{about}\n", report.markdown());
-    save(dir, "compare.md", markdown.as_bytes()).map_err(BadInput::from)?;
+    save(dir, "compare.md", markdown.as_bytes())?;
     writeln!(
         out,
         "Tables: {0}/compare.csv, {0}/compare.md",
@@ -32,10 +33,10 @@ pub fn write(
 }
 
 fn draw(dir: &Path, svg: &str, out: &mut impl Write) -> Result<(), Failure> {
-    let picture = save(dir, "compare.svg", svg.as_bytes()).map_err(BadInput::from)?;
+    let picture = save(dir, "compare.svg", svg.as_bytes())?;
     let png =
         png::render(svg, 2.0).map_err(|error| BadInput::new(format!("compare.png: {error}")))?;
-    save(dir, "compare.png", &png).map_err(BadInput::from)?;
+    save(dir, "compare.png", &png)?;
     Ok(writeln!(out, "Picture: {}", picture.display())?)
 }
 

@@ -7,10 +7,10 @@ mod tables;
 use super::Failure;
 use super::output::{bar, pool, prepare};
 use super::run::{SonarChoice, sources};
-use crate::error::BadInput;
-use crate::experiments::compare::search::{self, Search};
-use crate::experiments::compare::{Conditions, Constants, Method, Plan, Row, measure};
+use ::files::error::BadInput;
 use clap::{Args, ValueEnum};
+use experiments::compare::search::{self, Search};
+use experiments::compare::{Conditions, Constants, Method, Plan, Row, measure};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -172,7 +172,7 @@ fn about(plan: &Plan, args: &CompareArgs) -> String {
         args.worlds.join(", "),
         plan.seeds,
         args.steps,
-        crate::sonar::SonarModel::from(args.sonar).name(),
+        arena::sonar::SonarModel::from(args.sonar).name(),
     )
 }
 

@@ -1,9 +1,9 @@
 //! What goes on learning by its budgets of moves, beside the mind.
 
 use super::tables::{Line, Report};
-use crate::experiments::compare::{Figures, MOVES, Method};
-use crate::experiments::statistics::Mean;
-use crate::plot::{Curves, Key, curves};
+use experiments::compare::{Figures, MOVES, Method};
+use plots::{Curves, Key, curves};
+use sim::statistics::Mean;
 
 /// A figure that is drawn: its name, the most it can be, and how it is had.
 type Drawn = (&'static str, f64, fn(&Figures) -> Mean);

@@ -2,9 +2,9 @@
 
 use super::by_shield;
 use crate::cli::table::{markdown, plain};
-use crate::experiments::compare::{Differences, Figures, Method, Row};
-use crate::experiments::statistics::Mean;
+use experiments::compare::{Differences, Figures, Method, Row};
 use rayon::prelude::*;
+use sim::statistics::Mean;
 
 /// A row with all its figures.
 pub struct Line {

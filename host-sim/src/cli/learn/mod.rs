@@ -4,8 +4,10 @@ mod pictures;
 
 use super::output::bar;
 use super::{Failure, table};
-use crate::learn::{Actions, LearnArgs, Log, Map, Recalled, Score, Study, Task, study, task::Part};
-use crate::som::report::write_files;
+use datasets::learn::{
+    Actions, LearnArgs, Log, Map, Recalled, Score, Study, Task, study, task::Part,
+};
+use datasets::som::report::write_files;
 use serde_json::{Value, json};
 use std::io::Write;
 

@@ -2,10 +2,10 @@
 
 use super::{Told, size};
 use crate::cli::Failure;
-use crate::learn::{Map, Method, Score};
-use crate::plot::{self, Figure, LabeledMap};
-use crate::recording::MapRecord;
-use crate::som::report::{code_vectors_csv, write_files};
+use datasets::learn::{Map, Method, Score};
+use datasets::som::report::{code_vectors_csv, write_files};
+use plots::{Figure, LabeledMap};
+use sim::recording::MapRecord;
 use std::path::Path;
 
 /// Decimals of code vectors on file: finer than any range finder.
@@ -28,7 +28,7 @@ impl Told<'_> {
             files.extend(maps);
             figures.extend(names);
         }
-        let page = plot::index_html("Learned from a log", &self.facts(), &figures, &[]);
+        let page = plots::index_html("Learned from a log", &self.facts(), &figures, &[]);
         files.push(("index.html".to_owned(), page));
         let files: Vec<_> = files
             .iter()
@@ -53,7 +53,7 @@ impl Told<'_> {
         let title = format!("Situation map, {}", size(map));
         let mut figures = vec![figure(&svg, &title, MAP)];
         let mut files = vec![
-            (svg, plot::labeled_map(&labels, &title)),
+            (svg, plots::labeled_map(&labels, &title)),
             (csv, code_vectors_csv(&record, &self.log.names, DECIMALS)),
         ];
         for recalled in &map.recalls {
@@ -64,7 +64,7 @@ impl Told<'_> {
             let [by, with] = recalled.method.words(true);
             let title = format!("{by}, asked with the {with}, {}", size(map));
             figures.push(figure(&svg, &title, CONFUSION));
-            files.push((svg, plot::confusion(&title, self.components(), confusion)));
+            files.push((svg, plots::confusion(&title, self.components(), confusion)));
         }
         (files, figures)
     }
@@ -110,7 +110,7 @@ impl Told<'_> {
         } else {
             "error beside that of the mean"
         };
-        plot::sizes(
+        plots::sizes(
             "Recall by map size",
             measure,
             &sizes,

@@ -1,12 +1,12 @@
 //! Listening to a mind while keeping its link alive.
 
 use crate::cli::remote::named;
-use crate::error::BadInput;
-use crate::link::{
-    Address, Emulation, LinkError, Session, connect, describe, fresh_number, next_number,
-};
 use amp::wire::message::{Clock, FromMind};
 use amp::wire::{Report, ToMind};
+use files::error::BadInput;
+use remote::link::{
+    Address, Emulation, LinkError, Session, connect, describe, fresh_number, next_number,
+};
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
 

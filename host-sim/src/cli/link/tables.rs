@@ -2,9 +2,9 @@
 
 use super::Trouble;
 use crate::cli::table::plain;
-use crate::error::BadInput;
-use crate::link::{Session, build, oscillator, reset};
 use amp::parameters::{Parameter, ParameterError, Spec};
+use files::error::BadInput;
+use remote::link::{Session, build, oscillator, reset};
 use std::io::Write;
 
 /// Which parameters, and a new value for the only one.

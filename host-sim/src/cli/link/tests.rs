@@ -1,9 +1,9 @@
 //! The verbs with a mind behind a socket.
 
 use crate::cli::{Cli, Failure, execute};
-use crate::link::{Knowledge, Served};
 use amp::config::Config;
 use clap::Parser;
+use remote::link::{Knowledge, Served};
 
 fn host_sim(served: &Served, line: &str) -> Result<String, String> {
     let line = line.replace("MIND", &format!("tcp:{}", served.host()));

@@ -1,11 +1,9 @@
 //! The pictures of a sweep: one for each choice, one for each pair of choices.
 
 use super::Sweep;
-use crate::experiments::statistics::Mean;
-use crate::plot::{
-    Figure, ForestColumn, ForestSection, HeatAxis, HeatMap, Mark, forest, heat_maps,
-};
-use crate::sweep::{Found, Key};
+use experiments::sweep::{Found, Key};
+use plots::{Figure, ForestColumn, ForestSection, HeatAxis, HeatMap, Mark, forest, heat_maps};
+use sim::statistics::Mean;
 
 /// Choices whose pairs are drawn.
 const MAX_PAIRED: usize = 4;

@@ -1,0 +1,149 @@
+//! The three sonar models and every number in them.
+
+use core::f64::consts::PI;
+use core::str::FromStr;
+
+use super::{M_PER_INCH, MAX_READING_IN};
+use files::error::BadInput;
+
+/// Which of the three ready-made models.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum SonarModel {
+    /// Exact distances, all at once.
+    #[default]
+    Ideal,
+    /// What a Nomad 200 in good order returns.
+    Nomad,
+    /// A bad day: everything that can go wrong does.
+    Harsh,
+}
+
+impl SonarModel {
+    /// The names, in the order of the variants.
+    pub const NAMES: [&'static str; 3] = ["ideal", "nomad", "harsh"];
+
+    /// The model's name.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Ideal => "ideal",
+            Self::Nomad => "nomad",
+            Self::Harsh => "harsh",
+        }
+    }
+
+    /// The model's numbers.
+    #[must_use]
+    pub fn config(self) -> SonarConfig {
+        match self {
+            Self::Ideal => SonarConfig::ideal(),
+            Self::Nomad => SonarConfig::nomad(),
+            Self::Harsh => SonarConfig::harsh(),
+        }
+    }
+}
+
+impl FromStr for SonarModel {
+    type Err = BadInput;
+
+    fn from_str(text: &str) -> Result<Self, BadInput> {
+        match text {
+            "ideal" => Ok(Self::Ideal),
+            "nomad" => Ok(Self::Nomad),
+            "harsh" => Ok(Self::Harsh),
+            _ => Err(BadInput::unknown("sonar model", text, &Self::NAMES)),
+        }
+    }
+}
+
+/// Every number of a sonar model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SonarConfig {
+    /// Half the opening of cone or lobe, rad. Polaroid transducers are usually given ±15°; ±12.5° leaves
+    /// no gap between 16 of them.
+    pub half_angle_rad: f64,
+    /// Greatest range, m: 255 in.
+    pub max_range_m: f64,
+    /// Greatest angle between sound and a flat face's normal at which it answers, rad. Smooth walls are
+    /// mirrors beyond 22.5° (Webots) to 28° (ThinkingCap's Nomad).
+    pub max_incidence_rad: f64,
+    /// Rays in the fan over the lobe, at least 2; 31 are 1° apart.
+    pub fan_rays: usize,
+    /// Least standard deviation of a reading, m: half an inch.
+    pub sigma_m: f64,
+    /// Standard deviation as a share of the range: ±1 % in the Polaroid 6500 data sheet.
+    pub sigma_share: f64,
+    /// Probability that an echo is not heard.
+    pub missed: f64,
+    /// Probability of a reading that means nothing, uniform from 6 to 255 in (0.5 % in CARMEN's simulator).
+    pub random: f64,
+    /// Least reading, m: 6 in in the data sheet.
+    pub min_range_m: f64,
+    /// Echoes from nearer than this are lost, m. 17 in is what the module's internal blanking of 2.38 ms
+    /// makes of it.
+    pub blanking_m: f64,
+    /// Mirrored paths followed, reflections per ray.
+    pub bounces: usize,
+    /// Probability that the reverberation of an earlier ping is loud enough to be taken for an echo.
+    pub crosstalk: f64,
+    /// How many times sound may go to and fro before it is too weak to reverberate.
+    pub reverberations: u32,
+    /// Whether one transducer, chosen at random, is dead.
+    pub one_dead: bool,
+}
+
+impl Default for SonarConfig {
+    fn default() -> Self {
+        Self::nomad()
+    }
+}
+
+impl SonarConfig {
+    /// Exact distances within ±12.5°.
+    #[must_use]
+    pub fn ideal() -> Self {
+        Self {
+            half_angle_rad: 12.5 * PI / 180.0,
+            sigma_m: 0.0,
+            sigma_share: 0.0,
+            missed: 0.0,
+            random: 0.0,
+            min_range_m: 0.0,
+            ..Self::nomad()
+        }
+    }
+
+    /// A Nomad 200 in good order.
+    #[must_use]
+    pub fn nomad() -> Self {
+        Self {
+            half_angle_rad: 15.0 * PI / 180.0,
+            max_range_m: f64::from(MAX_READING_IN) * M_PER_INCH,
+            max_incidence_rad: 25.0 * PI / 180.0,
+            fan_rays: 31,
+            sigma_m: 0.5 * M_PER_INCH,
+            sigma_share: 0.01,
+            missed: 0.01,
+            random: 0.005,
+            min_range_m: 6.0 * M_PER_INCH,
+            blanking_m: 0.0,
+            bounces: 0,
+            crosstalk: 0.0,
+            reverberations: 6,
+            one_dead: false,
+        }
+    }
+
+    /// Everything that can go wrong does.
+    #[must_use]
+    pub fn harsh() -> Self {
+        Self {
+            missed: 0.05,
+            blanking_m: 17.0 * M_PER_INCH,
+            bounces: 1,
+            crosstalk: 0.02,
+            one_dead: true,
+            ..Self::nomad()
+        }
+    }
+}

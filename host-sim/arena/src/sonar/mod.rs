@@ -1,0 +1,399 @@
+//! The ring of Polaroid sonars: where the transducers sit, when they fire, and what they return.
+//!
+//! Three models, by name ([`SonarModel`]), each a set of numbers anyone may change ([`SonarConfig`]):
+//!
+//! * *ideal*: the exact distance from the transducer's face to the nearest point of any surface in its cone;
+//! * *nomad*: a flat face answers only near its normal, corners and posts always; readings are noisy whole
+//!   inches, some are missed, some are random;
+//! * *harsh*: blind up close, more misses, reverberation of the ping before, mirrored paths, one dead sonar.
+//!
+//! A reading is a range in meters, or `None` when the ring reports 255 in: nothing heard, or nothing
+//! nearer than that; the byte cannot tell the two apart.
+
+use core::f64::consts::TAU;
+
+use crate::direction::Direction;
+use crate::noise::{Deviate, Noise};
+use crate::world::{ConeShape, Lobe, LobeView, Point, Pose, Standing, View, World};
+
+mod config;
+mod fault;
+mod hearing;
+
+pub use config::{SonarConfig, SonarModel};
+pub use fault::{FaultKind, TransducerFault};
+
+/// Length of an inch, m.
+pub const M_PER_INCH: f64 = 0.0254;
+
+const INCHES_PER_M: f64 = 1.0 / M_PER_INCH;
+
+/// Distance of the transducers' faces from the robot's center, m.
+pub const FACE_RADIUS_M: f64 = 0.2305;
+
+/// The largest reading, in: what a transducer that hears nothing reports.
+pub const MAX_READING_IN: u8 = 255;
+
+/// The Nomad drivers' firing order: front first, then from side to side (CARMEN, MissionLab).
+pub const FIRING_ORDER: [usize; 16] = [0, 2, 15, 1, 14, 3, 13, 4, 12, 5, 11, 6, 10, 7, 9, 8];
+
+/// Time from one firing to the next, s: an echo from 255 in takes 37.7 ms, and the Nomad counts in
+/// units of 4 ms.
+pub const FIRING_SLOT_S: f64 = 0.040;
+
+/// Time in which a whole ring of 16 fires, s.
+pub const RING_PERIOD_S: f64 = 0.640;
+
+/// How much farther than its last echo a transducer looks first for the next one, m.
+const EXPECTED_M: f64 = 0.2;
+
+/// Speed of sound at 20 °C, m/s.
+pub const SOUND_M_S: f64 = 343.2;
+
+/// Transducers on a circle, evenly spaced, number 0 where the turret looks, counted to the left.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RingGeometry {
+    /// How many transducers, at least 1.
+    pub count: usize,
+    /// From the turret's axis to each transducer's face, m.
+    pub face_radius_m: f64,
+}
+
+impl Default for RingGeometry {
+    /// The Nomad 200: 16 transducers, 0.2305 m out.
+    fn default() -> Self {
+        Self {
+            count: 16,
+            face_radius_m: FACE_RADIUS_M,
+        }
+    }
+}
+
+impl RingGeometry {
+    /// Bearing of a transducer from the turret's heading, rad, to the left.
+    #[must_use]
+    pub fn bearing(&self, sensor: usize) -> f64 {
+        TAU * sensor as f64 / self.count.max(1) as f64
+    }
+
+    /// The order in which the transducers fire: the Nomad's for 16, else front first, then alternating
+    /// sides.
+    #[must_use]
+    pub fn firing_order(&self) -> Vec<usize> {
+        if self.count == FIRING_ORDER.len() {
+            return FIRING_ORDER.to_vec();
+        }
+        let sides = |i: usize| {
+            if i % 2 == 1 {
+                i.div_ceil(2)
+            } else {
+                self.count - i / 2
+            }
+        };
+        (0..self.count)
+            .map(|i| if i == 0 { 0 } else { sides(i) })
+            .collect()
+    }
+}
+
+/// A ping that may still be in the air.
+#[derive(Debug, Clone, Copy)]
+struct EarlierPing {
+    time_s: f64,
+    echo_m: f64,
+}
+
+/// The first echo a transducer heard.
+#[derive(Debug, Clone, Copy, Default)]
+struct FirstEcho {
+    /// From where, in the world as it stands.
+    from: Option<Pose>,
+    range_m: Option<f64>,
+}
+
+/// A ring of transducers on a turret. Owns its scratch memory, so a scan allocates nothing once warm.
+#[derive(Debug, Clone)]
+pub struct Ring {
+    geometry: RingGeometry,
+    config: SonarConfig,
+    model: SonarModel,
+    /// Axis of each transducer, relative to the turret's heading.
+    axes: Vec<Point>,
+    cone: ConeShape,
+    view: View,
+    lobe: LobeView,
+    hearing: hearing::Hearing,
+    /// The least reading, in.
+    least_in: f64,
+    standing: Standing,
+    heading: Direction,
+    /// What each transducer heard last.
+    echoes: Vec<FirstEcho>,
+    dead: Option<usize>,
+    faults: fault::Faults,
+    earlier: Option<EarlierPing>,
+}
+
+impl Ring {
+    /// A Nomad ring of a ready-made model. `noise` decides which transducer is dead, if one is.
+    #[must_use]
+    pub fn new(model: SonarModel, noise: &mut Noise) -> Self {
+        Self::with_config(model, RingGeometry::default(), model.config(), noise)
+    }
+
+    /// A ring with its own geometry and numbers; `model` says whether readings are exact
+    /// ([`SonarModel::Ideal`]) or what a transducer hears. Numbers outside their range are brought into it.
+    #[must_use]
+    pub fn with_config(
+        model: SonarModel,
+        geometry: RingGeometry,
+        config: SonarConfig,
+        noise: &mut Noise,
+    ) -> Self {
+        let geometry = RingGeometry {
+            count: geometry.count.max(1),
+            ..geometry
+        };
+        let half_angle = config.half_angle_rad.clamp(1e-3, 1.5);
+        let bearings = (0..geometry.count).map(|sensor| geometry.bearing(sensor));
+        Self {
+            axes: bearings.map(Point::unit).collect(),
+            cone: ConeShape::new(half_angle),
+            view: View::default(),
+            lobe: LobeView::default(),
+            hearing: hearing::Hearing::new(&config, half_angle),
+            least_in: whole_inches(config.min_range_m),
+            standing: Standing::default(),
+            heading: Direction::new(0.0),
+            echoes: vec![FirstEcho::default(); geometry.count],
+            dead: config.one_dead.then(|| noise.index(geometry.count)),
+            faults: fault::Faults::default(),
+            earlier: None,
+            geometry,
+            config,
+            model,
+        }
+    }
+
+    /// The same ring with these faults.
+    #[must_use]
+    pub fn with_faults(mut self, faults: &[TransducerFault]) -> Self {
+        self.faults = fault::Faults::new(faults);
+        self
+    }
+
+    /// Where the transducers sit.
+    #[must_use]
+    pub fn geometry(&self) -> RingGeometry {
+        self.geometry
+    }
+
+    /// The model's numbers.
+    #[must_use]
+    pub fn config(&self) -> &SonarConfig {
+        &self.config
+    }
+
+    /// Which model this ring follows.
+    #[must_use]
+    pub fn model(&self) -> SonarModel {
+        self.model
+    }
+
+    /// The transducer that never hears anything, if there is one.
+    #[must_use]
+    pub fn dead(&self) -> Option<usize> {
+        self.dead
+    }
+
+    /// What all transducers say at once, whatever the model: the exact ranges, m, but for faults.
+    pub fn scan_with_faults(
+        &mut self,
+        world: &World,
+        pose: &Pose,
+        out: &mut [Option<f64>; 16],
+        noise: &mut Noise,
+    ) {
+        self.scan(world, pose, out);
+        let heard = *out;
+        for (sensor, range) in out.iter_mut().enumerate() {
+            let asked = self.faults.asked(sensor);
+            let heard = heard.get(asked).copied().flatten();
+            *range = self.faults.reported(sensor, heard, noise);
+        }
+    }
+
+    /// The exact ranges, m, of all transducers at once, whatever the model: `out[i]` for transducer i, as
+    /// far as `out` reaches. `None` beyond the greatest range.
+    pub fn scan(&mut self, world: &World, pose: &Pose, out: &mut [Option<f64>]) {
+        let (offset, reach) = (self.geometry.face_radius_m, self.config.max_range_m);
+        self.view.build(world, pose.position, offset, reach);
+        let heading = self.look_along(pose.heading);
+        for (axis, out) in self.axes.iter().zip(out) {
+            let axis = axis.turned(heading);
+            let range = self.view.nearest_in_cone(axis, offset, self.cone);
+            *out = (range <= reach).then_some(range);
+        }
+    }
+
+    /// Fires one transducer at `time_s` from where the robot is then. A `sensor` the ring does not have
+    /// hears nothing.
+    pub fn ping(
+        &mut self,
+        world: &World,
+        pose: &Pose,
+        sensor: usize,
+        time_s: f64,
+        noise: &mut Noise,
+    ) -> Option<f64> {
+        let heard = self.heard(world, pose, self.faults.asked(sensor), time_s, noise);
+        self.faults.reported(sensor, heard, noise)
+    }
+
+    /// What a transducer in good order would report.
+    fn heard(
+        &mut self,
+        world: &World,
+        pose: &Pose,
+        sensor: usize,
+        time_s: f64,
+        noise: &mut Noise,
+    ) -> Option<f64> {
+        let axis = *self.axes.get(sensor)?;
+        if self.model == SonarModel::Ideal {
+            let axis = axis.turned(self.look_along(pose.heading));
+            let (offset, reach) = (self.geometry.face_radius_m, self.config.max_range_m);
+            self.view.build(world, pose.position, offset, reach);
+            let range = self.view.nearest_in_cone(axis, offset, self.cone);
+            return (range <= reach).then_some(range);
+        }
+        let echo = self.echo(world, pose, sensor, axis);
+        let heard = self.with_crosstalk(echo, time_s, noise);
+        if self.dead == Some(sensor) {
+            return None;
+        }
+        self.earlier = echo
+            .map(|echo_m| EarlierPing { time_s, echo_m })
+            .or(self.earlier);
+        self.as_reported(heard, noise)
+    }
+
+    /// The first echo a transducer hears; a robot that has not moved hears the same again.
+    fn echo(&mut self, world: &World, pose: &Pose, sensor: usize, axis: Point) -> Option<f64> {
+        if !self.standing.remains(world) {
+            self.echoes.iter_mut().for_each(|echo| echo.from = None);
+        }
+        let last = self.echoes.get(sensor)?;
+        if last.from.as_ref() == Some(pose) {
+            return last.range_m;
+        }
+        self.echo_from_here(world, pose, sensor, axis, last.range_m)
+    }
+
+    /// The same from another place than before, where it was heard from `last_m`.
+    #[inline(never)]
+    fn echo_from_here(
+        &mut self,
+        world: &World,
+        pose: &Pose,
+        sensor: usize,
+        axis: Point,
+        last_m: Option<f64>,
+    ) -> Option<f64> {
+        let lobe = Lobe {
+            middle: pose.position,
+            offset_m: self.geometry.face_radius_m,
+            axis: axis.turned(self.look_along(pose.heading)),
+            cone: self.cone,
+            reach_m: self.config.max_range_m,
+        };
+        let expected = last_m.map_or(lobe.reach_m, |range| range + EXPECTED_M);
+        let view = self.lobe.for_eye(sensor);
+        view.aim(world, &lobe);
+        let range_m = self.hearing.first_echo(world, view, &self.config, expected);
+        if let Some(echo) = self.echoes.get_mut(sensor) {
+            *echo = FirstEcho {
+                from: Some(*pose),
+                range_m,
+            };
+        }
+        range_m
+    }
+
+    /// The unit vector along a heading, rad: worked out anew only where it is another one.
+    fn look_along(&mut self, heading: f64) -> Point {
+        self.heading.set(heading);
+        self.heading.unit()
+    }
+
+    /// The echo, or the reverberation of the ping before if that comes earlier. Sound that goes to and
+    /// fro between the robot and what answered arrives again and again, one echo's time apart.
+    fn with_crosstalk(&self, echo: Option<f64>, time_s: f64, noise: &mut Noise) -> Option<f64> {
+        let loud = noise.chance(self.config.crosstalk);
+        let Some(earlier) = self.earlier.filter(|_| loud) else {
+            return echo;
+        };
+        let waited_m = (time_s - earlier.time_s) * SOUND_M_S / 2.0;
+        let least = self.config.blanking_m.max(self.config.min_range_m);
+        let mut arrivals = (2..=self.config.reverberations)
+            .map(|times| f64::from(times) * earlier.echo_m - waited_m);
+        let first = arrivals.find(|&range| range >= least);
+        match (first, echo) {
+            (Some(false_echo), Some(echo)) => Some(false_echo.min(echo)),
+            (Some(false_echo), None) => Some(false_echo),
+            (None, echo) => echo,
+        }
+    }
+
+    /// What the ring reports of what a transducer heard: misses, nonsense, noise, whole inches.
+    fn as_reported(&self, heard: Option<f64>, noise: &mut Noise) -> Option<f64> {
+        let config = &self.config;
+        if noise.chance(config.missed) {
+            return None;
+        }
+        let inches = if noise.chance(config.random) {
+            whole_inches(noise.uniform_in(config.min_range_m, config.max_range_m))
+        } else {
+            let range = heard?;
+            let sigma_m = config.sigma_m.max(config.sigma_share * range);
+            noisy_inches(range, sigma_m, noise.deviate())
+        };
+        let inches = inches.max(self.least_in);
+        (inches < f64::from(MAX_READING_IN)).then_some(inches * M_PER_INCH)
+    }
+}
+
+fn whole_inches(range_m: f64) -> f64 {
+    libm::rint(range_m / M_PER_INCH)
+}
+
+/// A range with a deviate of its deviation, to whole inches: where about how much the deviate is settles them, it is not
+/// worked out.
+#[inline]
+fn noisy_inches(range_m: f64, sigma_m: f64, deviate: Deviate) -> f64 {
+    /// Far above any rounding.
+    const SLACK_IN: f64 = 1e-6;
+    /// Numbers near this one are whole.
+    const WHOLE: f64 = (3_u64 << 51) as f64;
+    let (range_in, sigma_in) = (range_m * INCHES_PER_M, sigma_m * INCHES_PER_M);
+    let about = range_in + deviate.about() * sigma_in;
+    let whole = (about + WHOLE) - WHOLE;
+    if (about - whole).abs() + Deviate::ERROR * sigma_in < 0.5 - SLACK_IN {
+        whole
+    } else {
+        whole_inches(range_m + deviate.exact() * sigma_m)
+    }
+}
+
+/// The byte the Nomad's ring reports for a range in meters: whole inches, 255 for `None`.
+#[must_use]
+pub fn reading_in(range: Option<f64>) -> u8 {
+    let inches = range.map_or(f64::INFINITY, |range| libm::rint(range / M_PER_INCH));
+    // In range by the clamp; a NaN becomes 0.
+    inches.clamp(0.0, f64::from(MAX_READING_IN)) as u8
+}
+
+#[cfg(test)]
+mod oracle;
+#[cfg(test)]
+mod tests;

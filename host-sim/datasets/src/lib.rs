@@ -1,0 +1,4 @@
+//! Maps of a person's own data: the commands `som` and `learn`.
+
+pub mod learn;
+pub mod som;

@@ -1,0 +1,325 @@
+//! What each open choice is worth: the recommended preset with one choice changed at a time, the
+//! literal preset, and the hand-written yardstick, over the same random rooms.
+
+use sim::braitenberg::{Braitenberg, Tuning};
+
+use amp::config::Config;
+use arena::robot::TurretMode;
+use arena::sonar::SonarModel;
+use arena::world::World;
+use files::error::BadInput;
+use rayon::prelude::*;
+use sim::episode::{Body, Seeds, Setup, drive_pilot, run};
+use sim::failure::Failure;
+use sim::ring_pilot::RingPilot;
+use sim::scenes::Behavior;
+use sim::settings;
+
+/// One row: a preset with some choices changed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variant {
+    /// What is changed, in words or as `--set` takes it.
+    pub name: String,
+    /// Who drives.
+    pub driver: Driver,
+}
+
+/// Who drives.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Driver {
+    /// The mind with this configuration.
+    Mind(Box<Config<16>>, TurretMode),
+    /// The hand-written yardstick.
+    Braitenberg,
+}
+
+/// Rooms, steps and sonars of a measurement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Trial {
+    /// First room's seed.
+    pub first: u64,
+    /// How many rooms.
+    pub rooms: u32,
+    /// Random moves.
+    pub explore_moves: u16,
+    /// Steps in each room.
+    pub steps: u32,
+    /// Seed of the first room's episode; each further room has the next one.
+    pub seed: u64,
+    /// What the sonars return.
+    pub sonar: SonarModel,
+}
+
+/// Means over the rooms.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Figures {
+    /// Rooms in which nothing was touched while seeking.
+    pub clean: u32,
+    /// Rooms in which nothing was touched while exploring.
+    pub clean_exploring: u32,
+    /// Contacts per room.
+    pub contacts: f64,
+    /// Distance, meters.
+    pub distance_m: f64,
+    /// Area swept, square meters.
+    pub coverage_m2: f64,
+    /// Share of the steps in which the goal held.
+    pub goal_share: f64,
+    /// Steps shortened by the shield.
+    pub shield_stops: f64,
+}
+
+/// Choices changed one at a time from the preset `default`.
+const CHANGES: [&str; 39] = [
+    "choose=neurons",
+    "choose=recall",
+    "near=0.15",
+    "far=1",
+    "far=2",
+    "far=3",
+    "far=6.5",
+    "clearance=0.5",
+    "clearance=0.7",
+    "clearance=0.9",
+    "explore.shortest=0.125",
+    "explore.shortest=0.25",
+    "action=turn-step",
+    "epochs=10",
+    "epochs=30",
+    "epochs=300",
+    "order=recorded",
+    "start=samples",
+    "start=random",
+    "turned=off",
+    "action-weight=0",
+    "action-weight=0.25",
+    "action-weight=4",
+    "taught=commanded",
+    "edges=wrapped",
+    "situation.neighborhood=gaussian",
+    "situation.rate=0.2:0.02:inverse",
+    "action.neighborhood=gaussian",
+    "action.rate=0.5:0.05:linear",
+    "action.radius=0.5",
+    "action.radius=0",
+    "online.situation-rate=0",
+    "online.action-rate=0",
+    "online.action-rate=0.05",
+    "online.action-rate=0.2",
+    "online.share=0.5",
+    "online.learner=recalled",
+    "tolerance=0.05",
+    "inhibition=0",
+];
+
+/// Choices of the paper's four steps, changed one at a time from the preset `probe`.
+const PROBE_CHANGES: [&str; 12] = [
+    "intermediate=hops",
+    "intermediate=goal",
+    "wanted=all",
+    "answer=best",
+    "recall=distance",
+    "recall=projection",
+    "from=code",
+    "straight=0.1",
+    "inertia=0.25",
+    "full-steps=off",
+    "at-goal=ahead",
+    "inhibition=0",
+];
+
+/// Choices that matter to the behaviors beside avoidance.
+const BEHAVIOR_CHANGES: [&str; 13] = [
+    "choose=neurons",
+    "choose=recall",
+    "wander=off",
+    "wander=3:30",
+    "wander=6:10",
+    "clearance=0.4",
+    "clearance=0.8",
+    "far=2",
+    "far=3",
+    "far=6.5",
+    "turned=off",
+    "action.radius=0",
+    "epochs=10",
+];
+
+/// The rows of the ablation table, in order.
+///
+/// # Errors
+/// When a change is not a setting; a test holds that none is wrong.
+pub fn variants() -> Result<Vec<Variant>, BadInput> {
+    let (held, follow) = (TurretMode::Held, TurretMode::Follow);
+    let (default, probe, touzet) = (Config::recommended, Config::probing, Config::touzet);
+    let mut rows = vec![
+        Variant {
+            name: "Braitenberg (yardstick)".to_owned(),
+            driver: Driver::Braitenberg,
+        },
+        mind_of("default, shield on", default(), held),
+        mind_of("default", bare(default()), held),
+        mind_of("default, online off", bare(frozen(default())), held),
+        mind_of("default, turret follow", bare(default()), follow),
+        mind_of("probe, shield on", probe(), held),
+        mind_of("probe", bare(probe()), held),
+        mind_of("touzet, shield on", touzet(), follow),
+        mind_of("touzet", bare(touzet()), follow),
+        mind_of("touzet, turret held", bare(touzet()), held),
+    ];
+    for change in CHANGES {
+        rows.push(changed(default(), change, change)?);
+    }
+    for change in PROBE_CHANGES {
+        rows.push(changed(probe(), change, &format!("probe, {change}"))?);
+    }
+    Ok(rows)
+}
+
+/// The rows of the table over the behaviors, in order; without the shield.
+///
+/// # Errors
+/// When a change is not a setting; a test holds that none is wrong.
+pub fn behavior_variants() -> Result<Vec<Variant>, BadInput> {
+    let (held, follow) = (TurretMode::Held, TurretMode::Follow);
+    let default = Config::recommended;
+    let mut rows = vec![
+        mind_of("default", bare(default()), held),
+        mind_of("default, online off", bare(frozen(default())), held),
+        mind_of("probe", bare(Config::probing()), held),
+        mind_of("touzet", bare(Config::touzet()), follow),
+    ];
+    for change in BEHAVIOR_CHANGES {
+        rows.push(changed(default(), change, change)?);
+    }
+    Ok(rows)
+}
+
+fn bare(mut config: Config<16>) -> Config<16> {
+    config.shield = None;
+    config
+}
+
+fn frozen(mut config: Config<16>) -> Config<16> {
+    config.online = None;
+    config
+}
+
+fn mind_of(name: &str, config: Config<16>, turret: TurretMode) -> Variant {
+    Variant {
+        name: name.to_owned(),
+        driver: Driver::Mind(Box::new(config), turret),
+    }
+}
+
+fn changed(mut config: Config<16>, change: &str, name: &str) -> Result<Variant, BadInput> {
+    settings::apply(&mut config, &[change])?;
+    Ok(mind_of(name, bare(config), TurretMode::Held))
+}
+
+/// Measures one variant over all rooms, on all cores; sums are made in the rooms' order.
+///
+/// # Errors
+/// When an episode fails.
+pub fn measure(variant: &Variant, trial: &Trial) -> Result<Figures, Failure> {
+    let rooms: Result<Vec<_>, _> = (0..u64::from(trial.rooms))
+        .into_par_iter()
+        .map(|room| {
+            let world = World::random(trial.first.wrapping_add(room));
+            let seed = trial.seed.wrapping_add(room);
+            one(variant, &Trial { seed, ..*trial }, &world)
+        })
+        .collect();
+    let count = f64::from(trial.rooms.max(1));
+    Ok(rooms?.iter().fold(Figures::default(), |sum, room| Figures {
+        clean: sum.clean + room.clean,
+        clean_exploring: sum.clean_exploring + room.clean_exploring,
+        contacts: sum.contacts + room.contacts / count,
+        distance_m: sum.distance_m + room.distance_m / count,
+        coverage_m2: sum.coverage_m2 + room.coverage_m2 / count,
+        goal_share: sum.goal_share + room.goal_share / count,
+        shield_stops: sum.shield_stops + room.shield_stops / count,
+    }))
+}
+
+fn one(variant: &Variant, trial: &Trial, world: &World) -> Result<Figures, Failure> {
+    match &variant.driver {
+        Driver::Mind(config, turret) => mind(config, *turret, trial, world),
+        Driver::Braitenberg => braitenberg(trial, world),
+    }
+}
+
+fn mind(
+    config: &Config<16>,
+    turret: TurretMode,
+    trial: &Trial,
+    world: &World,
+) -> Result<Figures, Failure> {
+    let setup = Setup {
+        config: config.clone(),
+        preset: String::new(),
+        behavior: Behavior::Avoid,
+        explore_moves: trial.explore_moves,
+        steps: trial.steps,
+        seed: trial.seed,
+        sonar: trial.sonar,
+        turret,
+        set_down: None,
+        faults: Vec::new(),
+        record: false,
+    };
+    let report = run(world, &setup, |_, _, _| {})?.report;
+    Ok(Figures {
+        clean: u32::from(report.contacts == 0),
+        clean_exploring: u32::from(report.explore_contacts == 0),
+        contacts: f64::from(report.contacts),
+        distance_m: report.distance_m,
+        coverage_m2: report.coverage_m2,
+        goal_share: f64::from(report.goal_steps) / f64::from(report.steps.max(1)),
+        shield_stops: f64::from(report.shield_stops),
+    })
+}
+
+fn braitenberg(trial: &Trial, world: &World) -> Result<Figures, Failure> {
+    let body = Body::new(
+        world,
+        trial.sonar,
+        TurretMode::Held,
+        Seeds::of(trial.seed).noise,
+    );
+    let tally = drive_pilot(
+        world,
+        &mut RingPilot::new(Braitenberg::new(Tuning::default()), None),
+        body,
+        trial.steps,
+    )?;
+    Ok(Figures {
+        clean: u32::from(tally.contacts == 0),
+        clean_exploring: 1,
+        contacts: f64::from(tally.contacts),
+        distance_m: tally.distance_m,
+        coverage_m2: tally.coverage_m2(),
+        ..Figures::default()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_change_changes_something() {
+        for rows in [variants(), behavior_variants()] {
+            let rows = rows.expect("every change is a setting");
+            for row in rows.iter().filter(|row| row.name.contains('=')) {
+                let base = match row.name.split_once(", ") {
+                    Some((preset, _)) => preset,
+                    None => "default",
+                };
+                let base = rows.iter().find(|other| other.name == base);
+                let base = base.expect("the base row");
+                assert_ne!(row.driver, base.driver, "{}", row.name);
+            }
+        }
+    }
+}

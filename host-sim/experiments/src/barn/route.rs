@@ -1,0 +1,214 @@
+//! The shortest way of a disc through a world, by one who sees it all: the yardstick of a run's time.
+
+use arena::world::{Point, World};
+use files::error::BadInput;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// Side of a cell of the search, m.
+const CELL_M: f64 = 0.05;
+/// How far around everything is searched, m.
+const RIM_M: f64 = 1.0;
+/// Cells a search may have.
+const MAX_CELLS: usize = 4_000_000;
+/// Cost of a step to a cell beside and to one across a corner.
+const COSTS: [u32; 2] = [1_000, 1_414];
+
+/// The way of a disc of `radius` m from `start` to `goal`: A* over cells of 5 cm whose centers the disc may take, eight
+/// neighbors each, then pulled taut (the shortest chain of straight free lines between its cells). `None` where there is
+/// none. The way that is shortest over cells need not lie on the side that is shortest in truth: a few centimeters.
+///
+/// # Errors
+/// A world too large to be searched.
+pub fn route(
+    world: &World,
+    start: Point,
+    goal: Point,
+    radius: f64,
+) -> Result<Option<Vec<Point>>, BadInput> {
+    let Some(grid) = Grid::around(world, start, goal) else {
+        return Err(BadInput::new(format!(
+            "world {}: more than {MAX_CELLS} cells to search for a way",
+            world.name()
+        )));
+    };
+    let free: Vec<bool> = (0..grid.cells())
+        .map(|cell| world.clearance(grid.place(cell)) >= radius)
+        .collect();
+    let Some(cells) = search(&grid, &free, grid.cell(start), grid.cell(goal)) else {
+        return Ok(None);
+    };
+    let inner = cells.into_iter().map(|cell| grid.place(cell));
+    let way: Vec<_> = [start].into_iter().chain(inner).chain([goal]).collect();
+    Ok(Some(taut(world, &way, radius)))
+}
+
+/// Length of a way, m.
+#[must_use]
+pub fn length(way: &[Point]) -> f64 {
+    way.windows(2).map(|ends| ends[0].distance(ends[1])).sum()
+}
+
+struct Grid {
+    low: Point,
+    columns: usize,
+    rows: usize,
+}
+
+impl Grid {
+    fn around(world: &World, start: Point, goal: Point) -> Option<Self> {
+        let (low, high) = world.bounds();
+        let least = |a: f64, b: f64, c: f64| a.min(b).min(c) - RIM_M;
+        let low = Point::new(least(low.x, start.x, goal.x), least(low.y, start.y, goal.y));
+        let most = |a: f64, b: f64, c: f64| a.max(b).max(c) + RIM_M;
+        let high = Point::new(most(high.x, start.x, goal.x), most(high.y, start.y, goal.y));
+        let count = |length: f64| libm::ceil(length / CELL_M) as usize;
+        let (columns, rows) = (count(high.x - low.x), count(high.y - low.y));
+        (columns.checked_mul(rows)? <= MAX_CELLS).then_some(Self { low, columns, rows })
+    }
+
+    fn cells(&self) -> usize {
+        self.columns * self.rows
+    }
+
+    fn place(&self, cell: usize) -> Point {
+        let middle = |index: usize| (index as f64 + 0.5) * CELL_M;
+        self.low + Point::new(middle(cell % self.columns), middle(cell / self.columns))
+    }
+
+    fn cell(&self, place: Point) -> usize {
+        let away = place - self.low;
+        let index = |length: f64, count: usize| ((length / CELL_M) as usize).min(count - 1);
+        index(away.y, self.rows) * self.columns + index(away.x, self.columns)
+    }
+
+    /// The cells around one, and the cost to get there.
+    fn around_cell(&self, cell: usize) -> impl Iterator<Item = (usize, u32)> {
+        let (column, row) = (
+            (cell % self.columns) as isize,
+            (cell / self.columns) as isize,
+        );
+        let (columns, rows) = (self.columns as isize, self.rows as isize);
+        let steps = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
+        steps.filter_map(move |(dx, dy): (isize, isize)| {
+            let (x, y) = (column + dx, row + dy);
+            let inside = (dx, dy) != (0, 0) && (0..columns).contains(&x) && (0..rows).contains(&y);
+            let cost = COSTS[usize::from(dx != 0 && dy != 0)];
+            inside.then_some(((y * columns + x) as usize, cost))
+        })
+    }
+
+    /// Cost to `goal` if nothing were in the way.
+    fn left(&self, cell: usize, goal: usize) -> u32 {
+        let across = (cell % self.columns).abs_diff(goal % self.columns);
+        let up = (cell / self.columns).abs_diff(goal / self.columns);
+        let (short, long) = (across.min(up) as u32, across.max(up) as u32);
+        short * COSTS[1] + (long - short) * COSTS[0]
+    }
+}
+
+fn search(grid: &Grid, free: &[bool], start: usize, goal: usize) -> Option<Vec<usize>> {
+    let mut costs = vec![u32::MAX; free.len()];
+    let mut from = vec![usize::MAX; free.len()];
+    let mut open = BinaryHeap::from([Reverse((grid.left(start, goal), 0, start))]);
+    costs[start] = 0;
+    while let Some(Reverse((_, cost, cell))) = open.pop() {
+        if cell == goal {
+            let back = |cell: &usize| Some(from[*cell]).filter(|from| *from != usize::MAX);
+            let mut way: Vec<_> = std::iter::successors(Some(goal), back).collect();
+            way.reverse();
+            return Some(way);
+        }
+        if cost > costs[cell] {
+            continue;
+        }
+        for (next, step) in grid.around_cell(cell).filter(|(next, _)| free[*next]) {
+            let reached = cost + step;
+            if reached < costs[next] {
+                (costs[next], from[next]) = (reached, cell);
+                open.push(Reverse((reached + grid.left(next, goal), reached, next)));
+            }
+        }
+    }
+    None
+}
+
+/// The shortest chain of straight free lines between points of a way, from its first to its last.
+fn taut(world: &World, way: &[Point], radius: f64) -> Vec<Point> {
+    let mut best = vec![(0.0, 0); way.len()];
+    for (to, place) in way.iter().enumerate().skip(1) {
+        // The one before is always seen: the search came that way.
+        let mut found = (best[to - 1].0 + way[to - 1].distance(*place), to - 1);
+        for from in (0..to - 1).rev() {
+            let length = best[from].0 + way[from].distance(*place);
+            if length <= found.0 && !world.sweep(way[from], *place, radius).touched() {
+                found = (length, from);
+            }
+        }
+        best[to] = found;
+    }
+    let back = |&at: &usize| (at > 0).then(|| best[at].1);
+    let chain = std::iter::successors(Some(way.len() - 1), back);
+    let mut corners: Vec<_> = chain.map(|at| way[at]).collect();
+    corners.reverse();
+    corners
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use arena::world::{Pose, Shape};
+
+    fn world(shapes: Vec<Shape>) -> World {
+        World::new("test", Pose::default(), shapes).unwrap()
+    }
+
+    fn wall(points: &[(f64, f64)]) -> Shape {
+        let points = points.iter().map(|&(x, y)| Point::new(x, y)).collect();
+        Shape::Wall { points }
+    }
+
+    #[test]
+    fn a_free_way_is_straight_and_one_around_a_wall_goes_by_its_end() {
+        let far = Shape::Circle {
+            center: Point::new(0.0, 9.0),
+            radius: 0.1,
+        };
+        let goal = Point::new(4.0, 0.0);
+        let way = route(&world(vec![far.clone()]), Point::default(), goal, 0.25)
+            .unwrap()
+            .unwrap();
+        assert_eq!(way, [Point::default(), goal]);
+        // By hand: two tangents to the circle of 0.25 m around the wall's end at (2, 1), and the arc between them.
+        let blocked = world(vec![far, wall(&[(2.0, -5.0), (2.0, 1.0)])]);
+        let way = route(&blocked, Point::default(), goal, 0.25)
+            .unwrap()
+            .unwrap();
+        let tangent: f64 = (5.0_f64 - 0.0625).sqrt();
+        let turn = libm::atan2(1.0, 2.0) + libm::asin(0.25 / 5.0_f64.sqrt());
+        let exact = 2.0 * tangent + 0.25 * 2.0 * turn;
+        assert!(
+            (exact - 0.01..exact + 0.08).contains(&length(&way)),
+            "{} {exact}",
+            length(&way)
+        );
+    }
+
+    #[test]
+    fn a_gap_is_passed_by_what_fits_only() {
+        let walls = vec![
+            wall(&[(1.0, -9.0), (1.0, -0.3)]),
+            wall(&[
+                (1.0, 0.3),
+                (1.0, 9.0),
+                (-9.0, 9.0),
+                (-9.0, -9.0),
+                (1.0, -9.0),
+            ]),
+        ];
+        let world = world(walls);
+        let way = |radius| route(&world, Point::default(), Point::new(3.0, 0.0), radius).unwrap();
+        assert!((length(&way(0.25).unwrap()) - 3.0).abs() < 0.01);
+        assert_eq!(way(0.35), None);
+    }
+}

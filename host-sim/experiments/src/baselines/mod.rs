@@ -1,0 +1,24 @@
+//! What the mind is compared with: other methods on the same robot, with the same sonars, the same shield and the same
+//! budget of moves. A rule is a [`Policy`]; [`RingPilot`] makes it a driver; a [`Learner`] becomes a rule as a [`Trainee`].
+
+mod certainty_grid;
+pub mod learning;
+pub mod nearest;
+pub mod potential_field;
+pub mod q_lazy;
+pub mod q_som;
+pub mod q_table;
+pub mod q_two_soms;
+mod random_moves;
+mod turned;
+pub mod vfh_plus;
+
+pub use learning::{Learner, Trainee};
+pub use nearest::Nearest;
+pub use potential_field::PotentialField;
+pub use q_lazy::QLazy;
+pub use q_som::QSom;
+pub use q_table::QTable;
+pub use q_two_soms::QTwoSoms;
+pub use random_moves::RandomMoves;
+pub use vfh_plus::VfhPlus;

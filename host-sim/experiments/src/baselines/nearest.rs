@@ -1,0 +1,201 @@
+//! The lazy memory without maps: the move that is to bring the goal situation is that of the nearest sample.
+//!
+//! What the paper's maps have to be better than (C. Touzet, *Modeling and simulation of elementary robot behaviors using
+//! associative memories*, International Journal of Advanced Robotic Systems 3(2), 2006, section 2.2, argues that the samples
+//! alone are too few). The same random moves and the same goal as the mind's: nothing nearer than a distance; when the
+//! goal holds the course is kept. Either the nearest *change* of situation is looked for, or the nearest *pair* of
+//! (situation, situation afterwards). As for the mind's maps every sample counts turned by each of the ring's places as
+//! well, where that is asked for.
+
+use super::learning::{Experience, Learner, Reward, Schooling, Values};
+use super::turned::Ring;
+use arena::noise::Noise;
+use arena::world::Point;
+
+/// What of a sample has to be near.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Key {
+    /// The direction of its change of situation, to that of the change wanted.
+    Change,
+    /// Its situations before and afterwards, to the present one and the one wanted.
+    Pair,
+}
+
+/// What is farther than this is not perceived, m.
+pub const FAR_M: f64 = 1.5;
+
+/// Random moves only, and the course is kept while the goal holds; what is farther than this counts as nothing. The reward is not used.
+#[must_use]
+pub const fn schooling(tuning: &Tuning, far_m: f64) -> Schooling {
+    Schooling {
+        far_m,
+        reward: Reward {
+            fallen: 0.0,
+            in_front: 0.0,
+            behind: 0.0,
+        },
+        explores_for: 1.0,
+        explores_least: 1.0,
+        turns: 1,
+        free_below: tuning.goal,
+        learns_on: false,
+    }
+}
+
+/// The method's constants; the default values were searched for in rooms that nothing is compared in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tuning {
+    /// What has to be near.
+    pub key: Key,
+    /// The goal holds when no value is above this.
+    pub goal: f64,
+    /// Each sample counts turned by so many of the ring's places, 1 or 16.
+    pub turns: usize,
+}
+
+impl Tuning {
+    /// By the direction of the change.
+    pub const CHANGE: Self = Self {
+        key: Key::Change,
+        goal: 0.6,
+        turns: 16,
+    };
+
+    /// By the pair of situations.
+    pub const PAIR: Self = Self {
+        key: Key::Pair,
+        goal: 0.2,
+        turns: 16,
+    };
+}
+
+/// The samples as they were.
+#[derive(Debug, Clone)]
+pub struct Nearest {
+    tuning: Tuning,
+    samples: Vec<Sample>,
+}
+
+/// What of an experience is looked up.
+#[derive(Debug, Clone)]
+struct Sample {
+    before: Ring,
+    after: Ring,
+    /// Change of situation, brought to length 1; 0 where nothing changed.
+    change: Ring,
+    moved: Point,
+}
+
+impl Nearest {
+    /// An empty memory.
+    #[must_use]
+    pub fn new(tuning: Tuning) -> Self {
+        Self {
+            tuning,
+            samples: Vec::new(),
+        }
+    }
+
+    /// How far a sample turned by `places` is from what is wanted.
+    fn mismatch(&self, now: &Values, wanted: &Values, sample: &Sample, places: usize) -> f64 {
+        match self.tuning.key {
+            Key::Pair => {
+                sample.before.squared_distance(now, places)
+                    + sample.after.squared_distance(wanted, places)
+            }
+            Key::Change => {
+                let asked: Values = std::array::from_fn(|i| wanted[i] - now[i]);
+                -sample.change.product(&asked, places)
+            }
+        }
+    }
+}
+
+impl Learner for Nearest {
+    fn best(&self, situation: &Values, course: Point) -> Point {
+        let goal = self.tuning.goal;
+        let wanted = situation.map(|value| value.min(goal));
+        let mut best = (f64::INFINITY, course);
+        for sample in &self.samples {
+            for turn in 0..self.tuning.turns {
+                let places = turn * 16 / self.tuning.turns;
+                let mismatch = self.mismatch(situation, &wanted, sample, places);
+                if mismatch < best.0 {
+                    best = (mismatch, sample.moved.turned(sim::ring_pilot::axis(places)));
+                }
+            }
+        }
+        // Moves are made with whole steps, as the mind's are.
+        let length = best.1.length();
+        if length > 1e-3 {
+            best.1 * (1.0 / length)
+        } else {
+            course
+        }
+    }
+
+    fn learn(&mut self, experience: &Experience) {
+        let Experience { before, after, .. } = experience;
+        let change: Values = std::array::from_fn(|i| after[i] - before[i]);
+        let length = change.iter().map(|part| part * part).sum::<f64>().sqrt();
+        // A sample that changed nothing points nowhere.
+        let scale = if length > 1e-6 { 1.0 / length } else { 0.0 };
+        self.samples.push(Sample {
+            before: Ring::new(before),
+            after: Ring::new(after),
+            change: Ring::new(&change.map(|part| part * scale)),
+            moved: experience.moved,
+        });
+    }
+
+    fn variation(&self, _: &Values, _: Point, noise: &mut Noise) -> Option<Point> {
+        let way = Point::unit(noise.uniform_in(0.0, std::f64::consts::TAU));
+        Some(way * noise.uniform())
+    }
+
+    fn bytes(&self) -> usize {
+        // Two situations and a displacement; the rest is kept for speed only.
+        self.samples.len() * (2 * size_of::<Values>() + size_of::<Point>())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sim::ring_pilot::axis;
+
+    fn value(sensor: usize, value: f64) -> Values {
+        let mut values = [0.0; 16];
+        values[sensor] = value;
+        values
+    }
+
+    /// Towards what sensor 0 perceives, and away from it.
+    fn taught(key: Key, turns: usize) -> Nearest {
+        let mut nearest = Nearest::new(Tuning {
+            key,
+            goal: 0.2,
+            turns,
+        });
+        for (heading, before, after) in [(0, 0.4, 0.6), (8, 0.7, 0.5)] {
+            nearest.learn(&Experience {
+                before: value(0, before),
+                asked: axis(heading),
+                moved: axis(heading) * 0.5,
+                after: value(0, after),
+                reward: 0.0,
+            });
+        }
+        nearest
+    }
+
+    #[test]
+    fn the_sample_whose_change_is_wanted_is_repeated() {
+        for key in [Key::Change, Key::Pair] {
+            let plain = taught(key, 1);
+            assert!(plain.best(&value(0, 0.8), axis(0)).distance(axis(8)) < 1e-9);
+            let turned = taught(key, 16);
+            assert!(turned.best(&value(3, 0.8), axis(0)).distance(axis(11)) < 1e-9);
+        }
+    }
+}

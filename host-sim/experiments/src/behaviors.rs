@@ -1,0 +1,144 @@
+//! Every behavior in its scenes: many seeds in many worlds, mean and 95 % interval.
+
+use super::scenes::Scene;
+use amp::config::Config;
+use arena::noise::Noise;
+use arena::robot::TurretMode;
+use arena::sonar::SonarModel;
+use arena::world::{Pose, World};
+use rayon::prelude::*;
+use sim::episode::{Episode, Report, Setup, elsewhere, perceive, run};
+use sim::failure::Failure;
+use sim::goal_file::GoalFile;
+use sim::scenes::Behavior;
+use sim::statistics::{Mean, bootstrap};
+
+/// How much is measured, and with what.
+#[derive(Debug, Clone)]
+pub struct Trial {
+    /// Number of the first world.
+    pub first: u64,
+    /// Worlds per scene.
+    pub worlds: u32,
+    /// Seeds per world.
+    pub seeds: u32,
+    /// Random moves in each.
+    pub explore_moves: u16,
+    /// Name of the preset the open choices came from.
+    pub preset: &'static str,
+    /// The mind's open choices.
+    pub config: Config<16>,
+    /// What the ring does while the base steers.
+    pub turret: TurretMode,
+    /// What the sonars return, unless the scene has its own.
+    pub sonar: SonarModel,
+}
+
+/// What came of a scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outcome {
+    /// The measure.
+    pub value: Mean,
+    /// Steps with contact, %.
+    pub contacts_percent: f64,
+    /// Episodes.
+    pub episodes: usize,
+}
+
+/// Something of every seed in every world.
+pub type BySeed<T> = Vec<Vec<T>>;
+
+/// Runs `one` for all seeds in all worlds of a scene, on all cores; the seeds in a world count from 1 000 times its number.
+///
+/// # Errors
+/// When an episode fails.
+pub fn each<T: Send>(
+    scene: &Scene,
+    trial: &Trial,
+    one: impl Fn(&World, &Setup) -> Result<T, Failure> + Sync,
+) -> Result<BySeed<T>, Failure> {
+    let worlds = (0..u64::from(trial.worlds)).into_par_iter();
+    let of_world = |index: u64| {
+        let number = trial.first.saturating_add(index);
+        let world = scene.world(number);
+        let seeds = (0..u64::from(trial.seeds)).into_par_iter();
+        let of_seed = |seed| one(&world, &setup(scene, trial, &world, seed_of(number, seed)));
+        seeds.map(of_seed).collect()
+    };
+    worlds.map(of_world).collect()
+}
+
+/// Measures all seeds in all worlds; `done` is called after each episode.
+///
+/// # Errors
+/// When an episode fails.
+pub fn measure(
+    scene: &Scene,
+    trial: &Trial,
+    done: &(impl Fn() + Sync),
+) -> Result<Outcome, Failure> {
+    let worlds: BySeed<Report> = each(scene, trial, |world, setup| {
+        let report = run(world, setup, |_, _, _| {})?.report;
+        done();
+        Ok(report)
+    })?;
+    let values: BySeed<f64> = worlds
+        .iter()
+        .map(|reports| reports.iter().map(|report| scene.value(report)).collect())
+        .collect();
+    let all: Vec<_> = worlds.iter().flatten().collect();
+    let steps: f64 = all.iter().map(|report| f64::from(report.steps)).sum();
+    let contacts: f64 = all.iter().map(|report| f64::from(report.contacts)).sum();
+    Ok(Outcome {
+        value: bootstrap(&values),
+        contacts_percent: 100.0 * contacts / steps.max(1.0),
+        episodes: all.len(),
+    })
+}
+
+/// The first episode of a scene, with every step recorded.
+///
+/// # Errors
+/// When it fails.
+pub fn first(scene: &Scene, trial: &Trial) -> Result<Episode, Failure> {
+    let world = scene.world(trial.first);
+    let mut setup = setup(scene, trial, &world, seed_of(trial.first, 0));
+    setup.record = true;
+    run(&world, &setup, |_, _, _| {})
+}
+
+/// A seed of world `number`, which has a thousand of its own.
+fn seed_of(number: u64, seed: u64) -> u64 {
+    number.wrapping_mul(1_000).wrapping_add(seed)
+}
+
+/// One episode in one of the scene's worlds.
+fn setup(scene: &Scene, trial: &Trial, world: &World, seed: u64) -> Setup {
+    let behavior = match scene.behavior {
+        "seek" => show(world, &trial.config, seed),
+        name => name.parse().unwrap_or(Behavior::Avoid),
+    };
+    Setup {
+        config: trial.config.clone(),
+        preset: trial.preset.to_owned(),
+        behavior,
+        explore_moves: trial.explore_moves,
+        steps: scene.steps,
+        seed,
+        sonar: scene.sonar.unwrap_or(trial.sonar),
+        turret: trial.turret,
+        set_down: scene.set_down.map(|place| place(seed)),
+        faults: Vec::new(),
+        record: false,
+    }
+}
+
+/// A situation shown to the robot: what an exact ring hears at a free place drawn by `seed`.
+fn show(world: &World, config: &Config<16>, seed: u64) -> Behavior {
+    let mut noise = Noise::new(seed);
+    let start = world.start();
+    let place = elsewhere(world, start.position, &mut noise);
+    let pose = Pose::new(place, start.heading);
+    let situation = perceive(world, pose, SonarModel::Ideal, seed, config.encoding);
+    Behavior::Seek(Box::new(GoalFile::perceived("shown", &situation, place)))
+}

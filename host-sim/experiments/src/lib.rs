@@ -1,0 +1,13 @@
+//! Measurements over many rooms: the paper's claims, comparisons with other methods, ablations, BARN, sweeps.
+
+pub mod ablation;
+pub mod barn;
+pub mod baselines;
+pub mod behaviors;
+pub mod compare;
+pub mod faults;
+pub mod paper;
+pub mod pictures;
+pub mod repetition;
+pub mod scenes;
+pub mod sweep;

@@ -1,0 +1,152 @@
+//! How orderly a map is: are situations that are alike coded by neurons that are neighbors?
+
+use amp::fixed::{Weight, Weight32};
+use amp::som::{Grid, Som};
+use arena::noise::Noise;
+
+/// Shufflings of a map's code vectors with which its order is compared.
+pub const SHUFFLINGS: usize = 999;
+
+/// The order of a map.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Order {
+    /// Mean distance of the code vectors of two direct neighbors (1 = a whole sensor's scale).
+    pub neighbors: f64,
+    /// The same of two neurons that are not.
+    pub others: f64,
+    /// Share of samples whose best two neurons are not direct neighbors.
+    pub topographic_error: f64,
+    /// Correlation (Pearson) of grid steps and distance of the code vectors over all pairs of neurons.
+    pub correlation: f64,
+    /// Shufflings of the same code vectors, of [`SHUFFLINGS`], whose neighbors are as near or nearer.
+    pub as_good_by_chance: usize,
+    /// Standard deviation of the samples won by a neuron over their mean.
+    pub hit_spread: f64,
+    /// Neurons that win no sample.
+    pub idle: usize,
+}
+
+/// The order of `map`, judged by `samples`; the shufflings are drawn by `seed`.
+#[must_use]
+pub fn order_of<const NEURONS: usize, const DIMS: usize>(
+    map: &Som<NEURONS, DIMS>,
+    samples: &[[Weight; DIMS]],
+    seed: u64,
+) -> Order {
+    let grid = map.grid();
+
+    let distance = |a: usize, b: usize| match (map.code().get(a), map.code().get(b)) {
+        (Some(a), Some(b)) => difference(a, b),
+        _ => 0.0,
+    };
+    let mut places: Vec<usize> = (0..NEURONS).collect();
+    let (neighbors, others) = means(grid, NEURONS, &places, distance);
+    let mut noise = Noise::new(seed);
+    let as_good_by_chance = (0..SHUFFLINGS)
+        .filter(|_| {
+            for last in (1..NEURONS).rev() {
+                places.swap(last, noise.index(last + 1));
+            }
+            means(grid, NEURONS, &places, distance).0 <= neighbors
+        })
+        .count();
+    let pairs = (0..NEURONS).flat_map(|a| (0..a).map(move |b| (a, b)));
+    let pairs: Vec<_> = pairs
+        .map(|(a, b)| [grid.hops(a, b) as f64, distance(a, b)])
+        .collect();
+    let (quality, hits) = map.quality(samples);
+    let mean = samples.len() as f64 / NEURONS as f64;
+    let spread = hits
+        .iter()
+        .map(|&hit| (f64::from(hit) - mean) * (f64::from(hit) - mean))
+        .sum::<f64>();
+    Order {
+        neighbors,
+        others,
+        topographic_error: f64::from(quality.apart()) / f64::from(quality.samples().max(1)),
+        correlation: pearson(&pairs),
+        as_good_by_chance,
+        hit_spread: (spread / NEURONS as f64).sqrt() / mean.max(f64::MIN_POSITIVE),
+        idle: hits.iter().filter(|&&hit| hit == 0).count(),
+    }
+}
+
+/// Mean distances between neighbors and between the others when neuron `k` has the code vector of `places[k]`.
+fn means(
+    grid: Grid,
+    neurons: usize,
+    places: &[usize],
+    distance: impl Fn(usize, usize) -> f64,
+) -> (f64, f64) {
+    let mut sums = [(0.0, 0_u32); 2];
+    for a in 0..neurons {
+        for b in 0..a {
+            let (sum, count) = &mut sums[usize::from(grid.hops(a, b) > 1)];
+            *sum += distance(places[a], places[b]);
+            *count += 1;
+        }
+    }
+    let mean = |(sum, count): (f64, u32)| sum / f64::from(count.max(1));
+    (mean(sums[0]), mean(sums[1]))
+}
+
+/// Pearson's correlation of pairs; 0 where either side does not vary.
+#[must_use]
+pub fn pearson(pairs: &[[f64; 2]]) -> f64 {
+    let count = pairs.len().max(1) as f64;
+    let mean = [0, 1].map(|i| pairs.iter().map(|pair| pair[i]).sum::<f64>() / count);
+    let product = |i: usize, j: usize| {
+        pairs
+            .iter()
+            .map(|pair| (pair[i] - mean[i]) * (pair[j] - mean[j]))
+            .sum::<f64>()
+    };
+    let scale = (product(0, 0) * product(1, 1)).sqrt();
+    if scale > 0.0 {
+        product(0, 1) / scale
+    } else {
+        0.0
+    }
+}
+
+fn difference(a: &[Weight32], b: &[Weight32]) -> f64 {
+    let squares = a.iter().zip(b).map(|(a, b)| {
+        let gap: f64 = a.to_num::<f64>() - b.to_num::<f64>();
+        gap * gap
+    });
+    squares.sum::<f64>().sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn chain(values: [f64; 8]) -> Som<8, 1> {
+        Som::new(Grid::chain(8), values.map(|v| [Weight::from_num(v)]))
+    }
+
+    #[test]
+    fn a_sorted_chain_is_orderly_and_a_mixed_one_is_not() {
+        let samples: Vec<_> = (0..8)
+            .map(|i| [Weight::from_num(f64::from(i) / 8.0)])
+            .collect();
+        let sorted = std::array::from_fn(|i| i as f64 / 8.0);
+        let good = order_of(&chain(sorted), &samples, 1);
+        assert!((good.neighbors - 0.125).abs() < 1e-3);
+        assert!((good.correlation - 1.0).abs() < 1e-6);
+        assert_eq!((good.topographic_error, good.idle), (0.0, 0));
+        assert_eq!(good.hit_spread, 0.0);
+        assert!(good.as_good_by_chance <= 2);
+        let mixed = [0.0, 0.5, 0.125, 0.625, 0.25, 0.75, 0.375, 0.875];
+        let bad = order_of(&chain(mixed), &samples, 1);
+        assert!(bad.neighbors > 3.0 * good.neighbors);
+        assert!(bad.as_good_by_chance > 200 && bad.topographic_error > 0.5);
+    }
+
+    #[test]
+    fn correlations_of_known_pairs() {
+        assert!((pearson(&[[0.0, 1.0], [1.0, 3.0], [2.0, 5.0]]) - 1.0).abs() < 1e-12);
+        assert!((pearson(&[[0.0, 1.0], [1.0, 0.0], [2.0, -1.0]]) + 1.0).abs() < 1e-12);
+        assert_eq!(pearson(&[[0.0, 1.0], [1.0, 1.0]]), 0.0);
+    }
+}

@@ -1,0 +1,118 @@
+//! A mind that is watched while it decides: every plan with the situation it was made for, and what was known when.
+
+use amp::config::Config;
+use amp::controller::{Command, Event, Outputs};
+use amp::fixed::{Mask, Weight};
+use amp::goal::Goal;
+use amp::planner::Plan;
+use amp::scan::Situation;
+use amp::units::Millis;
+use sim::failure::Failure;
+use sim::pilot::{InspectableController, Mind, Pilot, SimState};
+
+/// One decision towards the goal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seen {
+    /// What was perceived (D in Fig. 3).
+    pub situation: Situation<16>,
+    /// How the action was found.
+    pub plan: Plan<16>,
+    /// Code vector, at that moment, of the neuron aimed at (F in Fig. 3).
+    pub aim: Situation<16>,
+    /// That code vector is nearer to the goal than the present neuron's.
+    pub aim_is_nearer: bool,
+    /// The present neuron's code vector is as the goal wants it.
+    pub neuron_meets_goal: bool,
+}
+
+/// The mind and what has been seen of it.
+pub struct Watched {
+    mind: Mind,
+    /// Decisions after which [`Watched::later`] is kept.
+    keep_after: usize,
+    goal: Option<Goal<16>>,
+    /// All decisions towards the goal.
+    pub seen: Vec<Seen>,
+    /// What it knew when it was given its goal.
+    pub learned: Option<Box<SimState>>,
+    /// What it knew some decisions later.
+    pub later: Option<Box<SimState>>,
+}
+
+impl Watched {
+    /// A mind that knows nothing yet; what it knows is kept once more after `keep_after` decisions.
+    #[must_use]
+    pub fn new(config: Config<16>, keep_after: usize) -> Self {
+        Self {
+            mind: Mind::new(config),
+            keep_after,
+            goal: None,
+            seen: Vec::new(),
+            learned: None,
+            later: None,
+        }
+    }
+}
+
+impl Pilot for Watched {
+    fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
+        if let Event::Command(Command::Seek(goal)) = event {
+            self.goal = Some(goal);
+            self.learned
+                .get_or_insert_with(|| Box::new(self.mind.state().clone()));
+        }
+        let outputs = self.mind.handle(at, event);
+        let plan = outputs.decision.and_then(|decision| decision.plan);
+        if let (Some(decision), Some(plan)) = (outputs.decision, plan) {
+            let code = |neuron| {
+                let map = self.mind.state().situations();
+                map.code_vector(usize::from(neuron))
+            };
+            let away = |neuron| {
+                let goal = self.goal.as_ref();
+                goal.map_or(0, |goal| goal.distance(&code(neuron), Mask::ALL))
+            };
+            let now = away(plan.current_neuron);
+            self.seen.push(Seen {
+                situation: decision.situation,
+                plan,
+                aim: code(plan.intermediate_neuron),
+                aim_is_nearer: away(plan.intermediate_neuron) < now,
+                neuron_meets_goal: now == 0,
+            });
+            if self.seen.len() == self.keep_after {
+                self.later = Some(Box::new(self.mind.state().clone()));
+            }
+        }
+        outputs
+    }
+}
+
+impl InspectableController for Watched {
+    fn knowledge(&mut self) -> Result<&SimState, Failure> {
+        self.mind.knowledge()
+    }
+}
+
+/// Component by component `to − from`.
+#[must_use]
+pub fn change(to: &[Weight], from: &[Weight]) -> Vec<f64> {
+    let values = to.iter().zip(from);
+    values
+        .map(|(to, from)| to.to_num::<f64>() - from.to_num::<f64>())
+        .collect()
+}
+
+/// Euclidean length.
+#[must_use]
+pub fn length(vector: &[f64]) -> f64 {
+    vector.iter().map(|value| value * value).sum::<f64>().sqrt()
+}
+
+/// Cosine of the angle between two vectors; `None` where one has no length.
+#[must_use]
+pub fn cosine(a: &[f64], b: &[f64]) -> Option<f64> {
+    let lengths = length(a) * length(b);
+    let product: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
+    (lengths > 0.0).then(|| product / lengths)
+}

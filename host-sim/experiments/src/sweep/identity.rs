@@ -1,0 +1,47 @@
+//! A sweep's hash: over everything that its figures depend on.
+
+use arena::world::World;
+use crc::{CRC_64_XZ, Crc, Digest};
+use std::fmt::{self, Write};
+
+static CRC: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
+
+/// A checksum (CRC-64/XZ) over the text written into it.
+pub struct Hasher(Digest<'static, u64>);
+
+impl Hasher {
+    /// Of nothing yet.
+    pub fn new() -> Self {
+        Self(CRC.digest())
+    }
+
+    /// A part of its own: what lies between two parts counts as well.
+    pub fn part(&mut self, part: fmt::Arguments<'_>) {
+        // Writing into a checksum cannot fail.
+        let _ = self.write_fmt(part);
+        self.0.update(&[0]);
+    }
+
+    /// A world as it stands: its name, where it starts and ends, its shapes.
+    pub fn world(&mut self, world: &World) {
+        self.part(format_args!(
+            "{} {:?} {:?} {:?}",
+            world.name(),
+            world.start(),
+            world.goal(),
+            world.shapes()
+        ));
+    }
+
+    /// Sixteen hexadecimal digits.
+    pub fn finish(self) -> String {
+        format!("{:016x}", self.0.finalize())
+    }
+}
+
+impl Write for Hasher {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        self.0.update(text.as_bytes());
+        Ok(())
+    }
+}

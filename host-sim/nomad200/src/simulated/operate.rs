@@ -1,0 +1,211 @@
+//! What each command does to the robot.
+
+use super::{Awaited, Simulated};
+use crate::firing::Firing;
+use crate::units::{M_PER_TENTH_INCH, PER_UNIT, RAD_PER_TENTH_DEGREE};
+use crate::{AxisMode, Command, Group, Kind, Packet};
+use arena::robot::Axis;
+use arena::world::{Point, wrap_angle};
+
+/// Most tenths of an infrared reading that come from the one before.
+const MAX_HISTORY: u8 = 10;
+
+/// Seconds count as milliseconds here.
+const MS_PER_S: u32 = 1_000;
+
+impl Simulated {
+    /// Takes a command. Returns the answer, unless that has to wait for the motors: then [`answer`](Self::answer) has it
+    /// when it is due. A new command takes the place of a question still waiting.
+    ///
+    /// Packets whose payload is not known (obstacles and places of the original simulator, the user's own, set-up of the
+    /// laser) and torques are answered with NAK.
+    pub fn take(&mut self, command: &Command) -> Option<Packet> {
+        self.heard_ms = self.time_ms();
+        self.awaited = None;
+        if is_motion(command) {
+            self.zeroing = false;
+        }
+        match command {
+            Command::Velocity(wanted) => self.each(*wanted, Self::run),
+            Command::Relative(wanted) => self.each(*wanted, Self::move_by),
+            Command::Absolute(wanted) => self.each(*wanted, Self::move_to),
+            Command::Move(axes) => {
+                if axes.iter().any(|(mode, _)| is_torque(*mode)) {
+                    return Some(nak());
+                }
+                for (axis, (mode, value)) in Axis::ALL.into_iter().zip(*axes) {
+                    self.move_axis(axis, mode, value);
+                }
+            }
+            // Motors without current and motors that hold stop the same body alike.
+            Command::Stop | Command::Limp => self.hold(),
+            Command::Speeds(speeds) => {
+                for (axis, speed) in Axis::ALL.into_iter().zip(*speeds) {
+                    self.set_speed(axis, f64::from(speed));
+                }
+            }
+            Command::Accelerations(accelerations) => {
+                for (axis, acceleration) in Axis::ALL.into_iter().zip(*accelerations) {
+                    self.set_acceleration(axis, f64::from(acceleration));
+                }
+            }
+            Command::Zero => {
+                self.begin_zeroing();
+                return None;
+            }
+            Command::WaitForStop { axes, timeout_s } => {
+                let wait_ms = u32::from(*timeout_s) * MS_PER_S;
+                self.awaited = Some(Awaited {
+                    kind: Kind::Ws,
+                    axes: *axes,
+                    until_ms: Some(self.time_ms().wrapping_add(wait_ms)),
+                });
+                return self.answer();
+            }
+            Command::Get(group) => return Some(self.group_packet(*group)),
+            Command::Opaque(..) => return Some(nak()),
+            Command::ConfigureCompass(mode) => {
+                self.compass_on = *mode == 1;
+                // The three marks of a calibration, which is not simulated.
+                return Some(Packet::new(Kind::ConfCp, vec![0; 3]));
+            }
+            _ => self.configure(command),
+        }
+        Some(self.state_packet(command.kind()))
+    }
+
+    fn configure(&mut self, command: &Command) {
+        match command {
+            Command::Communicate(mask) => self.mask = *mask,
+            Command::DefinePosition([x, y]) => {
+                let position = Point::new(f64::from(*x), f64::from(*y)) * M_PER_TENTH_INCH;
+                self.reckoning.define_position(position);
+            }
+            Command::DefineAngles(angles) => {
+                let angles = angles.map(|angle| f64::from(angle) * RAD_PER_TENTH_DEGREE);
+                let axes = [self.axes.at(Axis::Steering), self.axes.at(Axis::Turret)];
+                self.reckoning.define_angles(axes, angles);
+            }
+            Command::ConfigureSonar { rate, order } => {
+                self.firing = Firing::new(*rate, *order, self.time_ms());
+            }
+            Command::ConfigureInfrared { history, order } => {
+                self.history = (*history).min(MAX_HISTORY);
+                let listed = order.iter().take_while(|&&sensor| sensor < 16);
+                self.infrared_on = listed.fold(0, |on, sensor| on | 1 << sensor);
+            }
+            Command::ConfigureTimeout(seconds) => self.timeout_s = *seconds,
+            // It has no laser, no voice and no second port.
+            _ => {}
+        }
+    }
+
+    fn each(&mut self, wanted: [i16; 3], each: fn(&mut Self, Axis, i16)) {
+        for (axis, value) in Axis::ALL.into_iter().zip(wanted) {
+            each(self, axis, value);
+        }
+    }
+
+    fn move_axis(&mut self, axis: Axis, mode: AxisMode, value: i16) {
+        match mode {
+            AxisMode::Velocity => self.run(axis, value),
+            AxisMode::Relative => self.move_by(axis, value),
+            AxisMode::Absolute => self.move_to(axis, value),
+            AxisMode::Limp => self.axes.hold(axis),
+            AxisMode::Acceleration => self.set_acceleration(axis, f64::from(value.max(0))),
+            AxisMode::Speed => self.set_speed(axis, f64::from(value.max(0))),
+            AxisMode::Ignore | AxisMode::Torque | AxisMode::MostTorque => {}
+        }
+    }
+
+    fn run(&mut self, axis: Axis, velocity: i16) {
+        let velocity = f64::from(velocity) * PER_UNIT[axis as usize];
+        self.axes.run(axis, velocity, &mut self.noise);
+    }
+
+    fn move_by(&mut self, axis: Axis, way: i16) {
+        let goal = self.axes.at(axis) + f64::from(way) * PER_UNIT[axis as usize];
+        if way == 0 {
+            self.axes.hold(axis);
+        } else {
+            self.axes.go_to(axis, goal, &mut self.noise);
+        }
+    }
+
+    /// Steering and turret take the shorter way to the reported angle; translation goes to the way rolled since the
+    /// robot was switched on. (The library says no more than "absolute position".)
+    fn move_to(&mut self, axis: Axis, position: i16) {
+        let (at, wanted) = (
+            self.axes.at(axis),
+            f64::from(position) * PER_UNIT[axis as usize],
+        );
+        let goal = match axis {
+            Axis::Translation => wanted,
+            Axis::Steering => at + self.reckoning.off(0, at, wanted),
+            Axis::Turret => at + self.reckoning.off(1, at, wanted),
+        };
+        self.axes.go_to(axis, goal, &mut self.noise);
+    }
+
+    fn set_speed(&mut self, axis: Axis, units: f64) {
+        self.axes.set_speed(axis, units * PER_UNIT[axis as usize]);
+    }
+
+    fn set_acceleration(&mut self, axis: Axis, units: f64) {
+        let acceleration = units * PER_UNIT[axis as usize];
+        self.axes.set_acceleration(axis, acceleration);
+    }
+
+    /// Steering and turret turn to the base's front, the nearer way round.
+    fn begin_zeroing(&mut self) {
+        self.zeroing = true;
+        self.axes.hold(Axis::Translation);
+        for axis in [Axis::Steering, Axis::Turret] {
+            let at = self.axes.at(axis);
+            let goal = at - wrap_angle(at);
+            self.axes.go_to(axis, goal, &mut self.noise);
+        }
+        self.awaited = Some(Awaited {
+            kind: Kind::Zr,
+            axes: [true; 3],
+            until_ms: None,
+        });
+    }
+
+    /// Once everything stands, that is zero.
+    pub(super) fn finish_zeroing(&mut self) {
+        if Axis::ALL.into_iter().any(|axis| self.axes.is_active(axis)) {
+            return;
+        }
+        self.zeroing = false;
+        let axes = [self.axes.at(Axis::Steering), self.axes.at(Axis::Turret)];
+        self.reckoning.define_position(Point::default());
+        self.reckoning.define_angles(axes, [0.0; 2]);
+    }
+
+    fn group_packet(&mut self, group: Group) -> Packet {
+        self.read_now();
+        Packet::new(group.kind(), self.state.to_group(group, &self.mask))
+    }
+}
+
+/// The answer to what is not understood.
+pub(in super::super) fn nak() -> Packet {
+    Packet::new(Kind::Nak, Vec::new())
+}
+
+fn is_torque(mode: AxisMode) -> bool {
+    matches!(mode, AxisMode::Torque | AxisMode::MostTorque)
+}
+
+fn is_motion(command: &Command) -> bool {
+    matches!(
+        command,
+        Command::Velocity(_)
+            | Command::Relative(_)
+            | Command::Absolute(_)
+            | Command::Move(_)
+            | Command::Stop
+            | Command::Limp
+    )
+}

@@ -1,0 +1,155 @@
+//! The world on the page: meters to pixels, obstacles, scale bar, places along an episode.
+
+use arena::world::{Point, Shape, World};
+use sim::recording::Step;
+
+use super::color::{INK, OBSTACLE};
+use super::svg::{Anchor, Font, Svg, filled, num, stroke};
+
+/// The corners (lowest, highest) of the rectangle that holds the world, m.
+pub fn extent(world: &World) -> [Point; 2] {
+    world.bounds().into()
+}
+
+/// Where a stretch of world lies on the page.
+#[derive(Debug, Clone, Copy)]
+pub struct View {
+    /// World point at the lower left corner of the drawing, m.
+    low: Point,
+    /// Page point of that corner, px.
+    corner: [f64; 2],
+    /// Pixels per meter.
+    pub scale: f64,
+    /// Width and height of the drawing, px.
+    pub size: [f64; 2],
+}
+
+impl View {
+    /// The world between two corners in a drawing whose top left is given and that is at most `room` (px) large.
+    pub fn new([low, high]: [Point; 2], [left, top]: [f64; 2], room: [f64; 2]) -> Self {
+        let (width, height) = ((high.x - low.x).max(1e-3), (high.y - low.y).max(1e-3));
+        let scale = (room[0] / width).min(room[1] / height);
+        let size = [width * scale, height * scale];
+        Self {
+            low,
+            corner: [left, top + size[1]],
+            scale,
+            size,
+        }
+    }
+
+    /// The page point of a world point.
+    pub fn at(&self, point: Point) -> [f64; 2] {
+        let away = (point - self.low) * self.scale;
+        [self.corner[0] + away.x, self.corner[1] - away.y]
+    }
+
+    /// The drawing on the page: `[left, top, width, height]`.
+    pub fn area(&self) -> [f64; 4] {
+        let [width, height] = self.size;
+        [self.corner[0], self.corner[1] - height, width, height]
+    }
+}
+
+/// Draws walls as lines and bodies as filled outlines.
+pub fn obstacles(svg: &mut Svg, view: &View, world: &World) {
+    let body = filled(OBSTACLE, INK, 1.3);
+    let wall = format!(r#"{} stroke-linecap="round""#, stroke(INK, 2.4));
+    let on_page = |points: &[Point]| {
+        points
+            .iter()
+            .map(|&point| view.at(point))
+            .collect::<Vec<_>>()
+    };
+    for shape in world.shapes() {
+        match shape {
+            Shape::Wall { points } => svg.polyline(&on_page(points), &wall),
+            Shape::Box {
+                center,
+                size,
+                angle,
+            } => {
+                svg.polygon(&on_page(&Shape::box_corners(*center, *size, *angle)), &body);
+            }
+            Shape::Circle { center, radius } => {
+                svg.circle(view.at(*center), radius * view.scale, &body)
+            }
+            Shape::Outline { from, to } => svg.polyline(&on_page(&[*from, *to]), &stroke(INK, 1.5)),
+        }
+    }
+}
+
+/// A bar of a round number of meters, at most `room` px long, with its left end at (x, y).
+pub fn scale_bar(svg: &mut Svg, [x, y]: [f64; 2], scale: f64, room: f64) {
+    let fits = |&length: &f64| length * scale <= room;
+    let meters = [50.0, 20.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2]
+        .into_iter()
+        .find(fits)
+        .unwrap_or(0.1);
+    let end = x + meters * scale;
+    svg.line([x, y], [end, y], &stroke(INK, 2.0));
+    for tick in [x, end] {
+        svg.line([tick, y - 4.0], [tick, y + 4.0], &stroke(INK, 1.5));
+    }
+    svg.text(
+        [end + 8.0, y + 4.0],
+        Font::new(12.0),
+        &format!("{} m", num(meters)),
+    );
+}
+
+/// A letter or number in the middle of a place, on a white rim.
+pub fn label(svg: &mut Svg, [x, y]: [f64; 2], size: f64, text: &str) {
+    let font = Font::new(size).at(Anchor::Middle);
+    svg.text([x, y + size * 0.35], font.halo(), text);
+    svg.text([x, y + size * 0.35], font.bold(), text);
+}
+
+/// The places an episode passed: where each decision was taken, and where the last one led.
+pub fn places(steps: &[Step]) -> Vec<Point> {
+    let mut places: Vec<Point> = steps.iter().map(|step| step.pose.position).collect();
+    places.extend(steps.last().map(end_of));
+    places
+}
+
+/// Where the motion of one step ended, as far as the step itself says.
+fn end_of(step: &Step) -> Point {
+    let [x, y] = step.executed_m;
+    step.pose.position + Point::new(x, y).turned(Point::unit(step.pose.heading))
+}
+
+/// The way traveled, m.
+pub fn distance(steps: &[Step]) -> f64 {
+    steps
+        .iter()
+        .map(|step| libm::hypot(step.executed_m[0], step.executed_m[1]))
+        .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_view_keeps_proportions_and_turns_y_up() {
+        let view = View::new(
+            [Point::new(-1.0, 2.0), Point::new(3.0, 4.0)],
+            [10.0, 20.0],
+            [400.0, 400.0],
+        );
+        assert_eq!(view.area(), [10.0, 20.0, 400.0, 200.0]);
+        assert_eq!(view.at(Point::new(-1.0, 2.0)), [10.0, 220.0]);
+        assert_eq!(view.at(Point::new(3.0, 4.0)), [410.0, 20.0]);
+    }
+
+    #[test]
+    fn the_last_place_is_where_the_last_step_led() {
+        let mut steps = crate::fixture::recording().seeking;
+        steps.truncate(1);
+        steps[0].pose = arena::world::Pose::new(Point::new(1.0, 1.0), core::f64::consts::FRAC_PI_2);
+        steps[0].executed_m = [0.5, 0.0];
+        let places = places(&steps);
+        assert!(places[1].distance(Point::new(1.0, 1.5)) < 1e-12);
+        assert!((distance(&steps) - 0.5).abs() < 1e-12);
+    }
+}

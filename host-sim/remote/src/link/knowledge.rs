@@ -1,0 +1,261 @@
+//! All a mind was told and has learned, as one file: the image that a chip keeps in its flash, see [`amp::store`].
+
+use super::{Fingerprint, LinkError, Session, next_number};
+use amp::config::Config;
+use amp::controller::Part as StatePart;
+use amp::goal::{Goal, KeptGoal, KeptGoals, Name};
+use amp::node::MAX_CONFIG;
+use amp::som::Grid;
+use amp::store::{Contents, ContentsMut};
+use amp::wire::message::{Clock, FromMind, GoalBy, ModeReport, Order, Part, Refusal};
+use amp::wire::{CRC, ToMind};
+use files::error::BadInput;
+use sim::pilot::SimState;
+use std::path::Path;
+
+/// The parts of the state, in the order in which they are read.
+const PARTS: [(Part, StatePart); 4] = [
+    (Part::Situations, StatePart::Situations),
+    (Part::Changes, StatePart::Changes),
+    (Part::Actions, StatePart::Actions),
+    (Part::Memory, StatePart::Memory),
+];
+
+/// Largest file, bytes: an image takes at most 117 KiB of a flash.
+const MAX_FILE_BYTES: u64 = 1 << 20;
+
+/// Generation of an image in a file, where there is one only.
+const GENERATION: u32 = 1;
+
+/// What a mind was told and has learned.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Knowledge {
+    config: Config<16>,
+    state: Box<SimState>,
+    goal: Goal<16>,
+    kept: KeptGoals<16>,
+}
+
+impl Knowledge {
+    /// What a mind in this process was told and has learned; its goal is to avoid obstacles.
+    #[must_use]
+    pub fn of(config: &Config<16>, state: &SimState) -> Self {
+        Self::new(config.clone(), state.clone())
+    }
+
+    fn new(config: Config<16>, state: SimState) -> Self {
+        Self {
+            goal: Goal::avoiding(&config),
+            kept: KeptGoals::new(),
+            state: Box::new(state),
+            config,
+        }
+    }
+
+    /// Reads everything from a mind with an open session that stands still.
+    ///
+    /// # Errors
+    /// [`LinkError`]; a refusal while the robot explores, learns or seeks.
+    pub fn pull(session: &mut Session) -> Result<Self, LinkError> {
+        refuse_moving(session)?;
+        let mut knowledge = Self::read(session)?;
+        for report in session.ask(&ToMind::Goals)? {
+            let FromMind::Goal { name, goal } = report.said else {
+                continue;
+            };
+            if name == Name::NONE {
+                knowledge.goal = goal;
+            } else {
+                let kept = knowledge.kept.keep(KeptGoal { name, goal });
+                kept.map_err(|_| LinkError::Unlike { what: "goals" })?;
+            }
+        }
+        Ok(knowledge)
+    }
+
+    /// Reads all but the goals, whatever the mind does meanwhile.
+    pub fn read(session: &mut Session) -> Result<Self, LinkError> {
+        let config = session.read_part(Part::Config)?;
+        let config = Config::from_bytes(&config).ok_or(LinkError::Refused(Refusal::Config))?;
+        let mut parts = Vec::new();
+        for (part, ours) in PARTS {
+            parts.push((ours, session.read_part(part)?));
+        }
+        let mut state = SimState::new(Grid::rectangle(4, 4));
+        let is_map = |part: StatePart| part != StatePart::Memory;
+        // Maps that were never learned are all zeros, and are not to count as learned.
+        let learned = parts
+            .iter()
+            .any(|(part, bytes)| is_map(*part) && bytes.iter().any(|byte| *byte != 0));
+        for (part, bytes) in parts {
+            if is_map(part) && !learned {
+                continue;
+            }
+            let written = state.write_part(part, 0, &bytes);
+            written.map_err(|why| LinkError::Refused(Refusal::Piece(why)))?;
+            if state.part_len(part) != bytes.len() {
+                return Err(LinkError::Unlike { what: "maps" });
+            }
+        }
+        Ok(Self::new(config, state))
+    }
+
+    /// Writes everything to a mind that stands still, and makes sure of it by opening the next session.
+    ///
+    /// # Errors
+    /// [`LinkError`]; a refusal while the robot explores, learns or seeks.
+    pub fn push(&self, session: &mut Session) -> Result<(), LinkError> {
+        refuse_moving(session)?;
+        session.order(session.elapsed_ms(), Order::Forget)?;
+        // The configuration comes last: a mind that is cut off before has its old one with maps that are read the same.
+        for (part, ours) in PARTS.into_iter().rev() {
+            if part == Part::Memory || self.state.has_learned() {
+                session.write_part(part, &self.part(ours))?;
+            }
+        }
+        session.write_part(Part::Config, &Self::of_config(&self.config)?)?;
+        for KeptGoal { name, goal } in self.kept.as_slice() {
+            let goal = Order::Goal(GoalBy::Components(*goal));
+            session.order(session.elapsed_ms(), goal)?;
+            session.ask(&ToMind::Keep { name: *name })?;
+        }
+        let goal = Order::Goal(GoalBy::Components(self.goal));
+        session.order(session.elapsed_ms(), goal)?;
+        let hello = session.open(next_number(session.number()), Clock::Device)?;
+        match Fingerprint::from(&hello)
+            .differences(&self.fingerprint())
+            .first()
+        {
+            Some(what) => Err(LinkError::Unlike { what }),
+            None => Ok(()),
+        }
+    }
+
+    /// A configuration as on the wire.
+    pub(super) fn of_config(config: &Config<16>) -> Result<Vec<u8>, LinkError> {
+        match config.to_bytes(&mut [0; MAX_CONFIG]) {
+            [] => Err(LinkError::Refused(Refusal::Config)),
+            bytes => Ok(bytes.to_vec()),
+        }
+    }
+
+    fn part(&self, part: StatePart) -> Vec<u8> {
+        let mut bytes = vec![0; self.state.part_len(part)];
+        self.state.read_part(part, 0, &mut bytes);
+        bytes
+    }
+
+    /// Its checksums as a mind says them.
+    #[must_use]
+    pub fn fingerprint(&self) -> Fingerprint {
+        let mut maps = CRC.digest();
+        for map in [
+            StatePart::Situations,
+            StatePart::Changes,
+            StatePart::Actions,
+        ] {
+            maps.update(&self.part(map));
+        }
+        Fingerprint {
+            config_crc: CRC.checksum(self.config.to_bytes(&mut [0; MAX_CONFIG])),
+            maps_crc: maps.finalize(),
+            memory_crc: CRC.checksum(&self.part(StatePart::Memory)),
+        }
+    }
+
+    /// The configuration.
+    #[must_use]
+    pub fn config(&self) -> &Config<16> {
+        &self.config
+    }
+
+    /// Maps and memory.
+    #[must_use]
+    pub fn state(&self) -> &SimState {
+        &self.state
+    }
+
+    /// Maps and memory alone.
+    #[must_use]
+    pub(super) fn into_state(self) -> Box<SimState> {
+        self.state
+    }
+
+    /// Samples in the memory.
+    #[must_use]
+    pub fn samples(&self) -> usize {
+        self.state.memory().samples().len()
+    }
+
+    /// The file's bytes.
+    #[must_use]
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let contents = Contents {
+            config: &self.config,
+            state: &self.state,
+            goal: &self.goal,
+            kept: &self.kept,
+        };
+        let mut file = Vec::new();
+        let Ok(()) = contents.write(GENERATION, &mut |bytes| {
+            file.extend_from_slice(bytes);
+            Ok::<_, std::convert::Infallible>(())
+        });
+        file
+    }
+
+    /// Reads a file's bytes.
+    ///
+    /// # Errors
+    /// Half a sentence that says why they are no such file.
+    pub fn from_bytes(file: &[u8]) -> Result<Self, String> {
+        if !file.starts_with(b"AMPS") {
+            return Err("it holds no mind (see `host-sim link --help`, pull)".into());
+        }
+        let fresh = SimState::new(Grid::rectangle(4, 4));
+        let mut knowledge = Self::new(Config::recommended(), fresh);
+        let mut contents = ContentsMut {
+            config: &mut knowledge.config,
+            state: &mut knowledge.state,
+            goal: &mut knowledge.goal,
+            kept: &mut knowledge.kept,
+        };
+        let mut read = |at: usize, out: &mut [u8]| {
+            let bytes = file.get(at..at + out.len());
+            bytes.map(|bytes| out.copy_from_slice(bytes)).is_some()
+        };
+        match contents.read(&mut read, file.len()) {
+            Ok(found) if found.bytes == file.len() => Ok(knowledge),
+            Ok(_) => Err("something stands behind its end".into()),
+            Err(fault) => Err(fault.to_string()),
+        }
+    }
+
+    /// Writes the file: whole or not at all.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn save(&self, path: &Path) -> Result<(), BadInput> {
+        let written = files::write(path, &self.to_bytes());
+        written.map_err(|error| BadInput::file(path, format!("cannot be written: {error}")))
+    }
+
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// When it cannot be read or holds no mind.
+    pub fn load(path: &Path) -> Result<Self, BadInput> {
+        let file = files::read(path, MAX_FILE_BYTES)?;
+        Self::from_bytes(&file).map_err(|why| BadInput::file(path, why))
+    }
+}
+
+/// Refuses when parts may not be written, before anything is.
+fn refuse_moving(session: &mut Session) -> Result<(), LinkError> {
+    match session.mode()? {
+        ModeReport::Idle | ModeReport::Stopped(_) => Ok(()),
+        ModeReport::Explore { .. } | ModeReport::Learn | ModeReport::Seek => {
+            Err(LinkError::Refused(Refusal::Moving))
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! Logs of short episodes for tests, here and in the crates above.
+
+use super::{Answer, Log, LogFile, channel, run};
+use amp::config::Config;
+use arena::robot::TurretMode;
+use arena::sonar::SonarModel;
+use arena::world::World;
+use sim::episode::Setup;
+use sim::pilot::Mind;
+use sim::scenes::Behavior;
+use std::io::Cursor;
+use std::path::Path;
+
+/// Thirty random moves and sixty decisions to avoid obstacles.
+pub fn setup(sonar: SonarModel) -> Setup {
+    Setup {
+        config: Config::recommended(),
+        preset: "default".into(),
+        behavior: Behavior::Avoid,
+        explore_moves: 30,
+        steps: 60,
+        seed: 5,
+        sonar,
+        turret: TurretMode::Held,
+        set_down: None,
+        faults: Vec::new(),
+        record: false,
+    }
+}
+
+/// The log of an episode.
+pub fn logged(sonar: SonarModel) -> Vec<u8> {
+    let world = World::random(3);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.mcap");
+    run(
+        &world,
+        &setup(sonar),
+        Mind::new(Config::recommended()),
+        &path,
+    )
+    .unwrap();
+    std::fs::read(path).unwrap()
+}
+
+/// The log in these bytes.
+pub fn file(bytes: Vec<u8>) -> LogFile {
+    LogFile::of(Path::new("a.mcap"), bytes).unwrap()
+}
+
+/// The log of an episode in which answer 40 is not what the mind says.
+pub fn changed() -> LogFile {
+    let original = file(logged(SonarModel::Ideal));
+    let mut log = Log::begin(Cursor::new(Vec::new()), "b.mcap").unwrap();
+    log.setup(original.setup(), Some(&World::random(3)));
+    let mut answers = 0;
+    for message in original.messages() {
+        match message.topic.as_str() {
+            channel::EVENT => log.event(&message.content().unwrap()),
+            channel::PLAN => {
+                let mut answer: Answer = message.content().unwrap();
+                answers += 1;
+                if let (40, Some(motion)) = (answers, &mut answer.motion) {
+                    motion.displacement_mm[0] += 1;
+                }
+                log.answer(&answer);
+            }
+            _ => {}
+        }
+    }
+    log.finish().unwrap();
+    file(log.into_inner().into_inner())
+}

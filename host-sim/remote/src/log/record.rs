@@ -1,0 +1,413 @@
+//! What stands in the channels of our own, as it is written.
+
+use amp::config::Config;
+use amp::controller::{Command, Decision, Event, Motion, Outputs, Progress, Refusal, StopReason};
+use amp::fixed::Weight;
+use amp::goal::Goal;
+use amp::planner::Plan;
+use amp::units::{Bearing, Displacement, Range};
+use serde::{Deserialize, Serialize};
+use sim::pilot::HeardEcho;
+
+/// The conditions under which a mind starts that knows nothing.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Setup {
+    /// Version of what is written here: [`FORMAT`].
+    pub format: u32,
+    /// Version of the program.
+    pub program: String,
+    /// Name of the world.
+    pub world: String,
+    /// What the robot was to do.
+    pub behavior: String,
+    /// Name of the preset the configuration came from.
+    pub preset: String,
+    /// Seed of all randomness.
+    pub seed: u64,
+    /// What the sonars returned.
+    pub sonar: String,
+    /// What the ring does while the base steers.
+    pub turret: String,
+    /// Random moves of an exploration.
+    pub explore_moves: u16,
+    /// The mind's configuration.
+    pub config: Config<16>,
+}
+
+impl Setup {
+    /// The conditions of an episode in a world of this name.
+    #[must_use]
+    pub fn of(world: &str, setup: &sim::episode::Setup) -> Self {
+        Self {
+            format: FORMAT,
+            program: env!("CARGO_PKG_VERSION").to_owned(),
+            world: world.to_owned(),
+            behavior: setup.behavior.name(),
+            preset: setup.preset.clone(),
+            seed: setup.seed,
+            sonar: setup.sonar.name().to_owned(),
+            turret: setup.turret.name().to_owned(),
+            explore_moves: setup.explore_moves,
+            config: setup.config.clone(),
+        }
+    }
+}
+
+/// Version of the records.
+pub const FORMAT: u32 = 3;
+
+/// Something the mind was told.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EventRecord {
+    /// When, milliseconds by the mind's clock.
+    pub at_ms: u32,
+    /// What.
+    #[serde(flatten)]
+    pub event: Happening,
+}
+
+/// What the mind can be told.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Happening {
+    /// What transducers heard, told at the same moment, in this order.
+    Echoes(Vec<EchoRecord>),
+    /// The base reports what it has done.
+    Odometry {
+        /// Motion it is carrying out or has carried out last.
+        motion: u16,
+        /// Displacement since the last report, millimeters in the ring's frame at that report.
+        moved_mm: [i16; 2],
+        /// How far the ring has turned since then, in 1/65536 of a turn.
+        turned: u16,
+        /// What became of the motion.
+        progress: Progress,
+    },
+    /// Take samples by random moves.
+    Explore {
+        /// Number of moves.
+        moves: u16,
+        /// Seed of the robot's own generator.
+        seed: u64,
+    },
+    /// Make the maps.
+    Learn,
+    /// Pursue a goal.
+    Seek(Goal<16>),
+    /// Stand still.
+    Stop,
+    /// Go on with what a stop interrupted.
+    Resume,
+    /// Time passed, so many times in a row; a mind elsewhere may need another number of them to learn the same.
+    Ticks {
+        /// How many times.
+        count: u32,
+        /// The last one changed the mode: learning is done.
+        done: bool,
+    },
+    /// Something outside the mind is wrong.
+    Alarm(StopReason),
+    /// A bumper touched something.
+    Touched,
+    /// Other open choices; what the mind knows stays.
+    Configure(Box<Config<16>>),
+    /// Somebody else's knowledge instead of its own: the bytes of a mind's file, in hexadecimal.
+    Know(String),
+}
+
+/// What a transducer heard.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct EchoRecord {
+    /// Transducer.
+    pub sensor: u8,
+    /// Range, millimeters; nothing where nothing answered.
+    pub range_mm: Option<u16>,
+    /// How long before it was told, milliseconds.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub age_ms: u32,
+}
+
+/// Most echoes have no age, and none is written.
+fn is_none(age_ms: &u32) -> bool {
+    *age_ms == 0
+}
+
+impl EchoRecord {
+    /// As the mind is told.
+    #[must_use]
+    pub fn of(echo: &HeardEcho) -> Self {
+        Self {
+            sensor: echo.sensor,
+            range_mm: echo.range.map(Range::as_mm),
+            age_ms: echo.age_ms,
+        }
+    }
+
+    /// As the mind is told.
+    #[must_use]
+    pub fn echo(self) -> HeardEcho {
+        HeardEcho {
+            sensor: self.sensor,
+            range: self.range_mm.map(Range::from_mm),
+            age_ms: self.age_ms,
+        }
+    }
+}
+
+impl Happening {
+    /// An event; a tick counts as one that changed nothing.
+    #[must_use]
+    pub fn of(event: &Event<16>) -> Self {
+        match *event {
+            Event::Echo { sensor, range } => {
+                Self::Echoes(vec![EchoRecord::of(&HeardEcho::now(sensor, range))])
+            }
+            Event::Odometry {
+                motion,
+                moved,
+                turned,
+                progress,
+            } => Self::Odometry {
+                motion,
+                moved_mm: [moved.dx_mm, moved.dy_mm],
+                turned: turned.as_turns(),
+                progress,
+            },
+            Event::Command(Command::Explore { moves, seed }) => Self::Explore { moves, seed },
+            Event::Command(Command::Learn) => Self::Learn,
+            Event::Command(Command::Seek(goal)) => Self::Seek(goal),
+            Event::Command(Command::Stop) => Self::Stop,
+            Event::Command(Command::Resume) => Self::Resume,
+            Event::Tick => Self::Ticks {
+                count: 1,
+                done: false,
+            },
+            Event::Alarm(reason) => Self::Alarm(reason),
+            Event::Touched => Self::Touched,
+        }
+    }
+
+    /// The event; `None` for echoes and ticks, which stand for several, and for what is no event of the controller.
+    #[must_use]
+    pub fn event(&self) -> Option<Event<16>> {
+        Some(match *self {
+            Self::Echoes(_) | Self::Ticks { .. } | Self::Configure(_) | Self::Know(_) => {
+                return None;
+            }
+            Self::Odometry {
+                motion,
+                moved_mm: [dx_mm, dy_mm],
+                turned,
+                progress,
+            } => Event::Odometry {
+                motion,
+                moved: Displacement { dx_mm, dy_mm },
+                turned: Bearing::from_turns(turned),
+                progress,
+            },
+            Self::Explore { moves, seed } => Event::Command(Command::Explore { moves, seed }),
+            Self::Learn => Event::Command(Command::Learn),
+            Self::Seek(goal) => Event::Command(Command::Seek(goal)),
+            Self::Stop => Event::Command(Command::Stop),
+            Self::Resume => Event::Command(Command::Resume),
+            Self::Alarm(reason) => Event::Alarm(reason),
+            Self::Touched => Event::Touched,
+        })
+    }
+}
+
+/// What the mind answered to an event.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Answer {
+    /// When, milliseconds by the mind's clock.
+    pub at_ms: u32,
+    /// What the base is to do.
+    pub motion: Option<MotionRecord>,
+    /// A decision.
+    pub decision: Option<DecisionRecord>,
+    /// The mode changed.
+    pub mode_changed: bool,
+    /// A command was refused.
+    pub refusal: Option<Refusal>,
+}
+
+impl Answer {
+    /// What an event brought about; `None` if nothing.
+    #[must_use]
+    pub fn of(at_ms: u32, outputs: &Outputs<16>) -> Option<Self> {
+        let is_answer = outputs.motion.is_some()
+            || outputs.decision.is_some()
+            || outputs.mode_changed
+            || outputs.refusal.is_some();
+        is_answer.then(|| Self {
+            at_ms,
+            motion: outputs.motion.map(MotionRecord::from),
+            decision: outputs.decision.as_ref().map(DecisionRecord::from),
+            mode_changed: outputs.mode_changed,
+            refusal: outputs.refusal,
+        })
+    }
+}
+
+/// What the base is to do: a displacement in the ring's frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MotionRecord {
+    /// Number of the motion.
+    pub id: u16,
+    /// Where to, millimeters.
+    pub displacement_mm: [i16; 2],
+    /// At most this fast.
+    pub speed_mm_s: u16,
+}
+
+impl From<Motion> for MotionRecord {
+    fn from(motion: Motion) -> Self {
+        Self {
+            id: motion.id,
+            displacement_mm: pair(motion.displacement),
+            speed_mm_s: motion.speed_mm_s,
+        }
+    }
+}
+
+/// A decision.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DecisionRecord {
+    /// The situation it was taken in, a value in [0, 1] per transducer.
+    pub situation: Vec<f64>,
+    /// How it came about; `None` for a random move.
+    pub plan: Option<PlanRecord>,
+    /// Displacement wanted, millimeters in the ring's frame.
+    pub wanted_mm: [i16; 2],
+    /// Displacement the shield allowed.
+    pub allowed_mm: [i16; 2],
+    /// The goal holds.
+    pub at_goal: bool,
+}
+
+impl From<&Decision<16>> for DecisionRecord {
+    fn from(decision: &Decision<16>) -> Self {
+        Self {
+            situation: numbers(&decision.situation),
+            plan: decision.plan.as_ref().map(PlanRecord::from),
+            wanted_mm: pair(decision.wanted),
+            allowed_mm: pair(decision.allowed),
+            at_goal: decision.at_goal,
+        }
+    }
+}
+
+/// The paper's four steps with their intermediate values (section 2.5, Fig. 3).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PlanRecord {
+    /// Neuron that stands for the goal.
+    pub goal_neuron: u8,
+    /// Best-matching unit of the present situation.
+    pub current_neuron: u8,
+    /// Neuron aimed at.
+    pub intermediate_neuron: u8,
+    /// Change of situation wanted, a value in [−1, 1] per transducer.
+    pub wanted_change: Vec<f64>,
+    /// Neuron of the action map that answered.
+    pub action_neuron: u8,
+    /// The goal holds.
+    pub at_goal: bool,
+    /// The action is the one the action map recalled.
+    pub recalled: bool,
+    /// The move asked for, millimeters in the ring's frame.
+    pub action_mm: [i16; 2],
+    /// Why.
+    pub why: String,
+}
+
+impl From<&Plan<16>> for PlanRecord {
+    fn from(plan: &Plan<16>) -> Self {
+        Self {
+            goal_neuron: plan.goal_neuron,
+            current_neuron: plan.current_neuron,
+            intermediate_neuron: plan.intermediate_neuron,
+            wanted_change: numbers(&plan.wanted),
+            action_neuron: plan.action_neuron,
+            at_goal: plan.at_goal,
+            recalled: plan.recalled,
+            action_mm: pair(plan.action),
+            why: plan.why.to_string(),
+        }
+    }
+}
+
+/// A value of 2⁻¹³ is a short decimal number: nothing is lost.
+fn numbers(weights: &[Weight]) -> Vec<f64> {
+    weights.iter().map(|weight| weight.to_num()).collect()
+}
+
+fn pair(displacement: Displacement) -> [i16; 2] {
+    [displacement.dx_mm, displacement.dy_mm]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use amp::goal::Side;
+
+    #[test]
+    fn every_event_comes_back_from_json() {
+        let config = Config::<16>::recommended();
+        let goal = Goal::wall(Side::Right, Range::from_mm(600), &config);
+        let events = [
+            Event::Odometry {
+                motion: 7,
+                moved: Displacement {
+                    dx_mm: -3,
+                    dy_mm: 250,
+                },
+                turned: Bearing::from_turns(65_000),
+                progress: Progress::Touched,
+            },
+            Event::Command(Command::Explore {
+                moves: 100,
+                seed: u64::MAX - 1,
+            }),
+            Event::Command(Command::Learn),
+            Event::Command(Command::Seek(goal)),
+            Event::Command(Command::Stop),
+            Event::Command(Command::Resume),
+            Event::Alarm(StopReason::LinkLost),
+            Event::Touched,
+        ];
+        for event in events {
+            let record = EventRecord {
+                at_ms: 7,
+                event: Happening::of(&event),
+            };
+            let json = serde_json::to_string(&record).unwrap();
+            let back: EventRecord = serde_json::from_str(&json).unwrap();
+            assert_eq!(back, record, "{json}");
+            assert_eq!(back.event.event(), Some(event), "{json}");
+        }
+        let echo = Event::Echo {
+            sensor: 3,
+            range: Some(Range::from_mm(1_234)),
+        };
+        let json = serde_json::to_string(&Happening::of(&echo)).unwrap();
+        assert_eq!(json, "{\"echoes\":[{\"sensor\":3,\"range_mm\":1234}]}");
+        for age_ms in [0, 70_000] {
+            let echo = HeardEcho {
+                sensor: 3,
+                range: None,
+                age_ms,
+            };
+            let json = serde_json::to_string(&EchoRecord::of(&echo)).unwrap();
+            let back: EchoRecord = serde_json::from_str(&json).unwrap();
+            assert_eq!(back.echo(), echo, "{json}");
+        }
+    }
+
+    #[test]
+    fn a_configuration_comes_back_from_json() {
+        for config in [Config::<16>::recommended(), Config::touzet()] {
+            let json = serde_json::to_string(&config).unwrap();
+            assert_eq!(serde_json::from_str::<Config<16>>(&json).unwrap(), config);
+        }
+    }
+}

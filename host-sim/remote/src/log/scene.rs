@@ -1,0 +1,221 @@
+//! The messages other tools draw: Foxglove's well-known schemas, in JSON.
+
+use super::read::Message;
+use arena::robot::COLLISION_RADIUS_M;
+use arena::sonar::RingGeometry;
+use arena::world::{Point, Pose, Shape, World};
+use serde::Deserialize;
+use serde_json::{Value, json};
+use std::f64::consts::TAU;
+
+/// Frame of the world.
+const WORLD: &str = "world";
+/// Frame of the ring: x along transducer 0, y to its left.
+const RING: &str = "ring";
+/// The entity of everything that stands around, and its shapes among the metadata.
+const SURFACES: &str = "surfaces";
+const SHAPES: &str = "shapes";
+/// The entity of a second robot.
+const LEADER: &str = "leader";
+/// A body is drawn this high, meters (about a Nomad 200's height).
+const HEIGHT_M: f64 = 0.9;
+/// What nothing answered to is drawn at the longest range the ring reports, 255 in, meters.
+const LONGEST_M: f64 = 6.477;
+
+fn stamp(time: u64) -> Value {
+    json!({"sec": time / 1_000_000_000, "nsec": time % 1_000_000_000})
+}
+
+fn point(at: Point, z: f64) -> Value {
+    json!({"x": at.x, "y": at.y, "z": z})
+}
+
+/// Turned by `heading` around z.
+fn orientation(heading: f64) -> Value {
+    let (sin, cos) = libm::sincos(heading / 2.0);
+    json!({"x": 0.0, "y": 0.0, "z": sin, "w": cos})
+}
+
+fn placed(at: Point, z: f64) -> Value {
+    json!({"position": point(at, z), "orientation": orientation(0.0)})
+}
+
+fn color(rgb: [f64; 3], a: f64) -> Value {
+    let [r, g, b] = rgb;
+    json!({"r": r, "g": g, "b": b, "a": a})
+}
+
+pub(super) fn laser_scan(time: u64, ranges_m: &[Option<f64>; 16]) -> Value {
+    // From the ring's middle, as the frame is.
+    let face_radius_m = RingGeometry::default().face_radius_m;
+    let reach = |range: &Option<f64>| range.unwrap_or(LONGEST_M).min(LONGEST_M) + face_radius_m;
+    let ranges: Vec<f64> = ranges_m.iter().map(reach).collect();
+    json!({
+        "timestamp": stamp(time), "frame_id": RING,
+        "pose": placed(Point::new(0.0, 0.0), 0.0),
+        "start_angle": 0.0, "end_angle": TAU * 15.0 / 16.0,
+        "ranges": ranges, "intensities": [],
+    })
+}
+
+pub(super) fn pose_in_frame(time: u64, pose: Pose) -> Value {
+    json!({
+        "timestamp": stamp(time), "frame_id": WORLD,
+        "pose": {"position": point(pose.position, 0.0), "orientation": orientation(pose.heading)},
+    })
+}
+
+pub(super) fn frame_transform(time: u64, pose: Pose) -> Value {
+    json!({
+        "timestamp": stamp(time), "parent_frame_id": WORLD, "child_frame_id": RING,
+        "translation": point(pose.position, 0.0), "rotation": orientation(pose.heading),
+    })
+}
+
+/// What stands around, if it is known, and the body as a cylinder that goes with the ring; `anew` = instead of all there
+/// was.
+pub(super) fn begin(time: u64, around: Option<&World>, anew: bool) -> Value {
+    let mut body = entity(time, RING, "robot");
+    body["frame_locked"] = json!(true);
+    let middle = Point::new(0.0, 0.0);
+    body["cylinders"] = json!([cylinder(middle, COLLISION_RADIUS_M, [0.1, 0.45, 0.8], 0.8)]);
+    let surfaces = around.map(|world| surfaces(time, world));
+    let entities: Vec<_> = surfaces.into_iter().chain([body]).collect();
+    // Type 1: everything.
+    let all = json!({"timestamp": stamp(time), "type": 1, "id": ""});
+    let deletions: Vec<_> = anew.then_some(all).into_iter().collect();
+    json!({"deletions": deletions, "entities": entities})
+}
+
+/// Other surfaces.
+pub(super) fn changed(time: u64, world: &World) -> Value {
+    json!({"deletions": [], "entities": [surfaces(time, world)]})
+}
+
+/// Surfaces as lines, posts as cylinders; as metadata the shapes they belong to.
+fn surfaces(time: u64, world: &World) -> Value {
+    let ends = world
+        .segments()
+        .flat_map(|(from, to)| [point(from, 0.0), point(to, 0.0)]);
+    let lines = json!({
+        "type": 2, "pose": placed(Point::new(0.0, 0.0), 0.0), "thickness": 2.0, "scale_invariant": true,
+        "points": ends.collect::<Vec<_>>(), "color": color([0.5, 0.5, 0.55], 1.0), "colors": [], "indices": [],
+    });
+    let posts = world.shapes().iter().filter_map(|shape| match *shape {
+        Shape::Circle { center, radius } => Some(cylinder(center, radius, [0.5, 0.5, 0.55], 0.6)),
+        _ => None,
+    });
+    let mut surfaces = entity(time, WORLD, SURFACES);
+    surfaces["lines"] = json!([lines]);
+    surfaces["cylinders"] = posts.collect();
+    surfaces["metadata"] = json!([{"key": SHAPES, "value": json!(world.shapes()).to_string()}]);
+    surfaces
+}
+
+pub(super) fn leader(time: u64, at: Point) -> Value {
+    let mut entity = entity(time, WORLD, LEADER);
+    entity["cylinders"] = json!([cylinder(at, COLLISION_RADIUS_M, [0.85, 0.5, 0.1], 0.8)]);
+    json!({"deletions": [], "entities": [entity]})
+}
+
+pub(super) fn contact(time: u64, at: Point, number: usize) -> Value {
+    let mut entity = entity(time, WORLD, &format!("contact {number}"));
+    entity["spheres"] = json!([{
+        "pose": placed(at, HEIGHT_M), "size": {"x": 0.12, "y": 0.12, "z": 0.12}, "color": color([0.85, 0.1, 0.1], 1.0),
+    }]);
+    json!({"deletions": [], "entities": [entity]})
+}
+
+fn cylinder(at: Point, radius: f64, rgb: [f64; 3], alpha: f64) -> Value {
+    json!({
+        "pose": placed(at, HEIGHT_M / 2.0), "size": {"x": 2.0 * radius, "y": 2.0 * radius, "z": HEIGHT_M},
+        "bottom_scale": 1.0, "top_scale": 1.0, "color": color(rgb, alpha),
+    })
+}
+
+/// What a message of the scene changes.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SceneChange {
+    /// What stands around.
+    Shapes(Vec<Shape>),
+    /// Where the second robot is.
+    Leader(Point),
+}
+
+#[derive(Deserialize)]
+struct SceneUpdate {
+    entities: Vec<Entity>,
+}
+
+#[derive(Deserialize)]
+struct Entity {
+    id: String,
+    metadata: Vec<Pair>,
+    cylinders: Vec<Cylinder>,
+}
+
+#[derive(Deserialize)]
+struct Pair {
+    key: String,
+    value: String,
+}
+
+#[derive(Deserialize)]
+struct Cylinder {
+    pose: Placed,
+}
+
+#[derive(Deserialize)]
+struct Placed {
+    position: Point,
+}
+
+#[derive(Deserialize)]
+struct PoseInFrame {
+    pose: Oriented,
+}
+
+#[derive(Deserialize)]
+struct Oriented {
+    position: Point,
+    orientation: Quaternion,
+}
+
+#[derive(Deserialize)]
+struct Quaternion {
+    z: f64,
+    w: f64,
+}
+
+/// What a message of the scene changes, as it was written here.
+pub fn scene_changes(message: &Message) -> Result<Vec<SceneChange>, String> {
+    let update: SceneUpdate = message.content()?;
+    let mut changes = Vec::new();
+    for entity in update.entities {
+        let shapes = entity.metadata.iter().find(|pair| pair.key == SHAPES);
+        if let Some(shapes) = shapes {
+            let shapes = serde_json::from_str(&shapes.value);
+            changes.push(SceneChange::Shapes(shapes.map_err(|why| why.to_string())?));
+        }
+        if let (LEADER, Some(leader)) = (entity.id.as_str(), entity.cylinders.first()) {
+            changes.push(SceneChange::Leader(leader.pose.position));
+        }
+    }
+    Ok(changes)
+}
+
+/// Where the robot is by a message of the poses.
+pub fn pose_of(message: &Message) -> Result<Pose, String> {
+    let PoseInFrame { pose } = message.content()?;
+    let heading = 2.0 * libm::atan2(pose.orientation.z, pose.orientation.w);
+    Ok(Pose::new(pose.position, heading))
+}
+
+/// Something in the scene that stays until it is replaced.
+fn entity(time: u64, frame: &str, id: &str) -> Value {
+    json!({
+        "timestamp": stamp(time), "frame_id": frame, "id": id, "lifetime": {"sec": 0, "nsec": 0},
+        "frame_locked": false, "metadata": [], "arrows": [], "cubes": [], "spheres": [], "cylinders": [],
+        "lines": [], "triangles": [], "texts": [], "models": [],
+    })
+}

@@ -1,0 +1,110 @@
+//! A hand-written avoider in the manner of V. Braitenberg, *Vehicles*, MIT Press 1984: each sonar
+//! pushes the course away from what it hears, the stronger the nearer; speed is constant.
+//!
+//! The yardstick for distance and coverage: it learns nothing and is tuned by hand.
+
+use crate::ring_pilot::{Perceived, Policy, STEP_M, axis};
+use arena::world::Point;
+use std::f64::consts::PI;
+
+/// The yardstick's constants.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tuning {
+    /// Step per decision, meters.
+    pub step_m: f64,
+    /// What is farther than this is not heard, meters.
+    pub far_m: f64,
+    /// Weight of the push against the course.
+    pub push: f64,
+}
+
+impl Default for Tuning {
+    fn default() -> Self {
+        Self {
+            step_m: STEP_M,
+            far_m: 0.9,
+            push: 2.0,
+        }
+    }
+}
+
+/// A Braitenberg vehicle with a ring of 16 sonars.
+#[derive(Debug, Clone)]
+pub struct Braitenberg {
+    tuning: Tuning,
+    /// Unit vector of the course in the ring's frame.
+    course: Point,
+}
+
+impl Braitenberg {
+    /// A vehicle that starts along the ring's x axis.
+    #[must_use]
+    pub fn new(tuning: Tuning) -> Self {
+        Self::towards(tuning, 0.0)
+    }
+
+    /// A vehicle that starts at `angle_rad` from the ring's x axis.
+    #[must_use]
+    pub fn towards(tuning: Tuning, angle_rad: f64) -> Self {
+        Self {
+            tuning,
+            course: Point::unit(angle_rad),
+        }
+    }
+
+    /// Course and pushes added up. Only what lies ahead (within a quarter turn of the course) pushes,
+    /// so a wall along the side does not drive the robot away from its course.
+    fn next_course(&self, perceived: &Perceived) -> Point {
+        let mut sum = self.course;
+        for (sensor, range) in perceived.ranges.iter().enumerate() {
+            let Some(range) = range else { continue };
+            let nearness = 1.0 - f64::from(range.as_mm()) / (self.tuning.far_m * 1e3);
+            let axis = axis(sensor);
+            let ahead = axis.dot(self.course);
+            if nearness > 0.0 && ahead > -0.1 {
+                let push = self.tuning.push * nearness * nearness * (0.2 + ahead.max(0.0));
+                sum = sum - axis * push;
+            }
+        }
+        let length = sum.length();
+        if length > 1e-6 {
+            Point::new(sum.x / length, sum.y / length)
+        } else {
+            Point::new(-self.course.y, self.course.x)
+        }
+    }
+}
+
+impl Policy for Braitenberg {
+    fn decide(&mut self, perceived: &Perceived) -> Point {
+        // The ring has turned: the course stays where it is in the world.
+        let turned = f64::from(perceived.turned.as_signed_turns()) * PI / 32_768.0;
+        self.course = self.course.turned_back(Point::unit(turned));
+        self.course = self.next_course(perceived);
+        self.course * self.tuning.step_m
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use amp::units::{Bearing, Range};
+    use arena::world::Pose;
+
+    #[test]
+    fn a_wall_half_heard_ahead_pushes_back_by_hand() {
+        let mut ranges = [None; 16];
+        ranges[2] = Some(Range::from_mm(450));
+        let perceived = Perceived {
+            ranges,
+            pose: Pose::default(),
+            turned: Bearing::ZERO,
+            last: None,
+        };
+        // Nearness 1/2 at 45° to the left: a push of 2 · 1/4 · (0.2 + cos 45°) away from it.
+        let push = 0.5 * (0.2 + 0.5_f64.sqrt()) * 0.5_f64.sqrt();
+        let expected = Point::new(1.0 - push, -push);
+        let step = Braitenberg::new(Tuning::default()).decide(&perceived);
+        assert!(step.distance(expected * (STEP_M / expected.length())) < 1e-12);
+    }
+}

@@ -1,0 +1,219 @@
+//! The area a robot's body has swept, in cells of 0.25 m.
+
+use std::ops::RangeInclusive;
+
+use arena::world::Point;
+
+/// Side of a cell, meters.
+pub const CELL_M: f64 = 0.25;
+
+/// Most cells along one side: a world larger than 2 km is covered with its first 2 km only.
+const MAX_CELLS: usize = 8_192;
+
+/// How far beyond the body is looked for cells that are not covered, m.
+const AHEAD_M: f64 = 0.12;
+
+/// Far above any rounding, far below anything that matters, m.
+const SLACK_M: f64 = 1e-6;
+
+/// Cells whose middle the body has passed over.
+#[derive(Debug, Clone)]
+pub struct Coverage {
+    origin: Point,
+    columns: usize,
+    rows: usize,
+    words: Vec<u64>,
+    radius_m: f64,
+    /// Around this place the body may move so far, m, and its middle reaches no cell that is not covered.
+    clear: (Point, f64),
+}
+
+impl Coverage {
+    /// Nothing covered yet, for a body of `radius_m` within `bounds` (least and greatest corner).
+    #[must_use]
+    pub fn new(bounds: (Point, Point), radius_m: f64) -> Self {
+        let cells = |least: f64, greatest: f64| {
+            (((greatest - least) / CELL_M) as usize)
+                .saturating_add(1)
+                .min(MAX_CELLS)
+        };
+        let columns = cells(bounds.0.x, bounds.1.x);
+        let rows = cells(bounds.0.y, bounds.1.y);
+        Self {
+            origin: bounds.0,
+            columns,
+            rows,
+            words: vec![0; (columns * rows).div_ceil(64)],
+            radius_m,
+            clear: (bounds.0, f64::NEG_INFINITY),
+        }
+    }
+
+    /// The body has moved straight from `from` to `to`.
+    #[inline]
+    pub fn sweep(&mut self, from: Point, to: Point) {
+        if !(self.is_clear(from) && self.is_clear(to)) {
+            self.cover(from, to);
+            self.clear = (to, self.way_to_uncovered(to));
+        }
+    }
+
+    #[inline]
+    fn is_clear(&self, place: Point) -> bool {
+        let (middle, room) = self.clear;
+        let apart = place - middle;
+        room >= 0.0 && apart.dot(apart) <= room * room
+    }
+
+    fn cover(&mut self, from: Point, to: Point) {
+        let (columns, rows) = self.around(from, to, self.radius_m);
+        let way = to - from;
+        let squared = way.dot(way);
+        let scale = if squared > 0.0 { 1.0 / squared } else { 0.0 };
+        for row in rows {
+            for column in self.uncovered(row, &columns) {
+                let offset = self.middle(column, row) - from;
+                let along = (offset.dot(way) * scale).clamp(0.0, 1.0);
+                let gap = offset - way * along;
+                if gap.dot(gap) <= self.radius_m * self.radius_m {
+                    self.mark(row * self.columns + column);
+                }
+            }
+        }
+    }
+
+    /// How far the body may surely move before it comes to the middle of a cell that is not covered, m.
+    fn way_to_uncovered(&self, place: Point) -> f64 {
+        let far = self.radius_m + AHEAD_M;
+        let (columns, rows) = self.around(place, place, far);
+        let mut nearest = far * far;
+        for row in rows {
+            for column in self.uncovered(row, &columns) {
+                let offset = self.middle(column, row) - place;
+                nearest = nearest.min(offset.dot(offset));
+            }
+        }
+        nearest.sqrt() - self.radius_m - SLACK_M
+    }
+
+    /// Columns and rows of the cells that come within `reach` m of a way.
+    fn around(
+        &self,
+        from: Point,
+        to: Point,
+        reach: f64,
+    ) -> (RangeInclusive<usize>, RangeInclusive<usize>) {
+        let cell = |value: f64, most: usize| {
+            ((value / CELL_M).max(0.0) as usize).min(most.saturating_sub(1))
+        };
+        let (low, high) = (
+            Point::new(from.x.min(to.x), from.y.min(to.y)) - self.origin,
+            Point::new(from.x.max(to.x), from.y.max(to.y)) - self.origin,
+        );
+        (
+            cell(low.x - reach, self.columns)..=cell(high.x + reach, self.columns),
+            cell(low.y - reach, self.rows)..=cell(high.y + reach, self.rows),
+        )
+    }
+
+    fn middle(&self, column: usize, row: usize) -> Point {
+        Point::new(
+            self.origin.x + (column as f64 + 0.5) * CELL_M,
+            self.origin.y + (row as f64 + 0.5) * CELL_M,
+        )
+    }
+
+    /// Which of these cells of a row are not covered yet; of a long run also others.
+    fn uncovered(
+        &self,
+        row: usize,
+        columns: &RangeInclusive<usize>,
+    ) -> impl Iterator<Item = usize> + use<> {
+        let begin = *columns.start();
+        let first = row * self.columns + begin;
+        let count = columns.end() - begin + 1;
+        let word = |index: usize| self.words.get(index).copied().unwrap_or(0);
+        let (index, shift) = (first / 64, first % 64);
+        // Shifted twice, for a shift by all 64 bits is none.
+        let covered = word(index) >> shift | word(index + 1) << 1 << (63 - shift);
+        let most = count.min(64);
+        let mut left = !covered & (u64::MAX >> (64 - most));
+        let near = std::iter::from_fn(move || {
+            let lane = (left != 0).then(|| left.trailing_zeros() as usize);
+            left &= left.wrapping_sub(1);
+            lane
+        });
+        near.chain(most..count).map(move |lane| begin + lane)
+    }
+
+    fn mark(&mut self, index: usize) {
+        if let Some(word) = self.words.get_mut(index / 64) {
+            *word |= 1 << (index % 64);
+        }
+    }
+
+    /// Area of the covered cells, square meters.
+    #[must_use]
+    pub fn area_m2(&self) -> f64 {
+        let cells: u32 = self.words.iter().map(|word| word.count_ones()).sum();
+        f64::from(cells) * CELL_M * CELL_M
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use arena::noise::Noise;
+
+    #[test]
+    fn a_straight_run_covers_its_strip() {
+        let mut coverage = Coverage::new((Point::new(0.0, 0.0), Point::new(10.0, 10.0)), 0.269);
+        coverage.sweep(Point::new(1.0, 5.0), Point::new(9.0, 5.0));
+        // Two rows of cell middles lie within 0.269 m of y = 5; the strip is 8 m long, and its round
+        // ends add a middle at each end.
+        assert_eq!(coverage.area_m2(), 2.0 * (32.0 + 2.0) * 0.0625);
+        let once = coverage.area_m2();
+        coverage.sweep(Point::new(9.0, 5.0), Point::new(1.0, 5.0));
+        assert_eq!(coverage.area_m2(), once);
+    }
+
+    #[test]
+    fn where_it_stands_is_covered_once_it_gets_there() {
+        let mut coverage = Coverage::new((Point::new(0.0, 0.0), Point::new(10.0, 10.0)), 0.269);
+        let mut stand = |x: f64| {
+            let place = Point::new(x, 5.0);
+            coverage.sweep(place, place);
+            coverage.area_m2()
+        };
+        let once = stand(1.0);
+        assert!(once > 0.0 && stand(1.0) == once && stand(3.0) == 2.0 * once);
+    }
+
+    /// To and fro in bounds that are soon covered, and beyond them.
+    #[test]
+    fn where_all_is_covered_nothing_is_missed() {
+        let bounds = (Point::new(-0.9, 3.3), Point::new(0.9, 4.9));
+        let mut coverage = Coverage::new(bounds, 0.269);
+        let mut plain = coverage.clone();
+        let mut noise = Noise::new(7);
+        let (mut place, mut known) = (Point::new(0.0, 4.0), 0);
+        for _ in 0..20_000 {
+            let mut step = || noise.uniform_in(-0.05, 0.05);
+            let x = (place.x + step()).clamp(-1.0, 1.0);
+            let next = Point::new(x, (place.y + step()).clamp(3.2, 5.0));
+            known += u32::from(coverage.is_clear(place) && coverage.is_clear(next));
+            coverage.sweep(place, next);
+            plain.cover(place, next);
+            assert_eq!(coverage.words, plain.words, "{place:?} {next:?}");
+            place = next;
+        }
+        assert!(known > 5_000 && coverage.area_m2() > 2.0, "{known}");
+    }
+
+    #[test]
+    fn outside_the_bounds_nothing_breaks() {
+        let mut coverage = Coverage::new((Point::new(0.0, 0.0), Point::new(1.0, 1.0)), 0.269);
+        coverage.sweep(Point::new(-5.0, -5.0), Point::new(-4.0, 50.0));
+        assert_eq!(coverage.area_m2(), 0.0);
+    }
+}

@@ -1,0 +1,202 @@
+//! The second robot: a disc of the Nomad's size that drives the Braitenberg rule at 0.15 m/s.
+//!
+//! It hears walls and the robot behind it with an exact ring of its own, and waits rather than touch the robot. The robot
+//! meets it as one more post in the world: its sonars hear it, and touching it is a contact like any other.
+
+use crate::braitenberg::{Braitenberg, Tuning};
+use crate::pilot::Pilot as _;
+use crate::ring_pilot::RingPilot;
+use amp::controller::{Event, Progress};
+use amp::units::{Bearing, Displacement, Millis, Range};
+use arena::noise::Noise;
+use arena::robot::COLLISION_RADIUS_M;
+use arena::sonar::{RING_PERIOD_S, Ring, SonarModel};
+use arena::world::{Point, Pose, World};
+
+/// Its speed, m/s.
+pub const LEADER_M_S: f64 = 0.15;
+/// Where it starts: this far from the robot, m between centers.
+const AHEAD_M: f64 = 1.0;
+/// It keeps at least this gap to the robot, m.
+const GAP_M: f64 = 0.02;
+
+/// A robot to follow.
+#[derive(Debug)]
+pub struct Leader {
+    position: Point,
+    pilot: RingPilot<Braitenberg>,
+    ring: Ring,
+    /// Simulated time it has not driven yet, s.
+    owed_s: f64,
+    /// Of the robot it keeps clear by so much, m.
+    gap_m: f64,
+}
+
+impl Leader {
+    /// About 1 m from `robot`, in the direction with most room nearest to straight ahead.
+    #[must_use]
+    pub fn ahead_of(robot: Pose, world: &World) -> Self {
+        let turned = |eighth: i32| robot.heading + f64::from(eighth) * std::f64::consts::FRAC_PI_4;
+        let place = |eighth: i32| robot.position + Point::unit(turned(eighth)) * AHEAD_M;
+        let room = |eighth: &i32| {
+            let way = world.sweep(robot.position, place(*eighth), COLLISION_RADIUS_M);
+            way.min_clearance_m.min(0.3) * f64::from(u8::from(!way.touched()))
+        };
+        let best = [0, 1, -1, 2, -2, 3, -3, 4]
+            .into_iter()
+            .reduce(|best, other| {
+                if room(&other) > room(&best) + 1e-9 {
+                    other
+                } else {
+                    best
+                }
+            });
+        let course = turned(best.unwrap_or(0));
+        Self {
+            position: place(best.unwrap_or(0)),
+            pilot: RingPilot::new(Braitenberg::towards(Tuning::default(), course), None),
+            // An exact ring draws no noise.
+            ring: Ring::new(SonarModel::Ideal, &mut Noise::new(0)),
+            owed_s: 0.0,
+            gap_m: GAP_M,
+        }
+    }
+
+    /// One that drives straight on, whatever it hears and whoever is in its way.
+    #[cfg(test)]
+    pub(super) fn blind(position: Point, course: f64) -> Self {
+        let deaf = Tuning {
+            push: 0.0,
+            ..Tuning::default()
+        };
+        Self {
+            position,
+            pilot: RingPilot::new(Braitenberg::towards(deaf, course), None),
+            ring: Ring::new(SonarModel::Ideal, &mut Noise::new(0)),
+            owed_s: 0.0,
+            gap_m: f64::NEG_INFINITY,
+        }
+    }
+
+    /// Its center.
+    #[must_use]
+    pub fn position(&self) -> Point {
+        self.position
+    }
+
+    /// Lets `dt_s` pass: a step at every ring period, unless the robot stands in its way. Whether a step touched the robot.
+    pub fn advance(&mut self, dt_s: f64, world: &World, robot: Point) -> bool {
+        self.owed_s += dt_s;
+        let mut touched = false;
+        while self.owed_s >= RING_PERIOD_S {
+            self.owed_s -= RING_PERIOD_S;
+            touched |= self.step(world, robot);
+        }
+        touched
+    }
+
+    /// Whether it touched the robot on the way.
+    fn step(&mut self, world: &World, robot: Point) -> bool {
+        let crowded = world.with_post(robot, COLLISION_RADIUS_M);
+        let mut ranges = [None; 16];
+        let pose = Pose::new(self.position, 0.0);
+        self.ring.scan(&crowded, &pose, &mut ranges);
+        let mut wanted = None;
+        for (sensor, range) in ranges.iter().enumerate() {
+            let range = range.map(|m: f64| Range::from_mm((m * 1e3) as u16));
+            let sensor = sensor as u8;
+            let heard = Event::Echo { sensor, range };
+            wanted = wanted.or(self.pilot.handle(Millis::from_ms(0), heard).motion);
+        }
+        let Some(motion) = wanted else { return false };
+        let way = Point::new(
+            f64::from(motion.displacement.dx_mm),
+            f64::from(motion.displacement.dy_mm),
+        );
+        let step = way * (LEADER_M_S * RING_PERIOD_S / way.length().max(1.0));
+        let to = self.position + step;
+        let near = to.distance(robot) < 2.0 * COLLISION_RADIUS_M + self.gap_m;
+        let nearer = to.distance(robot) < self.position.distance(robot);
+        let from = self.position;
+        if !(near && nearer) {
+            let sweep = world.sweep(self.position, to, COLLISION_RADIUS_M);
+            self.position =
+                self.position + step * (sweep.traveled_m / step.length().max(1e-9)).min(1.0);
+        }
+        let ended = Event::Odometry {
+            motion: motion.id,
+            moved: Displacement::ZERO,
+            turned: Bearing::ZERO,
+            progress: Progress::Ended,
+        };
+        let _ = self.pilot.handle(Millis::from_ms(0), ended);
+        touches(from, self.position, robot)
+    }
+}
+
+/// Whether a disc that moves straight touches a disc of the same size. Standing still touches nothing.
+fn touches(from: Point, to: Point, other: Point) -> bool {
+    let (way, there) = (to - from, other - from);
+    let length_squared = way.dot(way);
+    if length_squared == 0.0 {
+        return false;
+    }
+    let share = (there.dot(way) / length_squared).clamp(0.0, 1.0);
+    // A motion away from the other disc touches it at the start only.
+    share > 0.0 && (way * share).distance(there) < 2.0 * COLLISION_RADIUS_M
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_disc_touches_on_its_way_only() {
+        let touched = |from: [f64; 2], to: [f64; 2]| {
+            let [from, to] = [from, to].map(|[x, y]| Point::new(x, y));
+            touches(from, to, Point::default())
+        };
+        // Radii of 0.269 m: 0.538 m between the centers.
+        assert!(touched([0.6, 0.0], [0.537, 0.0]));
+        assert!(!touched([0.6, 0.0], [0.539, 0.0]));
+        // Past the other one.
+        assert!(touched([-0.1, 0.537], [0.1, 0.537]));
+        assert!(!touched([-0.1, 0.539], [0.1, 0.539]));
+        // Away from it, or not at all.
+        assert!(!touched([0.5, 0.0], [0.6, 0.0]));
+        assert!(!touched([0.5, 0.0], [0.5, 0.0]));
+    }
+
+    #[test]
+    fn a_blind_leader_says_when_it_touches_the_robot() {
+        let world = World::builtin("room").unwrap();
+        let robot = Point::default();
+        let mut leader = Leader::blind(Point::new(0.8, 0.0), std::f64::consts::PI);
+        let mut touches = [false; 12];
+        for touched in &mut touches {
+            *touched = leader.advance(RING_PERIOD_S, &world, robot);
+        }
+        // From 0.8 m in steps of 96 mm: within 0.538 m in the third, past the center in the ninth.
+        let wanted: [bool; 12] = std::array::from_fn(|step| (2..9).contains(&step));
+        assert_eq!(touches, wanted);
+    }
+
+    #[test]
+    fn a_leader_drives_at_its_speed_and_never_into_the_robot() {
+        for seed in 0..10 {
+            let world = World::random(seed);
+            let robot = world.start();
+            let mut leader = Leader::ahead_of(robot, &world);
+            assert!(leader.position().distance(robot.position) > 0.9);
+            let mut way = 0.0;
+            for _ in 0..200 {
+                let before = leader.position();
+                leader.advance(0.5, &world, robot.position);
+                way += before.distance(leader.position());
+                let gap = leader.position().distance(robot.position);
+                assert!(gap > 2.0 * COLLISION_RADIUS_M, "{seed}: {gap}");
+            }
+            assert!((5.0..=15.1).contains(&way), "{seed}: {way}");
+        }
+    }
+}

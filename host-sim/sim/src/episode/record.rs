@@ -1,0 +1,165 @@
+//! Collects the steps of an episode for pictures.
+
+use super::body::{Body, Moved, StepResult};
+use super::drive::Setup;
+use super::tally::Stride;
+use crate::pilot::SimState;
+use crate::recording::{MapRecord, PlanRecord, Recording, Step};
+use amp::controller::Decision;
+use amp::fixed::{Scalar, Weight, to_weight16};
+use amp::memory::from_bytes;
+use amp::planner::Plan;
+use amp::som::Som;
+use arena::robot::COLLISION_RADIUS_M;
+use arena::world::{Point, Pose, World};
+
+/// Steps of the phase under way and of the one before.
+#[derive(Debug, Default)]
+pub(super) struct Recorder {
+    earlier: Vec<Step>,
+    steps: Vec<Step>,
+    open: Option<Step>,
+}
+
+impl Recorder {
+    pub(super) fn open(
+        &mut self,
+        decision: &Decision<16>,
+        happened: &StepResult,
+        body: &Body<'_>,
+        part: usize,
+    ) {
+        self.open = Some(Step {
+            pose: happened.pose,
+            time_s: happened.time_s,
+            ranges_m: body.ranges_m().to_vec(),
+            situation: values(&decision.situation),
+            plan: decision.plan.as_ref().map(plan_record),
+            commanded_m: meters(decision.wanted),
+            executed_m: [0.0, 0.0],
+            touched: false,
+            shielded: false,
+            leader: body.leader(),
+            part,
+        });
+    }
+
+    pub(super) fn moved(&mut self, moved: &Moved) {
+        if let Some(step) = &mut self.open {
+            let way = in_frame(step.pose, moved);
+            step.executed_m = [step.executed_m[0] + way[0], step.executed_m[1] + way[1]];
+        }
+    }
+
+    pub(super) fn close(&mut self, stride: Stride) {
+        if let Some(step) = self.open.take() {
+            self.steps.push(Step {
+                touched: stride.touched,
+                shielded: stride.shielded,
+                ..step
+            });
+        }
+    }
+
+    pub(super) fn next_phase(&mut self) {
+        self.earlier = std::mem::take(&mut self.steps);
+    }
+
+    pub(super) fn finish(
+        self,
+        world: &World,
+        setup: &Setup,
+        goal_place: Option<Point>,
+        state: &SimState,
+    ) -> Recording {
+        let config = &setup.config;
+        let weights = |step: &Step| std::array::from_fn(|i| Weight::from_num(step.situation[i]));
+        let perceived: Vec<_> = self
+            .earlier
+            .iter()
+            .chain(&self.steps)
+            .map(weights)
+            .collect();
+        let changes = state.actions().changes();
+        let differences: Vec<_> = state
+            .memory()
+            .samples()
+            .iter()
+            .map(|s| amp::planner::difference(&from_bytes(&s.after).0, &from_bytes(&s.before).0))
+            .collect();
+        let actions = state.actions().actions().code();
+        Recording {
+            world: world.clone(),
+            behavior: setup.behavior.name(),
+            preset: setup.preset.clone(),
+            seed: setup.seed,
+            bearings_rad: (0..16)
+                .map(|i| f64::from(i) * std::f64::consts::TAU / 16.0)
+                .collect(),
+            near_m: f64::from(config.encoding.near_mm) / 1e3,
+            far_m: f64::from(config.encoding.far_mm) / 1e3,
+            goal_place,
+            robot_radius_m: COLLISION_RADIUS_M,
+            exploration: self.earlier,
+            seeking: self.steps,
+            situation_map: map_record(state.situations(), &perceived),
+            change_map: map_record(changes, &differences),
+            actions_m: actions
+                .iter()
+                .map(|code| {
+                    meters(
+                        config
+                            .action_code
+                            .decode(code.map(to_weight16), config.robot.step_mm),
+                    )
+                })
+                .collect(),
+        }
+    }
+}
+
+fn in_frame(pose: Pose, moved: &Moved) -> [f64; 2] {
+    let way = moved.to - moved.from;
+    let (sin, cos) = libm::sincos(pose.heading);
+    [way.x * cos + way.y * sin, way.y * cos - way.x * sin]
+}
+
+fn meters(displacement: amp::units::Displacement) -> [f64; 2] {
+    [
+        f64::from(displacement.dx_mm) / 1e3,
+        f64::from(displacement.dy_mm) / 1e3,
+    ]
+}
+
+fn values<T: Scalar>(weights: &[T]) -> Vec<f64> {
+    weights
+        .iter()
+        .map(|weight| weight.to_weight32().to_num())
+        .collect()
+}
+
+fn plan_record(plan: &Plan<16>) -> PlanRecord {
+    PlanRecord {
+        goal_neuron: usize::from(plan.goal_neuron),
+        current_neuron: usize::from(plan.current_neuron),
+        intermediate_neuron: usize::from(plan.intermediate_neuron),
+        wanted_change: values(&plan.wanted),
+        action_neuron: usize::from(plan.action_neuron),
+        reason: plan.why.to_string(),
+        at_goal: plan.at_goal,
+    }
+}
+
+fn map_record(map: &Som<16, 16>, samples: &[[Weight; 16]]) -> MapRecord {
+    let (_, hits) = map.quality(samples);
+    MapRecord {
+        grid: [map.grid().columns(), map.grid().rows()],
+        code: map.code().iter().map(|row| values(row)).collect(),
+        hits: hits.iter().map(|&hit| hit as usize).collect(),
+        u_matrix: map
+            .u_matrix()
+            .iter()
+            .map(|&u| f64::from(u) / 8_192.0)
+            .collect(),
+    }
+}

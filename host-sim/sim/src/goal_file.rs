@@ -1,0 +1,294 @@
+//! A goal situation as a file: `run --behavior seek:FILE` and `link goal FILE` read it, `capture` writes one.
+//!
+//! Either what was perceived somewhere:
+//!
+//! ```toml
+//! # By sonar (0 ahead, counter-clockwise): 1 = as near as the near limit, 0 = nothing within the far limit.
+//! situation = [0.5, 0.4, 0.2, 0.0, 0.0, 0.1, 0.3, 0.2, 0.1, 0.0, 0.0, 0.0, 0.2, 0.4, 0.5, 0.5]
+//! place_m = [1.5, -0.5]   # where; may be left out. The robot never learns it: it is to judge by
+//! ```
+//!
+//! or what each sonar is asked to perceive; those not named may perceive whatever they like:
+//!
+//! ```toml
+//! [[sonar]]
+//! numbers = [4]
+//! at_least = 0.6
+//! at_most = 0.8
+//! [[sonar]]
+//! numbers = [15, 0, 1]
+//! at_most = 0.1
+//! weight = 2              # how much a deviation counts: 1 unless said otherwise
+//! ```
+
+use amp::fixed::Weight;
+use amp::goal::{Component, Goal};
+use amp::scan::Situation;
+use arena::world::{MAX_COORDINATE_M, Point};
+use files::error::BadInput;
+use files::read_text;
+use serde::Deserialize;
+use std::path::Path;
+use toml::Spanned;
+
+/// Larger files are refused, bytes.
+const MAX_FILE_BYTES: u64 = 1 << 20;
+
+/// A goal situation from a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct GoalFile {
+    /// The file's name.
+    pub path: String,
+    /// What is asked of each sonar.
+    pub components: [Component; 16],
+    /// Where the situation was captured, millimeters, if the file says so.
+    pub place_mm: Option<[i32; 2]>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Written {
+    situation: Option<Spanned<Vec<Spanned<f64>>>>,
+    place_m: Option<Spanned<[f64; 2]>>,
+    sonar: Option<Vec<Wish>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Wish {
+    numbers: Spanned<Vec<u8>>,
+    at_least: Option<f64>,
+    at_most: Option<f64>,
+    weight: Option<u8>,
+}
+
+/// What is wrong, and where in the text, if at one place.
+type Wrong = (Option<usize>, String);
+
+impl GoalFile {
+    /// A situation perceived at a place.
+    #[must_use]
+    pub fn perceived(path: &str, situation: &Situation<16>, place: Point) -> Self {
+        let millimeters = |m: f64| libm::rint(m * 1e3) as i32;
+        Self {
+            path: path.to_owned(),
+            components: situation.map(Component::equal),
+            place_mm: Some([place.x, place.y].map(millimeters)),
+        }
+    }
+
+    /// Reads a goal file.
+    ///
+    /// # Errors
+    /// A sentence that names the file, the line and what is wrong there.
+    pub fn load(path: &Path) -> Result<Self, BadInput> {
+        let text = read_text(path, MAX_FILE_BYTES)?;
+        Self::read(&text, &path.display().to_string())
+    }
+
+    /// Reads the text of a goal file; `name` names it in errors.
+    ///
+    /// # Errors
+    /// Like [`GoalFile::load`].
+    pub fn read(text: &str, name: &str) -> Result<Self, BadInput> {
+        let (components, place_mm) = parse(text).map_err(|(at, what)| match at {
+            Some(at) => {
+                let before = text.as_bytes().get(..at).unwrap_or_default();
+                let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
+                BadInput::line(name, line, what)
+            }
+            None => BadInput::file(name.as_ref(), what),
+        })?;
+        Ok(Self {
+            path: name.to_owned(),
+            components,
+            place_mm,
+        })
+    }
+
+    /// The goal: a place to come to.
+    #[must_use]
+    pub fn goal(&self) -> Goal<16> {
+        Goal::place(self.components)
+    }
+
+    /// Where the situation was captured, meters.
+    #[must_use]
+    pub fn place(&self) -> Option<Point> {
+        let meters = |mm: i32| f64::from(mm) / 1e3;
+        self.place_mm.map(|[x, y]| Point::new(meters(x), meters(y)))
+    }
+}
+
+/// A goal file's text for what was perceived at a place; `remark` becomes a comment.
+#[must_use]
+pub fn text(situation: &Situation<16>, place: Point, remark: &str) -> String {
+    let values: Vec<_> = situation
+        .iter()
+        .map(|value| format!("{:?}", value.to_num::<f64>()))
+        .collect();
+    format!(
+        "# {remark}\n# By sonar (0 ahead, counter-clockwise): 1 = as near as the near limit, 0 = nothing within the far \
+         limit.\nsituation = [{}]\nplace_m = [{:?}, {:?}]\n",
+        values.join(", "),
+        place.x,
+        place.y
+    )
+}
+
+type Parsed = ([Component; 16], Option<[i32; 2]>);
+
+fn parse(text: &str) -> Result<Parsed, Wrong> {
+    let file: Written = toml::from_str(text).map_err(|error| {
+        let what = error.message().lines().next().unwrap_or("is not TOML");
+        (error.span().map(|span| span.start), what.to_owned())
+    })?;
+    let place = file.place_m.as_ref().map(place).transpose()?;
+    match (&file.situation, &file.sonar) {
+        (Some(values), None) => Ok((situation(values)?, place)),
+        (None, Some(_)) if place.is_some() => {
+            let what = "place_m goes with a situation, not with [[sonar]]";
+            Err((None, what.to_owned()))
+        }
+        (None, Some(wishes)) => Ok((wished(wishes)?, None)),
+        _ => {
+            let what = "a goal file holds either a situation of 16 values or some [[sonar]]";
+            Err((None, what.to_owned()))
+        }
+    }
+}
+
+fn situation(values: &Spanned<Vec<Spanned<f64>>>) -> Result<[Component; 16], Wrong> {
+    let mut components = [Component::ANY; 16];
+    let count = values.get_ref().len();
+    if count != components.len() {
+        let what = format!("situation must hold 16 values, one per sonar, not {count}");
+        return Err((Some(values.span().start), what));
+    }
+    for (component, value) in components.iter_mut().zip(values.get_ref()) {
+        let number = *value.get_ref();
+        if !(0.0..=1.0).contains(&number) {
+            let what = format!("each value of situation must lie in 0..=1, not be {number}");
+            return Err((Some(value.span().start), what));
+        }
+        *component = Component::equal(Weight::from_num(number));
+    }
+    Ok(components)
+}
+
+fn place(meters: &Spanned<[f64; 2]>) -> Result<[i32; 2], Wrong> {
+    let within = |m: &f64| m.abs() <= MAX_COORDINATE_M;
+    match meters.get_ref().iter().find(|m| !within(m)) {
+        Some(m) => {
+            let what = format!("place_m must lie within 100 km of the origin, not at {m}");
+            Err((Some(meters.span().start), what))
+        }
+        None => Ok(meters.get_ref().map(|m| libm::rint(m * 1e3) as i32)),
+    }
+}
+
+fn wished(wishes: &[Wish]) -> Result<[Component; 16], Wrong> {
+    let mut components = [Component::ANY; 16];
+    for wish in wishes {
+        let at = Some(wish.numbers.span().start);
+        let component = component(wish).map_err(|what| (at, what))?;
+        for &number in wish.numbers.get_ref() {
+            let place = components.get_mut(usize::from(number));
+            *place
+                .ok_or_else(|| (at, format!("there is no sonar {number}: they are 0 to 15")))? =
+                component;
+        }
+    }
+    if components == [Component::ANY; 16] {
+        let what = "it asks for nothing: give a [[sonar]] its numbers and at_least or at_most";
+        return Err((None, what.to_owned()));
+    }
+    Ok(components)
+}
+
+fn component(wish: &Wish) -> Result<Component, String> {
+    let (low, high) = (wish.at_least.unwrap_or(0.0), wish.at_most.unwrap_or(1.0));
+    if !(0.0 <= low && low <= high && high <= 1.0) {
+        return Err(format!(
+            "at_least {low} and at_most {high} must be in order and lie between 0 and 1"
+        ));
+    }
+    Ok(Component {
+        low: Weight::from_num(low),
+        high: Weight::from_num(high),
+        weight: wish.weight.unwrap_or(1),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_goal_is_what_its_file_says() {
+        let text = "[[sonar]]\nnumbers = [4]\nat_least = 0.5\nat_most = 0.75\n\
+                    [[sonar]]\nnumbers = [15, 0]\nat_most = 0.25\nweight = 2\n";
+        let (components, place) = parse(text).unwrap();
+        let left = Component {
+            low: Weight::from_num(0.5),
+            high: Weight::from_num(0.75),
+            weight: 1,
+        };
+        let ahead = Component {
+            weight: 2,
+            ..Component::at_most(Weight::from_num(0.25))
+        };
+        assert_eq!(components[4], left);
+        assert_eq!([components[15], components[0]], [ahead; 2]);
+        assert_eq!((components[7], place), (Component::ANY, None));
+    }
+
+    #[test]
+    fn a_captured_situation_comes_back_to_the_bit() {
+        let perceived: Situation<16> =
+            core::array::from_fn(|i| Weight::from_bits(i as i16 * 545 + 17));
+        let written = text(&perceived, Point::new(1.5, -0.25), "as perceived");
+        let (components, place) = parse(&written).unwrap();
+        assert_eq!(components, perceived.map(Component::equal));
+        assert_eq!(place, Some([1_500, -250]));
+    }
+
+    #[test]
+    fn a_bad_goal_is_refused_by_name_and_line() {
+        let sixteen = |value: &str| format!("\nsituation = [{}]\n", [value; 16].join(", "));
+        for (text, line, part) in [
+            ("", None, "either a situation"),
+            ("[[sonar]]\nnumbers = []\n", None, "asks for nothing"),
+            ("[[sonar]]\nnumbers = [16]\n", Some(2), "no sonar 16"),
+            (
+                "[[sonar]]\nnumbers = [1]\nat_least = 2\n",
+                Some(2),
+                "at_least 2",
+            ),
+            ("[[sonar]]\nnumbers = [1]\nnearer = 1\n", Some(3), "nearer"),
+            ("[[sonar]]\nnumbers = [1]\nat_most = nan\n", Some(2), "NaN"),
+            ("situation = [0.5, 1]\n", Some(1), "16 values"),
+            (&sixteen("1.5"), Some(2), "0..=1, not be 1.5"),
+            (&sixteen("nan"), Some(2), "NaN"),
+            (&sixteen("\"near\""), Some(2), "string"),
+            (&(sixteen("0") + "place_m = [1e9, 0]\n"), Some(3), "place_m"),
+            (
+                &(sixteen("0") + "[[sonar]]\nnumbers = [1]\n"),
+                None,
+                "either a situation",
+            ),
+            (
+                "place_m = [0, 0]\n[[sonar]]\nnumbers = [1]\nat_most = 0\n",
+                None,
+                "place_m",
+            ),
+        ] {
+            let (at, why) = parse(text).unwrap_err();
+            let found = at.map(|at| 1 + text[..at].matches('\n').count());
+            assert!(
+                why.contains(part) && found == line,
+                "{text}: {found:?} {why}"
+            );
+        }
+    }
+}

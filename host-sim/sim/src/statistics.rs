@@ -1,0 +1,219 @@
+//! Means and their uncertainty.
+
+use arena::noise::Noise;
+
+/// A mean with its 95 % interval by the bootstrap over worlds and seeds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mean {
+    /// The mean.
+    pub mean: f64,
+    /// The interval's ends.
+    pub interval: [f64; 2],
+}
+
+impl std::fmt::Display for Mean {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [low, high] = self.interval;
+        write!(f, "{:.3} [{low:.3}, {high:.3}]", self.mean)
+    }
+}
+
+/// Draws of the bootstrap.
+const DRAWS: usize = 2_000;
+
+/// Mean and percentile interval; both worlds and the seeds within them are drawn anew.
+#[must_use]
+pub fn bootstrap(worlds: &[Vec<f64>]) -> Mean {
+    let single = |world: &Vec<f64>| world.iter().map(|value| [*value]).collect();
+    let rows: Vec<_> = worlds.iter().map(single).collect();
+    bootstrap_of(&rows, |[sum], count| sum / count)
+}
+
+/// As [`bootstrap`], of a `statistic` of the columns' sums and the number of rows (at least 1): a ratio of two sums, a
+/// difference of two ratios.
+#[must_use]
+pub fn bootstrap_of<const COLUMNS: usize>(
+    worlds: &[Vec<[f64; COLUMNS]>],
+    statistic: impl Fn([f64; COLUMNS], f64) -> f64,
+) -> Mean {
+    let value_of = |sums: [f64; COLUMNS], count: usize| statistic(sums, count.max(1) as f64);
+    let add = |sums: &mut [f64; COLUMNS], row: &[f64; COLUMNS]| {
+        for (sum, value) in sums.iter_mut().zip(row) {
+            *sum += value;
+        }
+    };
+    let mut noise = Noise::new(1);
+    let mut values: Vec<f64> = (0..DRAWS)
+        .map(|_| {
+            let (mut sums, mut count) = ([0.0; COLUMNS], 0);
+            for _ in worlds {
+                let Some(world) = worlds.get(noise.index(worlds.len())) else {
+                    continue;
+                };
+                for _ in world {
+                    if let Some(row) = world.get(noise.index(world.len())) {
+                        add(&mut sums, row);
+                    }
+                    count += 1;
+                }
+            }
+            value_of(sums, count)
+        })
+        .collect();
+    values.sort_by(f64::total_cmp);
+    let at = |share: f64| {
+        let index = (share * (DRAWS - 1) as f64) as usize;
+        values.get(index).copied().unwrap_or(0.0)
+    };
+    let mut sums = [0.0; COLUMNS];
+    let rows = worlds.iter().flatten();
+    rows.clone().for_each(|row| add(&mut sums, row));
+    Mean {
+        mean: value_of(sums, rows.count()),
+        interval: [at(0.025), at(0.975)],
+    }
+}
+
+/// The share of `count` independent trials that succeeded, with its 95 % interval by Wilson's score (E. B. Wilson, *Journal of the
+/// American Statistical Association* 22, 1927): it has a width even where all or none did. Nothing is known of no trials.
+#[must_use]
+pub fn wilson(successes: usize, count: usize) -> Mean {
+    /// The standard normal's 97.5 % quantile.
+    const Z: f64 = 1.959_963_984_540_054;
+    if count == 0 {
+        return Mean {
+            mean: 0.0,
+            interval: [0.0, 1.0],
+        };
+    }
+    let n = count as f64;
+    let share = successes as f64 / n;
+    let middle = share + Z * Z / (2.0 * n);
+    let half = Z * (share * (1.0 - share) / n + Z * Z / (4.0 * n * n)).sqrt();
+    let whole = 1.0 + Z * Z / n;
+    let end = |value: f64| (value / whole).clamp(0.0, 1.0);
+    Mean {
+        mean: share,
+        interval: [end(middle - half), end(middle + half)],
+    }
+}
+
+/// The value below which a `share` of the `sorted` values lies, linear between them; 0 of none.
+#[must_use]
+pub fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let place = share.clamp(0.0, 1.0) * sorted.len().saturating_sub(1) as f64;
+    let at = |index: usize| sorted.get(index).or(sorted.last()).copied();
+    let below = place as usize;
+    let (low, high) = (at(below), at(below + 1));
+    let (low, high) = (low.unwrap_or(0.0), high.unwrap_or(0.0));
+    low + (high - low) * (place - below as f64)
+}
+
+/// Exact 95 % interval of a Poisson distribution's mean after `count` events (F. Garwood, "Fiducial limits for the Poisson
+/// distribution", Biometrika 28, 1936).
+#[must_use]
+pub fn poisson_interval(count: u64) -> [f64; 2] {
+    let low = match count {
+        0 => 0.0,
+        _ => where_tail_is(count, 0.025),
+    };
+    [low, where_tail_is(count.saturating_add(1), 0.975)]
+}
+
+/// Probability of `count` or more events where `mean` are expected. Takes time proportional to `count`.
+#[must_use]
+pub fn poisson_tail(count: u64, mean: f64) -> f64 {
+    // By logarithms: e to the power of minus the mean is below the least number from a mean of 746 on.
+    let mut log_term = -mean;
+    let mut fewer = 0.0;
+    for number in 0..count {
+        fewer += libm::exp(log_term);
+        log_term += libm::log(mean / (number as f64 + 1.0));
+    }
+    (1.0 - fewer).max(0.0)
+}
+
+/// The mean at which `count` or more events have this probability.
+fn where_tail_is(count: u64, probability: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 2.0 * count as f64 + 20.0);
+    for _ in 0..100 {
+        let middle = (low + high) / 2.0;
+        if poisson_tail(count, middle) < probability {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Garwood's table: 0 events (0, 3.689), 1 (0.0253, 5.572), 10 (4.795, 18.39).
+    #[test]
+    fn the_poisson_interval_is_that_of_the_tables() {
+        for (count, low, high) in [(0, 0.0, 3.689), (1, 0.0253, 5.572), (10, 4.795, 18.39)] {
+            let [found_low, found_high] = poisson_interval(count);
+            assert!((found_low - low).abs() < 5e-4, "{count}: {found_low}");
+            assert!((found_high - high).abs() < 5e-3, "{count}: {found_high}");
+        }
+        // Of thousands, by Wilson and Hilferty's approximation of chi-squared (1931).
+        let [low, high] = poisson_interval(4_380);
+        assert!((low - 4_251.24).abs() < 0.01, "{low}");
+        assert!((high - 4_511.67).abs() < 0.01, "{high}");
+        assert_eq!((poisson_tail(0, 0.0), poisson_tail(1, 0.0)), (1.0, 0.0));
+        assert_eq!(poisson_tail(0, 3.0), 1.0);
+        assert!((poisson_tail(1, 0.5) - (1.0 - libm::exp(-0.5))).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_interval_holds_the_mean_and_narrows() {
+        let worlds = |count: usize| vec![vec![0.0, 1.0, 0.0, 1.0]; count];
+        let (few, many) = (bootstrap(&worlds(3)), bootstrap(&worlds(300)));
+        for found in [few, many] {
+            assert!((found.mean - 0.5).abs() < 1e-12);
+            assert!(found.interval[0] < 0.5 && found.interval[1] > 0.5);
+        }
+        let width = |found: Mean| found.interval[1] - found.interval[0];
+        assert!(width(many) < width(few) / 5.0);
+        assert_eq!(bootstrap(&[]).mean, 0.0);
+    }
+    #[test]
+    fn a_ratio_is_that_of_the_sums() {
+        // 6 contacts on 4 m and none on 8 m: half a contact per meter, not the mean of 1.5 and 0.
+        let rows = vec![vec![[6.0, 4.0], [0.0, 8.0]]; 40];
+        let found = bootstrap_of(&rows, |[contacts, way], _| contacts / way);
+        assert!((found.mean - 0.5).abs() < 1e-12);
+        assert!(found.interval[0] < 0.5 && found.interval[1] > 0.5);
+    }
+
+    /// The examples of R. G. Newcombe, *Statistics in Medicine* 17, 1998, table I, method 3.
+    #[test]
+    fn wilsons_intervals_are_the_published_ones() {
+        for (successes, count, low, high) in [
+            (81, 263, 0.2553, 0.3662),
+            (15, 148, 0.0624, 0.1605),
+            (0, 20, 0.0, 0.1611),
+            (1, 29, 0.0061, 0.1718),
+        ] {
+            let found = wilson(successes, count);
+            assert_eq!(found.mean, successes as f64 / count as f64);
+            assert!((found.interval[0] - low).abs() < 5.1e-5, "{found}");
+            assert!((found.interval[1] - high).abs() < 5.1e-5, "{found}");
+        }
+        assert_eq!(wilson(0, 0).interval, [0.0, 1.0]);
+        assert_eq!(wilson(20, 20).interval[1], 1.0);
+    }
+
+    #[test]
+    fn quantiles_lie_between_the_values() {
+        let sorted = [1.0, 2.0, 4.0, 8.0, 16.0];
+        let found = [0.0, 0.25, 0.5, 0.6, 1.0].map(|share| quantile(&sorted, share));
+        for (found, right) in found.iter().zip([1.0, 2.0, 4.0, 5.6, 16.0]) {
+            assert!((found - right).abs() < 1e-12);
+        }
+        assert_eq!((quantile(&[], 0.5), quantile(&[3.0], 0.9)), (0.0, 3.0));
+    }
+}

@@ -1,0 +1,181 @@
+//! What of a simulation is shown.
+
+use super::{Doing, Simulator};
+use crate::seen::{meters, millimeters, plan_seen, pose_seen, ring, shape_seen, xy};
+use crate::snapshot::{Counts, Now, Part, Ring, Scene, Short, Showable, Snapshot, Xy};
+use crate::source::Source as _;
+use amp::config::Choice;
+use amp::planner::difference;
+use amp::units::Displacement;
+use arena::robot::COLLISION_RADIUS_M;
+use arena::sonar::RingGeometry;
+use arena::world::World;
+use sim::scenes::Behavior;
+use std::sync::Arc;
+
+impl Simulator {
+    pub(super) fn parts(&mut self) -> Snapshot {
+        self.shown.revision += 1;
+        let revision = self.shown.revision;
+        if let Err(failure) = self.mind.pilot().known() {
+            self.fail(failure.to_string());
+        }
+        let mut parts: Vec<Arc<dyn Showable>> = vec![self.scene(revision)];
+        parts.extend(self.maps_and_memory(revision));
+        Snapshot {
+            parts,
+            now: Box::new(self.now()),
+            trail: self.trail.parts().collect(),
+            revision,
+        }
+    }
+
+    fn scene(&mut self, revision: u64) -> Arc<Part<Scene>> {
+        if let Some(scene) = &self.shown.scene {
+            return Arc::clone(scene);
+        }
+        let scene = Arc::new(Part::new("scene", 0, revision, scene(self)));
+        self.shown.scene = Some(Arc::clone(&scene));
+        scene
+    }
+
+    fn maps_and_memory(&mut self, revision: u64) -> Vec<Arc<dyn Showable>> {
+        let learned = self.learned || self.doing == Doing::Learn;
+        let Ok(known) = self.mind.pilot().known() else {
+            return Vec::new();
+        };
+        let parts = self
+            .shown
+            .knowing
+            .parts(revision, known, &self.config, learned);
+        parts.into()
+    }
+
+    fn now(&mut self) -> Now {
+        let pose = self.body.pose();
+        let (situation, ranges_m, heard_at) = match (&self.decision, self.is_busy()) {
+            (Some(decision), true) => (decision.situation, self.ranges_m, self.heard_at),
+            _ => (self.perceived(), self.body.look(), pose),
+        };
+        let decision = self.decision;
+        let plan = decision.and_then(|decision| decision.plan);
+        let plan = plan.and_then(|plan| Some(plan_seen(&plan, self.mind.pilot().known().ok()?)));
+        let (mode, done) = self.mode();
+        let nest = self.nest();
+        let start = self.nest.map_or(pose.position, |(_, place)| place);
+        let moved = |way: fn(&amp::controller::Decision<16>) -> Displacement| {
+            decision
+                .as_ref()
+                .map_or(Xy::default(), |decision| meters(way(decision)))
+        };
+        Now {
+            time_s: Short(self.body.time_s()),
+            step_s: Short(self.step_s),
+            pose: pose_seen(pose),
+            heard_at: pose_seen(heard_at),
+            mode,
+            why: self.failure.clone(),
+            note: self.note.clone(),
+            resumes: self.doing == Doing::Stopped && self.interrupted != Doing::Idle,
+            done: Short(done),
+            ranges_m: ranges_m.map(|range| range.map(Short)),
+            on: std::array::from_fn(|sensor| self.mind.inner().enabled().contains(sensor)),
+            situation: ring(&situation),
+            changed: self.changed(),
+            plan,
+            wanted_m: moved(|decision| decision.wanted),
+            allowed_m: moved(|decision| decision.allowed),
+            touched: self.touched,
+            goal: self.goal.seen(&self.config, &nest, start),
+            counts: self.counts(),
+            shield: self.config.shield.is_some(),
+            online: self.config.online.is_some(),
+            leader: self.body.leader().map(xy),
+            link: (!self.mind.inner().is_here()).then(|| self.mind.inner().name()),
+            pace: Default::default(),
+            trail: self.trail.ends(),
+            at: None,
+            heard: [0; 2],
+        }
+    }
+
+    fn changed(&self) -> Option<Ring> {
+        let (now, before) = (self.decision.as_ref()?, self.before.as_ref()?);
+        Some(ring(&difference(&now.situation, before)))
+    }
+
+    /// What the robot does, and how much of it is done.
+    fn mode(&self) -> (&'static str, f64) {
+        let moves = f64::from(self.start.setup.explore_moves);
+        match self.doing {
+            _ if self.failure.is_some() => ("failed", 0.0),
+            Doing::Idle => ("idle", 0.0),
+            Doing::Explore => ("explore", f64::from(self.explored.steps) / moves),
+            Doing::Learn => ("learn", f64::from(self.learning) / learning_ticks(self)),
+            Doing::Seek => ("seek", 0.0),
+            Doing::Stopped => ("stopped", 0.0),
+        }
+    }
+
+    fn counts(&self) -> Counts {
+        let (explored, seeking) = (&self.explored, &self.seeking);
+        Counts {
+            explored: [explored.steps, explored.contacts],
+            steps: seeking.steps,
+            contacts: seeking.contacts,
+            shielded: seeking.shield_stops,
+            at_goal: seeking.goal_steps,
+            distance_m: Short(seeking.distance_m),
+            clearance_m: seeking.min_clearance_m.map(Short),
+            coverage_m2: Some(Short(seeking.coverage_m2())),
+        }
+    }
+}
+
+/// About how many ticks learning takes.
+fn learning_ticks(simulator: &Simulator) -> f64 {
+    let learning = &simulator.config.learning;
+    let samples = simulator.shown.knowing.samples().max(1) as f64;
+    let presentations = f64::from(learning.epochs) * samples;
+    (presentations / f64::from(learning.slice.max(1))).max(1.0)
+}
+
+fn scene(simulator: &Simulator) -> Scene {
+    let (world, setup) = (simulator.body.world(), &simulator.start.setup);
+    let config = &simulator.config;
+    let (low, high) = world.bounds();
+    let about = |name: &str| [name.to_owned(), Behavior::about(name).to_owned()];
+    let mut worlds: Vec<_> = World::builtin_names()
+        .iter()
+        .map(|&name| name.to_owned())
+        .collect();
+    if !worlds.contains(&simulator.start.named) {
+        worlds.push(simulator.start.named.clone());
+    }
+    Scene {
+        world: simulator.start.named.clone(),
+        bounds: [xy(low), xy(high)],
+        shapes: world.shapes().iter().map(shape_seen).collect(),
+        start: xy(world.start().position),
+        radii_m: [COLLISION_RADIUS_M, RingGeometry::default().face_radius_m].map(Short),
+        half_angle_rad: Short(setup.sonar.config().half_angle_rad),
+        near_far_m: [config.encoding.near_mm, config.encoding.far_mm].map(millimeters),
+        step_m: millimeters(config.robot.step_mm),
+        seed: setup.seed.to_string(),
+        preset: setup.preset.clone(),
+        sonar: setup.sonar.name().to_owned(),
+        turret: setup.turret.name().to_owned(),
+        moves: setup.explore_moves,
+        mind: simulator.mind.inner().name(),
+        recalls: config.planning.choice == Choice::Recall,
+        abilities: simulator.abilities(),
+        behaviors: Behavior::NAMES.iter().map(|name| about(name)).collect(),
+        worlds,
+        presets: simulator
+            .start
+            .presets
+            .iter()
+            .map(|preset| preset.name.to_owned())
+            .collect(),
+    }
+}

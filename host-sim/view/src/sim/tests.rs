@@ -1,0 +1,366 @@
+use super::*;
+use crate::order::Reset;
+use arena::sonar::SonarModel;
+use remote::link::{Local, Session};
+use sim::episode;
+use sim::pilot::Mind;
+use sim::scenes::Behavior;
+
+fn start(sonar: SonarModel) -> Start {
+    let config = Config::recommended();
+    Start {
+        world: World::builtin("room").unwrap(),
+        named: "room".to_owned(),
+        setup: Setup {
+            config: config.clone(),
+            preset: "default".to_owned(),
+            behavior: Behavior::Avoid,
+            explore_moves: 40,
+            steps: 60,
+            seed: 3,
+            sonar,
+            turret: TurretMode::Held,
+            set_down: None,
+            faults: Vec::new(),
+            record: true,
+        },
+        whole: config,
+        presets: vec![PresetChoice {
+            name: "touzet",
+            config: Config::touzet(),
+            turret: TurretMode::Follow,
+        }],
+    }
+}
+
+fn simulator(sonar: SonarModel) -> Simulator {
+    Simulator::new(start(sonar), MindPlace::Host, None).unwrap()
+}
+
+fn rest(simulator: &mut Simulator) {
+    while simulator.step() != Stepped::Standing {}
+}
+
+fn educate(simulator: &mut Simulator) {
+    for order in [Order::Explore, Order::Learn] {
+        simulator.carry_out(&order).unwrap();
+        rest(simulator);
+    }
+}
+
+/// Lets it decide so often; the places where each decision was taken.
+fn decide(simulator: &mut Simulator, count: usize) -> Vec<Point> {
+    let mut places = Vec::new();
+    while places.len() < count {
+        let before = simulator.body.pose().position;
+        match simulator.step() {
+            Stepped::Took { whole: true, .. } => places.push(before),
+            Stepped::Took { .. } => {}
+            Stepped::Standing => panic!("it stands: {:?}", simulator.failure),
+        }
+    }
+    places
+}
+
+#[test]
+fn it_decides_as_in_an_episode_whoever_watches() {
+    for sonar in [SonarModel::Ideal, SonarModel::Nomad] {
+        let start = start(sonar);
+        let mut mind = Mind::new(start.setup.config.clone());
+        let run = episode::run_with(&start.world, &start.setup, &mut mind, |_, _, _| {}).unwrap();
+        let recorded = run.recording.unwrap().seeking;
+        for watched in [false, true] {
+            let mut simulator = simulator(sonar);
+            simulator.carry_out(&Order::Explore).unwrap();
+            while simulator.step() != Stepped::Standing {
+                if watched {
+                    let _ = simulator.snapshot().into_parts();
+                }
+            }
+            simulator.carry_out(&Order::Learn).unwrap();
+            rest(&mut simulator);
+            simulator.carry_out(&Order::Seek).unwrap();
+            let mut places = Vec::new();
+            for _ in 0..recorded.len() {
+                places.extend(decide(&mut simulator, 1));
+                if watched {
+                    let _ = simulator.snapshot().into_parts();
+                }
+            }
+            let wanted: Vec<_> = recorded.iter().map(|step| step.pose.position).collect();
+            assert_eq!(places, wanted, "{sonar:?}, watched: {watched}");
+        }
+    }
+}
+
+#[test]
+fn a_stop_stands_and_can_be_gone_on_from() {
+    let mut simulator = simulator(SonarModel::Nomad);
+    simulator.carry_out(&Order::Explore).unwrap();
+    decide(&mut simulator, 5);
+    simulator.carry_out(&Order::Stop).unwrap();
+    rest(&mut simulator);
+    let stood = simulator.body.pose();
+    assert_eq!(simulator.step(), Stepped::Standing);
+    assert_eq!(simulator.body.pose(), stood);
+    assert!(simulator.snapshot().now.resumes);
+    simulator.carry_out(&Order::Resume).unwrap();
+    rest(&mut simulator);
+    // The move a stop interrupted leaves no sample and is made again.
+    let samples = simulator
+        .mind
+        .pilot()
+        .known()
+        .unwrap()
+        .memory()
+        .samples()
+        .len();
+    assert_eq!((samples, simulator.doing), (40, Doing::Idle));
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_and_changes_nothing() {
+    let mut simulator = simulator(SonarModel::Ideal);
+    for order in [
+        Order::Learn,
+        Order::Seek,
+        Order::Resume,
+        Order::GoalNeuron { neuron: 3 },
+        Order::SaveGoal,
+        Order::Behavior {
+            name: "seek:/etc/passwd".to_owned(),
+        },
+        Order::LoadMind {
+            hex: "00".to_owned(),
+        },
+        Order::GoalFile {
+            text: "situation = [1]".to_owned(),
+        },
+        Order::Sonar {
+            number: 16,
+            on: true,
+        },
+        Order::MoveRobot { x: 99.0, y: 0.0 },
+        Order::MoveRobot {
+            x: f64::NAN,
+            y: 0.0,
+        },
+        Order::MoveShape {
+            shape: 999,
+            x: 0.0,
+            y: 0.0,
+        },
+        Order::Reset(Reset {
+            world: Some("/etc/hostname".to_owned()),
+            ..Reset::default()
+        }),
+    ] {
+        let refused = simulator.carry_out(&order);
+        assert!(refused.is_err(), "{order:?}");
+        assert_eq!(simulator.doing, Doing::Idle, "{order:?}");
+        assert_eq!(simulator.step(), Stepped::Standing, "{order:?}");
+    }
+    for number in 0..15 {
+        let off = Order::Sonar { number, on: false };
+        simulator.carry_out(&off).unwrap();
+    }
+    let last = Order::Sonar {
+        number: 15,
+        on: false,
+    };
+    assert!(simulator.carry_out(&last).is_err());
+}
+
+#[test]
+fn a_neuron_and_a_place_become_goals() {
+    let mut simulator = simulator(SonarModel::Ideal);
+    educate(&mut simulator);
+    simulator
+        .carry_out(&Order::GoalNeuron { neuron: 5 })
+        .unwrap();
+    simulator.carry_out(&Order::Seek).unwrap();
+    decide(&mut simulator, 3);
+    let goal = simulator.snapshot().now.goal;
+    assert_eq!((goal.neuron, goal.name.as_str()), (Some(5), "neuron N6"));
+    // Captured here, sought from elsewhere: it comes back.
+    simulator.carry_out(&Order::Stop).unwrap();
+    let here = simulator.body.pose().position;
+    simulator.carry_out(&Order::GoalHere).unwrap();
+    let Ok(Done::File(file)) = simulator.carry_out(&Order::SaveGoal) else {
+        panic!("no file");
+    };
+    assert!(file.text.unwrap().contains("situation"));
+    let way = Point::new(0.0, 0.0) - here;
+    let to = here + way * (0.8 / way.length());
+    simulator
+        .carry_out(&Order::MoveRobot { x: to.x, y: to.y })
+        .unwrap();
+    simulator.carry_out(&Order::Seek).unwrap();
+    decide(&mut simulator, 60);
+    let off = simulator.body.pose().position.distance(here);
+    assert!(off < 0.3, "{off} m away");
+}
+
+#[test]
+fn an_obstacle_is_met_where_it_was_put_and_never_on_the_robot() {
+    let mut start = start(SonarModel::Ideal);
+    start.world = World::random(4);
+    let mut simulator = Simulator::new(start, MindPlace::Host, None).unwrap();
+    let robot = simulator.body.pose().position;
+    let shapes = simulator.body.world().shapes();
+    let index = shapes
+        .iter()
+        .position(|shape| matches!(shape, arena::world::Shape::Box { .. }));
+    let shape = index.expect("a box");
+    let before = simulator.body.look();
+    let on_it = Order::MoveShape {
+        shape,
+        x: robot.x,
+        y: robot.y,
+    };
+    assert!(simulator.carry_out(&on_it).is_err());
+    assert_eq!(simulator.body.look(), before);
+    let ahead = Order::MoveShape {
+        shape,
+        x: robot.x + 0.9,
+        y: robot.y,
+    };
+    simulator.carry_out(&ahead).unwrap();
+    let range = simulator.body.look()[0].unwrap();
+    assert!(range < 0.6, "{range} m");
+}
+
+#[test]
+fn a_mind_comes_back_from_its_file() {
+    let mut one = simulator(SonarModel::Ideal);
+    educate(&mut one);
+    let Ok(Done::File(file)) = one.carry_out(&Order::SaveMind) else {
+        panic!("no file");
+    };
+    let hex = file.hex.unwrap();
+    let mut other = simulator(SonarModel::Ideal);
+    other
+        .carry_out(&Order::LoadMind { hex: hex.clone() })
+        .unwrap();
+    let Ok(Done::File(again)) = other.carry_out(&Order::SaveMind) else {
+        panic!("no file");
+    };
+    // Randomness goes on from what was saved: another seed, and so another checksum; nothing else.
+    let again = again.hex.unwrap();
+    assert_eq!(again.len(), hex.len());
+    let bytes = again.as_bytes().chunks(2).zip(hex.as_bytes().chunks(2));
+    let different = bytes.filter(|(one, other)| one != other).count();
+    assert!(different <= 8 + 4, "{different} bytes are not the same");
+    other.carry_out(&Order::Seek).unwrap();
+    decide(&mut other, 5);
+}
+
+#[test]
+fn a_new_start_is_one_with_another_seed_and_preset() {
+    let mut simulator = simulator(SonarModel::Ideal);
+    educate(&mut simulator);
+    let reset = Reset {
+        seed: Some(9),
+        preset: Some("touzet".to_owned()),
+        world: Some("random:4".to_owned()),
+    };
+    simulator.carry_out(&Order::Reset(reset)).unwrap();
+    let setup = &simulator.start.setup;
+    assert_eq!((setup.seed, setup.turret), (9, TurretMode::Follow));
+    assert_eq!(simulator.start.named, "random:4");
+    assert!(simulator.carry_out(&Order::Seek).is_err());
+    educate(&mut simulator);
+    simulator.carry_out(&Order::Seek).unwrap();
+    decide(&mut simulator, 5);
+}
+
+#[test]
+fn a_mind_at_the_end_of_a_link_decides_the_same() {
+    let mut places = Vec::new();
+    for remote in [false, true] {
+        let start = start(SonarModel::Ideal);
+        let place = if remote {
+            let local = Local::new(start.setup.config.clone());
+            MindPlace::Link(Box::new(Session::new(local)), "local".to_owned())
+        } else {
+            MindPlace::Host
+        };
+        let mut simulator = Simulator::new(start, place, None).unwrap();
+        educate(&mut simulator);
+        simulator.carry_out(&Order::Seek).unwrap();
+        places.push(decide(&mut simulator, 20));
+        simulator.carry_out(&Order::Stop).unwrap();
+        let shield = Order::Shield { on: false };
+        simulator.carry_out(&shield).unwrap();
+        simulator.carry_out(&Order::Resume).unwrap();
+        places.push(decide(&mut simulator, 5));
+    }
+    assert_eq!(places[..2], places[2..]);
+}
+
+#[test]
+fn a_chain_is_pursued_to_its_last_goal_and_can_be_gone_on_with() {
+    let mut simulator = simulator(SonarModel::Ideal);
+    educate(&mut simulator);
+    let chain = |name: &str| Order::Behavior {
+        name: name.to_owned(),
+    };
+    let unknown = simulator.carry_out(&chain("avoid,seek:/etc/passwd"));
+    assert!(unknown.is_err());
+    simulator.carry_out(&chain("avoid,avoid")).unwrap();
+    simulator.carry_out(&Order::Seek).unwrap();
+    let mut parts = std::collections::BTreeSet::new();
+    while simulator.step() != Stepped::Standing {
+        parts.insert(simulator.snapshot().now.goal.part);
+    }
+    assert_eq!(parts.into_iter().collect::<Vec<_>>(), [Some(0), Some(1)]);
+    let now = simulator.snapshot().now;
+    assert_eq!(now.mode, "stopped");
+    assert!(now.note.unwrap().contains("the last goal is reached"));
+    // Each part is over when its goal has held in twenty decisions.
+    assert!(simulator.seeking.goal_steps >= 40);
+    simulator.carry_out(&Order::Resume).unwrap();
+    decide(&mut simulator, 5);
+    assert_eq!(simulator.snapshot().now.note, None);
+}
+
+#[test]
+fn a_log_with_several_starts_plays_from_one_to_the_next() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.mcap");
+    let start = start(SonarModel::Ideal);
+    let mut simulator = Simulator::new(start, MindPlace::Host, Some(&path)).unwrap();
+    educate(&mut simulator);
+    simulator.carry_out(&Order::Seek).unwrap();
+    decide(&mut simulator, 30);
+    let to = Order::MoveRobot { x: 0.3, y: 0.0 };
+    simulator.carry_out(&to).unwrap();
+    decide(&mut simulator, 30);
+    let knew = simulator.carry_out(&Order::SaveMind).unwrap();
+    let reset = Reset {
+        seed: Some(9),
+        world: Some("random:4".to_owned()),
+        ..Reset::default()
+    };
+    simulator.carry_out(&Order::Reset(reset)).unwrap();
+    educate(&mut simulator);
+    let knows = simulator.carry_out(&Order::SaveMind).unwrap();
+    let place = simulator.snapshot().now.pose;
+    simulator.end().unwrap();
+
+    let log = remote::log::read(&path).unwrap();
+    let mut recorded = crate::Recorded::new(&log).unwrap();
+    while recorded.step() != Stepped::Standing {}
+    let now = recorded.snapshot().now;
+    assert_eq!((now.why, now.mode, now.trail[0]), (None, "idle", 2));
+    // Decisions: 40 moves twice, and what was sought in between.
+    assert_eq!(now.at, Some(140));
+    assert_eq!(recorded.carry_out(&Order::SaveMind), Ok(knows));
+    let off = (0..3).map(|axis| (now.pose[axis].0 - place[axis].0).abs());
+    assert!(off.fold(0.0, f64::max) < 1e-6, "{:?}", now.pose);
+    // Back over the start, to where the first mind had taken its last decision.
+    recorded.carry_out(&Order::Jump { to: 100 }).unwrap();
+    let now = recorded.snapshot().now;
+    assert_eq!((now.mode, now.at, now.trail[0]), ("seek", Some(100), 0));
+    assert_eq!(recorded.carry_out(&Order::SaveMind), Ok(knew));
+}
