@@ -51,7 +51,7 @@ fn refused(why: &str) -> LinkError {
 
 /// The project's folder: the one this program was built from, or else one around the working folder.
 fn project() -> Option<PathBuf> {
-    let built_from = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."));
+    let built_from = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
     let here = std::env::current_dir().unwrap_or_default();
     let mut folders = std::iter::once(built_from).chain(here.ancestors());
     let found = folders.find(|folder| folder.join("firmware/Cargo.toml").is_file());
