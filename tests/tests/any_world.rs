@@ -22,6 +22,14 @@ fn floor() -> Vec<u8> {
     image
 }
 
+/// The same as a PNG image.
+fn floor_png() -> Vec<u8> {
+    let svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"16\" height=\"12\">\
+               <rect width=\"16\" height=\"12\" fill=\"#000000\"/>\
+               <rect x=\"1\" y=\"1\" width=\"14\" height=\"10\" fill=\"#fefefe\"/></svg>";
+    plots::png::render(svg, 1.0).expect("a bitmap")
+}
+
 /// The promised keys, in order, and whether each is a text, a count or a figure.
 const KEYS: [(&str, char); 16] = [
     ("world", 't'),
@@ -99,6 +107,27 @@ fn every_kind_of_world_runs() {
             }
         }
     }
+}
+
+#[test]
+fn a_map_is_the_same_as_pgm_and_as_png() {
+    let program = host_sim!();
+    for (folder, name, image) in [
+        ("pgm", "floor.pgm", floor()),
+        ("png", "floor.png", floor_png()),
+    ] {
+        program.put(
+            &format!("{folder}/lab.yaml"),
+            YAML.replace("floor.pgm", name),
+        );
+        program.put(&format!("{folder}/{name}"), image);
+    }
+    let run = |folder: &str| {
+        program.ok(&format!(
+            "run --world {folder}/lab.yaml --explore 40 --steps 30 --json"
+        ))
+    };
+    assert_eq!(run("png"), run("pgm"));
 }
 
 #[test]

@@ -40,6 +40,7 @@ const WORLDS: &[(&str, &[u8])] = &[
     ),
     ("wish.toml", b"[[sonar]]\nnumbers = [0]\nnearer = 1\n"),
     ("map.yaml", b"image: gone.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.2\n"),
+    ("image.yaml", b"image: binary.toml\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.2\n"),
     ("world.txt", b"a wall"),
     (
         "outside.toml",
@@ -67,6 +68,7 @@ const TABLES: &[(&str, &[u8])] = &[
     ("cells.csv", b"world,ix,iy\n3,0,0\n3,1,0\n"),
     ("key_sweep.toml", b"[grid]\n\nfarr = [1]\n"),
     ("value_sweep.toml", b"[grid]\nsonar = [\"ideal\", \"ideel\"]\n"),
+    ("random_sweep.toml", b"[grid]\nfar = [3]\n[random]\npoints = 20\nfar = { min = 1.0, max = 6.0 }\n"),
     ("pair_sweep.toml", b"[grid]\nfar = [3, 1]\nnear = [0.1, 2]\n"),
     ("world_sweep.toml", b"worlds = [\"key.toml\"]\n"),
     ("bad_cells.csv", b"world,ix,iy\n3,0,0\n3,1.5,0\n"),
@@ -118,6 +120,10 @@ const CASES: &[Case] = &[
         &["nothing.toml", "at least one"],
     ),
     ("run --world map.yaml", &["gone.pgm"]),
+    (
+        "run --world image.yaml",
+        &["binary.toml: is a damaged PNG image"],
+    ),
     ("run --world world.txt", &["world.txt", ".toml"]),
     ("worlds --world key.toml", &["key.toml, line 3"]),
     // Names and numbers.
@@ -259,16 +265,19 @@ const CASES: &[Case] = &[
         &["value_sweep.toml, line 2", "'ideel'", "possible values"],
     ),
     (
+        "sweep random_sweep.toml",
+        &[
+            "random_sweep.toml, line 3",
+            "the file has no key \"random\"",
+        ],
+    ),
+    (
         "sweep pair_sweep.toml",
         &["sweep pair_sweep, point 3 (far=1 near=2)", "must lie above"],
     ),
     ("sweep world_sweep.toml", &["key.toml, line 3"]),
     ("sweep short.toml", &["short.toml, line 2", "situation"]),
     ("sweep nothing.toml --shard 2/2", &["--shard", "I/N"]),
-    (
-        "sweep nothing.toml --shard 0/2 --parquet a.parquet",
-        &["--parquet", "merge the shards"],
-    ),
     (
         "sweep nothing.toml --out good.csv",
         &["good.csv: is not a results file"],
@@ -279,11 +288,7 @@ const CASES: &[Case] = &[
     ("merge good.csv", &["good.csv: is not a results file"]),
     ("plot good.csv", &["good.csv: is not a results file"]),
     ("plot binary.csv", &["binary.csv: is not a results file"]),
-    #[cfg(feature = "parquet")]
-    (
-        "plot missing.parquet",
-        &["missing.parquet: there is no such file"],
-    ),
+    ("plot missing.csv", &["missing.csv: there is no such file"]),
     // Worlds of the BARN benchmark.
     (
         "run --world barn:missing.csv#1",

@@ -145,10 +145,20 @@ fn damaged_maps_are_refused_or_make_sense() {
     let image: Vec<u8> = (0..40 * 40)
         .map(|cell| if cell % 40 == 3 { 0 } else { 254 })
         .collect();
-    let sound = [yaml.as_bytes(), b"P5\n40 40\n255\n", &image].concat();
-    hostile::map(&sound, folder.path());
+    let pgm = [yaml.as_bytes(), b"P5\n40 40\n255\n", &image].concat();
+    let svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"40\" height=\"40\">\
+               <rect x=\"4\" width=\"36\" height=\"40\" fill=\"#fefefe\"/></svg>";
+    let png = plots::png::render(svg, 1.0).expect("a bitmap");
+    let png = [yaml.as_bytes(), &png].concat();
+    hostile::map(&pgm, folder.path());
+    hostile::map(&png, folder.path());
     for number in 0..DAMAGED {
-        let mut input = sound.clone();
+        let mut input = if (number / Damage::ALL.len()).is_multiple_of(4) {
+            &png
+        } else {
+            &pgm
+        }
+        .clone();
         let damage = Damage::ALL[number % (Damage::ALL.len() - 1)];
         // In the image's head and the YAML file, where it hurts.
         let mut head: Vec<_> = input.drain(..yaml.len() + 13).collect();

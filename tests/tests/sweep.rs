@@ -21,10 +21,9 @@ far = [2.5]
 [[list]]
 preset = "touzet"
 shield = false
-[random]
-points = 1
-tolerance = { min = 0.05, max = 0.2 }
-sonar = ["nomad"]
+[[list]]
+tolerance = 0.1
+sonar = "nomad"
 "#;
 
 /// Many short ones.
@@ -293,54 +292,23 @@ fn gnu_parallel_shares_it_out() {
     assert_eq!(program.ok(&format!("merge {}", files.join(" "))), all);
 }
 
-#[cfg(not(feature = "parquet"))]
 #[test]
-fn a_program_without_parquet_says_so_before_it_works() {
+fn pictures_are_drawn_of_a_sweeps_results() {
     let program = with(KINDS);
-    for line in [
-        "sweep sweep.toml --out all.csv --parquet all.parquet",
-        "merge all.csv --parquet all.parquet",
-        "plot all.parquet",
-    ] {
-        let output = program.run(&words(line));
-        let sentence = "this program was built without Parquet: build it with --features parquet";
-        assert_eq!(output.code, Some(2), "{line}: {}", output.stderr);
+    let _ = program.ok("sweep sweep.toml --out all.csv");
+    let text = program.ok("plot all.csv --out drawn");
+    assert!(text.contains("touzet"), "{text}");
+    assert!(text.contains("without contact %"), "{text}");
+    let files = program.files("drawn");
+    let count = |end: &str| files.iter().filter(|(name, _)| name.ends_with(end)).count();
+    let names: Vec<_> = files.iter().map(|(name, _)| name.as_str()).collect();
+    for choice in ["far", "preset", "shield", "tolerance", "sonar", "world"] {
         assert!(
-            output.stderr.contains(sentence),
-            "{line}: {}",
-            output.stderr
+            names.contains(&format!("{choice}.svg").as_str()),
+            "{names:?}"
         );
     }
-    assert!(!program.folder().join("all.csv").exists());
-}
-
-#[cfg(feature = "parquet")]
-#[test]
-fn parquet_holds_the_same_and_pictures_come_from_both() {
-    let program = with(KINDS);
-    let _ = program.ok("sweep sweep.toml --out all.csv --parquet all.parquet");
-    let _ = program.ok("merge all.csv --parquet merged.parquet");
-    let bytes = |name: &str| fs::read(program.folder().join(name)).expect(name);
-    assert!(bytes("all.parquet") == bytes("merged.parquet"));
-    assert!(bytes("all.parquet").starts_with(b"PAR1"));
-    let drawn = |name: &str| {
-        let text = program.ok(&format!("plot {name} --out {name}.d"));
-        (
-            text.replace(&format!("{name}.d"), "DIR"),
-            program.files(&format!("{name}.d")),
-        )
-    };
-    let (text, files) = drawn("all.csv");
-    assert!(
-        text.contains("touzet") && text.contains("without contact %"),
-        "{text}"
-    );
-    let count = |end: &str| files.iter().filter(|(name, _)| name.ends_with(end)).count();
-    assert!(count(".svg") >= 6 && count(".png") == count(".svg"));
-    assert!(
-        drawn("all.parquet") == (text, files),
-        "CSV and Parquet are drawn differently"
-    );
+    assert_eq!((count(".svg"), count(".png")), (6, 6), "{names:?}");
 }
 
 #[derive(Deserialize)]

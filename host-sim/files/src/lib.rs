@@ -205,7 +205,7 @@ enum Destination {
 /// # Errors
 /// When it cannot be written completely; an older file of that name stays as it was.
 pub fn write(path: &Path, content: &[u8]) -> io::Result<()> {
-    write_with(path, |error| error, |mut file| file.write_all(content))
+    write_with(path, |mut file| file.write_all(content))
 }
 
 /// Writes one file of this name into a folder, as [`write`]; returns its path.
@@ -225,22 +225,14 @@ pub fn unwritable(path: &Path, error: &io::Error) -> BadInput {
     BadInput::file(path, format!("cannot be written: {error}"))
 }
 
-/// As [`write`], with the content from `fill`; `wrap` turns errors of the system into the caller's.
-///
-/// # Errors
-/// As [`write`], and those of `fill`.
-pub fn write_with<E>(
-    path: &Path,
-    wrap: impl Fn(io::Error) -> E,
-    fill: impl FnOnce(&File) -> Result<(), E>,
-) -> Result<(), E> {
-    let target = match destination(path).map_err(&wrap)? {
-        Destination::Stream => return fill(&open_stream(path).map_err(wrap)?),
+/// As [`write`], with the content from `fill`.
+fn write_with(path: &Path, fill: impl FnOnce(&File) -> io::Result<()>) -> io::Result<()> {
+    let target = match destination(path)? {
+        Destination::Stream => return fill(&open_stream(path)?),
         Destination::Regular(target) => target,
     };
-    let (file, temporary) = create_temporary(&target).map_err(&wrap)?;
-    let written =
-        fill(&file).and_then(|()| finish(&mut System, &file, &temporary, &target).map_err(wrap));
+    let (file, temporary) = create_temporary(&target)?;
+    let written = fill(&file).and_then(|()| finish(&mut System, &file, &temporary, &target));
     if written.is_err() {
         // The first error is the one to report.
         let _ = fs::remove_file(&temporary);
@@ -372,14 +364,10 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("output");
         write(&path, b"first").unwrap();
-        let failed = write_with(
-            &path,
-            |error| error,
-            |mut file| {
-                file.write_all(b"sec")?;
-                Err(io::Error::other("the source failed"))
-            },
-        );
+        let failed = write_with(&path, |mut file| {
+            file.write_all(b"sec")?;
+            Err(io::Error::other("the source failed"))
+        });
         assert_eq!(failed.unwrap_err().to_string(), "the source failed");
         assert_eq!(fs::read(&path).unwrap(), b"first");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);

@@ -1,38 +1,32 @@
-//! Reads our TOML files: values become ours, and what does not fit an error that names file, line and key.
+//! Reads our TOML files with serde. An error is one sentence that names file, line and key.
 
 use crate::error::{BadInput, suggestion};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Error, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
 use std::fmt;
+use std::marker::PhantomData;
 use std::ops::Range;
-use toml::Spanned;
-use toml::de::{DeTable, DeValue};
-
-/// A table of a file.
-pub type Table<'a> = DeTable<'a>;
-/// A value of a file and where it stands.
-pub type Value<'a> = Spanned<DeValue<'a>>;
 
 /// The text of a file, and what the file is called in errors.
 #[derive(Debug, Clone, Copy)]
-pub struct Reader<'a> {
+pub struct TomlText<'a> {
     /// The text.
     pub text: &'a str,
     /// What the file is called in errors.
     pub source: &'a str,
 }
 
-impl<'a> Reader<'a> {
-    /// The whole file.
+impl<'a> TomlText<'a> {
+    /// The whole file as a `T`, which refuses unknown keys by `deny_unknown_fields`.
     ///
     /// # Errors
-    /// When it is empty or no TOML.
-    pub fn document(&self) -> Result<Spanned<Table<'a>>, BadInput> {
+    /// When it is empty, no TOML, or no `T`.
+    pub fn read<T: Deserialize<'a>>(&self) -> Result<T, BadInput> {
         if self.text.trim().is_empty() {
             return Err(BadInput::new(format!("{}: the file is empty", self.source)));
         }
-        DeTable::parse(self.text).map_err(|error| {
-            let first_line = error.message().lines().next().unwrap_or("is not TOML");
-            self.error(error.span().unwrap_or_default(), first_line)
-        })
+        toml::from_str(self.text).map_err(|error| self.sentence(error))
     }
 
     /// An error about what stands at a place of the file.
@@ -42,57 +36,137 @@ impl<'a> Reader<'a> {
         BadInput::line(self.source, line, what)
     }
 
-    /// Refuses keys that are not `known`; `what` has these.
-    pub fn only_keys(&self, what: &str, table: &Table<'_>, known: &[&str]) -> Result<(), BadInput> {
-        let mut keys = table.iter().map(|(key, _)| key);
-        let Some(key) = keys.find(|key| !known.contains(&key.get_ref().as_ref())) else {
-            return Ok(());
-        };
-        let hint = suggestion(key.get_ref(), known);
+    fn sentence(&self, mut error: toml::de::Error) -> BadInput {
+        let span = error.span().unwrap_or_default();
+        let message = error.message().replace('\n', " ");
+        // Without the text it displays as its message, then "in `KEY`" on a line of its own.
+        error.set_input(None);
+        let text = error.to_string();
+        let key = text.trim_end().rsplit_once("\nin `").map(|(_, key)| key);
+        self.error(
+            span,
+            reworded(&message, key.and_then(|key| key.strip_suffix('`'))),
+        )
+    }
+}
+
+/// Serde's message about the value of `key`, or about the whole file, in our words.
+fn reworded(message: &str, key: Option<&str>) -> String {
+    let place = key.unwrap_or("the file");
+    if let Some((word, known)) = unknown_field(message) {
+        let hint = suggestion(word, &known);
         let known = known.join(", ");
-        let what = format!(
-            "{what} has no key \"{}\"{hint} (keys: {known})",
-            key.get_ref()
-        );
-        Err(self.error(key.span(), what))
+        return format!("{place} has no key \"{word}\"{hint} (keys: {known})");
     }
-
-    /// The value of a key that `what`, which stands at `span`, must have.
-    pub fn required<'t, 'i>(
-        &self,
-        table: &'t Table<'i>,
-        key: &str,
-        what: &str,
-        span: &Range<usize>,
-    ) -> Result<&'t Value<'i>, BadInput> {
-        let missing = || self.error(span.clone(), format!("{what} needs the key \"{key}\""));
-        table.get(key).ok_or_else(missing)
+    if let Some(word) = quoted(message, "missing field `") {
+        return format!("{place} needs the key \"{word}\"");
     }
+    let what = ["invalid type: ", "invalid value: ", "invalid length "];
+    let found = what.iter().find_map(|what| message.strip_prefix(what));
+    let what = match found.and_then(|rest| rest.split_once(", expected ")) {
+        Some(("map", "a sequence")) => format!("expected a list of tables: [[{place}]]"),
+        Some((found, expected)) => format!("expected {}, found {}", plain(expected), plain(found)),
+        None => message.to_owned(),
+    };
+    key.map_or(what.clone(), |key| format!("{key}: {what}"))
+}
 
-    /// A text that is not empty.
-    pub fn text<'t>(&self, value: &'t Value<'_>, key: &str) -> Result<&'t str, BadInput> {
-        match value.get_ref() {
-            DeValue::String(text) if !text.is_empty() => Ok(text),
-            _ => Err(self.error(
-                value.span(),
-                format!("{key} must be a text that is not empty"),
-            )),
+/// The key that is not known, and those that are.
+fn unknown_field(message: &str) -> Option<(&str, Vec<&str>)> {
+    let (word, known) = message
+        .strip_prefix("unknown field `")?
+        .split_once("`, expected ")?;
+    Some((word, known.split('`').skip(1).step_by(2).collect()))
+}
+
+fn quoted<'m>(message: &'m str, before: &str) -> Option<&'m str> {
+    message.strip_prefix(before)?.strip_suffix('`')
+}
+
+/// Serde's word for a type or a value in words of TOML.
+fn plain(word: &str) -> &str {
+    match word {
+        "a sequence" | "sequence" => "a list",
+        "a string" => "a text",
+        "f64" => "a number",
+        "u8" => "a whole number from 0 to 255",
+        "a map" | "map" => "a table",
+        _ => {
+            // `string "…"`, or as in "integer `7`".
+            let value = word.strip_prefix("string ");
+            let kinds = ["integer `", "floating point `", "boolean `"];
+            let number = kinds.iter().find_map(|kind| word.strip_prefix(kind));
+            let number = number.and_then(|value| value.split('`').next());
+            value.or(number).unwrap_or(word)
         }
     }
+}
 
-    /// A finite number.
-    pub fn number(&self, value: &Value<'_>, key: &str) -> Result<f64, BadInput> {
-        let number = match value.get_ref() {
-            DeValue::Float(float) => float.as_str().parse().ok(),
-            DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix())
-                .ok()
-                .map(|integer| integer as f64),
-            _ => None,
-        };
-        match number {
-            Some(number) if f64::is_finite(number) => Ok(number),
-            Some(_) => Err(self.error(value.span(), format!("{key} must be a finite number"))),
-            None => Err(self.error(value.span(), format!("{key} must be a number"))),
+/// A table. Serde alone would take a list of the values as well.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Keyed<T>(pub T);
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Keyed<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct TableVisitor<T>(PhantomData<T>);
+
+        impl<'de, T: Deserialize<'de>> Visitor<'de> for TableVisitor<T> {
+            type Value = Keyed<T>;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a table")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, table: A) -> Result<Keyed<T>, A::Error> {
+                T::deserialize(MapAccessDeserializer::new(table)).map(Keyed)
+            }
         }
+
+        deserializer.deserialize_map(TableVisitor(PhantomData))
+    }
+}
+
+/// A finite number.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
+#[serde(try_from = "f64")]
+pub struct Finite(pub f64);
+
+impl TryFrom<f64> for Finite {
+    type Error = String;
+
+    fn try_from(number: f64) -> Result<Self, String> {
+        let finite = Some(number).filter(|number| number.is_finite());
+        let wrong = || format!("expected a finite number, found {number}");
+        finite.map(Self).ok_or_else(wrong)
+    }
+}
+
+/// Two finite numbers: [x, y].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TwoNumbers(pub [f64; 2]);
+
+impl<'de> Deserialize<'de> for TwoNumbers {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct TwoNumbersVisitor;
+
+        impl<'de> Visitor<'de> for TwoNumbersVisitor {
+            type Value = TwoNumbers;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("two numbers: [x, y]")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<TwoNumbers, A::Error> {
+                let mut numbers = Vec::new();
+                while let Some(Finite(number)) = list.next_element()? {
+                    numbers.push(number);
+                }
+                let pair = <[f64; 2]>::try_from(numbers);
+                pair.map(TwoNumbers)
+                    .map_err(|numbers| A::Error::invalid_length(numbers.len(), &self))
+            }
+        }
+
+        deserializer.deserialize_seq(TwoNumbersVisitor)
     }
 }

@@ -27,7 +27,9 @@ use amp::scan::Situation;
 use arena::world::{MAX_COORDINATE_M, Point};
 use files::error::BadInput;
 use files::read_text;
+use files::toml_reader::{Keyed, TomlText, TwoNumbers};
 use serde::Deserialize;
+use std::ops::Range;
 use std::path::Path;
 use toml::Spanned;
 
@@ -49,8 +51,8 @@ pub struct GoalFile {
 #[serde(deny_unknown_fields)]
 struct Written {
     situation: Option<Spanned<Vec<Spanned<f64>>>>,
-    place_m: Option<Spanned<[f64; 2]>>,
-    sonar: Option<Vec<Wish>>,
+    place_m: Option<Spanned<TwoNumbers>>,
+    sonar: Option<Vec<Keyed<Wish>>>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -63,7 +65,7 @@ struct Wish {
 }
 
 /// What is wrong, and where in the text, if at one place.
-type Wrong = (Option<usize>, String);
+type Wrong = (Option<Range<usize>>, String);
 
 impl GoalFile {
     /// A situation perceived at a place.
@@ -91,12 +93,9 @@ impl GoalFile {
     /// # Errors
     /// Like [`GoalFile::load`].
     pub fn read(text: &str, name: &str) -> Result<Self, BadInput> {
-        let (components, place_mm) = parse(text).map_err(|(at, what)| match at {
-            Some(at) => {
-                let before = text.as_bytes().get(..at).unwrap_or_default();
-                let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
-                BadInput::line(name, line, what)
-            }
+        let text = TomlText { text, source: name };
+        let (components, place_mm) = parse(text.read()?).map_err(|(at, what)| match at {
+            Some(at) => text.error(at, what),
             None => BadInput::file(name.as_ref(), what),
         })?;
         Ok(Self {
@@ -138,11 +137,7 @@ pub fn text(situation: &Situation<16>, place: Point, remark: &str) -> String {
 
 type Parsed = ([Component; 16], Option<[i32; 2]>);
 
-fn parse(text: &str) -> Result<Parsed, Wrong> {
-    let file: Written = toml::from_str(text).map_err(|error| {
-        let what = error.message().lines().next().unwrap_or("is not TOML");
-        (error.span().map(|span| span.start), what.to_owned())
-    })?;
+fn parse(file: Written) -> Result<Parsed, Wrong> {
     let place = file.place_m.as_ref().map(place).transpose()?;
     match (&file.situation, &file.sonar) {
         (Some(values), None) => Ok((situation(values)?, place)),
@@ -163,40 +158,44 @@ fn situation(values: &Spanned<Vec<Spanned<f64>>>) -> Result<[Component; 16], Wro
     let count = values.get_ref().len();
     if count != components.len() {
         let what = format!("situation must hold 16 values, one per sonar, not {count}");
-        return Err((Some(values.span().start), what));
+        return Err((Some(values.span()), what));
     }
     for (component, value) in components.iter_mut().zip(values.get_ref()) {
         let number = *value.get_ref();
         if !(0.0..=1.0).contains(&number) {
             let what = format!("each value of situation must lie in 0..=1, not be {number}");
-            return Err((Some(value.span().start), what));
+            return Err((Some(value.span()), what));
         }
         *component = Component::equal(Weight::from_num(number));
     }
     Ok(components)
 }
 
-fn place(meters: &Spanned<[f64; 2]>) -> Result<[i32; 2], Wrong> {
+fn place(meters: &Spanned<TwoNumbers>) -> Result<[i32; 2], Wrong> {
+    let TwoNumbers(place) = meters.get_ref();
     let within = |m: &f64| m.abs() <= MAX_COORDINATE_M;
-    match meters.get_ref().iter().find(|m| !within(m)) {
+    match place.iter().find(|m| !within(m)) {
         Some(m) => {
             let what = format!("place_m must lie within 100 km of the origin, not at {m}");
-            Err((Some(meters.span().start), what))
+            Err((Some(meters.span()), what))
         }
-        None => Ok(meters.get_ref().map(|m| libm::rint(m * 1e3) as i32)),
+        None => Ok(place.map(|m| libm::rint(m * 1e3) as i32)),
     }
 }
 
-fn wished(wishes: &[Wish]) -> Result<[Component; 16], Wrong> {
+fn wished(wishes: &[Keyed<Wish>]) -> Result<[Component; 16], Wrong> {
     let mut components = [Component::ANY; 16];
-    for wish in wishes {
-        let at = Some(wish.numbers.span().start);
-        let component = component(wish).map_err(|what| (at, what))?;
+    for Keyed(wish) in wishes {
+        let at = || Some(wish.numbers.span());
+        let component = component(wish).map_err(|what| (at(), what))?;
         for &number in wish.numbers.get_ref() {
             let place = components.get_mut(usize::from(number));
-            *place
-                .ok_or_else(|| (at, format!("there is no sonar {number}: they are 0 to 15")))? =
-                component;
+            *place.ok_or_else(|| {
+                (
+                    at(),
+                    format!("there is no sonar {number}: they are 0 to 15"),
+                )
+            })? = component;
         }
     }
     if components == [Component::ANY; 16] {
@@ -224,11 +223,16 @@ fn component(wish: &Wish) -> Result<Component, String> {
 mod tests {
     use super::*;
 
+    fn read(text: &str) -> Result<GoalFile, String> {
+        GoalFile::read(text, "g.toml").map_err(|error| error.to_string())
+    }
+
     #[test]
     fn a_goal_is_what_its_file_says() {
         let text = "[[sonar]]\nnumbers = [4]\nat_least = 0.5\nat_most = 0.75\n\
                     [[sonar]]\nnumbers = [15, 0]\nat_most = 0.25\nweight = 2\n";
-        let (components, place) = parse(text).unwrap();
+        let file = read(text).unwrap();
+        let components = file.components;
         let left = Component {
             low: Weight::from_num(0.5),
             high: Weight::from_num(0.75),
@@ -240,7 +244,7 @@ mod tests {
         };
         assert_eq!(components[4], left);
         assert_eq!([components[15], components[0]], [ahead; 2]);
-        assert_eq!((components[7], place), (Component::ANY, None));
+        assert_eq!((components[7], file.place_mm), (Component::ANY, None));
     }
 
     #[test]
@@ -248,16 +252,17 @@ mod tests {
         let perceived: Situation<16> =
             core::array::from_fn(|i| Weight::from_bits(i as i16 * 545 + 17));
         let written = text(&perceived, Point::new(1.5, -0.25), "as perceived");
-        let (components, place) = parse(&written).unwrap();
-        assert_eq!(components, perceived.map(Component::equal));
-        assert_eq!(place, Some([1_500, -250]));
+        let file = read(&written).unwrap();
+        assert_eq!(file.components, perceived.map(Component::equal));
+        assert_eq!(file.place_mm, Some([1_500, -250]));
     }
 
     #[test]
     fn a_bad_goal_is_refused_by_name_and_line() {
         let sixteen = |value: &str| format!("\nsituation = [{}]\n", [value; 16].join(", "));
         for (text, line, part) in [
-            ("", None, "either a situation"),
+            ("", None, "the file is empty"),
+            ("sonar = []", None, "asks for nothing"),
             ("[[sonar]]\nnumbers = []\n", None, "asks for nothing"),
             ("[[sonar]]\nnumbers = [16]\n", Some(2), "no sonar 16"),
             (
@@ -265,12 +270,35 @@ mod tests {
                 Some(2),
                 "at_least 2",
             ),
-            ("[[sonar]]\nnumbers = [1]\nnearer = 1\n", Some(3), "nearer"),
+            (
+                "[[sonar]]\nnumbers = [1]\nat_last = 1\n",
+                Some(3),
+                "sonar has no key \"at_last\", did you mean \"at_least\"?",
+            ),
+            (
+                "[[sonar]]\nnumbers = [-1]\n",
+                Some(2),
+                "sonar.numbers: expected a whole number from 0 to 255, found -1",
+            ),
+            (
+                "[[sonar]]\nat_most = 1\n",
+                Some(1),
+                "sonar needs the key \"numbers\"",
+            ),
             ("[[sonar]]\nnumbers = [1]\nat_most = nan\n", Some(2), "NaN"),
             ("situation = [0.5, 1]\n", Some(1), "16 values"),
             (&sixteen("1.5"), Some(2), "0..=1, not be 1.5"),
             (&sixteen("nan"), Some(2), "NaN"),
-            (&sixteen("\"near\""), Some(2), "string"),
+            (
+                &sixteen("\"near\""),
+                Some(2),
+                "situation: expected a number, found \"near\"",
+            ),
+            (
+                &(sixteen("0") + "place_m = [1, 2, 3]\n"),
+                Some(3),
+                "place_m: expected two numbers: [x, y], found 3",
+            ),
             (&(sixteen("0") + "place_m = [1e9, 0]\n"), Some(3), "place_m"),
             (
                 &(sixteen("0") + "[[sonar]]\nnumbers = [1]\n"),
@@ -283,11 +311,13 @@ mod tests {
                 "place_m",
             ),
         ] {
-            let (at, why) = parse(text).unwrap_err();
-            let found = at.map(|at| 1 + text[..at].matches('\n').count());
+            let why = read(text).unwrap_err();
+            let line = line.map_or("g.toml: ".to_owned(), |line| {
+                format!("g.toml, line {line}: ")
+            });
             assert!(
-                why.contains(part) && found == line,
-                "{text}: {found:?} {why}"
+                why.starts_with(&line) && why.contains(part),
+                "{text}: {why}"
             );
         }
     }

@@ -98,17 +98,6 @@ pub fn wilson(successes: usize, count: usize) -> Mean {
     }
 }
 
-/// The value below which a `share` of the `sorted` values lies, linear between them; 0 of none.
-#[must_use]
-pub fn quantile(sorted: &[f64], share: f64) -> f64 {
-    let place = share.clamp(0.0, 1.0) * sorted.len().saturating_sub(1) as f64;
-    let at = |index: usize| sorted.get(index).or(sorted.last()).copied();
-    let below = place as usize;
-    let (low, high) = (at(below), at(below + 1));
-    let (low, high) = (low.unwrap_or(0.0), high.unwrap_or(0.0));
-    low + (high - low) * (place - below as f64)
-}
-
 /// Exact 95 % interval of a Poisson distribution's mean after `count` events (F. Garwood, "Fiducial limits for the Poisson
 /// distribution", Biometrika 28, 1936).
 #[must_use]
@@ -205,15 +194,5 @@ mod tests {
         }
         assert_eq!(wilson(0, 0).interval, [0.0, 1.0]);
         assert_eq!(wilson(20, 20).interval[1], 1.0);
-    }
-
-    #[test]
-    fn quantiles_lie_between_the_values() {
-        let sorted = [1.0, 2.0, 4.0, 8.0, 16.0];
-        let found = [0.0, 0.25, 0.5, 0.6, 1.0].map(|share| quantile(&sorted, share));
-        for (found, right) in found.iter().zip([1.0, 2.0, 4.0, 5.6, 16.0]) {
-            assert!((found - right).abs() < 1e-12);
-        }
-        assert_eq!((quantile(&[], 0.5), quantile(&[3.0], 0.9)), (0.0, 3.0));
     }
 }

@@ -62,7 +62,7 @@ enum Command {
     Sweep(sweep::SweepArgs),
     /// Put the results of a sweep's shards together, if nothing is missing or there twice
     Merge(sweep::MergeArgs),
-    /// Draw what a sweep found: each choice's worth with intervals, pairs of choices as heat maps
+    /// Draw what a sweep found: the outcome by the values of each choice
     Plot(sweep_plot::PlotArgs),
     /// Talk to a mind on a chip: watch it, give it orders, read and write what it knows
     Link(link::LinkArgs),

@@ -28,9 +28,6 @@ pub struct SweepArgs {
     /// SLURM_ARRAY_TASK_COUNT say, or JOB_COMPLETION_INDEX and SWEEP_SHARDS; else all]
     #[arg(long, value_name = "I/N", value_parser = parsed::<Shard>)]
     shard: Option<Shard>,
-    /// Also write the whole sweep's results as Parquet (needs a program built with --features parquet)
-    #[arg(long, value_name = "FILE.parquet")]
-    parquet: Option<PathBuf>,
     /// Look at everything and say how many episodes there are, but run none
     #[arg(long)]
     dry_run: bool,
@@ -45,9 +42,6 @@ pub struct MergeArgs {
     /// Results of all shards of one sweep, in any order
     #[arg(value_name = "FILE.csv", required = true)]
     files: Vec<PathBuf>,
-    /// Write Parquet instead of printing CSV (needs a program built with --features parquet)
-    #[arg(long, value_name = "FILE.parquet")]
-    parquet: Option<PathBuf>,
 }
 
 /// A point's choices are read as `run` reads its flags, so that both mean the same.
@@ -117,11 +111,6 @@ pub fn sweep(args: &SweepArgs, out: &mut impl Write) -> Result<(), Failure> {
         Some(shard) => (shard, None),
         None => from?.map_or((Shard::WHOLE, None), |(shard, from)| (shard, Some(from))),
     };
-    if args.parquet.is_some() && !shard.is_whole() {
-        let what = "--parquet takes a whole sweep: merge the shards with `merge --parquet`";
-        return Err(BadInput::new(what).into());
-    }
-    can_write_parquet(args.parquet.is_some())?;
     let vocabulary = vocabulary();
     let plan = Plan::new(Description::load(&args.file, &vocabulary)?, vocabulary)?;
     if args.dry_run {
@@ -142,12 +131,7 @@ pub fn sweep(args: &SweepArgs, out: &mut impl Write) -> Result<(), Failure> {
         began.elapsed().as_secs_f64(),
         done.before
     );
-    writeln!(out, "{}: {} episodes", path.display(), done.all)?;
-    if let Some(parquet) = &args.parquet {
-        write_parquet(&mut sweep::merge(&[path])?, parquet)?;
-        writeln!(out, "{}", parquet.display())?;
-    }
-    Ok(())
+    Ok(writeln!(out, "{}: {} episodes", path.display(), done.all)?)
 }
 
 fn default_path(plan: &Plan, shard: Shard) -> PathBuf {
@@ -224,38 +208,12 @@ impl Reporter {
     }
 }
 
-/// Prints the whole sweep's results, or writes them as Parquet.
+/// Prints the whole sweep's results.
 ///
 /// # Errors
-/// Files that are not just one whole sweep; a file that cannot be written.
+/// Files that are not just one whole sweep; standard output that cannot be written.
 pub fn merge(args: &MergeArgs, out: &mut impl Write) -> Result<(), Failure> {
-    can_write_parquet(args.parquet.is_some())?;
     let mut merged = sweep::merge(&args.files)?;
-    if let Some(path) = &args.parquet {
-        write_parquet(&mut merged, path)?;
-        return Ok(writeln!(out, "{}", path.display())?);
-    }
     out.write_all(merged.header().text().as_bytes())?;
     merged.rows(&mut |row| Ok::<_, Failure>(out.write_all(row)?))
-}
-
-#[cfg(feature = "parquet")]
-fn can_write_parquet(_: bool) -> Result<(), BadInput> {
-    Ok(())
-}
-
-#[cfg(feature = "parquet")]
-use experiments::sweep::write_parquet;
-
-#[cfg(not(feature = "parquet"))]
-fn can_write_parquet(wanted: bool) -> Result<(), BadInput> {
-    if wanted {
-        return Err(BadInput::new(sweep::NO_PARQUET));
-    }
-    Ok(())
-}
-
-#[cfg(not(feature = "parquet"))]
-fn write_parquet(_: &mut sweep::Merged, _: &std::path::Path) -> Result<(), BadInput> {
-    can_write_parquet(true)
 }

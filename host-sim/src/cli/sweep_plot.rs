@@ -1,18 +1,16 @@
-//! `host-sim plot`: what a sweep found.
-
-mod pictures;
+//! `host-sim plot`: what a sweep found, one picture for each choice.
 
 use super::output::prepare;
 use super::{Failure, table};
 use clap::Args;
-use experiments::sweep::{Found, Key, Table, keys};
+use experiments::sweep::{SweepOutcome, SweptChoice, Table, Texts, swept_choices};
 use files::error::BadInput;
 use files::save;
-use plots::{index_html, png};
+use plots::{DotPanel, DotSection, Figure, dot_plot, index_html, png};
 use rayon::prelude::*;
 use sim::statistics::Mean;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Behaviors that are drawn.
 const MAX_BEHAVIORS: usize = 8;
@@ -20,8 +18,8 @@ const MAX_BEHAVIORS: usize = 8;
 /// The `plot` command's flags.
 #[derive(Debug, Clone, Args)]
 pub struct PlotArgs {
-    /// Results of `sweep` or `merge`, complete or not (.csv; .parquet needs a program built with --features parquet)
-    #[arg(value_name = "FILE")]
+    /// Results of `sweep` or `merge`, complete or not
+    #[arg(value_name = "RESULTS.csv")]
     file: PathBuf,
     /// Folder for the pictures and their page
     #[arg(long, value_name = "DIR", default_value = "out/plot")]
@@ -38,132 +36,185 @@ pub fn plot(args: &PlotArgs, out: &mut impl Write) -> Result<(), Failure> {
         return Err(BadInput::file(&args.file, "holds no episode").into());
     }
     prepare(&args.out)?;
-    let sweep = Sweep::of(&results);
-    out.write_all(sweep.table().as_bytes())?;
-    for name in &sweep.left_out {
-        writeln!(out, "{name}: too many values to be told apart")?;
+    let (mut choices, left_out) = swept_choices(&results);
+    if choices.is_empty() {
+        choices.push(SweptChoice {
+            key: "all".to_owned(),
+            values: vec!["all episodes".to_owned()],
+            of_row: vec![0; results.rows()],
+        });
     }
-    let mut figures = Vec::new();
-    for (figure, svg) in pictures::pictures(&sweep) {
-        save(&args.out, &figure.file, svg.as_bytes())?;
-        let bitmap = figure.file.replace(".svg", ".png");
-        let png =
-            png::render(&svg, 2.0).map_err(|error| BadInput::new(format!("{bitmap}: {error}")))?;
-        save(&args.out, &bitmap, &png)?;
-        figures.push(figure);
+    let drawn: Vec<_> = choices
+        .iter()
+        .map(|choice| (choice, by_behavior(&results, choice)))
+        .collect();
+    out.write_all(text(&drawn).as_bytes())?;
+    for key in &left_out {
+        writeln!(out, "{key}: too many values to be told apart")?;
     }
-    let page = index_html(&sweep.title, &sweep.summary, &figures, &[]);
+    let identity = results.header().identity();
+    let title = identity.trim_start_matches("host-sim ");
+    let title = title.split(',').next().unwrap_or(title);
+    let count = format!(
+        "{} of {} episodes",
+        results.rows(),
+        results.header().episodes()
+    );
+    let summary = [("results", identity), ("drawn", count.as_str())];
+    let summary = summary.map(|(label, value)| (label.to_owned(), value.to_owned()));
+    let figures = draw(&args.out, title, &drawn)?;
+    let page = index_html(title, &summary, &figures, &[]);
     let page = save(&args.out, "index.html", page.as_bytes())?;
     Ok(writeln!(out, "\nPictures: {}", page.display())?)
 }
 
-/// The episodes by behavior and by what varies.
-struct Sweep<'t> {
-    results: &'t Table,
-    title: String,
-    summary: Vec<(String, String)>,
-    keys: Vec<Key>,
-    left_out: Vec<String>,
-    /// Name and unit of its measure, as they come in the results.
-    behaviors: Vec<(String, String)>,
-    /// By key, behavior and value.
-    found: Vec<Vec<Vec<Option<Found>>>>,
+/// Writes a picture for each choice, as SVG and as PNG.
+fn draw(folder: &Path, title: &str, drawn: &[DrawnChoice<'_>]) -> Result<Vec<Figure>, BadInput> {
+    let subtitle = format!("{title}: all other choices together; dot: mean, line: 95 % interval");
+    let mut figures = Vec::new();
+    for (choice, found) in drawn {
+        let figure = figure(&choice.key);
+        let svg = dot_plot(&figure.title, &subtitle, &sections(choice, found));
+        save(folder, &figure.file, svg.as_bytes())?;
+        let bitmap = figure.file.replace(".svg", ".png");
+        let png =
+            png::render(&svg, 2.0).map_err(|error| BadInput::new(format!("{bitmap}: {error}")))?;
+        save(folder, &bitmap, &png)?;
+        figures.push(figure);
+    }
+    Ok(figures)
 }
 
-impl<'t> Sweep<'t> {
-    fn of(results: &'t Table) -> Self {
-        let (mut keys, left_out) = keys(results);
-        if keys.is_empty() {
-            let (name, values) = ("all".to_owned(), vec!["all episodes".to_owned()]);
-            keys.push(Key {
-                name,
-                values,
-                of_row: vec![0; results.rows()],
-            });
-        }
-        let (names, of_row) = results.texts("behavior");
-        let (units, unit_of_row) = results.texts("success_unit");
-        let unit = |behavior: usize| {
-            let row = of_row.iter().position(|&of| of as usize == behavior)?;
-            units.get(*unit_of_row.get(row)? as usize).cloned()
-        };
-        let behaviors = names.iter().enumerate();
-        let behaviors =
-            behaviors.map(|(place, name)| (name.clone(), unit(place).unwrap_or_default()));
-        let behaviors: Vec<_> = behaviors.take(MAX_BEHAVIORS).collect();
-        let of_value = |key: &Key, behavior: usize, value: usize| {
-            let has = |row: usize| {
-                key.of_row.get(row) == Some(&value)
-                    && of_row.get(row).is_some_and(|&of| of as usize == behavior)
-            };
-            Found::of(results, has)
-        };
-        let of_key = |key: &Key| {
-            let of_behavior = |behavior: usize| {
-                let values = (0..key.values.len()).into_par_iter();
-                values.map(|value| of_value(key, behavior, value)).collect()
-            };
-            (0..behaviors.len()).map(of_behavior).collect()
-        };
-        let found = keys.iter().map(of_key).collect();
-        let header = results.header();
-        let title = header.identity().trim_start_matches("host-sim ");
-        let title = title.split(',').next().unwrap_or(title).to_owned();
-        let summary = vec![
-            ("results".to_owned(), header.identity().to_owned()),
-            (
-                "drawn".to_owned(),
-                format!("{} of {} episodes", results.rows(), header.episodes()),
-            ),
-        ];
-        Self {
-            results,
-            title,
-            summary,
-            keys,
-            left_out,
-            behaviors,
-            found,
-        }
-    }
+/// A choice, and what the episodes came to by its values.
+type DrawnChoice<'c> = (&'c SweptChoice, Vec<BehaviorOutcomes>);
 
-    fn table(&self) -> String {
-        let heads = [
-            "choice",
-            "value",
-            "behavior",
-            "episodes",
-            "without contact %",
-            "success",
-            "distance m",
-        ];
-        let mut rows = Vec::new();
-        for (key, found) in self.keys.iter().zip(&self.found) {
-            for (value, name) in key.values.iter().enumerate() {
-                for ((behavior, _), found) in self.behaviors.iter().zip(found) {
-                    if let Some(Some(found)) = found.get(value) {
-                        let names = [&key.name, name, behavior].map(String::clone);
-                        rows.push(names.into_iter().chain(figures(found)).collect());
-                    }
+/// A behavior, and what its episodes came to by the values of a choice.
+struct BehaviorOutcomes {
+    name: String,
+    /// Unit of its own measure.
+    unit: String,
+    of_value: Vec<Option<SweepOutcome>>,
+}
+
+fn by_behavior(results: &Table, choice: &SweptChoice) -> Vec<BehaviorOutcomes> {
+    let (Some(names), Some(units)) = (results.texts("behavior"), results.texts("success_unit"))
+    else {
+        return Vec::new();
+    };
+    let behaviors = names.distinct.iter().enumerate().take(MAX_BEHAVIORS);
+    let outcomes = |(behavior, name): (usize, &String)| {
+        let of_value = |value: usize| {
+            let has = |row: usize| {
+                choice.of_row.get(row) == Some(&value) && names.of_row.get(row) == Some(&behavior)
+            };
+            SweepOutcome::of(results, has)
+        };
+        BehaviorOutcomes {
+            name: name.clone(),
+            unit: unit(names, units, behavior).unwrap_or_default(),
+            of_value: (0..choice.values.len())
+                .into_par_iter()
+                .map(of_value)
+                .collect(),
+        }
+    };
+    behaviors.map(outcomes).collect()
+}
+
+/// The unit in the first row of a behavior.
+fn unit(names: &Texts, units: &Texts, behavior: usize) -> Option<String> {
+    let row = names.of_row.iter().position(|&of| of == behavior)?;
+    units.distinct.get(*units.of_row.get(row)?).cloned()
+}
+
+fn text(drawn: &[DrawnChoice<'_>]) -> String {
+    let heads = [
+        "choice",
+        "value",
+        "behavior",
+        "episodes",
+        "without contact %",
+        "success",
+        "distance m",
+    ];
+    let mut rows = Vec::new();
+    for (choice, found) in drawn {
+        for (place, value) in choice.values.iter().enumerate() {
+            for behavior in found {
+                if let Some(Some(outcome)) = behavior.of_value.get(place) {
+                    let names = [&choice.key, value, &behavior.name].map(String::clone);
+                    rows.push(names.into_iter().chain(figures_of(outcome)).collect());
                 }
             }
         }
-        table::plain(&heads, &rows, &[3, 4, 5, 6])
     }
+    table::plain(&heads, &rows, &[3, 4, 5, 6])
 }
 
 /// As they stand in the table.
-fn figures(found: &Found) -> [String; 4] {
-    let with = |mean: Mean, factor: f64, digits: usize| {
-        let [value, low, high] =
-            [mean.mean, mean.interval[0], mean.interval[1]].map(|value| value * factor);
-        format!("{value:.digits$} [{low:.digits$}, {high:.digits$}]")
+fn figures_of(outcome: &SweepOutcome) -> [String; 4] {
+    let with = |mean: Mean, digits: usize| {
+        let ([low, high], mean) = (mean.interval, mean.mean);
+        format!("{mean:.digits$} [{low:.digits$}, {high:.digits$}]")
     };
-    let [_, low, middle, high, _] = found.distance_m;
     [
-        found.episodes.to_string(),
-        with(found.clean, 100.0, 1),
-        with(found.success, 1.0, 4),
-        format!("{middle:.1} ({low:.1}–{high:.1})"),
+        outcome.episodes.to_string(),
+        with(percent(outcome.clean), 1),
+        with(outcome.success, 4),
+        format!("{:.1}", outcome.distance_m),
     ]
+}
+
+fn percent(share: Mean) -> Mean {
+    Mean {
+        mean: share.mean * 100.0,
+        interval: share.interval.map(|end| end * 100.0),
+    }
+}
+
+const CAPTION: &str = "Each value's episodes, all other choices together: the share without contact (interval by Wilson's score, \
+                       episodes taken as independent) and the behavior's own measure (interval by the bootstrap over worlds \
+                       and seeds).";
+
+fn figure(key: &str) -> Figure {
+    let plain = |c: char| {
+        if c.is_ascii_alphanumeric() || c == '.' {
+            c
+        } else {
+            '-'
+        }
+    };
+    Figure {
+        file: format!("{}.svg", key.chars().map(plain).collect::<String>()),
+        title: format!("Outcome by {key}"),
+        caption: vec![CAPTION.to_owned()],
+    }
+}
+
+fn sections(choice: &SweptChoice, found: &[BehaviorOutcomes]) -> Vec<DotSection> {
+    let section = |behavior: &BehaviorOutcomes| {
+        let outcomes = &behavior.of_value;
+        let panel = |name: &str, within: [f64; 2], mean: fn(&SweepOutcome) -> Mean| DotPanel {
+            name: name.to_owned(),
+            within,
+            means: outcomes
+                .iter()
+                .map(|found| found.as_ref().map(mean))
+                .collect(),
+        };
+        let episodes = outcomes
+            .iter()
+            .map(|found| found.map_or(0, |found| found.episodes));
+        DotSection {
+            title: format!("{} (success: {})", behavior.name, behavior.unit),
+            labels: choice.values.iter().cloned().zip(episodes).collect(),
+            panels: vec![
+                panel("episodes without contact, %", [0.0, 100.0], |found| {
+                    percent(found.clean)
+                }),
+                panel("success", [0.0, f64::INFINITY], |found| found.success),
+            ],
+        }
+    };
+    found.iter().map(section).collect()
 }

@@ -2,6 +2,10 @@
 //! without a zero, so that a zero can end a frame.
 //!
 //! For at most [`MOST`] bytes, the coded form is exactly one byte longer. Cost: one pass over the bytes.
+//!
+//! The crate `cobs` 0.5 gives the same bytes and cannot panic either, but does not encode in place. With it
+//! the F405's image takes 348 bytes more, unpacking a scan 9 400 instructions (6 000), packing a
+//! decision 5 800 (4 600).
 
 /// Most bytes that can be coded.
 pub const MOST: usize = 254;

@@ -24,6 +24,7 @@ mod eye;
 mod faces;
 mod feet;
 mod geometry;
+mod graymap;
 mod lobe;
 mod nearby;
 mod neighborhoods;

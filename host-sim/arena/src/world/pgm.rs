@@ -1,18 +1,6 @@
 //! Portable graymap images (Netpbm): P2 (text) and P5 (binary), 8 or 16 bits.
 
-/// Most pixels an image may have.
-const MAX_PIXELS: usize = 1 << 26;
-
-/// A gray image; row 0 is the top one.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Graymap {
-    pub width: usize,
-    pub height: usize,
-    /// Value of white.
-    pub max_value: u16,
-    /// `width · height` values, row by row.
-    pub pixels: Vec<u16>,
-}
+use super::graymap::{Graymap, pixel_count};
 
 /// Reads an image; the error says what is wrong with it.
 pub(super) fn parse(bytes: &[u8]) -> Result<Graymap, String> {
@@ -20,7 +8,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Graymap, String> {
     let binary = match tokens.next() {
         Some(b"P2") => false,
         Some(b"P5") => true,
-        _ => return Err("is not a PGM image (P2 or P5)".into()),
+        _ => return Err("is neither a PGM image (P2 or P5) nor a PNG image".into()),
     };
     let (width, height, max_value) = header(&mut tokens)?;
     let count = width * height;
@@ -52,12 +40,7 @@ fn header(tokens: &mut Tokens<'_>) -> Result<(usize, usize, u16), String> {
     let width = tokens.number("width")? as usize;
     let height = tokens.number("height")? as usize;
     let max_value = tokens.number("maximum value")?;
-    let count = width.checked_mul(height).unwrap_or(0);
-    if !(1..=MAX_PIXELS).contains(&count) {
-        return Err(format!(
-            "an image of {width} × {height} pixels is empty or too large"
-        ));
-    }
+    pixel_count(width, height)?;
     match u16::try_from(max_value) {
         Ok(max_value) if max_value > 0 => Ok((width, height, max_value)),
         _ => Err(format!(
@@ -151,8 +134,8 @@ mod tests {
     #[test]
     fn broken_images_are_named() {
         for (bytes, words) in [
-            (&b""[..], "not a PGM"),
-            (b"P6 1 1 255\n...", "not a PGM"),
+            (&b""[..], "neither a PGM"),
+            (b"P6 1 1 255\n...", "nor a PNG"),
             (b"P5 2", "height"),
             (b"P5 2 2 255\n\x00", "1 of 4 pixels"),
             (b"P5 0 2 255\n", "empty or too large"),

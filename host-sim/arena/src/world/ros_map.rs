@@ -1,4 +1,4 @@
-//! Maps of the ROS `map_server`: a YAML file that names a PGM image, its resolution and its place.
+//! Maps of the ROS `map_server`: a YAML file that names a PGM or PNG image, its resolution and its place.
 //!
 //! A pixel's occupancy is `(white − v) / white`, or `v / white` when `negate` is set. Above
 //! `occupied_thresh` the cell is occupied, below `free_thresh` free, in between unknown; unknown cells
@@ -12,8 +12,8 @@ use std::path::Path;
 use serde::Deserialize;
 
 use super::geometry::{Point, Pose};
+use super::graymap::{self, Graymap};
 use super::occupancy::{Cell, Occupancy};
-use super::pgm::{self, Graymap};
 use super::shapes::Shape;
 use super::{MAX_COORDINATE_M, MAX_SHAPES, World};
 use files::error::BadInput;
@@ -58,7 +58,7 @@ pub(super) fn load(path: &Path) -> Result<World, BadInput> {
     let text = files::read_text(path, MAX_INPUT_BYTES)?;
     let info = parse_info(&text).map_err(|what| BadInput::file(path, what))?;
     let image_path = path.parent().unwrap_or(Path::new("")).join(&info.image);
-    let image = pgm::parse(&files::read(&image_path, MAX_INPUT_BYTES)?)
+    let image = graymap::parse(&files::read(&image_path, MAX_INPUT_BYTES)?)
         .map_err(|what| BadInput::file(&image_path, what))?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     build(&name, &info, &image).map_err(|error| BadInput::file(path, error))

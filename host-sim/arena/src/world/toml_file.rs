@@ -22,18 +22,61 @@
 use core::ops::Range;
 use std::path::Path;
 
-use toml::de::DeValue;
+use serde::Deserialize;
+use toml::Spanned;
 
 use super::geometry::{Point, Pose};
 use super::shapes::Shape;
 use super::{MAX_COORDINATE_M, World};
 use files::error::BadInput;
-use files::toml_reader::{Reader, Table, Value};
+use files::toml_reader::{Finite, Keyed, TomlText, TwoNumbers};
 use files::{MAX_INPUT_BYTES, read_text};
-use std::ops::Deref;
 
 /// Longest range of a sonar, 255 in, m.
 const SONAR_RANGE_M: f64 = 6.477;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WorldFile {
+    name: Option<Spanned<String>>,
+    start: Option<Spanned<Keyed<StartTable>>>,
+    #[serde(default)]
+    wall: Vec<Keyed<WallTable>>,
+    #[serde(default, rename = "box")]
+    boxes: Vec<Keyed<BoxTable>>,
+    #[serde(default)]
+    circle: Vec<Keyed<CircleTable>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StartTable {
+    position_m: Option<Spanned<TwoNumbers>>,
+    #[serde(default)]
+    heading_deg: Finite,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WallTable {
+    points_m: Spanned<Vec<TwoNumbers>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BoxTable {
+    center_m: TwoNumbers,
+    size_m: Spanned<TwoNumbers>,
+    #[serde(default)]
+    angle_deg: Finite,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CircleTable {
+    center_m: TwoNumbers,
+    radius_m: Spanned<Finite>,
+}
 
 /// Loads the world file at `path`; without a `name` of its own the world is called after the file.
 pub(super) fn load(path: &Path) -> Result<World, BadInput> {
@@ -44,188 +87,123 @@ pub(super) fn load(path: &Path) -> Result<World, BadInput> {
 
 /// Reads a world from `text`; `source` names it in errors.
 pub(super) fn parse(text: &str, source: &str, default_name: &str) -> Result<World, BadInput> {
-    let reader = WorldReader(Reader { text, source });
-    let document = reader.document()?;
-    let top = document.get_ref();
-    reader.only_keys(
-        "a world file",
-        top,
-        &["name", "start", "wall", "box", "circle"],
-    )?;
-    let name = match top.get("name") {
-        Some(value) => reader.text(value, "name")?,
+    let text = TomlText { text, source };
+    let file: WorldFile = text.read()?;
+    let name = match &file.name {
+        Some(name) if name.get_ref().is_empty() => {
+            return Err(text.error(name.span(), "name: expected a text that is not empty"));
+        }
+        Some(name) => name.get_ref(),
         None => default_name,
     };
-    let start = reader.start(top)?;
-    let mut shapes = reader.each(top, "wall", WorldReader::wall)?;
-    shapes.extend(reader.each(top, "box", WorldReader::rectangle)?);
-    shapes.extend(reader.each(top, "circle", WorldReader::circle)?);
-    let world = World::new(name, start, shapes)
+    let walls = file.wall.iter().map(|Keyed(wall)| wall.shape());
+    let boxes = file.boxes.iter().map(|Keyed(boxed)| boxed.shape());
+    let circles = file.circle.iter().map(|Keyed(circle)| circle.shape());
+    let shapes = walls.chain(boxes).chain(circles);
+    let shapes = shapes.map(|(shape, span)| match shape.defect(MAX_COORDINATE_M) {
+        Some(defect) => Err(text.error(span, defect)),
+        None => Ok(shape),
+    });
+    let shapes = shapes.collect::<Result<Vec<_>, _>>()?;
+    let start = file.start.as_ref();
+    let pose = start
+        .map(|start| start.get_ref().0.pose())
+        .unwrap_or_default();
+    let world = World::new(name, pose, shapes)
         .map_err(|error| BadInput::new(format!("{source}: {error}")))?;
-    reader.check_start_is_within(&world, top)?;
-    Ok(world)
-}
-
-/// Reads shapes of a world.
-struct WorldReader<'a>(Reader<'a>);
-
-impl<'a> Deref for WorldReader<'a> {
-    type Target = Reader<'a>;
-
-    fn deref(&self) -> &Self::Target {
-        &self.0
-    }
-}
-
-impl WorldReader<'_> {
-    fn start(&self, top: &Table<'_>) -> Result<Pose, BadInput> {
-        let Some(value) = top.get("start") else {
-            return Ok(Pose::default());
-        };
-        let DeValue::Table(table) = value.get_ref() else {
-            return Err(self.error(value.span(), "start must be a table: [start]"));
-        };
-        self.only_keys("[start]", table, &["position_m", "heading_deg"])?;
-        let position = match table.get("position_m") {
-            Some(value) => self.point(value, "position_m")?,
-            None => Point::default(),
-        };
-        Ok(Pose::new(position, self.angle(table, "heading_deg")?))
-    }
-
-    /// Refuses a start outside the walls: the robot would drive around the world, not in it. Where walls close, one of them
-    /// must go around the start, or the start lie in the bounding box of those that stay open. Where all stay open, it must
-    /// lie at most a sonar's range outside the bounding box of all shapes. Without any wall there is no outside.
-    fn check_start_is_within(&self, world: &World, top: &Table<'_>) -> Result<(), BadInput> {
-        let walls = world.shapes().iter().filter_map(|shape| match shape {
-            Shape::Wall { points } => Some(points.as_slice()),
-            _ => None,
-        });
-        let (closed, open): (Vec<_>, Vec<_>) =
-            walls.partition(|points| points.first() == points.last());
-        let start = world.start().position;
-        let bounds = world.bounds();
-        let is_within = match (closed.as_slice(), open.as_slice()) {
-            ([], []) => true,
-            ([], _) => lies_in(start, bounds, SONAR_RANGE_M),
-            _ => {
-                closed.iter().any(|wall| encloses(wall, start))
-                    || lies_in(start, box_around(&open.concat()), 0.0)
-            }
-        };
-        if is_within {
-            return Ok(());
+    match outside(&world) {
+        None => Ok(world),
+        Some(what) => {
+            let span = start.map(|start| match &start.get_ref().0.position_m {
+                Some(position) => position.span(),
+                None => start.span(),
+            });
+            Err(text.error(span.unwrap_or_default(), format!("position_m: {what}")))
         }
-        let (Point { x, y }, (low, high)) = (start, bounds);
-        let what = if closed.is_empty() {
-            format!(
-                "position_m: the start ({x}, {y}) lies outside the world, which spans ({}, {}) to ({}, {})",
-                low.x, low.y, high.x, high.y
-            )
-        } else {
-            format!("position_m: the start ({x}, {y}) lies outside the walls that close")
-        };
-        let start = top.get("start").map(|start| match start.get_ref() {
-            DeValue::Table(table) => table.get("position_m").unwrap_or(start).span(),
-            _ => start.span(),
-        });
-        Err(self.error(start.unwrap_or_default(), what))
     }
+}
 
-    /// The shapes of the array `[[key]]`, each read from its table; none if the key is not there.
-    fn each(
-        &self,
-        top: &Table<'_>,
-        key: &str,
-        read: impl Fn(&Self, &Table<'_>, Range<usize>) -> Result<Shape, BadInput>,
-    ) -> Result<Vec<Shape>, BadInput> {
-        let Some(value) = top.get(key) else {
-            return Ok(Vec::new());
-        };
-        let wrong = |span| {
-            self.error(
-                span,
-                format!("each {key} must be a table of its own: [[{key}]]"),
-            )
-        };
-        let DeValue::Array(entries) = value.get_ref() else {
-            return Err(wrong(value.span()));
-        };
-        let shape = |entry: &Value<'_>| match entry.get_ref() {
-            DeValue::Table(table) => read(self, table, entry.span()),
-            _ => Err(wrong(entry.span())),
-        };
-        entries.iter().map(shape).collect()
+impl StartTable {
+    fn pose(&self) -> Pose {
+        let position = self.position_m.as_ref();
+        let position = position.map_or(Point::default(), |pair| point(*pair.get_ref()));
+        Pose::new(position, radians(self.heading_deg))
     }
+}
 
-    fn wall(&self, table: &Table<'_>, span: Range<usize>) -> Result<Shape, BadInput> {
-        self.only_keys("a wall", table, &["points_m"])?;
-        let value = self.required(table, "points_m", "a wall", &span)?;
-        let DeValue::Array(entries) = value.get_ref() else {
-            let what = "points_m must be a list of points: [[x, y], [x, y], …]";
-            return Err(self.error(value.span(), what));
-        };
-        let points = entries
-            .iter()
-            .map(|entry| self.point(entry, "each of points_m"));
-        let points = points.collect::<Result<Vec<_>, _>>()?;
-        self.sound(Shape::Wall { points }, value.span())
+impl WallTable {
+    /// The shape, and what to point at when it has a defect.
+    fn shape(&self) -> (Shape, Range<usize>) {
+        let points = self.points_m.get_ref().iter().copied().map(point);
+        let points = points.collect();
+        (Shape::Wall { points }, self.points_m.span())
     }
+}
 
-    fn rectangle(&self, table: &Table<'_>, span: Range<usize>) -> Result<Shape, BadInput> {
-        self.only_keys("a box", table, &["center_m", "size_m", "angle_deg"])?;
-        let center = self.point(
-            self.required(table, "center_m", "a box", &span)?,
-            "center_m",
-        )?;
-        let size = self.required(table, "size_m", "a box", &span)?;
+impl BoxTable {
+    /// As [`WallTable::shape`].
+    fn shape(&self) -> (Shape, Range<usize>) {
         let shape = Shape::Box {
-            center,
-            size: self.point(size, "size_m")?,
-            angle: self.angle(table, "angle_deg")?,
+            center: point(self.center_m),
+            size: point(*self.size_m.get_ref()),
+            angle: radians(self.angle_deg),
         };
-        self.sound(shape, size.span())
+        (shape, self.size_m.span())
     }
+}
 
-    fn circle(&self, table: &Table<'_>, span: Range<usize>) -> Result<Shape, BadInput> {
-        self.only_keys("a circle", table, &["center_m", "radius_m"])?;
-        let center = self.required(table, "center_m", "a circle", &span)?;
-        let radius = self.required(table, "radius_m", "a circle", &span)?;
+impl CircleTable {
+    /// As [`WallTable::shape`].
+    fn shape(&self) -> (Shape, Range<usize>) {
         let shape = Shape::Circle {
-            center: self.point(center, "center_m")?,
-            radius: self.number(radius, "radius_m")?,
+            center: point(self.center_m),
+            radius: self.radius_m.get_ref().0,
         };
-        self.sound(shape, radius.span())
+        (shape, self.radius_m.span())
     }
+}
 
-    fn sound(&self, shape: Shape, span: Range<usize>) -> Result<Shape, BadInput> {
-        match shape.defect(MAX_COORDINATE_M) {
-            Some(defect) => Err(self.error(span, defect)),
-            None => Ok(shape),
+fn point(TwoNumbers([x, y]): TwoNumbers) -> Point {
+    Point::new(x, y)
+}
+
+fn radians(Finite(degrees): Finite) -> f64 {
+    degrees * (core::f64::consts::PI / 180.0)
+}
+
+/// What is wrong with a start outside the walls: the robot would drive around the world, not in it.
+/// Where walls close, one of them must go around the start, or the start lie in the bounding box of
+/// those that stay open. Where all stay open, it must lie at most a sonar's range outside the
+/// bounding box of all shapes. Without any wall there is no outside.
+fn outside(world: &World) -> Option<String> {
+    let walls = world.shapes().iter().filter_map(|shape| match shape {
+        Shape::Wall { points } => Some(points.as_slice()),
+        _ => None,
+    });
+    let (closed, open): (Vec<_>, Vec<_>) =
+        walls.partition(|points| points.first() == points.last());
+    let start = world.start().position;
+    let bounds = world.bounds();
+    let is_within = match (closed.as_slice(), open.as_slice()) {
+        ([], []) => true,
+        ([], _) => lies_in(start, bounds, SONAR_RANGE_M),
+        _ => {
+            closed.iter().any(|wall| encloses(wall, start))
+                || lies_in(start, box_around(&open.concat()), 0.0)
         }
+    };
+    if is_within {
+        return None;
     }
-
-    /// An optional angle in degrees, as rad; 0 when left out.
-    fn angle(&self, table: &Table<'_>, key: &str) -> Result<f64, BadInput> {
-        let degrees = table
-            .get(key)
-            .map_or(Ok(0.0), |value| self.number(value, key))?;
-        Ok(degrees * (core::f64::consts::PI / 180.0))
-    }
-
-    fn point(&self, value: &Value<'_>, key: &str) -> Result<Point, BadInput> {
-        let DeValue::Array(entries) = value.get_ref() else {
-            return Err(self.error(value.span(), format!("{key} must be two numbers: [x, y]")));
-        };
-        if entries.len() != 2 {
-            let what = format!("{key} must be two numbers: [x, y], not {}", entries.len());
-            return Err(self.error(value.span(), what));
-        }
-        Ok(Point::new(
-            self.number(&entries[0], key)?,
-            self.number(&entries[1], key)?,
-        ))
-    }
+    let (Point { x, y }, (low, high)) = (start, bounds);
+    Some(if closed.is_empty() {
+        format!(
+            "the start ({x}, {y}) lies outside the world, which spans ({}, {}) to ({}, {})",
+            low.x, low.y, high.x, high.y
+        )
+    } else {
+        format!("the start ({x}, {y}) lies outside the walls that close")
+    })
 }
 
 /// Whether a closed wall goes around a place: a ray from there crosses it an odd number of times.

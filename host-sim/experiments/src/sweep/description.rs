@@ -17,31 +17,27 @@
 //! [[list]]                             # one more point
 //! preset = "probe"
 //! far = 2.0
-//!
-//! [random]                             # so many more, drawn with this seed
-//! points = 20
-//! seed = 1
-//! far = { min = 1.0, max = 6.0 }       # evenly; whole numbers where both ends are
-//! tolerance = { min = 0.01, max = 0.3, log = true }
-//! recall = ["direction", "projection"] # one of them
 //! ```
 //!
-//! Keys are the flags of `run` that say what an episode is made of, and the keys of `--set`. Points are numbered as they stand above: grid,
-//! list, random; without any there is one. A key that is not known is an error, with its line.
+//! Keys are the flags of `run` that say what an episode is made of, and the keys of `--set`. Points
+//! are numbered as they stand above: the grid, then the list; without any there is one. A key that
+//! is not known is an error, with its line.
 
-mod random;
+mod choice_value;
 
 use super::plan::Vocabulary;
-use super::points::Points;
+use super::points::{Points, Row};
 use arena::world::{WorldSource, parse_worlds};
+use choice_value::{ChoiceTable, ChoiceValue};
 use files::error::{BadInput, suggestion};
 use files::read_text;
-use files::toml_reader::{Reader, Table, Value};
+use files::toml_reader::TomlText;
+use serde::Deserialize;
 use sim::scenes::Behavior;
 use sim::settings::SETTINGS;
 use std::ops::Range;
 use std::path::Path;
-use toml::de::DeValue;
+use toml::Spanned;
 
 /// Larger files are refused, bytes.
 const MAX_FILE_BYTES: u64 = 16 << 20;
@@ -86,31 +82,25 @@ impl Description {
         default_name: &str,
         vocabulary: &Vocabulary,
     ) -> Result<Self, BadInput> {
-        let reader = Reader { text, source };
-        let document = reader.document()?;
-        let top = document.get_ref();
-        let known = [
-            "name",
-            "worlds",
-            "behaviors",
-            "seeds",
-            "fixed",
-            "grid",
-            "list",
-            "random",
-        ];
-        reader.only_keys("a sweep", top, &known)?;
-        let file = File { reader, vocabulary };
-        let name = match top.get("name") {
-            Some(value) => file.name(value)?,
+        let file = File {
+            toml: TomlText { text, source },
+            vocabulary,
+        };
+        let written: SweepFile = file.toml.read()?;
+        let name = match &written.name {
+            Some(name) => file.name(name)?,
             None => default_name.to_owned(),
         };
         Ok(Self {
             name,
-            worlds: file.each(top, "worlds", "paper", parse_worlds)?.concat(),
-            behaviors: file.each(top, "behaviors", "avoid", str::parse)?,
-            seeds: file.seeds(top.get("seeds"))?,
-            points: file.points(top)?,
+            worlds: file
+                .each("worlds", written.worlds, "paper", parse_worlds)?
+                .concat(),
+            behaviors: file.each("behaviors", written.behaviors, "avoid", str::parse)?,
+            seeds: written
+                .seeds
+                .map_or(Ok(vec![1]), |seeds| file.seeds(&seeds))?,
+            points: file.points(&written.fixed, &written.grid, &written.list)?,
         })
     }
 }
@@ -125,153 +115,152 @@ fn is_plain(c: char) -> bool {
     c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.')
 }
 
+/// The file as it stands there.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SweepFile {
+    name: Option<Spanned<String>>,
+    worlds: Option<Spanned<Vec<Spanned<String>>>>,
+    behaviors: Option<Spanned<Vec<Spanned<String>>>>,
+    seeds: Option<Spanned<ChoiceValue>>,
+    #[serde(default)]
+    fixed: ChoiceTable,
+    #[serde(default)]
+    grid: ChoiceTable,
+    #[serde(default)]
+    list: Vec<ChoiceTable>,
+}
+
 /// A choice that the file makes: its key, where that stands, and its value.
-type Choice<'t, 'a> = (String, Range<usize>, &'t Value<'a>);
+type Choice<'t> = (String, Range<usize>, &'t Spanned<ChoiceValue>);
 
 struct File<'a> {
-    reader: Reader<'a>,
+    toml: TomlText<'a>,
     vocabulary: &'a Vocabulary,
 }
 
-impl<'a> File<'a> {
-    fn name(&self, value: &Value<'_>) -> Result<String, BadInput> {
-        let name = self.reader.text(value, "name")?;
-        if name.chars().all(is_plain) && name.len() <= 100 {
-            return Ok(name.to_owned());
+impl File<'_> {
+    fn name(&self, name: &Spanned<String>) -> Result<String, BadInput> {
+        let text = name.get_ref();
+        if text.chars().all(is_plain) && (1..=100).contains(&text.len()) {
+            return Ok(text.clone());
         }
-        let what = "name must be letters, digits, -, _ and ., at most 100 of them";
-        Err(self.reader.error(value.span(), what))
+        let what = "name must be letters, digits, -, _ and ., 1 to 100 of them";
+        Err(self.toml.error(name.span(), what))
     }
 
     /// What the texts of the list `key` mean; of `default` if there is none.
     fn each<T>(
         &self,
-        top: &Table<'_>,
         key: &str,
+        list: Option<Spanned<Vec<Spanned<String>>>>,
         default: &str,
         read: impl Fn(&str) -> Result<T, BadInput>,
     ) -> Result<Vec<T>, BadInput> {
-        let Some(value) = top.get(key) else {
+        let Some(list) = list else {
             return Ok(vec![read(default)?]);
         };
-        let one = |entry: &Value<'_>| {
-            let text = self.reader.text(entry, &format!("each of {key}"))?;
-            read(text).map_err(|error| self.reader.error(entry.span(), error))
+        let one = |text: &Spanned<String>| {
+            read(text.get_ref()).map_err(|error| self.toml.error(text.span(), error))
         };
-        self.array(value, key)?.iter().map(one).collect()
-    }
-
-    /// The entries of an array that is not empty.
-    fn array<'t, 'i>(&self, value: &'t Value<'i>, key: &str) -> Result<&'t [Value<'i>], BadInput> {
-        match value.get_ref() {
-            DeValue::Array(entries) if !entries.is_empty() => Ok(entries),
-            _ => {
-                let what = format!("{key} must be a list with something in it: [ … ]");
-                Err(self.reader.error(value.span(), what))
-            }
+        match list.get_ref().as_slice() {
+            [] => Err(self.empty(key, list.span())),
+            texts => texts.iter().map(one).collect(),
         }
     }
 
-    fn seeds(&self, value: Option<&Value<'_>>) -> Result<Vec<u64>, BadInput> {
-        let Some(value) = value else {
-            return Ok(vec![1]);
-        };
+    fn empty(&self, key: &str, at: Range<usize>) -> BadInput {
+        let what = format!("{key} must be a list with something in it: [ … ]");
+        self.toml.error(at, what)
+    }
+
+    fn seeds(&self, value: &Spanned<ChoiceValue>) -> Result<Vec<u64>, BadInput> {
         let wrong = || {
-            let what = "seeds must be a number, a list of numbers, or a range: \"1..=10\"";
-            self.reader.error(value.span(), what)
-        };
-        let (first, last) = match value.get_ref() {
-            DeValue::Array(_) => {
-                let seeds = self.array(value, "seeds")?.iter();
-                return seeds
-                    .map(|seed| self.whole(seed, "each of seeds"))
-                    .collect();
-            }
-            DeValue::Integer(_) => return Ok(vec![self.whole(value, "seeds")?]),
-            DeValue::String(text) => text.split_once("..=").ok_or_else(wrong)?,
-            _ => return Err(wrong()),
+            let what =
+                "seeds must be a whole number from 0 on, a list of them, or a range: \"1..=10\"";
+            self.toml.error(value.span(), what)
         };
         let seed = |text: &str| text.trim().parse::<u64>().map_err(|_| wrong());
+        let text = match value.get_ref() {
+            ChoiceValue::Scalar(text) => text,
+            ChoiceValue::List(seeds) if !seeds.is_empty() => {
+                let one = |seed_value: &Spanned<ChoiceValue>| match seed_value.get_ref() {
+                    ChoiceValue::Scalar(text) => seed(text),
+                    _ => Err(wrong()),
+                };
+                return seeds.iter().map(one).collect();
+            }
+            _ => return Err(wrong()),
+        };
+        let Some((first, last)) = text.split_once("..=") else {
+            return Ok(vec![seed(text)?]);
+        };
         let (first, last) = (seed(first)?, seed(last)?);
         if first > last || last - first >= MAX_SEEDS {
             let what = format!("seeds must be a range of 1 to {MAX_SEEDS} seeds");
-            return Err(self.reader.error(value.span(), what));
+            return Err(self.toml.error(value.span(), what));
         }
         Ok((first..=last).collect())
     }
 
-    /// A whole number from 0 on.
-    fn whole(&self, value: &Value<'_>, key: &str) -> Result<u64, BadInput> {
-        let number = match value.get_ref() {
-            DeValue::Integer(number) => u64::from_str_radix(number.as_str(), number.radix()).ok(),
-            _ => None,
-        };
-        number.ok_or_else(|| {
-            let what = format!("{key} must be a whole number from 0 on");
-            self.reader.error(value.span(), what)
-        })
-    }
-
-    fn points(&self, top: &Table<'_>) -> Result<Points, BadInput> {
+    fn points(
+        &self,
+        fixed: &ChoiceTable,
+        grid: &ChoiceTable,
+        list: &[ChoiceTable],
+    ) -> Result<Points, BadInput> {
         let mut points = Points::default();
-        if let Some(value) = top.get("fixed") {
-            for (key, at, value) in self.choices(value, "[fixed]")? {
-                points
-                    .fixed
-                    .push((key.clone(), self.text(&key, at, value)?));
-            }
+        for (key, at, value) in self.choices(fixed)? {
+            let text = self.text(&key, at, value)?;
+            points.fixed.push((key, text));
         }
-        if let Some(value) = top.get("grid") {
-            for (key, at, value) in self.choices(value, "[grid]")? {
-                let values = self.array(value, &key)?.iter();
-                let texts = values.map(|value| self.text(&key, at.clone(), value));
-                let texts = texts.collect::<Result<_, _>>()?;
-                points.add_axis(self.varied(&points, &key, &at)?, texts);
+        let mut last = 0..0;
+        for (key, at, value) in self.choices(grid)? {
+            self.check_varied(&points, &key, &at)?;
+            let ChoiceValue::List(values) = value.get_ref() else {
+                return Err(self.empty(&key, value.span()));
+            };
+            let texts = values.iter();
+            let texts = texts.map(|value| self.text(&key, at.clone(), value));
+            let texts: Vec<_> = texts.collect::<Result<_, _>>()?;
+            if texts.is_empty() {
+                return Err(self.empty(&key, value.span()));
             }
+            points.add_axis(&key, texts);
+            last = at;
         }
-        if let Some(value) = top.get("list") {
-            for entry in self.array(value, "list")? {
-                let mut row = Vec::new();
-                for (key, at, value) in self.choices(entry, "[[list]]")? {
-                    let text = self.text(&key, at.clone(), value)?;
-                    row.push((self.varied(&points, &key, &at)?.to_owned(), text));
-                }
-                points.add(row);
-            }
-        }
-        if let Some(value) = top.get("random") {
-            self.random(value, &mut points)?;
+        for row in list {
+            let row = self.row(&points, row)?;
+            points.add(row);
         }
         if points.count().is_none_or(|count| count > MAX_POINTS) {
-            let what = format!("the grid has more than {MAX_POINTS} points");
-            let span = top.get("grid").map(Value::span).unwrap_or_default();
-            return Err(self.reader.error(span, what));
+            let what = format!("the sweep has more than {MAX_POINTS} points");
+            return Err(self.toml.error(last, what));
         }
         Ok(points)
     }
 
+    /// A point of the list.
+    fn row(&self, points: &Points, table: &ChoiceTable) -> Result<Row, BadInput> {
+        let mut row = Row::new();
+        for (key, at, value) in self.choices(table)? {
+            self.check_varied(points, &key, &at)?;
+            let text = self.text(&key, at, value)?;
+            row.push((key, text));
+        }
+        Ok(row)
+    }
+
     /// The choices of a table in the file's order; `a.b = 1` is the key "a.b".
-    fn choices<'t, 'i>(
-        &self,
-        value: &'t Value<'i>,
-        what: &str,
-    ) -> Result<Vec<Choice<'t, 'i>>, BadInput> {
-        let DeValue::Table(table) = value.get_ref() else {
-            return Err(self
-                .reader
-                .error(value.span(), format!("{what} must be a table")));
-        };
+    fn choices<'t>(&self, table: &'t ChoiceTable) -> Result<Vec<Choice<'t>>, BadInput> {
         let mut choices = Vec::new();
         flatten(table, "", &mut choices);
-        if what == "[random]" {
-            choices.retain(|(key, ..)| key != "points" && key != "seed");
-        }
         choices.sort_by_key(|(_, at, _)| at.start);
         for (index, (key, at, _)) in choices.iter().enumerate() {
             self.known(key, at)?;
             if choices.iter().take(index).any(|(other, ..)| other == key) {
                 let what = format!("\"{key}\" is there twice");
-                return Err(self.reader.error(at.clone(), what));
+                return Err(self.toml.error(at.clone(), what));
             }
         }
         Ok(choices)
@@ -297,49 +286,39 @@ impl<'a> File<'a> {
             ),
         };
         let what = format!("a point has no key \"{key}\"{elsewhere}");
-        Err(self.reader.error(at.clone(), what))
+        Err(self.toml.error(at.clone(), what))
     }
 
-    /// A key that is not the same for all points.
-    fn varied<'k>(
-        &self,
-        points: &Points,
-        key: &'k str,
-        at: &Range<usize>,
-    ) -> Result<&'k str, BadInput> {
+    /// Refuses a key that is the same for all points already.
+    fn check_varied(&self, points: &Points, key: &str, at: &Range<usize>) -> Result<(), BadInput> {
         if points.fixed.iter().any(|(fixed, _)| fixed == key) {
             let what = format!("\"{key}\" is in [fixed] already");
-            return Err(self.reader.error(at.clone(), what));
+            return Err(self.toml.error(at.clone(), what));
         }
-        Ok(key)
+        Ok(())
     }
 
     /// A value as the command line takes it, once it is known to be good.
-    fn text(&self, key: &str, at: Range<usize>, value: &Value<'_>) -> Result<String, BadInput> {
-        let text = match value.get_ref() {
-            DeValue::String(text) if !text.is_empty() => text.to_string(),
-            DeValue::Boolean(true) => "on".to_owned(),
-            DeValue::Boolean(false) => "off".to_owned(),
-            DeValue::Integer(_) | DeValue::Float(_) => self.reader.number(value, key)?.to_string(),
-            _ => {
-                let what = format!("a value of {key} must be a number, a text, true or false");
-                return Err(self.reader.error(at, what));
-            }
+    fn text(
+        &self,
+        key: &str,
+        at: Range<usize>,
+        value: &Spanned<ChoiceValue>,
+    ) -> Result<String, BadInput> {
+        let ChoiceValue::Scalar(text) = value.get_ref() else {
+            let what = format!("a value of {key} must be a number, a text, true or false");
+            return Err(self.toml.error(at, what));
         };
-        (self.vocabulary.check)(key, &text)
-            .map_err(|error| self.reader.error(value.span(), error))?;
-        Ok(text)
+        (self.vocabulary.check)(key, text).map_err(|error| self.toml.error(value.span(), error))?;
+        Ok(text.clone())
     }
 }
 
-/// A table with an end of a range is no table of further keys.
-fn flatten<'t, 'i>(table: &'t Table<'i>, before: &str, into: &mut Vec<Choice<'t, 'i>>) {
+fn flatten<'t>(table: &'t ChoiceTable, before: &str, into: &mut Vec<Choice<'t>>) {
     for (key, value) in table {
         let name = format!("{before}{}", key.get_ref());
         match value.get_ref() {
-            DeValue::Table(inner) if !inner.contains_key("min") && !inner.contains_key("max") => {
-                flatten(inner, &format!("{name}."), into);
-            }
+            ChoiceValue::Table(inner) => flatten(inner, &format!("{name}."), into),
             _ => into.push((name, key.span(), value)),
         }
     }

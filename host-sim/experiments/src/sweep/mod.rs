@@ -9,11 +9,10 @@
 //! everything that its figures depend on, so that rows of different sweeps never mix.
 
 mod description;
-mod draws;
-mod effects;
 mod identity;
 mod in_order;
 mod merge;
+mod outcome;
 mod plan;
 mod points;
 mod results;
@@ -21,25 +20,15 @@ mod run;
 mod shard;
 mod table;
 
-#[cfg(feature = "parquet")]
-mod parquet_file;
-
 pub use description::Description;
-pub use effects::{Found, Key, keys};
 pub use merge::{Merged, merge};
-#[cfg(feature = "parquet")]
-pub use parquet_file::write_parquet;
+pub use outcome::{SweepOutcome, SweptChoice, swept_choices};
 pub use plan::{Place, Plan, Vocabulary};
 pub use points::{Assignment, Points, Row};
 pub use results::{Header, ResultsFile};
 pub use run::{Progress, run};
 pub use shard::Shard;
-pub use table::{Column, Kind, Table};
+pub use table::{Table, Texts};
 
 /// What the columns of a point's choices are called before their key.
 pub const CHOICE_PREFIX: &str = "config.";
-
-/// What a program without Parquet says when it is asked for it.
-#[cfg(not(feature = "parquet"))]
-pub const NO_PARQUET: &str =
-    "this program was built without Parquet: build it with --features parquet";

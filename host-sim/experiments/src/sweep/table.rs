@@ -1,4 +1,4 @@
-//! The results of a sweep, or of a part of it, as columns.
+//! The results of a sweep, or of a part of it, as far as pictures need them.
 
 use super::CHOICE_PREFIX;
 use super::results::{Header, read_row};
@@ -8,141 +8,103 @@ use std::collections::HashMap;
 use std::io::BufReader;
 use std::path::Path;
 
-/// What a column of results holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// Whole numbers from 0 on.
-    Whole,
-    /// Numbers.
-    Real,
-    /// Texts.
-    Text,
-    /// What a point chooses; empty where it leaves it to the preset.
-    Choice,
-}
+/// Columns of numbers that are read.
+const NUMBERS: [&str; 3] = ["contacts", "distance_m", "success"];
+/// Columns of texts that are read, beside those of the points' choices.
+const TEXTS: [&str; 3] = ["world", "behavior", "success_unit"];
 
-impl Kind {
-    /// That of the column `name`.
-    #[must_use]
-    pub fn of(name: &str) -> Self {
-        match name {
-            "episode" | "seed" | "explore_moves" | "explore_contacts" | "steps" | "contacts"
-            | "touched_by" | "goal_steps" | "shield_stops" => Self::Whole,
-            "distance_m" | "min_clearance_m" | "coverage_m2" | "time_s" | "success" => Self::Real,
-            _ if name.starts_with(CHOICE_PREFIX) => Self::Choice,
-            _ => Self::Text,
-        }
-    }
-}
-
-/// One column.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Column {
-    /// Numbers.
-    Numbers(Vec<f64>),
-    /// Texts: each once, and which of them each row has.
-    Texts {
-        /// The texts, as they come first.
-        names: Vec<String>,
-        /// By row.
-        of_row: Vec<u32>,
-    },
-}
-
-/// Rows of results.
+/// Rows of results, by column.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
-    names: Vec<String>,
-    columns: Vec<Column>,
-    known: Vec<HashMap<String, u32>>,
-    rows: usize,
     header: Header,
+    columns: Vec<(String, Column)>,
+    rows: usize,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Column {
+    Numbers(Vec<f64>),
+    Texts(Texts),
+    Skipped,
+}
+
+/// A column of texts: each different text once, and which of them each row has.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Texts {
+    /// The texts, in the order of the rows they come in first.
+    pub distinct: Vec<String>,
+    /// By row: a place in `distinct`.
+    pub of_row: Vec<usize>,
+    known: HashMap<String, usize>,
 }
 
 impl Table {
-    /// Reads a results file: CSV, or Parquet if it is called so and the program can. A torn last row is left out.
+    /// Reads a results file. A torn last row is left out.
     ///
     /// # Errors
     /// When it cannot be read or is no results file.
     pub fn load(path: &Path) -> Result<Self, BadInput> {
-        let is_parquet = path
-            .extension()
-            .is_some_and(|end| end.eq_ignore_ascii_case("parquet"));
-        if is_parquet {
-            return load_parquet(path);
-        }
-        let file = open_regular(path)?;
-        let mut input = BufReader::new(file);
+        let mut input = BufReader::new(open_regular(path)?);
         let mut table = Self::new(Header::read(path, &mut input)?);
+        if let Some(missing) = table.missing() {
+            return Err(BadInput::file(path, format!("has no column \"{missing}\"")));
+        }
         let mut row = Vec::new();
         while read_row(&mut input, &mut row).map_err(|error| unreadable(path, &error))? {
             let fields = fields(&row).unwrap_or_default();
-            table.add(path, fields.iter())?;
+            let added = table.add(&fields.iter().collect::<Vec<_>>());
+            added
+                .map_err(|what| BadInput::file(path, format!("row {}: {what}", table.rows + 1)))?;
         }
         Ok(table)
     }
 
     /// No rows yet.
     pub(super) fn new(header: Header) -> Self {
-        let names: Vec<_> = header.columns().map(str::to_owned).collect();
-        let column = |name: &String| match Kind::of(name) {
-            Kind::Whole | Kind::Real => Column::Numbers(Vec::new()),
-            Kind::Text | Kind::Choice => Column::Texts {
-                names: Vec::new(),
-                of_row: Vec::new(),
-            },
+        let column = |name: &str| {
+            let column = if NUMBERS.contains(&name) {
+                Column::Numbers(Vec::new())
+            } else if TEXTS.contains(&name) || name.starts_with(CHOICE_PREFIX) {
+                Column::Texts(Texts::default())
+            } else {
+                Column::Skipped
+            };
+            (name.to_owned(), column)
         };
         Self {
-            columns: names.iter().map(column).collect(),
-            known: vec![HashMap::new(); names.len()],
-            names,
+            columns: header.columns().map(column).collect(),
             rows: 0,
             header,
         }
     }
 
-    /// One more row; `path` is where it stands.
-    pub(super) fn add<'r>(
-        &mut self,
-        path: &Path,
-        fields: impl Iterator<Item = &'r str>,
-    ) -> Result<(), BadInput> {
-        let row = self.rows + 1;
-        let wrong = |what: String| BadInput::file(path, format!("row {row}: {what}"));
-        let mut count = 0;
-        let columns = self
-            .names
-            .iter()
-            .zip(&mut self.columns)
-            .zip(&mut self.known);
-        for (field, ((name, column), known)) in fields.zip(columns) {
-            count += 1;
+    /// A column that results have and these have not.
+    fn missing(&self) -> Option<&'static str> {
+        let is_there = |name: &str| self.columns.iter().any(|(known, _)| known == name);
+        NUMBERS
+            .into_iter()
+            .chain(TEXTS)
+            .find(|name| !is_there(name))
+    }
+
+    /// One more row.
+    pub(super) fn add(&mut self, fields: &[&str]) -> Result<(), String> {
+        if fields.len() != self.columns.len() {
+            let (found, wanted) = (fields.len(), self.columns.len());
+            return Err(format!("it has {found} fields, the head has {wanted}"));
+        }
+        for (field, (name, column)) in fields.iter().zip(&mut self.columns) {
             match column {
                 Column::Numbers(numbers) => {
                     let number = field.parse().ok().filter(|number: &f64| number.is_finite());
-                    numbers
-                        .push(number.ok_or_else(|| {
-                            wrong(format!("{name} is \"{field}\", not a number"))
-                        })?);
+                    let wrong = || format!("{name} is \"{field}\", not a number");
+                    numbers.push(number.ok_or_else(wrong)?);
                 }
-                Column::Texts { names, of_row } => {
-                    let index = known.get(field).copied().unwrap_or_else(|| {
-                        let index = names.len() as u32;
-                        names.push(field.to_owned());
-                        known.insert(field.to_owned(), index);
-                        index
-                    });
-                    of_row.push(index);
-                }
+                Column::Texts(texts) => texts.push(field),
+                Column::Skipped => {}
             }
         }
-        if count != self.names.len() {
-            return Err(wrong(format!(
-                "it has {count} fields, the head has {}",
-                self.names.len()
-            )));
-        }
-        self.rows = row;
+        self.rows += 1;
         Ok(())
     }
 
@@ -158,13 +120,19 @@ impl Table {
         &self.header
     }
 
-    /// The names of the columns.
-    #[must_use]
-    pub fn names(&self) -> &[String] {
-        &self.names
+    /// Keys and values of the points' choices; a value is empty where a point leaves it to the
+    /// preset.
+    pub fn choices(&self) -> impl Iterator<Item = (&str, &Texts)> {
+        self.columns.iter().filter_map(|(name, column)| {
+            let key = name.strip_prefix(CHOICE_PREFIX)?;
+            match column {
+                Column::Texts(texts) => Some((key, texts)),
+                _ => None,
+            }
+        })
     }
 
-    /// The numbers of a column; none if there is no such column of numbers.
+    /// The numbers of a column, by row.
     #[must_use]
     pub fn numbers(&self, name: &str) -> &[f64] {
         match self.column(name) {
@@ -173,18 +141,32 @@ impl Table {
         }
     }
 
-    /// The texts of a column, and which of them each row has; none if there is no such column of texts.
+    /// A column of texts.
     #[must_use]
-    pub fn texts(&self, name: &str) -> (&[String], &[u32]) {
+    pub fn texts(&self, name: &str) -> Option<&Texts> {
         match self.column(name) {
-            Some(Column::Texts { names, of_row }) => (names, of_row),
-            _ => (&[], &[]),
+            Some(Column::Texts(texts)) => Some(texts),
+            _ => None,
         }
     }
 
     fn column(&self, name: &str) -> Option<&Column> {
-        let place = self.names.iter().position(|known| known == name)?;
-        self.columns.get(place)
+        let mut columns = self.columns.iter();
+        columns
+            .find(|(known, _)| known == name)
+            .map(|(_, column)| column)
+    }
+}
+
+impl Texts {
+    fn push(&mut self, text: &str) {
+        let index = self.known.get(text).copied().unwrap_or_else(|| {
+            self.distinct.push(text.to_owned());
+            let index = self.distinct.len() - 1;
+            self.known.insert(text.to_owned(), index);
+            index
+        });
+        self.of_row.push(index);
     }
 }
 
@@ -196,12 +178,4 @@ pub(super) fn fields(row: &[u8]) -> Option<csv::StringRecord> {
     let mut record = csv::StringRecord::new();
     reader.read_record(&mut record).ok().filter(|read| *read)?;
     Some(record)
-}
-
-#[cfg(feature = "parquet")]
-use super::parquet_file::load_parquet;
-
-#[cfg(not(feature = "parquet"))]
-fn load_parquet(path: &Path) -> Result<Table, BadInput> {
-    Err(BadInput::file(path, super::NO_PARQUET))
 }

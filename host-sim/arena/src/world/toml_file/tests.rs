@@ -62,46 +62,58 @@ fn every_mistake_is_named_with_its_line() {
         (
             "heading_deg",
             "heading",
-            "line 4: [start] has no key \"heading\"",
+            "line 4: start has no key \"heading\"",
         ),
         ("heading_deg", "headin_deg", "did you mean \"heading_deg\"?"),
         (
             "[[circle]]",
             "[[circel]]",
-            "line 11: a world file has no key \"circel\", did you mean \"circle\"?",
+            "line 11: the file has no key \"circel\", did you mean \"circle\"?",
         ),
         (
             "radius_m",
             "radius",
-            "line 13: a circle has no key \"radius\"",
+            "line 13: circle has no key \"radius\", did you mean \"radius_m\"?",
         ),
         (
             "angle_deg",
             "angel_deg",
-            "line 10: a box has no key \"angel_deg\", did you mean \"angle_deg\"?",
+            "line 10: box has no key \"angel_deg\", did you mean \"angle_deg\"?",
         ),
         (
             "radius_m = 0.3\n",
             "",
-            "line 11: a circle needs the key \"radius_m\"",
+            "line 11: circle needs the key \"radius_m\"",
         ),
         ("0.3", "0", "line 13: a circle's radius must be positive"),
         ("0.3", "-0.3", "not -0.3"),
-        ("0.3", "nan", "line 13: radius_m must be a finite number"),
-        ("0.3", "inf", "line 13: radius_m must be a finite number"),
+        (
+            "0.3",
+            "nan",
+            "line 13: circle.radius_m: expected a finite number, found NaN",
+        ),
+        (
+            "0.3",
+            "inf",
+            "line 13: circle.radius_m: expected a finite number",
+        ),
         ("0.3", "1e6", "line 13: a circle's radius"),
-        ("0.3", "\"wide\"", "line 13: radius_m must be a number"),
+        (
+            "0.3",
+            "\"wide\"",
+            "line 13: circle.radius_m: expected a number, found \"wide\"",
+        ),
         ("[0.4, 0.8]", "[0.4, 0.0]", "line 9: a box's depth"),
         ("[0.4, 0.8]", "[-0.4, 0.8]", "line 9: a box's width"),
         (
             "[0.4, 0.8]",
             "0.4",
-            "line 9: size_m must be two numbers: [x, y]",
+            "line 9: box.size_m: expected two numbers: [x, y], found 0.4",
         ),
         (
             "[1.0, 0.5]",
             "[1.0, 0.5, 0.0]",
-            "line 8: center_m must be two numbers: [x, y], not 3",
+            "line 8: box.center_m: expected two numbers: [x, y], found 3",
         ),
         ("[1.0, 0.5]", "[1.0, 2e5]", "a coordinate must lie within"),
         (
@@ -112,7 +124,7 @@ fn every_mistake_is_named_with_its_line() {
         (
             "[5.0, 3.0]",
             "[5.0]",
-            "line 6: each of points_m must be two numbers: [x, y], not 1",
+            "line 6: wall.points_m: expected two numbers: [x, y], found 1",
         ),
         (
             "[5.0, 3.0]",
@@ -122,21 +134,40 @@ fn every_mistake_is_named_with_its_line() {
         (
             "[[-3.0, -2.0], [5.0, -2.0], [5.0, 3.0]]",
             "7",
-            "line 6: points_m must be a list",
+            "line 6: wall.points_m: expected a list, found 7",
         ),
-        ("[[wall]]", "[wall]", "[[wall]]"),
+        (
+            "[[wall]]",
+            "[wall]",
+            "line 5: wall: expected a list of tables: [[wall]]",
+        ),
+        (
+            "[start]",
+            "[[start]]",
+            "line 2: start: expected a table, found a list",
+        ),
+        (
+            "[[box]]",
+            "[[box]]\n\"a\\n`b\" = 1",
+            "line 8: box has no key \"a `b\" (keys: center_m, size_m, angle_deg)",
+        ),
+        (
+            "0.3",
+            "99999999999999999999",
+            "line 13: circle.radius_m: expected a number, found 99999999999999999999",
+        ),
         ("[0, 1.5]", "[1.0, 0.5]", "would start inside something"),
         ("[0, 1.5]", "[0, -1.74]", "would start inside something"),
         ("[0, 1.5]", "[0, 1e9]", "the start: a coordinate"),
         (
             "name = \"corridor\"",
             "name = 7",
-            "line 1: name must be a text",
+            "line 1: name: expected a text, found 7",
         ),
         (
             "name = \"corridor\"",
             "name = \"\"",
-            "line 1: name must be a text",
+            "line 1: name: expected a text that is not empty",
         ),
         ("heading_deg = 90", "heading_deg = ", "line 4"),
         (
@@ -161,7 +192,9 @@ fn a_file_without_a_world_is_named() {
     assert_eq!(error(" \n\n"), "w.toml: the file is empty");
     assert!(error("name = \"x\"").contains("at least one wall, box or circle"));
     assert!(error("box = []").contains("at least one wall, box or circle"));
-    assert!(error("start = 1\n").contains("line 1: start must be a table"));
+    assert!(error("start = 1\n").contains("line 1: start: expected a table, found 1"));
+    let circle = "circle = [[[2, -1], 0.3]]";
+    assert!(error(circle).contains("line 1: circle: expected a table, found a list"));
     let folder = tempfile::tempdir().unwrap();
     let load = |name: &str| {
         World::load(&folder.path().join(name))

@@ -1,0 +1,164 @@
+//! What the episodes of a sweep came to, by the values of each choice: all other choices together.
+
+use super::table::{Table, Texts};
+use sim::statistics::{Mean, bootstrap, wilson};
+use std::collections::BTreeMap;
+
+/// Most values of a choice that are told apart.
+const MAX_VALUES: usize = 40;
+/// What stands where a point leaves a choice to the preset.
+const UNSET: &str = "unset";
+
+/// A choice that is not the same in all episodes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SweptChoice {
+    /// Its key.
+    pub key: String,
+    /// Its values: numbers rising, texts as they come.
+    pub values: Vec<String>,
+    /// By row: a place in `values`.
+    pub of_row: Vec<usize>,
+}
+
+/// The choices that vary, and the world if it does. Then the keys left out for too many values.
+#[must_use]
+pub fn swept_choices(table: &Table) -> (Vec<SweptChoice>, Vec<String>) {
+    let world = table.texts("world").map(|texts| ("world", texts));
+    let varies = |(_, texts): &(&str, &Texts)| texts.distinct.len() > 1;
+    let (shown, left_out): (Vec<_>, Vec<_>) = table
+        .choices()
+        .chain(world)
+        .filter(varies)
+        .partition(|(_, texts)| texts.distinct.len() <= MAX_VALUES);
+    let key = |(key, _): (&str, &Texts)| key.to_owned();
+    (
+        shown.into_iter().map(swept).collect(),
+        left_out.into_iter().map(key).collect(),
+    )
+}
+
+fn swept((key, texts): (&str, &Texts)) -> SweptChoice {
+    let number = |text: &str| text.parse::<f64>().unwrap_or(f64::INFINITY);
+    let mut order: Vec<_> = (0..texts.distinct.len()).collect();
+    let text = |index: usize| texts.distinct.get(index).map_or("", String::as_str);
+    // Stable: texts keep their order, behind the numbers.
+    order.sort_by(|&a, &b| number(text(a)).total_cmp(&number(text(b))));
+    let value = |&index: &usize| match text(index) {
+        "" => UNSET.to_owned(),
+        text => text.to_owned(),
+    };
+    let place = |index: &usize| order.iter().position(|other| other == index).unwrap_or(0);
+    SweptChoice {
+        key: key.to_owned(),
+        values: order.iter().map(value).collect(),
+        of_row: texts.of_row.iter().map(place).collect(),
+    }
+}
+
+/// What some episodes came to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SweepOutcome {
+    /// How many episodes.
+    pub episodes: usize,
+    /// Share of those without contact while seeking, with its interval by Wilson's score.
+    pub clean: Mean,
+    /// The behavior's own measure, its interval by the bootstrap over worlds and seeds.
+    pub success: Mean,
+    /// Mean way, meters.
+    pub distance_m: f64,
+}
+
+impl SweepOutcome {
+    /// Of the rows that `wanted` takes; `None` if it takes none.
+    #[must_use]
+    pub fn of(table: &Table, wanted: impl Fn(usize) -> bool) -> Option<Self> {
+        let rows: Vec<_> = (0..table.rows()).filter(|&row| wanted(row)).collect();
+        if rows.is_empty() {
+            return None;
+        }
+        let [contacts, distances, successes] =
+            ["contacts", "distance_m", "success"].map(|name| table.numbers(name));
+        let value = |column: &[f64], row: usize| column.get(row).copied().unwrap_or(0.0);
+        let is_clean = |row: &&usize| value(contacts, **row) == 0.0;
+        let worlds = table.texts("world");
+        let mut by_world: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+        for &row in &rows {
+            let world = worlds.and_then(|worlds| worlds.of_row.get(row).copied());
+            let successes = value(successes, row);
+            by_world
+                .entry(world.unwrap_or(0))
+                .or_default()
+                .push(successes);
+        }
+        let ways = rows.iter().map(|&row| value(distances, row));
+        Some(Self {
+            episodes: rows.len(),
+            clean: wilson(rows.iter().filter(is_clean).count(), rows.len()),
+            success: bootstrap(&by_world.into_values().collect::<Vec<_>>()),
+            distance_m: ways.sum::<f64>() / rows.len() as f64,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::results::Header;
+    use super::*;
+
+    fn table(rows: &[&str]) -> Table {
+        let columns = [
+            "config.far",
+            "config.recall",
+            "world",
+            "contacts",
+            "distance_m",
+            "success",
+        ];
+        let columns = columns.map(str::to_owned).into_iter();
+        let mut table = Table::new(Header::new("s", "0", 9, columns));
+        for (number, row) in rows.iter().enumerate() {
+            let row = format!("{number},{row}");
+            table.add(&row.split(',').collect::<Vec<_>>()).expect(&row);
+        }
+        table
+    }
+
+    #[test]
+    fn values_come_in_their_order() {
+        let table = table(&["10,a,w,0,1,1", "9,,w,0,1,1", ",a,w,1,3,0"]);
+        let (choices, left_out) = swept_choices(&table);
+        assert!(left_out.is_empty());
+        let [far, recall] = &choices[..] else {
+            panic!("{choices:?}")
+        };
+        assert_eq!(
+            (&far.values[..], &far.of_row[..]),
+            (&["9", "10", UNSET].map(str::to_owned)[..], &[1, 0, 2][..])
+        );
+        assert_eq!(
+            (&recall.values[..], &recall.of_row[..]),
+            (&["a", UNSET].map(str::to_owned)[..], &[0, 1, 0][..])
+        );
+    }
+
+    #[test]
+    fn too_many_values_are_left_out_by_name() {
+        let rows: Vec<_> = (0..=MAX_VALUES)
+            .map(|i| format!("{},t{i},v{},0,1,1", i % 3, i % 2))
+            .collect();
+        let rows: Vec<_> = rows.iter().map(String::as_str).collect();
+        let (choices, left_out) = swept_choices(&table(&rows));
+        assert_eq!(left_out, ["recall"]);
+        let keys: Vec<_> = choices.iter().map(|choice| choice.key.as_str()).collect();
+        assert_eq!(keys, ["far", "world"]);
+    }
+
+    #[test]
+    fn figures_by_hand() {
+        let table = table(&["1,a,v,0,1,1", "1,a,w,2,2,0", "2,a,w,0,6,0.5", "2,a,w,0,7,9"]);
+        let found = SweepOutcome::of(&table, |row| row < 3).expect("three rows");
+        assert_eq!((found.episodes, found.clean.mean), (3, 2.0 / 3.0));
+        assert_eq!((found.success.mean, found.distance_m), (0.5, 3.0));
+        assert_eq!(SweepOutcome::of(&table, |_| false), None);
+    }
+}
