@@ -208,7 +208,7 @@ pub fn write(path: &Path, content: &[u8]) -> io::Result<()> {
     write_with(path, |mut file| file.write_all(content))
 }
 
-/// Writes one file of this name into a folder, as [`write`]; returns its path.
+/// Writes one file of this name into a folder, as [`write`](write()); returns its path.
 ///
 /// # Errors
 /// When it cannot be written; an older file of that name stays as it was.
@@ -225,7 +225,7 @@ pub fn unwritable(path: &Path, error: &io::Error) -> BadInput {
     BadInput::file(path, format!("cannot be written: {error}"))
 }
 
-/// As [`write`], with the content from `fill`.
+/// As [`write`](write()), with the content from `fill`.
 fn write_with(path: &Path, fill: impl FnOnce(&File) -> io::Result<()>) -> io::Result<()> {
     let target = match destination(path)? {
         Destination::Stream => return fill(&open_stream(path)?),

@@ -1,6 +1,6 @@
 //! Episodes: a robot explores, learns and pursues a goal in a world.
 //!
-//! The body turns what happens in the [arena](::arena) into events of a [`Pilot`](pilot::Pilot) and carries out its motions. Options,
+//! The body turns what happens in the [arena] into events of a [`Pilot`](pilot::Pilot) and carries out its motions. Options,
 //! figures and recordings of an episode are here; how they are drawn or compared is not.
 
 pub mod braitenberg;
