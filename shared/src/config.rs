@@ -265,7 +265,7 @@ impl Config<16> {
     pub const fn touzet() -> Self {
         let training = Training {
             neighborhood: Neighborhood::Direct,
-            rate: Schedule::new(ONE_Q16 / 2, ONE_Q16 / 20, Decay::Linear),
+            rate: Schedule::from_q16(ONE_Q16 / 2, ONE_Q16 / 20, Decay::Linear),
             radius: Schedule::constant(ONE_Q16 / 2),
         };
         Self {
@@ -355,8 +355,8 @@ impl Config<16> {
                 start: Start::Plane,
                 turned: true,
                 actions: Training {
-                    rate: Schedule::new(ONE_Q16 / 2, ONE_Q16 / 100, Decay::Exponential),
-                    radius: Schedule::new(ONE_Q16, ONE_Q16 * 3 / 10, Decay::Linear),
+                    rate: Schedule::from_q16(ONE_Q16 / 2, ONE_Q16 / 100, Decay::Exponential),
+                    radius: Schedule::from_q16(ONE_Q16, ONE_Q16 * 3 / 10, Decay::Linear),
                     ..literal.learning.actions
                 },
                 ..literal.learning
@@ -399,7 +399,7 @@ mod tests {
         );
         let best = Config::recommended();
         assert_eq!(halves(&best.learning.actions), (32_768, 655));
-        let radius = Schedule::new(65_536, 19_660, Decay::Linear);
+        let radius = Schedule::from_q16(65_536, 19_660, Decay::Linear);
         assert_eq!(best.learning.actions.radius, radius);
         let online = best.online.expect("it learns");
         assert_eq!(

@@ -157,8 +157,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
     }
 
-    /// Has the processor's own kernels do what they can; it comes to the same.
-    pub const fn use_kernels(&mut self, kernels: &'static Kernels) {
+    /// Uses CPU-specific kernels; results are bit-identical.
+    pub fn use_kernels(&mut self, kernels: &'static Kernels) {
         self.situations.use_kernels(kernels);
         self.actions.use_kernels(kernels);
     }

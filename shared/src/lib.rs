@@ -29,7 +29,7 @@
 //! | [`units`] | millimeters, milliseconds, bearings, displacements |
 //! | [`robot`] | ring geometry and limits: the robots differ in data only |
 //! | [`scan`] | ranges with age and validity, and the situation made of them |
-//! | [`som`] | self-organizing maps: kernels, grids, schedules, error measures |
+//! | [`som`] | self-organizing maps: the crate `tinysom` |
 //! | [`action_map`] | the map of (change of situation, action) |
 //! | [`memory`] | the lazy memory of samples |
 //! | [`goal`] | behaviors as goal situations |
@@ -46,7 +46,7 @@
 //!
 //! # Limits
 //!
-//! Rings of at most 32 transducers; maps of at most 32 neurons inside the controller (the kernels in [`som`] know no such
+//! Rings of at most 32 transducers; maps of at most 32 neurons inside the controller ([`som`] has no such
 //! limit). No `unsafe`, no allocation, and no panic that data can reach.
 #![no_std]
 #![forbid(unsafe_code)]
@@ -64,7 +64,6 @@ mod arrays;
 pub mod config;
 pub mod controller;
 pub mod faults;
-pub mod fixed;
 pub mod goal;
 pub mod link;
 pub mod memory;
@@ -74,7 +73,8 @@ pub mod planner;
 pub mod robot;
 pub mod scan;
 pub mod shield;
-pub mod som;
 pub mod store;
 pub mod units;
 pub mod wire;
+
+pub use tinysom::{self as som, fixed};

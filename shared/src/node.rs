@@ -131,8 +131,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
     }
 
-    /// Has the processor's own kernels do what they can: see [`State::use_kernels`].
-    pub const fn use_kernels(&mut self, kernels: &'static Kernels) {
+    /// Uses CPU-specific kernels: see [`State::use_kernels`].
+    pub fn use_kernels(&mut self, kernels: &'static Kernels) {
         self.state.use_kernels(kernels);
     }
 

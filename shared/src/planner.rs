@@ -152,7 +152,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
 
     /// Step 2: the best-matching unit of the situation.
     fn current_neuron(&self, situation: &Situation<SENSORS>) -> usize {
-        let search = || self.situations.winner(situation, self.enabled);
+        let search = || self.situations.bmu(situation, self.enabled);
         self.current.unwrap_or_else(search)
     }
 

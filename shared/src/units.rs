@@ -272,8 +272,7 @@ impl Displacement {
         if own == 0 {
             return Self::ZERO;
         }
-        let scale =
-            |v: i16| crate::fixed::div_round(i32::from(v).wrapping_mul(i32::from(length_mm)), own);
+        let scale = |v: i16| div_round(i32::from(v).wrapping_mul(i32::from(length_mm)), own);
         Self::saturating(scale(self.dx_mm), scale(self.dy_mm))
     }
 
@@ -310,6 +309,21 @@ impl Displacement {
         let (x, y) = direction.rotate(i32::from(self.dx_mm), i32::from(self.dy_mm));
         Self::saturating(x, y)
     }
+}
+
+/// `numerator / denominator` rounded to nearest, halves away from zero; 0 for a denominator of 0.
+#[must_use]
+pub(crate) const fn div_round(numerator: i32, denominator: i32) -> i32 {
+    if denominator == 0 {
+        return 0;
+    }
+    let half = (denominator / 2).saturating_abs();
+    let biased = if numerator < 0 {
+        numerator.saturating_sub(half)
+    } else {
+        numerator.saturating_add(half)
+    };
+    biased.wrapping_div(denominator)
 }
 
 #[cfg(test)]
@@ -399,5 +413,23 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn halves_round_away_from_zero_and_nothing_overflows() {
+        assert_eq!((div_round(7, 2), div_round(-7, 2)), (4, -4));
+        assert_eq!(
+            (div_round(5, -2), div_round(-5, -2), div_round(4, 3)),
+            (-3, 3, 1)
+        );
+        assert_eq!(div_round(1, 0), 0);
+        assert_eq!(
+            (div_round(i32::MAX, 2), div_round(i32::MIN, 2)),
+            ((1 << 30) - 1, -(1 << 30))
+        );
+        assert_eq!(
+            (div_round(i32::MIN, -1), div_round(7, i32::MIN)),
+            (i32::MIN, 0)
+        );
     }
 }

@@ -6,7 +6,7 @@ use amp::fixed::{Mask, Weight};
 use amp::goal::Goal;
 use amp::robot::{RobotSpec, evenly_spaced};
 use amp::scan::Encoding;
-use amp::som::neighborhood::Update;
+use amp::som::Update;
 use amp::som::{Decay, Grid, Neighborhood, Schedule, Som};
 use amp::units::{Bearing, Displacement, Millis, Range};
 use rand_core::{Rng, SeedableRng};
@@ -164,20 +164,20 @@ fn a_chain_of_32_spreads_over_points_in_space() {
     let mut map = Som::<32, 3>::new(Grid::chain(32), core::array::from_fn(|_| point()));
     let probes: Vec<_> = (0..2_000).map(|_| point()).collect();
     let before = map.quality(&probes).0;
-    let rate = Schedule::new(32_768, 1_311, Decay::Exponential);
-    let radius = Schedule::new(8 << 16, 32_768, Decay::Exponential);
+    let rate = Schedule::from_q16(32_768, 1_311, Decay::Exponential);
+    let radius = Schedule::from_q16(8 << 16, 32_768, Decay::Exponential);
     for step in 0..STEPS {
-        let pull = Update::new(
+        let update = Update::from_q16(
             Neighborhood::Gaussian,
             rate.at(step, STEPS),
             radius.at(step, STEPS),
         );
         let probe = point();
-        map.learn(map.winner(&probe, Mask::ALL), &probe, Mask::ALL, &pull);
+        map.train_step(&probe, Mask::ALL, &update);
     }
     let (after, hits) = map.quality(&probes);
-    assert!(after.topographic_error_q16() < before.topographic_error_q16() / 2);
-    assert!(after.quantization_error_q21() < before.quantization_error_q21());
+    assert!(after.topographic_error() < before.topographic_error() / 2.0);
+    assert!(after.quantization_error() < before.quantization_error());
     // 62.5 points each on the average.
     assert!(
         hits.iter().all(|&hit| (20..=140).contains(&hit)),

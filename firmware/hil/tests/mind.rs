@@ -14,7 +14,7 @@ mod tests {
     use amp::controller::{Part, State};
     use amp::fixed::{Mask, Weight};
     use amp::goal::{Component, Goal, KeptGoals};
-    use amp::som::neighborhood::Update;
+    use amp::som::Update;
     use amp::som::{Grid, Neighborhood, Som};
     use amp::store::{Contents, ContentsMut, MAX_NOMAD};
     use amp::wire::checksum;
@@ -137,7 +137,7 @@ mod tests {
 
     /// Alone, with half as much for the neighbors, and with all of it.
     fn pulls() -> [Update<16>; 3] {
-        [0, 1 << 15, 1 << 16].map(|share| Update::new(Neighborhood::Direct, 13_107, share))
+        [0, 1 << 15, 1 << 16].map(|share| Update::from_q16(Neighborhood::Direct, 13_107, share))
     }
 
     /// Erases both sectors; what was saved last is saved again at the end, as the only image.

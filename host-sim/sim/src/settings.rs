@@ -563,7 +563,7 @@ pub fn schedule(text: &str, most: f64) -> Result<Schedule, String> {
         if end > start {
             return Err("its end must not lie above its start".to_owned());
         }
-        Ok(Schedule::new(start, end, decay))
+        Ok(Schedule::from_q16(start, end, decay))
     };
     match parts[..] {
         [value] => Ok(Schedule::constant(q16(value)?)),

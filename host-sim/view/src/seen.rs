@@ -126,8 +126,8 @@ fn answering(known: &SimState, config: &Config<16>, sample: &Sample<16>) -> [usi
     };
     let action = known
         .actions()
-        .winner(&effect, config.learning.action_weight_q8);
-    [known.situations().winner(&after, too), action]
+        .bmu(&effect, config.learning.action_weight_q8);
+    [known.situations().bmu(&after, too), action]
 }
 
 fn map_seen(map: &Som<16, 16>, hits: Vec<u32>) -> MapSeen {

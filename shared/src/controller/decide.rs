@@ -11,7 +11,7 @@ use crate::memory::{self, Sample};
 use crate::planner::{NEXT_COURSE, Plan, Planner, Why};
 use crate::scan::{Aligned, Situation, rotated};
 use crate::som::Neighborhood;
-use crate::som::neighborhood::Update;
+use crate::som::Update;
 use crate::units::{Bearing, Displacement, Millis};
 
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
@@ -207,22 +207,18 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             mask: enabled,
         };
         let halvings = self.halvings();
-        let pull =
-            |rate: u32| Update::new(Neighborhood::Direct, rate >> halvings, online.share_q16);
+        let update =
+            |rate: u32| Update::from_q16(Neighborhood::Direct, rate >> halvings, online.share_q16);
         let winner = match self.asked_by {
             Some(neuron) if online.blame_recalled => usize::from(neuron),
-            _ => self
-                .actions
-                .winner(&effect, config.learning.action_weight_q8),
+            _ => self.actions.bmu(&effect, config.learning.action_weight_q8),
         };
-        let action_pull = pull(online.action_rate_q16);
-        if config.planning.choice == Choice::Recall {
-            self.actions.learn(winner, &effect, &action_pull);
-        } else {
-            self.actions.learn_on(winner, &effect, &action_pull);
-        }
-        let situation_pull = pull(online.situation_rate_q16);
-        let winner = self.situations.teach(after, enabled, &situation_pull);
+        let action_update = update(online.action_rate_q16);
+        self.actions.update(winner, &effect, &action_update);
+        let situation_update = update(online.situation_rate_q16);
+        let winner = self
+            .situations
+            .train_step(after, enabled, &situation_update);
         if online.share_q16 != 0 {
             self.last_plan.forget_cost();
         }

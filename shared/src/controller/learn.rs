@@ -6,7 +6,7 @@ use crate::config::{Config, Order, Start, Taught, Training};
 use crate::fixed::{Mask, Weight, unit_weight};
 use crate::memory::{Sample, turned_change};
 use crate::scan::Situation;
-use crate::som::neighborhood::Update;
+use crate::som::Update;
 use crate::units::Bearing;
 
 /// Presentations between two steps of the schedules. A slice ends with them at the latest, so that the maps do not depend
@@ -102,7 +102,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 training.rate.at(renewed, steps),
                 training.radius.at(renewed, steps),
             );
-            Update::<NEURONS>::new(training.neighborhood, rate, radius)
+            Update::from_q16(training.neighborhood, rate, radius)
         };
         let (for_situations, for_actions) = (pull(&learning.situations), pull(&learning.actions));
         let mut lesson = Lesson::empty();
@@ -110,9 +110,9 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         for step in done..end {
             self.lesson(config, Some(step), &mut lesson);
             self.situations
-                .teach(&lesson.after, lesson.effect.mask, &for_situations);
+                .train_step(&lesson.after, lesson.effect.mask, &for_situations);
             self.actions
-                .teach(&lesson.effect, learning.action_weight_q8, &for_actions);
+                .train_step(&lesson.effect, learning.action_weight_q8, &for_actions);
         }
         end
     }

@@ -1,6 +1,6 @@
 //! What a turning ring leaves where it is in the world.
 
-use crate::fixed::div_round;
+use crate::units::div_round;
 use crate::units::{Bearing, Displacement};
 
 /// Parts of a millimeter that are kept.

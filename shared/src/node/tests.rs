@@ -1,10 +1,11 @@
 use super::*;
 use crate::controller::{Decision, Progress, Refusal as CommandRefusal};
 use crate::faults::Fault;
-use crate::fixed::Mask;
+use crate::fixed::{Mask, Weight, Weight32};
 use crate::goal::Component;
 use crate::link::SILENCE_MS;
 use crate::parameters::{Parameter, ParameterError};
+use crate::som::kernels::{Group, Kernels};
 use crate::units::{Displacement, Range};
 use crate::wire::message::{Clock, Flash, FlashError, GoalBy, Heard, Notice, Order, Part, Source};
 use std::vec::Vec;
@@ -618,7 +619,7 @@ fn a_goal_given_while_seeking_is_pursued_at_once() {
     let mut rig = Rig::ready(Clock::Host);
     rig.order(Order::Seek);
     let mut components = [Component::ANY; 16];
-    components[4] = Component::at_least(crate::fixed::Weight::ONE);
+    components[4] = Component::at_least(Weight::ONE);
     let goal = Goal::of(components);
     let said = rig.order(Order::Goal(GoalBy::Components(goal)));
     assert!(said.contains(&FromMind::Mode(ModeReport::Seek)));
@@ -903,14 +904,39 @@ fn who_writes_the_mask_of_the_believed_trusts_them_again() {
     assert_eq!(enabled(&rig), Mask::ALL);
 }
 
+/// Kernels that are never called here.
+static KERNELS: Kernels = Kernels {
+    candidates: {
+        extern "C" fn candidates(
+            _: &[[Weight32; 16]; 16],
+            _: &[i32; 16],
+            _: &[Weight; 16],
+            _: i32,
+        ) -> u32 {
+            0
+        }
+        candidates
+    },
+    update: {
+        extern "C" fn update(
+            _: &mut [[Weight32; 16]; 16],
+            _: &mut [i32; 16],
+            _: &[Weight; 16],
+            _: &[Group; 2],
+        ) {
+        }
+        update
+    },
+};
+
 #[test]
 fn the_processors_kernels_reach_both_maps_and_frames_too_long_are_counted() {
     let mut node = Node::<16, 16, 20>::default();
-    assert!(node.state().situations().kernels().is_none());
-    node.use_kernels(&crate::som::tests::by_hand::KERNELS);
+    assert!(!node.state().situations().has_kernels());
+    node.use_kernels(&KERNELS);
     let state = node.state();
-    assert!(state.situations().kernels().is_some());
-    assert!(state.actions().changes().kernels().is_some());
+    assert!(state.situations().has_kernels());
+    assert!(state.actions().changes().has_kernels());
     node.set_oversized(7);
     assert_eq!(node.counters().oversized, 7);
     assert!(!node.is_linked());

@@ -176,7 +176,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         let mut plan = Plan {
             goal_neuron: goal_neuron as u8,
             current_neuron: current as u8,
-            intermediate_neuron: self.situations.winner(&to_come, mask) as u8,
+            intermediate_neuron: self.situations.bmu(&to_come, mask) as u8,
             wanted: difference(&to_come, situation),
             action_neuron: self.neuron_of(best.direction) as u8,
             at_goal: aim.goal.is_met_by(now, aim.asked.iter().copied())

@@ -28,7 +28,7 @@ impl<'a> Way<'a> {
         length: i32,
         now: Millis,
     ) -> Self {
-        let unit = |mm: i16| crate::fixed::div_round(i32::from(mm) << 14, length.max(1)) as i16;
+        let unit = |mm: i16| crate::units::div_round(i32::from(mm) << 14, length.max(1)) as i16;
         let direction = Direction {
             x_q14: unit(wanted.dx_mm),
             y_q14: unit(wanted.dy_mm),

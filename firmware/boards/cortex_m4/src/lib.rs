@@ -1,34 +1,18 @@
-//! The loops that a decision and a training spend most of their time in, by hand for a Cortex-M4: the search for the
-//! best-matching unit, the pull of code vectors, and two that prepare a search by actions and a recall; for the paper's 16
-//! neurons and a ring of 16 transducers.
+//! Kernels of `tinysom` for a Cortex-M4: BMU search and update of 16 neurons with 16 components.
 //!
-//! All do what `amp`'s portable functions do, to the bit of whatever comes out of a map. What is gained is registers and
-//! loads: four components are loaded by one instruction, and the probe stays in eight registers, two values in each, from
-//! the first product to the last (`SMLAWB` and `SMLAWT` take either half as it is). Compilers unpack the halves before the
-//! loop, which takes sixteen registers of fourteen, and load nearly every component alone.
-//!
-//! | instructions, call included | portable | by hand |
-//! |---|---:|---:|
-//! | search | 1345 | 455 |
-//! | pull of a winner and its four neighbors | 783 | 438 |
-
-//!
+//! Results are those of the portable code, bit for bit. One instruction loads four components, and the
+//! probe stays in eight registers, two values in each (`SMLAWB` and `SMLAWT` take either half as it is).
 //! The crate is empty on every other processor.
 #![no_std]
 #![cfg(all(target_arch = "arm", target_os = "none"))]
 #![allow(unsafe_code)]
 
-use amp::fixed::{Weight, Weight32};
-use amp::som::kernels::{Group, Kernels};
 use core::arch::naked_asm;
+use tinysom::kernels::{Group, Kernels};
+use tinysom::{Weight, Weight32};
 
 /// For [`amp::node::Node::use_kernels`].
-pub static KERNELS: Kernels = Kernels {
-    candidates,
-    weigh,
-    pull,
-    measure,
-};
+pub static KERNELS: Kernels = Kernels { candidates, update };
 
 /// Two passes. The first one goes through the code vectors from the last to the first and leaves w·x of each on the
 /// stack, so that they lie in order in the end, in two rounds of eight: no instruction of a round changes the flags, and
@@ -180,51 +164,12 @@ extern "C" fn candidates(
     )
 }
 
-/// Two components of four neurons at a time.
-// SAFETY: as above; the bases are written where they were read.
-#[unsafe(naked)]
-extern "C" fn weigh(
-    bases: &mut [i32; 16],
-    code: &[[Weight32; 2]; 16],
-    norms: &[i32; 16],
-    factors: &[i32; 3],
-) {
-    naked_asm!(
-        "push  {{r4-r11, lr}}",
-        "ldm   r3, {{r3, r12, lr}}",
-        ".rept 4",
-        "ldmia r2!, {{r4, r5, r6, r7}}",
-        "ldmia r1!, {{r8, r9, r10, r11}}",
-        "smmul r4, r4, r3",
-        "smmla r4, r8, r12, r4",
-        "smmla r4, r9, lr, r4",
-        "smmul r5, r5, r3",
-        "smmla r5, r10, r12, r5",
-        "smmla r5, r11, lr, r5",
-        "ldmia r1!, {{r8, r9, r10, r11}}",
-        "smmul r6, r6, r3",
-        "smmla r6, r8, r12, r6",
-        "smmla r6, r9, lr, r6",
-        "smmul r7, r7, r3",
-        "smmla r7, r10, r12, r7",
-        "smmla r7, r11, lr, r7",
-        "ldm   r0, {{r8, r9, r10, r11}}",
-        "add   r8, r8, r4, lsl #9",
-        "add   r9, r9, r5, lsl #9",
-        "add   r10, r10, r6, lsl #9",
-        "add   r11, r11, r7, lsl #9",
-        "stmia r0!, {{r8, r9, r10, r11}}",
-        ".endr",
-        "pop   {{r4-r11, pc}}",
-    )
-}
-
 /// The neurons of a group from the last to the first, four components at a time: w + (x − w) · 4 gain, whose upper half is
 /// the step, and the upper half of its square. What both halves of a register hold of the probe is subtracted from twice:
 /// from the register, shifted, and from a copy without its lower half, which is on the stack beside it.
 // SAFETY: as above; rows and lengths are written for neurons below 16 only.
 #[unsafe(naked)]
-extern "C" fn pull(
+extern "C" fn update(
     code: &mut [[Weight32; 16]; 16],
     norms: &mut [i32; 16],
     probe: &[Weight; 16],
@@ -315,52 +260,5 @@ extern "C" fn pull(
         "ldr   r10, [r2, #24]",
         "ldr   r11, [r2, #28]",
         "b     2b",
-    )
-}
-
-/// Of two components at a time the upper halves in one register, multiplied with themselves and with the probe.
-// SAFETY: as above; the measures are written, and the last one ends the loop.
-#[unsafe(naked)]
-extern "C" fn measure(
-    code: &[[Weight32; 16]; 16],
-    probe: &[Weight; 16],
-    measures: &mut [[i32; 2]; 16],
-) {
-    naked_asm!(
-        "push  {{r4-r11, lr}}",
-        "add   r3, r2, #128",
-        "push  {{r3}}",
-        // At an odd place words are loaded one by one only.
-        "ldr   r4, [r1]",
-        "ldr   r5, [r1, #4]",
-        "ldr   r6, [r1, #8]",
-        "ldr   r7, [r1, #12]",
-        "ldr   r8, [r1, #16]",
-        "ldr   r9, [r1, #20]",
-        "ldr   r10, [r1, #24]",
-        "ldr   r11, [r1, #28]",
-        "2:",
-        "movs  r3, #0",
-        "movs  r12, #0",
-        ".macro two probe",
-        "ldmia r0!, {{r1, lr}}",
-        "pkhtb r1, lr, r1, asr #16",
-        "smlad r3, r1, r1, r3",
-        "smlad r12, r1, \\probe, r12",
-        ".endm",
-        "two   r4",
-        "two   r5",
-        "two   r6",
-        "two   r7",
-        "two   r8",
-        "two   r9",
-        "two   r10",
-        "two   r11",
-        ".purgem two",
-        "stmia r2!, {{r3, r12}}",
-        "ldr   r1, [sp]",
-        "cmp   r2, r1",
-        "bne   2b",
-        "pop   {{r3-r11, pc}}",
     )
 }

@@ -4,10 +4,10 @@ use super::log::Columns;
 use super::study::Lesson;
 use super::task::Options;
 use crate::som::args::MAX_EPOCHS;
-use amp::som::Grid;
 use files::error::BadInput;
 use std::path::PathBuf;
 use std::str::FromStr;
+use tinysom::Grid;
 
 /// Learns both maps from a logged run of a real robot and says how well they recall what it did
 #[derive(Debug, Clone, clap::Args)]

@@ -5,11 +5,11 @@
 //! samples (1-nearest neighbor) and a single answer (the most frequent class, the mean velocities).
 
 use super::task::Pairs;
-use crate::som::DynSom;
-use crate::som::train::{Training, start_at_samples, train};
-use amp::fixed::{FINE_ONE_BITS, Weight32};
-use amp::som::Grid;
+use crate::som::start::{map_of, start_at_samples};
 use arena::noise::Noise;
+use files::error::BadInput;
+use tinysom::fixed::{FINE_ONE_BITS, Weight32};
+use tinysom::{DynSom, Grid, Mask, TrainConfig};
 
 /// A codebook with answers.
 #[derive(Debug, Clone)]
@@ -19,24 +19,26 @@ pub struct Memory {
 }
 
 impl Memory {
-    fn new(code: Vec<Weight32>, dims: usize, answers: Vec<Vec<f64>>) -> Self {
+    fn new(code: Vec<Weight32>, dims: usize, answers: Vec<Vec<f64>>) -> Result<Self, BadInput> {
         // Only the nearest code vector is asked for: the shape of the grid does not matter.
         let count = u16::try_from(answers.len()).unwrap_or(u16::MAX);
-        Self {
-            codebook: DynSom::new(Grid::chain(count), dims, code),
+        Ok(Self {
+            codebook: map_of(Grid::chain(count), dims, code)?,
             answers,
-        }
+        })
     }
 
     /// The action that goes with an input.
-    pub fn recall(&mut self, input: &[Weight32]) -> &[f64] {
-        let winner = self.codebook.winner(input);
-        self.answers.get(winner).map_or(&[], Vec::as_slice)
+    pub fn recall(&self, input: &[Weight32]) -> &[f64] {
+        let bmu = self.codebook.bmu(input, Mask::ALL);
+        self.answers.get(bmu).map_or(&[], Vec::as_slice)
     }
 
     /// The mean of all actions, whatever the input.
-    #[must_use]
-    pub fn of_the_mean(pairs: &Pairs) -> Self {
+    ///
+    /// # Errors
+    /// As all of these: more components than a map may have.
+    pub fn of_the_mean(pairs: &Pairs) -> Result<Self, BadInput> {
         let all: Vec<usize> = (0..pairs.actions.len()).collect();
         Self::new(
             vec![Weight32::ZERO; pairs.dims],
@@ -46,21 +48,25 @@ impl Memory {
     }
 
     /// All the samples.
-    #[must_use]
-    pub fn of_samples(pairs: &Pairs) -> Self {
+    ///
+    /// # Errors
+    /// See [`of_the_mean`](Self::of_the_mean).
+    pub fn of_samples(pairs: &Pairs) -> Result<Self, BadInput> {
         Self::new(pairs.inputs.clone(), pairs.dims, pairs.actions.clone())
     }
 
     /// The action map: (input, action) pairs learned together, probed with the input alone. `weight` is that of an action's
     /// whole range beside an input's component, 0 to 1.
-    #[must_use]
+    ///
+    /// # Errors
+    /// See [`of_the_mean`](Self::of_the_mean).
     pub fn of_pairs(
         pairs: &Pairs,
         grid: Grid,
-        training: &Training,
+        config: &TrainConfig,
         weight: f64,
         noise: &mut Noise,
-    ) -> Self {
+    ) -> Result<Self, BadInput> {
         let ranges = Ranges::of(&pairs.actions);
         let width = pairs.dims + ranges.0.len();
         let mut samples = Vec::with_capacity(pairs.actions.len() * width);
@@ -68,8 +74,8 @@ impl Memory {
             samples.extend_from_slice(input);
             samples.extend(ranges.weights(action, weight));
         }
-        let mut map = start_at_samples(grid, width, &samples, noise);
-        train(&mut map, &samples, training, noise);
+        let mut map = start_at_samples(grid, width, &samples, noise)?;
+        map.train(&mut samples, config, |below| noise.index(below));
         let (mut code, mut answers) = (Vec::new(), Vec::new());
         for vector in map.code_vectors() {
             let (input, action) = vector.split_at(pairs.dims);
@@ -79,13 +85,15 @@ impl Memory {
         Self::new(code, pairs.dims, answers)
     }
 
-    /// A trained map whose neurons answer with the mean action of the samples they win; those that win none stay silent.
-    #[must_use]
-    pub fn of_map(map: &mut DynSom, pairs: &Pairs) -> (Self, Vec<Option<Vec<f64>>>) {
+    /// A trained map whose neurons answer with the mean action of the samples they win; those that win none never answer.
+    ///
+    /// # Errors
+    /// See [`of_the_mean`](Self::of_the_mean).
+    pub fn of_map(map: &DynSom, pairs: &Pairs) -> Result<(Self, Vec<Option<Vec<f64>>>), BadInput> {
         let mut won = vec![Vec::new(); map.grid().len()];
         for (index, input) in pairs.inputs.chunks_exact(pairs.dims).enumerate() {
-            let winner = map.winner(input);
-            if let Some(won) = won.get_mut(winner) {
+            let bmu = map.bmu(input, Mask::ALL);
+            if let Some(won) = won.get_mut(bmu) {
                 won.push(index);
             }
         }
@@ -98,7 +106,7 @@ impl Memory {
                 answers.push(label.clone());
             }
         }
-        (Self::new(code, pairs.dims, answers), labels)
+        Ok((Self::new(code, pairs.dims, answers)?, labels))
     }
 }
 

@@ -26,7 +26,7 @@ pub enum Score {
 
 impl Score {
     /// Asks a memory for the action of each input.
-    pub fn of(memory: &mut Memory, pairs: &Pairs, named: bool) -> Self {
+    pub fn of(memory: &Memory, pairs: &Pairs, named: bool) -> Self {
         let asked = pairs.inputs.chunks_exact(pairs.dims).zip(&pairs.actions);
         if named {
             let classes = pairs.actions.first().map_or(0, Vec::len);

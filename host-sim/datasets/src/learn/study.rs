@@ -3,14 +3,13 @@
 use super::memory::Memory;
 use super::score::Score;
 use super::task::{Part, Task};
-use crate::som::DynSom;
 use crate::som::args::{DEFAULT_RATE, default_radius, rate};
-use crate::som::map::Measures;
-use crate::som::train::{Order, Training, start_at_samples, train};
-use amp::som::{Grid, Neighborhood};
+use crate::som::measures::Measures;
+use crate::som::start::start_at_samples;
 use arena::noise::Noise;
 use files::error::BadInput;
 use rayon::prelude::*;
+use tinysom::{DynSom, Grid, Neighborhood, SampleOrder, TrainConfig};
 
 /// A way to recall an action.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -128,21 +127,21 @@ pub fn study(
         map
     });
     Ok(Study {
-        references: references(task),
+        references: references(task)?,
         maps: maps.collect::<Result<_, _>>()?,
     })
 }
 
-fn references(task: &Task) -> Vec<Recalled> {
+fn references(task: &Task) -> Result<Vec<Recalled>, BadInput> {
     let named = task.classes.is_some();
-    let ask = |(method, mut memory, changes): (Method, Memory, bool)| {
+    let ask = |(method, memory, changes): (Method, Result<Memory, BadInput>, bool)| {
         let asked = if changes {
             task.changes(Part::HeldOut)
         } else {
             task.situations(Part::HeldOut)
         };
-        let score = Score::of(&mut memory, &asked, named);
-        Recalled { method, score }
+        let score = Score::of(&memory?, &asked, named);
+        Ok(Recalled { method, score })
     };
     let (situations, changes) = (task.situations(Part::Learned), task.changes(Part::Learned));
     [
@@ -161,12 +160,12 @@ fn references(task: &Task) -> Vec<Recalled> {
 
 fn learn(task: &Task, grid: Grid, lesson: &Lesson) -> Result<Map, BadInput> {
     let neighborhood = Neighborhood::Gaussian;
-    let training = Training {
+    let config = TrainConfig {
         neighborhood,
         rate: rate(DEFAULT_RATE)?,
         radius: default_radius(neighborhood, grid)?,
         epochs: lesson.epochs,
-        order: Order::Shuffled,
+        order: SampleOrder::Shuffled,
     };
     let (learned, held_out) = (
         task.situations(Part::Learned),
@@ -174,29 +173,31 @@ fn learn(task: &Task, grid: Grid, lesson: &Lesson) -> Result<Map, BadInput> {
     );
     let noise = || Noise::new(lesson.seed);
     let mut random = noise();
-    let mut map = start_at_samples(grid, learned.dims, &learned.inputs, &mut random);
-    train(&mut map, &learned.inputs, &training, &mut random);
-    let (by_label, labels) = Memory::of_map(&mut map, &learned);
+    let mut map = start_at_samples(grid, learned.dims, &learned.inputs, &mut random)?;
+    map.train(&mut learned.inputs.clone(), &config, |below| {
+        random.index(below)
+    });
+    let (by_label, labels) = Memory::of_map(&map, &learned)?;
     let of_pairs =
-        |pairs| Memory::of_pairs(pairs, grid, &training, lesson.action_weight, &mut noise());
+        |pairs| Memory::of_pairs(pairs, grid, &config, lesson.action_weight, &mut noise());
     let named = task.classes.is_some();
     let asked = [
         (
             Method::ActionByChange,
-            of_pairs(&task.changes(Part::Learned)),
+            of_pairs(&task.changes(Part::Learned))?,
             &task.changes(Part::HeldOut),
         ),
-        (Method::ActionBySituation, of_pairs(&learned), &held_out),
+        (Method::ActionBySituation, of_pairs(&learned)?, &held_out),
         (Method::SituationMap, by_label, &held_out),
     ];
-    let ask = |(method, mut memory, pairs): (Method, Memory, _)| Recalled {
+    let ask = |(method, memory, pairs): (Method, Memory, _)| Recalled {
         method,
-        score: Score::of(&mut memory, pairs, named),
+        score: Score::of(&memory, pairs, named),
     };
     Ok(Map {
         grid,
-        learned: map.measure(&learned.inputs),
-        held_out: map.measure(&held_out.inputs),
+        learned: Measures::of(&map, &learned.inputs),
+        held_out: Measures::of(&map, &held_out.inputs),
         recalls: asked.into_iter().map(ask).collect(),
         situations: map,
         labels,

@@ -2,9 +2,9 @@
 
 use super::log::{Actions, Log};
 use crate::som::scale::Scale;
-use amp::fixed::Weight32;
 use files::error::BadInput;
 use files::table::Table;
+use tinysom::fixed::Weight32;
 
 /// How a log is taken.
 #[derive(Debug, Clone, Copy, PartialEq)]

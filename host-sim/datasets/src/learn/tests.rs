@@ -4,11 +4,11 @@ use super::log::{Actions, Columns, Log, MAX_LABELS};
 use super::score::{Score, class};
 use super::study::{Lesson, Map, Method, Recalled, Study, study};
 use super::task::{Options, Part, Task};
-use amp::som::Grid;
 use arena::noise::Noise;
 use arena::sonar::{Ring, SonarModel};
 use arena::world::{Point, Pose, Shape, World};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
+use tinysom::Grid;
 
 const OPTIONS: Options = Options {
     near: 0.0,

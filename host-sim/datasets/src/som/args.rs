@@ -1,12 +1,11 @@
 //! The flags of `host-sim som`.
 
 use super::scale::Scale;
-use super::train::Order;
-use amp::som::{Grid, Neighborhood, Schedule};
 use clap::builder::{PossibleValuesParser, TypedValueParser as _};
 use files::error::BadInput;
 use sim::settings;
 use std::path::PathBuf;
+use tinysom::{Grid, Neighborhood, SampleOrder, Schedule};
 
 /// Neurons a map may have.
 pub const MAX_NEURONS: usize = 10_000;
@@ -77,6 +76,24 @@ pub struct SomArgs {
     /// Print one JSON object instead of a table
     #[arg(long)]
     pub json: bool,
+}
+
+/// The order in which samples are presented.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Order {
+    /// As in the file, epoch by epoch
+    File,
+    /// Shuffled anew for each epoch
+    Shuffled,
+}
+
+impl From<Order> for SampleOrder {
+    fn from(order: Order) -> Self {
+        match order {
+            Order::File => Self::AsGiven,
+            Order::Shuffled => Self::Shuffled,
+        }
+    }
 }
 
 /// Code vectors to begin with.

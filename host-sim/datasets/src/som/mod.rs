@@ -1,27 +1,25 @@
-//! Self-organizing maps of any table of numbers, trained by the robot's own fixed-point kernels: `host-sim som`.
+//! Self-organizing maps of any table of numbers: `host-sim som`.
 //!
-//! The way of the data: [`files::table`] (a text file) → [`scale`] (weights in [0, 1]) → [`train`] ([`map::DynSom`]) →
-//! [`report`] (figures in the data's units, code vectors, pictures).
+//! Data flows from [`files::table`] (a text file) through [`scale`] (weights in [0, 1]), [`start`] and a
+//! training of `tinysom` to [`report`] (figures in the data's units, code vectors, pictures).
 
 pub mod args;
-mod lanes;
-pub mod map;
+pub mod measures;
 pub mod report;
 pub mod scale;
-pub mod train;
+pub mod start;
 
 pub use args::SomArgs;
-pub use map::DynSom;
 pub use report::Report;
 
-use amp::fixed::Weight32;
 use arena::noise::Noise;
 use args::Init;
 use files::error::BadInput;
 use files::table::Table;
+use measures::Measures;
 use scale::Scale;
 use std::path::Path;
-use train::Training;
+use tinysom::{DynSom, TrainConfig, Weight32};
 
 /// Does what the flags say and returns the text for standard output, without a newline at its end.
 ///
@@ -33,16 +31,16 @@ pub fn run(args: &SomArgs) -> Result<String, BadInput> {
         Some(scale) => scale,
         None => Scale::of(&data)?,
     };
-    let samples = scale.samples(&data)?;
-    let training = training(args, &data)?;
+    let mut samples = scale.samples(&data)?;
+    let config = train_config(args, &data)?;
     let mut noise = Noise::new(args.seed);
-    let mut map = start(args, scale, &samples, data.columns(), &mut noise)?;
+    let mut map = start_map(args, scale, &samples, data.columns(), &mut noise)?;
     if let Some(folder) = &args.out {
         // A folder that cannot be made is better known before the training than after it.
         report::write_files(folder, &[])?;
     }
-    train::train(&mut map, &samples, &training, &mut noise);
-    let measures = map.measure(&samples);
+    map.train(&mut samples, &config, |below| noise.index(below));
+    let measures = Measures::of(&map, &samples);
     if let Some(folder) = &args.out {
         let record = report::record(&map, &measures, scale);
         let code = report::code_vectors_csv(&record, &data.names, scale.decimals());
@@ -65,7 +63,7 @@ pub fn run(args: &SomArgs) -> Result<String, BadInput> {
     })
 }
 
-fn training(args: &SomArgs, data: &Table) -> Result<Training, BadInput> {
+fn train_config(args: &SomArgs, data: &Table) -> Result<TrainConfig, BadInput> {
     let samples = data.rows.len();
     if samples as u64 * u64::from(args.epochs) > u64::from(u32::MAX) {
         return Err(BadInput::new(format!(
@@ -75,16 +73,16 @@ fn training(args: &SomArgs, data: &Table) -> Result<Training, BadInput> {
             u32::MAX
         )));
     }
-    Ok(Training {
+    Ok(TrainConfig {
         neighborhood: args.neighborhood,
         rate: args.rate,
         radius: args.radius()?,
         epochs: args.epochs,
-        order: args.order,
+        order: args.order.into(),
     })
 }
 
-fn start(
+fn start_map(
     args: &SomArgs,
     scale: Scale,
     samples: &[Weight32],
@@ -92,8 +90,8 @@ fn start(
     noise: &mut Noise,
 ) -> Result<DynSom, BadInput> {
     match &args.init {
-        Init::Samples => Ok(train::start_at_samples(args.grid, dims, samples, noise)),
-        Init::Random => Ok(train::start_at_random(args.grid, dims, samples, noise)),
+        Init::Samples => start::start_at_samples(args.grid, dims, samples, noise),
+        Init::Random => start::start_at_random(args.grid, dims, samples, noise),
         Init::File(path) => start_at_table(args, scale, dims, path),
     }
 }
@@ -117,7 +115,7 @@ fn start_at_table(
         );
         return Err(BadInput::file(path, what));
     }
-    Ok(DynSom::new(args.grid, dims, scale.code(&table)?))
+    start::map_of(args.grid, dims, scale.code(&table)?)
 }
 
 #[cfg(test)]

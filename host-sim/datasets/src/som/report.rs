@@ -1,6 +1,6 @@
 //! What is told about a trained map: figures, code vectors, and the record pictures are drawn from.
 
-use super::map::{DynSom, Measures};
+use super::measures::{Measures, u_matrix};
 use super::scale::Scale;
 use files::error::BadInput;
 use files::table::Table;
@@ -8,6 +8,7 @@ use serde::Serialize;
 use sim::recording::MapRecord;
 use std::fmt;
 use std::path::Path;
+use tinysom::DynSom;
 
 /// The figures of a trained map; distances in the data's own units.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -61,8 +62,7 @@ pub fn record(map: &DynSom, measures: &Measures, scale: Scale) -> MapRecord {
         grid: [map.grid().columns(), map.grid().rows()],
         code: map.code_vectors().map(values).collect(),
         hits: measures.hits.clone(),
-        u_matrix: map
-            .u_matrix()
+        u_matrix: u_matrix(map)
             .iter()
             .map(|distance| distance * scale.span())
             .collect(),

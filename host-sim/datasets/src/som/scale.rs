@@ -5,11 +5,11 @@
 //! nothing in the data's units; whoever wants that standardises the columns before.) Samples and code vectors
 //! have steps of 2⁻²⁹ of the whole range.
 
-use amp::fixed::{FINE_ONE_BITS, Weight32};
 use files::error::BadInput;
 use files::table::Table;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
+use tinysom::fixed::{FINE_ONE_BITS, Weight32};
 
 /// Half a step of a weight.
 const HALF_STEP: f64 = 0.5 / FINE_ONE_BITS as f64;

@@ -1,10 +1,7 @@
 use super::*;
-use amp::fixed::{Scalar as _, Weight32};
-use amp::som::metrics::MapView;
-use amp::som::neighborhood::{Update, View};
-use amp::som::{Grid, Neighborhood, Som};
 use clap::{Args as _, FromArgMatches as _};
 use tempfile::TempDir;
+use tinysom::Grid;
 
 /// A folder with `data.csv`: 60 samples of 3 values between 10 and 30, with heading and labels.
 fn folder() -> TempDir {
@@ -172,77 +169,33 @@ fn the_smallest_maps_and_tables_work() {
     }
 }
 
-/// A map of run-time size is the same map: 31 components, the most of the robot's.
-#[test]
-fn it_learns_as_the_robot_does() {
-    let mut noise = Noise::new(3);
-    let mut draw = |count: usize| -> Vec<amp::fixed::Weight> {
-        let bits = (0..count).map(|_| noise.index(8_193) as i32);
-        bits.map(amp::fixed::unit_weight).collect()
-    };
-    let (code, samples) = (draw(6 * 31), draw(200 * 31));
-    let to_weight32 = |weights: &[amp::fixed::Weight]| {
-        weights.iter().map(|w| w.to_weight32()).collect::<Vec<_>>()
-    };
-    let grid = Grid::rectangle(3, 2);
-    for shape in [Neighborhood::Direct, Neighborhood::Gaussian] {
-        let mut fixed = Som::<6, 31>::new(grid, std::array::from_fn(|k| code.as_chunks().0[k]));
-        let mut dynamic = DynSom::new(grid, 31, to_weight32(&code));
-        let mut axis = dynamic.axis();
-        dynamic.learn_all(
-            &to_weight32(&samples),
-            View::new(shape, 9_000, 40_000, &mut axis),
-        );
-        let pull = Update::<6>::new(shape, 9_000, 40_000);
-        for probe in samples.as_chunks::<31>().0 {
-            let winner = fixed.winner(probe, amp::fixed::Mask::ALL);
-            fixed.learn(winner, probe, amp::fixed::Mask::ALL, &pull);
-        }
-        let MapView { code, .. } = fixed.view();
-        assert_eq!(
-            dynamic
-                .code_vectors()
-                .flatten()
-                .copied()
-                .collect::<Vec<_>>(),
-            code
-        );
-        let (quality, hits) = fixed.quality(samples.as_chunks().0);
-        let measures = dynamic.measure(&to_weight32(&samples));
-        assert_eq!(measures.hits, hits.map(|hit| hit as usize));
-        assert_eq!(
-            measures.topographic_error,
-            f64::from(quality.apart()) / 200.0
-        );
-    }
-}
-
-#[test]
-fn the_shuffle_keeps_every_sample() {
-    let samples: Vec<_> = (0..50).map(Weight32::from_bits).collect();
-    let mut shuffled = samples.clone();
-    train::shuffle(&mut shuffled, 2, &mut Noise::new(1));
-    assert_ne!(shuffled, samples);
-    let mut rows: Vec<_> = shuffled.chunks(2).collect();
-    rows.sort();
-    assert_eq!(rows.concat(), samples);
-}
-
 #[test]
 fn starts_lie_among_the_samples() {
     let bits = [100, 7_000, 300, 8_000, 200, 7_500];
     let samples: Vec<_> = bits.map(Weight32::from_bits).to_vec();
-    let map = train::start_at_samples(Grid::chain(3), 2, &samples, &mut Noise::new(1));
+    let map = start::start_at_samples(Grid::chain(3), 2, &samples, &mut Noise::new(1)).unwrap();
     let mut rows: Vec<_> = map.code_vectors().map(<[_]>::to_vec).collect();
     rows.sort();
     assert_eq!(
         rows.concat(),
         [100, 7_000, 200, 7_500, 300, 8_000].map(Weight32::from_bits)
     );
-    let map = train::start_at_random(Grid::chain(100), 2, &samples, &mut Noise::new(1));
+    let map = start::start_at_random(Grid::chain(100), 2, &samples, &mut Noise::new(1)).unwrap();
     for row in map.code_vectors() {
         assert!(
             (100..=300).contains(&row[0].to_bits()) && (7_000..=8_000).contains(&row[1].to_bits())
         );
     }
+}
+
+#[test]
+fn more_columns_than_a_map_has_components_are_refused() {
+    let folder = folder();
+    let line = vec!["1"; 4_096].join(",");
+    std::fs::write(folder.path().join("data.csv"), format!("{line}\n")).unwrap();
+    let error = som(&folder, "--grid 1x1").unwrap_err();
+    assert!(
+        error.contains("4096 components are more than 4095"),
+        "{error}"
+    );
 }

@@ -9,7 +9,7 @@
 
 use super::learning::{Experience, Learner, Reward, Schooling, Values};
 use amp::fixed::{Mask, Weight};
-use amp::som::neighborhood::Update;
+use amp::som::Update;
 use amp::som::{Grid, Neighborhood, Som};
 use arena::world::Point;
 
@@ -101,7 +101,7 @@ impl QSom {
     fn answering(&self, situation: &Values) -> usize {
         let probe = vector(&self.tuning, situation, Point::default(), 1.0);
         let mask = Mask::ALL.without(ACTION).without(ACTION + 1);
-        self.map.winner(&probe, mask)
+        self.map.bmu(&probe, mask)
     }
 
     /// A neuron's Q in units of 1/(1 − γ).
@@ -140,7 +140,7 @@ impl Learner for QSom {
     fn learn(&mut self, experience: &Experience) {
         let Tuning { rate, discount, .. } = self.tuning;
         let probe = vector(&self.tuning, &experience.before, experience.asked, 0.0);
-        let winner = self.map.winner(&probe, Mask::ALL.without(VALUE));
+        let winner = self.map.bmu(&probe, Mask::ALL.without(VALUE));
         let most = self.value(self.answering(&experience.after));
         let value = self.value(winner);
         let target = experience.reward * (1.0 - discount) + discount * most;
@@ -148,9 +148,9 @@ impl Learner for QSom {
         let fading = libm::exp(-f64::from(self.learned) / self.tuning.fades);
         let pull = (self.tuning.pull * fading).max(self.tuning.pull_least);
         let q16 = |value: f64| (value * 65_536.0 + 0.5) as u32;
-        let pull = Update::new(Neighborhood::Direct, q16(pull), q16(self.tuning.share));
+        let pull = Update::from_q16(Neighborhood::Direct, q16(pull), q16(self.tuning.share));
         let lesson = vector(&self.tuning, &experience.before, experience.asked, value);
-        self.map.learn(winner, &lesson, Mask::ALL, &pull);
+        self.map.update(winner, &lesson, Mask::ALL, &pull);
         self.learned = self.learned.saturating_add(1);
     }
 

@@ -16,7 +16,7 @@
 
 use super::learning::{Experience, Learner, Reward, Schooling, Values, best_of};
 use amp::fixed::{Mask, Weight};
-use amp::som::neighborhood::Update;
+use amp::som::Update;
 use amp::som::{Grid, Neighborhood, Som};
 use arena::world::Point;
 
@@ -105,7 +105,7 @@ impl QTwoSoms {
     }
 
     fn situation_neuron(&self, situation: &Values) -> usize {
-        self.situations.winner(&situation.map(weight), Mask::ALL)
+        self.situations.bmu(&situation.map(weight), Mask::ALL)
     }
 
     fn row(&self, neuron: usize) -> [f64; NEURONS] {
@@ -151,7 +151,7 @@ impl Learner for QTwoSoms {
     fn learn(&mut self, experience: &Experience) {
         let asked = weights(experience.asked);
         let state = self.situation_neuron(&experience.before);
-        let action = self.actions.winner(&asked, Mask::ALL);
+        let action = self.actions.bmu(&asked, Mask::ALL);
         let next = self.row(self.situation_neuron(&experience.after));
         let most = next.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let target = experience.reward + self.tuning.discount * most;
@@ -159,9 +159,9 @@ impl Learner for QTwoSoms {
         let width = self.tuning.width * faded;
         let q16 = |value: f64| (value * 65_536.0 + 0.5) as u32;
         let rate = q16(self.tuning.pull * faded);
-        let pull = Update::new(Neighborhood::Gaussian, rate, q16(width));
+        let pull = Update::from_q16(Neighborhood::Gaussian, rate, q16(width));
         if target > self.row(state).get(action).copied().unwrap_or(0.0) {
-            self.actions.learn(action, &asked, Mask::ALL, &pull);
+            self.actions.update(action, &asked, Mask::ALL, &pull);
         }
         let actions = nearness(action, width);
         for (row, near) in self.values.iter_mut().zip(nearness(state, width)) {
@@ -174,7 +174,7 @@ impl Learner for QTwoSoms {
             }
         }
         let before = experience.before.map(weight);
-        self.situations.learn(state, &before, Mask::ALL, &pull);
+        self.situations.update(state, &before, Mask::ALL, &pull);
         self.learned = self.learned.saturating_add(1);
     }
 

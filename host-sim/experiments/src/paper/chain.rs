@@ -4,10 +4,10 @@
 //! that go with them (three points in four lie in one half of the cube). The figure does not say how its chain was
 //! trained; here: 40 000 presentations, a Gaussian neighborhood whose radius falls from 8 to 0.5 neurons.
 
-use amp::fixed::Weight32;
-use amp::som::{Decay, Grid, Neighborhood, Schedule};
 use arena::noise::Noise;
-use datasets::som::train::{Order, Training, start_at_samples, train};
+use datasets::som::measures::Measures;
+use datasets::som::start::start_at_samples;
+use tinysom::{Decay, Grid, Neighborhood, SampleOrder, Schedule, TrainConfig, Weight32};
 
 /// Neurons of the chain.
 pub const NEURONS: usize = 32;
@@ -91,14 +91,14 @@ impl Chain {
     pub fn trained(cloud: Cloud, seed: u64) -> Self {
         let mut noise = Noise::new(seed);
         let points: Vec<_> = (0..POINTS).map(|_| cloud.draw(&mut noise)).collect();
-        let samples = flat(&points);
+        let mut samples = flat(&points);
         let grid = Grid::chain(NEURONS as u16);
-        let mut map = start_at_samples(grid, 3, &samples, &mut noise);
-        train(&mut map, &samples, &training(), &mut noise);
+        let mut map = start_at_samples(grid, 3, &samples, &mut noise).expect("three components");
+        map.train(&mut samples, &train_config(), |below| noise.index(below));
         let mut probes =
             |cloud: Cloud| -> Vec<_> { (0..PROBES).map(|_| cloud.draw(&mut noise)).collect() };
-        let measured = map.measure(&flat(&probes(cloud)));
-        let everywhere = map.measure(&flat(&probes(Cloud::Uniform)));
+        let measured = Measures::of(&map, &flat(&probes(cloud)));
+        let everywhere = Measures::of(&map, &flat(&probes(Cloud::Uniform)));
         let code: Vec<Point3> = map.code_vectors().map(point_of).collect();
         Self {
             in_the_void: code.iter().filter(|point| !cloud.covers(point)).count(),
@@ -148,13 +148,13 @@ impl Chain {
 }
 
 /// How the chain learns; the rate falls from 0.5 to 0.02.
-fn training() -> Training {
-    Training {
+fn train_config() -> TrainConfig {
+    TrainConfig {
         neighborhood: Neighborhood::Gaussian,
-        rate: Schedule::new(32_768, 1_311, Decay::Exponential),
-        radius: Schedule::new(8 << 16, 32_768, Decay::Exponential),
+        rate: Schedule::from_q16(32_768, 1_311, Decay::Exponential),
+        radius: Schedule::from_q16(8 << 16, 32_768, Decay::Exponential),
         epochs: EPOCHS,
-        order: Order::Shuffled,
+        order: SampleOrder::Shuffled,
     }
 }
 

@@ -87,7 +87,7 @@ impl Discreteness {
         let situations: Vec<_> = seen.iter().map(|seen| seen.situation).collect();
         let judge = |map: &Som<16, 16>| {
             let (quality, hits) = map.quality(&situations);
-            let error = quality.quantization_error_q21() as f64 / f64::from(1 << 21);
+            let error = quality.quantization_error();
             (error, hits.iter().filter(|&&hit| hit > 0).count())
         };
         let (error_before, used_before) = judge(before.situations());

@@ -3,6 +3,7 @@
 use super::{Told, size};
 use crate::cli::Failure;
 use datasets::learn::{Map, Method, Score};
+use datasets::som::measures::u_matrix;
 use datasets::som::report::{code_vectors_csv, write_files};
 use plots::{Figure, LabeledMap};
 use sim::recording::MapRecord;
@@ -81,9 +82,7 @@ impl Told<'_> {
             grid: [map.grid.columns(), map.grid.rows()],
             code: map.situations.code_vectors().map(nearness).collect(),
             hits: map.learned.hits.clone(),
-            u_matrix: map
-                .situations
-                .u_matrix()
+            u_matrix: u_matrix(&map.situations)
                 .iter()
                 .map(|distance| distance * self.span())
                 .collect(),

@@ -252,7 +252,7 @@ fn a_decision_is_taken_by_the_maps_as_they_are() {
             let decision = out.decision.expect("a decision");
             let plan = decision.plan.expect("a plan");
             let map = bench.state.situations();
-            let nearest = map.winner(&decision.situation, Mask::ALL);
+            let nearest = map.bmu(&decision.situation, Mask::ALL);
             let deviation = |k: &usize| goal.distance(&map.code_vector(*k), Mask::ALL);
             let wanted = (0..16).min_by_key(deviation).expect("a neuron");
             assert_eq!(

@@ -1,10 +1,11 @@
 //! How learning rate and radius fall while a map learns.
 
-use crate::fixed::{exp2_neg, log2_ratio};
-use serde::{Deserialize, Serialize};
+use crate::fixed::{exp2_neg, log2_ratio, q16};
 
 /// The shape of the fall; t runs from 0 to 1 over the training.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Decay {
     /// start + (end − start) · t
     Linear,
@@ -14,17 +15,22 @@ pub enum Decay {
     Inverse,
 }
 
-/// A value that falls from `start` to `end` over a training; Q16 (65 536 = 1.0), never rising.
+/// A value that falls from `start` to `end` over a training and never rises; kept in Q16 (65 536 = 1.0).
 ///
 /// ```
-/// # use amp::som::{Decay, Schedule};
-/// let rate = Schedule::new(32_768, 8_192, Decay::Exponential); // 0.5 → 0.125
+/// # use tinysom::{Decay, Schedule};
+/// let rate = Schedule::new(0.5, 0.125, Decay::Exponential);
 /// assert_eq!(rate.at(0, 100), 32_768);
 /// assert_eq!(rate.at(50, 100), 16_384);
 /// assert_eq!(rate.at(100, 100), 8_192);
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(from = "(u32, u32, Decay)", into = "(u32, u32, Decay)")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(from = "(u32, u32, Decay)", into = "(u32, u32, Decay)")
+)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Schedule {
     start_q16: u32,
     end_q16: u32,
@@ -35,7 +41,7 @@ pub struct Schedule {
 
 impl From<(u32, u32, Decay)> for Schedule {
     fn from((start_q16, end_q16, decay): (u32, u32, Decay)) -> Self {
-        Self::new(start_q16, end_q16, decay)
+        Self::from_q16(start_q16, end_q16, decay)
     }
 }
 
@@ -46,10 +52,17 @@ impl From<Schedule> for (u32, u32, Decay) {
 }
 
 impl Schedule {
-    /// A fall from `start_q16` to `end_q16`; an end above the start is lowered to it. An exponential or inverse fall never
-    /// reaches 0: an end of 0 counts as 2⁻¹⁶ there.
+    /// A fall from `start` to `end`, from 0 to 65 535; an end above the start is lowered to it.
+    ///
+    /// An exponential or inverse fall never reaches 0: an end of 0 counts as 2⁻¹⁶ there.
     #[must_use]
-    pub const fn new(start_q16: u32, end_q16: u32, decay: Decay) -> Self {
+    pub const fn new(start: f32, end: f32, decay: Decay) -> Self {
+        Self::from_q16(q16(start), q16(end), decay)
+    }
+
+    /// The same with both ends in Q16.
+    #[must_use]
+    pub const fn from_q16(start_q16: u32, end_q16: u32, decay: Decay) -> Self {
         let end = if end_q16 > start_q16 {
             start_q16
         } else {
@@ -63,10 +76,10 @@ impl Schedule {
         }
     }
 
-    /// A value that does not fall.
+    /// A value in Q16 that does not fall.
     #[must_use]
     pub const fn constant(value_q16: u32) -> Self {
-        Self::new(value_q16, value_q16, Decay::Linear)
+        Self::from_q16(value_q16, value_q16, Decay::Linear)
     }
 
     /// The value at the beginning, Q16.
@@ -115,12 +128,12 @@ impl Schedule {
                 (top / bottom) as u64
             }
         };
-        // Not `clamp`, which panics where the end lies above the start: `new` has seen to that.
+        // Not `clamp`: it panics where the end is above the start, which `from_q16` rules out.
         (value as u32).max(self.end_q16).min(self.start_q16)
     }
 }
 
-/// `numerator / denominator`, in 32 bits where they suffice: one instruction on the chip instead of hundreds.
+/// `numerator / denominator`, in 32 bits where they suffice: one instruction instead of hundreds.
 fn ratio(numerator: u64, denominator: u64) -> u64 {
     let small = (u32::try_from(numerator), u32::try_from(denominator));
     if let (Ok(numerator), Ok(denominator)) = small
@@ -154,13 +167,13 @@ mod tests {
 
     #[test]
     fn a_schedule_is_what_it_was_made_of_and_at_the_worst_constant() {
-        let fall = Schedule::new(500, 20, Decay::Inverse);
+        let fall = Schedule::from_q16(500, 20, Decay::Inverse);
         assert_eq!(
             (fall.start_q16(), fall.end_q16(), fall.decay()),
             (500, 20, Decay::Inverse)
         );
         assert_eq!(
-            Schedule::new(20, 500, Decay::Linear),
+            Schedule::from_q16(20, 500, Decay::Linear),
             Schedule::constant(20)
         );
         assert_eq!(<(u32, u32, Decay)>::from(fall), (500, 20, Decay::Inverse));
@@ -174,7 +187,7 @@ mod tests {
         );
         // Numbers beyond 32 bits.
         assert_eq!(
-            Schedule::new(1 << 31, 0, Decay::Linear).at(1 << 30, u32::MAX),
+            Schedule::from_q16(1 << 31, 0, Decay::Linear).at(1 << 30, u32::MAX),
             (1 << 31) - (1 << 29)
         );
     }
@@ -184,7 +197,7 @@ mod tests {
         fn never_rises_and_keeps_its_ends(
             decay in decays(), start in 0_u32..10_000_000, end in 0_u32..10_000_000, steps in 1_u32..2_000,
         ) {
-            let schedule = Schedule::new(start, end, decay);
+            let schedule = Schedule::from_q16(start, end, decay);
             prop_assert_eq!(schedule.at(0, steps), start);
             prop_assert_eq!(schedule.at(steps, steps), end.min(start));
             let mut last = u32::MAX;
@@ -199,7 +212,7 @@ mod tests {
         fn follows_its_formula(decay in decays(), start in 600_u32..655_360, ratio in 1.0_f64..100.0, t in 0_u32..=1000) {
             let end = (f64::from(start) / ratio) as u32;
             prop_assume!(end > 0);
-            let value = f64::from(Schedule::new(start, end, decay).at(t, 1000));
+            let value = f64::from(Schedule::from_q16(start, end, decay).at(t, 1000));
             let exact = formula(decay, f64::from(start), f64::from(end), f64::from(t) / 1000.0);
             prop_assert!((value - exact).abs() <= 1.5 + exact * 2e-4, "{value} {exact}");
         }

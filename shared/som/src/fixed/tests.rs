@@ -35,15 +35,6 @@ fn log2_ratio_error_bound() {
 }
 
 #[test]
-fn halves_round_away_from_zero() {
-    assert_eq!(
-        (div_round(5, -2), div_round(-5, -2), div_round(4, 3)),
-        (-3, 3, 1)
-    );
-    assert_eq!(div_round(1, 0), 0);
-}
-
-#[test]
 fn a_mask_holds_what_it_is_given_and_everything_beyond_its_bits() {
     for index in [0, 5, 31] {
         let (one, others) = (Mask::NONE.with(index), Mask::ALL.without(index));
@@ -112,10 +103,7 @@ fn gains_multiply_to_the_nearest_and_know_their_half() {
     assert_eq!(Gain::ONE.times(gain(77)), gain(77));
     assert!(gain((1 << 29) - 1).is_below_half() && !gain(1 << 29).is_below_half());
     let below = gain((1 << 29) - 1);
-    assert_eq!(
-        (below.to_q32(), Gain::from_q32(below.to_q32())),
-        (i32::MAX - 3, below)
-    );
+    assert_eq!(below.to_q32(), i32::MAX - 3);
 }
 
 #[test]
@@ -157,14 +145,6 @@ fn powers_of_two_end_with_the_last_bit() {
 #[test]
 fn quotients_at_the_ends_do_not_overflow() {
     assert_eq!(
-        (div_round(i32::MAX, 2), div_round(i32::MIN, 2)),
-        ((1 << 30) - 1, -(1 << 30))
-    );
-    assert_eq!(
-        (div_round(i32::MIN, -1), div_round(7, i32::MIN)),
-        (i32::MIN, 0)
-    );
-    assert_eq!(
         (
             quotient(i64::MIN, -1),
             quotient(9, 0),
@@ -179,12 +159,6 @@ proptest! {
     fn a_quotient_is_the_same_in_32_and_64_bits(a in any::<i64>(), b in any::<i64>(), shifts in (0_u32..63, 0_u32..63)) {
         let (a, b) = (a >> shifts.0, b >> shifts.1);
         prop_assert_eq!(quotient(a, b), a.checked_div(b).unwrap_or(0));
-    }
-
-    #[test]
-    fn slow_steps_are_those_of_approach(from in -1_i32 << 29..=1 << 29, to in -1_i32 << 29..=1 << 29, gain in 0_u32..1 << 29) {
-        let (a, b, gain) = (Weight32::from_bits(from), Weight32::from_bits(to), Gain::from_bits(gain));
-        prop_assert_eq!(approach_slowly(a, b, gain), approach(a, b, gain));
     }
 
     #[test]
@@ -222,4 +196,11 @@ proptest! {
         let root = u128::from(isqrt(value));
         prop_assert!(root * root <= u128::from(value) && (root + 1) * (root + 1) > u128::from(value));
     }
+}
+
+#[test]
+fn plain_numbers_become_q16() {
+    assert_eq!((q16(0.5), q16(1.0), q16(0.0)), (32_768, 65_536, 0));
+    assert_eq!((q16(-3.0), q16(f32::NAN), q16(1e9)), (0, 0, u32::MAX));
+    assert_eq!(q16(0.01), 655, "655.36 is rounded");
 }

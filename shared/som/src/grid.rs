@@ -1,13 +1,11 @@
 //! Where the neurons stand: a rectangle with four direct neighbors each, or a chain with two.
 
 use crate::fixed::Mask;
-use serde::{Deserialize, Serialize};
-
-/// Index of a neuron that does not exist.
-pub(crate) const NOBODY: usize = usize::MAX;
 
 /// What happens at the border of the grid.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Edges {
     /// Neurons at the border have fewer neighbors.
     #[default]
@@ -16,21 +14,29 @@ pub enum Edges {
     Wrapped,
 }
 
-/// A rectangular grid; neuron `k` stands in column `k % columns`, row `k / columns`. A chain is a grid of one row.
+/// A rectangular grid; neuron `k` stands in column `k % columns`, row `k / columns`.
+///
+/// A chain is a grid of one row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(from = "(u16, u16, Edges)", into = "(u16, u16, Edges)")
+)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Grid {
-    /// Columns beyond the first: there is at least one, and a map on a grid of one neuron is all zeros.
+    /// Columns after the first: an all-zero grid is one neuron, and static maps of it take no flash.
     more_columns: u16,
-    /// Rows beyond the first.
+    /// Rows after the first.
     more_rows: u16,
     edges: Edges,
 }
 
-/// The paper's grid.
-const PAPERS: Grid = Grid::rectangle(4, 4);
+/// The grid of [`NEIGHBORS_4X4`].
+const GRID_4X4: Grid = Grid::rectangle(4, 4);
 
-/// Bit by bit who stands around each of its neurons. A table, because learning asks 20 000 times.
-static AROUND: [u16; 16] = {
+/// Direct neighbors of each neuron, bit by bit: a table saves 60 instructions per update on a Cortex-M4.
+static NEIGHBORS_4X4: [u16; 16] = {
     let mut around = [0; 16];
     let mut k = 0;
     while k < 16 {
@@ -42,6 +48,23 @@ static AROUND: [u16; 16] = {
     }
     around
 };
+
+impl From<(u16, u16, Edges)> for Grid {
+    fn from((columns, rows, edges): (u16, u16, Edges)) -> Self {
+        Self::rectangle(columns, rows).with_edges(edges)
+    }
+}
+
+impl From<Grid> for (u16, u16, Edges) {
+    fn from(grid: Grid) -> Self {
+        let length = |more: u16| more.saturating_add(1);
+        (
+            length(grid.more_columns),
+            length(grid.more_rows),
+            grid.edges,
+        )
+    }
+}
 
 impl Grid {
     /// A grid of `columns` × `rows` neurons, at least 1 × 1.
@@ -131,54 +154,51 @@ impl Grid {
         dx.saturating_add(dy)
     }
 
-    /// The direct neighbors of neuron `k`: left, right, above, below, as far as they exist.
-    pub fn neighbors(self, k: usize) -> impl Iterator<Item = usize> {
-        let around = self.around(k).into_iter();
-        around.filter(|&neighbor| neighbor != NOBODY)
-    }
-
-    /// The direct neighbors of neuron `k`: left, right, above, below; [`NOBODY`] for one that does not exist.
+    /// The direct neighbors of neuron `k` in the order left, right, above, below; at most four.
     #[inline]
-    pub(crate) fn around(self, k: usize) -> [usize; 4] {
+    pub fn neighbors(self, k: usize) -> impl Iterator<Item = usize> {
         let (x, y) = self.position(k);
         let (columns, rows) = (self.columns(), self.rows());
-        let before = |place: usize, length: usize| match self.edges {
-            Edges::Open => place.checked_sub(1),
-            Edges::Wrapped if length > 2 => Some(place.checked_sub(1).unwrap_or(length - 1)),
-            // Along an axis of two the neighbor before is the neighbor after: it counts once.
-            Edges::Wrapped => None,
+        let in_row = move |x: usize| y * columns + x;
+        let in_column = move |y: usize| y * columns + x;
+        let around = if k < self.len() {
+            [
+                self.before(x, columns).map(in_row),
+                self.after(x, columns).map(in_row),
+                self.before(y, rows).map(in_column),
+                self.after(y, rows).map(in_column),
+            ]
+        } else {
+            [None; 4]
         };
-        let after = |place: usize, length: usize| match self.edges {
-            Edges::Open => Some(place + 1).filter(|&next| next < length),
-            Edges::Wrapped if length > 1 => {
-                Some(place + 1).filter(|&next| next < length).or(Some(0))
-            }
-            Edges::Wrapped => None,
-        };
-        if k >= self.len() {
-            return [NOBODY; 4];
-        }
-        let in_row = |x: Option<usize>| x.map_or(NOBODY, |x| y * columns + x);
-        let in_column = |y: Option<usize>| y.map_or(NOBODY, |y| y * columns + x);
-        [
-            in_row(before(x, columns)),
-            in_row(after(x, columns)),
-            in_column(before(y, rows)),
-            in_column(after(y, rows)),
-        ]
+        around.into_iter().flatten()
     }
 
-    /// The direct neighbors of neuron `k` on a grid of at most 32 neurons, of which some are left out on a larger one.
-    pub(crate) fn mask_around(self, k: usize) -> Mask {
-        if self == PAPERS {
-            let bits = AROUND.get(k).copied().unwrap_or(0);
+    /// The place before `place` along an axis.
+    const fn before(self, place: usize, length: usize) -> Option<usize> {
+        match (place.checked_sub(1), self.edges) {
+            // Along a wrapped axis of two, the place before is the place after: it counts once.
+            (_, Edges::Wrapped) if length <= 2 => None,
+            (None, Edges::Wrapped) => Some(length - 1),
+            (before, _) => before,
+        }
+    }
+
+    /// The place after `place` along an axis.
+    const fn after(self, place: usize, length: usize) -> Option<usize> {
+        match self.edges {
+            _ if place + 1 < length => Some(place + 1),
+            Edges::Wrapped if length > 1 => Some(0),
+            _ => None,
+        }
+    }
+
+    /// The direct neighbors of neuron `k`; those from 32 on are left out.
+    pub(crate) fn neighbor_mask(self, k: usize) -> Mask {
+        if self == GRID_4X4 {
+            let bits = NEIGHBORS_4X4.get(k).copied().unwrap_or(0);
             return Mask::from_bits(u32::from(bits));
         }
-        self.mask_of_neighbors(k)
-    }
-
-    #[inline(never)]
-    fn mask_of_neighbors(self, k: usize) -> Mask {
         self.neighbors(k).fold(Mask::NONE, Mask::with)
     }
 
@@ -230,13 +250,13 @@ mod tests {
     }
 
     #[test]
-    fn a_mask_says_who_is_around() {
+    fn the_mask_of_neighbors_holds_the_neighbors() {
         for edges in [Edges::Open, Edges::Wrapped] {
             for (columns, rows) in [(4, 4), (16, 1), (32, 1), (1, 32), (5, 3), (2, 2), (1, 1)] {
                 let grid = Grid::rectangle(columns, rows).with_edges(edges);
                 for k in 0..34 {
                     let around = grid.neighbors(k).collect::<Vec<_>>();
-                    let mask = grid.mask_around(k).to_bits();
+                    let mask = grid.neighbor_mask(k).to_bits();
                     let bits = (0..32).filter(|k| mask & (1 << k) != 0);
                     let mut around = around.clone();
                     around.sort_unstable();

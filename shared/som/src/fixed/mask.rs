@@ -1,0 +1,86 @@
+//! Which components of a vector count.
+
+/// Bit `i` for component `i`; components from 32 on always count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Mask(u32);
+
+impl Mask {
+    /// Every component counts.
+    pub const ALL: Self = Self(u32::MAX);
+
+    /// None of the first 32 components counts.
+    pub const NONE: Self = Self(0);
+
+    /// The mask with these raw bits.
+    #[must_use]
+    pub const fn from_bits(bits: u32) -> Self {
+        Self(bits)
+    }
+
+    /// Raw bits.
+    #[must_use]
+    pub const fn to_bits(self) -> u32 {
+        self.0
+    }
+
+    /// Whether component `index` counts.
+    #[must_use]
+    pub const fn contains(self, index: usize) -> bool {
+        index >= 32 || self.0 & (1 << index) != 0
+    }
+
+    /// Whether each of the first `dims` components counts.
+    #[must_use]
+    pub const fn covers(self, dims: usize) -> bool {
+        let low = first_bits(dims);
+        self.0 & low == low
+    }
+
+    /// Those of the first `count` components, at most 32, that count, in order.
+    pub fn indices(self, count: usize) -> impl Iterator<Item = usize> {
+        let mut left = self.0 & first_bits(count);
+        core::iter::from_fn(move || {
+            let first = left.trailing_zeros();
+            (left != 0).then(|| {
+                left &= left.wrapping_sub(1);
+                first as usize
+            })
+        })
+    }
+
+    /// This mask without component `index`.
+    #[must_use]
+    pub const fn without(self, index: usize) -> Self {
+        if index < 32 {
+            Self(self.0 & !(1 << index))
+        } else {
+            self
+        }
+    }
+
+    /// This mask with component `index`.
+    #[must_use]
+    pub const fn with(self, index: usize) -> Self {
+        if index < 32 {
+            Self(self.0 | (1 << index))
+        } else {
+            self
+        }
+    }
+
+    /// The components that count in both.
+    #[must_use]
+    pub const fn and(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+}
+
+const fn first_bits(count: usize) -> u32 {
+    if count >= 32 {
+        u32::MAX
+    } else {
+        (1 << count) - 1
+    }
+}

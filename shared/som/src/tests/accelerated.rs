@@ -1,0 +1,142 @@
+//! Kernels behind their door: plain ones stand in for a processor's.
+
+use super::*;
+use crate::fixed::high_product;
+use crate::kernels::{Group, Kernels};
+use core::cell::Cell;
+
+/// The contract of [`Kernels`] in plain words.
+static PLAIN: Kernels = Kernels { candidates, update };
+
+std::thread_local! {
+    /// Calls of `candidates` and of `update` by this test.
+    static CALLS: Cell<[u32; 2]> = const { Cell::new([0; 2]) };
+}
+
+/// Calls since the last time.
+fn calls() -> [u32; 2] {
+    CALLS.replace([0; 2])
+}
+
+fn count(kernel: usize) {
+    let mut calls = CALLS.get();
+    calls[kernel] += 1;
+    CALLS.set(calls);
+}
+
+extern "C" fn candidates(
+    code: &[[Weight32; 16]; 16],
+    bases: &[i32; 16],
+    probe: &[Weight; 16],
+    margin: i32,
+) -> u32 {
+    count(0);
+    let product = |(w, x): (&Weight32, &Weight)| {
+        ((i64::from(w.to_bits()) * i64::from(x.to_bits())) >> 16) as i32
+    };
+    let ranks: [i32; 16] = core::array::from_fn(|k| {
+        (bases[k] >> 1) - code[k].iter().zip(probe).map(product).sum::<i32>()
+    });
+    let least = *ranks.iter().min().unwrap();
+    let close = (0..16).filter(|k| ranks[*k] <= least.saturating_add(margin));
+    let close: Vec<u32> = close.map(|k| k as u32).collect();
+    match close[..] {
+        [only] => only,
+        _ => close.iter().map(|k| 1 << (16 + k)).sum(),
+    }
+}
+
+extern "C" fn update(
+    code: &mut [[Weight32; 16]; 16],
+    norms: &mut [i32; 16],
+    probe: &[Weight; 16],
+    groups: &[Group; 2],
+) {
+    count(1);
+    for group in groups {
+        let gain = Gain::from_bits((group.gain_q32 >> 2) as u32);
+        for k in (0..16).filter(|k| group.neurons & (1 << k) != 0) {
+            for (w, x) in code[k].iter_mut().zip(probe) {
+                *w = approach(*w, x.to_weight32(), gain);
+            }
+            norms[k] = code[k]
+                .iter()
+                .map(|w| high_product(w.to_bits(), w.to_bits()))
+                .sum();
+        }
+    }
+}
+
+proptest! {
+    /// Neurons a few units apart, or anywhere up to the ends: the same BMUs and updates as without.
+    #[test]
+    fn kernels_change_nothing(
+        middle in components(-8_192..=8_192, 16),
+        shifts in prop::collection::vec(-8_192_i32..=8_192, 16 * 16),
+        spread in prop_oneof![Just(1), Just(200), Just(1 << 17)],
+        probes in components(-8_192..=8_192, 4 * 16),
+        extra in prop::collection::vec(0_u64..1 << 55, 16),
+        extra_bits in 0_u32..56,
+        wrapped in any::<bool>(),
+        rate in 0_u32..=65_536,
+        share in prop_oneof![Just(0_u32), 0_u32..=65_536],
+        mask in prop_oneof![Just(Mask::ALL), any::<u32>().prop_map(Mask::from_bits)],
+    ) {
+        let edges = if wrapped { Edges::Wrapped } else { Edges::Open };
+        let mut portable = Som::<16, 16>::zeroed(SQUARE.with_edges(edges));
+        for (index, shift) in shifts.iter().enumerate() {
+            let value = (i32::from(middle[index % 16].to_bits()) << 16).saturating_add(shift * spread);
+            portable.set_component(index, Weight32::from_bits(value));
+        }
+        let mut map = portable.clone();
+        map.use_kernels(&PLAIN);
+        let update = Update::from_q16(Neighborhood::Direct, rate, share);
+        let extra = core::array::from_fn(|k| extra[k] >> extra_bits);
+        // The last probe is a code vector.
+        let own = portable.code_vector(3);
+        for probe in probes.as_chunks::<16>().0.iter().chain([&own]) {
+            let bmu = portable.bmu(probe, mask);
+            prop_assert_eq!(map.bmu(probe, mask), bmu);
+            prop_assert_eq!(map.bmu_with(probe, mask, &extra), portable.bmu_with(probe, mask, &extra));
+            portable.update(bmu, probe, mask, &update);
+            map.update(bmu, probe, mask, &update);
+            prop_assert_eq!(&map, &portable);
+        }
+        // Written from outside, the kernels know it too.
+        portable.set_code_vector(2, &own);
+        map.set_code_vector(2, &own);
+        prop_assert_eq!(map.bmu(&own, Mask::ALL), portable.bmu(&own, Mask::ALL));
+    }
+}
+
+/// Results alone do not tell whether the kernels were asked.
+#[test]
+fn kernels_are_asked_for_whole_vectors_of_their_size() {
+    let mut map = Som::<16, 16>::zeroed(SQUARE);
+    map.use_kernels(&PLAIN);
+    assert!(map.has_kernels() && !Som::<16, 16>::zeroed(SQUARE).has_kernels());
+    let (probe, some) = ([Weight::ONE; 16], Mask::ALL.without(3));
+    let update = |rate| Update::from_q16(Neighborhood::Direct, rate, 0);
+    calls();
+    for (mask, times) in [(Mask::ALL, 1), (some, 0)] {
+        let _ = map.bmu(&probe, mask);
+        assert_eq!(calls(), [times, 0]);
+        let _ = map.bmu_with(&probe, mask, &[1 << 53; 16]);
+        assert_eq!(calls(), [times, 0]);
+        map.update(0, &probe, mask, &update(32_767));
+        assert_eq!(calls(), [0, times]);
+    }
+    let _ = map.bmu_with(&probe, Mask::ALL, &[1 << 54; 16]);
+    map.update(0, &probe, Mask::ALL, &update(32_768));
+    map.update(
+        0,
+        &probe,
+        Mask::ALL,
+        &Update::new(Neighborhood::Gaussian, 0.1, 0.5),
+    );
+    assert_eq!(calls(), [0; 2]);
+    // As many components in all, but of another shape.
+    let mut other = Som::<32, 8>::zeroed(Grid::chain(32));
+    other.use_kernels(&PLAIN);
+    assert!(!other.has_kernels());
+}
