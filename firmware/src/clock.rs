@@ -8,7 +8,7 @@
 //! and that it has failed; it is then left alone until power comes on again. Such a crystal costs one restart, never one
 //! after the other without end.
 
-use crate::crash::Flags;
+use crate::crash::ResetFlags;
 use amp::wire::message::Oscillator;
 
 /// Frequencies of crystals that can be multiplied to the processor's clock, hertz.
@@ -54,17 +54,17 @@ pub struct Measurement {
 
 /// How often something may still be looked at, all waits together.
 #[derive(Debug)]
-pub struct Looks(u32);
+pub struct PollBudget(u32);
 
-impl Looks {
+impl PollBudget {
     /// So many looks.
     #[must_use]
-    pub const fn new(looks: u32) -> Self {
-        Self(looks)
+    pub const fn new(budget: u32) -> Self {
+        Self(budget)
     }
 
     /// Looks until something is so; `None` when there are no looks left.
-    pub fn until(&mut self, is_so: impl Fn() -> bool) -> Option<()> {
+    pub fn poll_until(&mut self, is_so: impl Fn() -> bool) -> Option<()> {
         while let Some(left) = self.0.checked_sub(1) {
             self.0 = left;
             if is_so() {
@@ -77,88 +77,88 @@ impl Looks {
 
 /// What is known of the crystal from runs before, since power came on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Trial {
+pub enum CrystalTrial {
     /// Nothing against it.
-    Clear,
+    NoFailure,
     /// It is measured, or has not clocked the program for long.
-    UnderWay,
+    OnTrial,
     /// It has failed.
     Failed,
 }
 
-impl Trial {
-    /// At the start: whether the crystal is tried (`UnderWay`) or left alone (`Failed`).
+impl CrystalTrial {
+    /// At the start: whether the crystal is tried (`OnTrial`) or left alone (`Failed`).
     ///
     /// Power that comes on gives it another trial. A start that hung ends by the watchdog; whether the crystal was the
     /// reason is not known, and it is given up. A reset by the pin, or one that a debugger asks for, says nothing about it.
     #[must_use]
-    pub const fn at_start(self, flags: Flags) -> Self {
+    pub const fn on_start(self, flags: ResetFlags) -> Self {
         let has_failed = match self {
-            Self::Clear => false,
-            Self::UnderWay => flags.watchdog,
+            Self::NoFailure => false,
+            Self::OnTrial => flags.watchdog,
             Self::Failed => true,
         };
         if has_failed && !flags.power {
             Self::Failed
         } else {
-            Self::UnderWay
+            Self::OnTrial
         }
     }
 
     /// At a crash: a crystal under trial may have been the reason, and is given up. One that stops has failed in any case.
     #[must_use]
-    pub const fn at_crash(self) -> Self {
+    pub const fn on_crash(self) -> Self {
         match self {
-            Self::UnderWay => Self::Failed,
+            Self::OnTrial => Self::Failed,
             other => other,
         }
     }
 
     /// The program has run for some time.
     #[must_use]
-    pub const fn at_proof(self) -> Self {
+    pub const fn on_proven(self) -> Self {
         match self {
-            Self::UnderWay => Self::Clear,
+            Self::OnTrial => Self::NoFailure,
             other => other,
         }
     }
 }
 
-/// A [`Trial`] as memory keeps it. Every bit pattern is a value of this type; what no trial looks like counts as none.
+/// A [`CrystalTrial`] as memory keeps it. Every bit pattern is a value of this type; what no trial looks like counts as none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(C)]
-pub struct Note {
-    mark: u32,
+pub struct TrialRecord {
+    code: u32,
     complement: u32,
 }
 
-impl Note {
+impl TrialRecord {
     /// Marks of the trials; any numbers that memory is unlikely to hold by itself.
-    const UNDER_WAY: u32 = 0x5eed_c1a1;
+    const ON_TRIAL: u32 = 0x5eed_c1a1;
     const FAILED: u32 = 0x5eed_c1a2;
 
     /// The note of a trial.
     #[must_use]
-    pub const fn of(trial: Trial) -> Self {
-        let mark = match trial {
-            Trial::Clear => 0,
-            Trial::UnderWay => Self::UNDER_WAY,
-            Trial::Failed => Self::FAILED,
+    pub const fn of(trial: CrystalTrial) -> Self {
+        let code = match trial {
+            CrystalTrial::NoFailure => 0,
+            CrystalTrial::OnTrial => Self::ON_TRIAL,
+            CrystalTrial::Failed => Self::FAILED,
         };
         Self {
-            mark,
-            complement: !mark,
+            code,
+            complement: !code,
         }
     }
 
     /// The trial.
     #[must_use]
-    pub const fn trial(self) -> Trial {
-        match self.mark {
-            _ if self.complement != !self.mark => Trial::Clear,
-            Self::UNDER_WAY => Trial::UnderWay,
-            Self::FAILED => Trial::Failed,
-            _ => Trial::Clear,
+    pub const fn trial(self) -> CrystalTrial {
+        match self.code {
+            _ if self.complement != !self.code => CrystalTrial::NoFailure,
+            Self::ON_TRIAL => CrystalTrial::OnTrial,
+            Self::FAILED => CrystalTrial::Failed,
+            _ => CrystalTrial::NoFailure,
         }
     }
 }
@@ -166,15 +166,18 @@ impl Note {
 /// The clock source by what is known of the crystal and by a measurement, which is made only if the crystal is tried; `None`
 /// = the crystal did not start.
 #[must_use]
-pub fn choose(trial: Trial, measure: impl FnOnce() -> Option<Measurement>) -> ClockSource {
+pub fn choose_source(
+    trial: CrystalTrial,
+    measure: impl FnOnce() -> Option<Measurement>,
+) -> ClockSource {
     match trial {
-        Trial::Failed => ClockSource::Internal,
-        Trial::Clear | Trial::UnderWay => by(measure()),
+        CrystalTrial::Failed => ClockSource::Internal,
+        CrystalTrial::NoFailure | CrystalTrial::OnTrial => source_by(measure()),
     }
 }
 
 /// The clock source by a measurement.
-fn by(measured: Option<Measurement>) -> ClockSource {
+fn source_by(measured: Option<Measurement>) -> ClockSource {
     let hz = measured.and_then(|measured| {
         let periods = u64::from(measured.periods) * u64::from(measured.reference_hz);
         periods.checked_div(measured.ticks.into())
@@ -211,7 +214,8 @@ mod tests {
     fn each_crystal_is_recognized_over_the_references_whole_range() {
         for hz in [4_000_000, 8_000_000, 12_000_000, 16_000_000, 25_000_000] {
             for deviation in -80..=45 {
-                let chosen = choose(Trial::UnderWay, || measured(hz.into(), deviation));
+                let chosen =
+                    choose_source(CrystalTrial::OnTrial, || measured(hz.into(), deviation));
                 assert_eq!(chosen, ClockSource::Crystal { hz }, "{deviation}");
             }
         }
@@ -222,90 +226,90 @@ mod tests {
         for hz in [
             32_768, 1_000_000, 6_000_000, 10_000_000, 20_000_000, 50_000_000,
         ] {
-            assert_eq!(by(measured(hz, 0)), ClockSource::Internal, "{hz}");
+            assert_eq!(source_by(measured(hz, 0)), ClockSource::Internal, "{hz}");
         }
     }
 
     #[test]
     fn a_dead_crystal_is_not_used() {
-        assert_eq!(by(None), ClockSource::Internal);
+        assert_eq!(source_by(None), ClockSource::Internal);
         let none = Measurement {
             periods: 25_600,
             ticks: 0,
             reference_hz: REFERENCE_HZ,
         };
-        assert_eq!(by(Some(none)), ClockSource::Internal);
+        assert_eq!(source_by(Some(none)), ClockSource::Internal);
     }
 
     #[test]
     fn all_waits_of_a_measurement_share_one_budget() {
-        let mut looks = Looks::new(5);
+        let mut budget = PollBudget::new(5);
         let looked = core::cell::Cell::new(0);
         // So at each third look.
         let rare = || {
             looked.set(looked.get() + 1);
             looked.get() % 3 == 0
         };
-        assert_eq!(looks.until(rare), Some(()));
-        assert_eq!(looks.until(rare), None);
+        assert_eq!(budget.poll_until(rare), Some(()));
+        assert_eq!(budget.poll_until(rare), None);
         assert_eq!(looked.get(), 5);
-        assert_eq!(looks.until(|| true), None);
+        assert_eq!(budget.poll_until(|| true), None);
     }
 
-    const POWER: Flags = Flags {
+    const POWER: ResetFlags = ResetFlags {
         power: true,
         watchdog: false,
         software: false,
         pin: true,
     };
-    const WATCHDOG: Flags = Flags {
+    const WATCHDOG: ResetFlags = ResetFlags {
         power: false,
         watchdog: true,
         ..POWER
     };
-    const SOFTWARE: Flags = Flags {
+    const SOFTWARE: ResetFlags = ResetFlags {
         power: false,
         software: true,
         ..POWER
     };
-    const PIN: Flags = Flags {
+    const PIN: ResetFlags = ResetFlags {
         power: false,
         ..POWER
     };
 
     #[test]
     fn a_crystal_that_failed_is_left_alone_until_power_comes_on() {
-        use Trial::{Clear, Failed, UnderWay};
+        use CrystalTrial::{Failed, NoFailure, OnTrial};
         for (before, flags, now) in [
-            (Clear, POWER, UnderWay),
-            (Clear, WATCHDOG, UnderWay),
-            (Clear, SOFTWARE, UnderWay),
-            (Clear, PIN, UnderWay),
-            (UnderWay, POWER, UnderWay),
-            (UnderWay, WATCHDOG, Failed),
-            (UnderWay, SOFTWARE, UnderWay),
-            (UnderWay, PIN, UnderWay),
-            (Failed, POWER, UnderWay),
+            (NoFailure, POWER, OnTrial),
+            (NoFailure, WATCHDOG, OnTrial),
+            (NoFailure, SOFTWARE, OnTrial),
+            (NoFailure, PIN, OnTrial),
+            (OnTrial, POWER, OnTrial),
+            (OnTrial, WATCHDOG, Failed),
+            (OnTrial, SOFTWARE, OnTrial),
+            (OnTrial, PIN, OnTrial),
+            (Failed, POWER, OnTrial),
             (Failed, WATCHDOG, Failed),
             (Failed, SOFTWARE, Failed),
             (Failed, PIN, Failed),
         ] {
-            assert_eq!(before.at_start(flags), now, "{before:?}, {flags:?}");
+            assert_eq!(before.on_start(flags), now, "{before:?}, {flags:?}");
         }
-        let unmeasured = choose(Failed, || panic!("it is left alone"));
+        let unmeasured = choose_source(Failed, || panic!("it is left alone"));
         assert_eq!(unmeasured, ClockSource::Internal);
     }
 
     #[test]
     fn crashes_and_time_change_what_is_known_of_the_crystal() {
-        use Trial::{Clear, Failed, UnderWay};
+        use CrystalTrial::{Failed, NoFailure, OnTrial};
         for (before, crashed, proved) in [
-            (Clear, Clear, Clear),
-            (UnderWay, Failed, Clear),
+            (NoFailure, NoFailure, NoFailure),
+            (OnTrial, Failed, NoFailure),
             (Failed, Failed, Failed),
         ] {
-            assert_eq!(before.at_crash(), crashed, "{before:?}");
-            assert_eq!(before.at_proof(), proved, "{before:?}");
+            assert_eq!(before.on_crash(), crashed, "{before:?}");
+            assert_eq!(before.on_proven(), proved, "{before:?}");
         }
     }
 
@@ -313,54 +317,71 @@ mod tests {
     #[test]
     fn no_crystal_restarts_the_chip_more_than_once() {
         #[derive(Debug, Clone, Copy, PartialEq)]
-        enum End {
+        enum CrystalDefect {
             Stops,
             Crashes,
             Hangs,
         }
-        for end in [End::Stops, End::Crashes, End::Hangs] {
-            let (mut note, mut flags, mut restarts) = (Note::of(Trial::Failed), POWER, 0);
+        for end in [
+            CrystalDefect::Stops,
+            CrystalDefect::Crashes,
+            CrystalDefect::Hangs,
+        ] {
+            let (mut record, mut flags, mut restarts) =
+                (TrialRecord::of(CrystalTrial::Failed), POWER, 0);
             loop {
-                let trial = note.trial().at_start(flags);
-                note = Note::of(trial);
-                let chosen = choose(trial, || measured(8_000_000, 0));
+                let trial = record.trial().on_start(flags);
+                record = TrialRecord::of(trial);
+                let chosen = choose_source(trial, || measured(8_000_000, 0));
                 if chosen == ClockSource::Internal {
                     break;
                 }
-                (note, flags) = match end {
-                    End::Stops => (Note::of(Trial::Failed), SOFTWARE),
-                    End::Crashes => (Note::of(note.trial().at_crash()), SOFTWARE),
-                    End::Hangs => (note, WATCHDOG),
+                (record, flags) = match end {
+                    CrystalDefect::Stops => (TrialRecord::of(CrystalTrial::Failed), SOFTWARE),
+                    CrystalDefect::Crashes => {
+                        (TrialRecord::of(record.trial().on_crash()), SOFTWARE)
+                    }
+                    CrystalDefect::Hangs => (record, WATCHDOG),
                 };
                 restarts += 1;
                 assert_eq!(restarts, 1, "{end:?}");
             }
-            assert_eq!((restarts, note.trial()), (1, Trial::Failed));
+            assert_eq!((restarts, record.trial()), (1, CrystalTrial::Failed));
         }
     }
 
     #[test]
     fn a_note_comes_back_and_memory_after_power_on_is_none() {
-        for trial in [Trial::Clear, Trial::UnderWay, Trial::Failed] {
-            let note = Note::of(trial);
-            assert_eq!(note.trial(), trial);
+        for trial in [
+            CrystalTrial::NoFailure,
+            CrystalTrial::OnTrial,
+            CrystalTrial::Failed,
+        ] {
+            let record = TrialRecord::of(trial);
+            assert_eq!(record.trial(), trial);
             for bit in 0..32 {
                 let flip = 1 << bit;
-                for (mark, complement) in [(flip, 0), (0, flip), (flip, flip)] {
-                    let changed = Note {
-                        mark: note.mark ^ mark,
-                        complement: note.complement ^ complement,
+                for (code, complement) in [(flip, 0), (0, flip), (flip, flip)] {
+                    let changed = TrialRecord {
+                        code: record.code ^ code,
+                        complement: record.complement ^ complement,
                     };
-                    assert_eq!(changed.trial(), Trial::Clear, "{trial:?}, {bit}");
+                    assert_eq!(changed.trial(), CrystalTrial::NoFailure, "{trial:?}, {bit}");
                 }
             }
         }
-        for (mark, complement) in [(0, 0), (u32::MAX, u32::MAX), (0, u32::MAX)] {
-            assert_eq!(Note { mark, complement }.trial(), Trial::Clear);
+        for (code, complement) in [(0, 0), (u32::MAX, u32::MAX), (0, u32::MAX)] {
+            assert_eq!(
+                TrialRecord { code, complement }.trial(),
+                CrystalTrial::NoFailure
+            );
         }
         for halves in [[0x5eed_c1a1, 0], [0x5eed_c1a2, 0x5eed_c1a2]] {
-            let [mark, complement] = halves;
-            assert_eq!(Note { mark, complement }.trial(), Trial::Clear);
+            let [code, complement] = halves;
+            assert_eq!(
+                TrialRecord { code, complement }.trial(),
+                CrystalTrial::NoFailure
+            );
         }
     }
 

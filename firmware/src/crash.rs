@@ -13,7 +13,7 @@ const MAGIC: u32 = 0x5eed_c4a5;
 
 /// What happened.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Cause {
+pub enum CrashCause {
     /// The program panicked.
     Panic,
     /// The processor faulted.
@@ -22,7 +22,7 @@ pub enum Cause {
     StackOverflow,
 }
 
-impl Cause {
+impl CrashCause {
     const fn code(self) -> u32 {
         match self {
             Self::Panic => 1,
@@ -43,18 +43,18 @@ impl Cause {
 
 /// A short text; what does not fit is cut off. Without `core::fmt`, which would cost 3 KiB of flash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Text {
+pub struct CrashText {
     bytes: [u8; TEXT_BYTES],
     length: usize,
 }
 
-impl Default for Text {
+impl Default for CrashText {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl Text {
+impl CrashText {
     /// Nothing.
     #[must_use]
     pub const fn new() -> Self {
@@ -112,17 +112,17 @@ impl Text {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Crash {
     /// What happened.
-    pub cause: Cause,
+    pub cause: CrashCause,
     /// Where the processor was, if that is known.
     pub program_counter: u32,
     /// Something for a person to read.
-    pub text: Text,
+    pub text: CrashText,
 }
 
 /// A crash as memory keeps it. Every bit pattern is a value of this type.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(C)]
-pub struct Record {
+pub struct CrashRecord {
     magic: u32,
     cause: u32,
     program_counter: u32,
@@ -131,7 +131,7 @@ pub struct Record {
     sum: u32,
 }
 
-impl Record {
+impl CrashRecord {
     /// No crash.
     pub const EMPTY: Self = Self {
         magic: 0,
@@ -165,9 +165,9 @@ impl Record {
             return None;
         }
         Some(Crash {
-            cause: Cause::from_code(self.cause)?,
+            cause: CrashCause::from_code(self.cause)?,
             program_counter: self.program_counter,
-            text: Text {
+            text: CrashText {
                 bytes: self.text,
                 length,
             },
@@ -186,7 +186,7 @@ impl Record {
 
 /// What the processor says of a fault (ARMv7-M Architecture Reference Manual, B3.2).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Fault {
+pub struct FaultRegisters {
     /// The configurable fault status, CFSR.
     pub status: u32,
     /// MMFAR: the address that the memory protection refused, where the status says that it is one.
@@ -195,7 +195,7 @@ pub struct Fault {
     pub bus: u32,
 }
 
-impl Fault {
+impl FaultRegisters {
     /// MMARVALID: there is an address in MMFAR.
     const PROTECTED_VALID: u32 = 1 << 7;
     /// BFARVALID: there is an address in BFAR.
@@ -204,17 +204,17 @@ impl Fault {
     /// What the fault was, by where the stack pointer is once the processor has stacked its registers, and by whether the guard
     /// was hit, the lowest bytes of the stack's region.
     #[must_use]
-    pub const fn cause(&self, stack_pointer: u32, stack_start: u32, stack_end: u32) -> Cause {
+    pub const fn cause(&self, stack_pointer: u32, stack_start: u32, stack_end: u32) -> CrashCause {
         let guard_was_hit = self.status & Self::PROTECTED_VALID != 0 && self.protected < stack_end;
         if guard_was_hit || stack_pointer < stack_end || stack_pointer >= stack_start {
-            Cause::StackOverflow
+            CrashCause::StackOverflow
         } else {
-            Cause::HardFault
+            CrashCause::HardFault
         }
     }
 
     /// Appends the status, the address of a bus fault where there is one, and where the faulting function was called from.
-    pub fn describe(&self, link: u32, text: &mut Text) {
+    pub fn describe(&self, link: u32, text: &mut CrashText) {
         text.push("CFSR ");
         text.push_hex(self.status);
         if self.status & Self::BUS_VALID != 0 {
@@ -228,7 +228,7 @@ impl Fault {
 
 /// What the chip itself remembers of a reset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Flags {
+pub struct ResetFlags {
     /// The supply came up or had sagged.
     pub power: bool,
     /// One of the watchdogs bit.
@@ -241,15 +241,15 @@ pub struct Flags {
 
 /// What to call a reset.
 #[must_use]
-pub const fn reset_cause(flags: Flags, crash: Option<&Crash>) -> ResetCause {
+pub const fn reset_cause(flags: ResetFlags, crash: Option<&Crash>) -> ResetCause {
     if flags.power {
         return ResetCause::PowerOn;
     }
     match crash {
         Some(crash) => match crash.cause {
-            Cause::Panic => ResetCause::Panic,
-            Cause::HardFault => ResetCause::HardFault,
-            Cause::StackOverflow => ResetCause::StackOverflow,
+            CrashCause::Panic => ResetCause::Panic,
+            CrashCause::HardFault => ResetCause::HardFault,
+            CrashCause::StackOverflow => ResetCause::StackOverflow,
         },
         None if flags.watchdog => ResetCause::Watchdog,
         None if flags.software => ResetCause::Requested,
@@ -260,7 +260,7 @@ pub const fn reset_cause(flags: Flags, crash: Option<&Crash>) -> ResetCause {
 
 /// A reset's name for the log.
 #[must_use]
-pub const fn name(reset: ResetCause) -> &'static str {
+pub const fn reset_name(reset: ResetCause) -> &'static str {
     match reset {
         ResetCause::Unknown => "for an unknown reason",
         ResetCause::PowerOn => "with the power",
@@ -277,8 +277,8 @@ pub const fn name(reset: ResetCause) -> &'static str {
 mod tests {
     use super::*;
 
-    fn crash(cause: Cause) -> Crash {
-        let mut text = Text::new();
+    fn crash(cause: CrashCause) -> Crash {
+        let mut text = CrashText::new();
         text.push("ring.rs:");
         text.push_number(12);
         Crash {
@@ -290,17 +290,21 @@ mod tests {
 
     #[test]
     fn a_crash_comes_back() {
-        for cause in [Cause::Panic, Cause::HardFault, Cause::StackOverflow] {
+        for cause in [
+            CrashCause::Panic,
+            CrashCause::HardFault,
+            CrashCause::StackOverflow,
+        ] {
             let crash = crash(cause);
-            assert_eq!(Record::of(&crash).crash(), Some(crash));
+            assert_eq!(CrashRecord::of(&crash).crash(), Some(crash));
         }
-        assert_eq!(crash(Cause::Panic).text.as_str(), "ring.rs:12");
+        assert_eq!(crash(CrashCause::Panic).text.as_str(), "ring.rs:12");
     }
 
     #[test]
     fn memory_after_power_on_is_no_crash() {
-        assert_eq!(Record::EMPTY.crash(), None);
-        let ones = Record {
+        assert_eq!(CrashRecord::EMPTY.crash(), None);
+        let ones = CrashRecord {
             magic: MAGIC,
             cause: u32::MAX,
             program_counter: u32::MAX,
@@ -313,27 +317,27 @@ mod tests {
 
     #[test]
     fn one_changed_bit_is_no_crash() {
-        let record = Record::of(&crash(Cause::HardFault));
+        let record = CrashRecord::of(&crash(CrashCause::HardFault));
         for bit in 0..32 {
             let flip = 1 << bit;
             for changed in [
-                Record {
+                CrashRecord {
                     magic: record.magic ^ flip,
                     ..record
                 },
-                Record {
+                CrashRecord {
                     cause: record.cause ^ flip,
                     ..record
                 },
-                Record {
+                CrashRecord {
                     program_counter: record.program_counter ^ flip,
                     ..record
                 },
-                Record {
+                CrashRecord {
                     length: record.length ^ flip,
                     ..record
                 },
-                Record {
+                CrashRecord {
                     sum: record.sum ^ flip,
                     ..record
                 },
@@ -350,7 +354,7 @@ mod tests {
 
     #[test]
     fn a_long_text_is_cut_between_characters() {
-        let mut text = Text::new();
+        let mut text = CrashText::new();
         for _ in 0..TEXT_BYTES {
             text.push("äöü!");
         }
@@ -360,7 +364,7 @@ mod tests {
     #[test]
     fn numbers_in_decimal_digits() {
         for number in [0, 7, 10, 1_203, u32::MAX] {
-            let mut text = Text::new();
+            let mut text = CrashText::new();
             text.push_number(number);
             assert_eq!(text.as_str(), std::format!("{number}"));
         }
@@ -369,7 +373,7 @@ mod tests {
     #[test]
     fn numbers_in_hexadecimal_digits() {
         for number in [0, 7, 0x0800_1a2f, u32::MAX] {
-            let mut text = Text::new();
+            let mut text = CrashText::new();
             text.push_hex(number);
             assert_eq!(text.as_str(), std::format!("{number:#010x}"));
         }
@@ -378,16 +382,16 @@ mod tests {
     #[test]
     fn a_stack_pointer_outside_the_stack_is_an_overflow() {
         let cause = |pointer| fault(0x0000_8200).cause(pointer, 0x2000_2000, 0x2000_0020);
-        assert_eq!(cause(0x1fff_ffe0), Cause::StackOverflow);
-        assert_eq!(cause(0x2000_001c), Cause::StackOverflow);
-        assert_eq!(cause(0x2000_0020), Cause::HardFault);
-        assert_eq!(cause(0x2000_1fe0), Cause::HardFault);
-        assert_eq!(cause(0x2000_2000), Cause::StackOverflow);
+        assert_eq!(cause(0x1fff_ffe0), CrashCause::StackOverflow);
+        assert_eq!(cause(0x2000_001c), CrashCause::StackOverflow);
+        assert_eq!(cause(0x2000_0020), CrashCause::HardFault);
+        assert_eq!(cause(0x2000_1fe0), CrashCause::HardFault);
+        assert_eq!(cause(0x2000_2000), CrashCause::StackOverflow);
     }
 
     /// A fault with this status; its addresses are those of the guard and of no device.
-    fn fault(status: u32) -> Fault {
-        Fault {
+    fn fault(status: u32) -> FaultRegisters {
+        FaultRegisters {
             status,
             protected: 0x2000_0010,
             bus: 0xdead_beec,
@@ -396,22 +400,22 @@ mod tests {
 
     #[test]
     fn a_guard_that_was_hit_is_an_overflow_where_its_address_is_one() {
-        let cause = |fault: Fault| fault.cause(0x2000_1000, 0x2000_2000, 0x2000_0020);
+        let cause = |fault: FaultRegisters| fault.cause(0x2000_1000, 0x2000_2000, 0x2000_0020);
         // DACCVIOL with and without MMARVALID; MSTKERR with it.
-        assert_eq!(cause(fault(0x82)), Cause::StackOverflow);
-        assert_eq!(cause(fault(0x90)), Cause::StackOverflow);
-        assert_eq!(cause(fault(0x02)), Cause::HardFault);
-        let above = Fault {
+        assert_eq!(cause(fault(0x82)), CrashCause::StackOverflow);
+        assert_eq!(cause(fault(0x90)), CrashCause::StackOverflow);
+        assert_eq!(cause(fault(0x02)), CrashCause::HardFault);
+        let above = FaultRegisters {
             protected: 0x2000_0020,
             ..fault(0x82)
         };
-        assert_eq!(cause(above), Cause::HardFault);
+        assert_eq!(cause(above), CrashCause::HardFault);
     }
 
     #[test]
     fn a_fault_is_described_with_the_address_only_where_it_is_one() {
         let described = |status| {
-            let mut text = Text::new();
+            let mut text = CrashText::new();
             fault(status).describe(0x0800_4321, &mut text);
             std::string::String::from(text.as_str())
         };
@@ -426,25 +430,28 @@ mod tests {
 
     #[test]
     fn names_of_resets() {
-        let crash = crash(Cause::Panic);
-        let pin = Flags {
+        let crash = crash(CrashCause::Panic);
+        let pin = ResetFlags {
             pin: true,
-            ..Flags::default()
+            ..ResetFlags::default()
         };
-        let software = Flags {
+        let software = ResetFlags {
             software: true,
             ..pin
         };
-        let watchdog = Flags {
+        let watchdog = ResetFlags {
             watchdog: true,
             ..pin
         };
-        let power = Flags { power: true, ..pin };
+        let power = ResetFlags { power: true, ..pin };
         assert_eq!(reset_cause(power, Some(&crash)), ResetCause::PowerOn);
         assert_eq!(reset_cause(software, Some(&crash)), ResetCause::Panic);
         assert_eq!(reset_cause(software, None), ResetCause::Requested);
         assert_eq!(reset_cause(watchdog, None), ResetCause::Watchdog);
         assert_eq!(reset_cause(pin, None), ResetCause::Pin);
-        assert_eq!(reset_cause(Flags::default(), None), ResetCause::Unknown);
+        assert_eq!(
+            reset_cause(ResetFlags::default(), None),
+            ResetCause::Unknown
+        );
     }
 }

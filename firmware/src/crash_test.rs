@@ -20,7 +20,7 @@ pub const FAULT: &[u8] = b"!fault";
 pub fn run_if_requested(frame: &[u8]) {
     match frame {
         OVERFLOW => {
-            black_box(dig(frame.len()));
+            black_box(fill_stack(frame.len()));
         }
         PANIC => panic!("asked to"),
         #[cfg(all(target_arch = "arm", target_os = "none"))]
@@ -44,9 +44,9 @@ fn write_below_the_stack() {
 /// Takes some stack, then some more, until there is none.
 #[inline(never)]
 #[allow(unconditional_recursion)]
-fn dig(depth: usize) -> usize {
+fn fill_stack(depth: usize) -> usize {
     let mut ballast = [depth; 16];
-    let reached = dig(black_box(&mut ballast)[0].wrapping_add(1));
+    let reached = fill_stack(black_box(&mut ballast)[0].wrapping_add(1));
     reached.wrapping_add(black_box(&ballast)[0])
 }
 

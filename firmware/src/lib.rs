@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!            serial interrupt              control                       serial interrupt
-//! bytes ─► line::Line ─► queue ─► control::Control ─► amp::node::Node ─► line::FrameSink ─► queue ─► line::Line ─► bytes
+//! bytes ─► uart::Line ─► queue ─► control::Control ─► amp::node::Node ─► uart::TxQueue ─► queue ─► uart::Line ─► bytes
 //! ```
 //!
 //! | module | what it decides |
@@ -10,8 +10,8 @@
 //! | [`clock`] | which oscillator clocks the processor |
 //! | [`control`] | what is done with received bytes and with passing time |
 //! | [`crash`] | what is kept over a reset, whether to believe it, and what to call the reset |
-//! | [`lamp`] | when the lamp is lit |
-//! | [`line`](mod@line) | how the serial interrupt moves bytes |
+//! | [`status_led`] | when the lamp is lit |
+//! | [`uart`] | how the serial interrupt moves bytes |
 //! | [`persist`] | where in flash an image of the mind goes, and which one is the newest |
 //! | [`safety`] | what emergency stop, bumper and motion permit do |
 //! | [`sonar_ring`] | when which sonar fires, and what its echo means |
@@ -31,13 +31,13 @@ pub mod control;
 pub mod crash;
 #[cfg(feature = "crash-test")]
 pub mod crash_test;
-pub mod lamp;
-pub mod line;
 pub mod persist;
 pub mod safety;
 pub mod sonar_ring;
 pub mod stack;
+pub mod status_led;
 pub mod task_monitor;
+pub mod uart;
 
 /// The commit this was built from, as eight characters; the version where there is no commit.
 pub const BUILD: [u8; 8] = match env!("FIRMWARE_BUILD").as_bytes().first_chunk() {

@@ -10,7 +10,7 @@
 //! untouched where it lay. A sector is erased only when the newest image lies in the other one. So a loss of power at any
 //! moment leaves the old image or the new one.
 //!
-//! Erasing stops the processor for seconds, so it is done at the start, before the hello ([`Store::tidy`]); a save has to
+//! Erasing stops the processor for seconds, so it is done at the start, before the hello ([`Store::ensure_free_slot`]); a save has to
 //! erase only when the device has filled a sector since. A sector whose erasure was cut short may read as erased and not be:
 //! the mark says that it ended. It names the newest generation at that time, so that no mark that has survived another
 //! erasure is taken for it.
@@ -37,7 +37,7 @@ pub const WRITE_MS: u32 = (SLOT_BYTES / WORD as u32).div_ceil(10);
 const MARK_BYTES: u32 = 12;
 
 /// How a mark begins.
-const MARK: [u8; 4] = *b"ERAS";
+const MARK_MAGIC: [u8; 4] = *b"ERAS";
 
 /// The flash of a board that has none: no value of this type exists.
 #[derive(Debug)]
@@ -74,7 +74,7 @@ impl NorFlash for NoFlash {
 
 /// Where an image lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Place {
+struct SlotLocation {
     sector: u32,
     slot: u32,
 }
@@ -84,7 +84,7 @@ struct Place {
 pub struct Store<F> {
     flash: F,
     slot_bytes: u32,
-    newest: Option<Place>,
+    newest: Option<SlotLocation>,
     /// The newest image's; 0 = there is none.
     generation: u32,
 }
@@ -103,7 +103,7 @@ impl<F: NorFlash> Store<F> {
             newest: None,
             generation: 0,
         };
-        store.look();
+        store.find_newest();
         store
     }
 
@@ -113,15 +113,15 @@ impl<F: NorFlash> Store<F> {
         self.flash
     }
 
-    fn look(&mut self) {
+    fn find_newest(&mut self) {
         (self.newest, self.generation) = (None, 0);
         for sector in 0..2 {
             for slot in 0..self.slots() {
-                let place = Place { sector, slot };
-                if let Ok(found) = self.check(place)
+                let slot = SlotLocation { sector, slot };
+                if let Ok(found) = self.check_slot(slot)
                     && found.generation > self.generation
                 {
-                    (self.newest, self.generation) = (Some(place), found.generation);
+                    (self.newest, self.generation) = (Some(slot), found.generation);
                 }
             }
         }
@@ -137,16 +137,16 @@ impl<F: NorFlash> Store<F> {
     pub fn pause_ms(&mut self, task: Flash) -> u32 {
         match task {
             Flash::Recall => 0,
-            Flash::Save => WRITE_MS + self.erasures(task) * ERASE_MS,
-            Flash::Erase => self.erasures(task) * ERASE_MS,
+            Flash::Save => WRITE_MS + self.erase_count(task) * ERASE_MS,
+            Flash::Erase => self.erase_count(task) * ERASE_MS,
         }
     }
 
     /// How many sectors this will erase.
-    fn erasures(&mut self, task: Flash) -> u32 {
+    fn erase_count(&mut self, task: Flash) -> u32 {
         match task {
             Flash::Recall => 0,
-            Flash::Save => u32::from(self.free().is_none()),
+            Flash::Save => u32::from(self.free_slot().is_none()),
             Flash::Erase => 2,
         }
     }
@@ -155,8 +155,8 @@ impl<F: NorFlash> Store<F> {
     ///
     /// # Errors
     /// [`FlashError::Failed`].
-    pub fn tidy(&mut self) -> Result<(), FlashError> {
-        self.make_room().map(drop)
+    pub fn ensure_free_slot(&mut self) -> Result<(), FlashError> {
+        self.claim_slot().map(drop)
     }
 
     /// Saves; the newest image until now stays where it is.
@@ -167,8 +167,8 @@ impl<F: NorFlash> Store<F> {
         &mut self,
         contents: &Contents<'_, SENSORS, NEURONS, SAMPLES>,
     ) -> Result<(), FlashError> {
-        let place = self.make_room()?;
-        let (from, end) = (self.address(place), self.address(place) + self.slot_bytes);
+        let slot = self.claim_slot()?;
+        let (from, end) = (self.address(slot), self.address(slot) + self.slot_bytes);
         let generation = self.generation.wrapping_add(1);
         let (flash, mut at) = (&mut self.flash, from);
         contents.write(generation, &mut |bytes| {
@@ -180,9 +180,9 @@ impl<F: NorFlash> Store<F> {
             at = next;
             Ok(())
         })?;
-        match self.check(place) {
+        match self.check_slot(slot) {
             Ok(found) if found.generation == generation => {
-                (self.newest, self.generation) = (Some(place), generation);
+                (self.newest, self.generation) = (Some(slot), generation);
                 Ok(())
             }
             _ => Err(FlashError::Failed),
@@ -193,12 +193,12 @@ impl<F: NorFlash> Store<F> {
     ///
     /// # Errors
     /// [`FlashError`]: nothing was saved, or it cannot be read.
-    pub fn recall<T>(
+    pub fn load<T>(
         &mut self,
         into: impl FnOnce(&mut dyn FnMut(usize, &mut [u8]) -> bool, usize) -> Result<T, Fault>,
     ) -> Result<T, FlashError> {
-        let place = self.newest.ok_or(FlashError::Empty)?;
-        let (from, most) = (self.address(place), self.slot_bytes as usize);
+        let slot = self.newest.ok_or(FlashError::Empty)?;
+        let (from, most) = (self.address(slot), self.slot_bytes as usize);
         let flash = &mut self.flash;
         let mut read = |at: usize, out: &mut [u8]| flash.read(from + at as u32, out).is_ok();
         into(&mut read, most).map_err(|fault| match fault {
@@ -215,9 +215,9 @@ impl<F: NorFlash> Store<F> {
         let spare = self.spare();
         let erased = self.erase_sector(spare);
         let erased = erased.and_then(|()| self.erase_sector(1 - spare));
-        self.look();
+        self.find_newest();
         erased?;
-        self.mark_spare()
+        self.write_spare_mark()
     }
 
     /// The sector that does not have the newest image.
@@ -226,20 +226,20 @@ impl<F: NorFlash> Store<F> {
     }
 
     /// A free slot, after erasing the spare sector if there is none.
-    fn make_room(&mut self) -> Result<Place, FlashError> {
-        if let Some(place) = self.free() {
-            return Ok(place);
+    fn claim_slot(&mut self) -> Result<SlotLocation, FlashError> {
+        if let Some(slot) = self.free_slot() {
+            return Ok(slot);
         }
         let spare = self.spare();
         self.erase_sector(spare)?;
-        self.mark_spare()?;
-        self.free().ok_or(FlashError::Failed)
+        self.write_spare_mark()?;
+        self.free_slot().ok_or(FlashError::Failed)
     }
 
     /// Notes that the spare sector has been erased to the end.
-    fn mark_spare(&mut self) -> Result<(), FlashError> {
+    fn write_spare_mark(&mut self) -> Result<(), FlashError> {
         let from = self.spare() * Self::SECTOR_BYTES;
-        let written = self.flash.write(from, &mark(self.generation));
+        let written = self.flash.write(from, &erase_mark(self.generation));
         written.map_err(failed)
     }
 
@@ -251,38 +251,40 @@ impl<F: NorFlash> Store<F> {
     }
 
     /// Where the next image goes without erasing anything.
-    fn free(&mut self) -> Option<Place> {
-        let beside = self.newest.and_then(|newest| self.free_in(newest.sector));
+    fn free_slot(&mut self) -> Option<SlotLocation> {
+        let beside = self
+            .newest
+            .and_then(|newest| self.free_slot_in(newest.sector));
         beside.or_else(|| {
             let spare = self.spare();
-            let ready = self.is_erased_for(spare, self.generation);
-            ready.then(|| self.free_in(spare)).flatten()
+            let ready = self.has_mark_of(spare, self.generation);
+            ready.then(|| self.free_slot_in(spare)).flatten()
         })
     }
 
     /// The first slot behind everything that has been written to a sector.
     #[inline(never)]
-    fn free_in(&mut self, sector: u32) -> Option<Place> {
-        let places = (0..self.slots()).map(|slot| Place { sector, slot });
-        let mut free = None;
-        for place in places.rev() {
-            if !self.is_blank(place) {
+    fn free_slot_in(&mut self, sector: u32) -> Option<SlotLocation> {
+        let slots = (0..self.slots()).map(|slot| SlotLocation { sector, slot });
+        let mut free_slot = None;
+        for slot in slots.rev() {
+            if !self.is_blank(slot) {
                 break;
             }
-            free = Some(place);
+            free_slot = Some(slot);
         }
-        free
+        free_slot
     }
 
     /// Whether a sector was erased to the end when this generation was the newest.
-    fn is_erased_for(&mut self, sector: u32, generation: u32) -> bool {
+    fn has_mark_of(&mut self, sector: u32, generation: u32) -> bool {
         let mut found = [0; MARK_BYTES as usize];
         let from = sector * Self::SECTOR_BYTES;
-        self.flash.read(from, &mut found).is_ok() && found == mark(generation)
+        self.flash.read(from, &mut found).is_ok() && found == erase_mark(generation)
     }
 
-    fn is_blank(&mut self, place: Place) -> bool {
-        let from = self.address(place);
+    fn is_blank(&mut self, slot: SlotLocation) -> bool {
+        let from = self.address(slot);
         let mut buffer = [0; 64];
         (0..self.slot_bytes).step_by(buffer.len()).all(|at| {
             let count = (self.slot_bytes - at).min(buffer.len() as u32) as usize;
@@ -291,8 +293,8 @@ impl<F: NorFlash> Store<F> {
         })
     }
 
-    fn check(&mut self, place: Place) -> Result<Found, Fault> {
-        let from = self.address(place);
+    fn check_slot(&mut self, slot: SlotLocation) -> Result<Found, Fault> {
+        let from = self.address(slot);
         let flash = &mut self.flash;
         let mut read = |at: usize, out: &mut [u8]| flash.read(from + at as u32, out).is_ok();
         check(&mut read, self.slot_bytes as usize)
@@ -305,8 +307,8 @@ impl<F: NorFlash> Store<F> {
             .unwrap_or(0)
     }
 
-    const fn address(&self, place: Place) -> u32 {
-        place.sector * Self::SECTOR_BYTES + MARK_BYTES + place.slot * self.slot_bytes
+    const fn address(&self, slot: SlotLocation) -> u32 {
+        slot.sector * Self::SECTOR_BYTES + MARK_BYTES + slot.slot * self.slot_bytes
     }
 }
 
@@ -315,9 +317,9 @@ fn failed<E>(_: E) -> FlashError {
 }
 
 /// Says that the sector was erased to the end when this generation was the newest.
-fn mark(generation: u32) -> [u8; MARK_BYTES as usize] {
+fn erase_mark(generation: u32) -> [u8; MARK_BYTES as usize] {
     let [g, h, i, j] = generation.to_le_bytes();
-    let [m, n, o, p] = MARK;
+    let [m, n, o, p] = MARK_MAGIC;
     let text = [m, n, o, p, g, h, i, j];
     let [c, d, e, f] = checksum(&text).to_le_bytes();
     [m, n, o, p, g, h, i, j, c, d, e, f]

@@ -18,11 +18,11 @@ use core::convert::Infallible;
 use embedded_hal::digital::{InputPin, OutputPin};
 
 /// A contact has to keep its new level for this time, milliseconds: contacts bounce for less.
-const SETTLE_MS: u32 = 20;
+const DEBOUNCE_MS: u32 = 20;
 
 /// A bumper that is open for longer than this, milliseconds, does not close any more: a robot that touched something backs off
 /// within a motion or two.
-const HELD_MS: u32 = 10_000;
+const BUMPER_STUCK_MS: u32 = 10_000;
 
 /// Time between two changes of the permit at the least, milliseconds.
 const HALF_PERIOD_MS: u32 = 10;
@@ -40,13 +40,13 @@ pub struct Alarms {
 
 /// A contact that bounces.
 #[derive(Debug, Clone, Copy, Default)]
-struct Contact {
+struct DebouncedContact {
     open: bool,
     /// The other level was first read at this time.
     changing_since: Option<Millis>,
 }
 
-impl Contact {
+impl DebouncedContact {
     /// Whether the contact is open, by its level at `now`.
     fn update(&mut self, open: bool, now: Millis) -> bool {
         if open == self.open {
@@ -54,7 +54,7 @@ impl Contact {
             return self.open;
         }
         let since = *self.changing_since.get_or_insert(now);
-        if now.since(since) >= SETTLE_MS {
+        if now.since(since) >= DEBOUNCE_MS {
             (self.open, self.changing_since) = (open, None);
         }
         self.open
@@ -67,8 +67,8 @@ pub struct SafetyLines<I, O> {
     emergency_stop: I,
     bumper: I,
     permit: O,
-    stop_contact: Contact,
-    bumper_contact: Contact,
+    stop_contact: DebouncedContact,
+    bumper_contact: DebouncedContact,
     /// When the bumper opened; `None` = long ago, or not closed yet since the start.
     bumper_opened: Option<Millis>,
     /// When the permit changed last, and its level.
@@ -87,11 +87,11 @@ where
             emergency_stop,
             bumper,
             permit,
-            stop_contact: Contact {
+            stop_contact: DebouncedContact {
                 open: true,
                 changing_since: None,
             },
-            bumper_contact: Contact {
+            bumper_contact: DebouncedContact {
                 open: true,
                 changing_since: None,
             },
@@ -111,7 +111,7 @@ where
             self.bumper_opened = Some(now);
         }
         let opened = self.bumper_opened;
-        self.bumper_opened = opened.filter(|opened| now.since(*opened) <= HELD_MS);
+        self.bumper_opened = opened.filter(|opened| now.since(*opened) <= BUMPER_STUCK_MS);
         Alarms {
             emergency_stop: self.stop_contact.update(stop, now),
             touched: is_open && !was_open,
@@ -120,7 +120,7 @@ where
     }
 
     /// Changes the permit's level if the robot may move and it is time; for the end of each round.
-    pub fn permit(&mut self, may_move: bool, now: Millis) {
+    pub fn toggle_permit(&mut self, may_move: bool, now: Millis) {
         if may_move && !self.stop_contact.open && now.since(self.changed) >= HALF_PERIOD_MS {
             self.changed = now;
             self.level = !self.level;
@@ -136,13 +136,13 @@ mod tests {
     use embedded_hal::digital::ErrorType;
 
     /// A wire that the test holds.
-    struct Wire<'a>(&'a Cell<bool>);
+    struct TestPin<'a>(&'a Cell<bool>);
 
-    impl ErrorType for Wire<'_> {
+    impl ErrorType for TestPin<'_> {
         type Error = Infallible;
     }
 
-    impl InputPin for Wire<'_> {
+    impl InputPin for TestPin<'_> {
         fn is_high(&mut self) -> Result<bool, Infallible> {
             Ok(self.0.get())
         }
@@ -152,7 +152,7 @@ mod tests {
         }
     }
 
-    impl OutputPin for Wire<'_> {
+    impl OutputPin for TestPin<'_> {
         fn set_high(&mut self) -> Result<(), Infallible> {
             self.0.set(true);
             Ok(())
@@ -166,22 +166,25 @@ mod tests {
 
     /// Three wires; inputs are open while high.
     #[derive(Default)]
-    struct Wires {
+    struct TestPins {
         stop: Cell<bool>,
         bumper: Cell<bool>,
         permit: Cell<bool>,
     }
 
-    type Lines<'a> = SafetyLines<Wire<'a>, Wire<'a>>;
+    type Lines<'a> = SafetyLines<TestPin<'a>, TestPin<'a>>;
 
     fn at(ms: u32) -> Millis {
         Millis::from_ms(ms)
     }
 
     /// Lines that have been closed for long, at 1000 ms.
-    fn closed(wires: &Wires) -> Lines<'_> {
-        let mut lines =
-            SafetyLines::new(Wire(&wires.stop), Wire(&wires.bumper), Wire(&wires.permit));
+    fn closed(pins: &TestPins) -> Lines<'_> {
+        let mut lines = SafetyLines::new(
+            TestPin(&pins.stop),
+            TestPin(&pins.bumper),
+            TestPin(&pins.permit),
+        );
         for now_ms in (0..=1_000).step_by(10) {
             let _ = lines.read(at(now_ms));
         }
@@ -189,74 +192,77 @@ mod tests {
     }
 
     /// Changes of the permit in a second of rounds.
-    fn changes(lines: &mut Lines<'_>, wires: &Wires, may_move: bool) -> u32 {
+    fn changes(lines: &mut Lines<'_>, pins: &TestPins, may_move: bool) -> u32 {
         let mut changes = 0;
         for now_ms in (1_010..=2_000).step_by(10) {
-            let before = wires.permit.get();
+            let before = pins.permit.get();
             let _ = lines.read(at(now_ms));
-            lines.permit(may_move, at(now_ms));
-            changes += u32::from(wires.permit.get() != before);
+            lines.toggle_permit(may_move, at(now_ms));
+            changes += u32::from(pins.permit.get() != before);
         }
         changes
     }
 
     #[test]
     fn the_permit_is_a_square_wave_only_while_the_robot_may_move() {
-        let wires = Wires::default();
-        assert_eq!(changes(&mut closed(&wires), &wires, true), 100);
-        assert_eq!(changes(&mut closed(&wires), &wires, false), 0);
+        let pins = TestPins::default();
+        assert_eq!(changes(&mut closed(&pins), &pins, true), 100);
+        assert_eq!(changes(&mut closed(&pins), &pins, false), 0);
     }
 
     #[test]
     fn the_permit_does_not_follow_the_rate_of_the_rounds() {
-        let wires = Wires::default();
-        let mut lines = closed(&wires);
-        let before = wires.permit.get();
+        let pins = TestPins::default();
+        let mut lines = closed(&pins);
+        let before = pins.permit.get();
         for _ in 0..50 {
-            lines.permit(true, at(1_010));
+            lines.toggle_permit(true, at(1_010));
         }
-        assert_ne!(wires.permit.get(), before);
+        assert_ne!(pins.permit.get(), before);
     }
 
     #[test]
     fn an_open_emergency_stop_is_an_alarm_in_each_round_and_ends_the_permit() {
-        let wires = Wires::default();
-        let mut lines = closed(&wires);
-        wires.stop.set(true);
+        let pins = TestPins::default();
+        let mut lines = closed(&pins);
+        pins.stop.set(true);
         let alarms = [1_010, 1_020, 1_030, 1_040].map(|ms| lines.read(at(ms)).emergency_stop);
         assert_eq!(alarms, [false, false, true, true]);
-        assert_eq!(changes(&mut lines, &wires, true), 0);
-        wires.stop.set(false);
+        assert_eq!(changes(&mut lines, &pins, true), 0);
+        pins.stop.set(false);
         let alarms = [2_010, 2_020, 2_030].map(|ms| lines.read(at(ms)).emergency_stop);
         assert_eq!(alarms, [true, true, false]);
     }
 
     #[test]
     fn a_contact_that_bounces_is_no_alarm() {
-        let wires = Wires::default();
-        let mut lines = closed(&wires);
+        let pins = TestPins::default();
+        let mut lines = closed(&pins);
         for now_ms in 1_001..1_200 {
-            wires.stop.set(now_ms % 19 != 0);
+            pins.stop.set(now_ms % 19 != 0);
             assert_eq!(lines.read(at(now_ms)), Alarms::default(), "{now_ms}");
         }
     }
 
     #[test]
     fn the_stop_counts_as_open_until_it_has_been_closed_for_some_time() {
-        let wires = Wires::default();
-        let mut lines =
-            SafetyLines::new(Wire(&wires.stop), Wire(&wires.bumper), Wire(&wires.permit));
+        let pins = TestPins::default();
+        let mut lines = SafetyLines::new(
+            TestPin(&pins.stop),
+            TestPin(&pins.bumper),
+            TestPin(&pins.permit),
+        );
         let alarms = [0, 10, 20].map(|ms| lines.read(at(ms)).emergency_stop);
         assert_eq!(alarms, [true, true, false]);
     }
 
     #[test]
     fn a_bumper_touches_once_each_time_it_opens() {
-        let wires = Wires::default();
-        let mut lines = closed(&wires);
+        let pins = TestPins::default();
+        let mut lines = closed(&pins);
         let mut touches = 0;
         for now_ms in (1_010..2_000).step_by(10) {
-            wires.bumper.set(now_ms % 500 < 250);
+            pins.bumper.set(now_ms % 500 < 250);
             touches += u32::from(lines.read(at(now_ms)).touched);
         }
         assert_eq!(touches, 2);
@@ -272,26 +278,26 @@ mod tests {
 
     #[test]
     fn a_bumper_that_has_not_been_closed_since_the_start_stops_the_robot() {
-        let wires = Wires::default();
-        wires.bumper.set(true);
-        let mut lines = closed(&wires);
+        let pins = TestPins::default();
+        pins.bumper.set(true);
+        let mut lines = closed(&pins);
         assert_eq!(held(&mut lines, 1_010, 2_000), 100);
-        wires.bumper.set(false);
+        pins.bumper.set(false);
         // Until it has settled.
         assert_eq!(held(&mut lines, 2_010, 3_000), 2);
     }
 
     #[test]
     fn a_bumper_that_stays_open_stops_the_robot_after_10_s() {
-        let wires = Wires::default();
-        let mut lines = closed(&wires);
-        wires.bumper.set(true);
+        let pins = TestPins::default();
+        let mut lines = closed(&pins);
+        pins.bumper.set(true);
         // It counts as open from 1030 ms on.
         assert_eq!(held(&mut lines, 1_010, 11_030), 0);
         assert_eq!(held(&mut lines, 11_040, 12_030), 100);
-        wires.bumper.set(false);
+        pins.bumper.set(false);
         assert_eq!(held(&mut lines, 12_040, 13_000), 2);
-        wires.bumper.set(true);
+        pins.bumper.set(true);
         assert_eq!(held(&mut lines, 13_010, 23_000), 0);
     }
 }

@@ -5,25 +5,25 @@
 //! | [`timing`] | how long everything takes, who fires when, what a flight means |
 //! | [`channel`] | what a module's pins do and when: a pure state machine |
 //!
-//! A [`Driver`] is a channel with its pins. It runs when its time has come or ECHO has risen, does what is due and says when
+//! A [`ChannelDriver`] is a channel with its pins. It runs when its time has come or ECHO has risen, does what is due and says when
 //! to come again; it never waits. What each fault of the line ends in:
 //!
 //! | the line | told as | the mind hears |
 //! |---|---|---|
-//! | rises within the window | [`Outcome::Echo`] | the range |
-//! | stays low | [`Outcome::Silent`] | that nothing answered |
-//! | rises before any echo can come | [`Outcome::Early`] | nothing |
-//! | is high before the firing | [`Outcome::HeldHigh`] | nothing |
-//! | has not fallen after the firing | [`Outcome::NotReleased`] | nothing more |
-//! | rises during the ringing, in a self-test | [`Outcome::Rings`] | nothing yet |
-//! | does not, in a self-test | [`Outcome::Mute`] | nothing |
+//! | rises within the window | [`FiringOutcome::Echo`] | the range |
+//! | stays low | [`FiringOutcome::NoEcho`] | that nothing answered |
+//! | rises before any echo can come | [`FiringOutcome::Early`] | nothing |
+//! | is high before the firing | [`FiringOutcome::HeldHigh`] | nothing |
+//! | has not fallen after the firing | [`FiringOutcome::NotReleased`] | nothing more |
+//! | rises during the ringing, in a self-test | [`FiringOutcome::Ringing`] | nothing yet |
+//! | does not, in a self-test | [`FiringOutcome::Mute`] | nothing |
 //!
 //! A transducer of which the mind hears nothing leaves the ring incomplete, and the robot stands until it is heard again or
 //! is no longer believed. A line that is stuck low or a dead transducer does not pass the self-test at the start; later, and like a
 //! multiplexer stuck at an address, they look like echoes or silence to the pins: the mind's own watch over its transducers
 //! ([`amp::faults`]) is what notices them.
 
-use crate::line::Faults;
+use crate::uart::ErrorCounters;
 use amp::units::{Millis, Range};
 use embedded_hal::digital::OutputPin;
 use heapless::spsc::Producer;
@@ -31,22 +31,22 @@ use heapless::spsc::Producer;
 pub mod channel;
 pub mod timing;
 
-pub use channel::{Action, Channel, Line, Outcome, Reading, Todo};
-pub use timing::{Blanking, FiringOrder, SENSORS, Sound, Timing};
+pub use channel::{ChannelStep, EchoLine, FiringOutcome, FiringResult, PinChange, SonarChannel};
+pub use timing::{Blanking, FiringOrder, SENSORS, SpeedOfSound, Timing};
 
 /// A clock that runs in microseconds and catches the moment at which ECHO rises.
-pub trait Capture {
+pub trait EchoCapture {
     /// Microseconds, wrapping after 71 minutes.
     fn now_us(&mut self) -> u32;
     /// Forgets what was caught; from now on the next rise is.
     fn arm(&mut self);
     /// The line as it is.
-    fn line(&mut self) -> Line;
+    fn echo_line(&mut self) -> EchoLine;
 }
 
 /// The pins of a module and its multiplexer.
 #[derive(Debug)]
-pub struct Pins<P> {
+pub struct RingPins<P> {
     /// The address, lowest bit first.
     pub address: [P; 4],
     /// Starts a burst, and ends the listening when it drops.
@@ -59,26 +59,26 @@ pub struct Pins<P> {
 
 /// A channel and its pins.
 #[derive(Debug)]
-pub struct Driver<P> {
-    pins: Pins<P>,
-    channel: Channel,
+pub struct ChannelDriver<P> {
+    pins: RingPins<P>,
+    channel: SonarChannel,
 }
 
-impl<P: OutputPin> Driver<P> {
+impl<P: OutputPin> ChannelDriver<P> {
     /// A driver that begins at `now_us`, all its pins low.
     ///
     /// # Errors
     /// When a pin cannot be set.
     pub fn new(
-        mut pins: Pins<P>,
+        mut pins: RingPins<P>,
         timing: Timing,
         order: FiringOrder,
         now_us: u32,
     ) -> Result<Self, P::Error> {
-        pins.rest()?;
+        pins.set_all_low()?;
         Ok(Self {
             pins,
-            channel: Channel::new(timing, order, now_us),
+            channel: SonarChannel::new(timing, order, now_us),
         })
     }
 
@@ -93,67 +93,67 @@ impl<P: OutputPin> Driver<P> {
         now_us: u32,
     ) -> Result<(), P::Error> {
         self.channel.restart(timing, order, now_us);
-        self.pins.rest()
+        self.pins.set_all_low()
     }
 
-    /// Does what is due. Every reading goes to `take`. Returns when to come again, microseconds, unless ECHO rises before;
+    /// Does what is due. Every reading goes to `report`. Returns when to come again, microseconds, unless ECHO rises before;
     /// `None` if the order is empty.
     ///
     /// # Errors
     /// When a pin cannot be set; the channel then goes on as if it had been.
     pub fn run(
         &mut self,
-        capture: &mut impl Capture,
-        mut take: impl FnMut(Reading),
+        capture: &mut impl EchoCapture,
+        mut report: impl FnMut(FiringResult),
     ) -> Result<Option<u32>, P::Error> {
         loop {
-            let line = capture.line();
+            let line = capture.echo_line();
             match self.channel.poll(capture.now_us(), line) {
-                Todo::Act(action) => {
-                    if action == Action::Init(true) {
+                ChannelStep::Change(action) => {
+                    if action == PinChange::Init(true) {
                         capture.arm();
                     }
-                    self.pins.act(action)?;
+                    self.pins.apply(action)?;
                 }
-                Todo::Take(reading) => take(reading),
-                Todo::Wait(until_us) => return Ok(Some(until_us)),
-                Todo::Rest => return Ok(None),
+                ChannelStep::Report(reading) => report(reading),
+                ChannelStep::WaitUntil(until_us) => return Ok(Some(until_us)),
+                ChannelStep::Idle => return Ok(None),
             }
         }
     }
 
     /// The pins.
     #[must_use]
-    pub fn release(self) -> Pins<P> {
+    pub fn into_pins(self) -> RingPins<P> {
         self.pins
     }
 }
 
-impl<P: OutputPin> Pins<P> {
-    fn rest(&mut self) -> Result<(), P::Error> {
+impl<P: OutputPin> RingPins<P> {
+    fn set_all_low(&mut self) -> Result<(), P::Error> {
         self.init.set_low()?;
         self.binh.set_low()?;
         self.blnk.set_low()?;
-        self.act(Action::Select(0))
+        self.apply(PinChange::Select(0))
     }
 
-    fn act(&mut self, action: Action) -> Result<(), P::Error> {
+    fn apply(&mut self, action: PinChange) -> Result<(), P::Error> {
         match action {
-            Action::Select(sensor) => {
+            PinChange::Select(sensor) => {
                 for (bit, pin) in self.address.iter_mut().enumerate() {
                     pin.set_state((sensor >> bit & 1 == 1).into())?;
                 }
                 Ok(())
             }
-            Action::Init(high) => self.init.set_state(high.into()),
-            Action::Binh(high) => self.binh.set_state(high.into()),
+            PinChange::Init(high) => self.init.set_state(high.into()),
+            PinChange::Binh(high) => self.binh.set_state(high.into()),
         }
     }
 }
 
 /// What a transducer has to say to the mind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Firing {
+pub struct RingReading {
     /// Transducer.
     pub sensor: u8,
     /// What it heard; `None` = nothing answered.
@@ -163,31 +163,31 @@ pub struct Firing {
 }
 
 /// A driver that fires while it is wanted and fills a queue.
-pub struct Ring<'queue, P> {
-    driver: Driver<P>,
+pub struct SonarRing<'queue, P> {
+    driver: ChannelDriver<P>,
     timing: Timing,
-    sound: Sound,
-    firings: Producer<'queue, Firing>,
-    faults: &'queue Faults,
+    sound: SpeedOfSound,
+    firings: Producer<'queue, RingReading>,
+    errors: &'queue ErrorCounters,
     runs: bool,
 }
 
-impl<'queue, P: OutputPin> Ring<'queue, P> {
-    /// A ring at rest, in the Nomad's order. It counts in `faults` what its line spoils and what there is no room for.
+impl<'queue, P: OutputPin> SonarRing<'queue, P> {
+    /// A ring at rest, in the Nomad's order. It counts in `errors` what its line spoils and what there is no room for.
     #[must_use]
     pub const fn new(
-        driver: Driver<P>,
+        driver: ChannelDriver<P>,
         timing: Timing,
-        sound: Sound,
-        firings: Producer<'queue, Firing>,
-        faults: &'queue Faults,
+        sound: SpeedOfSound,
+        firings: Producer<'queue, RingReading>,
+        errors: &'queue ErrorCounters,
     ) -> Self {
         Self {
             driver,
             timing,
             sound,
             firings,
-            faults,
+            errors,
             runs: false,
         }
     }
@@ -195,8 +195,8 @@ impl<'queue, P: OutputPin> Ring<'queue, P> {
     /// Whether it is to be served when ECHO rises as well: from a firing on until its end. A line that rings at other times
     /// brings no interrupt.
     #[must_use]
-    pub const fn listens(&self) -> bool {
-        self.runs && self.driver.channel.listens()
+    pub const fn is_listening(&self) -> bool {
+        self.runs && self.driver.channel.is_listening()
     }
 
     /// Does what is due at `now`, the time of the moment the capture's clock shows. Returns when to come again, on that
@@ -206,7 +206,7 @@ impl<'queue, P: OutputPin> Ring<'queue, P> {
     /// When a pin cannot be set.
     pub fn serve(
         &mut self,
-        capture: &mut impl Capture,
+        capture: &mut impl EchoCapture,
         now: Millis,
         wanted: bool,
     ) -> Result<Option<u32>, P::Error> {
@@ -219,21 +219,21 @@ impl<'queue, P: OutputPin> Ring<'queue, P> {
         if !wanted {
             return Ok(None);
         }
-        let (sound, firings, faults) = (self.sound, &mut self.firings, self.faults);
+        let (sound, firings, errors) = (self.sound, &mut self.firings, self.errors);
         self.driver.run(capture, |reading| {
             let age_ms = now_us.wrapping_sub(reading.fired_us) / 1_000;
-            let told = match reading.outcome.heard(sound) {
+            let told = match reading.outcome.report(sound) {
                 // No room: the mind has not looked for a second. The ring stays incomplete.
-                Heard::Range(range) => firings.enqueue(Firing {
+                EchoReport::Range(range) => firings.enqueue(RingReading {
                     sensor: reading.sensor,
                     range,
                     at: Millis::from_ms(now.as_ms().wrapping_sub(age_ms)),
                 }),
-                Heard::Fault => return faults.spoil(),
-                Heard::Nothing => return,
+                EchoReport::Fault => return errors.count_ring_fault(),
+                EchoReport::Nothing => return,
             };
             if told.is_err() {
-                faults.spoil();
+                errors.count_ring_fault();
             }
         })
     }
@@ -241,7 +241,7 @@ impl<'queue, P: OutputPin> Ring<'queue, P> {
 
 /// What the mind is told of a reading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Heard {
+pub enum EchoReport {
     /// A range, or that nothing answered.
     Range(Option<Range>),
     /// The line was at fault: nothing.
@@ -250,15 +250,15 @@ pub enum Heard {
     Nothing,
 }
 
-impl Outcome {
+impl FiringOutcome {
     /// What the mind is told, at this speed of sound.
     #[must_use]
-    pub fn heard(self, sound: Sound) -> Heard {
+    pub fn report(self, sound: SpeedOfSound) -> EchoReport {
         match self {
-            Self::Echo(flight_us) => Heard::Range(sound.range(flight_us)),
-            Self::Silent => Heard::Range(None),
-            Self::Early | Self::HeldHigh | Self::NotReleased | Self::Mute => Heard::Fault,
-            Self::Rings => Heard::Nothing,
+            Self::Echo(flight_us) => EchoReport::Range(sound.range(flight_us)),
+            Self::NoEcho => EchoReport::Range(None),
+            Self::Early | Self::HeldHigh | Self::NotReleased | Self::Mute => EchoReport::Fault,
+            Self::Ringing => EchoReport::Nothing,
         }
     }
 }

@@ -11,38 +11,38 @@ use std::vec;
 use std::vec::Vec;
 
 /// A mind that is full of one number.
-struct Mind<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize> {
+struct TestContents<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize> {
     config: Config<SENSORS>,
     state: Box<State<SENSORS, NEURONS, SAMPLES>>,
     goal: Goal<SENSORS>,
     kept: KeptGoals<SENSORS>,
 }
 
-type Nomad = Mind<16, 16, 100>;
+type Nomad = TestContents<16, 16, 100>;
 /// Its images take some 180 bytes: hundreds of thousands of them are written in seconds.
-type Small = Mind<4, 2, 2>;
+type Small = TestContents<4, 2, 2>;
 
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
-    Mind<SENSORS, NEURONS, SAMPLES>
+    TestContents<SENSORS, NEURONS, SAMPLES>
 {
     fn of(number: u32) -> Self {
-        let mut mind = Self {
+        let mut stored = Self {
             config: supervisable(Node::<SENSORS, NEURONS, SAMPLES>::new().config()),
             state: Box::new(State::new(Grid::rectangle(1, 2))),
             goal: Goal::of([Component::ANY; SENSORS]),
             kept: KeptGoals::new(),
         };
-        mind.goal.going_q16 = number as u16;
+        stored.goal.going_q16 = number as u16;
         let mut bytes = number.to_le_bytes().into_iter().cycle();
         for part in [Part::Situations, Part::Changes, Part::Actions, Part::Memory] {
             let length = match part {
                 Part::Memory => SAMPLES * State::<SENSORS, NEURONS, SAMPLES>::SAMPLE_BYTES,
-                _ => mind.state.part_len(part),
+                _ => stored.state.part_len(part),
             };
             let bytes: Vec<u8> = bytes.by_ref().take(length).collect();
-            mind.state.write_part(part, 0, &bytes).expect("a part");
+            stored.state.write_part(part, 0, &bytes).expect("a part");
         }
-        mind
+        stored
     }
 
     fn contents(&self) -> Contents<'_, SENSORS, NEURONS, SAMPLES> {
@@ -65,18 +65,18 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 
     /// What the store has kept last.
-    fn recalled<F: NorFlash>(store: &mut Store<F>) -> Result<Self, FlashError> {
-        let mut mind = Self::of(0);
-        store.recall(|read, most| {
+    fn loaded<F: NorFlash>(store: &mut Store<F>) -> Result<Self, FlashError> {
+        let mut stored = Self::of(0);
+        store.load(|read, most| {
             let mut contents = ContentsMut {
-                config: &mut mind.config,
-                state: &mut mind.state,
-                goal: &mut mind.goal,
-                kept: &mut mind.kept,
+                config: &mut stored.config,
+                state: &mut stored.state,
+                goal: &mut stored.goal,
+                kept: &mut stored.kept,
             };
             contents.read(read, most).map(drop)
         })?;
-        Ok(mind)
+        Ok(stored)
     }
 }
 
@@ -93,12 +93,13 @@ fn number<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, F: N
     store: &mut Store<F>,
     candidates: &[u32],
 ) -> Option<u32> {
-    let kept = match Mind::<SENSORS, NEURONS, SAMPLES>::recalled(store) {
-        Ok(mind) => mind.image(1),
+    let kept = match TestContents::<SENSORS, NEURONS, SAMPLES>::loaded(store) {
+        Ok(stored) => stored.image(1),
         Err(FlashError::Empty) => return None,
         Err(error) => panic!("the store cannot be read: {error}"),
     };
-    let same = |number: &&u32| Mind::<SENSORS, NEURONS, SAMPLES>::of(**number).image(1) == kept;
+    let same =
+        |number: &&u32| TestContents::<SENSORS, NEURONS, SAMPLES>::of(**number).image(1) == kept;
     let found = candidates.iter().find(same);
     Some(*found.expect("a mixture, or something older"))
 }
@@ -117,14 +118,14 @@ fn power_may_be_lost_at_every_word_and_erasure_of_a_save() {
     for save in 1..=3 {
         let (old, new) = (save - 1, save);
         let candidates = if save == 1 { vec![new] } else { vec![old, new] };
-        let mind = Nomad::of(new);
+        let stored = Nomad::of(new);
         let before = store.flash.clone();
         let mut operations = 0;
         loop {
             let mut flash = before.clone();
             flash.cut_after(operations);
             let mut cut = nomad(flash);
-            if cut.save(&mind.contents()).is_ok() {
+            if cut.save(&stored.contents()).is_ok() {
                 break;
             }
             assert!(!cut.flash.has_power());
@@ -138,14 +139,14 @@ fn power_may_be_lost_at_every_word_and_erasure_of_a_save() {
             );
             // Saving again succeeds, wherever the first attempt ended.
             if operations % 16 == 0 {
-                after.tidy().expect("power is back");
-                after.save(&mind.contents()).expect("power is back");
+                after.ensure_free_slot().expect("power is back");
+                after.save(&stored.contents()).expect("power is back");
                 assert_eq!(number::<16, 16, 100, _>(&mut after, &[new]), Some(new));
             }
             operations += 1;
         }
         cuts += operations;
-        store.save(&mind.contents()).expect("there is power");
+        store.save(&stored.contents()).expect("there is power");
         assert_eq!(store.generation(), save);
     }
     std::println!("{cuts} cuts");
@@ -172,8 +173,10 @@ fn cut_again_and_again<const SECTOR: usize>(cuts: u32, seed: u64) -> [u32; 2] {
         };
         flash.cut_after(operations);
         let mut store = Store::mount(flash, SMALL_SLOT);
-        let mind = Small::of(attempt);
-        let saved = store.tidy().and_then(|()| store.save(&mind.contents()));
+        let stored = Small::of(attempt);
+        let saved = store
+            .ensure_free_slot()
+            .and_then(|()| store.save(&stored.contents()));
         let lost = !store.flash.has_power();
         assert_eq!(saved.is_ok(), !lost, "only the cut makes it fail");
         flash = store.flash;
@@ -246,7 +249,7 @@ fn a_save_erases_only_when_a_sector_has_filled_since_the_start() {
     let mut flash = SimFlash::<SECTOR>::new(6);
     for number in 1..=150 {
         let mut store = Store::mount(flash, SMALL_SLOT);
-        store.tidy().expect("there is power");
+        store.ensure_free_slot().expect("there is power");
         assert_eq!(
             store.pause_ms(Flash::Save),
             WRITE_MS,

@@ -60,11 +60,11 @@ pub struct Timing {
 }
 
 /// When a self-test raises BINH, after the firing, microseconds: the burst of 324 µs is over, the membrane still rings.
-pub const RINGING_US: u32 = 400;
+pub const SELF_TEST_BINH_US: u32 = 400;
 
 /// By then ECHO has risen if the module, its supply, its transducer and their multiplexer are sound, microseconds: the membrane rings
 /// until then, which is why the Polaroid 6500 blanks it.
-pub const RUNG_US: u32 = 900;
+pub const RINGING_END_US: u32 = 900;
 
 impl Timing {
     /// The Nomad's relays, at the rate at which they can follow (64 ms, a ring in 1.02 s), with the short blanking.
@@ -84,7 +84,7 @@ impl Timing {
 
     /// The same with a self-test at the start.
     #[must_use]
-    pub const fn self_tested(self) -> Self {
+    pub const fn with_self_test(self) -> Self {
         Self {
             self_test: true,
             ..self
@@ -122,7 +122,7 @@ pub const STAGGER_US: u32 = 2_000;
 
 /// A firing that comes later than this is put off by a slot, microseconds: half the stagger, so that however late
 /// everybody is, no two channels fire within the other half.
-pub const LATEST_US: u32 = STAGGER_US / 2;
+pub const MAX_LATE_US: u32 = STAGGER_US / 2;
 
 /// Which transducers fire, and when in their turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -178,11 +178,11 @@ const US_PER_M: [u16; 8] = [6_271, 6_150, 6_037, 5_929, 5_827, 5_730, 5_638, 5_5
 
 /// How sound travels at a temperature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Sound {
+pub struct SpeedOfSound {
     us_per_m: u16,
 }
 
-impl Sound {
+impl SpeedOfSound {
     /// At a temperature in tenths of a degree Celsius, brought into −20 … 50 °C.
     #[must_use]
     pub fn at(decidegrees: i16) -> Self {
@@ -226,18 +226,18 @@ mod tests {
             assert!((f64::from(us) - exact).abs() <= 0.51, "{us} {exact}");
         }
         for decidegrees in -200..=500_i16 {
-            let us = f64::from(Sound::at(decidegrees).us_per_m);
+            let us = f64::from(SpeedOfSound::at(decidegrees).us_per_m);
             let exact = exact_us_per_m(f64::from(decidegrees) / 10.0);
             assert!((us - exact).abs() <= 2.0, "{decidegrees}: {us} {exact}");
         }
-        assert_eq!(Sound::at(-900), Sound::at(-200));
-        assert_eq!(Sound::at(900), Sound::at(500));
+        assert_eq!(SpeedOfSound::at(-900), SpeedOfSound::at(-200));
+        assert_eq!(SpeedOfSound::at(900), SpeedOfSound::at(500));
     }
 
     /// 148.0 µs per inch at 20 °C; the full range is heard 37.7 ms after the firing.
     #[test]
     fn a_flight_becomes_a_range() {
-        let mm = |us| Sound::at(200).range(us).map(Range::as_mm);
+        let mm = |us| SpeedOfSound::at(200).range(us).map(Range::as_mm);
         assert_eq!(mm(0), Some(0));
         assert_eq!(mm(5_827), Some(1_000));
         assert_eq!(mm(148 * 6), Some(152));
@@ -249,7 +249,7 @@ mod tests {
     #[test]
     fn both_blankings_are_the_known_ranges() {
         let nearest = |blanking: Blanking| {
-            let range = Sound::at(200).range(blanking.us());
+            let range = SpeedOfSound::at(200).range(blanking.us());
             range.map(|range| (range.as_mm() + 12) / 25)
         };
         assert_eq!(nearest(Blanking::Internal), Some(16));

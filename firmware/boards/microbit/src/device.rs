@@ -2,7 +2,7 @@
 
 #![allow(unsafe_code)]
 
-use firmware::line::{Port, Status};
+use firmware::uart::{UartPort, UartStatus};
 use nrf51_pac::generic::{Reg, RegisterSpec, Resettable, Writable};
 use nrf51_pac::{GPIO, Peripherals, TIMER0, UART0};
 
@@ -18,11 +18,11 @@ const COLUMN: u32 = 4;
 /// The devices the program works with.
 pub struct Device {
     /// The serial port of the link.
-    pub uart: Uart,
+    pub uart: NordicUart,
     /// Raises an interrupt each millisecond.
     pub timer: MillisecondTimer,
     /// The status LED.
-    pub led: Led,
+    pub led: MatrixLed,
 }
 
 impl Device {
@@ -32,9 +32,9 @@ impl Device {
         set(&chip.CLOCK.tasks_hfclkstart, 1);
         while chip.CLOCK.events_hfclkstarted.read().bits() == 0 {}
         Self {
-            uart: Uart::start(chip.UART0),
+            uart: NordicUart::start(chip.UART0),
             timer: MillisecondTimer::start(chip.TIMER0),
-            led: Led::start(chip.GPIO),
+            led: MatrixLed::start(chip.GPIO),
         }
     }
 }
@@ -49,13 +49,13 @@ where
 }
 
 /// The serial port: 115 200 baud, eight data bits, no parity, one stop bit.
-pub struct Uart {
+pub struct NordicUart {
     registers: UART0,
     /// A byte is on its way out.
     is_sending: bool,
 }
 
-impl Uart {
+impl NordicUart {
     fn start(registers: UART0) -> Self {
         set(&registers.pseltxd, TRANSMIT);
         set(&registers.pselrxd, RECEIVE);
@@ -73,8 +73,8 @@ impl Uart {
     }
 }
 
-impl Port for Uart {
-    fn status(&mut self) -> Status {
+impl UartPort for NordicUart {
+    fn status(&mut self) -> UartStatus {
         if self.registers.events_txdrdy.read().bits() != 0 {
             set(&self.registers.events_txdrdy, 0);
             self.is_sending = false;
@@ -85,7 +85,7 @@ impl Port for Uart {
             // Ones take away the errors they stand for.
             set(&self.registers.errorsrc, 0xf);
         }
-        Status {
+        UartStatus {
             received: self.registers.events_rxdrdy.read().bits() != 0,
             overrun,
             can_send: !self.is_sending,
@@ -104,7 +104,7 @@ impl Port for Uart {
     }
 
     // The interrupt comes after each byte, whether there is another one or not.
-    fn call_to_send(&mut self, _: bool) {}
+    fn enable_transmit_interrupt(&mut self, _: bool) {}
 }
 
 /// Timer 0, which counts microseconds and begins anew each millisecond.
@@ -129,9 +129,9 @@ impl MillisecondTimer {
 }
 
 /// The LED in the first row and column.
-pub struct Led(GPIO);
+pub struct MatrixLed(GPIO);
 
-impl Led {
+impl MatrixLed {
     fn start(port: GPIO) -> Self {
         set(&port.dirset, 1 << ROW | 1 << COLUMN);
         Self(port)

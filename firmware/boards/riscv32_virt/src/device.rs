@@ -5,7 +5,7 @@
 
 use amp::units::Millis;
 use core::ptr::with_exposed_provenance_mut;
-use firmware::line::{Port, Status};
+use firmware::uart::{UartPort, UartStatus};
 
 /// The 16550 compatible serial port.
 const UART: usize = 0x1000_0000;
@@ -25,11 +25,11 @@ const TEST_DEVICE: usize = 0x10_0000;
 const RESET: u32 = 0x7777;
 
 /// The serial port; an emulated one has no rate.
-pub struct Uart {
+pub struct Uart16550 {
     moved: bool,
 }
 
-impl Uart {
+impl Uart16550 {
     /// Eight data bits, no parity, one stop bit; queues of 16 bytes.
     pub fn start() -> Self {
         write8(LINE_CONTROL, 0b011);
@@ -43,10 +43,10 @@ impl Uart {
     }
 }
 
-impl Port for Uart {
-    fn status(&mut self) -> Status {
+impl UartPort for Uart16550 {
+    fn status(&mut self) -> UartStatus {
         let status = read8(LINE_STATUS);
-        Status {
+        UartStatus {
             received: status & 1 != 0,
             overrun: status & 1 << 1 != 0,
             can_send: status & 1 << 5 != 0,
@@ -64,7 +64,7 @@ impl Port for Uart {
     }
 
     // The loop polls the port.
-    fn call_to_send(&mut self, _: bool) {}
+    fn enable_transmit_interrupt(&mut self, _: bool) {}
 }
 
 /// The core's timer.

@@ -3,16 +3,16 @@
 //! An emulated chip differs in three points: its oscillators are never ready, so it stays on the internal one; its port
 //! raises no interrupt when it takes a byte, so this is done by software; watchdog and reset flags do nothing.
 
-use crate::flash::Kept;
+use crate::flash::StoreFlash;
 use crate::ring_timer::RingTimer;
 use crate::serial::SerialPort;
 use crate::{clocks, fault};
 use amp::wire::message::Oscillator;
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
-use firmware::crash::Flags;
+use firmware::crash::ResetFlags;
 use firmware::safety::SafetyLines;
-use firmware::sonar_ring::Pins;
+use firmware::sonar_ring::RingPins;
 use stm32f4xx_hal::gpio::{ErasedPin, Input, Output, PinState};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
@@ -28,7 +28,7 @@ const WATCHDOG_MS: u32 = 500;
 
 /// The watchdog bites after this time while flash is erased or written: 10.9 to 30.1 s, and two sectors take 4 s at most, an
 /// image a quarter of a second.
-const PATIENT_MS: u32 = 16_000;
+const LONG_TIMEOUT_MS: u32 = 16_000;
 
 /// The devices the tasks work with; the link's port is `U`.
 pub struct Devices<U> {
@@ -39,36 +39,36 @@ pub struct Devices<U> {
     /// The watchdog, running.
     pub watchdog: Watchdog,
     /// The pins of the ring, all low.
-    pub ring_pins: Pins<RingPin>,
+    pub ring_pins: RingPins<RingPin>,
     /// The clock of the ring.
     pub ring_timer: RingTimer,
     /// What the chip remembers of the last reset.
-    pub flags: Flags,
+    pub flags: ResetFlags,
     /// What clocks the processor.
     pub oscillator: Oscillator,
     /// Emergency stop, bumper and motion permit.
-    pub safety: Safety,
+    pub safety: BoardSafetyLines,
     /// The watch over the supply voltage.
-    pub supply: Supply,
+    pub supply: SupplyMonitor,
     /// Its interrupt.
-    pub supply_alarm: SupplyAlarm,
+    pub supply_alarm: SupplyInterrupt,
     /// What outlives a loss of power.
-    pub kept: Kept,
+    pub flash: StoreFlash,
 }
 
 /// The chip as started, before a board's pins are taken.
-pub struct Chip {
+pub struct StartedChip {
     /// Clocks, running.
     pub rcc: Rcc,
     /// The watchdog, running.
     pub watchdog: Watchdog,
     /// What the chip remembers of the last reset.
-    pub flags: Flags,
+    pub flags: ResetFlags,
     /// What clocks the processor.
     pub oscillator: Oscillator,
 }
 
-impl Chip {
+impl StartedChip {
     /// Starts the watchdog, then the clocks, and guards the stack.
     pub fn start(
         (iwdg, dbgmcu): (pac::IWDG, &pac::DBGMCU),
@@ -78,9 +78,9 @@ impl Chip {
         let mut watchdog = IndependentWatchdog::new(iwdg);
         watchdog.stop_on_debug(dbgmcu, true);
         watchdog.start(WATCHDOG_MS.millis());
-        let flags = take_flags(&rcc);
+        let flags = read_reset_flags(&rcc);
         let (rcc, oscillator) = clocks::start(rcc, timer, flags);
-        count_milliseconds(&mut core.SYST);
+        start_millisecond_tick(&mut core.SYST);
         fault::guard_stack(&mut core.MPU);
         Self {
             rcc,
@@ -92,7 +92,7 @@ impl Chip {
 }
 
 /// Lets the core's timer raise an interrupt each millisecond.
-fn count_milliseconds(timer: &mut SYST) {
+fn start_millisecond_tick(timer: &mut SYST) {
     timer.set_clock_source(SystClkSource::Core);
     timer.set_reload(CORE_HZ / 1_000 - 1);
     timer.clear_current();
@@ -101,9 +101,9 @@ fn count_milliseconds(timer: &mut SYST) {
 }
 
 /// Reads and clears what the chip remembers of the last reset.
-fn take_flags(rcc: &pac::RCC) -> Flags {
+fn read_reset_flags(rcc: &pac::RCC) -> ResetFlags {
     let register = rcc.csr().read();
-    let flags = Flags {
+    let flags = ResetFlags {
         power: register.porrstf().bit_is_set() || register.borrstf().bit_is_set(),
         watchdog: register.wdgrstf().bit_is_set() || register.wwdgrstf().bit_is_set(),
         software: register.sftrstf().bit_is_set(),
@@ -133,12 +133,12 @@ impl StatusLed {
 }
 
 /// The lines that stop the robot.
-pub type Safety = SafetyLines<ErasedPin<Input>, ErasedPin<Output>>;
+pub type BoardSafetyLines = SafetyLines<ErasedPin<Input>, ErasedPin<Output>>;
 
 /// The chip's comparator of its supply voltage.
-pub struct Supply(pac::PWR);
+pub struct SupplyMonitor(pac::PWR);
 
-impl Supply {
+impl SupplyMonitor {
     /// Watches for less than 2.9 V (RM0090, 5.4.1: the highest threshold).
     pub fn watch(power: pac::PWR, rcc: &mut Rcc) -> Self {
         pac::PWR::enable(rcc);
@@ -153,9 +153,9 @@ impl Supply {
 }
 
 /// The interrupt of that comparator.
-pub struct SupplyAlarm(pac::EXTI);
+pub struct SupplyInterrupt(pac::EXTI);
 
-impl SupplyAlarm {
+impl SupplyInterrupt {
     /// Interrupts when the voltage becomes too low: the comparator's output rises then, on line 16 (RM0090, 5.2.3 and 12.2.5).
     pub fn listen(lines: pac::EXTI) -> Self {
         lines.rtsr().modify(|_, w| w.tr16().set_bit());
@@ -182,11 +182,15 @@ impl Watchdog {
         self.0.feed();
     }
 
-    /// Makes it bite after [`PATIENT_MS`] from now on, or after [`WATCHDOG_MS`] again.
+    /// Makes it bite after [`LONG_TIMEOUT_MS`] from now on, or after [`WATCHDOG_MS`] again.
     // One copy of it in the program.
     #[inline(never)]
     pub fn set_long_timeout(&mut self, patient: bool) {
-        let bite_ms = if patient { PATIENT_MS } else { WATCHDOG_MS };
+        let bite_ms = if patient {
+            LONG_TIMEOUT_MS
+        } else {
+            WATCHDOG_MS
+        };
         // A change takes the watchdog some cycles of its own clock, 0.3 ms, during which it takes no other: it is waited for,
         // and then it is fed, so that it counts from the new time.
         let _ = self.0.interval();

@@ -7,26 +7,26 @@
 use crate::chip::CORE_HZ;
 use crate::fault;
 use amp::wire::message::Oscillator;
-use firmware::clock::Note;
+use firmware::clock::TrialRecord;
 #[cfg(not(feature = "qemu"))]
-use firmware::clock::{ClockSource, Looks, Measurement, choose};
-use firmware::crash::Flags;
+use firmware::clock::{ClockSource, Measurement, PollBudget, choose_source};
+use firmware::crash::ResetFlags;
 use stm32f4xx_hal::pac;
 #[cfg(not(feature = "qemu"))]
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::{Config, Rcc, RccExt};
 
 /// The program has run for so long when its clocks count as good, milliseconds.
-pub const PROOF_MS: u32 = 1_000;
+pub const PROVEN_AFTER_MS: u32 = 1_000;
 
-/// Notes that the program has run for [`PROOF_MS`].
-pub fn prove() {
-    fault::note(Note::of(fault::noted().trial().at_proof()));
+/// Notes that the program has run for [`PROVEN_AFTER_MS`].
+pub fn mark_proven() {
+    fault::write_trial(TrialRecord::of(fault::read_trial().trial().on_proven()));
 }
 
 /// Starts the clocks.
 #[cfg(feature = "qemu")]
-pub fn start(rcc: pac::RCC, _: pac::TIM11, _: Flags) -> (Rcc, Oscillator) {
+pub fn start(rcc: pac::RCC, _: pac::TIM11, _: ResetFlags) -> (Rcc, Oscillator) {
     const { assert!(CORE_HZ > 0) };
     (rcc.freeze(Config::hsi()), Oscillator::Unknown)
 }
@@ -39,7 +39,7 @@ const INTERNAL_HZ: u32 = 16_000_000;
 /// oscillator each. A crystal starts within 2 ms (data sheet DS8626, HSE), and 4 MHz, the slowest, take 7 ms more to be
 /// measured.
 #[cfg(not(feature = "qemu"))]
-const LOOKS: u32 = 120_000;
+const MAX_POLLS: u32 = 120_000;
 
 /// The crystal's clock is divided by this before it is captured.
 #[cfg(not(feature = "qemu"))]
@@ -51,11 +51,11 @@ const CAPTURES: u32 = 64;
 
 /// Starts the clocks.
 #[cfg(not(feature = "qemu"))]
-pub fn start(rcc: pac::RCC, timer: pac::TIM11, flags: Flags) -> (Rcc, Oscillator) {
-    let trial = fault::noted().trial().at_start(flags);
+pub fn start(rcc: pac::RCC, timer: pac::TIM11, flags: ResetFlags) -> (Rcc, Oscillator) {
+    let trial = fault::read_trial().trial().on_start(flags);
     // Before the crystal can do any harm.
-    fault::note(Note::of(trial));
-    let source = choose(trial, || measure(&rcc, &timer));
+    fault::write_trial(TrialRecord::of(trial));
+    let source = choose_source(trial, || measure(&rcc, &timer));
     let config = match source {
         ClockSource::Crystal { hz } => Config::hse(hz.Hz()),
         ClockSource::Internal => {
@@ -76,9 +76,9 @@ pub fn start(rcc: pac::RCC, timer: pac::TIM11, flags: Flags) -> (Rcc, Oscillator
 /// Once the clocks have started it counts those of the processor's clock instead.
 #[cfg(not(feature = "qemu"))]
 pub fn measure(rcc: &pac::RCC, timer: &pac::TIM11) -> Option<Measurement> {
-    let mut looks = Looks::new(LOOKS);
+    let mut budget = PollBudget::new(MAX_POLLS);
     rcc.cr().modify(|_, w| w.hseon().set_bit());
-    looks.until(|| rcc.cr().read().hserdy().bit_is_set())?;
+    budget.poll_until(|| rcc.cr().read().hserdy().bit_is_set())?;
     rcc.cfgr().modify(|_, w| w.rtcpre().set(DIVIDER));
     rcc.apb2enr().modify(|_, w| w.tim11en().set_bit());
     // SAFETY: 2 chooses HSE_RTC.
@@ -89,7 +89,7 @@ pub fn measure(rcc: &pac::RCC, timer: &pac::TIM11) -> Option<Measurement> {
         .write(|w| w.cc1s().ti1().ic1psc().set(0b11));
     timer.ccer().write(|w| w.cc1e().set_bit());
     timer.cr1().write(|w| w.cen().set_bit());
-    let ticks = count(timer, looks);
+    let ticks = capture_ticks(timer, budget);
     timer.cr1().reset();
     rcc.apb2enr().modify(|_, w| w.tim11en().clear_bit());
     Some(Measurement {
@@ -101,9 +101,9 @@ pub fn measure(rcc: &pac::RCC, timer: &pac::TIM11) -> Option<Measurement> {
 
 /// Ticks of the timer from the first capture to the last; `None` when these do not come in so many looks.
 #[cfg(not(feature = "qemu"))]
-fn count(timer: &pac::TIM11, mut looks: Looks) -> Option<u32> {
+fn capture_ticks(timer: &pac::TIM11, mut budget: PollBudget) -> Option<u32> {
     let mut captured = || {
-        looks.until(|| timer.sr().read().cc1if().bit_is_set())?;
+        budget.poll_until(|| timer.sr().read().cc1if().bit_is_set())?;
         // Reading clears the flag.
         Some(timer.ccr1().read().ccr().bits())
     };

@@ -11,17 +11,17 @@ use core::panic::PanicInfo;
 use core::ptr::{addr_of, addr_of_mut};
 use cortex_m::peripheral::{MPU, SCB};
 use cortex_m_rt::exception;
-use firmware::clock::{Note, Trial};
-use firmware::crash::{Cause, Crash, Fault, Record, Text};
+use firmware::clock::{CrystalTrial, TrialRecord};
+use firmware::crash::{Crash, CrashCause, CrashRecord, CrashText, FaultRegisters};
 use firmware::stack;
 
 /// Start-up code neither clears nor fills this section.
 #[unsafe(link_section = ".uninit.crash")]
-static mut RECORD: MaybeUninit<Record> = MaybeUninit::uninit();
+static mut RECORD: MaybeUninit<CrashRecord> = MaybeUninit::uninit();
 
 /// What is known of the crystal; likewise.
 #[unsafe(link_section = ".uninit.crystal")]
-static mut CRYSTAL: MaybeUninit<Note> = MaybeUninit::uninit();
+static mut CRYSTAL: MaybeUninit<TrialRecord> = MaybeUninit::uninit();
 
 unsafe extern "C" {
     /// Behind the highest word of the stack.
@@ -59,27 +59,31 @@ const _: () = assert!(
 );
 
 /// The crash that ended the last run, once.
-pub fn take() -> Option<Crash> {
-    let record = addr_of_mut!(RECORD).cast::<Record>();
+pub fn take_crash() -> Option<Crash> {
+    let record = addr_of_mut!(RECORD).cast::<CrashRecord>();
     // SAFETY: the memory is there, aligned, and every bit pattern is a record; only this function, called once while
     // interrupts are off, and the crash handlers, which never return, touch it.
     let crash = unsafe { record.read_volatile() }.crash();
     // SAFETY: as above.
-    unsafe { record.write_volatile(Record::EMPTY) };
+    unsafe { record.write_volatile(CrashRecord::EMPTY) };
     crash
 }
 
 /// What is noted of the crystal.
-pub fn noted() -> Note {
-    // SAFETY: the memory is there, aligned, and every bit pattern is a note; see `note`.
-    unsafe { addr_of!(CRYSTAL).cast::<Note>().read_volatile() }
+pub fn read_trial() -> TrialRecord {
+    // SAFETY: the memory is there, aligned, and every bit pattern is a note; see `write_trial`.
+    unsafe { addr_of!(CRYSTAL).cast::<TrialRecord>().read_volatile() }
 }
 
 /// Notes something of the crystal.
-pub fn note(note: Note) {
+pub fn write_trial(record: TrialRecord) {
     // SAFETY: the memory is there and aligned. Start-up, one task and the crash handlers touch it, of which the first comes
     // before the others and the last never return.
-    unsafe { addr_of_mut!(CRYSTAL).cast::<Note>().write_volatile(note) }
+    unsafe {
+        addr_of_mut!(CRYSTAL)
+            .cast::<TrialRecord>()
+            .write_volatile(record)
+    }
 }
 
 /// The deepest the stack has been, in bytes.
@@ -92,22 +96,22 @@ pub fn stack_peak_bytes() -> u32 {
     peak as u32
 }
 
-fn keep_and_reset(crash: &Crash) -> ! {
+fn save_and_reset(crash: &Crash) -> ! {
     #[cfg(feature = "hil")]
-    end_test(crash);
-    note(Note::of(noted().trial().at_crash()));
+    fail_test(crash);
+    write_trial(TrialRecord::of(read_trial().trial().on_crash()));
     // SAFETY: see `take`; nothing else runs any more.
     unsafe {
         addr_of_mut!(RECORD)
-            .cast::<Record>()
-            .write_volatile(Record::of(crash));
+            .cast::<CrashRecord>()
+            .write_volatile(CrashRecord::of(crash));
     }
     SCB::sys_reset()
 }
 
 /// Tells the debugger what would be kept, and that the test has failed.
 #[cfg(feature = "hil")]
-fn end_test(crash: &Crash) {
+fn fail_test(crash: &Crash) {
     use cortex_m_semihosting::{debug, heprintln};
     heprintln!("{} {:#x}", crash.text.as_str(), crash.program_counter);
     debug::exit(debug::EXIT_FAILURE);
@@ -116,7 +120,7 @@ fn end_test(crash: &Crash) {
 #[panic_handler]
 fn panic(info: &PanicInfo) -> ! {
     cortex_m::interrupt::disable();
-    let mut text = Text::new();
+    let mut text = CrashText::new();
     if let Some(place) = info.location() {
         let path = place.file();
         let name = path.rfind('/').and_then(|slash| path.get(slash + 1..));
@@ -128,8 +132,8 @@ fn panic(info: &PanicInfo) -> ! {
         text.push(" ");
         text.push(message);
     }
-    keep_and_reset(&Crash {
-        cause: Cause::Panic,
+    save_and_reset(&Crash {
+        cause: CrashCause::Panic,
         program_counter: 0,
         text,
     })
@@ -155,14 +159,14 @@ extern "C" fn fault(stack_pointer: *const u32) -> ! {
     let end = addr_of!(_stack_end).addr() as u32 + GUARD_BYTES;
     // SAFETY: reading these registers has no effect.
     let scb = unsafe { &*SCB::PTR };
-    let fault = Fault {
+    let fault = FaultRegisters {
         status: scb.cfsr.read(),
         protected: scb.mmfar.read(),
         bus: scb.bfar.read(),
     };
     let cause = fault.cause(stack_pointer.addr() as u32, start, end);
-    let (mut program_counter, mut text) = (0, Text::new());
-    if cause == Cause::HardFault {
+    let (mut program_counter, mut text) = (0, CrashText::new());
+    if cause == CrashCause::HardFault {
         // SAFETY: the processor has pushed eight words onto a stack that is memory, the link register sixth, the program counter
         // seventh. The new stack may have overwritten it only if the fault came within a few words of the stack's beginning.
         let (link, counter) = unsafe {
@@ -176,7 +180,7 @@ extern "C" fn fault(stack_pointer: *const u32) -> ! {
     } else {
         text.push("the stack left its region");
     }
-    keep_and_reset(&Crash {
+    save_and_reset(&Crash {
         cause,
         program_counter,
         text,
@@ -187,11 +191,11 @@ extern "C" fn fault(stack_pointer: *const u32) -> ! {
 /// restart does not try the crystal, which may start again and stop again, and uses the internal oscillator at the full clock.
 #[exception]
 unsafe fn NonMaskableInt() -> ! {
-    note(Note::of(Trial::Failed));
-    let mut text = Text::new();
+    write_trial(TrialRecord::of(CrystalTrial::Failed));
+    let mut text = CrashText::new();
     text.push("the crystal has stopped");
-    keep_and_reset(&Crash {
-        cause: Cause::Panic,
+    save_and_reset(&Crash {
+        cause: CrashCause::Panic,
         program_counter: 0,
         text,
     })
@@ -200,7 +204,7 @@ unsafe fn NonMaskableInt() -> ! {
 /// An interrupt without a task.
 #[exception]
 unsafe fn DefaultHandler(number: i16) -> ! {
-    let mut text = Text::new();
+    let mut text = CrashText::new();
     // The core's own count from -15 to -1, the chip's from 0.
     text.push(if number < 0 {
         "no task for interrupt -"
@@ -208,8 +212,8 @@ unsafe fn DefaultHandler(number: i16) -> ! {
         "no task for interrupt "
     });
     text.push_number(number.unsigned_abs().into());
-    keep_and_reset(&Crash {
-        cause: Cause::Panic,
+    save_and_reset(&Crash {
+        cause: CrashCause::Panic,
         program_counter: 0,
         text,
     })

@@ -5,7 +5,7 @@
 
 #![allow(unsafe_code)]
 
-pub use device::Kept;
+pub use device::StoreFlash;
 
 #[cfg(not(feature = "qemu"))]
 mod device {
@@ -32,9 +32,9 @@ mod device {
     const ERRORS: u32 = 0xf2;
 
     /// The last two sectors of the flash.
-    pub struct Kept(pac::FLASH);
+    pub struct StoreFlash(pac::FLASH);
 
-    impl Kept {
+    impl StoreFlash {
         /// Takes the flash.
         pub fn new(flash: pac::FLASH) -> Self {
             Self(flash)
@@ -112,11 +112,11 @@ mod device {
         Error::ProgrammingAlignment
     }
 
-    impl ErrorType for Kept {
+    impl ErrorType for StoreFlash {
         type Error = Error;
     }
 
-    impl ReadNorFlash for Kept {
+    impl ReadNorFlash for StoreFlash {
         const READ_SIZE: usize = 1;
 
         fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Error> {
@@ -132,7 +132,7 @@ mod device {
         }
     }
 
-    impl NorFlash for Kept {
+    impl NorFlash for StoreFlash {
         const WRITE_SIZE: usize = WORD;
         const ERASE_SIZE: usize = SECTOR;
 
@@ -187,12 +187,12 @@ mod device {
     static mut BYTES: MaybeUninit<[u8; 2 * SECTOR]> = MaybeUninit::uninit();
 
     /// Two sectors in memory.
-    pub struct Kept(*mut u8);
+    pub struct StoreFlash(*mut u8);
 
     // SAFETY: there is one of these only, because there is one token of the flash, and whoever has it has the memory.
-    unsafe impl Send for Kept {}
+    unsafe impl Send for StoreFlash {}
 
-    impl Kept {
+    impl StoreFlash {
         /// Takes the flash, which does nothing here.
         pub fn new(_: pac::FLASH) -> Self {
             Self(addr_of_mut!(BYTES).cast())
@@ -205,11 +205,11 @@ mod device {
         }
     }
 
-    impl ErrorType for Kept {
+    impl ErrorType for StoreFlash {
         type Error = Infallible;
     }
 
-    impl ReadNorFlash for Kept {
+    impl ReadNorFlash for StoreFlash {
         const READ_SIZE: usize = 1;
 
         fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Infallible> {
@@ -225,7 +225,7 @@ mod device {
         }
     }
 
-    impl NorFlash for Kept {
+    impl NorFlash for StoreFlash {
         const WRITE_SIZE: usize = 4;
         const ERASE_SIZE: usize = SECTOR;
 

@@ -17,30 +17,30 @@ mod semihosting {
     #[defmt::global_logger]
     struct Logger;
 
-    static STATE: State = State {
-        taken: AtomicBool::new(false),
-        inner: UnsafeCell::new(Inner {
+    static STATE: LoggerState = LoggerState {
+        acquired: AtomicBool::new(false),
+        inner: UnsafeCell::new(LoggerInner {
             restore: RestoreState::invalid(),
             encoder: defmt::Encoder::new(),
             stream: None,
         }),
     };
 
-    struct State {
-        taken: AtomicBool,
-        inner: UnsafeCell<Inner>,
+    struct LoggerState {
+        acquired: AtomicBool,
+        inner: UnsafeCell<LoggerInner>,
     }
 
     // SAFETY: `inner` is touched only between `acquire` and `release`, which is a critical section.
-    unsafe impl Sync for State {}
+    unsafe impl Sync for LoggerState {}
 
-    struct Inner {
+    struct LoggerInner {
         restore: RestoreState,
         encoder: defmt::Encoder,
         stream: Option<HostStream>,
     }
 
-    impl Inner {
+    impl LoggerInner {
         /// Bytes that cannot be written are lost; there is nobody to tell.
         fn write(&mut self, encode: impl FnOnce(&mut defmt::Encoder, &mut dyn FnMut(&[u8]))) {
             let stream = &mut self.stream;
@@ -54,7 +54,7 @@ mod semihosting {
 
     /// # Safety
     /// Only between `acquire` and `release`, and not while another such reference is alive.
-    unsafe fn inner() -> &'static mut Inner {
+    unsafe fn inner() -> &'static mut LoggerInner {
         // SAFETY: the caller's promise.
         unsafe { &mut *STATE.inner.get() }
     }
@@ -65,7 +65,7 @@ mod semihosting {
             // SAFETY: `release` is its counterpart.
             let restore = unsafe { critical_section::acquire() };
             assert!(
-                !STATE.taken.swap(true, Ordering::Relaxed),
+                !STATE.acquired.swap(true, Ordering::Relaxed),
                 "logged while logging"
             );
             // SAFETY: the critical section has begun.
@@ -85,7 +85,7 @@ mod semihosting {
             // SAFETY: the caller has acquired the logger.
             let inner = unsafe { inner() };
             inner.write(|encoder, sink| encoder.end_frame(sink));
-            STATE.taken.store(false, Ordering::Relaxed);
+            STATE.acquired.store(false, Ordering::Relaxed);
             // SAFETY: it is the state that `acquire` got.
             unsafe { critical_section::release(inner.restore) };
         }

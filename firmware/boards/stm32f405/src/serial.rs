@@ -1,7 +1,7 @@
 //! The serial port of the link: any of the chip's USARTs.
 
 use core::ops::Deref;
-use firmware::line::{Port, Status};
+use firmware::uart::{UartPort, UartStatus};
 use stm32f4xx_hal::pac::{Interrupt, usart1};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::serial;
@@ -33,10 +33,10 @@ impl<U: Deref<Target = usart1::RegisterBlock>> SerialPort<U> {
     }
 }
 
-impl<U: Deref<Target = usart1::RegisterBlock>> Port for SerialPort<U> {
-    fn status(&mut self) -> Status {
+impl<U: Deref<Target = usart1::RegisterBlock>> UartPort for SerialPort<U> {
+    fn status(&mut self) -> UartStatus {
         let register = self.usart.sr().read();
-        Status {
+        UartStatus {
             received: register.rxne().bit_is_set(),
             overrun: register.ore().bit_is_set(),
             can_send: register.txe().bit_is_set(),
@@ -53,13 +53,13 @@ impl<U: Deref<Target = usart1::RegisterBlock>> Port for SerialPort<U> {
     }
 
     #[cfg(not(feature = "qemu"))]
-    fn call_to_send(&mut self, wanted: bool) {
+    fn enable_transmit_interrupt(&mut self, wanted: bool) {
         self.usart.cr1().modify(|_, w| w.txeie().bit(wanted));
     }
 
     // The emulated port raises no interrupt when it takes a byte.
     #[cfg(feature = "qemu")]
-    fn call_to_send(&mut self, wanted: bool) {
+    fn enable_transmit_interrupt(&mut self, wanted: bool) {
         if wanted {
             rtic::pend(self.interrupt);
         }

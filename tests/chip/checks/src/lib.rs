@@ -11,7 +11,7 @@ pub const TARGET: &str = "thumbv7em-none-eabihf";
 
 /// A board that the firmware is built for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Board {
+pub struct BoardImage {
     /// The package in the project's workspace.
     pub package: &'static str,
     /// The program in it.
@@ -21,14 +21,14 @@ pub struct Board {
 }
 
 /// The F405 board whose image is looked at; the other one's differs by its pins.
-pub const OLIMEX_H405: Board = Board {
+pub const OLIMEX_H405: BoardImage = BoardImage {
     package: "stm32f405",
     program: "olimex_h405",
     target: TARGET,
 };
 
 /// The smallest board.
-pub const MICROBIT: Board = Board {
+pub const MICROBIT: BoardImage = BoardImage {
     package: "microbit",
     program: "microbit",
     target: "thumbv6m-none-eabi",
@@ -39,7 +39,7 @@ const SRAM: std::ops::Range<u64> = 0x2000_0000..0x2002_0000;
 
 /// What an image takes, bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Sizes {
+pub struct ImageSizes {
     /// Of flash: code, constants and what statics start with.
     pub flash: u64,
     /// Of memory: statics, whether they start with something or not; not the stack.
@@ -100,8 +100,8 @@ pub fn board_image() -> PathBuf {
 /// # Panics
 /// When it cannot be built.
 #[must_use]
-pub fn image(board: &Board) -> PathBuf {
-    let Board {
+pub fn image(board: &BoardImage) -> PathBuf {
+    let BoardImage {
         package,
         program,
         target,
@@ -119,8 +119,8 @@ pub fn image(board: &Board) -> PathBuf {
 ///
 /// # Errors
 /// What is wrong with the file.
-pub fn sizes(elf: &[u8]) -> Result<Sizes, object::Error> {
-    let mut sizes = Sizes {
+pub fn sizes(elf: &[u8]) -> Result<ImageSizes, object::Error> {
+    let mut sizes = ImageSizes {
         flash: 0,
         ram: 0,
         initialized: 0,
@@ -147,7 +147,7 @@ pub fn sizes(elf: &[u8]) -> Result<Sizes, object::Error> {
 
 /// A row of the table of instruction counts.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Row {
+pub struct CountRow {
     /// What was called.
     pub call: String,
     /// Instructions on average.
@@ -160,14 +160,14 @@ pub struct Row {
 
 /// The rows of the table that `counts` prints.
 #[must_use]
-pub fn rows(table: &str) -> Vec<Row> {
+pub fn rows(table: &str) -> Vec<CountRow> {
     table.lines().filter_map(row).collect()
 }
 
-fn row(line: &str) -> Option<Row> {
+fn row(line: &str) -> Option<CountRow> {
     let mut cells = line.strip_prefix('|')?.split('|').map(str::trim);
     let (call, _calls) = (cells.next()?, cells.next()?);
-    Some(Row {
+    Some(CountRow {
         call: call.to_owned(),
         mean: cells.next()?.parse().ok()?,
         most: cells.next()?.parse().ok()?,
@@ -177,13 +177,13 @@ fn row(line: &str) -> Option<Row> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Row, rows};
+    use super::{CountRow, rows};
 
     #[test]
     fn only_rows_with_counts_are_rows() {
         let table = "| call | calls | mean | most | allowed |\n| --- | ---: | ---: | ---: | ---: |\n\
                      | one, two | 3 | 40 | 50 | 60 |\n\n| what | bytes |\n| `State` | 7 |";
-        let row = Row {
+        let row = CountRow {
             call: "one, two".to_owned(),
             mean: 40,
             most: 50,

@@ -129,7 +129,7 @@ impl Calls {
     /// # Errors
     /// Names of functions that call themselves by way of others, or take what a register says: no bound.
     pub fn deepest(&self, address: u64) -> Result<Deepest, Vec<String>> {
-        let mut walk = Walk {
+        let mut walk = CallWalk {
             calls: self,
             known: BTreeMap::new(),
             path: Vec::new(),
@@ -139,13 +139,13 @@ impl Calls {
 }
 
 /// A walk along the calls.
-struct Walk<'a> {
+struct CallWalk<'a> {
     calls: &'a Calls,
     known: BTreeMap<(u64, usize), Deepest>,
     path: Vec<(u64, usize)>,
 }
 
-impl Walk<'_> {
+impl CallWalk<'_> {
     fn from(&mut self, address: u64, indirect: usize) -> Result<Deepest, Vec<String>> {
         let step = (address, indirect);
         if let Some(known) = self.known.get(&step) {

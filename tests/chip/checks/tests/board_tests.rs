@@ -8,7 +8,7 @@ use std::process::{Command, Output, Stdio};
 /// Builds the tests of the mind, one that fails among them.
 fn build() -> PathBuf {
     let line = format!(
-        "test --locked --no-run --package hil --test mind --features qemu,failing --profile chip --target {TARGET} \
+        "test --locked --no-run --package hil --test kernels_and_storage --features qemu,failing --profile chip --target {TARGET} \
          --message-format json"
     );
     let output = cargo(&project(), &line);
@@ -64,6 +64,10 @@ fn tests_of_the_mind_pass_on_the_emulated_chip_and_a_failure_is_reported() {
             Some(i32::from(fails)),
             "{name}: {said}"
         );
-        assert_eq!(said.contains("mind.rs:"), fails, "{name}: {said}");
+        assert_eq!(
+            said.contains("kernels_and_storage.rs:"),
+            fails,
+            "{name}: {said}"
+        );
     }
 }

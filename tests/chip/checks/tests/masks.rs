@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 
 /// What an instruction holds off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Mask {
+enum MaskKind {
     /// Interrupts up to some priority.
     Some,
     /// Every interrupt.
@@ -19,51 +19,51 @@ enum Mask {
 }
 
 /// Part of a function's name in the image, what it may hold off at most, and why it is no matter for a receiver at work.
-const KNOWN: [(&str, Mask, &str); 9] = [
-    ("main", Mask::All, "start-up: tasks do not run yet"),
+const KNOWN: [(&str, MaskKind, &str); 9] = [
+    ("main", MaskKind::All, "start-up: tasks do not run yet"),
     (
         "rust_begin_unwind",
-        Mask::All,
+        MaskKind::All,
         "a panic: the program is over",
     ),
     (
         "_defmt_acquire",
-        Mask::All,
+        MaskKind::All,
         "a line of the log: counted in counts.rs",
     ),
-    ("_defmt_release", Mask::All, "its end"),
+    ("_defmt_release", MaskKind::All, "its end"),
     // RTIC puts back the priority a task was entered with, as the last thing the task does.
-    ("FSMC", Mask::Some, "the control task's end"),
+    ("FSMC", MaskKind::Some, "the control task's end"),
     (
         "PVD",
-        Mask::Some,
+        MaskKind::Some,
         "the end of the task that a low supply wakes",
     ),
-    ("SysTick", Mask::Some, "the clock's end"),
-    ("TIM3", Mask::Some, "the ring's end"),
-    ("USART1", Mask::Some, "the receiver's own end"),
+    ("SysTick", MaskKind::Some, "the clock's end"),
+    ("TIM3", MaskKind::Some, "the ring's end"),
+    ("USART1", MaskKind::Some, "the receiver's own end"),
 ];
 
 /// What a Thumb instruction holds off: CPSID i, f or both, and MSR with the special registers 16 to 19 (ARMv7-M Architecture
 /// Reference Manual, B5.2.3).
-fn mask(first: u16, second: u16) -> Option<Mask> {
+fn mask(first: u16, second: u16) -> Option<MaskKind> {
     if matches!(first, 0xb671..=0xb673) {
-        return Some(Mask::All);
+        return Some(MaskKind::All);
     }
     if first & 0xfff0 != 0xf380 || second & 0xff00 != 0x8800 {
         return None;
     }
     match second & 0xff {
         // PRIMASK, FAULTMASK.
-        16 | 19 => Some(Mask::All),
+        16 | 19 => Some(MaskKind::All),
         // BASEPRI, BASEPRI_MAX.
-        17 | 18 => Some(Mask::Some),
+        17 | 18 => Some(MaskKind::Some),
         _ => None,
     }
 }
 
 /// The offsets in the code at which interrupts may be held off; data between functions may look like it.
-fn sites(code: &[u8]) -> Vec<(u64, Mask)> {
+fn sites(code: &[u8]) -> Vec<(u64, MaskKind)> {
     let (halves, _) = code.as_chunks::<2>();
     let halves: Vec<u16> = halves.iter().copied().map(u16::from_le_bytes).collect();
     let mut sites = Vec::new();
@@ -116,6 +116,6 @@ fn instructions_are_known_by_their_codes() {
     let bytes: Vec<u8> = code.iter().copied().flat_map(u16::to_le_bytes).collect();
     assert_eq!(
         sites(&bytes),
-        [(0, Mask::All), (4, Mask::Some), (8, Mask::All)]
+        [(0, MaskKind::All), (4, MaskKind::Some), (8, MaskKind::All)]
     );
 }

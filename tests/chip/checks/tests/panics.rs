@@ -21,7 +21,7 @@ fn the_mind_has_no_path_to_a_panic() {
 
 #[test]
 fn one_path_to_a_panic_would_be_found() {
-    let output = link("--features provoked");
+    let output = link("--features deliberate-panic");
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(!output.status.success(), "it linked");
     assert!(

@@ -2,12 +2,12 @@
 //!
 //! `FIRMWARE_ELF` names another image to look at than the one built from here.
 
-use checks::{Sizes, board_image, sizes};
+use checks::{ImageSizes, board_image, sizes};
 
 const KIB: u64 = 1_024;
 
 /// An eighth of the flash that may hold code.
-const MOST: Sizes = Sizes {
+const LIMITS: ImageSizes = ImageSizes {
     flash: 96 * KIB,
     ram: 16 * KIB,
     // The logger's; the mind's state is far larger, and all zeros until it is started.
@@ -18,23 +18,23 @@ const MOST: Sizes = Sizes {
 fn the_firmware_leaves_room() {
     let path = board_image();
     let elf = std::fs::read(&path).expect("the image can be read");
-    let Sizes {
+    let ImageSizes {
         flash,
         ram,
         initialized,
     } = sizes(&elf).expect("the image is an ELF file");
     println!("| memory | bytes | allowed |\n| --- | ---: | ---: |");
-    println!("| flash | {flash} | {} |", MOST.flash);
-    println!("| static memory | {ram} | {} |", MOST.ram);
+    println!("| flash | {flash} | {} |", LIMITS.flash);
+    println!("| static memory | {ram} | {} |", LIMITS.ram);
     println!(
         "| of it kept in flash | {initialized} | {} |",
-        MOST.initialized
+        LIMITS.initialized
     );
     assert!(flash > 0 && ram > 0, "{}: no image", path.display());
-    assert!(flash <= MOST.flash, "{flash} bytes of flash");
-    assert!(ram <= MOST.ram, "{ram} bytes of static memory");
+    assert!(flash <= LIMITS.flash, "{flash} bytes of flash");
+    assert!(ram <= LIMITS.ram, "{ram} bytes of static memory");
     assert!(
-        initialized <= MOST.initialized,
+        initialized <= LIMITS.initialized,
         "{initialized} bytes of statics are kept in flash"
     );
 }

@@ -1,7 +1,7 @@
 //! A whole episode through the controller, every event counted: 100 random moves, learning, decisions.
 
-use crate::room::Room;
-use crate::stopwatch::{Stopwatch, Tally};
+use crate::room::SquareRoom;
+use crate::stopwatch::{InstructionStats, Stopwatch};
 use amp::config::Config;
 use amp::controller::{Command, Decision, Event, Motion, NomadState, Outputs, Progress, handle};
 use amp::goal::{Goal, Side};
@@ -16,47 +16,47 @@ pub const DECISIONS: usize = 32;
 
 /// What was counted.
 #[derive(Default)]
-pub struct Counts {
+pub struct EpisodeCounts {
     /// An echo that completes a ring while exploring.
-    pub random_move: Tally,
+    pub random_move: InstructionStats,
     /// Any other echo of a robot at rest.
-    pub echo: Tally,
+    pub echo: InstructionStats,
     /// A tick while learning.
-    pub tick: Tally,
+    pub tick: InstructionStats,
     /// An echo that completes a ring while obstacles are avoided.
-    pub decision: Tally,
+    pub decision: InstructionStats,
     /// The same along a wall.
-    pub along_wall: Tally,
+    pub along_wall: InstructionStats,
     /// The same to a place.
-    pub to_place: Tally,
+    pub to_place: InstructionStats,
     /// The same while obstacles are passed on the right.
-    pub passing: Tally,
+    pub passing: InstructionStats,
     /// The same after a leader that is not there.
-    pub following: Tally,
+    pub following: InstructionStats,
     /// The same while obstacles are avoided by the paper's four steps.
-    pub four_steps: Tally,
+    pub four_steps: InstructionStats,
     /// An echo of a moving robot.
-    pub guard: Tally,
+    pub guard: InstructionStats,
     /// A report of the base.
-    pub odometry: Tally,
+    pub odometry: InstructionStats,
 }
 
 /// A robot in its room.
-pub struct Episode<'a> {
+pub struct CountedEpisode<'a> {
     watch: &'a Stopwatch,
     /// What the robot was told.
     pub config: Config<16>,
     /// What it knows.
     pub state: NomadState,
     /// What it cost so far.
-    pub counts: Counts,
+    pub counts: EpisodeCounts,
     /// Its decisions towards the goal.
     pub decisions: Vec<Decision<16>, DECISIONS>,
-    room: Room,
+    room: SquareRoom,
     time: u32,
 }
 
-impl<'a> Episode<'a> {
+impl<'a> CountedEpisode<'a> {
     /// The whole episode.
     pub fn new(watch: &'a Stopwatch, config: Config<16>) -> Self {
         let mut state = NomadState::new(Grid::rectangle(4, 4));
@@ -65,9 +65,9 @@ impl<'a> Episode<'a> {
             watch,
             config,
             state,
-            counts: Counts::default(),
+            counts: EpisodeCounts::default(),
             decisions: Vec::new(),
-            room: Room::new(),
+            room: SquareRoom::new(),
             time: 0,
         };
         episode.explore();
@@ -129,8 +129,8 @@ impl<'a> Episode<'a> {
     }
 
     /// What the next decisions towards a goal cost.
-    fn decisions_towards(&mut self, goal: Goal<16>) -> Tally {
-        let mut counted = Tally::default();
+    fn decisions_towards(&mut self, goal: Goal<16>) -> InstructionStats {
+        let mut counted = InstructionStats::default();
         self.send(|| Event::Command(Command::Seek(goal)));
         for _ in 0..DECISIONS {
             let (instructions, out) = self.ring();

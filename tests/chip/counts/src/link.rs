@@ -1,8 +1,8 @@
 //! What the link costs: frames packed and unpacked, and a mind that decides by a frame.
 
-use crate::episode::Episode;
-use crate::room::Room;
-use crate::stopwatch::{Stopwatch, Tally};
+use crate::episode::CountedEpisode;
+use crate::room::SquareRoom;
+use crate::stopwatch::{InstructionStats, Stopwatch};
 use amp::controller::{self, Progress};
 use amp::node::{FrameSink, Identity, NomadNode};
 use amp::som::Grid;
@@ -20,8 +20,8 @@ use heapless::Vec;
 const DECISIONS: u32 = 32;
 
 /// Packing the decisions of an episode.
-pub fn packing(watch: &Stopwatch, episode: &Episode<'_>) -> Tally {
-    let mut tally = Tally::default();
+pub fn packing(watch: &Stopwatch, episode: &CountedEpisode<'_>) -> InstructionStats {
+    let mut stats = InstructionStats::default();
     for decision in &episode.decisions {
         let report = Report {
             device_ms: 123_456,
@@ -33,33 +33,33 @@ pub fn packing(watch: &Stopwatch, episode: &Episode<'_>) -> Tally {
         };
         let mut frame = Frame::EMPTY;
         let (instructions, _) = watch.count(|| frame.fill(header, black_box(&report)));
-        tally.add(instructions);
+        stats.add(instructions);
     }
-    tally
+    stats
 }
 
 /// What was counted.
 #[derive(Default)]
-pub struct Counts {
+pub struct LinkCounts {
     /// Unpacking a scan of 16 echoes.
-    pub unpack: Tally,
+    pub unpack: InstructionStats,
     /// Everything a mind does with one that completes a ring: it answers with decision, motion and confirmation.
-    pub decision: Tally,
+    pub decision: InstructionStats,
 }
 
 /// A mind that knows what another learned, and the base it steers.
-struct Base {
+struct LinkedBase {
     node: NomadNode,
-    sent: Mail,
-    room: Room,
+    sent: SentFrames,
+    room: SquareRoom,
     seq: u16,
     time: u32,
 }
 
 /// Decisions by frames, in the same room.
-pub fn decisions(watch: &Stopwatch, episode: &Episode<'_>) -> Counts {
-    let mut counts = Counts::default();
-    let mut base = Base::new(episode);
+pub fn decisions(watch: &Stopwatch, episode: &CountedEpisode<'_>) -> LinkCounts {
+    let mut counts = LinkCounts::default();
+    let mut base = LinkedBase::new(episode);
     for _ in 0..DECISIONS {
         let scan = base.pack(&base.scan());
         let scan = &scan.as_bytes()[..scan.as_bytes().len() - 1];
@@ -77,12 +77,12 @@ pub fn decisions(watch: &Stopwatch, episode: &Episode<'_>) -> Counts {
     counts
 }
 
-impl Base {
-    fn new(episode: &Episode<'_>) -> Self {
+impl LinkedBase {
+    fn new(episode: &CountedEpisode<'_>) -> Self {
         let mut base = Self {
             node: NomadNode::new(),
-            sent: Mail(Vec::new()),
-            room: Room::new(),
+            sent: SentFrames(Vec::new()),
+            room: SquareRoom::new(),
             seq: 0,
             time: 0,
         };
@@ -121,7 +121,7 @@ impl Base {
     }
 
     /// Writes what an episode's robot knows into the mind.
-    fn teach(&mut self, episode: &Episode<'_>, part: Part, of: controller::Part) {
+    fn teach(&mut self, episode: &CountedEpisode<'_>, part: Part, of: controller::Part) {
         let mut offset = 0;
         loop {
             let mut piece = [0; MAX_PIECE];
@@ -196,9 +196,9 @@ impl Base {
 }
 
 /// Frames the mind sent: copied, as a queue would.
-struct Mail(Vec<u8, 1_024>);
+struct SentFrames(Vec<u8, 1_024>);
 
-impl Mail {
+impl SentFrames {
     /// The motion among them.
     fn motion(&self) -> Option<MotionOrder> {
         let frames = self.0.split(|byte| *byte == 0);
@@ -210,7 +210,7 @@ impl Mail {
     }
 }
 
-impl FrameSink for Mail {
+impl FrameSink for SentFrames {
     fn send(&mut self, frame: &[u8]) -> bool {
         self.0.extend_from_slice(frame).is_ok()
     }

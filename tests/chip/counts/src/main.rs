@@ -11,7 +11,7 @@ mod link;
 #[cfg(target_os = "none")]
 mod maps;
 #[cfg(target_os = "none")]
-mod oracle;
+mod reference;
 #[cfg(target_os = "none")]
 mod room;
 #[cfg(target_os = "none")]

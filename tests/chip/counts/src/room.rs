@@ -8,14 +8,14 @@ use amp::units::Displacement;
 const HALF_ROOM_MM: i32 = 2_000;
 
 /// Where the robot stands.
-pub struct Room {
+pub struct SquareRoom {
     robot: RobotSpec<16>,
     /// From the middle, millimeters.
     x: i32,
     y: i32,
 }
 
-impl Room {
+impl SquareRoom {
     /// A robot near a wall, so that there is something to learn.
     pub fn new() -> Self {
         Self {

@@ -50,13 +50,13 @@ impl Stopwatch {
 
 /// Counts of one kind of call.
 #[derive(Clone, Copy, Default)]
-pub struct Tally {
+pub struct InstructionStats {
     calls: u32,
     sum: u32,
     most: u32,
 }
 
-impl Tally {
+impl InstructionStats {
     /// One more call.
     pub fn add(&mut self, instructions: u32) {
         self.calls += 1;

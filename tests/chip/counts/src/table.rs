@@ -3,9 +3,9 @@
 //! Allowed is what was counted when this was written and a tenth more: another compiler may need a little more, a change
 //! that needs much more should be noticed. Decisions and learning as a whole have bounds of their own: 30 000 and 30 million.
 
-use crate::episode::Episode;
-use crate::stopwatch::{Stopwatch, Tally};
-use crate::{link, maps, oracle};
+use crate::episode::CountedEpisode;
+use crate::stopwatch::{InstructionStats, Stopwatch};
+use crate::{link, maps, reference};
 use amp::config::Config;
 use amp::controller::NomadState;
 use amp::node::NomadNode;
@@ -19,8 +19,8 @@ use stm32f4xx_hal as _;
 fn main() -> ! {
     let chip = cortex_m::Peripherals::take().expect("nobody else took them");
     let watch = Stopwatch::new(chip.SYST);
-    oracle::compare();
-    let episode = Episode::new(&watch, Config::recommended());
+    reference::compare();
+    let episode = CountedEpisode::new(&watch, Config::recommended());
     hprintln!("| call | calls | instructions, mean | most | allowed |");
     hprintln!("| --- | ---: | ---: | ---: | ---: |");
     print_maps(&watch, &episode);
@@ -40,7 +40,7 @@ fn main() -> ! {
 /// Most instructions of a decision, whatever the goal.
 const DECISION: u32 = 30_000;
 
-fn print_maps(watch: &Stopwatch, episode: &Episode<'_>) {
+fn print_maps(watch: &Stopwatch, episode: &CountedEpisode<'_>) {
     let [whole, coarse] = maps::searches(watch, episode);
     row("best-matching unit, 16 × 16, exact", whole, 500);
     row(
@@ -64,7 +64,7 @@ fn print_maps(watch: &Stopwatch, episode: &Episode<'_>) {
     );
 }
 
-fn print_episode(episode: &Episode<'_>) {
+fn print_episode(episode: &CountedEpisode<'_>) {
     let counts = &episode.counts;
     row("echo at rest", counts.echo, 7_850);
     row("echo on the way: the guard", counts.guard, 8_850);
@@ -89,7 +89,7 @@ fn print_episode(episode: &Episode<'_>) {
         DECISION,
     );
     row("tick of learning", counts.tick, 11_800);
-    let mut learning = Tally::default();
+    let mut learning = InstructionStats::default();
     learning.add(counts.tick.sum());
     row(
         "**learning**, 100 samples × 100 epochs, all ticks",
@@ -98,7 +98,7 @@ fn print_episode(episode: &Episode<'_>) {
     );
 }
 
-fn print_link(watch: &Stopwatch, episode: &Episode<'_>) {
+fn print_link(watch: &Stopwatch, episode: &CountedEpisode<'_>) {
     let counts = link::decisions(watch, episode);
     row("unpacking a scan of 16 echoes", counts.unpack, 6_600);
     row("packing a decision", link::packing(watch, episode), 5_070);
@@ -109,8 +109,8 @@ fn print_link(watch: &Stopwatch, episode: &Episode<'_>) {
     );
 }
 
-fn row(call: &str, tally: Tally, allowed: u32) {
-    let (calls, mean, most) = (tally.calls(), tally.mean(), tally.most());
+fn row(call: &str, stats: InstructionStats, allowed: u32) {
+    let (calls, mean, most) = (stats.calls(), stats.mean(), stats.most());
     hprintln!("| {call} | {calls} | {mean} | {most} | {allowed} |");
 }
 

@@ -1,7 +1,7 @@
 //! The lines that are written while the link is up, over and over.
 
 use crate::ring;
-use crate::stopwatch::{Stopwatch, Tally};
+use crate::stopwatch::{InstructionStats, Stopwatch};
 use core::hint::black_box;
 use core::panic::PanicInfo;
 use cortex_m_rt::entry;
@@ -36,16 +36,16 @@ fn main() -> ! {
 }
 
 /// Whole calls: a little more than what is held off.
-fn count(watch: &Stopwatch) -> Tally {
-    let mut tally = Tally::default();
+fn count(watch: &Stopwatch) -> InstructionStats {
+    let mut stats = InstructionStats::default();
     for round in 0..ROUNDS {
         let lost = LogEvent::BytesLost(u32::MAX >> (round % 32));
-        for news in [LogEvent::Linked, LogEvent::Unlinked, lost] {
-            let (instructions, ()) = watch.count(|| black_box(news).log());
-            tally.add(instructions);
+        for log_event in [LogEvent::Linked, LogEvent::Unlinked, lost] {
+            let (instructions, ()) = watch.count(|| black_box(log_event).log());
+            stats.add(instructions);
         }
     }
-    tally
+    stats
 }
 
 #[panic_handler]

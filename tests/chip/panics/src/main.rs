@@ -34,7 +34,7 @@ extern "C" fn _start() -> ! {
     maps::all();
     robot::all();
     wire::all();
-    #[cfg(feature = "provoked")]
+    #[cfg(feature = "deliberate-panic")]
     sink(black_box(&BYTES[..])[any(3_usize)]);
     loop {
         core::hint::spin_loop();
@@ -60,7 +60,7 @@ fn sink<T>(value: T) {
 }
 
 /// Keeps a text from being optimized away.
-fn say(text: impl core::fmt::Display) {
+fn format_text(text: impl core::fmt::Display) {
     struct Nowhere;
     impl core::fmt::Write for Nowhere {
         fn write_str(&mut self, text: &str) -> core::fmt::Result {

@@ -3,7 +3,7 @@
 use crate::arithmetic::now;
 use crate::maps::grid;
 use crate::robot::config;
-use crate::{any, bytes, say, sink};
+use crate::{any, bytes, format_text, sink};
 use amp::link::Link;
 use amp::node::{FrameSink, Identity, NomadNode};
 use amp::store::check;
@@ -37,7 +37,7 @@ fn packing() {
     }
     match frame::unpack::<Report<16>>(bytes()) {
         Ok((header, message)) => packed(header, &message),
-        Err(why) => say(why),
+        Err(why) => format_text(why),
     }
     let mut echoes = any(Vec::new());
     sink(echoes.push(any(Heard {
@@ -66,7 +66,7 @@ fn packing() {
 fn packed<M: serde::Serialize>(header: Header, message: &M) {
     match Frame::pack(header, message) {
         Ok(frame) => sink(any(frame).as_bytes()),
-        Err(why) => say(why),
+        Err(why) => format_text(why),
     }
 }
 

@@ -8,7 +8,7 @@ use heapless::spsc::{Consumer, Producer};
 
 /// What the port has to say.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Status {
+pub struct UartStatus {
     /// A byte lies ready.
     pub received: bool,
     /// A later byte came before the one that lies ready was fetched, and is lost.
@@ -18,33 +18,33 @@ pub struct Status {
 }
 
 /// A serial port.
-pub trait Port {
+pub trait UartPort {
     /// What there is to do.
-    fn status(&mut self) -> Status;
+    fn status(&mut self) -> UartStatus;
     /// Fetches the byte that lies ready; this also ends an overrun.
     fn receive(&mut self) -> u8;
     /// Sends a byte.
     fn send(&mut self, byte: u8);
     /// Whether to raise an interrupt when the port takes a byte.
-    fn call_to_send(&mut self, wanted: bool);
+    fn enable_transmit_interrupt(&mut self, wanted: bool);
 }
 
 /// What went wrong on the line since the start.
 #[derive(Debug, Default)]
-pub struct Faults {
+pub struct ErrorCounters {
     overruns: AtomicU32,
-    lost: AtomicU32,
-    spoilt: AtomicU32,
+    queue_full: AtomicU32,
+    ring_faults: AtomicU32,
 }
 
-impl Faults {
+impl ErrorCounters {
     /// Nothing went wrong.
     #[must_use]
     pub const fn new() -> Self {
         Self {
             overruns: AtomicU32::new(0),
-            lost: AtomicU32::new(0),
-            spoilt: AtomicU32::new(0),
+            queue_full: AtomicU32::new(0),
+            ring_faults: AtomicU32::new(0),
         }
     }
 
@@ -56,19 +56,19 @@ impl Faults {
 
     /// Bytes received for which the queue had no room.
     #[must_use]
-    pub fn lost(&self) -> u32 {
-        self.lost.load(Ordering::Relaxed)
+    pub fn queue_full(&self) -> u32 {
+        self.queue_full.load(Ordering::Relaxed)
     }
 
     /// Firings of the ring that its ECHO line spoilt or that nobody took.
     #[must_use]
-    pub fn spoilt(&self) -> u32 {
-        self.spoilt.load(Ordering::Relaxed)
+    pub fn ring_faults(&self) -> u32 {
+        self.ring_faults.load(Ordering::Relaxed)
     }
 
     /// One more of them.
-    pub fn spoil(&self) {
-        count(&self.spoilt);
+    pub fn count_ring_fault(&self) {
+        count(&self.ring_faults);
     }
 }
 
@@ -81,12 +81,12 @@ fn count(counter: &AtomicU32) {
 }
 
 /// The interrupt's side.
-pub struct Line<'queues> {
+pub struct UartDriver<'queues> {
     received: Producer<'queues, u8>,
     to_send: Consumer<'queues, u8>,
 }
 
-impl<'queues> Line<'queues> {
+impl<'queues> UartDriver<'queues> {
     /// A line that fills one queue and empties the other.
     #[must_use]
     pub const fn new(received: Producer<'queues, u8>, to_send: Consumer<'queues, u8>) -> Self {
@@ -96,45 +96,45 @@ impl<'queues> Line<'queues> {
     /// Moves at most one byte each way. True: somebody should look at what was received, because a frame has ended or
     /// half the queue is full.
     #[must_use]
-    pub fn serve(&mut self, port: &mut impl Port, faults: &Faults) -> bool {
+    pub fn transfer(&mut self, port: &mut impl UartPort, errors: &ErrorCounters) -> bool {
         let status = port.status();
         if status.overrun {
-            count(&faults.overruns);
+            count(&errors.overruns);
         }
-        let mut look = false;
+        let mut should_wake = false;
         if status.received || status.overrun {
-            look = self.keep(port.receive(), faults);
+            should_wake = self.enqueue_received(port.receive(), errors);
         }
         if status.can_send {
             if let Some(byte) = self.to_send.dequeue() {
                 port.send(byte);
             }
-            port.call_to_send(self.to_send.ready());
+            port.enable_transmit_interrupt(self.to_send.ready());
         }
-        look
+        should_wake
     }
 
-    fn keep(&mut self, byte: u8, faults: &Faults) -> bool {
+    fn enqueue_received(&mut self, byte: u8, errors: &ErrorCounters) -> bool {
         if self.received.enqueue(byte).is_err() {
-            count(&faults.lost);
+            count(&errors.queue_full);
         }
         byte == 0 || self.received.len() > self.received.capacity() / 2
     }
 }
 
 /// The control task's side of what is to be sent.
-pub struct FrameSink<'queues> {
+pub struct TxQueue<'queues> {
     to_send: Producer<'queues, u8>,
-    sent: bool,
+    queued: bool,
 }
 
-impl<'queues> FrameSink<'queues> {
+impl<'queues> TxQueue<'queues> {
     /// An outbox that fills the queue which the interrupt empties.
     #[must_use]
     pub const fn new(to_send: Producer<'queues, u8>) -> Self {
         Self {
             to_send,
-            sent: false,
+            queued: false,
         }
     }
 
@@ -146,12 +146,12 @@ impl<'queues> FrameSink<'queues> {
 
     /// Whether anything was sent since this was asked last: the interrupt has to be told.
     #[must_use]
-    pub fn take_sent(&mut self) -> bool {
-        core::mem::take(&mut self.sent)
+    pub fn take_queued(&mut self) -> bool {
+        core::mem::take(&mut self.queued)
     }
 }
 
-impl amp::node::FrameSink for FrameSink<'_> {
+impl amp::node::FrameSink for TxQueue<'_> {
     /// Queues a whole frame or, if there is no room for all of it, nothing: half a frame would cost the receiver the
     /// next one as well.
     fn send(&mut self, frame: &[u8]) -> bool {
@@ -162,7 +162,7 @@ impl amp::node::FrameSink for FrameSink<'_> {
             // There is room: this task alone fills the queue.
             let _ = self.to_send.enqueue(byte);
         }
-        self.sent = true;
+        self.queued = true;
         true
     }
 }
@@ -176,16 +176,16 @@ mod tests {
 
     /// A port whose wires are two lists.
     #[derive(Default)]
-    struct Wires {
+    struct FakePort {
         incoming: Vec<u8>,
         outgoing: Vec<u8>,
         overrun: bool,
-        calling: bool,
+        transmit_interrupt: bool,
     }
 
-    impl Port for Wires {
-        fn status(&mut self) -> Status {
-            Status {
+    impl UartPort for FakePort {
+        fn status(&mut self) -> UartStatus {
+            UartStatus {
                 received: !self.incoming.is_empty(),
                 overrun: core::mem::take(&mut self.overrun),
                 can_send: true,
@@ -204,8 +204,8 @@ mod tests {
             self.outgoing.push(byte);
         }
 
-        fn call_to_send(&mut self, wanted: bool) {
-            self.calling = wanted;
+        fn enable_transmit_interrupt(&mut self, wanted: bool) {
+            self.transmit_interrupt = wanted;
         }
     }
 
@@ -213,51 +213,53 @@ mod tests {
     fn received_bytes_call_for_a_look_at_a_frames_end_or_when_half_full() {
         let (mut received, mut to_send) = (Queue::<u8, 9>::new(), Queue::<u8, 2>::new());
         let (producer, mut consumer) = received.split();
-        let mut line = Line::new(producer, to_send.split().1);
-        let faults = Faults::new();
-        let mut wires = Wires {
+        let mut driver = UartDriver::new(producer, to_send.split().1);
+        let errors = ErrorCounters::new();
+        let mut port = FakePort {
             incoming: std::vec![1, 2, 0, 3, 4, 5],
-            ..Wires::default()
+            ..FakePort::default()
         };
-        let looks: Vec<bool> = (0..6).map(|_| line.serve(&mut wires, &faults)).collect();
-        assert_eq!(looks, [false, false, true, false, true, true]);
+        let wakes: Vec<bool> = (0..6)
+            .map(|_| driver.transfer(&mut port, &errors))
+            .collect();
+        assert_eq!(wakes, [false, false, true, false, true, true]);
         let kept: Vec<u8> = core::iter::from_fn(|| consumer.dequeue()).collect();
         assert_eq!(kept, [1, 2, 0, 3, 4, 5]);
-        assert!(!line.serve(&mut wires, &faults), "nothing came");
+        assert!(!driver.transfer(&mut port, &errors), "nothing came");
     }
 
     #[test]
     fn what_finds_no_room_and_what_comes_too_fast_is_counted() {
         let (mut received, mut to_send) = (Queue::<u8, 3>::new(), Queue::<u8, 2>::new());
-        let mut line = Line::new(received.split().0, to_send.split().1);
-        let faults = Faults::new();
-        let mut wires = Wires {
+        let mut driver = UartDriver::new(received.split().0, to_send.split().1);
+        let errors = ErrorCounters::new();
+        let mut port = FakePort {
             incoming: std::vec![1; 5],
             overrun: true,
-            ..Wires::default()
+            ..FakePort::default()
         };
         for _ in 0..5 {
-            let _ = line.serve(&mut wires, &faults);
+            let _ = driver.transfer(&mut port, &errors);
         }
-        assert_eq!((faults.overruns(), faults.lost()), (1, 3));
+        assert_eq!((errors.overruns(), errors.queue_full()), (1, 3));
     }
 
     #[test]
     fn a_frame_is_sent_whole_or_not_at_all() {
         let (mut received, mut to_send) = (Queue::<u8, 2>::new(), Queue::<u8, 6>::new());
         let (producer, consumer) = to_send.split();
-        let faults = Faults::new();
-        let mut outbox = FrameSink::new(producer);
-        let mut line = Line::new(received.split().0, consumer);
-        let mut wires = Wires::default();
-        assert!(!outbox.take_sent());
-        assert!(outbox.send(&[1, 2, 0]) && !outbox.send(&[3, 4, 0]) && outbox.send(&[5, 0]));
-        assert!(outbox.take_sent() && !outbox.take_sent());
+        let errors = ErrorCounters::new();
+        let mut frames = TxQueue::new(producer);
+        let mut driver = UartDriver::new(received.split().0, consumer);
+        let mut port = FakePort::default();
+        assert!(!frames.take_queued());
+        assert!(frames.send(&[1, 2, 0]) && !frames.send(&[3, 4, 0]) && frames.send(&[5, 0]));
+        assert!(frames.take_queued() && !frames.take_queued());
         for left in (0..5).rev() {
-            let _ = line.serve(&mut wires, &faults);
-            assert_eq!(wires.calling, left > 0);
+            let _ = driver.transfer(&mut port, &errors);
+            assert_eq!(port.transmit_interrupt, left > 0);
         }
-        let _ = line.serve(&mut wires, &faults);
-        assert_eq!(wires.outgoing, [1, 2, 0, 5, 0]);
+        let _ = driver.transfer(&mut port, &errors);
+        assert_eq!(port.outgoing, [1, 2, 0, 5, 0]);
     }
 }

@@ -11,20 +11,20 @@ use amp::units::Millis;
 use amp::wire::message::ResetCause;
 
 /// How long a start after a crash is shown.
-const ALARM_MS: u32 = 3_000;
+const CRASH_SIGNAL_MS: u32 = 3_000;
 
 /// Whether the lamp is lit at `now`, milliseconds since the start.
 #[must_use]
 pub const fn is_lit(now: Millis, linked: bool, reset: ResetCause) -> bool {
     let now_ms = now.as_ms();
-    if now_ms < ALARM_MS && is_alarming(reset) {
+    if now_ms < CRASH_SIGNAL_MS && is_crash(reset) {
         return now_ms % 100 < 50;
     }
     let lit_ms = if linked { 500 } else { 50 };
     now_ms % 1_000 < lit_ms
 }
 
-const fn is_alarming(reset: ResetCause) -> bool {
+const fn is_crash(reset: ResetCause) -> bool {
     matches!(
         reset,
         ResetCause::Watchdog
