@@ -278,7 +278,7 @@ mod tests {
     };
 
     #[test]
-    fn a_crystal_that_failed_is_left_alone_until_power_comes_on() {
+    fn a_failed_crystal_is_not_used_until_power_on() {
         use CrystalTrial::{Failed, NoFailure, OnTrial};
         for (before, flags, now) in [
             (NoFailure, POWER, OnTrial),
@@ -301,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn crashes_and_time_change_what_is_known_of_the_crystal() {
+    fn crashes_and_time_change_the_trial() {
         use CrystalTrial::{Failed, NoFailure, OnTrial};
         for (before, crashed, proved) in [
             (NoFailure, NoFailure, NoFailure),
@@ -351,7 +351,7 @@ mod tests {
     }
 
     #[test]
-    fn a_note_comes_back_and_memory_after_power_on_is_none() {
+    fn a_trial_survives_its_record_and_random_memory_is_no_record() {
         for trial in [
             CrystalTrial::NoFailure,
             CrystalTrial::OnTrial,
@@ -386,7 +386,7 @@ mod tests {
     }
 
     #[test]
-    fn the_hello_says_which() {
+    fn the_hello_reports_the_oscillator() {
         let crystal = ClockSource::Crystal { hz: 8_000_000 };
         assert_eq!(crystal.oscillator(), Oscillator::Crystal);
         assert_eq!(ClockSource::Internal.oscillator(), Oscillator::Internal);

@@ -128,7 +128,7 @@ pub struct CrashRecord {
     program_counter: u32,
     length: u32,
     text: [u8; TEXT_BYTES],
-    sum: u32,
+    checksum: u32,
 }
 
 impl CrashRecord {
@@ -139,7 +139,7 @@ impl CrashRecord {
         program_counter: 0,
         length: 0,
         text: [0; TEXT_BYTES],
-        sum: 0,
+        checksum: 0,
     };
 
     /// The record of a crash.
@@ -151,9 +151,9 @@ impl CrashRecord {
             program_counter: crash.program_counter,
             length: crash.text.length as u32,
             text: crash.text.bytes,
-            sum: 0,
+            checksum: 0,
         };
-        record.sum = record.expected_sum();
+        record.checksum = record.expected_checksum();
         record
     }
 
@@ -161,7 +161,7 @@ impl CrashRecord {
     #[must_use]
     pub fn crash(&self) -> Option<Crash> {
         let length = self.length as usize;
-        if self.magic != MAGIC || length > TEXT_BYTES || self.sum != self.expected_sum() {
+        if self.magic != MAGIC || length > TEXT_BYTES || self.checksum != self.expected_checksum() {
             return None;
         }
         Some(Crash {
@@ -175,7 +175,7 @@ impl CrashRecord {
     }
 
     /// FNV-1a (G. Fowler, L. C. Noll, K.-P. Vo) over everything but the sum itself.
-    fn expected_sum(&self) -> u32 {
+    fn expected_checksum(&self) -> u32 {
         let words = [self.magic, self.cause, self.program_counter, self.length];
         let head = words.into_iter().flat_map(u32::to_le_bytes);
         head.chain(self.text).fold(0x811c_9dc5, |sum, byte| {
@@ -289,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn a_crash_comes_back() {
+    fn a_crash_survives_its_record() {
         for cause in [
             CrashCause::Panic,
             CrashCause::HardFault,
@@ -310,13 +310,13 @@ mod tests {
             program_counter: u32::MAX,
             length: u32::MAX,
             text: [255; TEXT_BYTES],
-            sum: u32::MAX,
+            checksum: u32::MAX,
         };
         assert_eq!(ones.crash(), None);
     }
 
     #[test]
-    fn one_changed_bit_is_no_crash() {
+    fn a_record_with_one_changed_bit_is_invalid() {
         let record = CrashRecord::of(&crash(CrashCause::HardFault));
         for bit in 0..32 {
             let flip = 1 << bit;
@@ -338,7 +338,7 @@ mod tests {
                     ..record
                 },
                 CrashRecord {
-                    sum: record.sum ^ flip,
+                    checksum: record.checksum ^ flip,
                     ..record
                 },
             ] {
@@ -399,7 +399,7 @@ mod tests {
     }
 
     #[test]
-    fn a_guard_that_was_hit_is_an_overflow_where_its_address_is_one() {
+    fn a_fault_in_the_guard_is_an_overflow_if_its_address_is_valid() {
         let cause = |fault: FaultRegisters| fault.cause(0x2000_1000, 0x2000_2000, 0x2000_0020);
         // DACCVIOL with and without MMARVALID; MSTKERR with it.
         assert_eq!(cause(fault(0x82)), CrashCause::StackOverflow);
@@ -429,7 +429,7 @@ mod tests {
     }
 
     #[test]
-    fn names_of_resets() {
+    fn reset_causes_by_flags_and_crash() {
         let crash = crash(CrashCause::Panic);
         let pin = ResetFlags {
             pin: true,

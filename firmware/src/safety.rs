@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn the_permit_does_not_follow_the_rate_of_the_rounds() {
+    fn the_permit_does_not_follow_the_rate_of_the_runs() {
         let pins = TestPins::default();
         let mut lines = closed(&pins);
         let before = pins.permit.get();
@@ -222,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn an_open_emergency_stop_is_an_alarm_in_each_round_and_ends_the_permit() {
+    fn an_open_emergency_stop_is_an_alarm_in_each_run_and_ends_the_permit() {
         let pins = TestPins::default();
         let mut lines = closed(&pins);
         pins.stop.set(true);
@@ -235,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn a_contact_that_bounces_is_no_alarm() {
+    fn a_bouncing_contact_is_no_alarm() {
         let pins = TestPins::default();
         let mut lines = closed(&pins);
         for now_ms in 1_001..1_200 {

@@ -7,8 +7,10 @@ pub const PAINT: u32 = 0xcccc_cccc;
 ///
 /// Reads only what was never used, one word beyond, and stops: some 1500 words of an 8 KiB stack that is a quarter full.
 #[must_use]
-pub fn peak_bytes(words: usize, word: impl Fn(usize) -> u32) -> usize {
-    let unused = (0..words).take_while(|&index| word(index) == PAINT).count();
+pub fn peak_bytes(words: usize, read_word: impl Fn(usize) -> u32) -> usize {
+    let unused = (0..words)
+        .take_while(|&index| read_word(index) == PAINT)
+        .count();
     (words - unused) * size_of::<u32>()
 }
 
@@ -17,7 +19,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_peak_is_what_lost_its_paint() {
+    fn the_peak_counts_overwritten_words() {
         let stack = [PAINT, PAINT, 7, PAINT, 0];
         assert_eq!(peak_bytes(stack.len(), |index| stack[index]), 12);
     }

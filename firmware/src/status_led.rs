@@ -45,7 +45,7 @@ mod tests {
     }
 
     #[test]
-    fn the_patterns_of_the_table() {
+    fn led_patterns_match_the_table() {
         assert_eq!(lit_ms(0, false, ResetCause::PowerOn), 50);
         assert_eq!(lit_ms(0, true, ResetCause::PowerOn), 500);
         assert_eq!(lit_ms(2_000, false, ResetCause::Watchdog), 500);
@@ -53,7 +53,7 @@ mod tests {
     }
 
     #[test]
-    fn an_alarm_flickers_faster_than_a_link() {
+    fn a_crash_flickers_faster_than_a_link() {
         let changes = |reset| {
             let lit = |ms| is_lit(Millis::from_ms(ms), true, reset);
             (0..1_000).filter(|&ms| lit(ms) != lit(ms + 1)).count()

@@ -101,7 +101,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_task_has_a_mark_of_its_own() {
+    fn every_task_has_its_own_bit() {
         let checked_in = MonitoredTask::ALL
             .iter()
             .fold(0, |checked_in, task| checked_in + task.bit());
@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn one_task_that_stays_away_starves_the_watchdog() {
+    fn one_missing_task_stops_the_feeding() {
         for missing in MonitoredTask::ALL {
             let task_monitor = TaskMonitor::new();
             for task in MonitoredTask::ALL
@@ -126,22 +126,22 @@ mod tests {
     }
 
     #[test]
-    fn patience_is_there_when_the_watchdog_has_it() {
+    fn the_long_timeout_is_reported_once_it_is_set() {
         let task_monitor = TaskMonitor::new();
-        task_monitor.apply_timeout(|_| panic!("nobody wants it"));
+        task_monitor.apply_timeout(|_| panic!("no change requested"));
         task_monitor.request_long_timeout(true);
         assert!(!task_monitor.has_long_timeout());
         let mut made = None;
-        task_monitor.apply_timeout(|patient| made = Some(patient));
+        task_monitor.apply_timeout(|long| made = Some(long));
         assert!(made == Some(true) && task_monitor.has_long_timeout());
-        task_monitor.apply_timeout(|_| panic!("it has it"));
+        task_monitor.apply_timeout(|_| panic!("no change requested"));
         task_monitor.request_long_timeout(false);
-        task_monitor.apply_timeout(|patient| made = Some(patient));
+        task_monitor.apply_timeout(|long| made = Some(long));
         assert!(made == Some(false) && !task_monitor.has_long_timeout());
     }
 
     #[test]
-    fn after_a_feed_everyone_has_to_come_again() {
+    fn after_a_feeding_every_task_must_check_in_again() {
         let task_monitor = TaskMonitor::new();
         for task in MonitoredTask::ALL {
             task_monitor.check_in(task);

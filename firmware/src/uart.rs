@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn received_bytes_call_for_a_look_at_a_frames_end_or_when_half_full() {
+    fn received_bytes_wake_control_at_a_frame_end_or_when_half_full() {
         let (mut received, mut to_send) = (Queue::<u8, 9>::new(), Queue::<u8, 2>::new());
         let (producer, mut consumer) = received.split();
         let mut driver = UartDriver::new(producer, to_send.split().1);
@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn what_finds_no_room_and_what_comes_too_fast_is_counted() {
+    fn overruns_and_a_full_queue_are_counted() {
         let (mut received, mut to_send) = (Queue::<u8, 3>::new(), Queue::<u8, 2>::new());
         let mut driver = UartDriver::new(received.split().0, to_send.split().1);
         let errors = ErrorCounters::new();

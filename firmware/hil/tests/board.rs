@@ -49,8 +49,8 @@ mod tests {
 
     #[init]
     fn init() -> BoardBench {
-        let device = pac::Peripherals::take().expect("nobody has them");
-        let core = cortex_m::Peripherals::take().expect("nobody has them");
+        let device = pac::Peripherals::take().expect("not taken yet");
+        let core = cortex_m::Peripherals::take().expect("not taken yet");
         let board = BoardBench(board_module::init(device, core));
         // A test that the watchdog ends is no reason to give up the crystal.
         clocks::mark_proven();
@@ -80,7 +80,7 @@ mod tests {
 
     /// By the multiplier's settings, and, where a crystal drives it, by counting the clock while the crystal swings.
     #[test]
-    fn the_processor_runs_at_168_mhz_from_what_the_hello_names(board: BoardBench) {
+    fn the_processor_runs_at_168_mhz_from_the_reported_oscillator(board: BoardBench) {
         // SAFETY: the clocks run and nobody else has these registers any more; the measurement leaves them as it found them.
         let (rcc, timer) = unsafe { (pac::RCC::steal(), pac::TIM11::steal()) };
         assert!(rcc.cfgr().read().sws().is_pll());
@@ -167,7 +167,7 @@ mod tests {
     /// The bridge is from PA9 to PA10; on the Feather from pad TX to pad RX.
     #[test]
     #[ignore = "takes a bridge from the port's transmitter to its receiver"]
-    fn the_port_hears_what_it_sends_through_a_bridge(mut board: BoardBench) {
+    fn the_port_receives_what_it_sends_through_a_bridge(mut board: BoardBench) {
         // Setting up the pins may have looked like a byte.
         let _ = board.wait_one_period();
         let BoardBench(devices) = &mut board;

@@ -142,13 +142,13 @@ mod tests {
 
     /// Erases both sectors; what was saved last is saved again at the end, as the only image.
     #[test]
-    fn an_image_outlives_erasing_and_saving() {
+    fn a_saved_image_is_loaded_unchanged() {
         free(|section| keep(&mut TEST_BUFFERS.borrow(section).borrow_mut()));
     }
 
     fn keep(buffers: &mut TestBuffers) {
         let ([before, saved, recalled], [wanted, found]) = buffers;
-        let device = pac::Peripherals::take().expect("nobody has them");
+        let device = pac::Peripherals::take().expect("not taken yet");
         let mut clocks = device.RCC.freeze(rcc::Config::hsi());
         let supply = SupplyMonitor::watch(device.PWR, &mut clocks);
         assert!(!supply.is_low(), "a saved image would not last");

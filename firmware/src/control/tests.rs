@@ -126,7 +126,7 @@ impl<F: NorFlash> ControlBench<F> {
 }
 
 #[test]
-fn a_start_says_who_and_why() {
+fn a_start_sends_a_hello_with_build_and_reset_cause() {
     let mut bench = bench();
     bench.start();
     assert!(bench.control.take_queued() && !bench.control.take_queued());
@@ -140,7 +140,7 @@ fn a_start_says_who_and_why() {
 }
 
 #[test]
-fn frames_are_answered_and_what_the_device_counts_is_told() {
+fn frames_are_answered_and_device_counters_reported() {
     let mut bench = bench();
     bench.start();
     bench.open();
@@ -158,7 +158,7 @@ fn frames_are_answered_and_what_the_device_counts_is_told() {
 }
 
 #[test]
-fn a_host_that_falls_silent_is_news() {
+fn a_silent_host_is_a_log_event() {
     let mut bench = bench();
     bench.start();
     bench.open();
@@ -169,7 +169,7 @@ fn a_host_that_falls_silent_is_news() {
 }
 
 #[test]
-fn garbage_is_counted_and_the_next_frame_is_heard() {
+fn garbage_is_counted_and_the_next_frame_accepted() {
     let mut bench = bench();
     bench.start();
     bench.open();
@@ -218,7 +218,7 @@ fn config_crc(bench: &mut ControlBench) -> u32 {
 }
 
 #[test]
-fn what_was_saved_is_there_after_the_next_start() {
+fn a_saved_image_is_loaded_at_the_next_start() {
     let mut bench = bench();
     let fresh = config_crc(&mut bench);
     bench.open();
@@ -343,7 +343,7 @@ fn listen(bench: &mut ControlBench, source: Source, now_ms: u32) {
 }
 
 #[test]
-fn the_ring_fires_when_its_session_listens_to_it() {
+fn the_ring_fires_when_it_is_the_source() {
     let (mut bench, _near) = ringed(bench());
     assert!(!bench.control.needs_ring());
     listen(&mut bench, Source::Ring, 2);
@@ -354,7 +354,7 @@ fn the_ring_fires_when_its_session_listens_to_it() {
 
 /// A robot that explores moves when its ring is whole; what the ring heard before it was listened to does not count.
 #[test]
-fn what_the_ring_hears_reaches_the_mind_with_its_age() {
+fn ring_readings_reach_the_node_with_their_age() {
     let (mut bench, mut near) = ringed(bench());
     fire(&mut near, 0..15, 2);
     listen(&mut bench, Source::Link, 3);
@@ -401,7 +401,7 @@ fn the_ring_rests_while_flash_is_in_use() {
 }
 
 #[test]
-fn a_board_without_flash_refuses_at_once_and_goes_on() {
+fn a_board_without_flash_refuses_at_once_and_continues() {
     let mut bench = bench_with_store::<NoFlash>(None);
     bench.start();
     bench.open();
@@ -444,7 +444,7 @@ fn exploring_by(clock: Clock) -> ControlBench {
 
 /// In a session by the host's clock, as a bridge has one, the host is not lost while it is silent.
 #[test]
-fn the_motors_have_a_permit_only_while_the_host_is_heard_whichever_clock_counts() {
+fn the_permit_requires_a_recently_heard_host_with_either_clock() {
     for clock in [Clock::Device, Clock::Host] {
         let mut bench = exploring_by(clock);
         let permit_at = |bench: &mut ControlBench, ms: u32| {
@@ -503,7 +503,7 @@ fn nothing_moves_while_the_emergency_stop_is_open() {
 }
 
 #[test]
-fn alarms_of_the_lines_stop_the_robot_and_say_why() {
+fn alarms_stop_the_robot_and_report_the_reason() {
     let stop = Alarms {
         emergency_stop: true,
         ..Alarms::default()

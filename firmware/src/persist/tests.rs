@@ -111,7 +111,7 @@ fn nomad(flash: SimFlash<NOMAD_SECTOR>) -> Store<SimFlash<NOMAD_SECTOR>> {
 }
 
 #[test]
-fn power_may_be_lost_at_every_word_and_erasure_of_a_save() {
+fn power_loss_at_any_operation_of_a_save_keeps_an_image() {
     let mut store = nomad(SimFlash::new(1));
     let mut cuts = 0;
     // The first save of all; beside an older one; into the other sector, which has to be erased.
@@ -198,7 +198,7 @@ fn cut_again_and_again<const SECTOR: usize>(cuts: u32, seed: u64) -> [u32; 2] {
 /// Two hundred thousand cuts. They follow each other without a whole save between them more often than not: in the run that
 /// recovers from the first one the second strikes.
 #[test]
-fn power_may_be_lost_again_and_again() {
+fn power_loss_again_and_again_keeps_an_image() {
     let mut all = [0; 2];
     for seed in 0..10 {
         for counts in [
@@ -213,7 +213,7 @@ fn power_may_be_lost_again_and_again() {
 }
 
 #[test]
-fn an_erasure_that_is_cut_short_leaves_nothing_half() {
+fn an_interrupted_erasure_leaves_whole_images() {
     let mut store = nomad(SimFlash::new(4));
     for number in 1..=3 {
         store.save(&Nomad::of(number).contents()).expect("room");

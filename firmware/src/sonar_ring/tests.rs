@@ -273,7 +273,7 @@ fn a_ring_is_heard_in_order_at_its_rate() {
 }
 
 #[test]
-fn what_is_nearer_than_the_blanking_is_not_heard() {
+fn echoes_within_the_blanking_are_not_detected() {
     let near = |module: &mut ModuleSim| module.flights_us = [Some(1_200); 16];
     let heard = first_ring(ModuleFault::Nothing, Timing::relays(), near);
     assert_eq!(heard, [FiringOutcome::Echo(1_200); 16]);
@@ -294,7 +294,7 @@ fn what_is_nearer_than_the_blanking_is_not_heard() {
 
 /// Every transducer is tested in its first turn and listens from its second on; a dead one is tested again and again.
 #[test]
-fn a_dead_module_does_not_pass_the_self_test() {
+fn a_dead_module_fails_the_self_test() {
     for (fault, dead) in [
         (ModuleFault::Nothing, None),
         (ModuleFault::Dead(5), Some(5)),
@@ -317,7 +317,7 @@ fn a_dead_module_does_not_pass_the_self_test() {
 
 /// A line that is tied, or rises before BINH, is no ringing.
 #[test]
-fn a_line_that_is_at_fault_does_not_pass_the_self_test() {
+fn a_faulty_line_fails_the_self_test() {
     let timing = Timing::relays().with_self_test();
     for (fault, expected) in [
         (ModuleFault::StuckLow, FiringOutcome::Mute),
@@ -334,7 +334,7 @@ fn a_line_that_is_at_fault_does_not_pass_the_self_test() {
 }
 
 #[test]
-fn missing_echoes_are_silence_and_the_delay_is_taken_off() {
+fn a_missing_echo_is_reported_and_the_delay_subtracted() {
     let one = |module: &mut ModuleSim| module.flights_us[3] = None;
     let timing = Timing {
         delay_us: 150,
@@ -351,7 +351,7 @@ fn missing_echoes_are_silence_and_the_delay_is_taken_off() {
 }
 
 #[test]
-fn early_edges_are_no_echoes() {
+fn early_rises_are_no_echoes() {
     for us in [0, 300, 899] {
         let heard = first_ring(ModuleFault::RisesAt(us), Timing::relays(), |_| ());
         assert_eq!(heard, [FiringOutcome::Early; 16], "{us}");
@@ -361,7 +361,7 @@ fn early_edges_are_no_echoes() {
 }
 
 #[test]
-fn a_line_stuck_high_lets_nobody_fire() {
+fn a_line_stuck_high_prevents_firing() {
     let module = ModuleSim::new(ModuleFault::StuckHigh);
     run_for(&module, Timing::relays(), 1_150, |_| 0);
     let module = module.borrow();
@@ -376,7 +376,7 @@ fn a_line_stuck_high_lets_nobody_fire() {
 }
 
 #[test]
-fn a_line_that_never_falls_is_told_once_and_lets_nobody_fire() {
+fn a_line_that_never_falls_is_reported_once_and_prevents_firing() {
     let module = ModuleSim::new(ModuleFault::NeverFalls);
     run_for(&module, Timing::relays(), 400, |_| 0);
     let module = module.borrow();
@@ -395,7 +395,7 @@ fn a_line_that_never_falls_is_told_once_and_lets_nobody_fire() {
 }
 
 #[test]
-fn a_line_stuck_low_is_silence() {
+fn a_line_stuck_low_reports_no_echo() {
     assert_eq!(
         first_ring(ModuleFault::StuckLow, Timing::relays(), |_| ()),
         [FiringOutcome::NoEcho; 16]
@@ -404,13 +404,13 @@ fn a_line_stuck_low_is_silence() {
 
 /// The pins cannot see it: everybody hears what one transducer does.
 #[test]
-fn a_multiplexer_stuck_at_an_address_makes_all_say_the_same() {
+fn a_stuck_multiplexer_gives_equal_ranges() {
     let heard = first_ring(ModuleFault::Multiplexer(5), Timing::relays(), |_| ());
     assert_eq!(heard, [FiringOutcome::Echo(13_000); 16]);
 }
 
 #[test]
-fn faults_of_the_line_are_nothing_to_the_mind() {
+fn line_faults_are_not_reported_as_ranges() {
     let sound = SpeedOfSound::at(200);
     let heard = |outcome: FiringOutcome| outcome.report(sound);
     assert_eq!(
@@ -441,7 +441,7 @@ fn an_empty_order_rests() {
 
 /// Every change of every pin of a slot, in its order on each pin.
 #[test]
-fn the_pins_change_as_planned() {
+fn the_pins_change_in_order() {
     let set = |levels: &[u8]| {
         let level = |&high: &u8| Transaction::set(if high == 1 { Level::High } else { Level::Low });
         Mock::new(&levels.iter().map(level).collect::<Vec<_>>())

@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn the_table_is_that_of_the_formula() {
+    fn the_table_matches_the_formula() {
         for (step, &us) in US_PER_M.iter().enumerate() {
             let exact = exact_us_per_m(step as f64 * 10.0 - 20.0);
             assert!((f64::from(us) - exact).abs() <= 0.51, "{us} {exact}");
@@ -236,7 +236,7 @@ mod tests {
 
     /// 148.0 µs per inch at 20 °C; the full range is heard 37.7 ms after the firing.
     #[test]
-    fn a_flight_becomes_a_range() {
+    fn a_time_of_flight_gives_a_range() {
         let mm = |us| SpeedOfSound::at(200).range(us).map(Range::as_mm);
         assert_eq!(mm(0), Some(0));
         assert_eq!(mm(5_827), Some(1_000));
@@ -257,10 +257,10 @@ mod tests {
     }
 
     #[test]
-    fn an_order_goes_round_and_names_nobody_twice() {
+    fn an_order_repeats_and_rejects_duplicates() {
         let mut place = 0;
         for expected in [0, 2, 15, 1, 14, 3, 13, 4, 12, 5, 11, 6, 10, 7, 9, 8, 0, 2] {
-            let (sensor, next) = FiringOrder::NOMAD.at(place).expect("somebody");
+            let (sensor, next) = FiringOrder::NOMAD.at(place).expect("a transducer");
             assert_eq!(sensor, expected);
             place = next;
         }
@@ -276,11 +276,13 @@ mod tests {
     }
 
     #[test]
-    fn the_quadrants_are_the_ring() {
+    fn the_quadrants_cover_the_ring() {
         let mut seen = [false; 16];
         for channel in 0..4 {
             for place in 0..4 {
-                let (sensor, _) = FiringOrder::quadrant(channel).at(place).expect("somebody");
+                let (sensor, _) = FiringOrder::quadrant(channel)
+                    .at(place)
+                    .expect("a transducer");
                 seen[usize::from(sensor)] = true;
             }
         }

@@ -185,16 +185,12 @@ impl Watchdog {
     /// Makes it bite after [`LONG_TIMEOUT_MS`] from now on, or after [`WATCHDOG_MS`] again.
     // One copy of it in the program.
     #[inline(never)]
-    pub fn set_long_timeout(&mut self, patient: bool) {
-        let bite_ms = if patient {
-            LONG_TIMEOUT_MS
-        } else {
-            WATCHDOG_MS
-        };
+    pub fn set_long_timeout(&mut self, long: bool) {
+        let timeout_ms = if long { LONG_TIMEOUT_MS } else { WATCHDOG_MS };
         // A change takes the watchdog some cycles of its own clock, 0.3 ms, during which it takes no other: it is waited for,
         // and then it is fed, so that it counts from the new time.
         let _ = self.0.interval();
-        self.0.start(bite_ms.millis());
+        self.0.start(timeout_ms.millis());
         let _ = self.0.interval();
         self.0.feed();
     }

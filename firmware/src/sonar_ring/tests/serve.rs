@@ -74,7 +74,7 @@ impl RingBench {
 }
 
 #[test]
-fn a_ring_that_is_not_wanted_rests() {
+fn an_unwanted_ring_rests() {
     let mut bench = bench::<16>(ModuleFault::Nothing);
     assert_eq!(bench.serve(false), None);
     assert!(bench.module.borrow().firings.is_empty());
@@ -88,7 +88,7 @@ fn readings_carry_the_time_of_their_firing() {
     let heard = bench.heard();
     assert!(heard.len() >= 16);
     for (slot, firing) in heard.iter().take(16).enumerate() {
-        let (sensor, _) = FiringOrder::NOMAD.at(slot as u8).expect("somebody");
+        let (sensor, _) = FiringOrder::NOMAD.at(slot as u8).expect("a transducer");
         let flight_us = 3_000 + 2_000 * u32::from(sensor);
         // The first fires when recycled and settled, 26 ms after the start.
         let at_ms = BEGAN_MS + 26 + 64 * slot as u32;
@@ -105,7 +105,7 @@ fn readings_carry_the_time_of_their_firing() {
 }
 
 #[test]
-fn what_the_line_spoils_is_counted_and_not_told() {
+fn line_faults_are_counted_and_not_reported() {
     for fault in [ModuleFault::StuckHigh, ModuleFault::RisesAt(300)] {
         let mut bench = bench::<32>(fault);
         bench.serve_for(1_100);
@@ -115,7 +115,7 @@ fn what_the_line_spoils_is_counted_and_not_told() {
 }
 
 #[test]
-fn what_there_is_no_room_for_is_counted() {
+fn readings_are_counted_when_the_queue_is_full() {
     let mut bench = bench::<8>(ModuleFault::Nothing);
     bench.serve_for(1_100);
     let (told, lost) = (bench.heard().len() as u32, bench.errors.ring_faults());
@@ -124,7 +124,7 @@ fn what_there_is_no_room_for_is_counted() {
 }
 
 #[test]
-fn one_that_is_no_longer_wanted_drops_its_lines_and_begins_anew() {
+fn an_interrupted_ring_sets_its_pins_low_and_starts_again() {
     let mut bench = bench::<32>(ModuleFault::Nothing);
     // Into the first burst: recycled, settled, fired.
     for _ in 0..3 {
@@ -162,7 +162,7 @@ fn a_firing_takes_six_runs_at_most() {
 
 /// Once is enough: the next ring is complete after one turn.
 #[test]
-fn a_ring_that_is_wanted_again_is_not_tested_again() {
+fn a_resumed_ring_repeats_no_self_test() {
     let mut bench = bench_with::<64>(ModuleFault::Nothing, Timing::relays().with_self_test());
     bench.serve_for(1_040);
     assert_eq!(bench.heard().len(), 0);
@@ -173,7 +173,7 @@ fn a_ring_that_is_wanted_again_is_not_tested_again() {
 
 /// Without supply nothing completes the ring: silence is told by modules only that have been heard to ring.
 #[test]
-fn the_mind_hears_nothing_of_modules_without_supply() {
+fn modules_without_supply_report_nothing() {
     let timing = Timing::relays().with_self_test();
     for (fault, told, spoilt) in [
         (ModuleFault::StuckLow, 0, 32),
