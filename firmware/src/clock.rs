@@ -1,12 +1,8 @@
-//! Which oscillator clocks the processor: the crystal, if its frequency is a known one, else the internal oscillator.
+//! Which oscillator clocks the processor: a crystal of a known frequency, else the internal one.
 //!
-//! A board measures its crystal against the internal oscillator at the start. A crystal that does not start, or has a
-//! frequency that no board has, is not used: the serial link would run at a wrong rate. The internal oscillator is accurate
-//! to 1 % at 25 °C, which a serial link bears.
-//!
-//! A crystal may also pass the measurement and fail later. So a note in memory that outlives a reset says while it is tried,
-//! and that it has failed; it is then left alone until power comes on again. Such a crystal costs one restart, never one
-//! after the other without end.
+//! A board measures its crystal against the internal oscillator at each start. A trial record in
+//! RAM that outlives a reset says that a crystal passed and failed later: such a crystal is not
+//! used until the next power-on, so it causes one restart at most.
 
 use crate::crash::ResetFlags;
 use amp::wire::message::Oscillator;
@@ -14,24 +10,24 @@ use amp::wire::message::Oscillator;
 /// Frequencies of crystals that can be multiplied to the processor's clock, hertz.
 const CRYSTALS_HZ: [u32; 5] = [4_000_000, 8_000_000, 12_000_000, 16_000_000, 25_000_000];
 
-/// Largest deviation of a measurement, percent: the internal oscillator's over temperature is 8 (STM32F405 data sheet
-/// DS8626), a crystal's is below 0.01.
+/// Largest deviation of a measurement, percent: the internal oscillator's is 8 over temperature
+/// (STM32F405 data sheet DS8626), a crystal's is below 0.01.
 const TOLERANCE_PERCENT: u64 = 9;
 
 /// What clocks the processor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ClockSource {
-    /// A crystal of so many hertz.
+    /// A crystal.
     Crystal {
-        /// Its nominal frequency.
+        /// Nominal frequency, hertz.
         hz: u32,
     },
-    /// The internal oscillator.
+    /// The internal oscillator: accurate to 1 % at 25 °C, which suffices for a serial link.
     Internal,
 }
 
 impl ClockSource {
-    /// What the hello says.
+    /// The oscillator as the Hello reports it.
     #[must_use]
     pub const fn oscillator(self) -> Oscillator {
         match self {
@@ -41,29 +37,29 @@ impl ClockSource {
     }
 }
 
-/// How long some periods of the crystal took.
+/// Duration of some periods of the crystal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Measurement {
     /// Periods of the crystal.
     pub periods: u32,
-    /// Periods of the reference meanwhile.
+    /// Periods of the reference in the same time.
     pub ticks: u32,
     /// Frequency of the reference, hertz.
     pub reference_hz: u32,
 }
 
-/// How often something may still be looked at, all waits together.
+/// Number of polls left; several waits share it.
 #[derive(Debug)]
 pub struct PollBudget(u32);
 
 impl PollBudget {
-    /// So many looks.
+    /// A budget of `budget` polls.
     #[must_use]
     pub const fn new(budget: u32) -> Self {
         Self(budget)
     }
 
-    /// Looks until something is so; `None` when there are no looks left.
+    /// Polls until `is_so` returns true; `None` when the budget is used up.
     pub fn poll_until(&mut self, is_so: impl Fn() -> bool) -> Option<()> {
         while let Some(left) = self.0.checked_sub(1) {
             self.0 = left;
@@ -75,22 +71,22 @@ impl PollBudget {
     }
 }
 
-/// What is known of the crystal from runs before, since power came on.
+/// What earlier runs since power-on say about the crystal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CrystalTrial {
-    /// Nothing against it.
+    /// No failure is known.
     NoFailure,
-    /// It is measured, or has not clocked the program for long.
+    /// The crystal is being measured, or has clocked the program for less than a second.
     OnTrial,
-    /// It has failed.
+    /// The crystal has failed.
     Failed,
 }
 
 impl CrystalTrial {
-    /// At the start: whether the crystal is tried (`OnTrial`) or left alone (`Failed`).
+    /// The state at a start: `OnTrial` if the crystal may be used, else `Failed`.
     ///
-    /// Power that comes on gives it another trial. A start that hung ends by the watchdog; whether the crystal was the
-    /// reason is not known, and it is given up. A reset by the pin, or one that a debugger asks for, says nothing about it.
+    /// Power-on starts a new trial. A reset by the watchdog during a trial counts as a failure,
+    /// though its cause is unknown. Other resets do not.
     #[must_use]
     pub const fn on_start(self, flags: ResetFlags) -> Self {
         let has_failed = match self {
@@ -105,7 +101,7 @@ impl CrystalTrial {
         }
     }
 
-    /// At a crash: a crystal under trial may have been the reason, and is given up. One that stops has failed in any case.
+    /// The state after a crash. A crash during the trial counts as a failure.
     #[must_use]
     pub const fn on_crash(self) -> Self {
         match self {
@@ -114,7 +110,7 @@ impl CrystalTrial {
         }
     }
 
-    /// The program has run for some time.
+    /// The state after the program has run for a second.
     #[must_use]
     pub const fn on_proven(self) -> Self {
         match self {
@@ -124,7 +120,8 @@ impl CrystalTrial {
     }
 }
 
-/// A [`CrystalTrial`] as memory keeps it. Every bit pattern is a value of this type; what no trial looks like counts as none.
+/// A [`CrystalTrial`] as it is kept in RAM. Every bit pattern is a valid value of this type;
+/// an unknown one means `NoFailure`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(C)]
 pub struct TrialRecord {
@@ -133,11 +130,11 @@ pub struct TrialRecord {
 }
 
 impl TrialRecord {
-    /// Marks of the trials; any numbers that memory is unlikely to hold by itself.
+    /// Codes of the states; arbitrary numbers.
     const ON_TRIAL: u32 = 0x5eed_c1a1;
     const FAILED: u32 = 0x5eed_c1a2;
 
-    /// The note of a trial.
+    /// The record of a state.
     #[must_use]
     pub const fn of(trial: CrystalTrial) -> Self {
         let code = match trial {
@@ -151,7 +148,7 @@ impl TrialRecord {
         }
     }
 
-    /// The trial.
+    /// The recorded state.
     #[must_use]
     pub const fn trial(self) -> CrystalTrial {
         match self.code {
@@ -163,8 +160,8 @@ impl TrialRecord {
     }
 }
 
-/// The clock source by what is known of the crystal and by a measurement, which is made only if the crystal is tried; `None`
-/// = the crystal did not start.
+/// Chooses the clock source. `measure` is called only if the crystal may be used; it returns
+/// `None` if the crystal does not start.
 #[must_use]
 pub fn choose_source(
     trial: CrystalTrial,
@@ -176,7 +173,7 @@ pub fn choose_source(
     }
 }
 
-/// The clock source by a measurement.
+/// The clock source by a measurement of the crystal.
 fn source_by(measured: Option<Measurement>) -> ClockSource {
     let hz = measured.and_then(|measured| {
         let periods = u64::from(measured.periods) * u64::from(measured.reference_hz);
@@ -200,7 +197,7 @@ mod tests {
 
     const REFERENCE_HZ: u32 = 16_000_000;
 
-    /// 25 600 periods of a crystal, by a reference that deviates by so many parts of a thousand.
+    /// 25 600 periods of a crystal, measured by a reference that deviates by `deviation` per mille.
     fn measured(crystal_hz: u64, deviation: i64) -> Option<Measurement> {
         let reference_hz = (i64::from(REFERENCE_HZ) * (1_000 + deviation) / 1_000) as u64;
         Some(Measurement {
@@ -245,7 +242,7 @@ mod tests {
     fn all_waits_of_a_measurement_share_one_budget() {
         let mut budget = PollBudget::new(5);
         let looked = core::cell::Cell::new(0);
-        // So at each third look.
+        // True at each third poll.
         let rare = || {
             looked.set(looked.get() + 1);
             looked.get() % 3 == 0
@@ -313,7 +310,7 @@ mod tests {
         }
     }
 
-    /// A crystal that is measured well each time, and stops, lets the program crash, or the start hang.
+    /// The crystal passes each measurement, then stops, or crashes or hangs the program.
     #[test]
     fn no_crystal_restarts_the_chip_more_than_once() {
         #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,7 +1,7 @@
-//! The control task: received bytes and passing time in, frames out. It owns the mind.
+//! The control task: takes received bytes and the time, runs the node, and queues frames to send.
 //!
-//! It is not paced: it runs when a frame has come, when the clock says that time has passed, and again at once while there
-//! is more to do. Learning is done in slices between events, so that an event waits for one slice at most.
+//! It runs when a frame has arrived, every 10 ms, and again at once while work is left.
+//! Learning is done in slices between events, so an event waits for at most one slice.
 
 use crate::persist::{NoFlash, Store};
 use crate::safety::Alarms;
@@ -17,8 +17,8 @@ use amp::wire::message::{Flash, FlashError, Source};
 use embedded_storage::nor_flash::NorFlash;
 use heapless::spsc::Consumer;
 
-/// Starts the mind of the Nomad 200 with the recommended configuration: 16 transducers, 16 neurons to a map, a hundred
-/// samples. It says hello.
+/// Starts a node for the Nomad 200 with the recommended configuration: 16 transducers, 16 neurons
+/// per map, 100 samples. Sends its Hello.
 pub fn start(
     node: &mut NomadNode,
     identity: Identity,
@@ -33,30 +33,30 @@ fn prepare(node: &mut NomadNode, identity: Identity) {
     node.prepare(&Config::recommended(), Grid::rectangle(4, 4), identity);
 }
 
-/// Something the log should know.
+/// A change for the log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LogEvent {
-    /// A host is there.
+    /// A host has opened a session.
     Linked,
-    /// It is gone.
+    /// The host has fallen silent.
     Unlinked,
-    /// Bytes lost on the line so far, if these are more than last time.
+    /// Total of received bytes that were lost; it has grown.
     BytesLost(u32),
 }
 
 #[cfg(all(feature = "defmt", target_os = "none"))]
 impl LogEvent {
-    /// Writes it to the log, which holds off every interrupt for as long as a line takes.
+    /// Writes the event to the log. This masks every interrupt while the line is written.
     pub fn log(self) {
         match self {
-            Self::Linked => defmt::info!("a host is there"),
-            Self::Unlinked => defmt::warn!("no host any more"),
-            Self::BytesLost(bytes) => defmt::warn!("{=u32} bytes lost so far", bytes),
+            Self::Linked => defmt::info!("host connected"),
+            Self::Unlinked => defmt::warn!("host lost"),
+            Self::BytesLost(bytes) => defmt::warn!("{=u32} bytes lost since the start", bytes),
         }
     }
 }
 
-/// Everything the control task works with; what outlives a loss of power lies in the flash `F`, if there is one.
+/// The state of the control task. `F` is the flash for saved images, if the board has one.
 pub struct Control<'parts, F = NoFlash> {
     node: &'parts mut NomadNode,
     receiver: Receiver,
@@ -65,10 +65,10 @@ pub struct Control<'parts, F = NoFlash> {
     tx: TxQueue<'parts>,
     errors: &'parts ErrorCounters,
     store: Option<Store<F>>,
-    /// Whether a request for the flash will bring a pause, once it has been announced.
-    pause_announced: Option<bool>,
+    /// Whether the flash task in progress pauses everything; `None` before that is known.
+    flash_task_pauses: Option<bool>,
     has_long_timeout: bool,
-    /// Why the robot must not move at present.
+    /// Why the robot must stand still at present.
     alarm: Option<StopReason>,
     last_run: Millis,
     logged_linked: bool,
@@ -76,7 +76,7 @@ pub struct Control<'parts, F = NoFlash> {
 }
 
 impl<'parts, F: NorFlash> Control<'parts, F> {
-    /// A mind that is yet to be started, between two queues. Without a `store` nothing outlives a loss of power.
+    /// A control task for a node that is not started yet. Without a `store` nothing is saved.
     #[must_use]
     pub fn new(
         node: &'parts mut NomadNode,
@@ -93,7 +93,7 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
             tx,
             errors,
             store,
-            pause_announced: None,
+            flash_task_pauses: None,
             has_long_timeout: false,
             alarm: None,
             last_run: Millis::from_ms(0),
@@ -102,28 +102,30 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
         }
     }
 
-    /// The same with a ring of its own.
+    /// Adds a ring of sonars at the board's own pins.
     #[must_use]
     pub fn with_ring(mut self, ring: Consumer<'parts, RingReading>) -> Self {
         self.ring = Some(ring);
         self
     }
 
-    /// Whether the ring is to fire: not while flash is in use, when its clock may stand still.
+    /// Whether the ring must fire. Not while flash is in use: its timer may then stop.
     #[must_use]
     pub fn needs_ring(&self) -> bool {
-        self.ring.is_some() && self.node.source() == Source::Ring && self.pause_announced.is_none()
+        self.ring.is_some()
+            && self.node.source() == Source::Ring
+            && self.flash_task_pauses.is_none()
     }
 
-    /// Starts the mind at the time `now` with what was saved last, if anything was. May erase a sector of flash before, for
-    /// seconds.
-    // Not a part of the caller's stack for good.
+    /// Starts the node at `now` and loads the newest saved image, if there is one. May first erase
+    /// a sector of flash, which takes seconds.
+    // Not inlined: its stack frame would stay part of the caller's.
     #[inline(never)]
     pub fn start(&mut self, identity: Identity, now: Millis) {
         self.last_run = now;
         prepare(self.node, identity);
-        // A flash that fails does so again, and says so, when something is to be saved; what cannot be recalled is told by
-        // the hello's checksums.
+        // Errors need no report here: a faulty flash fails again at the next save, and the
+        // checksums in the Hello show whether an image was loaded.
         if let Some(store) = &mut self.store {
             let _ = store.ensure_free_slot();
             let _ = load_latest(self.node, store);
@@ -131,14 +133,14 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
         self.node.hello(now, &mut self.tx);
     }
 
-    /// Whether a host is there.
+    /// Whether a host is connected.
     #[must_use]
     pub const fn is_linked(&self) -> bool {
         self.node.is_linked()
     }
 
-    /// Whether the robot moves by itself at `now`: it explores or seeks, and a host has been heard lately by the clock here, whichever
-    /// clock the session has.
+    /// Whether the robot may move at `now`: it explores or seeks, and a host was heard lately by
+    /// the device's clock, whichever clock the session uses.
     #[must_use]
     pub fn may_move(&self, now: Millis) -> bool {
         self.node.has_heard_host(now)
@@ -148,8 +150,8 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
             )
     }
 
-    /// Stops the robot, or ends the motion under way, as the lines of the board say. A stop lasts until the lines are looked at
-    /// again.
+    /// Stops the robot, or ends the motion in progress, as the safety lines require. A stop holds
+    /// until the next call.
     pub fn apply_alarms(&mut self, alarms: Alarms, low_voltage: bool, now: Millis) {
         self.alarm = if alarms.emergency_stop {
             Some(StopReason::EmergencyStop)
@@ -164,15 +166,15 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
         }
     }
 
-    /// Stops the robot if it must not move. After each frame: the next one may complete a ring.
+    /// Stops the robot if an alarm is active. After each frame: the next may complete a ring.
     fn stop_if_alarmed(&mut self, now: Millis) {
         if let Some(reason) = self.alarm {
             self.node.alarm(reason, now, &mut self.tx);
         }
     }
 
-    /// Deals with what was received and with the time that has passed. True: there is more to do at once.
-    // Not a part of the caller's stack, where it would add to that of each task it calls.
+    /// Processes received bytes and the time. Returns whether work is left.
+    // Not inlined: its stack frame would add to that of each function the caller calls.
     #[inline(never)]
     #[must_use]
     pub fn run(&mut self, now: Millis) -> bool {
@@ -186,19 +188,21 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
         more_bytes || more_work
     }
 
-    /// Whether the watchdog has to bear a pause before this goes on: an erasure, or an image that is written as slowly as may be.
+    /// Whether the watchdog must get its long timeout before work continues: flash will be erased
+    /// or written.
     #[must_use]
     pub fn needs_long_timeout(&self) -> bool {
-        self.pause_announced == Some(true)
+        self.flash_task_pauses == Some(true)
     }
 
-    /// Says whether the watchdog bears a pause.
-    pub fn set_has_long_timeout(&mut self, patient: bool) {
-        self.has_long_timeout = patient;
+    /// Notes whether the watchdog has its long timeout.
+    pub fn set_has_long_timeout(&mut self, has_long_timeout: bool) {
+        self.has_long_timeout = has_long_timeout;
     }
 
-    /// Announces the pause, lets the announcement go out, and does it. Frames wait meanwhile.
-    // Not a part of every run's stack.
+    /// Announces the pause, waits until the announcement is sent, then does the task. Meanwhile
+    /// received frames wait.
+    // Not inlined: its stack frame would be part of every run.
     #[inline(never)]
     fn run_flash_task(&mut self, task: Flash, now: Millis) -> bool {
         let Some(store) = &mut self.store else {
@@ -206,9 +210,9 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
             self.node.flash_done(absent, now, &mut self.tx);
             return true;
         };
-        let Some(pauses) = self.pause_announced else {
+        let Some(pauses) = self.flash_task_pauses else {
             let pause_ms = store.pause_ms(task);
-            self.pause_announced = Some(pause_ms > 0);
+            self.flash_task_pauses = Some(pause_ms > 0);
             if pause_ms > 0 {
                 self.node.announce_pause(pause_ms, now, &mut self.tx);
             }
@@ -222,23 +226,23 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
             Flash::Recall => load_latest(self.node, store),
             Flash::Erase => store.erase(),
         };
-        self.pause_announced = None;
+        self.flash_task_pauses = None;
         self.node.flash_done(result, now, &mut self.tx);
         true
     }
 
-    /// Whether frames were queued since this was asked last.
+    /// Whether frames were queued since the last call.
     #[must_use]
     pub fn take_queued(&mut self) -> bool {
         self.tx.take_queued()
     }
 
-    /// Notes how deep the stack has been.
+    /// Notes the greatest depth of the stack.
     pub fn set_stack_peak(&mut self, peak_bytes: u32) {
         self.node.device_counters().stack_peak_bytes = peak_bytes;
     }
 
-    /// One thing that has changed since this was asked last.
+    /// The next change since the last call.
     pub fn next_log_event(&mut self) -> Option<LogEvent> {
         let (linked, lost) = (
             self.is_linked(),
@@ -261,7 +265,7 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
         None
     }
 
-    /// Takes no more bytes than the queue holds, so that a flood of them cannot keep time from passing.
+    /// Takes at most one queue of bytes, so that a flood cannot keep `run` from returning.
     fn receive_bytes(&mut self, now: Millis) -> bool {
         for _ in 0..self.received.capacity() {
             let Some(byte) = self.received.dequeue() else {
@@ -280,8 +284,8 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
         self.received.ready()
     }
 
-    /// Hands on what the ring has heard. What its line has spoilt is not among it, and nothing is known of those
-    /// transducers.
+    /// Passes the ring's readings to the node. Faulty firings are not among them, so nothing is
+    /// known of those transducers.
     fn receive_ring(&mut self, now: Millis) {
         let Some(ring) = &mut self.ring else { return };
         for _ in 0..ring.capacity() {
@@ -306,7 +310,7 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
     }
 }
 
-/// Replaces what the mind knows by what was saved last.
+/// Replaces the node's configuration and state by the newest saved image.
 fn load_latest<F: NorFlash>(node: &mut NomadNode, store: &mut Store<F>) -> Result<(), FlashError> {
     store.load(|read, most| node.recall(read, most))
 }

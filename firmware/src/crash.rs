@@ -1,17 +1,17 @@
-//! What is kept of a crash over the reset that follows it.
+//! The record of a crash, kept over the reset that follows it, and the cause of a reset.
 //!
-//! The record lies in memory that start-up code does not touch. After power came on that memory holds anything, so a
-//! record is believed only with the right magic number, lengths within bounds and the right sum.
+//! The record is in RAM that start-up code does not initialize. After power-on this RAM holds
+//! random data: a record is valid only with its magic number, a plausible length and its checksum.
 
 use amp::wire::message::ResetCause;
 
-/// Most bytes of text.
+/// Capacity of the text, bytes.
 const TEXT_BYTES: usize = 64;
 
-/// Marks a record; any number that memory is unlikely to hold by itself.
+/// Marks a record; an arbitrary number.
 const MAGIC: u32 = 0x5eed_c4a5;
 
-/// What happened.
+/// What caused a crash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CrashCause {
     /// The program panicked.
@@ -41,7 +41,7 @@ impl CrashCause {
     }
 }
 
-/// A short text; what does not fit is cut off. Without `core::fmt`, which would cost 3 KiB of flash.
+/// A short text, cut off at its capacity. `core::fmt` would cost 3 KiB of flash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CrashText {
     bytes: [u8; TEXT_BYTES],
@@ -55,7 +55,7 @@ impl Default for CrashText {
 }
 
 impl CrashText {
-    /// Nothing.
+    /// The empty text.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -64,7 +64,7 @@ impl CrashText {
         }
     }
 
-    /// Appends.
+    /// Appends a text.
     pub fn push(&mut self, text: &str) {
         let room = self.bytes.get_mut(self.length..).unwrap_or_default();
         for (place, byte) in room.iter_mut().zip(text.bytes()) {
@@ -99,7 +99,7 @@ impl CrashText {
         }
     }
 
-    /// The text as far as it is text: a character cut in half is left out.
+    /// The text, without a character that was cut in half at the end.
     #[must_use]
     pub fn as_str(&self) -> &str {
         let bytes = self.bytes.get(..self.length).unwrap_or_default();
@@ -111,15 +111,15 @@ impl CrashText {
 /// A crash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Crash {
-    /// What happened.
+    /// What caused it.
     pub cause: CrashCause,
-    /// Where the processor was, if that is known.
+    /// Program counter; 0 = unknown.
     pub program_counter: u32,
-    /// Something for a person to read.
+    /// Description for the log.
     pub text: CrashText,
 }
 
-/// A crash as memory keeps it. Every bit pattern is a value of this type.
+/// A crash as it is kept in RAM. Every bit pattern is a valid value of this type.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(C)]
 pub struct CrashRecord {
@@ -157,7 +157,7 @@ impl CrashRecord {
         record
     }
 
-    /// The crash, if this is the record of one.
+    /// The crash, if the record is valid.
     #[must_use]
     pub fn crash(&self) -> Option<Crash> {
         let length = self.length as usize;
@@ -174,7 +174,7 @@ impl CrashRecord {
         })
     }
 
-    /// FNV-1a (G. Fowler, L. C. Noll, K.-P. Vo) over everything but the sum itself.
+    /// FNV-1a (G. Fowler, L. C. Noll, K.-P. Vo) over all fields but the checksum.
     fn expected_checksum(&self) -> u32 {
         let words = [self.magic, self.cause, self.program_counter, self.length];
         let head = words.into_iter().flat_map(u32::to_le_bytes);
@@ -184,25 +184,25 @@ impl CrashRecord {
     }
 }
 
-/// What the processor says of a fault (ARMv7-M Architecture Reference Manual, B3.2).
+/// The processor's fault registers (ARMv7-M Architecture Reference Manual, B3.2).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FaultRegisters {
-    /// The configurable fault status, CFSR.
+    /// CFSR: configurable fault status.
     pub status: u32,
-    /// MMFAR: the address that the memory protection refused, where the status says that it is one.
+    /// MMFAR: address of a memory protection fault; valid with MMARVALID.
     pub protected: u32,
-    /// BFAR: the address of a bus fault, likewise.
+    /// BFAR: address of a bus fault; valid with BFARVALID.
     pub bus: u32,
 }
 
 impl FaultRegisters {
-    /// MMARVALID: there is an address in MMFAR.
+    /// MMARVALID in CFSR.
     const PROTECTED_VALID: u32 = 1 << 7;
-    /// BFARVALID: there is an address in BFAR.
+    /// BFARVALID in CFSR.
     const BUS_VALID: u32 = 1 << 15;
 
-    /// What the fault was, by where the stack pointer is once the processor has stacked its registers, and by whether the guard
-    /// was hit, the lowest bytes of the stack's region.
+    /// The cause of the fault. It is a stack overflow if the guard below `stack_end` was hit, or if
+    /// the stack pointer is outside the stack after the processor has pushed its registers.
     #[must_use]
     pub const fn cause(&self, stack_pointer: u32, stack_start: u32, stack_end: u32) -> CrashCause {
         let guard_was_hit = self.status & Self::PROTECTED_VALID != 0 && self.protected < stack_end;
@@ -213,7 +213,7 @@ impl FaultRegisters {
         }
     }
 
-    /// Appends the status, the address of a bus fault where there is one, and where the faulting function was called from.
+    /// Appends the fault status, the address of a bus fault if valid, and the link register.
     pub fn describe(&self, link: u32, text: &mut CrashText) {
         text.push("CFSR ");
         text.push_hex(self.status);
@@ -226,20 +226,20 @@ impl FaultRegisters {
     }
 }
 
-/// What the chip itself remembers of a reset.
+/// The chip's reset flags.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ResetFlags {
-    /// The supply came up or had sagged.
+    /// Power-on or brown-out.
     pub power: bool,
-    /// One of the watchdogs bit.
+    /// One of the watchdogs.
     pub watchdog: bool,
-    /// The program asked for it.
+    /// The program itself.
     pub software: bool,
-    /// The reset pin was pulled. The chip pulls it itself with every reset: this counts last.
+    /// The reset pin. The chip sets this flag with every reset, so it is checked last.
     pub pin: bool,
 }
 
-/// What to call a reset.
+/// The cause of a reset, by the chip's flags and the record of a crash.
 #[must_use]
 pub const fn reset_cause(flags: ResetFlags, crash: Option<&Crash>) -> ResetCause {
     if flags.power {
@@ -258,14 +258,14 @@ pub const fn reset_cause(flags: ResetFlags, crash: Option<&Crash>) -> ResetCause
     }
 }
 
-/// A reset's name for the log.
+/// A reset cause in words for the log: "build … starts …".
 #[must_use]
 pub const fn reset_name(reset: ResetCause) -> &'static str {
     match reset {
         ResetCause::Unknown => "for an unknown reason",
-        ResetCause::PowerOn => "with the power",
+        ResetCause::PowerOn => "after power-on",
         ResetCause::Pin => "by the reset pin",
-        ResetCause::Requested => "as it was told to",
+        ResetCause::Requested => "by request",
         ResetCause::Watchdog => "by the watchdog",
         ResetCause::Panic => "after a panic",
         ResetCause::HardFault => "after a fault",
@@ -389,7 +389,7 @@ mod tests {
         assert_eq!(cause(0x2000_2000), CrashCause::StackOverflow);
     }
 
-    /// A fault with this status; its addresses are those of the guard and of no device.
+    /// A fault with this status; its addresses are in the guard and of no device.
     fn fault(status: u32) -> FaultRegisters {
         FaultRegisters {
             status,

@@ -1,21 +1,10 @@
-//! What outlives a loss of power: images of the mind (see [`amp::store`]) in two sectors of flash.
+//! Saved images in two sectors of flash: a loss of power at any moment leaves the old image or
+//! the new one, whole. The format of an image is that of [`amp::store`].
 //!
 //! ```text
-//! sector = mark slot slot …        mark = "ERAS" generation crc, written when the sector has been erased
-//! slot   = an image, or nothing, or what is left of an image that was never finished
+//! sector = mark slot slot …        mark = "ERAS" generation CRC, written after the erasure
+//! slot   = an image, or blank, or the rest of an image that was not finished
 //! ```
-//!
-//! A save writes the next generation's image into the next free slot of the sector that has the newest image, and when that
-//! is full into the other one. An image counts only with its last word; until then the one before is the newest, and it lies
-//! untouched where it lay. A sector is erased only when the newest image lies in the other one. So a loss of power at any
-//! moment leaves the old image or the new one.
-//!
-//! Erasing stops the processor for seconds, so it is done at the start, before the hello ([`Store::ensure_free_slot`]); a save has to
-//! erase only when the device has filled a sector since. A sector whose erasure was cut short may read as erased and not be:
-//! the mark says that it ended. It names the newest generation at that time, so that no mark that has survived another
-//! erasure is taken for it.
-//!
-//! Cost: a slot's bytes of flash an image, 3 words for a mark; memory for one record. Starting reads both sectors once.
 
 use amp::store::{Contents, Fault, Found, WORD, check};
 use amp::wire::checksum;
@@ -23,23 +12,23 @@ use amp::wire::message::{Flash, FlashError};
 use core::convert::Infallible;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 
-/// Bytes of a slot for the Nomad's mind.
+/// Size of a slot for the Nomad's image, bytes.
 pub const SLOT_BYTES: u32 = amp::store::MAX_NOMAD as u32;
 
-/// Longest time to erase a sector of 128 KiB by words, milliseconds (STM32F405 data sheet DS8626, flash memory programming;
-/// half of it is typical).
+/// Longest time to erase a sector of 128 KiB by words, milliseconds; half of it is typical
+/// (STM32F405 data sheet DS8626, flash memory programming).
 pub const ERASE_MS: u32 = 2_000;
 
-/// Longest time to write an image by words, milliseconds: 100 µs a word (as above; 16 µs are typical).
+/// Longest time to write an image by words, milliseconds: 100 µs a word; 16 µs are typical.
 pub const WRITE_MS: u32 = (SLOT_BYTES / WORD as u32).div_ceil(10);
 
-/// Bytes of a mark.
+/// Size of a mark, bytes.
 const MARK_BYTES: u32 = 12;
 
-/// How a mark begins.
+/// The first bytes of a mark.
 const MARK_MAGIC: [u8; 4] = *b"ERAS";
 
-/// The flash of a board that has none: no value of this type exists.
+/// The flash of a board that has none; no value of this type exists.
 #[derive(Debug)]
 pub enum NoFlash {}
 
@@ -72,27 +61,35 @@ impl NorFlash for NoFlash {
     }
 }
 
-/// Where an image lies.
+/// Location of a slot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct SlotLocation {
     sector: u32,
     slot: u32,
 }
 
-/// Two sectors of flash: the first two units that `F` erases.
+/// The images in two sectors: the first two erase units of `F`.
+///
+/// - A save writes to the next free slot beside the newest image, or to the spare sector if there
+///   is none. An image is valid only with its last word; the previous image stays untouched.
+/// - Only the spare sector, which does not hold the newest image, is ever erased.
+/// - A sector whose erasure was interrupted may read as blank. Its mark proves that the erasure
+///   was completed, and names the newest generation then, so an older mark proves nothing.
+/// - Erasing stops the processor for seconds. [`Store::ensure_free_slot`] does it at the start, so
+///   a save erases only when the device has filled a sector since.
 #[derive(Debug)]
 pub struct Store<F> {
     flash: F,
     slot_bytes: u32,
     newest: Option<SlotLocation>,
-    /// The newest image's; 0 = there is none.
+    /// Generation of the newest image; 0 = there is none.
     generation: u32,
 }
 
 impl<F: NorFlash> Store<F> {
     const SECTOR_BYTES: u32 = F::ERASE_SIZE as u32;
 
-    /// Looks for the newest image; writes nothing. Slots take `slot_bytes`, a multiple of four.
+    /// Finds the newest image; writes nothing. `slot_bytes` is a multiple of four.
     pub fn mount(flash: F, slot_bytes: u32) -> Self {
         const {
             assert!(WORD.is_multiple_of(F::WRITE_SIZE) && WORD.is_multiple_of(F::READ_SIZE));
@@ -107,7 +104,7 @@ impl<F: NorFlash> Store<F> {
         store
     }
 
-    /// The flash.
+    /// Returns the flash.
     #[cfg(test)]
     pub(crate) fn into_flash(self) -> F {
         self.flash
@@ -117,23 +114,23 @@ impl<F: NorFlash> Store<F> {
         (self.newest, self.generation) = (None, 0);
         for sector in 0..2 {
             for slot in 0..self.slots() {
-                let slot = SlotLocation { sector, slot };
-                if let Ok(found) = self.check_slot(slot)
+                let location = SlotLocation { sector, slot };
+                if let Ok(found) = self.check_slot(location)
                     && found.generation > self.generation
                 {
-                    (self.newest, self.generation) = (Some(slot), found.generation);
+                    (self.newest, self.generation) = (Some(location), found.generation);
                 }
             }
         }
     }
 
-    /// Generation of the newest image; 0 = nothing was saved.
+    /// Generation of the newest image; 0 = nothing is saved.
     #[must_use]
     pub const fn generation(&self) -> u32 {
         self.generation
     }
 
-    /// Longest time this will take and nothing else can be done, milliseconds; with an erasure if it needs one.
+    /// Longest time for which the task stops the processor, milliseconds.
     pub fn pause_ms(&mut self, task: Flash) -> u32 {
         match task {
             Flash::Recall => 0,
@@ -142,7 +139,7 @@ impl<F: NorFlash> Store<F> {
         }
     }
 
-    /// How many sectors this will erase.
+    /// Number of sectors that the task will erase.
     fn erase_count(&mut self, task: Flash) -> u32 {
         match task {
             Flash::Recall => 0,
@@ -151,7 +148,7 @@ impl<F: NorFlash> Store<F> {
         }
     }
 
-    /// Erases the spare sector if the next image has no room; for the start, when nobody waits.
+    /// Erases the spare sector if no slot is free. For the start, when no host waits.
     ///
     /// # Errors
     /// [`FlashError::Failed`].
@@ -159,10 +156,10 @@ impl<F: NorFlash> Store<F> {
         self.claim_slot().map(drop)
     }
 
-    /// Saves; the newest image until now stays where it is.
+    /// Saves a new image; the previous one stays where it is.
     ///
     /// # Errors
-    /// [`FlashError::Failed`]; what was saved before still is.
+    /// [`FlashError::Failed`]: the previous image is still the newest.
     pub fn save<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>(
         &mut self,
         contents: &Contents<'_, SENSORS, NEURONS, SAMPLES>,
@@ -189,10 +186,10 @@ impl<F: NorFlash> Store<F> {
         }
     }
 
-    /// Hands the newest image to `into`: how to read it, and its most bytes.
+    /// Passes the newest image to `into`: a function that reads it, and its greatest length.
     ///
     /// # Errors
-    /// [`FlashError`]: nothing was saved, or it cannot be read.
+    /// [`FlashError`]: nothing is saved, or the image cannot be read.
     pub fn load<T>(
         &mut self,
         into: impl FnOnce(&mut dyn FnMut(usize, &mut [u8]) -> bool, usize) -> Result<T, Fault>,
@@ -207,10 +204,10 @@ impl<F: NorFlash> Store<F> {
         })
     }
 
-    /// Erases everything, the newest image last.
+    /// Erases both sectors, the one with the newest image last.
     ///
     /// # Errors
-    /// [`FlashError::Failed`]; something may still be there.
+    /// [`FlashError::Failed`]: an image may be left.
     pub fn erase(&mut self) -> Result<(), FlashError> {
         let spare = self.spare();
         let erased = self.erase_sector(spare);
@@ -220,12 +217,12 @@ impl<F: NorFlash> Store<F> {
         self.write_spare_mark()
     }
 
-    /// The sector that does not have the newest image.
+    /// The sector without the newest image.
     fn spare(&self) -> u32 {
         self.newest.map_or(0, |newest| 1 - newest.sector)
     }
 
-    /// A free slot, after erasing the spare sector if there is none.
+    /// A free slot. Erases the spare sector if there is none.
     fn claim_slot(&mut self) -> Result<SlotLocation, FlashError> {
         if let Some(slot) = self.free_slot() {
             return Ok(slot);
@@ -236,7 +233,7 @@ impl<F: NorFlash> Store<F> {
         self.free_slot().ok_or(FlashError::Failed)
     }
 
-    /// Notes that the spare sector has been erased to the end.
+    /// Writes the mark of the spare sector, which has just been erased.
     fn write_spare_mark(&mut self) -> Result<(), FlashError> {
         let from = self.spare() * Self::SECTOR_BYTES;
         let written = self.flash.write(from, &erase_mark(self.generation));
@@ -250,7 +247,7 @@ impl<F: NorFlash> Store<F> {
             .map_err(failed)
     }
 
-    /// Where the next image goes without erasing anything.
+    /// The slot for the next image, if no erasure is needed.
     fn free_slot(&mut self) -> Option<SlotLocation> {
         let beside = self
             .newest
@@ -262,7 +259,7 @@ impl<F: NorFlash> Store<F> {
         })
     }
 
-    /// The first slot behind everything that has been written to a sector.
+    /// The first slot behind all written ones.
     #[inline(never)]
     fn free_slot_in(&mut self, sector: u32) -> Option<SlotLocation> {
         let slots = (0..self.slots()).map(|slot| SlotLocation { sector, slot });
@@ -276,7 +273,7 @@ impl<F: NorFlash> Store<F> {
         free_slot
     }
 
-    /// Whether a sector was erased to the end when this generation was the newest.
+    /// Whether the sector's erasure was completed while this generation was the newest.
     fn has_mark_of(&mut self, sector: u32, generation: u32) -> bool {
         let mut found = [0; MARK_BYTES as usize];
         let from = sector * Self::SECTOR_BYTES;
@@ -316,7 +313,7 @@ fn failed<E>(_: E) -> FlashError {
     FlashError::Failed
 }
 
-/// Says that the sector was erased to the end when this generation was the newest.
+/// The mark of a sector whose erasure was completed while this generation was the newest.
 fn erase_mark(generation: u32) -> [u8; MARK_BYTES as usize] {
     let [g, h, i, j] = generation.to_le_bytes();
     let [m, n, o, p] = MARK_MAGIC;

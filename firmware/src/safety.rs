@@ -1,53 +1,50 @@
-//! The lines that stop the robot whatever the link does: emergency stop, bumper, supply voltage, and the motion permit.
+//! Safety lines that stop the robot without the link: emergency stop, bumper and motion permit.
 //!
 //! | line | level | meaning |
 //! |---|---|---|
-//! | emergency stop | low, by a closed contact to ground | the robot may move |
-//! | | high, by the pull-up: contact open or wire broken | stop, in each round until it closes |
-//! | bumper | low, by a closed contact to ground | nothing is touched |
-//! | | high | the motion under way ends |
-//! | | high for 10 s, or since the start: held, or wire broken | stop, in each round until it closes |
+//! | emergency stop | low: contact closed to ground | the robot may move |
+//! | | high by pull-up: contact open or wire broken | stop until it closes |
+//! | bumper | low: contact closed to ground | nothing is touched |
+//! | | high | the motion in progress ends |
+//! | | high for 10 s or since the start: held, or wire broken | stop until it closes |
 //! | motion permit | changes every 10 ms | a charge pump holds the motors' relay |
-//! | | constant, whether low or high | the relay drops |
-//!
-//! The control task makes the permit's changes one by one. It stops when the control task stops, the link is lost, the robot
-//! stands or the emergency stop is open.
+//! | | constant, low or high | the relay drops |
 
 use amp::units::Millis;
 use core::convert::Infallible;
 use embedded_hal::digital::{InputPin, OutputPin};
 
-/// A contact has to keep its new level for this time, milliseconds: contacts bounce for less.
+/// Debounce time, milliseconds: a contact must keep its new level for this long.
 const DEBOUNCE_MS: u32 = 20;
 
-/// A bumper that is open for longer than this, milliseconds, does not close any more: a robot that touched something backs off
-/// within a motion or two.
+/// A bumper that is open for longer counts as stuck, milliseconds: a robot that touched something
+/// backs off within two motions.
 const BUMPER_STUCK_MS: u32 = 10_000;
 
-/// Time between two changes of the permit at the least, milliseconds.
+/// Shortest time between two changes of the permit, milliseconds.
 const HALF_PERIOD_MS: u32 = 10;
 
-/// What the lines say.
+/// State of the safety inputs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Alarms {
     /// The emergency stop is open.
     pub emergency_stop: bool,
     /// The bumper has just opened.
     pub touched: bool,
-    /// The bumper has been open since the start, or for long.
+    /// The bumper has been open since the start, or for more than 10 s.
     pub bumper_open: bool,
 }
 
-/// A contact that bounces.
+/// A debounced contact.
 #[derive(Debug, Clone, Copy, Default)]
 struct DebouncedContact {
     open: bool,
-    /// The other level was first read at this time.
+    /// When the other level was first read.
     changing_since: Option<Millis>,
 }
 
 impl DebouncedContact {
-    /// Whether the contact is open, by its level at `now`.
+    /// Takes the level at `now`; returns whether the contact is open.
     fn update(&mut self, open: bool, now: Millis) -> bool {
         if open == self.open {
             self.changing_since = None;
@@ -61,7 +58,7 @@ impl DebouncedContact {
     }
 }
 
-/// The pins, and what is known of them.
+/// The pins and their state.
 #[derive(Debug)]
 pub struct SafetyLines<I, O> {
     emergency_stop: I,
@@ -69,7 +66,7 @@ pub struct SafetyLines<I, O> {
     permit: O,
     stop_contact: DebouncedContact,
     bumper_contact: DebouncedContact,
-    /// When the bumper opened; `None` = long ago, or not closed yet since the start.
+    /// When the bumper opened; `None` = long ago, or it has not been closed since the start.
     bumper_opened: Option<Millis>,
     /// When the permit changed last, and its level.
     changed: Millis,
@@ -81,7 +78,7 @@ where
     I: InputPin<Error = Infallible>,
     O: OutputPin<Error = Infallible>,
 {
-    /// Lines whose contacts count as open until they have been closed for some time.
+    /// Lines whose contacts count as open until they have been closed for the debounce time.
     pub const fn new(emergency_stop: I, bumper: I, permit: O) -> Self {
         Self {
             emergency_stop,
@@ -101,7 +98,7 @@ where
         }
     }
 
-    /// Reads the contacts; for each round of the control task.
+    /// Reads the contacts. Called at the begin of each run of the control task.
     pub fn read(&mut self, now: Millis) -> Alarms {
         let Ok(stop) = self.emergency_stop.is_high();
         let Ok(bumper) = self.bumper.is_high();
@@ -119,7 +116,8 @@ where
         }
     }
 
-    /// Changes the permit's level if the robot may move and it is time; for the end of each round.
+    /// Changes the permit's level if the robot may move and the time has come. Called at the end of
+    /// each run of the control task, so the permit stops changing when that task hangs.
     pub fn toggle_permit(&mut self, may_move: bool, now: Millis) {
         if may_move && !self.stop_contact.open && now.since(self.changed) >= HALF_PERIOD_MS {
             self.changed = now;
@@ -135,7 +133,7 @@ mod tests {
     use core::cell::Cell;
     use embedded_hal::digital::ErrorType;
 
-    /// A wire that the test holds.
+    /// A pin whose level the test sets or reads.
     struct TestPin<'a>(&'a Cell<bool>);
 
     impl ErrorType for TestPin<'_> {
@@ -164,7 +162,7 @@ mod tests {
         }
     }
 
-    /// Three wires; inputs are open while high.
+    /// Three pins; a high input is an open contact.
     #[derive(Default)]
     struct TestPins {
         stop: Cell<bool>,
@@ -178,7 +176,7 @@ mod tests {
         Millis::from_ms(ms)
     }
 
-    /// Lines that have been closed for long, at 1000 ms.
+    /// Lines at 1000 ms whose contacts have been closed since the start.
     fn closed(pins: &TestPins) -> Lines<'_> {
         let mut lines = SafetyLines::new(
             TestPin(&pins.stop),
@@ -191,7 +189,7 @@ mod tests {
         lines
     }
 
-    /// Changes of the permit in a second of rounds.
+    /// Changes of the permit within one second.
     fn changes(lines: &mut Lines<'_>, pins: &TestPins, may_move: bool) -> u32 {
         let mut changes = 0;
         for now_ms in (1_010..=2_000).step_by(10) {
@@ -268,7 +266,7 @@ mod tests {
         assert_eq!(touches, 2);
     }
 
-    /// Rounds from `from` to `to` in which the bumper stops the robot.
+    /// Runs between `from` and `to` in which the bumper stops the robot.
     fn held(lines: &mut Lines<'_>, from: u32, to: u32) -> usize {
         let rounds = (from..=to).step_by(10);
         rounds
@@ -283,7 +281,7 @@ mod tests {
         let mut lines = closed(&pins);
         assert_eq!(held(&mut lines, 1_010, 2_000), 100);
         pins.bumper.set(false);
-        // Until it has settled.
+        // Until the contact is debounced.
         assert_eq!(held(&mut lines, 2_010, 3_000), 2);
     }
 
@@ -292,7 +290,7 @@ mod tests {
         let pins = TestPins::default();
         let mut lines = closed(&pins);
         pins.bumper.set(true);
-        // It counts as open from 1030 ms on.
+        // Debounced, the contact is open from 1030 ms on.
         assert_eq!(held(&mut lines, 1_010, 11_030), 0);
         assert_eq!(held(&mut lines, 11_040, 12_030), 100);
         pins.bumper.set(false);

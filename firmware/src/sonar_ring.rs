@@ -1,27 +1,24 @@
-//! The ring of sonars at the chip's own pins: Polaroid 6500 ranging modules behind 4-bit multiplexers.
+//! The ring of sonars at the chip's own pins: Polaroid 6500 ranging modules behind multiplexers.
 //!
 //! | module | what it decides |
 //! |---|---|
-//! | [`timing`] | how long everything takes, who fires when, what a flight means |
-//! | [`channel`] | what a module's pins do and when: a pure state machine |
+//! | [`timing`] | durations, firing order, range of a flight time |
+//! | [`channel`] | pin changes of a module over time, as a pure state machine |
 //!
-//! A [`ChannelDriver`] is a channel with its pins. It runs when its time has come or ECHO has risen, does what is due and says when
-//! to come again; it never waits. What each fault of the line ends in:
-//!
-//! | the line | told as | the mind hears |
+//! | ECHO | outcome | reported to the node |
 //! |---|---|---|
 //! | rises within the window | [`FiringOutcome::Echo`] | the range |
 //! | stays low | [`FiringOutcome::NoEcho`] | that nothing answered |
-//! | rises before any echo can come | [`FiringOutcome::Early`] | nothing |
-//! | is high before the firing | [`FiringOutcome::HeldHigh`] | nothing |
-//! | has not fallen after the firing | [`FiringOutcome::NotReleased`] | nothing more |
-//! | rises during the ringing, in a self-test | [`FiringOutcome::Ringing`] | nothing yet |
-//! | does not, in a self-test | [`FiringOutcome::Mute`] | nothing |
+//! | rises before any echo can come | [`FiringOutcome::Early`] | – |
+//! | is high before the firing | [`FiringOutcome::HeldHigh`] | – |
+//! | has not fallen after the firing | [`FiringOutcome::NotReleased`] | – |
+//! | rises during the ringing, in a self-test | [`FiringOutcome::Ringing`] | – |
+//! | stays low, in a self-test | [`FiringOutcome::Mute`] | – |
 //!
-//! A transducer of which the mind hears nothing leaves the ring incomplete, and the robot stands until it is heard again or
-//! is no longer believed. A line that is stuck low or a dead transducer does not pass the self-test at the start; later, and like a
-//! multiplexer stuck at an address, they look like echoes or silence to the pins: the mind's own watch over its transducers
-//! ([`amp::faults`]) is what notices them.
+//! A transducer that reports nothing leaves the ring incomplete: the robot stands until it reports
+//! again or is disabled. The self-test at the start finds a line stuck low and a dead transducer.
+//! Later these look like silence, and a stuck multiplexer looks like echoes; [`amp::faults`]
+//! detects them.
 
 use crate::uart::ErrorCounters;
 use amp::units::{Millis, Range};
@@ -34,13 +31,13 @@ pub mod timing;
 pub use channel::{ChannelStep, EchoLine, FiringOutcome, FiringResult, PinChange, SonarChannel};
 pub use timing::{Blanking, FiringOrder, SENSORS, SpeedOfSound, Timing};
 
-/// A clock that runs in microseconds and catches the moment at which ECHO rises.
+/// A microsecond clock that captures the time at which ECHO rises.
 pub trait EchoCapture {
-    /// Microseconds, wrapping after 71 minutes.
+    /// Time, microseconds; wraps after 71 minutes.
     fn now_us(&mut self) -> u32;
-    /// Forgets what was caught; from now on the next rise is.
+    /// Forgets the captured time and waits for the next rise.
     fn arm(&mut self);
-    /// The line as it is.
+    /// State of the ECHO line.
     fn echo_line(&mut self) -> EchoLine;
 }
 
@@ -49,11 +46,11 @@ pub trait EchoCapture {
 pub struct RingPins<P> {
     /// The address, lowest bit first.
     pub address: [P; 4],
-    /// Starts a burst, and ends the listening when it drops.
+    /// High: sends the burst and listens. Low: ends listening.
     pub init: P,
-    /// Ends the blanking early.
+    /// High: ends the module's internal blanking.
     pub binh: P,
-    /// Would re-arm ECHO for a second echo; low for good.
+    /// Stays low. High would re-arm ECHO for a second echo.
     pub blnk: P,
 }
 
@@ -65,10 +62,10 @@ pub struct ChannelDriver<P> {
 }
 
 impl<P: OutputPin> ChannelDriver<P> {
-    /// A driver that begins at `now_us`, all its pins low.
+    /// A driver that starts at `now_us` with all pins low.
     ///
     /// # Errors
-    /// When a pin cannot be set.
+    /// A pin cannot be set.
     pub fn new(
         mut pins: RingPins<P>,
         timing: Timing,
@@ -82,10 +79,10 @@ impl<P: OutputPin> ChannelDriver<P> {
         })
     }
 
-    /// Drops every line and begins anew at `now_us`. Modules that have passed the self-test are not tested again.
+    /// Sets all pins low and starts again at `now_us`. Passed self-tests are not repeated.
     ///
     /// # Errors
-    /// When a pin cannot be set.
+    /// A pin cannot be set.
     pub fn restart(
         &mut self,
         timing: Timing,
@@ -96,11 +93,11 @@ impl<P: OutputPin> ChannelDriver<P> {
         self.pins.set_all_low()
     }
 
-    /// Does what is due. Every reading goes to `report`. Returns when to come again, microseconds, unless ECHO rises before;
-    /// `None` if the order is empty.
+    /// Does what is due, without waiting, and passes each result to `report`. Returns the time of
+    /// the next call, microseconds, or earlier if ECHO rises; `None` if the order is empty.
     ///
     /// # Errors
-    /// When a pin cannot be set; the channel then goes on as if it had been.
+    /// A pin cannot be set; the channel's state has advanced nevertheless.
     pub fn run(
         &mut self,
         capture: &mut impl EchoCapture,
@@ -122,7 +119,7 @@ impl<P: OutputPin> ChannelDriver<P> {
         }
     }
 
-    /// The pins.
+    /// Returns the pins.
     #[must_use]
     pub fn into_pins(self) -> RingPins<P> {
         self.pins
@@ -151,18 +148,18 @@ impl<P: OutputPin> RingPins<P> {
     }
 }
 
-/// What a transducer has to say to the mind.
+/// A reading for the node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RingReading {
     /// Transducer.
     pub sensor: u8,
-    /// What it heard; `None` = nothing answered.
+    /// Range; `None` = nothing answered.
     pub range: Option<Range>,
-    /// When it fired.
+    /// Time of the firing.
     pub at: Millis,
 }
 
-/// A driver that fires while it is wanted and fills a queue.
+/// A channel driver that fires on request and queues its readings.
 pub struct SonarRing<'queue, P> {
     driver: ChannelDriver<P>,
     timing: Timing,
@@ -173,7 +170,7 @@ pub struct SonarRing<'queue, P> {
 }
 
 impl<'queue, P: OutputPin> SonarRing<'queue, P> {
-    /// A ring at rest, in the Nomad's order. It counts in `errors` what its line spoils and what there is no room for.
+    /// A resting ring in the Nomad's order. `errors` counts line faults and dropped readings.
     #[must_use]
     pub const fn new(
         driver: ChannelDriver<P>,
@@ -192,18 +189,18 @@ impl<'queue, P: OutputPin> SonarRing<'queue, P> {
         }
     }
 
-    /// Whether it is to be served when ECHO rises as well: from a firing on until its end. A line that rings at other times
-    /// brings no interrupt.
+    /// Whether a rise of ECHO must call `serve`: only between a firing and its end. So a line that
+    /// oscillates at other times causes no interrupts.
     #[must_use]
     pub const fn is_listening(&self) -> bool {
         self.runs && self.driver.channel.is_listening()
     }
 
-    /// Does what is due at `now`, the time of the moment the capture's clock shows. Returns when to come again, on that
-    /// clock; `None` while the ring is not wanted.
+    /// Does what is due at `now`, the device's time at the moment of the call. Returns the time of
+    /// the next call on the capture's clock; `None` while the ring is not wanted.
     ///
     /// # Errors
-    /// When a pin cannot be set.
+    /// A pin cannot be set.
     pub fn serve(
         &mut self,
         capture: &mut impl EchoCapture,
@@ -223,7 +220,7 @@ impl<'queue, P: OutputPin> SonarRing<'queue, P> {
         self.driver.run(capture, |reading| {
             let age_ms = now_us.wrapping_sub(reading.fired_us) / 1_000;
             let told = match reading.outcome.report(sound) {
-                // No room: the mind has not looked for a second. The ring stays incomplete.
+                // The queue is full if the node has not run for 1 s: the ring stays incomplete.
                 EchoReport::Range(range) => firings.enqueue(RingReading {
                     sensor: reading.sensor,
                     range,
@@ -239,19 +236,19 @@ impl<'queue, P: OutputPin> SonarRing<'queue, P> {
     }
 }
 
-/// What the mind is told of a reading.
+/// What a firing reports to the node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EchoReport {
-    /// A range, or that nothing answered.
+    /// A range; `None` = nothing answered.
     Range(Option<Range>),
-    /// The line was at fault: nothing.
+    /// Nothing: a line fault, to be counted.
     Fault,
-    /// Nothing, and nothing is wrong.
+    /// Nothing: a passed self-test.
     Nothing,
 }
 
 impl FiringOutcome {
-    /// What the mind is told, at this speed of sound.
+    /// The report, at this speed of sound.
     #[must_use]
     pub fn report(self, sound: SpeedOfSound) -> EchoReport {
         match self {

@@ -1,19 +1,19 @@
-//! When the lamp is lit: what a person beside the robot can see without a computer.
+//! When the status LED is lit: the state of the firmware, visible without a computer.
 //!
-//! | lamp | meaning |
+//! | LED | meaning |
 //! |---|---|
-//! | a short flash each second | the firmware runs; no host is there |
-//! | half a second on, half a second off | a host is there |
-//! | flickers for three seconds after a start | the start before ended in a crash or by the watchdog |
-//! | neither lit nor flashing, or lit for good | the firmware does not run |
+//! | a short flash each second | the firmware runs; no host is connected |
+//! | half a second on, half a second off | a host is connected |
+//! | flickers for three seconds after a start | the last run ended by a crash or the watchdog |
+//! | constantly on or off | the firmware does not run |
 
 use amp::units::Millis;
 use amp::wire::message::ResetCause;
 
-/// How long a start after a crash is shown.
+/// How long the LED flickers after a crash, milliseconds.
 const CRASH_SIGNAL_MS: u32 = 3_000;
 
-/// Whether the lamp is lit at `now`, milliseconds since the start.
+/// Whether the LED is lit at `now`, counted from the start.
 #[must_use]
 pub const fn is_lit(now: Millis, linked: bool, reset: ResetCause) -> bool {
     let now_ms = now.as_ms();

@@ -1,18 +1,17 @@
-//! May the watchdog be fed? Only when every task has run since it was fed last.
+//! Whether the watchdog may be fed: only when every task has run since the last feeding.
 //!
-//! A watchdog fed from a timer interrupt alone would be content with a control task that hangs. Here each task leaves its
-//! mark, and one task that stays away is enough to let the watchdog bite.
+//! So the watchdog resets the chip when any one task hangs, even if the timer interrupt still runs.
 
 use portable_atomic::{AtomicBool, AtomicU32, Ordering};
 
-/// A task that has to show itself.
+/// A task that must check in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MonitoredTask {
     /// The serial interrupt.
     Serial,
-    /// The clock's interrupt.
+    /// The millisecond interrupt.
     Clock,
-    /// The task that owns the mind.
+    /// The control task.
     Control,
 }
 
@@ -30,27 +29,27 @@ impl MonitoredTask {
     }
 }
 
-/// The marks of [`MonitoredTask::ALL`] together.
+/// The bits of [`MonitoredTask::ALL`].
 const ALL_TASKS: u32 = 0b111;
 
-/// Whether these marks are everyone's.
+/// Whether every task's bit is set.
 #[must_use]
 const fn has_all(checked_in: u32) -> bool {
     checked_in & ALL_TASKS == ALL_TASKS
 }
 
-/// Who has run since the watchdog was fed last.
+/// The tasks that have checked in, and the requested timeout of the watchdog.
 #[derive(Debug, Default)]
 pub struct TaskMonitor {
     checked_in: AtomicU32,
-    /// Somebody is about to hold up everybody for longer than the watchdog bears.
+    /// A task is about to block all others for longer than the normal timeout.
     long_timeout_requested: AtomicBool,
-    /// The watchdog bears it.
+    /// The watchdog has the long timeout.
     has_long_timeout: AtomicBool,
 }
 
 impl TaskMonitor {
-    /// Nobody has run yet.
+    /// No task has checked in; the timeout is the normal one.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -60,23 +59,23 @@ impl TaskMonitor {
         }
     }
 
-    /// A task has run.
+    /// Notes that a task has run.
     pub fn check_in(&self, task: MonitoredTask) {
         self.checked_in.fetch_or(task.bit(), Ordering::Relaxed);
     }
 
-    /// Says whether somebody wants to hold up everybody.
+    /// Requests the long watchdog timeout (flash is erased or written), or the normal one again.
     pub fn request_long_timeout(&self, wanted: bool) {
         self.long_timeout_requested.store(wanted, Ordering::Relaxed);
     }
 
-    /// Whether the watchdog bears it by now.
+    /// Whether the watchdog has the long timeout.
     #[must_use]
     pub fn has_long_timeout(&self) -> bool {
         self.has_long_timeout.load(Ordering::Relaxed)
     }
 
-    /// For the watchdog's owner: how patient it is to be from now on, if that has changed; and then has been made so.
+    /// Called by the watchdog's owner: passes a changed request to `set_timeout`.
     pub fn apply_timeout(&self, set_timeout: impl FnOnce(bool)) {
         let wanted = self.long_timeout_requested.load(Ordering::Relaxed);
         if wanted != self.has_long_timeout() {
@@ -85,7 +84,7 @@ impl TaskMonitor {
         }
     }
 
-    /// Whether the watchdog may be fed now; if so, everyone has to show himself anew.
+    /// Whether every task has checked in since this last returned true.
     #[must_use]
     pub fn all_checked_in(&self) -> bool {
         let all = has_all(self.checked_in.load(Ordering::Relaxed));

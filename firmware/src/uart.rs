@@ -1,35 +1,35 @@
-//! The serial line: how the interrupt moves bytes between the port and two queues.
+//! The serial port: moves bytes between the port and two queues, in its interrupt.
 //!
-//! The interrupt and the control task share nothing but two queues with one writer and one reader each. Nothing here
-//! holds off an interrupt, so a byte waits for no more than the few instructions of another byte.
+//! The interrupt and the control task share two queues, each with one writer and one reader.
+//! Nothing here masks an interrupt.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 use heapless::spsc::{Consumer, Producer};
 
-/// What the port has to say.
+/// State of the port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct UartStatus {
-    /// A byte lies ready.
+    /// A received byte is ready.
     pub received: bool,
-    /// A later byte came before the one that lies ready was fetched, and is lost.
+    /// At least one received byte was lost because the previous one had not been fetched.
     pub overrun: bool,
-    /// The port takes a byte.
+    /// The port can take a byte to send.
     pub can_send: bool,
 }
 
 /// A serial port.
 pub trait UartPort {
-    /// What there is to do.
+    /// Reads the state.
     fn status(&mut self) -> UartStatus;
-    /// Fetches the byte that lies ready; this also ends an overrun.
+    /// Fetches the received byte and clears an overrun.
     fn receive(&mut self) -> u8;
     /// Sends a byte.
     fn send(&mut self, byte: u8);
-    /// Whether to raise an interrupt when the port takes a byte.
+    /// Enables or disables the interrupt that says the port can take a byte.
     fn enable_transmit_interrupt(&mut self, wanted: bool);
 }
 
-/// What went wrong on the line since the start.
+/// Errors since the start.
 #[derive(Debug, Default)]
 pub struct ErrorCounters {
     overruns: AtomicU32,
@@ -38,7 +38,7 @@ pub struct ErrorCounters {
 }
 
 impl ErrorCounters {
-    /// Nothing went wrong.
+    /// All counters at zero.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -48,31 +48,31 @@ impl ErrorCounters {
         }
     }
 
-    /// Bytes the port lost because the interrupt came too late.
+    /// Received bytes that the port lost because the interrupt ran too late.
     #[must_use]
     pub fn overruns(&self) -> u32 {
         self.overruns.load(Ordering::Relaxed)
     }
 
-    /// Bytes received for which the queue had no room.
+    /// Received bytes that were dropped because the queue was full.
     #[must_use]
     pub fn queue_full(&self) -> u32 {
         self.queue_full.load(Ordering::Relaxed)
     }
 
-    /// Firings of the ring that its ECHO line spoilt or that nobody took.
+    /// Ring firings lost to a fault of the ECHO line or to a full queue.
     #[must_use]
     pub fn ring_faults(&self) -> u32 {
         self.ring_faults.load(Ordering::Relaxed)
     }
 
-    /// One more of them.
+    /// Counts one ring fault.
     pub fn count_ring_fault(&self) {
         count(&self.ring_faults);
     }
 }
 
-/// One more; each counter has one writer, so reading and writing need not be one step.
+/// Increments a counter. Each has one writer, so load and store may be two steps.
 fn count(counter: &AtomicU32) {
     counter.store(
         counter.load(Ordering::Relaxed).wrapping_add(1),
@@ -80,21 +80,21 @@ fn count(counter: &AtomicU32) {
     );
 }
 
-/// The interrupt's side.
+/// The port's end of both queues.
 pub struct UartDriver<'queues> {
     received: Producer<'queues, u8>,
     to_send: Consumer<'queues, u8>,
 }
 
 impl<'queues> UartDriver<'queues> {
-    /// A line that fills one queue and empties the other.
+    /// A driver that fills `received` and empties `to_send`.
     #[must_use]
     pub const fn new(received: Producer<'queues, u8>, to_send: Consumer<'queues, u8>) -> Self {
         Self { received, to_send }
     }
 
-    /// Moves at most one byte each way. True: somebody should look at what was received, because a frame has ended or
-    /// half the queue is full.
+    /// Moves at most one byte each way. Returns whether the control task has to run: a frame has
+    /// ended, or half the queue is full.
     #[must_use]
     pub fn transfer(&mut self, port: &mut impl UartPort, errors: &ErrorCounters) -> bool {
         let status = port.status();
@@ -122,14 +122,14 @@ impl<'queues> UartDriver<'queues> {
     }
 }
 
-/// The control task's side of what is to be sent.
+/// The control task's end of the queue of bytes to send.
 pub struct TxQueue<'queues> {
     to_send: Producer<'queues, u8>,
     queued: bool,
 }
 
 impl<'queues> TxQueue<'queues> {
-    /// An outbox that fills the queue which the interrupt empties.
+    /// A sink for frames at the end of `to_send`.
     #[must_use]
     pub const fn new(to_send: Producer<'queues, u8>) -> Self {
         Self {
@@ -138,13 +138,13 @@ impl<'queues> TxQueue<'queues> {
         }
     }
 
-    /// Whether everything sent has gone to the port.
+    /// Whether every queued byte has gone to the port.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.to_send.len() == 0
     }
 
-    /// Whether anything was sent since this was asked last: the interrupt has to be told.
+    /// Whether a frame was queued since the last call; the caller then pends the interrupt.
     #[must_use]
     pub fn take_queued(&mut self) -> bool {
         core::mem::take(&mut self.queued)
@@ -152,14 +152,14 @@ impl<'queues> TxQueue<'queues> {
 }
 
 impl amp::node::FrameSink for TxQueue<'_> {
-    /// Queues a whole frame or, if there is no room for all of it, nothing: half a frame would cost the receiver the
-    /// next one as well.
+    /// Queues the whole frame, or nothing if it does not fit: half a frame would also corrupt
+    /// the next one at the receiver.
     fn send(&mut self, frame: &[u8]) -> bool {
         if self.to_send.capacity() - self.to_send.len() < frame.len() {
             return false;
         }
         for &byte in frame {
-            // There is room: this task alone fills the queue.
+            // Cannot fail: the queue has room, and only this task fills it.
             let _ = self.to_send.enqueue(byte);
         }
         self.queued = true;
@@ -174,7 +174,7 @@ mod tests {
     use heapless::spsc::Queue;
     use std::vec::Vec;
 
-    /// A port whose wires are two lists.
+    /// A port with a list of bytes in each direction.
     #[derive(Default)]
     struct FakePort {
         incoming: Vec<u8>,

@@ -1,4 +1,4 @@
-//! Clocks, pins, timer and port of a board on a bench: nothing is connected but the debugger.
+//! Clocks, pins, timer and port of a board with nothing connected but the debugger.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 #![allow(unsafe_code)]
 
@@ -11,7 +11,7 @@ fn main() {
 #[cfg(target_os = "none")]
 static NOW_MS: core::sync::atomic::AtomicU32 = core::sync::atomic::AtomicU32::new(0);
 
-// SAFETY: the name is the one the vector table asks for, and no other function has it.
+// SAFETY: the vector table refers to this name, and no other function has it.
 #[cfg(target_os = "none")]
 #[unsafe(no_mangle)]
 extern "C" fn SysTick() {
@@ -35,16 +35,16 @@ mod tests {
     #[cfg(not(feature = "feather"))]
     use stm32f405::olimex_h405 as board_module;
 
-    /// Of the board's crystal.
+    /// Frequency of the board's crystal.
     const CRYSTAL_HZ: u32 = if cfg!(feature = "feather") {
         12_000_000
     } else {
         8_000_000
     };
-    /// Of the internal oscillator.
+    /// Frequency of the internal oscillator.
     const INTERNAL_HZ: u32 = 16_000_000;
 
-    /// A board that has started as the firmware starts it.
+    /// A board, started as the firmware starts it.
     struct BoardBench(Devices<board_module::Link>);
 
     #[init]
@@ -52,7 +52,7 @@ mod tests {
         let device = pac::Peripherals::take().expect("not taken yet");
         let core = cortex_m::Peripherals::take().expect("not taken yet");
         let board = BoardBench(board_module::init(device, core));
-        // A test that the watchdog ends is no reason to give up the crystal.
+        // A watchdog reset during a test must not count against the crystal.
         clocks::mark_proven();
         board
     }
@@ -62,7 +62,7 @@ mod tests {
     }
 
     impl BoardBench {
-        /// Lets a round of the control task pass.
+        /// Waits for one period of the control task.
         fn wait_one_period(&mut self) -> Millis {
             let from = now_ms();
             while now_ms().wrapping_sub(from) < 10 {}
@@ -71,17 +71,17 @@ mod tests {
         }
     }
 
-    /// Levels of port B; pins that are outputs read what they really are.
+    /// The level of a pin of port B. An output reads its actual level.
     fn port_b(pin: u32) -> bool {
-        // SAFETY: this register is only read, which changes nothing.
+        // SAFETY: this register is only read, which has no side effects.
         let port = unsafe { pac::GPIOB::steal() };
         port.idr().read().bits() >> pin & 1 == 1
     }
 
-    /// By the multiplier's settings, and, where a crystal drives it, by counting the clock while the crystal swings.
+    /// Checks the PLL's settings and, with a crystal, counts clocks during periods of the crystal.
     #[test]
     fn the_processor_runs_at_168_mhz_from_the_reported_oscillator(board: BoardBench) {
-        // SAFETY: the clocks run and nobody else has these registers any more; the measurement leaves them as it found them.
+        // SAFETY: the clocks run and nothing else uses these registers; `measure` restores them.
         let (rcc, timer) = unsafe { (pac::RCC::steal(), pac::TIM11::steal()) };
         assert!(rcc.cfgr().read().sws().is_pll());
         let settings = rcc.pllcfgr().read();
@@ -123,10 +123,10 @@ mod tests {
         }
     }
 
-    /// The emergency stop is closed by the chip's own resistor. Gives the permit for half a second.
+    /// The chip's own resistor closes the emergency stop. Gives the permit for half a second.
     #[test]
     fn the_permit_is_a_square_wave_while_the_emergency_stop_is_closed(mut board: BoardBench) {
-        // SAFETY: nobody else changes this register after the start.
+        // SAFETY: nothing else changes this register after the start.
         let port = unsafe { pac::GPIOB::steal() };
         port.pupdr().modify(|_, w| w.pupdr13().pull_down());
         let (mut changes, mut level) = (0, port_b(15));
@@ -137,7 +137,7 @@ mod tests {
             changes += u32::from(port_b(15) != level);
             level = port_b(15);
         }
-        // A contact settles for two rounds.
+        // Debouncing takes two periods.
         assert!((45..=49).contains(&changes), "{}", changes);
         port.pupdr().modify(|_, w| w.pupdr13().pull_up());
         for _ in 0..5 {
@@ -152,7 +152,7 @@ mod tests {
     fn the_rings_timer_counts_microseconds(mut board: BoardBench) {
         let _ = board.wait_one_period();
         let (from_ms, from_us) = (now_ms(), board.0.ring_timer.now_us());
-        // Each look is within half a turn of the timer.
+        // Each read is within half a turn of the timer.
         for _ in 0..100 {
             let _ = board.wait_one_period();
             let _ = board.0.ring_timer.now_us();
@@ -164,11 +164,11 @@ mod tests {
         assert!(us.abs_diff(expected) <= 20);
     }
 
-    /// The bridge is from PA9 to PA10; on the Feather from pad TX to pad RX.
+    /// The bridge connects PA9 and PA10; on the Feather the pads TX and RX.
     #[test]
     #[ignore = "takes a bridge from the port's transmitter to its receiver"]
     fn the_port_receives_what_it_sends_through_a_bridge(mut board: BoardBench) {
-        // Setting up the pins may have looked like a byte.
+        // Setting up the pins may have looked like a received byte.
         let _ = board.wait_one_period();
         let BoardBench(devices) = &mut board;
         if devices.port.status().received {
@@ -186,7 +186,7 @@ mod tests {
             assert!(!devices.port.status().overrun);
             assert_eq!(devices.port.receive(), byte);
         }
-        // Ten bits a byte, one after the other.
+        // Ten bits per byte.
         let us = devices.ring_timer.now_us().wrapping_sub(from_us);
         defmt::info!("{=u32} us", us);
         assert!((21_500..24_500).contains(&us), "not 115 200 baud");

@@ -1,4 +1,4 @@
-//! The kernels and what outlives a loss of power: on a board, and on an emulated chip.
+//! Kernels in assembly and saved images, on a board and on an emulated chip.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -29,7 +29,7 @@ mod tests {
     use stm32f405::chip::SupplyMonitor;
     use stm32f405::flash::StoreFlash;
 
-    /// What a flash keeps.
+    /// The contents of a saved image.
     struct StoredContents {
         config: Config<16>,
         state: State<16, 16, 100>,
@@ -47,7 +47,7 @@ mod tests {
             }
         }
 
-        /// Fills maps and memory with bytes that are told by this number.
+        /// Fills maps and memory with bytes derived from `number`.
         fn fill(&mut self, number: u8, buffers: &mut Image) {
             for (place, byte) in buffers.iter_mut().enumerate() {
                 *byte = (place as u8).wrapping_mul(7).wrapping_add(number);
@@ -71,7 +71,7 @@ mod tests {
             }
         }
 
-        /// Becomes what was saved last.
+        /// Loads the newest image.
         fn recall(&mut self, store: &mut Store<&mut StoreFlash>) -> Result<(), FlashError> {
             store.load(|read, most| {
                 let mut contents = ContentsMut {
@@ -84,7 +84,7 @@ mod tests {
             })
         }
 
-        /// The image it would be saved as, and its length.
+        /// Writes the image to `buffers`; returns its length.
         fn image(&self, buffers: &mut Image) -> usize {
             let mut length = 0;
             let written = self.contents().write(1, &mut |bytes| {
@@ -100,7 +100,7 @@ mod tests {
 
     type Image = [u8; MAX_NOMAD];
 
-    /// Too large for the stack: what was saved before, is saved, is recalled; and images of the latter two.
+    /// Contents before, saved and loaded; images of the latter two. Too large for the stack.
     type TestBuffers = ([StoredContents; 3], [Image; 2]);
 
     static TEST_BUFFERS: Mutex<RefCell<TestBuffers>> = Mutex::new(RefCell::new((
@@ -108,11 +108,11 @@ mod tests {
         [[0; MAX_NOMAD]; 2],
     )));
 
-    /// Numbers in no order (G. Marsaglia, Xorshift RNGs, 2003).
+    /// Pseudo-random numbers (G. Marsaglia, Xorshift RNGs, 2003).
     struct TestRng(u32);
 
     impl TestRng {
-        /// A component from -1 to 1; every fourth one is an end of that range.
+        /// A component from -1 to 1; every fourth one is -1 or 1.
         fn weight(&mut self) -> Weight {
             self.0 ^= self.0 << 13;
             self.0 ^= self.0 >> 17;
@@ -129,18 +129,18 @@ mod tests {
             from_fn(|_| self.weight())
         }
 
-        /// So close together that a neuron's action decides who wins.
+        /// Components so close together that a neuron's action decides the winner.
         fn near<const COUNT: usize>(&mut self) -> [Weight; COUNT] {
             self.weights().map(|weight| weight / 64)
         }
     }
 
-    /// Alone, with half as much for the neighbors, and with all of it.
+    /// Shares of the neighbors: none, half, all.
     fn updates() -> [Update<16>; 3] {
         [0, 1 << 15, 1 << 16].map(|share| Update::new(Neighborhood::Direct, 13_107, share))
     }
 
-    /// Erases both sectors; what was saved last is saved again at the end, as the only image.
+    /// Erases both sectors, and finally saves the newest previous image again as the only one.
     #[test]
     fn a_saved_image_is_loaded_unchanged() {
         free(|section| keep(&mut TEST_BUFFERS.borrow(section).borrow_mut()));
@@ -160,7 +160,7 @@ mod tests {
         for number in 1..=3 {
             saved.fill(number, wanted);
             assert_eq!(store.save(&saved.contents()), Ok(()));
-            // As a new start finds it.
+            // As after a restart.
             store = Store::mount(&mut kept, SLOT_BYTES);
             assert_eq!(store.generation(), u32::from(number));
             assert_eq!(recalled.recall(&mut store), Ok(()));

@@ -12,7 +12,7 @@ use heapless::spsc::{Producer, Queue};
 use std::boxed::Box;
 use std::vec::Vec;
 
-/// A control task between two queues whose far ends the test holds.
+/// A control task between two queues; the test holds their other ends.
 struct ControlBench<F = Sectors> {
     control: Control<'static, F>,
     incoming: Producer<'static, u8>,
@@ -100,7 +100,7 @@ impl<F: NorFlash> ControlBench<F> {
         }));
     }
 
-    /// What was said since this was asked last.
+    /// The reports sent since the last call.
     fn take_reports(&mut self) -> Vec<FromMind<16>> {
         let mut receiver = Receiver::new();
         let mut reports = Vec::new();
@@ -177,7 +177,7 @@ fn garbage_is_counted_and_the_next_frame_accepted() {
     bench.receive(&[0, 3, 1, 2, 0]);
     assert!(!bench.control.run(Millis::from_ms(1)));
     let counters = bench.counters(2);
-    // The hello and the question; what was too long; what was no frame.
+    // The Hello and the request; the oversized frame; the malformed one.
     let counted = (counters.accepted, counters.oversized, counters.misshapen);
     assert_eq!(counted, (2, 1, 1));
 }
@@ -194,7 +194,7 @@ fn a_full_queue_is_emptied_in_one_run() {
     assert!(bench.incoming.is_empty());
 }
 
-/// Runs until nothing is to be done at once; the interrupt takes whatever is queued, the watchdog is as patient as is wanted.
+/// Runs until no work is left. Every queued byte is sent, and timeout requests are granted.
 fn settle(bench: &mut ControlBench, now_ms: u32) -> Vec<FromMind<16>> {
     let mut reports = Vec::new();
     for _ in 0..10 {
@@ -227,7 +227,7 @@ fn a_saved_image_is_loaded_at_the_next_start() {
         value: Some(1_300),
     });
     bench.send_request(&ToMind::Flash(Flash::Save));
-    // Behind it in the queue: has to wait.
+    // Waits in the queue behind the save.
     bench.send_request(&ToMind::Mode);
     let reports = settle(&mut bench, 5);
     let tail = reports.split_at(reports.len() - 4).1;
@@ -245,7 +245,7 @@ fn a_saved_image_is_loaded_at_the_next_start() {
     let mut next = bench_with_flash(bench.control.store.expect("a store").into_flash());
     let saved = config_crc(&mut next);
     assert_ne!(saved, fresh);
-    // Erased, and recalled: there is nothing.
+    // After the erasure there is nothing to load.
     next.open();
     next.send_request(&ToMind::Flash(Flash::Erase));
     next.send_request(&ToMind::Flash(Flash::Recall));
@@ -271,16 +271,16 @@ fn a_pause_waits_for_its_announcement_and_for_the_watchdog() {
     assert!(bench.control.run(Millis::from_ms(0)) && !bench.control.needs_long_timeout());
     assert!(!bench.control.run(Millis::from_ms(0)) && bench.control.needs_long_timeout());
     let _ = bench.take_reports();
-    // Writing alone may take longer than an impatient watchdog bears.
+    // Writing alone may exceed the normal timeout.
     assert!(!bench.control.run(Millis::from_ms(0)));
     assert_eq!(bench.generation(), 0);
     let _ = settle(&mut bench, 1);
     assert_eq!(bench.generation(), 1);
-    // The sector takes one image: the next one goes into the other, which has to be erased.
+    // The sector holds one image: the next save erases the other sector.
     bench.send_request(&ToMind::Flash(Flash::Save));
     assert!(bench.control.run(Millis::from_ms(2)) && !bench.control.needs_long_timeout());
     for has_long_timeout in [false, true] {
-        // Nothing happens while the announcement waits in the queue.
+        // Nothing happens until the announcement is sent.
         bench.control.set_has_long_timeout(has_long_timeout);
         assert!(!bench.control.run(Millis::from_ms(3)));
         assert!(bench.control.needs_long_timeout());
@@ -297,7 +297,7 @@ fn a_pause_waits_for_its_announcement_and_for_the_watchdog() {
     assert!(bench.generation() == 2 && !bench.control.needs_long_timeout());
 }
 
-/// The ring's queue, whose near end the control task holds; the session takes its scans from there.
+/// A bench with a ring of its own, and the ring's end of the queue. The session uses the ring.
 fn ringed(bench: ControlBench) -> (ControlBench, Producer<'static, RingReading>) {
     let queue = leak(Queue::<RingReading, 16>::new());
     let (near, far) = queue.split();
@@ -317,7 +317,7 @@ fn ringed(bench: ControlBench) -> (ControlBench, Producer<'static, RingReading>)
     (bench, near)
 }
 
-/// These transducers hear something 2 m away.
+/// Readings of 2 m from these transducers.
 fn fire(near: &mut Producer<'static, RingReading>, transducers: core::ops::Range<u8>, at_ms: u32) {
     for sensor in transducers {
         let firing = RingReading {
@@ -329,7 +329,7 @@ fn fire(near: &mut Producer<'static, RingReading>, transducers: core::ops::Range
     }
 }
 
-/// The motion that was ordered, along and across.
+/// The commanded displacement, dx and dy.
 fn motion(reports: &[FromMind<16>]) -> Option<(i16, i16)> {
     reports.iter().find_map(|reports| match reports {
         FromMind::Motion(order) => Some((order.dx_mm, order.dy_mm)),
@@ -352,7 +352,8 @@ fn the_ring_fires_when_it_is_the_source() {
     assert!(!bench.control.needs_ring());
 }
 
-/// A robot that explores moves when its ring is whole; what the ring heard before it was listened to does not count.
+/// An exploring robot moves when its ring is complete. Readings from before the source was
+/// chosen do not count.
 #[test]
 fn ring_readings_reach_the_node_with_their_age() {
     let (mut bench, mut near) = ringed(bench());
@@ -383,7 +384,7 @@ fn ring_readings_reach_the_node_with_their_age() {
     assert!(motion(&bench.take_reports()).is_some());
 }
 
-/// An erasure stops the ring's clock.
+/// An erasure stops the ring's timer.
 #[test]
 fn the_ring_rests_while_flash_is_in_use() {
     let (mut bench, _near) = ringed(bench());
@@ -419,7 +420,7 @@ fn a_board_without_flash_refuses_at_once_and_continues() {
     }
 }
 
-/// A bench that explores for a linked host.
+/// A bench that explores with a connected host.
 fn exploring() -> ControlBench {
     let bench = exploring_by(Clock::Device);
     assert!(bench.control.may_move(Millis::from_ms(2)));
@@ -442,7 +443,7 @@ fn exploring_by(clock: Clock) -> ControlBench {
     bench
 }
 
-/// In a session by the host's clock, as a bridge has one, the host is not lost while it is silent.
+/// In a session by the host's clock, as in a bridge, a silent host is not lost.
 #[test]
 fn the_permit_requires_a_recently_heard_host_with_either_clock() {
     for clock in [Clock::Device, Clock::Host] {
@@ -451,17 +452,17 @@ fn the_permit_requires_a_recently_heard_host_with_either_clock() {
             let _ = bench.control.run(Millis::from_ms(ms));
             bench.control.may_move(Millis::from_ms(ms))
         };
-        // Last heard at 2 ms.
+        // The host was last heard at 2 ms.
         assert!(permit_at(&mut bench, 302), "{clock:?}");
         assert!(!permit_at(&mut bench, 303), "{clock:?}");
         bench.send_request(&ToMind::Alive { at_ms: 3 });
-        // Who is lost has to resume; who was silent by the clock here alone has not.
+        // By the device's clock the host is lost and must resume; by the host's clock it is not.
         assert_eq!(permit_at(&mut bench, 600), clock == Clock::Host);
         assert!(!permit_at(&mut bench, 901), "{clock:?}");
     }
 }
 
-/// An order to go on and a whole ring come at once, before the lines are looked at again.
+/// A Resume and a complete ring arrive together, before the safety lines are read again.
 #[test]
 fn nothing_moves_while_the_emergency_stop_is_open() {
     let open = Alarms {

@@ -1,8 +1,8 @@
-//! Flash that is stricter than the chip's and loses power on demand.
+//! Simulated flash, stricter than the chip's, that loses power on request.
 //!
-//! It stops the test when a word is written that does not read as erased, was written before, or was erased by halves, and
-//! when an address is not aligned. Where power is lost, a word being written keeps any mixture of its old and its new bits,
-//! a sector being erased any mixture of old bits and ones.
+//! It panics when a word is written that is not blank, was written before or was partly erased,
+//! and at an unaligned address. At a loss of power the word being written keeps any mixture of
+//! old and new bits, and a sector being erased any mixture of old bits and ones.
 
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
@@ -14,7 +14,7 @@ use std::vec::Vec;
 const WORD: usize = 4;
 const ERASED: u32 = u32::MAX;
 
-/// What has happened to a word since it was erased.
+/// What has happened to a word since its erasure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum WordHistory {
     Erased,
@@ -23,7 +23,7 @@ enum WordHistory {
     TornErase,
 }
 
-/// There is no power.
+/// The power is off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NoPower;
 
@@ -38,17 +38,17 @@ impl NorFlashError for NoPower {
 pub struct SimFlash<const SECTOR: usize> {
     words: Vec<(u32, WordHistory)>,
     rng: Xoshiro128PlusPlus,
-    /// Words written and sectors erased until power is lost.
+    /// Operations until the power is lost; a word written or a sector erased is one.
     operations_left: Option<u32>,
     has_power: bool,
-    /// Words written and sectors erased.
+    /// Operations so far.
     pub writes: u32,
-    /// Of them erasures, by sector.
+    /// Erasures so far, by sector.
     pub erasures: [u32; 2],
 }
 
 impl<const SECTOR: usize> SimFlash<SECTOR> {
-    /// Holds anything, as after another program.
+    /// Flash with random content.
     pub fn new(seed: u64) -> Self {
         let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
         let word = |_| (rng.next_u32(), WordHistory::Written);
@@ -62,27 +62,27 @@ impl<const SECTOR: usize> SimFlash<SECTOR> {
         }
     }
 
-    /// Power will be lost during the next word or erasure after so many.
+    /// Loses power during the next operation after `operations` of them.
     pub fn cut_after(&mut self, operations: u32) {
         self.operations_left = Some(operations);
     }
 
-    /// Power is there and stays.
+    /// Switches the power on.
     pub fn power_on(&mut self) {
         (self.has_power, self.operations_left) = (true, None);
     }
 
-    /// Whether it is.
+    /// Whether the power is on.
     pub fn has_power(&self) -> bool {
         self.has_power
     }
 
-    /// A number below `bound`.
+    /// A random number below `bound`.
     pub fn below(&mut self, bound: u32) -> u32 {
         ((u64::from(self.rng.next_u32()) * u64::from(bound)) >> 32) as u32
     }
 
-    /// Whether the next operation is cut short.
+    /// Counts an operation; returns whether the power is lost during it.
     fn is_cut(&mut self) -> bool {
         self.writes += 1;
         match &mut self.operations_left {
@@ -155,7 +155,7 @@ impl<const SECTOR: usize> NorFlash for SimFlash<SECTOR> {
             let old = self.words[index].0;
             self.words[index] = match (cut, kind) {
                 (false, _) => (ERASED, WordHistory::Erased),
-                // Reads as erased and is not.
+                // Reads as blank, but is only partly erased.
                 (true, 0) => (ERASED, WordHistory::TornErase),
                 (true, 1) => (old, WordHistory::TornErase),
                 (true, 2) if self.below(8) > 0 => (ERASED, WordHistory::TornErase),

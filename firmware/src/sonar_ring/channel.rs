@@ -1,4 +1,4 @@
-//! One ranging module behind a multiplexer, as a state machine: time and the ECHO line in, pin changes and readings out.
+//! One ranging module behind a multiplexer, as a state machine: time and ECHO in, pin changes out.
 //!
 //! ```text
 //!            ┌───────────────────── recycle over ─────────────────────┐
@@ -9,73 +9,74 @@
 //!                            (no firing)     └── ECHO: early ─┘
 //! ```
 //!
-//! The address changes in `Recycle` alone, and INIT is low there.
-//!
-//! A self-test is a firing whose BINH rises while the membrane still rings: ECHO has to rise at once. A module without supply, a
-//! transducer without a contact and a dead multiplexer stay silent, which in a firing means free space.
+//! The address changes only in `Recycle`, when INIT is low.
 
 use super::timing::{
     Blanking, FiringOrder, MAX_LATE_US, RINGING_END_US, SELF_TEST_BINH_US, Timing,
 };
 
-/// Something to be done to a pin.
+/// A change of a pin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PinChange {
-    /// Puts out the address of a transducer.
+    /// Outputs the address of a transducer.
     Select(u8),
-    /// Raises INIT, which sends the burst, or drops it, which drops ECHO. Before it is raised the capture is armed.
+    /// INIT high sends the burst; low makes ECHO fall. The capture is armed before it rises.
     Init(bool),
-    /// Raises BINH, which ends the module's own blanking, or drops it.
+    /// BINH high ends the module's internal blanking.
     Binh(bool),
 }
 
-/// The ECHO line.
+/// State of the ECHO line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct EchoLine {
-    /// It is high.
+    /// The line is high.
     pub high: bool,
-    /// When it rose after the capture was armed, microseconds.
+    /// When the line rose after the capture was armed, microseconds.
     pub rose_us: Option<u32>,
 }
 
-/// What came of a firing.
+/// Outcome of a firing.
+///
+/// In a self-test BINH rises while the membrane still rings, so ECHO must rise at once. A module
+/// without supply, a disconnected transducer and a dead multiplexer stay silent; in a normal
+/// firing silence means free space.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FiringOutcome {
-    /// An echo, so long after the firing, the channel's delay taken off; microseconds.
+    /// Time of flight, less the channel's delay, microseconds.
     Echo(u32),
-    /// None within the window.
+    /// ECHO did not rise within the window.
     NoEcho,
-    /// ECHO rose before any echo can have come: not to be believed.
+    /// ECHO rose before any echo can come.
     Early,
-    /// ECHO was high before the firing, which was left out.
+    /// ECHO was high before the firing, which was skipped.
     HeldHigh,
-    /// ECHO has not fallen after the firing before; said in addition to that firing's own outcome.
+    /// ECHO has not fallen after the previous firing, whose own outcome is reported apart.
     NotReleased,
-    /// A self-test heard the membrane ring: the transducer listens from its next turn on.
+    /// The self-test has passed: the transducer listens from its next turn on.
     Ringing,
-    /// A self-test heard nothing: its module, supply, transducer or multiplexer is dead. It is tested again in its next turn.
+    /// The self-test has failed; it is repeated in the next turn.
     Mute,
 }
 
-/// What a transducer has to say.
+/// The result of a firing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FiringResult {
     /// Transducer.
     pub sensor: u8,
-    /// What came of its firing.
+    /// Outcome.
     pub outcome: FiringOutcome,
-    /// When it fired, or should have, microseconds.
+    /// Time of the firing, or of the skipped firing, microseconds.
     pub fired_us: u32,
 }
 
-/// What is to be done now.
+/// What the caller has to do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ChannelStep {
-    /// This, and then to ask again.
+    /// Change a pin, then poll again.
     Change(PinChange),
-    /// To take this, and then to ask again.
+    /// Report a result, then poll again.
     Report(FiringResult),
-    /// Nothing before this time, microseconds, unless ECHO rises.
+    /// Poll again at this time, microseconds, or when ECHO rises.
     WaitUntil(u32),
     /// Nothing: the order is empty.
     Idle,
@@ -83,21 +84,21 @@ pub enum ChannelStep {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum ChannelState {
-    /// INIT low, until then.
+    /// INIT is low until this time.
     Recycle(u32),
-    /// The address stands, the relays swing, until then.
+    /// The address is set; the relays settle until this time.
     Settle(u32),
-    /// Fired; BINH to be raised.
+    /// Fired; BINH has to rise.
     Blank,
     /// Fired; an echo may come.
     Listen,
-    /// Heard or given up: INIT is to drop, then BINH, then the outcome is told.
+    /// The firing is over: INIT falls, then BINH, then the outcome is reported.
     LowerInit(FiringOutcome),
     LowerBinh(FiringOutcome),
     Finish(FiringOutcome),
 }
 
-/// A channel.
+/// A channel: a module and its multiplexer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SonarChannel {
     timing: Timing,
@@ -108,19 +109,19 @@ pub struct SonarChannel {
     fired_us: u32,
     /// When the next firing is due.
     due_us: u32,
-    /// ECHO need not fall any more, or has been told not to have fallen.
+    /// ECHO has fallen since the last firing, or its failure to fall was reported.
     released: bool,
-    /// Transducers that need no self-test, or have passed it, by their bits.
+    /// Bit k set: transducer k has passed its self-test, or needs none.
     passed: u16,
 }
 
-/// Whether `now` has come to `then`; right while the two are less than 35 minutes apart.
+/// Whether `now` is `then` or later; correct while they are less than 35 minutes apart.
 const fn reached(now: u32, then: u32) -> bool {
     now.wrapping_sub(then) < 1 << 31
 }
 
 impl SonarChannel {
-    /// A channel that begins at `now_us`, its pins all low.
+    /// A channel that starts at `now_us` with all pins low.
     #[must_use]
     pub const fn new(timing: Timing, order: FiringOrder, now_us: u32) -> Self {
         let first = timing.recycle_us.wrapping_add(timing.settle_us);
@@ -137,20 +138,20 @@ impl SonarChannel {
         }
     }
 
-    /// Begins anew at `now_us`, its pins all low; who has passed the self-test is not tested again.
+    /// Starts again at `now_us` with all pins low. Passed self-tests are not repeated.
     pub fn restart(&mut self, timing: Timing, order: FiringOrder, now_us: u32) {
         let passed = self.passed;
         *self = Self::new(timing, order, now_us);
         self.passed |= passed;
     }
 
-    /// Whether a rise of ECHO means something.
+    /// Whether a rise of ECHO has a meaning.
     #[must_use]
     pub const fn is_listening(&self) -> bool {
         matches!(self.state, ChannelState::Blank | ChannelState::Listen)
     }
 
-    /// What is to be done at `now_us`, when the line is so.
+    /// The next step at `now_us`, with ECHO in the state `line`.
     pub fn poll(&mut self, now_us: u32, line: EchoLine) -> ChannelStep {
         match self.state {
             ChannelState::Recycle(until) if !reached(now_us, until) => {
@@ -211,7 +212,7 @@ impl SonarChannel {
 
     fn fire(&mut self, now_us: u32, line: EchoLine) -> ChannelStep {
         let late_us = now_us.wrapping_sub(self.due_us);
-        // On the grid, whatever has been missed.
+        // The firings keep to the grid of slots, however many were missed.
         let slots = (late_us / self.timing.slot_us()).wrapping_add(1);
         let next_us = slots.wrapping_mul(self.timing.slot_us());
         self.due_us = self.due_us.wrapping_add(next_us);
@@ -255,7 +256,7 @@ impl SonarChannel {
         let until = self.fired_us.wrapping_add(self.timing.window_us);
         let outcome = match line.rose_us {
             Some(rose_us) => self.classify(rose_us.wrapping_sub(self.fired_us)),
-            // It rose unseen, around the firing.
+            // The rise was not captured: it came around the time of the firing.
             None if line.high => FiringOutcome::Early,
             None if reached(now_us, until) => FiringOutcome::NoEcho,
             None => return ChannelStep::WaitUntil(until),
@@ -282,7 +283,7 @@ impl SonarChannel {
         self.poll(now_us, line)
     }
 
-    /// An edge so long after the firing; one before it wraps to a very long time.
+    /// The outcome of a rise at `flight_us`. A rise before the firing wraps to a very long time.
     fn classify(&self, flight_us: u32) -> FiringOutcome {
         if flight_us > 1 << 31 || flight_us < self.timing.blanking.us() {
             return FiringOutcome::Early;

@@ -1,4 +1,4 @@
-//! The driver against a ranging module of our own making, with the data sheet's timing.
+//! The driver against a simulated ranging module with the data sheet's timing.
 
 use super::timing::{END_OF_ORDER, MAX_LATE_US, STAGGER_US};
 use super::*;
@@ -12,17 +12,17 @@ use std::vec::Vec;
 
 mod serve;
 
-/// What is wrong with the module, its line or its multiplexer.
+/// A fault of the module, its line or its multiplexer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum ModuleFault {
     Nothing,
-    /// ECHO is tied to the supply.
+    /// ECHO is shorted to the supply.
     StuckHigh,
-    /// ECHO is tied to ground.
+    /// ECHO is shorted to ground.
     StuckLow,
-    /// ECHO stays high once it has risen.
+    /// ECHO stays high after it has risen.
     NeverFalls,
-    /// Something makes ECHO rise so long after the firing, blanking or not.
+    /// ECHO rises this long after the firing, microseconds, regardless of the blanking.
     RisesAt(u32),
     /// The multiplexer connects this transducer, whatever the address.
     Multiplexer(u8),
@@ -30,11 +30,11 @@ enum ModuleFault {
     Dead(u8),
 }
 
-/// A module, its transducers, and everything seen on its lines.
+/// A module, its transducers, and a record of its lines.
 struct ModuleSim {
     now_us: u32,
     fault: ModuleFault,
-    /// Time of flight of each transducer's echo; `None` = nothing there.
+    /// Time of flight of each transducer's echo; `None` = no echo.
     flights_us: [Option<u32>; 16],
     address: u8,
     init: bool,
@@ -42,7 +42,7 @@ struct ModuleSim {
     selected_us: u32,
     fired_us: u32,
     fallen_us: u32,
-    /// ECHO, but for its ties.
+    /// The module's ECHO output, without shorts.
     latched: bool,
     caught_us: Option<u32>,
     firings: Vec<(u32, u8)>,
@@ -114,7 +114,7 @@ impl ModuleSim {
         }
     }
 
-    /// When ECHO will rise by itself, if it will.
+    /// When ECHO will rise.
     fn rise_us(&self) -> Option<u32> {
         if !self.init
             || self.latched
@@ -140,7 +140,7 @@ impl ModuleSim {
         (flight_us >= blanked_us).then(|| self.fired_us.wrapping_add(flight_us))
     }
 
-    /// Time goes on to `then`, or to the moment ECHO rises.
+    /// Advances the time to `then`, or to the rise of ECHO.
     fn pass(&mut self, then: u32) {
         let wait = then.wrapping_sub(self.now_us);
         let rise = self.rise_us().map(|at| at.wrapping_sub(self.now_us));
@@ -214,7 +214,7 @@ fn driver(module: &Shared, timing: Timing, order: FiringOrder) -> ChannelDriver<
     driver
 }
 
-/// Runs a driver for so long, each run so many microseconds late.
+/// Runs a driver for `ms` milliseconds; run k is `late_us(k)` microseconds late.
 fn run_for(module: &Shared, timing: Timing, ms: u32, late_us: impl Fn(usize) -> u32) {
     let mut driver = driver(module, timing, FiringOrder::NOMAD);
     let mut capture = FakeCapture(Rc::clone(module));
@@ -292,7 +292,7 @@ fn echoes_within_the_blanking_are_not_detected() {
     );
 }
 
-/// Every transducer is tested in its first turn and listens from its second on; a dead one is tested again and again.
+/// Each transducer's first turn is a self-test, the next ones listen; a dead one is tested again.
 #[test]
 fn a_dead_module_fails_the_self_test() {
     for (fault, dead) in [
@@ -315,7 +315,7 @@ fn a_dead_module_fails_the_self_test() {
     }
 }
 
-/// A line that is tied, or rises before BINH, is no ringing.
+/// A shorted line, or one that rises before BINH, does not pass as ringing.
 #[test]
 fn a_faulty_line_fails_the_self_test() {
     let timing = Timing::relays().with_self_test();
@@ -402,7 +402,7 @@ fn a_line_stuck_low_reports_no_echo() {
     );
 }
 
-/// The pins cannot see it: everybody hears what one transducer does.
+/// The pins cannot show this fault: all transducers report the same range.
 #[test]
 fn a_stuck_multiplexer_gives_equal_ranges() {
     let heard = first_ring(ModuleFault::Multiplexer(5), Timing::relays(), |_| ());
@@ -439,14 +439,14 @@ fn an_empty_order_rests() {
     assert_eq!(next, None);
 }
 
-/// Every change of every pin of a slot, in its order on each pin.
+/// Every change of every pin within two slots, in order.
 #[test]
 fn the_pins_change_in_order() {
     let set = |levels: &[u8]| {
         let level = |&high: &u8| Transaction::set(if high == 1 { Level::High } else { Level::Low });
         Mock::new(&levels.iter().map(level).collect::<Vec<_>>())
     };
-    // At rest; transducer 0; its slot; transducer 2 = 0b0010; its slot.
+    // All low; transducer 0 and its slot; transducer 2 = 0b0010 and its slot.
     let pins = RingPins {
         address: [
             set(&[0, 0, 0]),
@@ -460,7 +460,7 @@ fn the_pins_change_in_order() {
     };
     let mut driver =
         ChannelDriver::new(pins, Timing::relays(), FiringOrder::NOMAD, 0).expect("pins");
-    /// A line on which nothing ever comes.
+    /// A line that never rises.
     struct Quiet(u32);
     impl EchoCapture for Quiet {
         fn now_us(&mut self) -> u32 {
@@ -478,7 +478,7 @@ fn the_pins_change_in_order() {
         capture.0 = next.expect("pins").expect("an order");
         times.push(capture.0);
     }
-    // Recycled, settled, BINH, window over; recycled, settled, slot, BINH, window over.
+    // Recycled, settled, BINH, window over; recycled, settled, slot begins, BINH, window over.
     let first = [1_000, 26_000, 26_900, 63_700, 64_700];
     let second = [89_700, 90_000, 90_900, 127_700, 128_700];
     assert_eq!(times, [first, second].concat());
@@ -507,7 +507,8 @@ fn the_pins_change_in_order() {
     blnk.done();
 }
 
-/// Four channels, each a quadrant and each late in its own way: no two bursts within half the stagger, all readings there.
+/// Four channels of a quadrant each, late in different ways: bursts are at least half the stagger
+/// apart, and none is missed.
 #[test]
 fn four_channels_keep_their_bursts_apart() {
     let mut firings = Vec::new();
@@ -529,8 +530,8 @@ fn four_channels_keep_their_bursts_apart() {
 }
 
 proptest! {
-    /// Whatever happens on the line and however late it is looked at: the address stands while INIT is high, a burst
-    /// begins with ECHO low and 25 ms after the address, and every second change of INIT is a rise.
+    /// For any ECHO and any delay of the calls: the address is constant while INIT is high, a burst
+    /// begins with ECHO low and 25 ms after the address, and INIT rises and falls alternately.
     #[test]
     fn the_address_never_changes_under_a_burst(
         events in proptest::collection::vec((0_u32..70_000, any::<bool>(), 0_u32..80_000), 1..400),

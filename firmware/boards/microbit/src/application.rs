@@ -1,4 +1,4 @@
-//! What runs when.
+//! The program on the micro:bit: two interrupts and the main loop.
 
 #![allow(unsafe_code)]
 
@@ -19,10 +19,10 @@ use firmware::{BUILD, stack, status_led};
 use heapless::spsc::Queue;
 use nrf51_pac::{Interrupt, Peripherals, interrupt};
 
-/// How often control runs though nothing has come.
+/// Longest time between two runs of the control task.
 const CONTROL_PERIOD_MS: u32 = 10;
 
-/// What the serial interrupt works with.
+/// The serial interrupt's data.
 struct SerialLink {
     driver: UartDriver<'static>,
     uart: NordicUart,
@@ -32,7 +32,7 @@ static SERIAL_LINK: Mutex<RefCell<Option<SerialLink>>> = Mutex::new(RefCell::new
 static TIMER: Mutex<RefCell<Option<MillisecondTimer>>> = Mutex::new(RefCell::new(None));
 static ERRORS: ErrorCounters = ErrorCounters::new();
 static NOW_MS: AtomicU32 = AtomicU32::new(0);
-/// Whether the control task is to run.
+/// The control task has to run.
 static CONTROL_PENDING: AtomicBool = AtomicBool::new(true);
 
 #[entry]
@@ -66,7 +66,7 @@ fn main() -> ! {
         Millis::from_ms(0),
     );
     loop {
-        // Loads and stores suffice: an interrupt in between sets it again, at the latest with the next round.
+        // No atomic swap needed: an interrupt in between sets it again, at the latest in 10 ms.
         if CONTROL_PENDING.load(Ordering::Relaxed) {
             CONTROL_PENDING.store(false, Ordering::Relaxed);
             let now = Millis::from_ms(NOW_MS.load(Ordering::Relaxed));
@@ -85,7 +85,7 @@ fn main() -> ! {
     }
 }
 
-/// Lets the interrupts come; a byte does not wait for the timer.
+/// Enables the interrupts. The serial interrupt has the higher priority.
 fn unmask() {
     // SAFETY: no critical section of this program relies on a mask or a priority.
     unsafe {
@@ -124,7 +124,7 @@ fn TIMER0() {
 }
 
 unsafe extern "C" {
-    /// Behind the highest word of the stack.
+    /// One word above the highest word of the stack.
     static _stack_start: u32;
     /// The lowest word of the stack.
     static _stack_end: u32;
@@ -135,12 +135,12 @@ const _: () = assert!(
     "start-up code paints the stack in another color"
 );
 
-/// The deepest the stack has been, in bytes.
+/// Greatest depth of the stack, bytes.
 fn stack_peak_bytes() -> u32 {
     let lowest = addr_of!(_stack_end);
     let words = (addr_of!(_stack_start).addr() - lowest.addr()) / size_of::<u32>();
-    // SAFETY: the words from the stack's lowest to its highest are memory; a volatile read of a word in use gives some
-    // value, which suffices here.
+    // SAFETY: all words of the stack's region are RAM. A volatile read of a word in use returns
+    // some value, and any value will do.
     let peak = stack::peak_bytes(words, |index| unsafe { lowest.add(index).read_volatile() });
     peak as u32
 }

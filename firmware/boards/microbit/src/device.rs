@@ -1,4 +1,4 @@
-//! The chip: crystal, serial port, timer, one LED. The only file that touches registers.
+//! Devices of the nRF51822: crystal, serial port, timer, LED. Only this file accesses registers.
 
 #![allow(unsafe_code)]
 
@@ -6,20 +6,20 @@ use firmware::uart::{UartPort, UartStatus};
 use nrf51_pac::generic::{Reg, RegisterSpec, Resettable, Writable};
 use nrf51_pac::{GPIO, Peripherals, TIMER0, UART0};
 
-/// Pin of the port P0 that transmits to the interface chip, which hands it to the USB.
+/// Pin P0.24: transmits to the USB interface chip.
 const TRANSMIT: u32 = 24;
-/// Pin of the port P0 that receives from there.
+/// Pin P0.25: receives from the USB interface chip.
 const RECEIVE: u32 = 25;
-/// First row of the LEDs: high lights it.
+/// First row of the LED matrix, active high.
 const ROW: u32 = 13;
-/// First column of the LEDs: low lights it.
+/// First column of the LED matrix, active low.
 const COLUMN: u32 = 4;
 
-/// The devices the program works with.
+/// The devices of the program.
 pub struct Device {
     /// The serial port of the link.
     pub uart: NordicUart,
-    /// Raises an interrupt each millisecond.
+    /// Interrupts each millisecond.
     pub timer: MillisecondTimer,
     /// The status LED.
     pub led: MatrixLed,
@@ -28,7 +28,7 @@ pub struct Device {
 impl Device {
     /// Starts the crystal, the port and the timer.
     pub fn start(chip: Peripherals) -> Self {
-        // The internal oscillator would be too inexact for a serial line.
+        // The internal oscillator is too inaccurate for a serial link.
         set(&chip.CLOCK.tasks_hfclkstart, 1);
         while chip.CLOCK.events_hfclkstarted.read().bits() == 0 {}
         Self {
@@ -39,19 +39,19 @@ impl Device {
     }
 }
 
-/// Writes a register whole.
+/// Writes a whole register.
 fn set<R>(register: &Reg<R>, value: u32)
 where
     R: RegisterSpec<Ux = u32> + Writable + Resettable,
 {
-    // SAFETY: tasks, events, pin numbers and counts take any value; none of them leads to memory.
+    // SAFETY: tasks, events, pin numbers and counts accept any value; none is an address.
     register.write(|w| unsafe { w.bits(value) });
 }
 
 /// The serial port: 115 200 baud, eight data bits, no parity, one stop bit.
 pub struct NordicUart {
     registers: UART0,
-    /// A byte is on its way out.
+    /// A byte is being sent.
     is_sending: bool,
 }
 
@@ -82,7 +82,7 @@ impl UartPort for NordicUart {
         let overrun = self.registers.errorsrc.read().overrun().bit_is_set();
         if self.registers.events_error.read().bits() != 0 {
             set(&self.registers.events_error, 0);
-            // Ones take away the errors they stand for.
+            // Ones clear the errors.
             set(&self.registers.errorsrc, 0xf);
         }
         UartStatus {
@@ -93,7 +93,7 @@ impl UartPort for NordicUart {
     }
 
     fn receive(&mut self) -> u8 {
-        // First the event: it comes again if a further byte lies behind this one.
+        // Clears the event first: it comes again if another byte is waiting.
         set(&self.registers.events_rxdrdy, 0);
         self.registers.rxd.read().rxd().bits()
     }
@@ -103,11 +103,11 @@ impl UartPort for NordicUart {
         set(&self.registers.txd, byte.into());
     }
 
-    // The interrupt comes after each byte, whether there is another one or not.
+    // The interrupt comes after every sent byte.
     fn enable_transmit_interrupt(&mut self, _: bool) {}
 }
 
-/// Timer 0, which counts microseconds and begins anew each millisecond.
+/// Timer 0: counts microseconds and restarts each millisecond.
 pub struct MillisecondTimer(TIMER0);
 
 impl MillisecondTimer {
@@ -122,7 +122,7 @@ impl MillisecondTimer {
         Self(timer)
     }
 
-    /// Forgets why it has called.
+    /// Clears the timer's interrupt.
     pub fn clear(&mut self) {
         set(&self.0.events_compare[0], 0);
     }
@@ -137,7 +137,7 @@ impl MatrixLed {
         Self(port)
     }
 
-    /// Lights it or puts it out.
+    /// Switches the LED on or off.
     pub fn set(&mut self, lit: bool) {
         if lit {
             set(&self.0.outset, 1 << ROW);

@@ -1,4 +1,4 @@
-//! What runs when.
+//! The program on the RISC-V machine: one loop, no interrupts.
 
 use crate::device::{Timer, Uart16550, reset};
 use amp::node::{Identity, NomadNode};

@@ -1,20 +1,21 @@
-//! The tasks: who runs when.
+//! The tasks of the STM32F405 boards, their interrupts and priorities.
 //!
 //! | task | runs | priority | does |
 //! |---|---|---|---|
-//! | `serial` | when a byte has come or can go | 3 | moves it between the port and a queue |
-//! | `ring` | when a sonar's time has come or its echo | 2 | fires, listens, queues what was heard |
-//! | `clock` | each millisecond | 2 | counts, lights the LED, feeds the watchdog, wakes `control` |
-//! | `control` | when a frame has come, each 10 ms, and while there is more to do | 1 | owns the mind |
-//! | `supply` | when the supply voltage becomes too low | 1 | wakes `control`, which reads it each time it runs |
+//! | `serial` | when a byte has arrived or can be sent | 3 | moves it from or to a queue |
+//! | `ring` | when the sonars' timer is due, or at an echo | 2 | fires, listens, queues readings |
+//! | `clock` | each millisecond | 2 | counts, sets the LED, feeds the watchdog, wakes `control` |
+//! | `control` | when a frame has arrived, each 10 ms, and while work is left | 1 | runs the node |
+//! | `supply` | when the supply voltage falls too low | 1 | wakes `control`, which reads it |
 //! | `idle` | otherwise | 0 | sleeps |
 //!
-//! Tasks share queues and atomic numbers, never a lock: nothing but a line of the log holds off the receiver, for at most
-//! 334 instructions (counted in an emulated chip with the board's logger), 2 µs of the 87 µs a byte takes.
+//! Tasks share queues and atomics, never a lock. Only a line of the log masks the receive
+//! interrupt, for at most 334 instructions (counted in an emulated chip with the board's logger):
+//! 2 µs of the 87 µs per byte.
 
-/// The program of a board: `$board` is its module in this crate, `$link` the interrupt of its link's port.
+/// The program of a board. `$board` is its module in this crate, `$link` the interrupt of its port.
 ///
-/// A macro, because RTIC takes the names of interrupts literally, and boards use different ports.
+/// A macro, because RTIC needs interrupt names as literals and the boards use different ports.
 #[macro_export]
 macro_rules! application {
     ($board:ident, $link:ident) => {
@@ -43,15 +44,15 @@ macro_rules! application {
             use heapless::spsc::Queue;
             use stm32f4xx_hal::pac::Interrupt;
 
-            /// How often control runs though nothing has come, and the watchdog may be fed.
+            /// Longest time between two runs of `control`, and between feedings of the watchdog.
             const CONTROL_PERIOD_MS: u32 = 10;
-            /// How often the stack is looked at, and whether there is news for the log.
+            /// Period of `housekeeping`.
             const HOUSEKEEPING_MS: u32 = 1_000;
-            /// The interrupt whose vector control borrows: the 64-pin package has no external memory.
+            /// The interrupt vector of `control`; the 64-pin package has no external memory (FSMC).
             const CONTROL: Interrupt = Interrupt::FSMC;
             /// An emulated chip has no pins.
             const HAS_PINS: bool = cfg!(not(feature = "qemu"));
-            /// Of the air around the ring, tenths of a degree Celsius.
+            /// Temperature of the air around the ring, tenths of a degree Celsius.
             const AIR_DECIDEGREES: i16 = 200;
 
             #[shared]
@@ -97,7 +98,7 @@ macro_rules! application {
                 let store = Store::mount(devices.flash, SLOT_BYTES);
                 let control = Control::new(cx.local.node, received_out, tx, errors, Some(store));
                 let mut control = control.with_ring(firings_out);
-                // A sector of flash may have to be erased.
+                // A sector of flash may be erased.
                 devices.watchdog.set_long_timeout(true);
                 control.start(
                     Identity {
@@ -109,7 +110,7 @@ macro_rules! application {
                     Millis::from_ms(0),
                 );
                 devices.watchdog.set_long_timeout(false);
-                // The hello waits in its queue.
+                // Sends the Hello, which waits in the queue.
                 rtic::pend(Interrupt::$link);
                 let shared = Shared {
                     now_ms: AtomicU32::new(0),
@@ -172,7 +173,7 @@ macro_rules! application {
                     if shared.task_monitor.all_checked_in() {
                         watchdog.feed();
                     }
-                    // Both have to show themselves until the next round.
+                    // Both must check in before the next feeding.
                     rtic::pend(CONTROL);
                     rtic::pend(Interrupt::$link);
                 }
@@ -230,7 +231,7 @@ macro_rules! application {
                 rtic::pend(CONTROL);
             }
 
-            /// What need not be looked at often: how deep the stack has been, and what the log should know.
+            /// Measures the stack and logs changes.
             fn housekeeping(control: &mut Control<'static, StoreFlash>) {
                 control.set_stack_peak(fault::stack_peak_bytes());
                 if let Some(log_event) = control.next_log_event() {
@@ -238,7 +239,7 @@ macro_rules! application {
                 }
             }
 
-            /// Why the program started, for the hello and for the log.
+            /// Logs why the program started, and returns it for the Hello.
             fn reset_reason(flags: ResetFlags) -> ResetCause {
                 let crash = fault::take_crash();
                 let reset = reset_cause(flags, crash.as_ref());

@@ -1,8 +1,7 @@
-//! The clocks: starts the crystal, measures it, and multiplies it or the internal oscillator to the highest clock.
+//! The clocks: measures the crystal and multiplies it, or the internal oscillator, to 168 MHz.
 //!
-//! Nothing here waits for ever: the wait for the crystal has its limit, the watchdog ends the others, and a crystal that has
-//! failed is not tried again ([`firmware::clock`]). An emulated chip has neither a crystal nor the multiplier: it stays on its
-//! internal oscillator.
+//! The wait for the crystal is limited, the watchdog ends all other waits, and a failed crystal is
+//! not tried again ([`firmware::clock`]). An emulated chip stays on its internal oscillator.
 
 use crate::chip::CORE_HZ;
 use crate::fault;
@@ -16,7 +15,7 @@ use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::{Config, Rcc, RccExt};
 
-/// The program has run for so long when its clocks count as good, milliseconds.
+/// Time after which the crystal counts as proven, milliseconds.
 pub const PROVEN_AFTER_MS: u32 = 1_000;
 
 /// Notes that the program has run for [`PROVEN_AFTER_MS`].
@@ -35,17 +34,16 @@ pub fn start(rcc: pac::RCC, _: pac::TIM11, _: ResetFlags) -> (Rcc, Oscillator) {
 #[cfg(not(feature = "qemu"))]
 const INTERNAL_HZ: u32 = 16_000_000;
 
-/// Looks at the crystal before it is given up, over the whole measurement: 100 ms at most, at 13 cycles of the internal
-/// oscillator each. A crystal starts within 2 ms (data sheet DS8626, HSE), and 4 MHz, the slowest, take 7 ms more to be
-/// measured.
+/// Most polls of a whole measurement: 100 ms, at 13 cycles of the internal oscillator each. A
+/// crystal starts within 2 ms (data sheet DS8626, HSE); measuring 4 MHz, the slowest, takes 7 ms.
 #[cfg(not(feature = "qemu"))]
 const MAX_POLLS: u32 = 120_000;
 
-/// The crystal's clock is divided by this before it is captured.
+/// Divider of the crystal's clock before it is captured.
 #[cfg(not(feature = "qemu"))]
 const DIVIDER: u8 = 25;
 
-/// Captures of a measurement, each after eight periods of the divided clock.
+/// Captures per measurement, each after eight periods of the divided clock.
 #[cfg(not(feature = "qemu"))]
 const CAPTURES: u32 = 64;
 
@@ -53,7 +51,7 @@ const CAPTURES: u32 = 64;
 #[cfg(not(feature = "qemu"))]
 pub fn start(rcc: pac::RCC, timer: pac::TIM11, flags: ResetFlags) -> (Rcc, Oscillator) {
     let trial = fault::read_trial().trial().on_start(flags);
-    // Before the crystal can do any harm.
+    // Before the crystal is used.
     fault::write_trial(TrialRecord::of(trial));
     let source = choose_source(trial, || measure(&rcc, &timer));
     let config = match source {
@@ -65,15 +63,16 @@ pub fn start(rcc: pac::RCC, timer: pac::TIM11, flags: ResetFlags) -> (Rcc, Oscil
     };
     let rcc = rcc.freeze(config.sysclk(CORE_HZ.Hz()));
     if source != ClockSource::Internal {
-        // A crystal that stops raises NMI: see `fault`.
+        // A stopped crystal raises NMI: see `fault`.
         rcc.cr().modify(|_, w| w.csson().set_bit());
     }
     (rcc, source.oscillator())
 }
 
-/// Counts the internal oscillator's periods while the crystal makes some (RM0090, 7.2.10: timer 11 captures HSE_RTC).
+/// Counts periods of the internal oscillator during some of the crystal's (RM0090, 7.2.10:
+/// timer 11 captures HSE_RTC).
 ///
-/// Once the clocks have started it counts those of the processor's clock instead.
+/// Once the clocks run, it counts periods of the processor's clock.
 #[cfg(not(feature = "qemu"))]
 pub fn measure(rcc: &pac::RCC, timer: &pac::TIM11) -> Option<Measurement> {
     let mut budget = PollBudget::new(MAX_POLLS);
@@ -81,7 +80,7 @@ pub fn measure(rcc: &pac::RCC, timer: &pac::TIM11) -> Option<Measurement> {
     budget.poll_until(|| rcc.cr().read().hserdy().bit_is_set())?;
     rcc.cfgr().modify(|_, w| w.rtcpre().set(DIVIDER));
     rcc.apb2enr().modify(|_, w| w.tim11en().set_bit());
-    // SAFETY: 2 chooses HSE_RTC.
+    // SAFETY: 2 selects HSE_RTC.
     #[allow(unsafe_code)]
     timer.or().write(|w| unsafe { w.rmp().bits(2) });
     timer
@@ -99,7 +98,7 @@ pub fn measure(rcc: &pac::RCC, timer: &pac::TIM11) -> Option<Measurement> {
     })
 }
 
-/// Ticks of the timer from the first capture to the last; `None` when these do not come in so many looks.
+/// Ticks of the timer from the first capture to the last; `None` if the polls run out.
 #[cfg(not(feature = "qemu"))]
 fn capture_ticks(timer: &pac::TIM11, mut budget: PollBudget) -> Option<u32> {
     let mut captured = || {
@@ -107,7 +106,7 @@ fn capture_ticks(timer: &pac::TIM11, mut budget: PollBudget) -> Option<u32> {
         // Reading clears the flag.
         Some(timer.ccr1().read().ccr().bits())
     };
-    // The first one may lie there from before.
+    // The first capture may be an old one.
     captured()?;
     let mut last = captured()?;
     let mut ticks = 0;

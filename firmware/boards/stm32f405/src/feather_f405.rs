@@ -1,10 +1,10 @@
-//! Adafruit Feather STM32F405 Express: a 12 MHz crystal, a red LED, and the link at USART3, the pads TX and RX.
+//! Adafruit Feather STM32F405 Express: its 12 MHz crystal, its pins, and the link at USART3.
 //!
-//! The ring keeps clear of the pins of the SD socket, the flash chip, the NeoPixel, the battery and the I2C connector.
+//! The ring uses no pin of the SD socket, flash chip, NeoPixel, battery or I2C connector.
 
 use crate::pinout::Pinout;
 
-/// What the pins are used for.
+/// The board's pins.
 pub const PINOUT: Pinout = Pinout {
     board: "feather_f405",
     used: &[
@@ -68,13 +68,13 @@ mod device {
     use stm32f4xx_hal::pac;
     use stm32f4xx_hal::prelude::*;
 
-    /// The port of the link.
+    /// The USART of the link.
     pub type Link = pac::USART3;
 
     /// Starts the chip and takes the pins.
     ///
     /// # Panics
-    /// When the clocks cannot make the link's rate, which they can.
+    /// The clocks cannot make the link's rate; each supported clock can.
     pub fn init(device: pac::Peripherals, core: cortex_m::Peripherals) -> Devices<Link> {
         let guards = (device.IWDG, &device.DBGMCU);
         let StartedChip {
@@ -87,7 +87,7 @@ mod device {
         let gpiob = device.GPIOB.split(&mut rcc);
         let gpioc = device.GPIOC.split(&mut rcc);
         let led = gpioc.pc1.into_push_pull_output_in_state(PinState::Low);
-        // An open wire would be noise; the idle line is high.
+        // Pull-up: an open wire would be noise, and the idle line is high.
         let receive = gpiob.pb11.into_alternate().internal_resistor(Pull::Up);
         let ring_pins = RingPins {
             address: [

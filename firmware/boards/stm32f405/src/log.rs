@@ -1,6 +1,6 @@
-//! Where the log goes: over the debugger's real-time transfer, or to the emulator's standard error.
+//! The transport of the log: the debugger (RTT), or the standard error of the emulator.
 //!
-//! Not to its standard output: that may be the wire.
+//! The emulator's standard output is not used, because it may carry the link.
 
 #[cfg(not(feature = "qemu"))]
 use defmt_rtt as _;
@@ -31,7 +31,7 @@ mod semihosting {
         inner: UnsafeCell<LoggerInner>,
     }
 
-    // SAFETY: `inner` is touched only between `acquire` and `release`, which is a critical section.
+    // SAFETY: `inner` is accessed only between `acquire` and `release`: a critical section.
     unsafe impl Sync for LoggerState {}
 
     struct LoggerInner {
@@ -41,7 +41,7 @@ mod semihosting {
     }
 
     impl LoggerInner {
-        /// Bytes that cannot be written are lost; there is nobody to tell.
+        /// Bytes that cannot be written are dropped.
         fn write(&mut self, encode: impl FnOnce(&mut defmt::Encoder, &mut dyn FnMut(&[u8]))) {
             let stream = &mut self.stream;
             encode(&mut self.encoder, &mut |bytes| {
@@ -53,16 +53,16 @@ mod semihosting {
     }
 
     /// # Safety
-    /// Only between `acquire` and `release`, and not while another such reference is alive.
+    /// Only between `acquire` and `release`, with no other such reference alive.
     unsafe fn inner() -> &'static mut LoggerInner {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe { &mut *STATE.inner.get() }
     }
 
-    // SAFETY: `acquire` begins a critical section and refuses to be entered twice; `release` ends it.
+    // SAFETY: `acquire` begins a critical section and panics if entered twice; `release` ends it.
     unsafe impl defmt::Logger for Logger {
         fn acquire() {
-            // SAFETY: `release` is its counterpart.
+            // SAFETY: `release` ends it.
             let restore = unsafe { critical_section::acquire() };
             assert!(
                 !STATE.acquired.swap(true, Ordering::Relaxed),
@@ -78,7 +78,7 @@ mod semihosting {
         }
 
         unsafe fn flush() {
-            // The host has every byte as soon as it is written.
+            // Each byte reaches the host as soon as it is written.
         }
 
         unsafe fn release() {
@@ -86,7 +86,7 @@ mod semihosting {
             let inner = unsafe { inner() };
             inner.write(|encoder, sink| encoder.end_frame(sink));
             STATE.acquired.store(false, Ordering::Relaxed);
-            // SAFETY: it is the state that `acquire` got.
+            // SAFETY: the state comes from `acquire`.
             unsafe { critical_section::release(inner.restore) };
         }
 

@@ -1,11 +1,11 @@
-//! The ring as its task sees it: when it is to be served again, and what comes into the queue.
+//! The ring as its task sees it: the time of the next call, and the queued readings.
 
 use super::*;
 use crate::uart::ErrorCounters;
 use heapless::spsc::{Consumer, Queue};
 use std::boxed::Box;
 
-/// A ring at the end of a queue of `N` - 1 firings.
+/// A ring with a queue of `N` - 1 readings.
 struct RingBench {
     module: Shared,
     ring: SonarRing<'static, FakePin>,
@@ -14,7 +14,7 @@ struct RingBench {
     began_us: u32,
 }
 
-/// Milliseconds of the device's clock when the ring's clock stands at the start.
+/// The device's time when the test begins, milliseconds.
 const BEGAN_MS: u32 = 5_000;
 
 fn bench<const N: usize>(fault: ModuleFault) -> RingBench {
@@ -47,8 +47,8 @@ impl RingBench {
         next
     }
 
-    /// Serves it whenever it asks for it and at least every half turn of a 16-bit timer, as the board does, so long. Returns
-    /// how often that was.
+    /// Calls `serve` for `ms` milliseconds, whenever it is due and at least every half turn of a
+    /// 16-bit timer, as the board does. Returns the number of calls.
     fn serve_for(&mut self, ms: u32) -> usize {
         let until = self.module.borrow().now_us.wrapping_add(ms * 1_000);
         let mut runs = 0;
@@ -90,7 +90,7 @@ fn readings_carry_the_time_of_their_firing() {
     for (slot, firing) in heard.iter().take(16).enumerate() {
         let (sensor, _) = FiringOrder::NOMAD.at(slot as u8).expect("a transducer");
         let flight_us = 3_000 + 2_000 * u32::from(sensor);
-        // The first fires when recycled and settled, 26 ms after the start.
+        // The first firing is 26 ms after the start: recycled and settled.
         let at_ms = BEGAN_MS + 26 + 64 * slot as u32;
         assert_eq!(
             *firing,
@@ -141,8 +141,8 @@ fn an_interrupted_ring_sets_its_pins_low_and_starts_again() {
     assert_eq!(sensors[..2], [0, 2]);
 }
 
-/// A silent firing takes six runs: recycled, settled, slot begins, BINH, half a turn of the timer, window over. An echo
-/// spares one at least.
+/// A firing without echo takes six calls: recycled, settled, slot begins, BINH, half a turn of
+/// the timer, window over. An echo saves at least one.
 #[test]
 fn a_firing_takes_six_runs_at_most() {
     for fault in [
@@ -155,12 +155,12 @@ fn a_firing_takes_six_runs_at_most() {
         let mut bench = bench::<64>(fault);
         bench.serve_for(1_024);
         let runs = bench.serve_for(1_024);
-        // The time served may end in the middle of a firing.
+        // The time may end within a firing.
         assert!((48..=97).contains(&runs), "{fault:?}: {runs}");
     }
 }
 
-/// Once is enough: the next ring is complete after one turn.
+/// The self-test is not repeated: the next ring is complete after one turn.
 #[test]
 fn a_resumed_ring_repeats_no_self_test() {
     let mut bench = bench_with::<64>(ModuleFault::Nothing, Timing::relays().with_self_test());
@@ -171,7 +171,7 @@ fn a_resumed_ring_repeats_no_self_test() {
     assert_eq!(bench.heard().len(), 16);
 }
 
-/// Without supply nothing completes the ring: silence is told by modules only that have been heard to ring.
+/// Modules without supply report nothing, so the ring stays incomplete.
 #[test]
 fn modules_without_supply_report_nothing() {
     let timing = Timing::relays().with_self_test();
