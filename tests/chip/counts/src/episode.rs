@@ -1,4 +1,4 @@
-//! A whole episode through the controller, every event counted: 100 random moves, learning, decisions.
+//! Counts each event of an episode of the controller: 100 random moves, learning, decisions.
 
 use crate::room::SquareRoom;
 use crate::stopwatch::{InstructionStats, Stopwatch};
@@ -11,53 +11,53 @@ use core::hint::black_box;
 use cortex_m4::KERNELS;
 use heapless::Vec;
 
-/// Decisions towards the goal.
+/// Decisions per goal.
 pub const DECISIONS: usize = 32;
 
-/// What was counted.
+/// Instructions by kind of event.
 #[derive(Default)]
 pub struct EpisodeCounts {
-    /// An echo that completes a ring while exploring.
+    /// Echo that completes a ring while exploring.
     pub random_move: InstructionStats,
-    /// Any other echo of a robot at rest.
+    /// Other echo of a standing robot.
     pub echo: InstructionStats,
-    /// A tick while learning.
+    /// Tick while learning.
     pub tick: InstructionStats,
-    /// An echo that completes a ring while obstacles are avoided.
+    /// Echo that completes a ring, goal: avoid obstacles.
     pub decision: InstructionStats,
-    /// The same along a wall.
+    /// Goal: along a wall.
     pub along_wall: InstructionStats,
-    /// The same to a place.
+    /// Goal: to a place.
     pub to_place: InstructionStats,
-    /// The same while obstacles are passed on the right.
+    /// Goal: pass obstacles on the right.
     pub passing: InstructionStats,
-    /// The same after a leader that is not there.
+    /// Goal: follow a leader that is not there.
     pub following: InstructionStats,
-    /// The same while obstacles are avoided by the paper's four steps.
+    /// Goal: avoid obstacles, by the paper's four steps.
     pub four_steps: InstructionStats,
-    /// An echo of a moving robot.
+    /// Echo of a moving robot.
     pub guard: InstructionStats,
-    /// A report of the base.
+    /// Report of the base.
     pub odometry: InstructionStats,
 }
 
 /// A robot in its room.
 pub struct CountedEpisode<'a> {
     watch: &'a Stopwatch,
-    /// What the robot was told.
+    /// Configuration.
     pub config: Config<16>,
-    /// What it knows.
+    /// State of the controller.
     pub state: NomadState,
-    /// What it cost so far.
+    /// Instructions so far.
     pub counts: EpisodeCounts,
-    /// Its decisions towards the goal.
+    /// Decisions of the first goal.
     pub decisions: Vec<Decision<16>, DECISIONS>,
     room: SquareRoom,
     time: u32,
 }
 
 impl<'a> CountedEpisode<'a> {
-    /// The whole episode.
+    /// Runs the whole episode.
     pub fn new(watch: &'a Stopwatch, config: Config<16>) -> Self {
         let mut state = NomadState::new(Grid::rectangle(4, 4));
         state.use_kernels(&KERNELS);
@@ -128,7 +128,7 @@ impl<'a> CountedEpisode<'a> {
         self.counts.following = self.decisions_towards(following);
     }
 
-    /// What the next decisions towards a goal cost.
+    /// Instructions of the next decisions towards a goal.
     fn decisions_towards(&mut self, goal: Goal<16>) -> InstructionStats {
         let mut counted = InstructionStats::default();
         self.send(|| Event::Command(Command::Seek(goal)));
@@ -140,7 +140,7 @@ impl<'a> CountedEpisode<'a> {
         counted
     }
 
-    /// A ring heard at rest: what its last echo cost and brought about.
+    /// Sends a ring of a standing robot. Returns instructions and outputs of its last echo.
     fn ring(&mut self) -> (u32, Outputs<16>) {
         for sensor in 0..15 {
             let (instructions, _) = self.hear(sensor);
@@ -149,7 +149,7 @@ impl<'a> CountedEpisode<'a> {
         self.hear(15)
     }
 
-    /// Half of a motion, a ring heard on the way, which may shorten it, and the rest.
+    /// Drives half of a motion, sends a ring, which may shorten the motion, and drives the rest.
     fn carry_out(&mut self, motion: Option<Motion>) {
         let Some(mut motion) = motion else {
             return;
@@ -190,7 +190,8 @@ impl<'a> CountedEpisode<'a> {
         })
     }
 
-    /// Hands the controller an event made on the spot, of values the compiler cannot know.
+    /// Passes an event to the controller. It is built inside the counted call, from values that are
+    /// unknown to the compiler.
     #[inline(always)]
     fn send(&mut self, event: impl FnOnce() -> Event<16>) -> (u32, Outputs<16>) {
         let (config, state) = (&self.config, &mut self.state);

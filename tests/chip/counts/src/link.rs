@@ -1,4 +1,4 @@
-//! What the link costs: frames packed and unpacked, and a mind that decides by a frame.
+//! Counts the link: packing and unpacking of frames, and decisions of a node by frames.
 
 use crate::episode::CountedEpisode;
 use crate::room::SquareRoom;
@@ -19,7 +19,7 @@ use heapless::Vec;
 /// Decisions by frames.
 const DECISIONS: u32 = 32;
 
-/// Packing the decisions of an episode.
+/// Counts packing the decisions of an episode.
 pub fn packing(watch: &Stopwatch, episode: &CountedEpisode<'_>) -> InstructionStats {
     let mut stats = InstructionStats::default();
     for decision in &episode.decisions {
@@ -38,16 +38,16 @@ pub fn packing(watch: &Stopwatch, episode: &CountedEpisode<'_>) -> InstructionSt
     stats
 }
 
-/// What was counted.
+/// Instructions by kind of call.
 #[derive(Default)]
 pub struct LinkCounts {
     /// Unpacking a scan of 16 echoes.
     pub unpack: InstructionStats,
-    /// Everything a mind does with one that completes a ring: it answers with decision, motion and confirmation.
+    /// Processing a scan that completes a ring; the answer is decision, motion and Done.
     pub decision: InstructionStats,
 }
 
-/// A mind that knows what another learned, and the base it steers.
+/// A node with the maps of an episode, and the base that it controls.
 struct LinkedBase {
     node: NomadNode,
     sent: SentFrames,
@@ -56,7 +56,7 @@ struct LinkedBase {
     time: u32,
 }
 
-/// Decisions by frames, in the same room.
+/// Counts decisions by frames, in the same room.
 pub fn decisions(watch: &Stopwatch, episode: &CountedEpisode<'_>) -> LinkCounts {
     let mut counts = LinkCounts::default();
     let mut base = LinkedBase::new(episode);
@@ -115,12 +115,12 @@ impl LinkedBase {
                 order,
             });
         }
-        // The echoes of the first ring are not older than the session.
+        // Otherwise the echoes of the first ring would be older than the session.
         base.pass();
         base
     }
 
-    /// Writes what an episode's robot knows into the mind.
+    /// Uploads a part of the episode's state to the node.
     fn teach(&mut self, episode: &CountedEpisode<'_>, part: Part, of: controller::Part) {
         let mut offset = 0;
         loop {
@@ -165,7 +165,7 @@ impl LinkedBase {
         self.pass();
     }
 
-    /// A ring's time passes, with signs of life.
+    /// Advances the time of a ring, with Alive messages.
     fn pass(&mut self) {
         for _ in 0..4 {
             self.time += 160;
@@ -173,7 +173,7 @@ impl LinkedBase {
         }
     }
 
-    /// The next frame.
+    /// Packs the next frame.
     fn pack(&mut self, message: &ToMind<16>) -> Frame {
         self.seq += 1;
         let header = Header {
@@ -195,11 +195,11 @@ impl LinkedBase {
     }
 }
 
-/// Frames the mind sent: copied, as a queue would.
+/// Frames that the node sent, copied as by a queue.
 struct SentFrames(Vec<u8, 1_024>);
 
 impl SentFrames {
-    /// The motion among them.
+    /// The motion among the frames.
     fn motion(&self) -> Option<MotionOrder> {
         let frames = self.0.split(|byte| *byte == 0);
         let mut reports = frames.filter_map(|bytes| frame::unpack::<Report<16>>(bytes).ok());

@@ -1,4 +1,4 @@
-//! What the maps cost, one call at a time, on the code vectors and situations of an episode.
+//! Counts single calls of the maps, on code vectors and situations of an episode.
 
 use crate::episode::CountedEpisode;
 use crate::stopwatch::{InstructionStats, Stopwatch};
@@ -12,10 +12,10 @@ use core::hint::black_box;
 
 /// 0.05 in Q16.
 const RATE_Q16: u32 = 3_277;
-/// Half as much for the neighbors.
+/// Half of the winner's rate for the neighbors.
 const SHARE_Q16: u32 = 1 << 15;
 
-/// Searches of the situation map: the whole one, and its search by 16-bit values alone.
+/// Searches of the situation map: the exact one, and the one by 16-bit values.
 pub fn searches(watch: &Stopwatch, episode: &CountedEpisode<'_>) -> [InstructionStats; 2] {
     let map = episode.state.situations();
     let code = map.code();
@@ -39,7 +39,7 @@ pub fn searches(watch: &Stopwatch, episode: &CountedEpisode<'_>) -> [Instruction
     stats
 }
 
-/// Recalls as the default preset asks for them.
+/// Recalls with the probe of the default preset.
 pub fn recalls(watch: &Stopwatch, episode: &CountedEpisode<'_>) -> InstructionStats {
     let probe = Probe {
         recall: Recall::Direction,
@@ -65,8 +65,8 @@ pub fn recalls(watch: &Stopwatch, episode: &CountedEpisode<'_>) -> InstructionSt
     stats
 }
 
-/// A step of learning of the situation map and of the action map, without the search for the winner, for the winner alone
-/// and with four neighbors.
+/// Updates of the situation map and the action map without the search for the winner: for the
+/// winner alone, and with four neighbors.
 pub fn updates(watch: &Stopwatch, episode: &CountedEpisode<'_>) -> [[InstructionStats; 2]; 2] {
     [0, SHARE_Q16].map(|share_q16| {
         let update = Update::<16>::new(Neighborhood::Direct, RATE_Q16, share_q16);
@@ -74,7 +74,7 @@ pub fn updates(watch: &Stopwatch, episode: &CountedEpisode<'_>) -> [[Instruction
         let mut actions_map = episode.state.actions().clone();
         let mut stats = [InstructionStats::default(); 2];
         for pair in episode.decisions.windows(2) {
-            // Neuron 5 stands inside the grid and has four neighbors.
+            // Neuron 5 is inside the grid and has four neighbors.
             let winner = black_box(5);
             let after = &pair[1].situation;
             let (situation, ()) = watch.count(|| {

@@ -1,4 +1,4 @@
-//! The kernels written for the chip against the portable ones: the same neurons win, the same code vectors come of it.
+//! Compares the chip's kernels with the portable ones: same winners, same code vectors.
 
 use amp::action_map::{ActionMap, Effect};
 use amp::fixed::{Mask, Weight};
@@ -7,12 +7,12 @@ use amp::som::{Edges, Grid, Neighborhood, Som};
 use core::array::from_fn;
 use cortex_m4::KERNELS;
 
-/// Maps that are compared, and steps of learning on each.
+/// Pairs of maps, and updates of each.
 const MAPS: u32 = 24;
 const STEPS: u32 = 16;
 
-/// Stops the program if the kernels differ from the portable ones anywhere. Every third map's code vectors are a few units
-/// apart, so that ranks alone seldom tell who is nearest, and every third one's are at the ends of their range.
+/// Panics if the kernels differ anywhere. In every third map the code vectors are close together,
+/// so that ranks rarely decide the winner; in every third they are at the ends of their range.
 pub fn compare() {
     let mut rng = XorShift(1);
     for number in 0..MAPS {
@@ -49,7 +49,7 @@ fn learn(
             let value = i32::from(middle) + rng.below(spread) - spread / 2;
             Weight::from_bits(value.clamp(-8_192, 8_192) as i16)
         };
-        // At an even place and at an odd one: the kernels load words.
+        // At an even and an odd offset: the kernels load whole words.
         let mut room = [Weight::ZERO; 17];
         let place = step as usize % 2;
         for (value, middle) in room[place..].iter_mut().zip(middle) {
@@ -68,7 +68,7 @@ fn learn(
         let weight = [0, 256, 511, 512][step as usize % 4];
         let neuron = actions.winner(&effect, weight);
         assert_eq!(actions_simd.winner(&effect, weight), neuron);
-        // Rates and shares from 0 to 1, mostly below 1/2.
+        // Rates and shares from 0 to 1, most below 1/2.
         let (rate, share) = (rng.below(40_000) as u32, rng.below(65_536) as u32);
         let update = Update::new(Neighborhood::Direct, rate, share * (step % 3));
         situations.learn(winner, probe, Mask::ALL, &update);
@@ -79,7 +79,7 @@ fn learn(
     }
 }
 
-/// Numbers in no order (G. Marsaglia, Xorshift RNGs, 2003).
+/// Pseudo-random numbers (G. Marsaglia, Xorshift RNGs, 2003).
 struct XorShift(u32);
 
 impl XorShift {

@@ -1,7 +1,7 @@
-//! The program on the chip: what is counted, how much is allowed, and the table.
+//! The program on the chip: counts everything and prints the table with the allowed numbers.
 //!
-//! Allowed is what was counted when this was written and a tenth more: another compiler may need a little more, a change
-//! that needs much more should be noticed. Decisions and learning as a whole have bounds of their own: 30 000 and 30 million.
+//! Allowed is the count at the time of writing plus a tenth, so that another compiler passes and a
+//! costly change does not. Decisions and learning as a whole have their own limits.
 
 use crate::episode::CountedEpisode;
 use crate::stopwatch::{InstructionStats, Stopwatch};
@@ -12,12 +12,12 @@ use amp::node::NomadNode;
 use core::panic::PanicInfo;
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
-// The vectors of the chip's interrupts.
+// The chip's interrupt vectors.
 use stm32f4xx_hal as _;
 
 #[entry]
 fn main() -> ! {
-    let chip = cortex_m::Peripherals::take().expect("nobody else took them");
+    let chip = cortex_m::Peripherals::take().expect("not taken yet");
     let watch = Stopwatch::new(chip.SYST);
     reference::compare();
     let episode = CountedEpisode::new(&watch, Config::recommended());
@@ -37,7 +37,7 @@ fn main() -> ! {
     }
 }
 
-/// Most instructions of a decision, whatever the goal.
+/// Allowed instructions of a decision, for any goal.
 const DECISION: u32 = 30_000;
 
 fn print_maps(watch: &Stopwatch, episode: &CountedEpisode<'_>) {

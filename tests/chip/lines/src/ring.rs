@@ -1,4 +1,4 @@
-//! The runs of the ring's task but for the timer's registers: two rings, in which half of the transducers hear something.
+//! Counts the instructions of the ring's task, without the timer's registers, over two rings.
 
 use crate::stopwatch::{InstructionStats, Stopwatch};
 use amp::units::Millis;
@@ -12,8 +12,8 @@ use firmware::sonar_ring::{
 use firmware::uart::ErrorCounters;
 use heapless::spsc::Queue;
 
-/// At 168 MHz a tenth of the 87 µs that a byte takes at 115 200 baud, were every instruction one cycle: what the clock, of the
-/// same priority, may be late by.
+/// A tenth of the 87 µs per byte at 115 200 baud and 168 MHz, at one cycle per instruction: the
+/// acceptable delay of the clock task, which has the same priority.
 pub const ALLOWED: u32 = 1_460;
 
 /// A pin like the chip's: setting it is a store.
@@ -35,7 +35,7 @@ impl OutputPin for Pin {
     }
 }
 
-/// The test's clock, and what its line does.
+/// The test's time, and the ECHO line.
 struct FakeCapture {
     now_us: u32,
     line: EchoLine,
@@ -55,7 +55,7 @@ impl EchoCapture for FakeCapture {
     }
 }
 
-/// Every run until both rings are over.
+/// Counts every call until two rings are complete. Every other transducer hears an echo.
 pub fn count(watch: &Stopwatch) -> InstructionStats {
     let mut queue: Queue<RingReading, 64> = Queue::new();
     let (firings, _) = queue.split();
@@ -85,7 +85,7 @@ pub fn count(watch: &Stopwatch) -> InstructionStats {
         if capture.now_us > 2_048_000 {
             break;
         }
-        // An echo comes while the window lasts, in every other slot.
+        // In every other slot an echo comes within the window.
         let waits_for_echo = next_us.wrapping_sub(capture.now_us) > 30_000;
         capture.line = EchoLine::default();
         capture.now_us = next_us;

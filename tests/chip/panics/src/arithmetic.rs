@@ -1,4 +1,4 @@
-//! Numbers, quantities and the situation made of them.
+//! Numbers, quantities, scans and situations.
 
 use crate::{any, bytes, sink};
 use amp::fixed::{self, Gain, Mask, Weight, Weight32};

@@ -1,4 +1,4 @@
-//! The maps: kernels on slices of any length, maps of fixed size, measures, recall.
+//! Maps: kernels on slices of any length, maps of fixed size, quality measures, recall.
 
 use crate::arithmetic::{displacement, mask, weight};
 use crate::{any, sink};

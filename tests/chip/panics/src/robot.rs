@@ -1,4 +1,4 @@
-//! The robot as a function: configuration, goals, plans, shield, controller, what it knows in pieces.
+//! The controller: configuration, goals, plans, shield, events, transfer of its state.
 
 use crate::arithmetic::{bearing, displacement, echo, mask, now, weight};
 use crate::maps::grid;

@@ -1,4 +1,4 @@
-//! Frames, messages, the link's state and the mind behind it.
+//! Frames, messages, the state of the link, and the node.
 
 use crate::arithmetic::now;
 use crate::maps::grid;
@@ -91,7 +91,7 @@ fn linking() {
     sink(link);
 }
 
-/// Takes frames and may refuse them.
+/// A sink that may refuse any frame.
 struct Anywhere;
 
 impl FrameSink for Anywhere {
@@ -101,7 +101,7 @@ impl FrameSink for Anywhere {
     }
 }
 
-/// Flash that holds anything and may fail.
+/// Flash with any content that may fail.
 fn read(at: usize, out: &mut [u8]) -> bool {
     sink(at);
     for byte in out {
