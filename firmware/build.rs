@@ -8,7 +8,7 @@ fn main() {
     println!("cargo:rerun-if-changed=build.rs");
     let package = env::var("CARGO_MANIFEST_DIR").expect("cargo names the package's folder");
     name_the_build(&Path::new(&package).join(".."));
-    // Without this defmt compiles in errors only.
+    // The default of defmt is errors only.
     println!("cargo:rerun-if-env-changed=DEFMT_LOG");
     if env::var_os("DEFMT_LOG").is_none() {
         println!("cargo:rustc-env=DEFMT_LOG=info");

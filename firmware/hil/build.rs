@@ -1,11 +1,11 @@
-//! Tells the linker where the memory of the chip is, and to keep the list of tests.
+//! Passes the memory layout of the chip to the linker, which also has to keep the list of tests.
 
 use std::env;
 use std::path::Path;
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
-    // The macro for tests asks for it.
+    // The test macro uses this condition.
     println!("cargo:rustc-check-cfg=cfg(rust_analyzer)");
     if env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
         return;
@@ -17,7 +17,7 @@ fn main() {
     for argument in ["--nmagic", "-Tlink.x", "-Tdefmt.x", "-Tembedded-test.x"] {
         println!("cargo:rustc-link-arg-tests={argument}");
     }
-    // Without this defmt compiles in errors only.
+    // The default of defmt is errors only.
     println!("cargo:rerun-if-env-changed=DEFMT_LOG");
     if env::var_os("DEFMT_LOG").is_none() {
         println!("cargo:rustc-env=DEFMT_LOG=info");

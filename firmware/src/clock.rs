@@ -1,37 +1,33 @@
-//! Which oscillator clocks the processor: the crystal, if its frequency is a known one, else the internal oscillator.
+//! Which oscillator clocks the processor: a crystal of a known frequency, else the internal one.
 //!
-//! A board measures its crystal against the internal oscillator at the start. A crystal that does not start, or has a
-//! frequency that no board has, is not used: the serial link would run at a wrong rate. The internal oscillator is accurate
-//! to 1 % at 25 °C, which a serial link bears.
-//!
-//! A crystal may also pass the measurement and fail later. So a note in memory that outlives a reset says while it is tried,
-//! and that it has failed; it is then left alone until power comes on again. Such a crystal costs one restart, never one
-//! after the other without end.
+//! A board measures its crystal against the internal oscillator at each start. A trial record in
+//! RAM that outlives a reset says that a crystal passed and failed later: such a crystal is not
+//! used until the next power-on, so it causes one restart at most.
 
-use crate::crash::Flags;
+use crate::crash::ResetFlags;
 use amp::wire::message::Oscillator;
 
 /// Frequencies of crystals that can be multiplied to the processor's clock, hertz.
 const CRYSTALS_HZ: [u32; 5] = [4_000_000, 8_000_000, 12_000_000, 16_000_000, 25_000_000];
 
-/// Largest deviation of a measurement, percent: the internal oscillator's over temperature is 8 (STM32F405 data sheet
-/// DS8626), a crystal's is below 0.01.
+/// Largest deviation of a measurement, percent: the internal oscillator's is 8 over temperature
+/// (STM32F405 data sheet DS8626), a crystal's is below 0.01.
 const TOLERANCE_PERCENT: u64 = 9;
 
 /// What clocks the processor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ClockSource {
-    /// A crystal of so many hertz.
+    /// A crystal.
     Crystal {
-        /// Its nominal frequency.
+        /// Nominal frequency, hertz.
         hz: u32,
     },
-    /// The internal oscillator.
+    /// The internal oscillator: accurate to 1 % at 25 °C, which suffices for a serial link.
     Internal,
 }
 
 impl ClockSource {
-    /// What the hello says.
+    /// The oscillator as the Hello reports it.
     #[must_use]
     pub const fn oscillator(self) -> Oscillator {
         match self {
@@ -41,30 +37,30 @@ impl ClockSource {
     }
 }
 
-/// How long some periods of the crystal took.
+/// Duration of some periods of the crystal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Measurement {
     /// Periods of the crystal.
     pub periods: u32,
-    /// Periods of the reference meanwhile.
+    /// Periods of the reference in the same time.
     pub ticks: u32,
     /// Frequency of the reference, hertz.
     pub reference_hz: u32,
 }
 
-/// How often something may still be looked at, all waits together.
+/// Number of polls left; several waits share it.
 #[derive(Debug)]
-pub struct Looks(u32);
+pub struct PollBudget(u32);
 
-impl Looks {
-    /// So many looks.
+impl PollBudget {
+    /// A budget of `budget` polls.
     #[must_use]
-    pub const fn new(looks: u32) -> Self {
-        Self(looks)
+    pub const fn new(budget: u32) -> Self {
+        Self(budget)
     }
 
-    /// Looks until something is so; `None` when there are no looks left.
-    pub fn until(&mut self, is_so: impl Fn() -> bool) -> Option<()> {
+    /// Polls until `is_so` returns true; `None` when the budget is used up.
+    pub fn poll_until(&mut self, is_so: impl Fn() -> bool) -> Option<()> {
         while let Some(left) = self.0.checked_sub(1) {
             self.0 = left;
             if is_so() {
@@ -75,106 +71,110 @@ impl Looks {
     }
 }
 
-/// What is known of the crystal from runs before, since power came on.
+/// What earlier runs since power-on say about the crystal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Trial {
-    /// Nothing against it.
-    Clear,
-    /// It is measured, or has not clocked the program for long.
-    UnderWay,
-    /// It has failed.
+pub enum CrystalTrial {
+    /// No failure is known.
+    NoFailure,
+    /// The crystal is being measured, or has clocked the program for less than a second.
+    OnTrial,
+    /// The crystal has failed.
     Failed,
 }
 
-impl Trial {
-    /// At the start: whether the crystal is tried (`UnderWay`) or left alone (`Failed`).
+impl CrystalTrial {
+    /// The state at a start: `OnTrial` if the crystal may be used, else `Failed`.
     ///
-    /// Power that comes on gives it another trial. A start that hung ends by the watchdog; whether the crystal was the
-    /// reason is not known, and it is given up. A reset by the pin, or one that a debugger asks for, says nothing about it.
+    /// Power-on starts a new trial. A reset by the watchdog during a trial counts as a failure,
+    /// though its cause is unknown. Other resets do not.
     #[must_use]
-    pub const fn at_start(self, flags: Flags) -> Self {
+    pub const fn on_start(self, flags: ResetFlags) -> Self {
         let has_failed = match self {
-            Self::Clear => false,
-            Self::UnderWay => flags.watchdog,
+            Self::NoFailure => false,
+            Self::OnTrial => flags.watchdog,
             Self::Failed => true,
         };
         if has_failed && !flags.power {
             Self::Failed
         } else {
-            Self::UnderWay
+            Self::OnTrial
         }
     }
 
-    /// At a crash: a crystal under trial may have been the reason, and is given up. One that stops has failed in any case.
+    /// The state after a crash. A crash during the trial counts as a failure.
     #[must_use]
-    pub const fn at_crash(self) -> Self {
+    pub const fn on_crash(self) -> Self {
         match self {
-            Self::UnderWay => Self::Failed,
+            Self::OnTrial => Self::Failed,
             other => other,
         }
     }
 
-    /// The program has run for some time.
+    /// The state after the program has run for a second.
     #[must_use]
-    pub const fn at_proof(self) -> Self {
+    pub const fn on_proven(self) -> Self {
         match self {
-            Self::UnderWay => Self::Clear,
+            Self::OnTrial => Self::NoFailure,
             other => other,
         }
     }
 }
 
-/// A [`Trial`] as memory keeps it. Every bit pattern is a value of this type; what no trial looks like counts as none.
+/// A [`CrystalTrial`] as it is kept in RAM. Every bit pattern is a valid value of this type;
+/// an unknown one means `NoFailure`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(C)]
-pub struct Note {
-    mark: u32,
+pub struct TrialRecord {
+    code: u32,
     complement: u32,
 }
 
-impl Note {
-    /// Marks of the trials; any numbers that memory is unlikely to hold by itself.
-    const UNDER_WAY: u32 = 0x5eed_c1a1;
+impl TrialRecord {
+    /// Codes of the states; arbitrary numbers.
+    const ON_TRIAL: u32 = 0x5eed_c1a1;
     const FAILED: u32 = 0x5eed_c1a2;
 
-    /// The note of a trial.
+    /// The record of a state.
     #[must_use]
-    pub const fn of(trial: Trial) -> Self {
-        let mark = match trial {
-            Trial::Clear => 0,
-            Trial::UnderWay => Self::UNDER_WAY,
-            Trial::Failed => Self::FAILED,
+    pub const fn of(trial: CrystalTrial) -> Self {
+        let code = match trial {
+            CrystalTrial::NoFailure => 0,
+            CrystalTrial::OnTrial => Self::ON_TRIAL,
+            CrystalTrial::Failed => Self::FAILED,
         };
         Self {
-            mark,
-            complement: !mark,
+            code,
+            complement: !code,
         }
     }
 
-    /// The trial.
+    /// The recorded state.
     #[must_use]
-    pub const fn trial(self) -> Trial {
-        match self.mark {
-            _ if self.complement != !self.mark => Trial::Clear,
-            Self::UNDER_WAY => Trial::UnderWay,
-            Self::FAILED => Trial::Failed,
-            _ => Trial::Clear,
+    pub const fn trial(self) -> CrystalTrial {
+        match self.code {
+            _ if self.complement != !self.code => CrystalTrial::NoFailure,
+            Self::ON_TRIAL => CrystalTrial::OnTrial,
+            Self::FAILED => CrystalTrial::Failed,
+            _ => CrystalTrial::NoFailure,
         }
     }
 }
 
-/// The clock source by what is known of the crystal and by a measurement, which is made only if the crystal is tried; `None`
-/// = the crystal did not start.
+/// Chooses the clock source. `measure` is called only if the crystal may be used; it returns
+/// `None` if the crystal does not start.
 #[must_use]
-pub fn choose(trial: Trial, measure: impl FnOnce() -> Option<Measurement>) -> ClockSource {
+pub fn choose_source(
+    trial: CrystalTrial,
+    measure: impl FnOnce() -> Option<Measurement>,
+) -> ClockSource {
     match trial {
-        Trial::Failed => ClockSource::Internal,
-        Trial::Clear | Trial::UnderWay => by(measure()),
+        CrystalTrial::Failed => ClockSource::Internal,
+        CrystalTrial::NoFailure | CrystalTrial::OnTrial => source_by(measure()),
     }
 }
 
-/// The clock source by a measurement.
-fn by(measured: Option<Measurement>) -> ClockSource {
+/// The clock source by a measurement of the crystal.
+fn source_by(measured: Option<Measurement>) -> ClockSource {
     let hz = measured.and_then(|measured| {
         let periods = u64::from(measured.periods) * u64::from(measured.reference_hz);
         periods.checked_div(measured.ticks.into())
@@ -197,7 +197,7 @@ mod tests {
 
     const REFERENCE_HZ: u32 = 16_000_000;
 
-    /// 25 600 periods of a crystal, by a reference that deviates by so many parts of a thousand.
+    /// 25 600 periods of a crystal, measured by a reference that deviates by `deviation` per mille.
     fn measured(crystal_hz: u64, deviation: i64) -> Option<Measurement> {
         let reference_hz = (i64::from(REFERENCE_HZ) * (1_000 + deviation) / 1_000) as u64;
         Some(Measurement {
@@ -211,7 +211,8 @@ mod tests {
     fn each_crystal_is_recognized_over_the_references_whole_range() {
         for hz in [4_000_000, 8_000_000, 12_000_000, 16_000_000, 25_000_000] {
             for deviation in -80..=45 {
-                let chosen = choose(Trial::UnderWay, || measured(hz.into(), deviation));
+                let chosen =
+                    choose_source(CrystalTrial::OnTrial, || measured(hz.into(), deviation));
                 assert_eq!(chosen, ClockSource::Crystal { hz }, "{deviation}");
             }
         }
@@ -222,150 +223,167 @@ mod tests {
         for hz in [
             32_768, 1_000_000, 6_000_000, 10_000_000, 20_000_000, 50_000_000,
         ] {
-            assert_eq!(by(measured(hz, 0)), ClockSource::Internal, "{hz}");
+            assert_eq!(source_by(measured(hz, 0)), ClockSource::Internal, "{hz}");
         }
     }
 
     #[test]
     fn a_dead_crystal_is_not_used() {
-        assert_eq!(by(None), ClockSource::Internal);
+        assert_eq!(source_by(None), ClockSource::Internal);
         let none = Measurement {
             periods: 25_600,
             ticks: 0,
             reference_hz: REFERENCE_HZ,
         };
-        assert_eq!(by(Some(none)), ClockSource::Internal);
+        assert_eq!(source_by(Some(none)), ClockSource::Internal);
     }
 
     #[test]
     fn all_waits_of_a_measurement_share_one_budget() {
-        let mut looks = Looks::new(5);
+        let mut budget = PollBudget::new(5);
         let looked = core::cell::Cell::new(0);
-        // So at each third look.
+        // True at each third poll.
         let rare = || {
             looked.set(looked.get() + 1);
             looked.get() % 3 == 0
         };
-        assert_eq!(looks.until(rare), Some(()));
-        assert_eq!(looks.until(rare), None);
+        assert_eq!(budget.poll_until(rare), Some(()));
+        assert_eq!(budget.poll_until(rare), None);
         assert_eq!(looked.get(), 5);
-        assert_eq!(looks.until(|| true), None);
+        assert_eq!(budget.poll_until(|| true), None);
     }
 
-    const POWER: Flags = Flags {
+    const POWER: ResetFlags = ResetFlags {
         power: true,
         watchdog: false,
         software: false,
         pin: true,
     };
-    const WATCHDOG: Flags = Flags {
+    const WATCHDOG: ResetFlags = ResetFlags {
         power: false,
         watchdog: true,
         ..POWER
     };
-    const SOFTWARE: Flags = Flags {
+    const SOFTWARE: ResetFlags = ResetFlags {
         power: false,
         software: true,
         ..POWER
     };
-    const PIN: Flags = Flags {
+    const PIN: ResetFlags = ResetFlags {
         power: false,
         ..POWER
     };
 
     #[test]
-    fn a_crystal_that_failed_is_left_alone_until_power_comes_on() {
-        use Trial::{Clear, Failed, UnderWay};
+    fn a_failed_crystal_is_not_used_until_power_on() {
+        use CrystalTrial::{Failed, NoFailure, OnTrial};
         for (before, flags, now) in [
-            (Clear, POWER, UnderWay),
-            (Clear, WATCHDOG, UnderWay),
-            (Clear, SOFTWARE, UnderWay),
-            (Clear, PIN, UnderWay),
-            (UnderWay, POWER, UnderWay),
-            (UnderWay, WATCHDOG, Failed),
-            (UnderWay, SOFTWARE, UnderWay),
-            (UnderWay, PIN, UnderWay),
-            (Failed, POWER, UnderWay),
+            (NoFailure, POWER, OnTrial),
+            (NoFailure, WATCHDOG, OnTrial),
+            (NoFailure, SOFTWARE, OnTrial),
+            (NoFailure, PIN, OnTrial),
+            (OnTrial, POWER, OnTrial),
+            (OnTrial, WATCHDOG, Failed),
+            (OnTrial, SOFTWARE, OnTrial),
+            (OnTrial, PIN, OnTrial),
+            (Failed, POWER, OnTrial),
             (Failed, WATCHDOG, Failed),
             (Failed, SOFTWARE, Failed),
             (Failed, PIN, Failed),
         ] {
-            assert_eq!(before.at_start(flags), now, "{before:?}, {flags:?}");
+            assert_eq!(before.on_start(flags), now, "{before:?}, {flags:?}");
         }
-        let unmeasured = choose(Failed, || panic!("it is left alone"));
+        let unmeasured = choose_source(Failed, || panic!("it is left alone"));
         assert_eq!(unmeasured, ClockSource::Internal);
     }
 
     #[test]
-    fn crashes_and_time_change_what_is_known_of_the_crystal() {
-        use Trial::{Clear, Failed, UnderWay};
+    fn crashes_and_time_change_the_trial() {
+        use CrystalTrial::{Failed, NoFailure, OnTrial};
         for (before, crashed, proved) in [
-            (Clear, Clear, Clear),
-            (UnderWay, Failed, Clear),
+            (NoFailure, NoFailure, NoFailure),
+            (OnTrial, Failed, NoFailure),
             (Failed, Failed, Failed),
         ] {
-            assert_eq!(before.at_crash(), crashed, "{before:?}");
-            assert_eq!(before.at_proof(), proved, "{before:?}");
+            assert_eq!(before.on_crash(), crashed, "{before:?}");
+            assert_eq!(before.on_proven(), proved, "{before:?}");
         }
     }
 
-    /// A crystal that is measured well each time, and stops, lets the program crash, or the start hang.
+    /// The crystal passes each measurement, then stops, or crashes or hangs the program.
     #[test]
     fn no_crystal_restarts_the_chip_more_than_once() {
         #[derive(Debug, Clone, Copy, PartialEq)]
-        enum End {
+        enum CrystalDefect {
             Stops,
             Crashes,
             Hangs,
         }
-        for end in [End::Stops, End::Crashes, End::Hangs] {
-            let (mut note, mut flags, mut restarts) = (Note::of(Trial::Failed), POWER, 0);
+        for end in [
+            CrystalDefect::Stops,
+            CrystalDefect::Crashes,
+            CrystalDefect::Hangs,
+        ] {
+            let (mut record, mut flags, mut restarts) =
+                (TrialRecord::of(CrystalTrial::Failed), POWER, 0);
             loop {
-                let trial = note.trial().at_start(flags);
-                note = Note::of(trial);
-                let chosen = choose(trial, || measured(8_000_000, 0));
+                let trial = record.trial().on_start(flags);
+                record = TrialRecord::of(trial);
+                let chosen = choose_source(trial, || measured(8_000_000, 0));
                 if chosen == ClockSource::Internal {
                     break;
                 }
-                (note, flags) = match end {
-                    End::Stops => (Note::of(Trial::Failed), SOFTWARE),
-                    End::Crashes => (Note::of(note.trial().at_crash()), SOFTWARE),
-                    End::Hangs => (note, WATCHDOG),
+                (record, flags) = match end {
+                    CrystalDefect::Stops => (TrialRecord::of(CrystalTrial::Failed), SOFTWARE),
+                    CrystalDefect::Crashes => {
+                        (TrialRecord::of(record.trial().on_crash()), SOFTWARE)
+                    }
+                    CrystalDefect::Hangs => (record, WATCHDOG),
                 };
                 restarts += 1;
                 assert_eq!(restarts, 1, "{end:?}");
             }
-            assert_eq!((restarts, note.trial()), (1, Trial::Failed));
+            assert_eq!((restarts, record.trial()), (1, CrystalTrial::Failed));
         }
     }
 
     #[test]
-    fn a_note_comes_back_and_memory_after_power_on_is_none() {
-        for trial in [Trial::Clear, Trial::UnderWay, Trial::Failed] {
-            let note = Note::of(trial);
-            assert_eq!(note.trial(), trial);
+    fn a_trial_survives_its_record_and_random_memory_is_no_record() {
+        for trial in [
+            CrystalTrial::NoFailure,
+            CrystalTrial::OnTrial,
+            CrystalTrial::Failed,
+        ] {
+            let record = TrialRecord::of(trial);
+            assert_eq!(record.trial(), trial);
             for bit in 0..32 {
                 let flip = 1 << bit;
-                for (mark, complement) in [(flip, 0), (0, flip), (flip, flip)] {
-                    let changed = Note {
-                        mark: note.mark ^ mark,
-                        complement: note.complement ^ complement,
+                for (code, complement) in [(flip, 0), (0, flip), (flip, flip)] {
+                    let changed = TrialRecord {
+                        code: record.code ^ code,
+                        complement: record.complement ^ complement,
                     };
-                    assert_eq!(changed.trial(), Trial::Clear, "{trial:?}, {bit}");
+                    assert_eq!(changed.trial(), CrystalTrial::NoFailure, "{trial:?}, {bit}");
                 }
             }
         }
-        for (mark, complement) in [(0, 0), (u32::MAX, u32::MAX), (0, u32::MAX)] {
-            assert_eq!(Note { mark, complement }.trial(), Trial::Clear);
+        for (code, complement) in [(0, 0), (u32::MAX, u32::MAX), (0, u32::MAX)] {
+            assert_eq!(
+                TrialRecord { code, complement }.trial(),
+                CrystalTrial::NoFailure
+            );
         }
         for halves in [[0x5eed_c1a1, 0], [0x5eed_c1a2, 0x5eed_c1a2]] {
-            let [mark, complement] = halves;
-            assert_eq!(Note { mark, complement }.trial(), Trial::Clear);
+            let [code, complement] = halves;
+            assert_eq!(
+                TrialRecord { code, complement }.trial(),
+                CrystalTrial::NoFailure
+            );
         }
     }
 
     #[test]
-    fn the_hello_says_which() {
+    fn the_hello_reports_the_oscillator() {
         let crystal = ClockSource::Crystal { hz: 8_000_000 };
         assert_eq!(crystal.oscillator(), Oscillator::Crystal);
         assert_eq!(ClockSource::Internal.oscillator(), Oscillator::Internal);

@@ -1,12 +1,12 @@
-//! The control task: received bytes and passing time in, frames out. It owns the mind.
+//! The control task: takes received bytes and the time, runs the node, and queues frames to send.
 //!
-//! It is not paced: it runs when a frame has come, when the clock says that time has passed, and again at once while there
-//! is more to do. Learning is done in slices between events, so that an event waits for one slice at most.
+//! It runs when a frame has arrived, every 10 ms, and again at once while work is left.
+//! Learning is done in slices between events, so an event waits for at most one slice.
 
-use crate::line::{Faults, FrameSink};
 use crate::persist::{NoFlash, Store};
 use crate::safety::Alarms;
-use crate::sonar_ring::Firing;
+use crate::sonar_ring::RingReading;
+use crate::uart::{ErrorCounters, TxQueue};
 use amp::config::Config;
 use amp::controller::{Mode, StopReason};
 use amp::node::{Identity, NomadNode};
@@ -17,139 +17,141 @@ use amp::wire::message::{Flash, FlashError, Source};
 use embedded_storage::nor_flash::NorFlash;
 use heapless::spsc::Consumer;
 
-/// Starts the mind of the Nomad 200 with the recommended configuration: 16 transducers, 16 neurons to a map, a hundred
-/// samples. It says hello.
+/// Starts a node for the Nomad 200 with the recommended configuration: 16 transducers, 16 neurons
+/// per map, 100 samples. Sends its Hello.
 pub fn start(
-    mind: &mut NomadNode,
+    node: &mut NomadNode,
     identity: Identity,
     now: Millis,
     out: &mut impl amp::node::FrameSink,
 ) {
-    prepare(mind, identity);
-    mind.hello(now, out);
+    prepare(node, identity);
+    node.hello(now, out);
 }
 
-fn prepare(mind: &mut NomadNode, identity: Identity) {
-    mind.prepare(&Config::recommended(), Grid::rectangle(4, 4), identity);
+fn prepare(node: &mut NomadNode, identity: Identity) {
+    node.prepare(&Config::recommended(), Grid::rectangle(4, 4), identity);
 }
 
-/// Something the log should know.
+/// A change for the log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LogEvent {
-    /// A host is there.
+    /// A host has opened a session.
     Linked,
-    /// It is gone.
+    /// The host has fallen silent.
     Unlinked,
-    /// Bytes lost on the line so far, if these are more than last time.
+    /// Total of received bytes that were lost; it has grown.
     BytesLost(u32),
 }
 
 #[cfg(all(feature = "defmt", target_os = "none"))]
 impl LogEvent {
-    /// Writes it to the log, which holds off every interrupt for as long as a line takes.
+    /// Writes the event to the log. This masks every interrupt while the line is written.
     pub fn log(self) {
         match self {
-            Self::Linked => defmt::info!("a host is there"),
-            Self::Unlinked => defmt::warn!("no host any more"),
-            Self::BytesLost(bytes) => defmt::warn!("{=u32} bytes lost so far", bytes),
+            Self::Linked => defmt::info!("host connected"),
+            Self::Unlinked => defmt::warn!("host lost"),
+            Self::BytesLost(bytes) => defmt::warn!("{=u32} bytes lost since the start", bytes),
         }
     }
 }
 
-/// Everything the control task works with; what outlives a loss of power lies in the flash `F`, if there is one.
+/// The state of the control task. `F` is the flash for saved images, if the board has one.
 pub struct Control<'parts, F = NoFlash> {
-    mind: &'parts mut NomadNode,
+    node: &'parts mut NomadNode,
     receiver: Receiver,
     received: Consumer<'parts, u8>,
-    ring: Option<Consumer<'parts, Firing>>,
-    outbox: FrameSink<'parts>,
-    faults: &'parts Faults,
+    ring: Option<Consumer<'parts, RingReading>>,
+    tx: TxQueue<'parts>,
+    errors: &'parts ErrorCounters,
     store: Option<Store<F>>,
-    /// Whether a request for the flash will bring a pause, once it has been announced.
-    announced: Option<bool>,
-    is_watchdog_patient: bool,
-    /// Why the robot must not move at present.
+    /// Whether the flash task in progress pauses everything; `None` before that is known.
+    flash_task_pauses: Option<bool>,
+    has_long_timeout: bool,
+    /// Why the robot must stand still at present.
     alarm: Option<StopReason>,
     last_run: Millis,
-    known_linked: bool,
-    known_lost: u32,
+    logged_linked: bool,
+    logged_losses: u32,
 }
 
 impl<'parts, F: NorFlash> Control<'parts, F> {
-    /// A mind that is yet to be started, between two queues. Without a `store` nothing outlives a loss of power.
+    /// A control task for a node that is not started yet. Without a `store` nothing is saved.
     #[must_use]
     pub fn new(
-        mind: &'parts mut NomadNode,
+        node: &'parts mut NomadNode,
         received: Consumer<'parts, u8>,
-        outbox: FrameSink<'parts>,
-        faults: &'parts Faults,
+        tx: TxQueue<'parts>,
+        errors: &'parts ErrorCounters,
         store: Option<Store<F>>,
     ) -> Self {
         Self {
-            mind,
+            node,
             receiver: Receiver::new(),
             received,
             ring: None,
-            outbox,
-            faults,
+            tx,
+            errors,
             store,
-            announced: None,
-            is_watchdog_patient: false,
+            flash_task_pauses: None,
+            has_long_timeout: false,
             alarm: None,
             last_run: Millis::from_ms(0),
-            known_linked: false,
-            known_lost: 0,
+            logged_linked: false,
+            logged_losses: 0,
         }
     }
 
-    /// The same with a ring of its own.
+    /// Adds a ring of sonars at the board's own pins.
     #[must_use]
-    pub fn with_ring(mut self, ring: Consumer<'parts, Firing>) -> Self {
+    pub fn with_ring(mut self, ring: Consumer<'parts, RingReading>) -> Self {
         self.ring = Some(ring);
         self
     }
 
-    /// Whether the ring is to fire: not while flash is in use, when its clock may stand still.
+    /// Whether the ring must fire. Not while flash is in use: its timer may then stop.
     #[must_use]
-    pub fn wants_ring(&self) -> bool {
-        self.ring.is_some() && self.mind.source() == Source::Ring && self.announced.is_none()
+    pub fn needs_ring(&self) -> bool {
+        self.ring.is_some()
+            && self.node.source() == Source::Ring
+            && self.flash_task_pauses.is_none()
     }
 
-    /// Starts the mind at the time `now` with what was saved last, if anything was. May erase a sector of flash before, for
-    /// seconds.
-    // Not a part of the caller's stack for good.
+    /// Starts the node at `now` and loads the newest saved image, if there is one. May first erase
+    /// a sector of flash, which takes seconds.
+    // Not inlined: its stack frame would stay part of the caller's.
     #[inline(never)]
     pub fn start(&mut self, identity: Identity, now: Millis) {
         self.last_run = now;
-        prepare(self.mind, identity);
-        // A flash that fails does so again, and says so, when something is to be saved; what cannot be recalled is told by
-        // the hello's checksums.
+        prepare(self.node, identity);
+        // Errors need no report here: a faulty flash fails again at the next save, and the
+        // checksums in the Hello show whether an image was loaded.
         if let Some(store) = &mut self.store {
-            let _ = store.tidy();
-            let _ = recall(self.mind, store);
+            let _ = store.ensure_free_slot();
+            let _ = load_latest(self.node, store);
         }
-        self.mind.hello(now, &mut self.outbox);
+        self.node.hello(now, &mut self.tx);
     }
 
-    /// Whether a host is there.
+    /// Whether a host is connected.
     #[must_use]
     pub const fn is_linked(&self) -> bool {
-        self.mind.is_linked()
+        self.node.is_linked()
     }
 
-    /// Whether the robot moves by itself at `now`: it explores or seeks, and a host has been heard lately by the clock here, whichever
-    /// clock the session has.
+    /// Whether the robot may move at `now`: it explores or seeks, and a host was heard lately by
+    /// the device's clock, whichever clock the session uses.
     #[must_use]
     pub fn may_move(&self, now: Millis) -> bool {
-        self.mind.has_heard_host(now)
+        self.node.has_heard_host(now)
             && matches!(
-                self.mind.state().mode(),
+                self.node.state().mode(),
                 Mode::Explore { .. } | Mode::Seek { .. }
             )
     }
 
-    /// Stops the robot, or ends the motion under way, as the lines of the board say. A stop lasts until the lines are looked at
-    /// again.
+    /// Stops the robot, or ends the motion in progress, as the safety lines require. A stop holds
+    /// until the next call.
     pub fn apply_alarms(&mut self, alarms: Alarms, low_voltage: bool, now: Millis) {
         self.alarm = if alarms.emergency_stop {
             Some(StopReason::EmergencyStop)
@@ -158,109 +160,113 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
         } else {
             alarms.bumper_open.then_some(StopReason::BumperOpen)
         };
-        self.keep_stopped(now);
+        self.stop_if_alarmed(now);
         if alarms.touched {
-            self.mind.touched(now, &mut self.outbox);
+            self.node.touched(now, &mut self.tx);
         }
     }
 
-    /// Stops the robot if it must not move. After each frame: the next one may complete a ring.
-    fn keep_stopped(&mut self, now: Millis) {
+    /// Stops the robot if an alarm is active. After each frame: the next may complete a ring.
+    fn stop_if_alarmed(&mut self, now: Millis) {
         if let Some(reason) = self.alarm {
-            self.mind.alarm(reason, now, &mut self.outbox);
+            self.node.alarm(reason, now, &mut self.tx);
         }
     }
 
-    /// Deals with what was received and with the time that has passed. True: there is more to do at once.
-    // Not a part of the caller's stack, where it would add to that of each task it calls.
+    /// Processes received bytes and the time. Returns whether work is left.
+    // Not inlined: its stack frame would add to that of each function the caller calls.
     #[inline(never)]
     #[must_use]
     pub fn run(&mut self, now: Millis) -> bool {
-        self.count(now);
-        if let Some(task) = self.mind.flash_task() {
-            return self.serve_flash(task, now);
+        self.update_counters(now);
+        if let Some(task) = self.node.flash_task() {
+            return self.run_flash_task(task, now);
         }
-        let more_bytes = self.drain(now);
-        self.hear_ring(now);
-        let more_work = self.mind.tick(now, &mut self.outbox);
+        let more_bytes = self.receive_bytes(now);
+        self.receive_ring(now);
+        let more_work = self.node.tick(now, &mut self.tx);
         more_bytes || more_work
     }
 
-    /// Whether the watchdog has to bear a pause before this goes on: an erasure, or an image that is written as slowly as may be.
+    /// Whether the watchdog must get its long timeout before work continues: flash will be erased
+    /// or written.
     #[must_use]
-    pub fn wants_patience(&self) -> bool {
-        self.announced == Some(true)
+    pub fn needs_long_timeout(&self) -> bool {
+        self.flash_task_pauses == Some(true)
     }
 
-    /// Says whether the watchdog bears a pause.
-    pub fn note_patience(&mut self, patient: bool) {
-        self.is_watchdog_patient = patient;
+    /// Notes whether the watchdog has its long timeout.
+    pub fn set_has_long_timeout(&mut self, has_long_timeout: bool) {
+        self.has_long_timeout = has_long_timeout;
     }
 
-    /// Announces the pause, lets the announcement go out, and does it. Frames wait meanwhile.
-    // Not a part of every run's stack.
+    /// Announces the pause, waits until the announcement is sent, then does the task. Meanwhile
+    /// received frames wait.
+    // Not inlined: its stack frame would be part of every run.
     #[inline(never)]
-    fn serve_flash(&mut self, task: Flash, now: Millis) -> bool {
+    fn run_flash_task(&mut self, task: Flash, now: Millis) -> bool {
         let Some(store) = &mut self.store else {
             let absent = Err(FlashError::Absent);
-            self.mind.flash_done(absent, now, &mut self.outbox);
+            self.node.flash_done(absent, now, &mut self.tx);
             return true;
         };
-        let Some(pauses) = self.announced else {
+        let Some(pauses) = self.flash_task_pauses else {
             let pause_ms = store.pause_ms(task);
-            self.announced = Some(pause_ms > 0);
+            self.flash_task_pauses = Some(pause_ms > 0);
             if pause_ms > 0 {
-                self.mind.announce_pause(pause_ms, now, &mut self.outbox);
+                self.node.announce_pause(pause_ms, now, &mut self.tx);
             }
             return pause_ms == 0;
         };
-        if !self.outbox.is_empty() || (pauses && !self.is_watchdog_patient) {
+        if !self.tx.is_empty() || (pauses && !self.has_long_timeout) {
             return false;
         }
         let result = match task {
-            Flash::Save => store.save(&self.mind.contents()),
-            Flash::Recall => recall(self.mind, store),
+            Flash::Save => store.save(&self.node.contents()),
+            Flash::Recall => load_latest(self.node, store),
             Flash::Erase => store.erase(),
         };
-        self.announced = None;
-        self.mind.flash_done(result, now, &mut self.outbox);
+        self.flash_task_pauses = None;
+        self.node.flash_done(result, now, &mut self.tx);
         true
     }
 
-    /// Whether frames were queued since this was asked last.
+    /// Whether frames were queued since the last call.
     #[must_use]
-    pub fn take_sent(&mut self) -> bool {
-        self.outbox.take_sent()
+    pub fn take_queued(&mut self) -> bool {
+        self.tx.take_queued()
     }
 
-    /// Notes how deep the stack has been.
-    pub fn note_stack(&mut self, peak_bytes: u32) {
-        self.mind.device_counters().stack_peak_bytes = peak_bytes;
+    /// Notes the greatest depth of the stack.
+    pub fn set_stack_peak(&mut self, peak_bytes: u32) {
+        self.node.device_counters().stack_peak_bytes = peak_bytes;
     }
 
-    /// One thing that has changed since this was asked last.
-    pub fn news(&mut self) -> Option<LogEvent> {
+    /// The next change since the last call.
+    pub fn next_log_event(&mut self) -> Option<LogEvent> {
         let (linked, lost) = (
             self.is_linked(),
-            self.faults.overruns().wrapping_add(self.faults.lost()),
+            self.errors
+                .overruns()
+                .wrapping_add(self.errors.queue_full()),
         );
-        if linked != self.known_linked {
-            self.known_linked = linked;
+        if linked != self.logged_linked {
+            self.logged_linked = linked;
             return Some(if linked {
                 LogEvent::Linked
             } else {
                 LogEvent::Unlinked
             });
         }
-        if lost != self.known_lost {
-            self.known_lost = lost;
+        if lost != self.logged_losses {
+            self.logged_losses = lost;
             return Some(LogEvent::BytesLost(lost));
         }
         None
     }
 
-    /// Takes no more bytes than the queue holds, so that a flood of them cannot keep time from passing.
-    fn drain(&mut self, now: Millis) -> bool {
+    /// Takes at most one queue of bytes, so that a flood cannot keep `run` from returning.
+    fn receive_bytes(&mut self, now: Millis) -> bool {
         for _ in 0..self.received.capacity() {
             let Some(byte) = self.received.dequeue() else {
                 return false;
@@ -268,9 +274,9 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
             if let Some(frame) = self.receiver.push(byte) {
                 #[cfg(feature = "crash-test")]
                 crate::crash_test::run_if_requested(frame);
-                self.mind.frame(now, frame, &mut self.outbox);
-                self.keep_stopped(now);
-                if self.mind.flash_task().is_some() {
+                self.node.frame(now, frame, &mut self.tx);
+                self.stop_if_alarmed(now);
+                if self.node.flash_task().is_some() {
                     return true;
                 }
             }
@@ -278,35 +284,35 @@ impl<'parts, F: NorFlash> Control<'parts, F> {
         self.received.ready()
     }
 
-    /// Hands on what the ring has heard. What its line has spoilt is not among it, and nothing is known of those
-    /// transducers.
-    fn hear_ring(&mut self, now: Millis) {
+    /// Passes the ring's readings to the node. Faulty firings are not among them, so nothing is
+    /// known of those transducers.
+    fn receive_ring(&mut self, now: Millis) {
         let Some(ring) = &mut self.ring else { return };
         for _ in 0..ring.capacity() {
-            let Some(Firing { sensor, range, at }) = ring.dequeue() else {
+            let Some(RingReading { sensor, range, at }) = ring.dequeue() else {
                 return;
             };
-            self.mind
-                .ring_echo(sensor, range, now.since(at), now, &mut self.outbox);
+            self.node
+                .ring_echo(sensor, range, now.since(at), now, &mut self.tx);
         }
     }
 
-    fn count(&mut self, now: Millis) {
+    fn update_counters(&mut self, now: Millis) {
         let waited_ms = now.since(self.last_run);
         self.last_run = now;
-        self.mind.set_oversized(self.receiver.oversized());
-        let counters = self.mind.device_counters();
-        counters.overruns = self.faults.overruns();
-        counters.queue_losses = self.faults.lost();
-        counters.ring_faults = self.faults.spoilt();
+        self.node.set_oversized(self.receiver.oversized());
+        let counters = self.node.device_counters();
+        counters.overruns = self.errors.overruns();
+        counters.queue_losses = self.errors.queue_full();
+        counters.ring_faults = self.errors.ring_faults();
         counters.ticks = counters.ticks.wrapping_add(1);
         counters.longest_tick_ms = counters.longest_tick_ms.max(waited_ms);
     }
 }
 
-/// Replaces what the mind knows by what was saved last.
-fn recall<F: NorFlash>(mind: &mut NomadNode, store: &mut Store<F>) -> Result<(), FlashError> {
-    store.recall(|read, most| mind.recall(read, most))
+/// Replaces the node's configuration and state by the newest saved image.
+fn load_latest<F: NorFlash>(node: &mut NomadNode, store: &mut Store<F>) -> Result<(), FlashError> {
+    store.load(|read, most| node.recall(read, most))
 }
 
 #[cfg(test)]

@@ -1,19 +1,19 @@
-//! What is kept of a crash over the reset that follows it.
+//! The record of a crash, kept over the reset that follows it, and the cause of a reset.
 //!
-//! The record lies in memory that start-up code does not touch. After power came on that memory holds anything, so a
-//! record is believed only with the right magic number, lengths within bounds and the right sum.
+//! The record is in RAM that start-up code does not initialize. After power-on this RAM holds
+//! random data: a record is valid only with its magic number, a plausible length and its checksum.
 
 use amp::wire::message::ResetCause;
 
-/// Most bytes of text.
+/// Capacity of the text, bytes.
 const TEXT_BYTES: usize = 64;
 
-/// Marks a record; any number that memory is unlikely to hold by itself.
+/// Marks a record; an arbitrary number.
 const MAGIC: u32 = 0x5eed_c4a5;
 
-/// What happened.
+/// What caused a crash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Cause {
+pub enum CrashCause {
     /// The program panicked.
     Panic,
     /// The processor faulted.
@@ -22,7 +22,7 @@ pub enum Cause {
     StackOverflow,
 }
 
-impl Cause {
+impl CrashCause {
     const fn code(self) -> u32 {
         match self {
             Self::Panic => 1,
@@ -41,21 +41,21 @@ impl Cause {
     }
 }
 
-/// A short text; what does not fit is cut off. Without `core::fmt`, which would cost 3 KiB of flash.
+/// A short text, cut off at its capacity. `core::fmt` would cost 3 KiB of flash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Text {
+pub struct CrashText {
     bytes: [u8; TEXT_BYTES],
     length: usize,
 }
 
-impl Default for Text {
+impl Default for CrashText {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl Text {
-    /// Nothing.
+impl CrashText {
+    /// The empty text.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -64,7 +64,7 @@ impl Text {
         }
     }
 
-    /// Appends.
+    /// Appends a text.
     pub fn push(&mut self, text: &str) {
         let room = self.bytes.get_mut(self.length..).unwrap_or_default();
         for (place, byte) in room.iter_mut().zip(text.bytes()) {
@@ -99,7 +99,7 @@ impl Text {
         }
     }
 
-    /// The text as far as it is text: a character cut in half is left out.
+    /// The text, without a character that was cut in half at the end.
     #[must_use]
     pub fn as_str(&self) -> &str {
         let bytes = self.bytes.get(..self.length).unwrap_or_default();
@@ -111,27 +111,27 @@ impl Text {
 /// A crash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Crash {
-    /// What happened.
-    pub cause: Cause,
-    /// Where the processor was, if that is known.
+    /// What caused it.
+    pub cause: CrashCause,
+    /// Program counter; 0 = unknown.
     pub program_counter: u32,
-    /// Something for a person to read.
-    pub text: Text,
+    /// Description for the log.
+    pub text: CrashText,
 }
 
-/// A crash as memory keeps it. Every bit pattern is a value of this type.
+/// A crash as it is kept in RAM. Every bit pattern is a valid value of this type.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(C)]
-pub struct Record {
+pub struct CrashRecord {
     magic: u32,
     cause: u32,
     program_counter: u32,
     length: u32,
     text: [u8; TEXT_BYTES],
-    sum: u32,
+    checksum: u32,
 }
 
-impl Record {
+impl CrashRecord {
     /// No crash.
     pub const EMPTY: Self = Self {
         magic: 0,
@@ -139,7 +139,7 @@ impl Record {
         program_counter: 0,
         length: 0,
         text: [0; TEXT_BYTES],
-        sum: 0,
+        checksum: 0,
     };
 
     /// The record of a crash.
@@ -151,31 +151,31 @@ impl Record {
             program_counter: crash.program_counter,
             length: crash.text.length as u32,
             text: crash.text.bytes,
-            sum: 0,
+            checksum: 0,
         };
-        record.sum = record.expected_sum();
+        record.checksum = record.expected_checksum();
         record
     }
 
-    /// The crash, if this is the record of one.
+    /// The crash, if the record is valid.
     #[must_use]
     pub fn crash(&self) -> Option<Crash> {
         let length = self.length as usize;
-        if self.magic != MAGIC || length > TEXT_BYTES || self.sum != self.expected_sum() {
+        if self.magic != MAGIC || length > TEXT_BYTES || self.checksum != self.expected_checksum() {
             return None;
         }
         Some(Crash {
-            cause: Cause::from_code(self.cause)?,
+            cause: CrashCause::from_code(self.cause)?,
             program_counter: self.program_counter,
-            text: Text {
+            text: CrashText {
                 bytes: self.text,
                 length,
             },
         })
     }
 
-    /// FNV-1a (G. Fowler, L. C. Noll, K.-P. Vo) over everything but the sum itself.
-    fn expected_sum(&self) -> u32 {
+    /// FNV-1a (G. Fowler, L. C. Noll, K.-P. Vo) over all fields but the checksum.
+    fn expected_checksum(&self) -> u32 {
         let words = [self.magic, self.cause, self.program_counter, self.length];
         let head = words.into_iter().flat_map(u32::to_le_bytes);
         head.chain(self.text).fold(0x811c_9dc5, |sum, byte| {
@@ -184,37 +184,37 @@ impl Record {
     }
 }
 
-/// What the processor says of a fault (ARMv7-M Architecture Reference Manual, B3.2).
+/// The processor's fault registers (ARMv7-M Architecture Reference Manual, B3.2).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Fault {
-    /// The configurable fault status, CFSR.
+pub struct FaultRegisters {
+    /// CFSR: configurable fault status.
     pub status: u32,
-    /// MMFAR: the address that the memory protection refused, where the status says that it is one.
+    /// MMFAR: address of a memory protection fault; valid with MMARVALID.
     pub protected: u32,
-    /// BFAR: the address of a bus fault, likewise.
+    /// BFAR: address of a bus fault; valid with BFARVALID.
     pub bus: u32,
 }
 
-impl Fault {
-    /// MMARVALID: there is an address in MMFAR.
+impl FaultRegisters {
+    /// MMARVALID in CFSR.
     const PROTECTED_VALID: u32 = 1 << 7;
-    /// BFARVALID: there is an address in BFAR.
+    /// BFARVALID in CFSR.
     const BUS_VALID: u32 = 1 << 15;
 
-    /// What the fault was, by where the stack pointer is once the processor has stacked its registers, and by whether the guard
-    /// was hit, the lowest bytes of the stack's region.
+    /// The cause of the fault. It is a stack overflow if the guard below `stack_end` was hit, or if
+    /// the stack pointer is outside the stack after the processor has pushed its registers.
     #[must_use]
-    pub const fn cause(&self, stack_pointer: u32, stack_start: u32, stack_end: u32) -> Cause {
+    pub const fn cause(&self, stack_pointer: u32, stack_start: u32, stack_end: u32) -> CrashCause {
         let guard_was_hit = self.status & Self::PROTECTED_VALID != 0 && self.protected < stack_end;
         if guard_was_hit || stack_pointer < stack_end || stack_pointer >= stack_start {
-            Cause::StackOverflow
+            CrashCause::StackOverflow
         } else {
-            Cause::HardFault
+            CrashCause::HardFault
         }
     }
 
-    /// Appends the status, the address of a bus fault where there is one, and where the faulting function was called from.
-    pub fn describe(&self, link: u32, text: &mut Text) {
+    /// Appends the fault status, the address of a bus fault if valid, and the link register.
+    pub fn describe(&self, link: u32, text: &mut CrashText) {
         text.push("CFSR ");
         text.push_hex(self.status);
         if self.status & Self::BUS_VALID != 0 {
@@ -226,30 +226,30 @@ impl Fault {
     }
 }
 
-/// What the chip itself remembers of a reset.
+/// The chip's reset flags.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Flags {
-    /// The supply came up or had sagged.
+pub struct ResetFlags {
+    /// Power-on or brown-out.
     pub power: bool,
-    /// One of the watchdogs bit.
+    /// One of the watchdogs.
     pub watchdog: bool,
-    /// The program asked for it.
+    /// The program itself.
     pub software: bool,
-    /// The reset pin was pulled. The chip pulls it itself with every reset: this counts last.
+    /// The reset pin. The chip sets this flag with every reset, so it is checked last.
     pub pin: bool,
 }
 
-/// What to call a reset.
+/// The cause of a reset, by the chip's flags and the record of a crash.
 #[must_use]
-pub const fn reset_cause(flags: Flags, crash: Option<&Crash>) -> ResetCause {
+pub const fn reset_cause(flags: ResetFlags, crash: Option<&Crash>) -> ResetCause {
     if flags.power {
         return ResetCause::PowerOn;
     }
     match crash {
         Some(crash) => match crash.cause {
-            Cause::Panic => ResetCause::Panic,
-            Cause::HardFault => ResetCause::HardFault,
-            Cause::StackOverflow => ResetCause::StackOverflow,
+            CrashCause::Panic => ResetCause::Panic,
+            CrashCause::HardFault => ResetCause::HardFault,
+            CrashCause::StackOverflow => ResetCause::StackOverflow,
         },
         None if flags.watchdog => ResetCause::Watchdog,
         None if flags.software => ResetCause::Requested,
@@ -258,14 +258,14 @@ pub const fn reset_cause(flags: Flags, crash: Option<&Crash>) -> ResetCause {
     }
 }
 
-/// A reset's name for the log.
+/// A reset cause in words for the log: "build … starts …".
 #[must_use]
-pub const fn name(reset: ResetCause) -> &'static str {
+pub const fn reset_name(reset: ResetCause) -> &'static str {
     match reset {
         ResetCause::Unknown => "for an unknown reason",
-        ResetCause::PowerOn => "with the power",
+        ResetCause::PowerOn => "after power-on",
         ResetCause::Pin => "by the reset pin",
-        ResetCause::Requested => "as it was told to",
+        ResetCause::Requested => "by request",
         ResetCause::Watchdog => "by the watchdog",
         ResetCause::Panic => "after a panic",
         ResetCause::HardFault => "after a fault",
@@ -277,8 +277,8 @@ pub const fn name(reset: ResetCause) -> &'static str {
 mod tests {
     use super::*;
 
-    fn crash(cause: Cause) -> Crash {
-        let mut text = Text::new();
+    fn crash(cause: CrashCause) -> Crash {
+        let mut text = CrashText::new();
         text.push("ring.rs:");
         text.push_number(12);
         Crash {
@@ -289,52 +289,56 @@ mod tests {
     }
 
     #[test]
-    fn a_crash_comes_back() {
-        for cause in [Cause::Panic, Cause::HardFault, Cause::StackOverflow] {
+    fn a_crash_survives_its_record() {
+        for cause in [
+            CrashCause::Panic,
+            CrashCause::HardFault,
+            CrashCause::StackOverflow,
+        ] {
             let crash = crash(cause);
-            assert_eq!(Record::of(&crash).crash(), Some(crash));
+            assert_eq!(CrashRecord::of(&crash).crash(), Some(crash));
         }
-        assert_eq!(crash(Cause::Panic).text.as_str(), "ring.rs:12");
+        assert_eq!(crash(CrashCause::Panic).text.as_str(), "ring.rs:12");
     }
 
     #[test]
     fn memory_after_power_on_is_no_crash() {
-        assert_eq!(Record::EMPTY.crash(), None);
-        let ones = Record {
+        assert_eq!(CrashRecord::EMPTY.crash(), None);
+        let ones = CrashRecord {
             magic: MAGIC,
             cause: u32::MAX,
             program_counter: u32::MAX,
             length: u32::MAX,
             text: [255; TEXT_BYTES],
-            sum: u32::MAX,
+            checksum: u32::MAX,
         };
         assert_eq!(ones.crash(), None);
     }
 
     #[test]
-    fn one_changed_bit_is_no_crash() {
-        let record = Record::of(&crash(Cause::HardFault));
+    fn a_record_with_one_changed_bit_is_invalid() {
+        let record = CrashRecord::of(&crash(CrashCause::HardFault));
         for bit in 0..32 {
             let flip = 1 << bit;
             for changed in [
-                Record {
+                CrashRecord {
                     magic: record.magic ^ flip,
                     ..record
                 },
-                Record {
+                CrashRecord {
                     cause: record.cause ^ flip,
                     ..record
                 },
-                Record {
+                CrashRecord {
                     program_counter: record.program_counter ^ flip,
                     ..record
                 },
-                Record {
+                CrashRecord {
                     length: record.length ^ flip,
                     ..record
                 },
-                Record {
-                    sum: record.sum ^ flip,
+                CrashRecord {
+                    checksum: record.checksum ^ flip,
                     ..record
                 },
             ] {
@@ -350,7 +354,7 @@ mod tests {
 
     #[test]
     fn a_long_text_is_cut_between_characters() {
-        let mut text = Text::new();
+        let mut text = CrashText::new();
         for _ in 0..TEXT_BYTES {
             text.push("äöü!");
         }
@@ -360,7 +364,7 @@ mod tests {
     #[test]
     fn numbers_in_decimal_digits() {
         for number in [0, 7, 10, 1_203, u32::MAX] {
-            let mut text = Text::new();
+            let mut text = CrashText::new();
             text.push_number(number);
             assert_eq!(text.as_str(), std::format!("{number}"));
         }
@@ -369,7 +373,7 @@ mod tests {
     #[test]
     fn numbers_in_hexadecimal_digits() {
         for number in [0, 7, 0x0800_1a2f, u32::MAX] {
-            let mut text = Text::new();
+            let mut text = CrashText::new();
             text.push_hex(number);
             assert_eq!(text.as_str(), std::format!("{number:#010x}"));
         }
@@ -378,16 +382,16 @@ mod tests {
     #[test]
     fn a_stack_pointer_outside_the_stack_is_an_overflow() {
         let cause = |pointer| fault(0x0000_8200).cause(pointer, 0x2000_2000, 0x2000_0020);
-        assert_eq!(cause(0x1fff_ffe0), Cause::StackOverflow);
-        assert_eq!(cause(0x2000_001c), Cause::StackOverflow);
-        assert_eq!(cause(0x2000_0020), Cause::HardFault);
-        assert_eq!(cause(0x2000_1fe0), Cause::HardFault);
-        assert_eq!(cause(0x2000_2000), Cause::StackOverflow);
+        assert_eq!(cause(0x1fff_ffe0), CrashCause::StackOverflow);
+        assert_eq!(cause(0x2000_001c), CrashCause::StackOverflow);
+        assert_eq!(cause(0x2000_0020), CrashCause::HardFault);
+        assert_eq!(cause(0x2000_1fe0), CrashCause::HardFault);
+        assert_eq!(cause(0x2000_2000), CrashCause::StackOverflow);
     }
 
-    /// A fault with this status; its addresses are those of the guard and of no device.
-    fn fault(status: u32) -> Fault {
-        Fault {
+    /// A fault with this status; its addresses are in the guard and of no device.
+    fn fault(status: u32) -> FaultRegisters {
+        FaultRegisters {
             status,
             protected: 0x2000_0010,
             bus: 0xdead_beec,
@@ -395,23 +399,23 @@ mod tests {
     }
 
     #[test]
-    fn a_guard_that_was_hit_is_an_overflow_where_its_address_is_one() {
-        let cause = |fault: Fault| fault.cause(0x2000_1000, 0x2000_2000, 0x2000_0020);
+    fn a_fault_in_the_guard_is_an_overflow_if_its_address_is_valid() {
+        let cause = |fault: FaultRegisters| fault.cause(0x2000_1000, 0x2000_2000, 0x2000_0020);
         // DACCVIOL with and without MMARVALID; MSTKERR with it.
-        assert_eq!(cause(fault(0x82)), Cause::StackOverflow);
-        assert_eq!(cause(fault(0x90)), Cause::StackOverflow);
-        assert_eq!(cause(fault(0x02)), Cause::HardFault);
-        let above = Fault {
+        assert_eq!(cause(fault(0x82)), CrashCause::StackOverflow);
+        assert_eq!(cause(fault(0x90)), CrashCause::StackOverflow);
+        assert_eq!(cause(fault(0x02)), CrashCause::HardFault);
+        let above = FaultRegisters {
             protected: 0x2000_0020,
             ..fault(0x82)
         };
-        assert_eq!(cause(above), Cause::HardFault);
+        assert_eq!(cause(above), CrashCause::HardFault);
     }
 
     #[test]
     fn a_fault_is_described_with_the_address_only_where_it_is_one() {
         let described = |status| {
-            let mut text = Text::new();
+            let mut text = CrashText::new();
             fault(status).describe(0x0800_4321, &mut text);
             std::string::String::from(text.as_str())
         };
@@ -425,26 +429,29 @@ mod tests {
     }
 
     #[test]
-    fn names_of_resets() {
-        let crash = crash(Cause::Panic);
-        let pin = Flags {
+    fn reset_causes_by_flags_and_crash() {
+        let crash = crash(CrashCause::Panic);
+        let pin = ResetFlags {
             pin: true,
-            ..Flags::default()
+            ..ResetFlags::default()
         };
-        let software = Flags {
+        let software = ResetFlags {
             software: true,
             ..pin
         };
-        let watchdog = Flags {
+        let watchdog = ResetFlags {
             watchdog: true,
             ..pin
         };
-        let power = Flags { power: true, ..pin };
+        let power = ResetFlags { power: true, ..pin };
         assert_eq!(reset_cause(power, Some(&crash)), ResetCause::PowerOn);
         assert_eq!(reset_cause(software, Some(&crash)), ResetCause::Panic);
         assert_eq!(reset_cause(software, None), ResetCause::Requested);
         assert_eq!(reset_cause(watchdog, None), ResetCause::Watchdog);
         assert_eq!(reset_cause(pin, None), ResetCause::Pin);
-        assert_eq!(reset_cause(Flags::default(), None), ResetCause::Unknown);
+        assert_eq!(
+            reset_cause(ResetFlags::default(), None),
+            ResetCause::Unknown
+        );
     }
 }

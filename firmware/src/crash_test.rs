@@ -1,28 +1,28 @@
-//! Crashes on demand, for tests in an emulator: what is kept of a crash is tested by crashing.
+//! Crashes on request, for tests of the crash record in an emulator.
 //!
-//! A word between two zeros requests each crash. No frame looks like that: its first byte says how far away its next zero
-//! is, and these words end before.
+//! Each request is a word between two zeros. No valid frame matches one: COBS would place the
+//! next zero behind the end of the word.
 
 #![allow(unsafe_code)]
 
 use core::hint::black_box;
 
-/// Fills the stack.
+/// Overflows the stack.
 pub const OVERFLOW: &[u8] = b"!overflow";
 /// Panics.
 pub const PANIC: &[u8] = b"!panic";
 /// Writes to the lowest word of the stack's region.
 pub const GUARD: &[u8] = b"!guard";
-/// Runs an instruction that no processor has.
+/// Executes an undefined instruction.
 pub const FAULT: &[u8] = b"!fault";
 
-/// Crashes if the frame requests it.
+/// Crashes if the frame is a request.
 pub fn run_if_requested(frame: &[u8]) {
     match frame {
         OVERFLOW => {
-            black_box(dig(frame.len()));
+            black_box(fill_stack(frame.len()));
         }
-        PANIC => panic!("asked to"),
+        PANIC => panic!("requested"),
         #[cfg(all(target_arch = "arm", target_os = "none"))]
         GUARD => write_below_the_stack(),
         #[cfg(all(target_arch = "arm", target_os = "none"))]
@@ -37,16 +37,16 @@ fn write_below_the_stack() {
     unsafe extern "C" {
         static mut _stack_end: u32;
     }
-    // SAFETY: the word is memory that the stack never reaches; where it is guarded, nothing after the write runs.
+    // SAFETY: the word is RAM that the stack never reaches. Where it is guarded, the write faults.
     unsafe { core::ptr::addr_of_mut!(_stack_end).write_volatile(0) }
 }
 
-/// Takes some stack, then some more, until there is none.
+/// Recurses without end.
 #[inline(never)]
 #[allow(unconditional_recursion)]
-fn dig(depth: usize) -> usize {
+fn fill_stack(depth: usize) -> usize {
     let mut ballast = [depth; 16];
-    let reached = dig(black_box(&mut ballast)[0].wrapping_add(1));
+    let reached = fill_stack(black_box(&mut ballast)[0].wrapping_add(1));
     reached.wrapping_add(black_box(&ballast)[0])
 }
 

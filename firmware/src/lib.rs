@@ -1,24 +1,25 @@
-//! The portable firmware: what it decides, apart from any chip. Everything here builds and is tested on a desktop machine.
+//! The portable part of the firmware: every decision that does not depend on a chip.
+//! It builds and is tested on a desktop machine, and never touches a register.
 //!
 //! ```text
-//!            serial interrupt              control                       serial interrupt
-//! bytes ─► line::Line ─► queue ─► control::Control ─► amp::node::Node ─► line::FrameSink ─► queue ─► line::Line ─► bytes
+//! received bytes: interrupt, uart::UartDriver ─► queue ─► control::Control ─► amp::node::Node
+//! sent bytes:     amp::node::Node ─► uart::TxQueue ─► queue ─► interrupt, uart::UartDriver
 //! ```
 //!
 //! | module | what it decides |
 //! |---|---|
 //! | [`clock`] | which oscillator clocks the processor |
-//! | [`control`] | what is done with received bytes and with passing time |
-//! | [`crash`] | what is kept over a reset, whether to believe it, and what to call the reset |
-//! | [`lamp`] | when the lamp is lit |
-//! | [`line`](mod@line) | how the serial interrupt moves bytes |
-//! | [`persist`] | where in flash an image of the mind goes, and which one is the newest |
+//! | [`control`] | how received bytes and elapsed time are processed |
+//! | [`crash`] | what a crash record holds, whether it is valid, and the cause of a reset |
+//! | [`persist`] | where in flash an image goes, and which image is the newest |
 //! | [`safety`] | what emergency stop, bumper and motion permit do |
-//! | [`sonar_ring`] | when which sonar fires, and what its echo means |
+//! | [`sonar_ring`] | when each sonar fires, and what its echo means |
 //! | [`stack`] | how deep the stack has been |
+//! | [`status_led`] | when the status LED is lit |
 //! | [`task_monitor`] | whether the watchdog may be fed |
+//! | [`uart`] | how the serial interrupt moves bytes |
 //!
-//! The packages in `boards/` own the chips: each says what runs when, and is the only place that touches pins and clocks.
+//! Each package in `boards/` owns a chip: its tasks, pins and clocks.
 #![no_std]
 #![deny(unsafe_code)]
 #![deny(missing_docs)]
@@ -31,15 +32,15 @@ pub mod control;
 pub mod crash;
 #[cfg(feature = "crash-test")]
 pub mod crash_test;
-pub mod lamp;
-pub mod line;
 pub mod persist;
 pub mod safety;
 pub mod sonar_ring;
 pub mod stack;
+pub mod status_led;
 pub mod task_monitor;
+pub mod uart;
 
-/// The commit this was built from, as eight characters; the version where there is no commit.
+/// Commit of this build, eight characters; the package version where there is no commit.
 pub const BUILD: [u8; 8] = match env!("FIRMWARE_BUILD").as_bytes().first_chunk() {
     Some(name) => *name,
     None => panic!("build.rs writes eight characters"),

@@ -1,21 +1,10 @@
-//! What outlives a loss of power: images of the mind (see [`amp::store`]) in two sectors of flash.
+//! Saved images in two sectors of flash: a loss of power at any moment leaves the old image or
+//! the new one, whole. The format of an image is that of [`amp::store`].
 //!
 //! ```text
-//! sector = mark slot slot …        mark = "ERAS" generation crc, written when the sector has been erased
-//! slot   = an image, or nothing, or what is left of an image that was never finished
+//! sector = mark slot slot …        mark = "ERAS" generation CRC, written after the erasure
+//! slot   = an image, or blank, or the rest of an image that was not finished
 //! ```
-//!
-//! A save writes the next generation's image into the next free slot of the sector that has the newest image, and when that
-//! is full into the other one. An image counts only with its last word; until then the one before is the newest, and it lies
-//! untouched where it lay. A sector is erased only when the newest image lies in the other one. So a loss of power at any
-//! moment leaves the old image or the new one.
-//!
-//! Erasing stops the processor for seconds, so it is done at the start, before the hello ([`Store::tidy`]); a save has to
-//! erase only when the device has filled a sector since. A sector whose erasure was cut short may read as erased and not be:
-//! the mark says that it ended. It names the newest generation at that time, so that no mark that has survived another
-//! erasure is taken for it.
-//!
-//! Cost: a slot's bytes of flash an image, 3 words for a mark; memory for one record. Starting reads both sectors once.
 
 use amp::store::{Contents, Fault, Found, WORD, check};
 use amp::wire::checksum;
@@ -23,23 +12,23 @@ use amp::wire::message::{Flash, FlashError};
 use core::convert::Infallible;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 
-/// Bytes of a slot for the Nomad's mind.
+/// Size of a slot for the Nomad's image, bytes.
 pub const SLOT_BYTES: u32 = amp::store::MAX_NOMAD as u32;
 
-/// Longest time to erase a sector of 128 KiB by words, milliseconds (STM32F405 data sheet DS8626, flash memory programming;
-/// half of it is typical).
+/// Longest time to erase a sector of 128 KiB by words, milliseconds; half of it is typical
+/// (STM32F405 data sheet DS8626, flash memory programming).
 pub const ERASE_MS: u32 = 2_000;
 
-/// Longest time to write an image by words, milliseconds: 100 µs a word (as above; 16 µs are typical).
+/// Longest time to write an image by words, milliseconds: 100 µs a word; 16 µs are typical.
 pub const WRITE_MS: u32 = (SLOT_BYTES / WORD as u32).div_ceil(10);
 
-/// Bytes of a mark.
+/// Size of a mark, bytes.
 const MARK_BYTES: u32 = 12;
 
-/// How a mark begins.
-const MARK: [u8; 4] = *b"ERAS";
+/// The first bytes of a mark.
+const MARK_MAGIC: [u8; 4] = *b"ERAS";
 
-/// The flash of a board that has none: no value of this type exists.
+/// The flash of a board that has none; no value of this type exists.
 #[derive(Debug)]
 pub enum NoFlash {}
 
@@ -72,27 +61,35 @@ impl NorFlash for NoFlash {
     }
 }
 
-/// Where an image lies.
+/// Location of a slot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Place {
+struct SlotLocation {
     sector: u32,
     slot: u32,
 }
 
-/// Two sectors of flash: the first two units that `F` erases.
+/// The images in two sectors: the first two erase units of `F`.
+///
+/// - A save writes to the next free slot beside the newest image, or to the spare sector if there
+///   is none. An image is valid only with its last word; the previous image stays untouched.
+/// - Only the spare sector, which does not hold the newest image, is ever erased.
+/// - A sector whose erasure was interrupted may read as blank. Its mark proves that the erasure
+///   was completed, and names the newest generation then, so an older mark proves nothing.
+/// - Erasing stops the processor for seconds. [`Store::ensure_free_slot`] does it at the start, so
+///   a save erases only when the device has filled a sector since.
 #[derive(Debug)]
 pub struct Store<F> {
     flash: F,
     slot_bytes: u32,
-    newest: Option<Place>,
-    /// The newest image's; 0 = there is none.
+    newest: Option<SlotLocation>,
+    /// Generation of the newest image; 0 = there is none.
     generation: u32,
 }
 
 impl<F: NorFlash> Store<F> {
     const SECTOR_BYTES: u32 = F::ERASE_SIZE as u32;
 
-    /// Looks for the newest image; writes nothing. Slots take `slot_bytes`, a multiple of four.
+    /// Finds the newest image; writes nothing. `slot_bytes` is a multiple of four.
     pub fn mount(flash: F, slot_bytes: u32) -> Self {
         const {
             assert!(WORD.is_multiple_of(F::WRITE_SIZE) && WORD.is_multiple_of(F::READ_SIZE));
@@ -103,72 +100,72 @@ impl<F: NorFlash> Store<F> {
             newest: None,
             generation: 0,
         };
-        store.look();
+        store.find_newest();
         store
     }
 
-    /// The flash.
+    /// Returns the flash.
     #[cfg(test)]
     pub(crate) fn into_flash(self) -> F {
         self.flash
     }
 
-    fn look(&mut self) {
+    fn find_newest(&mut self) {
         (self.newest, self.generation) = (None, 0);
         for sector in 0..2 {
             for slot in 0..self.slots() {
-                let place = Place { sector, slot };
-                if let Ok(found) = self.check(place)
+                let location = SlotLocation { sector, slot };
+                if let Ok(found) = self.check_slot(location)
                     && found.generation > self.generation
                 {
-                    (self.newest, self.generation) = (Some(place), found.generation);
+                    (self.newest, self.generation) = (Some(location), found.generation);
                 }
             }
         }
     }
 
-    /// Generation of the newest image; 0 = nothing was saved.
+    /// Generation of the newest image; 0 = nothing is saved.
     #[must_use]
     pub const fn generation(&self) -> u32 {
         self.generation
     }
 
-    /// Longest time this will take and nothing else can be done, milliseconds; with an erasure if it needs one.
+    /// Longest time for which the task stops the processor, milliseconds.
     pub fn pause_ms(&mut self, task: Flash) -> u32 {
         match task {
             Flash::Recall => 0,
-            Flash::Save => WRITE_MS + self.erasures(task) * ERASE_MS,
-            Flash::Erase => self.erasures(task) * ERASE_MS,
+            Flash::Save => WRITE_MS + self.erase_count(task) * ERASE_MS,
+            Flash::Erase => self.erase_count(task) * ERASE_MS,
         }
     }
 
-    /// How many sectors this will erase.
-    fn erasures(&mut self, task: Flash) -> u32 {
+    /// Number of sectors that the task will erase.
+    fn erase_count(&mut self, task: Flash) -> u32 {
         match task {
             Flash::Recall => 0,
-            Flash::Save => u32::from(self.free().is_none()),
+            Flash::Save => u32::from(self.free_slot().is_none()),
             Flash::Erase => 2,
         }
     }
 
-    /// Erases the spare sector if the next image has no room; for the start, when nobody waits.
+    /// Erases the spare sector if no slot is free. For the start, when no host waits.
     ///
     /// # Errors
     /// [`FlashError::Failed`].
-    pub fn tidy(&mut self) -> Result<(), FlashError> {
-        self.make_room().map(drop)
+    pub fn ensure_free_slot(&mut self) -> Result<(), FlashError> {
+        self.claim_slot().map(drop)
     }
 
-    /// Saves; the newest image until now stays where it is.
+    /// Saves a new image; the previous one stays where it is.
     ///
     /// # Errors
-    /// [`FlashError::Failed`]; what was saved before still is.
+    /// [`FlashError::Failed`]: the previous image is still the newest.
     pub fn save<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>(
         &mut self,
         contents: &Contents<'_, SENSORS, NEURONS, SAMPLES>,
     ) -> Result<(), FlashError> {
-        let place = self.make_room()?;
-        let (from, end) = (self.address(place), self.address(place) + self.slot_bytes);
+        let slot = self.claim_slot()?;
+        let (from, end) = (self.address(slot), self.address(slot) + self.slot_bytes);
         let generation = self.generation.wrapping_add(1);
         let (flash, mut at) = (&mut self.flash, from);
         contents.write(generation, &mut |bytes| {
@@ -180,25 +177,25 @@ impl<F: NorFlash> Store<F> {
             at = next;
             Ok(())
         })?;
-        match self.check(place) {
+        match self.check_slot(slot) {
             Ok(found) if found.generation == generation => {
-                (self.newest, self.generation) = (Some(place), generation);
+                (self.newest, self.generation) = (Some(slot), generation);
                 Ok(())
             }
             _ => Err(FlashError::Failed),
         }
     }
 
-    /// Hands the newest image to `into`: how to read it, and its most bytes.
+    /// Passes the newest image to `into`: a function that reads it, and its greatest length.
     ///
     /// # Errors
-    /// [`FlashError`]: nothing was saved, or it cannot be read.
-    pub fn recall<T>(
+    /// [`FlashError`]: nothing is saved, or the image cannot be read.
+    pub fn load<T>(
         &mut self,
         into: impl FnOnce(&mut dyn FnMut(usize, &mut [u8]) -> bool, usize) -> Result<T, Fault>,
     ) -> Result<T, FlashError> {
-        let place = self.newest.ok_or(FlashError::Empty)?;
-        let (from, most) = (self.address(place), self.slot_bytes as usize);
+        let slot = self.newest.ok_or(FlashError::Empty)?;
+        let (from, most) = (self.address(slot), self.slot_bytes as usize);
         let flash = &mut self.flash;
         let mut read = |at: usize, out: &mut [u8]| flash.read(from + at as u32, out).is_ok();
         into(&mut read, most).map_err(|fault| match fault {
@@ -207,39 +204,39 @@ impl<F: NorFlash> Store<F> {
         })
     }
 
-    /// Erases everything, the newest image last.
+    /// Erases both sectors, the one with the newest image last.
     ///
     /// # Errors
-    /// [`FlashError::Failed`]; something may still be there.
+    /// [`FlashError::Failed`]: an image may be left.
     pub fn erase(&mut self) -> Result<(), FlashError> {
         let spare = self.spare();
         let erased = self.erase_sector(spare);
         let erased = erased.and_then(|()| self.erase_sector(1 - spare));
-        self.look();
+        self.find_newest();
         erased?;
-        self.mark_spare()
+        self.write_spare_mark()
     }
 
-    /// The sector that does not have the newest image.
+    /// The sector without the newest image.
     fn spare(&self) -> u32 {
         self.newest.map_or(0, |newest| 1 - newest.sector)
     }
 
-    /// A free slot, after erasing the spare sector if there is none.
-    fn make_room(&mut self) -> Result<Place, FlashError> {
-        if let Some(place) = self.free() {
-            return Ok(place);
+    /// A free slot. Erases the spare sector if there is none.
+    fn claim_slot(&mut self) -> Result<SlotLocation, FlashError> {
+        if let Some(slot) = self.free_slot() {
+            return Ok(slot);
         }
         let spare = self.spare();
         self.erase_sector(spare)?;
-        self.mark_spare()?;
-        self.free().ok_or(FlashError::Failed)
+        self.write_spare_mark()?;
+        self.free_slot().ok_or(FlashError::Failed)
     }
 
-    /// Notes that the spare sector has been erased to the end.
-    fn mark_spare(&mut self) -> Result<(), FlashError> {
+    /// Writes the mark of the spare sector, which has just been erased.
+    fn write_spare_mark(&mut self) -> Result<(), FlashError> {
         let from = self.spare() * Self::SECTOR_BYTES;
-        let written = self.flash.write(from, &mark(self.generation));
+        let written = self.flash.write(from, &erase_mark(self.generation));
         written.map_err(failed)
     }
 
@@ -250,39 +247,41 @@ impl<F: NorFlash> Store<F> {
             .map_err(failed)
     }
 
-    /// Where the next image goes without erasing anything.
-    fn free(&mut self) -> Option<Place> {
-        let beside = self.newest.and_then(|newest| self.free_in(newest.sector));
+    /// The slot for the next image, if no erasure is needed.
+    fn free_slot(&mut self) -> Option<SlotLocation> {
+        let beside = self
+            .newest
+            .and_then(|newest| self.free_slot_in(newest.sector));
         beside.or_else(|| {
             let spare = self.spare();
-            let ready = self.is_erased_for(spare, self.generation);
-            ready.then(|| self.free_in(spare)).flatten()
+            let ready = self.has_mark_of(spare, self.generation);
+            ready.then(|| self.free_slot_in(spare)).flatten()
         })
     }
 
-    /// The first slot behind everything that has been written to a sector.
+    /// The first slot behind all written ones.
     #[inline(never)]
-    fn free_in(&mut self, sector: u32) -> Option<Place> {
-        let places = (0..self.slots()).map(|slot| Place { sector, slot });
-        let mut free = None;
-        for place in places.rev() {
-            if !self.is_blank(place) {
+    fn free_slot_in(&mut self, sector: u32) -> Option<SlotLocation> {
+        let slots = (0..self.slots()).map(|slot| SlotLocation { sector, slot });
+        let mut free_slot = None;
+        for slot in slots.rev() {
+            if !self.is_blank(slot) {
                 break;
             }
-            free = Some(place);
+            free_slot = Some(slot);
         }
-        free
+        free_slot
     }
 
-    /// Whether a sector was erased to the end when this generation was the newest.
-    fn is_erased_for(&mut self, sector: u32, generation: u32) -> bool {
+    /// Whether the sector's erasure was completed while this generation was the newest.
+    fn has_mark_of(&mut self, sector: u32, generation: u32) -> bool {
         let mut found = [0; MARK_BYTES as usize];
         let from = sector * Self::SECTOR_BYTES;
-        self.flash.read(from, &mut found).is_ok() && found == mark(generation)
+        self.flash.read(from, &mut found).is_ok() && found == erase_mark(generation)
     }
 
-    fn is_blank(&mut self, place: Place) -> bool {
-        let from = self.address(place);
+    fn is_blank(&mut self, slot: SlotLocation) -> bool {
+        let from = self.address(slot);
         let mut buffer = [0; 64];
         (0..self.slot_bytes).step_by(buffer.len()).all(|at| {
             let count = (self.slot_bytes - at).min(buffer.len() as u32) as usize;
@@ -291,8 +290,8 @@ impl<F: NorFlash> Store<F> {
         })
     }
 
-    fn check(&mut self, place: Place) -> Result<Found, Fault> {
-        let from = self.address(place);
+    fn check_slot(&mut self, slot: SlotLocation) -> Result<Found, Fault> {
+        let from = self.address(slot);
         let flash = &mut self.flash;
         let mut read = |at: usize, out: &mut [u8]| flash.read(from + at as u32, out).is_ok();
         check(&mut read, self.slot_bytes as usize)
@@ -305,8 +304,8 @@ impl<F: NorFlash> Store<F> {
             .unwrap_or(0)
     }
 
-    const fn address(&self, place: Place) -> u32 {
-        place.sector * Self::SECTOR_BYTES + MARK_BYTES + place.slot * self.slot_bytes
+    const fn address(&self, slot: SlotLocation) -> u32 {
+        slot.sector * Self::SECTOR_BYTES + MARK_BYTES + slot.slot * self.slot_bytes
     }
 }
 
@@ -314,10 +313,10 @@ fn failed<E>(_: E) -> FlashError {
     FlashError::Failed
 }
 
-/// Says that the sector was erased to the end when this generation was the newest.
-fn mark(generation: u32) -> [u8; MARK_BYTES as usize] {
+/// The mark of a sector whose erasure was completed while this generation was the newest.
+fn erase_mark(generation: u32) -> [u8; MARK_BYTES as usize] {
     let [g, h, i, j] = generation.to_le_bytes();
-    let [m, n, o, p] = MARK;
+    let [m, n, o, p] = MARK_MAGIC;
     let text = [m, n, o, p, g, h, i, j];
     let [c, d, e, f] = checksum(&text).to_le_bytes();
     [m, n, o, p, g, h, i, j, c, d, e, f]

@@ -1,75 +1,72 @@
-//! The lines that stop the robot whatever the link does: emergency stop, bumper, supply voltage, and the motion permit.
+//! Safety lines that stop the robot without the link: emergency stop, bumper and motion permit.
 //!
 //! | line | level | meaning |
 //! |---|---|---|
-//! | emergency stop | low, by a closed contact to ground | the robot may move |
-//! | | high, by the pull-up: contact open or wire broken | stop, in each round until it closes |
-//! | bumper | low, by a closed contact to ground | nothing is touched |
-//! | | high | the motion under way ends |
-//! | | high for 10 s, or since the start: held, or wire broken | stop, in each round until it closes |
+//! | emergency stop | low: contact closed to ground | the robot may move |
+//! | | high by pull-up: contact open or wire broken | stop until it closes |
+//! | bumper | low: contact closed to ground | nothing is touched |
+//! | | high | the motion in progress ends |
+//! | | high for 10 s or since the start: held, or wire broken | stop until it closes |
 //! | motion permit | changes every 10 ms | a charge pump holds the motors' relay |
-//! | | constant, whether low or high | the relay drops |
-//!
-//! The control task makes the permit's changes one by one. It stops when the control task stops, the link is lost, the robot
-//! stands or the emergency stop is open.
+//! | | constant, low or high | the relay drops |
 
 use amp::units::Millis;
 use core::convert::Infallible;
 use embedded_hal::digital::{InputPin, OutputPin};
 
-/// A contact has to keep its new level for this time, milliseconds: contacts bounce for less.
-const SETTLE_MS: u32 = 20;
+/// Debounce time, milliseconds: a contact must keep its new level for this long.
+const DEBOUNCE_MS: u32 = 20;
 
-/// A bumper that is open for longer than this, milliseconds, does not close any more: a robot that touched something backs off
-/// within a motion or two.
-const HELD_MS: u32 = 10_000;
+/// A bumper that is open for longer counts as stuck, milliseconds: a robot that touched something
+/// backs off within two motions.
+const BUMPER_STUCK_MS: u32 = 10_000;
 
-/// Time between two changes of the permit at the least, milliseconds.
+/// Shortest time between two changes of the permit, milliseconds.
 const HALF_PERIOD_MS: u32 = 10;
 
-/// What the lines say.
+/// State of the safety inputs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Alarms {
     /// The emergency stop is open.
     pub emergency_stop: bool,
     /// The bumper has just opened.
     pub touched: bool,
-    /// The bumper has been open since the start, or for long.
+    /// The bumper has been open since the start, or for more than 10 s.
     pub bumper_open: bool,
 }
 
-/// A contact that bounces.
+/// A debounced contact.
 #[derive(Debug, Clone, Copy, Default)]
-struct Contact {
+struct DebouncedContact {
     open: bool,
-    /// The other level was first read at this time.
+    /// When the other level was first read.
     changing_since: Option<Millis>,
 }
 
-impl Contact {
-    /// Whether the contact is open, by its level at `now`.
+impl DebouncedContact {
+    /// Takes the level at `now`; returns whether the contact is open.
     fn update(&mut self, open: bool, now: Millis) -> bool {
         if open == self.open {
             self.changing_since = None;
             return self.open;
         }
         let since = *self.changing_since.get_or_insert(now);
-        if now.since(since) >= SETTLE_MS {
+        if now.since(since) >= DEBOUNCE_MS {
             (self.open, self.changing_since) = (open, None);
         }
         self.open
     }
 }
 
-/// The pins, and what is known of them.
+/// The pins and their state.
 #[derive(Debug)]
 pub struct SafetyLines<I, O> {
     emergency_stop: I,
     bumper: I,
     permit: O,
-    stop_contact: Contact,
-    bumper_contact: Contact,
-    /// When the bumper opened; `None` = long ago, or not closed yet since the start.
+    stop_contact: DebouncedContact,
+    bumper_contact: DebouncedContact,
+    /// When the bumper opened; `None` = long ago, or it has not been closed since the start.
     bumper_opened: Option<Millis>,
     /// When the permit changed last, and its level.
     changed: Millis,
@@ -81,17 +78,17 @@ where
     I: InputPin<Error = Infallible>,
     O: OutputPin<Error = Infallible>,
 {
-    /// Lines whose contacts count as open until they have been closed for some time.
+    /// Lines whose contacts count as open until they have been closed for the debounce time.
     pub const fn new(emergency_stop: I, bumper: I, permit: O) -> Self {
         Self {
             emergency_stop,
             bumper,
             permit,
-            stop_contact: Contact {
+            stop_contact: DebouncedContact {
                 open: true,
                 changing_since: None,
             },
-            bumper_contact: Contact {
+            bumper_contact: DebouncedContact {
                 open: true,
                 changing_since: None,
             },
@@ -101,7 +98,7 @@ where
         }
     }
 
-    /// Reads the contacts; for each round of the control task.
+    /// Reads the contacts. Called at the begin of each run of the control task.
     pub fn read(&mut self, now: Millis) -> Alarms {
         let Ok(stop) = self.emergency_stop.is_high();
         let Ok(bumper) = self.bumper.is_high();
@@ -111,7 +108,7 @@ where
             self.bumper_opened = Some(now);
         }
         let opened = self.bumper_opened;
-        self.bumper_opened = opened.filter(|opened| now.since(*opened) <= HELD_MS);
+        self.bumper_opened = opened.filter(|opened| now.since(*opened) <= BUMPER_STUCK_MS);
         Alarms {
             emergency_stop: self.stop_contact.update(stop, now),
             touched: is_open && !was_open,
@@ -119,8 +116,9 @@ where
         }
     }
 
-    /// Changes the permit's level if the robot may move and it is time; for the end of each round.
-    pub fn permit(&mut self, may_move: bool, now: Millis) {
+    /// Changes the permit's level if the robot may move and the time has come. Called at the end of
+    /// each run of the control task, so the permit stops changing when that task hangs.
+    pub fn toggle_permit(&mut self, may_move: bool, now: Millis) {
         if may_move && !self.stop_contact.open && now.since(self.changed) >= HALF_PERIOD_MS {
             self.changed = now;
             self.level = !self.level;
@@ -135,14 +133,14 @@ mod tests {
     use core::cell::Cell;
     use embedded_hal::digital::ErrorType;
 
-    /// A wire that the test holds.
-    struct Wire<'a>(&'a Cell<bool>);
+    /// A pin whose level the test sets or reads.
+    struct TestPin<'a>(&'a Cell<bool>);
 
-    impl ErrorType for Wire<'_> {
+    impl ErrorType for TestPin<'_> {
         type Error = Infallible;
     }
 
-    impl InputPin for Wire<'_> {
+    impl InputPin for TestPin<'_> {
         fn is_high(&mut self) -> Result<bool, Infallible> {
             Ok(self.0.get())
         }
@@ -152,7 +150,7 @@ mod tests {
         }
     }
 
-    impl OutputPin for Wire<'_> {
+    impl OutputPin for TestPin<'_> {
         fn set_high(&mut self) -> Result<(), Infallible> {
             self.0.set(true);
             Ok(())
@@ -164,105 +162,111 @@ mod tests {
         }
     }
 
-    /// Three wires; inputs are open while high.
+    /// Three pins; a high input is an open contact.
     #[derive(Default)]
-    struct Wires {
+    struct TestPins {
         stop: Cell<bool>,
         bumper: Cell<bool>,
         permit: Cell<bool>,
     }
 
-    type Lines<'a> = SafetyLines<Wire<'a>, Wire<'a>>;
+    type Lines<'a> = SafetyLines<TestPin<'a>, TestPin<'a>>;
 
     fn at(ms: u32) -> Millis {
         Millis::from_ms(ms)
     }
 
-    /// Lines that have been closed for long, at 1000 ms.
-    fn closed(wires: &Wires) -> Lines<'_> {
-        let mut lines =
-            SafetyLines::new(Wire(&wires.stop), Wire(&wires.bumper), Wire(&wires.permit));
+    /// Lines at 1000 ms whose contacts have been closed since the start.
+    fn closed(pins: &TestPins) -> Lines<'_> {
+        let mut lines = SafetyLines::new(
+            TestPin(&pins.stop),
+            TestPin(&pins.bumper),
+            TestPin(&pins.permit),
+        );
         for now_ms in (0..=1_000).step_by(10) {
             let _ = lines.read(at(now_ms));
         }
         lines
     }
 
-    /// Changes of the permit in a second of rounds.
-    fn changes(lines: &mut Lines<'_>, wires: &Wires, may_move: bool) -> u32 {
+    /// Changes of the permit within one second.
+    fn changes(lines: &mut Lines<'_>, pins: &TestPins, may_move: bool) -> u32 {
         let mut changes = 0;
         for now_ms in (1_010..=2_000).step_by(10) {
-            let before = wires.permit.get();
+            let before = pins.permit.get();
             let _ = lines.read(at(now_ms));
-            lines.permit(may_move, at(now_ms));
-            changes += u32::from(wires.permit.get() != before);
+            lines.toggle_permit(may_move, at(now_ms));
+            changes += u32::from(pins.permit.get() != before);
         }
         changes
     }
 
     #[test]
     fn the_permit_is_a_square_wave_only_while_the_robot_may_move() {
-        let wires = Wires::default();
-        assert_eq!(changes(&mut closed(&wires), &wires, true), 100);
-        assert_eq!(changes(&mut closed(&wires), &wires, false), 0);
+        let pins = TestPins::default();
+        assert_eq!(changes(&mut closed(&pins), &pins, true), 100);
+        assert_eq!(changes(&mut closed(&pins), &pins, false), 0);
     }
 
     #[test]
-    fn the_permit_does_not_follow_the_rate_of_the_rounds() {
-        let wires = Wires::default();
-        let mut lines = closed(&wires);
-        let before = wires.permit.get();
+    fn the_permit_does_not_follow_the_rate_of_the_runs() {
+        let pins = TestPins::default();
+        let mut lines = closed(&pins);
+        let before = pins.permit.get();
         for _ in 0..50 {
-            lines.permit(true, at(1_010));
+            lines.toggle_permit(true, at(1_010));
         }
-        assert_ne!(wires.permit.get(), before);
+        assert_ne!(pins.permit.get(), before);
     }
 
     #[test]
-    fn an_open_emergency_stop_is_an_alarm_in_each_round_and_ends_the_permit() {
-        let wires = Wires::default();
-        let mut lines = closed(&wires);
-        wires.stop.set(true);
+    fn an_open_emergency_stop_is_an_alarm_in_each_run_and_ends_the_permit() {
+        let pins = TestPins::default();
+        let mut lines = closed(&pins);
+        pins.stop.set(true);
         let alarms = [1_010, 1_020, 1_030, 1_040].map(|ms| lines.read(at(ms)).emergency_stop);
         assert_eq!(alarms, [false, false, true, true]);
-        assert_eq!(changes(&mut lines, &wires, true), 0);
-        wires.stop.set(false);
+        assert_eq!(changes(&mut lines, &pins, true), 0);
+        pins.stop.set(false);
         let alarms = [2_010, 2_020, 2_030].map(|ms| lines.read(at(ms)).emergency_stop);
         assert_eq!(alarms, [true, true, false]);
     }
 
     #[test]
-    fn a_contact_that_bounces_is_no_alarm() {
-        let wires = Wires::default();
-        let mut lines = closed(&wires);
+    fn a_bouncing_contact_is_no_alarm() {
+        let pins = TestPins::default();
+        let mut lines = closed(&pins);
         for now_ms in 1_001..1_200 {
-            wires.stop.set(now_ms % 19 != 0);
+            pins.stop.set(now_ms % 19 != 0);
             assert_eq!(lines.read(at(now_ms)), Alarms::default(), "{now_ms}");
         }
     }
 
     #[test]
     fn the_stop_counts_as_open_until_it_has_been_closed_for_some_time() {
-        let wires = Wires::default();
-        let mut lines =
-            SafetyLines::new(Wire(&wires.stop), Wire(&wires.bumper), Wire(&wires.permit));
+        let pins = TestPins::default();
+        let mut lines = SafetyLines::new(
+            TestPin(&pins.stop),
+            TestPin(&pins.bumper),
+            TestPin(&pins.permit),
+        );
         let alarms = [0, 10, 20].map(|ms| lines.read(at(ms)).emergency_stop);
         assert_eq!(alarms, [true, true, false]);
     }
 
     #[test]
     fn a_bumper_touches_once_each_time_it_opens() {
-        let wires = Wires::default();
-        let mut lines = closed(&wires);
+        let pins = TestPins::default();
+        let mut lines = closed(&pins);
         let mut touches = 0;
         for now_ms in (1_010..2_000).step_by(10) {
-            wires.bumper.set(now_ms % 500 < 250);
+            pins.bumper.set(now_ms % 500 < 250);
             touches += u32::from(lines.read(at(now_ms)).touched);
         }
         assert_eq!(touches, 2);
     }
 
-    /// Rounds from `from` to `to` in which the bumper stops the robot.
+    /// Runs between `from` and `to` in which the bumper stops the robot.
     fn held(lines: &mut Lines<'_>, from: u32, to: u32) -> usize {
         let rounds = (from..=to).step_by(10);
         rounds
@@ -272,26 +276,26 @@ mod tests {
 
     #[test]
     fn a_bumper_that_has_not_been_closed_since_the_start_stops_the_robot() {
-        let wires = Wires::default();
-        wires.bumper.set(true);
-        let mut lines = closed(&wires);
+        let pins = TestPins::default();
+        pins.bumper.set(true);
+        let mut lines = closed(&pins);
         assert_eq!(held(&mut lines, 1_010, 2_000), 100);
-        wires.bumper.set(false);
-        // Until it has settled.
+        pins.bumper.set(false);
+        // Until the contact is debounced.
         assert_eq!(held(&mut lines, 2_010, 3_000), 2);
     }
 
     #[test]
     fn a_bumper_that_stays_open_stops_the_robot_after_10_s() {
-        let wires = Wires::default();
-        let mut lines = closed(&wires);
-        wires.bumper.set(true);
-        // It counts as open from 1030 ms on.
+        let pins = TestPins::default();
+        let mut lines = closed(&pins);
+        pins.bumper.set(true);
+        // Debounced, the contact is open from 1030 ms on.
         assert_eq!(held(&mut lines, 1_010, 11_030), 0);
         assert_eq!(held(&mut lines, 11_040, 12_030), 100);
-        wires.bumper.set(false);
+        pins.bumper.set(false);
         assert_eq!(held(&mut lines, 12_040, 13_000), 2);
-        wires.bumper.set(true);
+        pins.bumper.set(true);
         assert_eq!(held(&mut lines, 13_010, 23_000), 0);
     }
 }

@@ -1,29 +1,26 @@
-//! The ring of sonars at the chip's own pins: Polaroid 6500 ranging modules behind 4-bit multiplexers.
+//! The ring of sonars at the chip's own pins: Polaroid 6500 ranging modules behind multiplexers.
 //!
 //! | module | what it decides |
 //! |---|---|
-//! | [`timing`] | how long everything takes, who fires when, what a flight means |
-//! | [`channel`] | what a module's pins do and when: a pure state machine |
+//! | [`timing`] | durations, firing order, range of a flight time |
+//! | [`channel`] | pin changes of a module over time, as a pure state machine |
 //!
-//! A [`Driver`] is a channel with its pins. It runs when its time has come or ECHO has risen, does what is due and says when
-//! to come again; it never waits. What each fault of the line ends in:
-//!
-//! | the line | told as | the mind hears |
+//! | ECHO | outcome | reported to the node |
 //! |---|---|---|
-//! | rises within the window | [`Outcome::Echo`] | the range |
-//! | stays low | [`Outcome::Silent`] | that nothing answered |
-//! | rises before any echo can come | [`Outcome::Early`] | nothing |
-//! | is high before the firing | [`Outcome::HeldHigh`] | nothing |
-//! | has not fallen after the firing | [`Outcome::NotReleased`] | nothing more |
-//! | rises during the ringing, in a self-test | [`Outcome::Rings`] | nothing yet |
-//! | does not, in a self-test | [`Outcome::Mute`] | nothing |
+//! | rises within the window | [`FiringOutcome::Echo`] | the range |
+//! | stays low | [`FiringOutcome::NoEcho`] | that nothing answered |
+//! | rises before any echo can come | [`FiringOutcome::Early`] | – |
+//! | is high before the firing | [`FiringOutcome::HeldHigh`] | – |
+//! | has not fallen after the firing | [`FiringOutcome::NotReleased`] | – |
+//! | rises during the ringing, in a self-test | [`FiringOutcome::Ringing`] | – |
+//! | stays low, in a self-test | [`FiringOutcome::Mute`] | – |
 //!
-//! A transducer of which the mind hears nothing leaves the ring incomplete, and the robot stands until it is heard again or
-//! is no longer believed. A line that is stuck low or a dead transducer does not pass the self-test at the start; later, and like a
-//! multiplexer stuck at an address, they look like echoes or silence to the pins: the mind's own watch over its transducers
-//! ([`amp::faults`]) is what notices them.
+//! A transducer that reports nothing leaves the ring incomplete: the robot stands until it reports
+//! again or is disabled. The self-test at the start finds a line stuck low and a dead transducer.
+//! Later these look like silence, and a stuck multiplexer looks like echoes; [`amp::faults`]
+//! detects them.
 
-use crate::line::Faults;
+use crate::uart::ErrorCounters;
 use amp::units::{Millis, Range};
 use embedded_hal::digital::OutputPin;
 use heapless::spsc::Producer;
@@ -31,61 +28,61 @@ use heapless::spsc::Producer;
 pub mod channel;
 pub mod timing;
 
-pub use channel::{Action, Channel, Line, Outcome, Reading, Todo};
-pub use timing::{Blanking, FiringOrder, SENSORS, Sound, Timing};
+pub use channel::{ChannelStep, EchoLine, FiringOutcome, FiringResult, PinChange, SonarChannel};
+pub use timing::{Blanking, FiringOrder, SENSORS, SpeedOfSound, Timing};
 
-/// A clock that runs in microseconds and catches the moment at which ECHO rises.
-pub trait Capture {
-    /// Microseconds, wrapping after 71 minutes.
+/// A microsecond clock that captures the time at which ECHO rises.
+pub trait EchoCapture {
+    /// Time, microseconds; wraps after 71 minutes.
     fn now_us(&mut self) -> u32;
-    /// Forgets what was caught; from now on the next rise is.
+    /// Forgets the captured time and waits for the next rise.
     fn arm(&mut self);
-    /// The line as it is.
-    fn line(&mut self) -> Line;
+    /// State of the ECHO line.
+    fn echo_line(&mut self) -> EchoLine;
 }
 
 /// The pins of a module and its multiplexer.
 #[derive(Debug)]
-pub struct Pins<P> {
+pub struct RingPins<P> {
     /// The address, lowest bit first.
     pub address: [P; 4],
-    /// Starts a burst, and ends the listening when it drops.
+    /// High: sends the burst and listens. Low: ends listening.
     pub init: P,
-    /// Ends the blanking early.
+    /// High: ends the module's internal blanking.
     pub binh: P,
-    /// Would re-arm ECHO for a second echo; low for good.
+    /// Stays low. High would re-arm ECHO for a second echo.
     pub blnk: P,
 }
 
 /// A channel and its pins.
 #[derive(Debug)]
-pub struct Driver<P> {
-    pins: Pins<P>,
-    channel: Channel,
+pub struct ChannelDriver<P> {
+    pins: RingPins<P>,
+    channel: SonarChannel,
 }
 
-impl<P: OutputPin> Driver<P> {
-    /// A driver that begins at `now_us`, all its pins low.
+impl<P: OutputPin> ChannelDriver<P> {
+    /// A driver that starts at `now_us` with all pins low.
     ///
     /// # Errors
-    /// When a pin cannot be set.
+    /// A pin cannot be set.
     pub fn new(
-        mut pins: Pins<P>,
+        mut pins: RingPins<P>,
         timing: Timing,
         order: FiringOrder,
         now_us: u32,
     ) -> Result<Self, P::Error> {
-        pins.rest()?;
+        pins.set_all_low()?;
         Ok(Self {
             pins,
-            channel: Channel::new(timing, order, now_us),
+            channel: SonarChannel::new(timing, order, now_us),
         })
     }
 
-    /// Drops every line and begins anew at `now_us`. Modules that have passed the self-test are not tested again.
+    /// Sets all pins low and starts again at `now_us`. Passed self-tests are not repeated.
     ///
     /// # Errors
-    /// When a pin cannot be set.
+    /// A pin cannot be set.
     pub fn restart(
         &mut self,
         timing: Timing,
@@ -93,120 +90,120 @@ impl<P: OutputPin> Driver<P> {
         now_us: u32,
     ) -> Result<(), P::Error> {
         self.channel.restart(timing, order, now_us);
-        self.pins.rest()
+        self.pins.set_all_low()
     }
 
-    /// Does what is due. Every reading goes to `take`. Returns when to come again, microseconds, unless ECHO rises before;
-    /// `None` if the order is empty.
+    /// Does what is due, without waiting, and passes each result to `report`. Returns the time of
+    /// the next call, microseconds, or earlier if ECHO rises; `None` if the order is empty.
     ///
     /// # Errors
-    /// When a pin cannot be set; the channel then goes on as if it had been.
+    /// A pin cannot be set; the channel's state has advanced nevertheless.
     pub fn run(
         &mut self,
-        capture: &mut impl Capture,
-        mut take: impl FnMut(Reading),
+        capture: &mut impl EchoCapture,
+        mut report: impl FnMut(FiringResult),
     ) -> Result<Option<u32>, P::Error> {
         loop {
-            let line = capture.line();
+            let line = capture.echo_line();
             match self.channel.poll(capture.now_us(), line) {
-                Todo::Act(action) => {
-                    if action == Action::Init(true) {
+                ChannelStep::Change(action) => {
+                    if action == PinChange::Init(true) {
                         capture.arm();
                     }
-                    self.pins.act(action)?;
+                    self.pins.apply(action)?;
                 }
-                Todo::Take(reading) => take(reading),
-                Todo::Wait(until_us) => return Ok(Some(until_us)),
-                Todo::Rest => return Ok(None),
+                ChannelStep::Report(reading) => report(reading),
+                ChannelStep::WaitUntil(until_us) => return Ok(Some(until_us)),
+                ChannelStep::Idle => return Ok(None),
             }
         }
     }
 
-    /// The pins.
+    /// Returns the pins.
     #[must_use]
-    pub fn release(self) -> Pins<P> {
+    pub fn into_pins(self) -> RingPins<P> {
         self.pins
     }
 }
 
-impl<P: OutputPin> Pins<P> {
-    fn rest(&mut self) -> Result<(), P::Error> {
+impl<P: OutputPin> RingPins<P> {
+    fn set_all_low(&mut self) -> Result<(), P::Error> {
         self.init.set_low()?;
         self.binh.set_low()?;
         self.blnk.set_low()?;
-        self.act(Action::Select(0))
+        self.apply(PinChange::Select(0))
     }
 
-    fn act(&mut self, action: Action) -> Result<(), P::Error> {
+    fn apply(&mut self, action: PinChange) -> Result<(), P::Error> {
         match action {
-            Action::Select(sensor) => {
+            PinChange::Select(sensor) => {
                 for (bit, pin) in self.address.iter_mut().enumerate() {
                     pin.set_state((sensor >> bit & 1 == 1).into())?;
                 }
                 Ok(())
             }
-            Action::Init(high) => self.init.set_state(high.into()),
-            Action::Binh(high) => self.binh.set_state(high.into()),
+            PinChange::Init(high) => self.init.set_state(high.into()),
+            PinChange::Binh(high) => self.binh.set_state(high.into()),
         }
     }
 }
 
-/// What a transducer has to say to the mind.
+/// A reading for the node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Firing {
+pub struct RingReading {
     /// Transducer.
     pub sensor: u8,
-    /// What it heard; `None` = nothing answered.
+    /// Range; `None` = nothing answered.
     pub range: Option<Range>,
-    /// When it fired.
+    /// Time of the firing.
     pub at: Millis,
 }
 
-/// A driver that fires while it is wanted and fills a queue.
-pub struct Ring<'queue, P> {
-    driver: Driver<P>,
+/// A channel driver that fires on request and queues its readings.
+pub struct SonarRing<'queue, P> {
+    driver: ChannelDriver<P>,
     timing: Timing,
-    sound: Sound,
-    firings: Producer<'queue, Firing>,
-    faults: &'queue Faults,
+    sound: SpeedOfSound,
+    firings: Producer<'queue, RingReading>,
+    errors: &'queue ErrorCounters,
     runs: bool,
 }
 
-impl<'queue, P: OutputPin> Ring<'queue, P> {
-    /// A ring at rest, in the Nomad's order. It counts in `faults` what its line spoils and what there is no room for.
+impl<'queue, P: OutputPin> SonarRing<'queue, P> {
+    /// A resting ring in the Nomad's order. `errors` counts line faults and dropped readings.
     #[must_use]
     pub const fn new(
-        driver: Driver<P>,
+        driver: ChannelDriver<P>,
         timing: Timing,
-        sound: Sound,
-        firings: Producer<'queue, Firing>,
-        faults: &'queue Faults,
+        sound: SpeedOfSound,
+        firings: Producer<'queue, RingReading>,
+        errors: &'queue ErrorCounters,
     ) -> Self {
         Self {
             driver,
             timing,
             sound,
             firings,
-            faults,
+            errors,
             runs: false,
         }
     }
 
-    /// Whether it is to be served when ECHO rises as well: from a firing on until its end. A line that rings at other times
-    /// brings no interrupt.
+    /// Whether a rise of ECHO must call `serve`: only between a firing and its end. So a line that
+    /// oscillates at other times causes no interrupts.
     #[must_use]
-    pub const fn listens(&self) -> bool {
-        self.runs && self.driver.channel.listens()
+    pub const fn is_listening(&self) -> bool {
+        self.runs && self.driver.channel.is_listening()
     }
 
-    /// Does what is due at `now`, the time of the moment the capture's clock shows. Returns when to come again, on that
-    /// clock; `None` while the ring is not wanted.
+    /// Does what is due at `now`, the device's time at the moment of the call. Returns the time of
+    /// the next call on the capture's clock; `None` while the ring is not wanted.
     ///
     /// # Errors
-    /// When a pin cannot be set.
+    /// A pin cannot be set.
     pub fn serve(
         &mut self,
-        capture: &mut impl Capture,
+        capture: &mut impl EchoCapture,
         now: Millis,
         wanted: bool,
     ) -> Result<Option<u32>, P::Error> {
@@ -219,46 +216,46 @@ impl<'queue, P: OutputPin> Ring<'queue, P> {
         if !wanted {
             return Ok(None);
         }
-        let (sound, firings, faults) = (self.sound, &mut self.firings, self.faults);
+        let (sound, firings, errors) = (self.sound, &mut self.firings, self.errors);
         self.driver.run(capture, |reading| {
             let age_ms = now_us.wrapping_sub(reading.fired_us) / 1_000;
-            let told = match reading.outcome.heard(sound) {
-                // No room: the mind has not looked for a second. The ring stays incomplete.
-                Heard::Range(range) => firings.enqueue(Firing {
+            let told = match reading.outcome.report(sound) {
+                // The queue is full if the node has not run for 1 s: the ring stays incomplete.
+                EchoReport::Range(range) => firings.enqueue(RingReading {
                     sensor: reading.sensor,
                     range,
                     at: Millis::from_ms(now.as_ms().wrapping_sub(age_ms)),
                 }),
-                Heard::Fault => return faults.spoil(),
-                Heard::Nothing => return,
+                EchoReport::Fault => return errors.count_ring_fault(),
+                EchoReport::Nothing => return,
             };
             if told.is_err() {
-                faults.spoil();
+                errors.count_ring_fault();
             }
         })
     }
 }
 
-/// What the mind is told of a reading.
+/// What a firing reports to the node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Heard {
-    /// A range, or that nothing answered.
+pub enum EchoReport {
+    /// A range; `None` = nothing answered.
     Range(Option<Range>),
-    /// The line was at fault: nothing.
+    /// Nothing: a line fault, to be counted.
     Fault,
-    /// Nothing, and nothing is wrong.
+    /// Nothing: a passed self-test.
     Nothing,
 }
 
-impl Outcome {
-    /// What the mind is told, at this speed of sound.
+impl FiringOutcome {
+    /// The report, at this speed of sound.
     #[must_use]
-    pub fn heard(self, sound: Sound) -> Heard {
+    pub fn report(self, sound: SpeedOfSound) -> EchoReport {
         match self {
-            Self::Echo(flight_us) => Heard::Range(sound.range(flight_us)),
-            Self::Silent => Heard::Range(None),
-            Self::Early | Self::HeldHigh | Self::NotReleased | Self::Mute => Heard::Fault,
-            Self::Rings => Heard::Nothing,
+            Self::Echo(flight_us) => EchoReport::Range(sound.range(flight_us)),
+            Self::NoEcho => EchoReport::Range(None),
+            Self::Early | Self::HeldHigh | Self::NotReleased | Self::Mute => EchoReport::Fault,
+            Self::Ringing => EchoReport::Nothing,
         }
     }
 }

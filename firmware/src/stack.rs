@@ -1,14 +1,17 @@
-//! How deep the stack has been: it is painted before the program starts, and what is used loses its paint.
+//! How deep the stack has been: start-up code fills it with a pattern that use overwrites.
 
-/// What the words of the stack hold until they are used.
+/// The pattern: content of a stack word that was never used.
 pub const PAINT: u32 = 0xcccc_cccc;
 
-/// The deepest the stack has been, in bytes. `word(i)` is the i-th word from the stack's far end (its lowest address).
+/// Greatest depth of the stack since the start, bytes. `read_word(i)` reads the i-th word,
+/// counted from the lowest address.
 ///
-/// Reads only what was never used, one word beyond, and stops: some 1500 words of an 8 KiB stack that is a quarter full.
+/// Reads the unused words and one more: some 1500 of an 8 KiB stack that is a quarter full.
 #[must_use]
-pub fn peak_bytes(words: usize, word: impl Fn(usize) -> u32) -> usize {
-    let unused = (0..words).take_while(|&index| word(index) == PAINT).count();
+pub fn peak_bytes(words: usize, read_word: impl Fn(usize) -> u32) -> usize {
+    let unused = (0..words)
+        .take_while(|&index| read_word(index) == PAINT)
+        .count();
     (words - unused) * size_of::<u32>()
 }
 
@@ -17,7 +20,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_peak_is_what_lost_its_paint() {
+    fn the_peak_counts_overwritten_words() {
         let stack = [PAINT, PAINT, 7, PAINT, 0];
         assert_eq!(peak_bytes(stack.len(), |index| stack[index]), 12);
     }

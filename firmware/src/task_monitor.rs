@@ -1,27 +1,26 @@
-//! May the watchdog be fed? Only when every task has run since it was fed last.
+//! Whether the watchdog may be fed: only when every task has run since the last feeding.
 //!
-//! A watchdog fed from a timer interrupt alone would be content with a control task that hangs. Here each task leaves its
-//! mark, and one task that stays away is enough to let the watchdog bite.
+//! So the watchdog resets the chip when any one task hangs, even if the timer interrupt still runs.
 
 use portable_atomic::{AtomicBool, AtomicU32, Ordering};
 
-/// A task that has to show itself.
+/// A task that must check in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Task {
+pub enum MonitoredTask {
     /// The serial interrupt.
     Serial,
-    /// The clock's interrupt.
+    /// The millisecond interrupt.
     Clock,
-    /// The task that owns the mind.
+    /// The control task.
     Control,
 }
 
-impl Task {
+impl MonitoredTask {
     /// Every task.
     pub const ALL: [Self; 3] = [Self::Serial, Self::Clock, Self::Control];
 
     /// The task's bit.
-    const fn mark(self) -> u32 {
+    const fn bit(self) -> u32 {
         match self {
             Self::Serial => 1,
             Self::Clock => 2,
@@ -30,67 +29,67 @@ impl Task {
     }
 }
 
-/// The marks of [`Task::ALL`] together.
-const EVERYONE: u32 = 0b111;
+/// The bits of [`MonitoredTask::ALL`].
+const ALL_TASKS: u32 = 0b111;
 
-/// Whether these marks are everyone's.
+/// Whether every task's bit is set.
 #[must_use]
-const fn complete(marks: u32) -> bool {
-    marks & EVERYONE == EVERYONE
+const fn has_all(checked_in: u32) -> bool {
+    checked_in & ALL_TASKS == ALL_TASKS
 }
 
-/// Who has run since the watchdog was fed last.
+/// The tasks that have checked in, and the requested timeout of the watchdog.
 #[derive(Debug, Default)]
 pub struct TaskMonitor {
-    marks: AtomicU32,
-    /// Somebody is about to hold up everybody for longer than the watchdog bears.
-    patience_wanted: AtomicBool,
-    /// The watchdog bears it.
-    is_patient: AtomicBool,
+    checked_in: AtomicU32,
+    /// A task is about to block all others for longer than the normal timeout.
+    long_timeout_requested: AtomicBool,
+    /// The watchdog has the long timeout.
+    has_long_timeout: AtomicBool,
 }
 
 impl TaskMonitor {
-    /// Nobody has run yet.
+    /// No task has checked in; the timeout is the normal one.
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            marks: AtomicU32::new(0),
-            patience_wanted: AtomicBool::new(false),
-            is_patient: AtomicBool::new(false),
+            checked_in: AtomicU32::new(0),
+            long_timeout_requested: AtomicBool::new(false),
+            has_long_timeout: AtomicBool::new(false),
         }
     }
 
-    /// A task has run.
-    pub fn seen(&self, task: Task) {
-        self.marks.fetch_or(task.mark(), Ordering::Relaxed);
+    /// Notes that a task has run.
+    pub fn check_in(&self, task: MonitoredTask) {
+        self.checked_in.fetch_or(task.bit(), Ordering::Relaxed);
     }
 
-    /// Says whether somebody wants to hold up everybody.
-    pub fn want_patience(&self, wanted: bool) {
-        self.patience_wanted.store(wanted, Ordering::Relaxed);
+    /// Requests the long watchdog timeout (flash is erased or written), or the normal one again.
+    pub fn request_long_timeout(&self, wanted: bool) {
+        self.long_timeout_requested.store(wanted, Ordering::Relaxed);
     }
 
-    /// Whether the watchdog bears it by now.
+    /// Whether the watchdog has the long timeout.
     #[must_use]
-    pub fn is_patient(&self) -> bool {
-        self.is_patient.load(Ordering::Relaxed)
+    pub fn has_long_timeout(&self) -> bool {
+        self.has_long_timeout.load(Ordering::Relaxed)
     }
 
-    /// For the watchdog's owner: how patient it is to be from now on, if that has changed; and then has been made so.
-    pub fn change_patience(&self, make: impl FnOnce(bool)) {
-        let wanted = self.patience_wanted.load(Ordering::Relaxed);
-        if wanted != self.is_patient() {
-            make(wanted);
-            self.is_patient.store(wanted, Ordering::Relaxed);
+    /// Called by the watchdog's owner: passes a changed request to `set_timeout`.
+    pub fn apply_timeout(&self, set_timeout: impl FnOnce(bool)) {
+        let wanted = self.long_timeout_requested.load(Ordering::Relaxed);
+        if wanted != self.has_long_timeout() {
+            set_timeout(wanted);
+            self.has_long_timeout.store(wanted, Ordering::Relaxed);
         }
     }
 
-    /// Whether the watchdog may be fed now; if so, everyone has to show himself anew.
+    /// Whether every task has checked in since this last returned true.
     #[must_use]
     pub fn all_checked_in(&self) -> bool {
-        let all = complete(self.marks.load(Ordering::Relaxed));
+        let all = has_all(self.checked_in.load(Ordering::Relaxed));
         if all {
-            self.marks.store(0, Ordering::Relaxed);
+            self.checked_in.store(0, Ordering::Relaxed);
         }
         all
     }
@@ -101,45 +100,50 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_task_has_a_mark_of_its_own() {
-        let marks = Task::ALL.iter().fold(0, |marks, task| marks + task.mark());
-        assert_eq!(marks, EVERYONE);
+    fn every_task_has_its_own_bit() {
+        let checked_in = MonitoredTask::ALL
+            .iter()
+            .fold(0, |checked_in, task| checked_in + task.bit());
+        assert_eq!(checked_in, ALL_TASKS);
     }
 
     #[test]
-    fn one_task_that_stays_away_starves_the_watchdog() {
-        for missing in Task::ALL {
+    fn one_missing_task_stops_the_feeding() {
+        for missing in MonitoredTask::ALL {
             let task_monitor = TaskMonitor::new();
-            for task in Task::ALL.into_iter().filter(|&task| task != missing) {
-                task_monitor.seen(task);
-                task_monitor.seen(task);
+            for task in MonitoredTask::ALL
+                .into_iter()
+                .filter(|&task| task != missing)
+            {
+                task_monitor.check_in(task);
+                task_monitor.check_in(task);
             }
             assert!(!task_monitor.all_checked_in(), "fed without {missing:?}");
-            task_monitor.seen(missing);
+            task_monitor.check_in(missing);
             assert!(task_monitor.all_checked_in());
         }
     }
 
     #[test]
-    fn patience_is_there_when_the_watchdog_has_it() {
+    fn the_long_timeout_is_reported_once_it_is_set() {
         let task_monitor = TaskMonitor::new();
-        task_monitor.change_patience(|_| panic!("nobody wants it"));
-        task_monitor.want_patience(true);
-        assert!(!task_monitor.is_patient());
+        task_monitor.apply_timeout(|_| panic!("no change requested"));
+        task_monitor.request_long_timeout(true);
+        assert!(!task_monitor.has_long_timeout());
         let mut made = None;
-        task_monitor.change_patience(|patient| made = Some(patient));
-        assert!(made == Some(true) && task_monitor.is_patient());
-        task_monitor.change_patience(|_| panic!("it has it"));
-        task_monitor.want_patience(false);
-        task_monitor.change_patience(|patient| made = Some(patient));
-        assert!(made == Some(false) && !task_monitor.is_patient());
+        task_monitor.apply_timeout(|long| made = Some(long));
+        assert!(made == Some(true) && task_monitor.has_long_timeout());
+        task_monitor.apply_timeout(|_| panic!("no change requested"));
+        task_monitor.request_long_timeout(false);
+        task_monitor.apply_timeout(|long| made = Some(long));
+        assert!(made == Some(false) && !task_monitor.has_long_timeout());
     }
 
     #[test]
-    fn after_a_feed_everyone_has_to_come_again() {
+    fn after_a_feeding_every_task_must_check_in_again() {
         let task_monitor = TaskMonitor::new();
-        for task in Task::ALL {
-            task_monitor.seen(task);
+        for task in MonitoredTask::ALL {
+            task_monitor.check_in(task);
         }
         assert!(task_monitor.all_checked_in());
         assert!(!task_monitor.all_checked_in());

@@ -10,7 +10,7 @@ pub use code::ActionCode;
 pub(crate) use recall::Match;
 pub use recall::{Answer, Preference, Probe, Recall};
 
-use crate::fixed::{Mask, Weight, Weight32, squared_distance, to_weight16};
+use crate::fixed::{Mask, Weight, Weight32, to_weight16};
 use crate::som::kernels::Kernels;
 use crate::som::{Grid, Som, Update};
 
@@ -136,20 +136,13 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
     #[inline(never)]
     #[must_use]
     pub fn bmu(&self, effect: &Effect<SENSORS>, action_weight_q8: u16) -> usize {
-        let action = self.action_distances(effect, action_weight_q8);
-        self.changes.bmu_with(&effect.change, effect.mask, &action)
-    }
-
-    /// λ |a − a_k|² of each neuron, in units of 2⁻⁵⁰.
-    #[inline(never)]
-    fn action_distances(&self, effect: &Effect<SENSORS>, weight_q8: u16) -> [u64; NEURONS] {
-        let mut distances = [0; NEURONS];
-        for (distance, action) in distances.iter_mut().zip(self.actions.code()) {
-            let squared = squared_distance(action, &effect.action, Mask::ALL);
-            // Rounded before it is weighted: at most 2⁴⁵ times 2¹⁶.
-            *distance = (squared >> 8).wrapping_mul(u64::from(weight_q8));
-        }
-        distances
+        let Effect {
+            change,
+            action,
+            mask,
+        } = effect;
+        let weight = action_weight_q8;
+        (self.changes).joint_bmu(change, *mask, &self.actions, action, weight)
     }
 
     /// Sums the products unless they are known; maps of more than 31 neurons do without.

@@ -1,7 +1,7 @@
-//! Tells the linker where the memory of the micro:bit is.
+//! Passes the memory layout of the micro:bit to the linker.
 //!
-//! The script is a whole one with a name of its own: the one of `cortex-m-rt` includes a `memory.x`, and the linker would
-//! find that of another chip in the folder it runs in first.
+//! The script is complete and has its own name: that of `cortex-m-rt` includes `memory.x`, and the
+//! linker would first find the one of another chip in its working folder.
 
 use std::env;
 

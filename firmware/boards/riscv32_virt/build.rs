@@ -1,4 +1,4 @@
-//! Tells the linker where the memory of the machine is.
+//! Passes the memory layout of the machine to the linker.
 
 use std::env;
 

@@ -1,7 +1,7 @@
-//! Tells the linker where the memory of the chip is.
+//! Passes the memory layout of the chip to the linker.
 //!
-//! The linker's arguments stand here and not in `.cargo/config.toml`, where a `RUSTFLAGS` in the environment would
-//! silently replace them.
+//! The arguments are here and not in `.cargo/config.toml`, because `RUSTFLAGS` in the environment
+//! would replace those.
 
 use std::env;
 use std::path::Path;
@@ -15,11 +15,11 @@ fn main() {
     let root = Path::new(&package).join("../../..");
     println!("cargo:rustc-link-search={}", root.display());
     println!("cargo:rerun-if-changed={}", root.join("memory.x").display());
-    // --nmagic: the sections need not start at a page of 64 KiB.
+    // --nmagic: sections need no alignment to pages of 64 KiB.
     for argument in ["--nmagic", "-Tlink.x", "-Tdefmt.x"] {
         println!("cargo:rustc-link-arg-bins={argument}");
     }
-    // Without this defmt compiles in errors only.
+    // The default of defmt is errors only.
     println!("cargo:rerun-if-env-changed=DEFMT_LOG");
     if env::var_os("DEFMT_LOG").is_none() {
         println!("cargo:rustc-env=DEFMT_LOG=info");

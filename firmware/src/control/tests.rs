@@ -12,44 +12,44 @@ use heapless::spsc::{Producer, Queue};
 use std::boxed::Box;
 use std::vec::Vec;
 
-/// A control task between two queues whose far ends the test holds.
-struct Bench<F = Sectors> {
+/// A control task between two queues; the test holds their other ends.
+struct ControlBench<F = Sectors> {
     control: Control<'static, F>,
     incoming: Producer<'static, u8>,
     outgoing: Consumer<'static, u8>,
     seq: u16,
 }
 
-fn forever<T>(value: T) -> &'static mut T {
+fn leak<T>(value: T) -> &'static mut T {
     Box::leak(Box::new(value))
 }
 
 type Sectors = SimFlash<{ 12 + persist::SLOT_BYTES as usize }>;
 
-fn bench() -> Bench {
-    bench_with(Sectors::new(1))
+fn bench() -> ControlBench {
+    bench_with_flash(Sectors::new(1))
 }
 
-fn bench_with(flash: Sectors) -> Bench {
-    bench_on(Some(Store::mount(flash, persist::SLOT_BYTES)))
+fn bench_with_flash(flash: Sectors) -> ControlBench {
+    bench_with_store(Some(Store::mount(flash, persist::SLOT_BYTES)))
 }
 
-fn bench_on<F: NorFlash>(store: Option<Store<F>>) -> Bench<F> {
-    let received = forever(Queue::<u8, 512>::new());
-    let to_send = forever(Queue::<u8, 2048>::new());
-    let mind = forever(NomadNode::new());
-    let faults = forever(Faults::new());
+fn bench_with_store<F: NorFlash>(store: Option<Store<F>>) -> ControlBench<F> {
+    let received = leak(Queue::<u8, 512>::new());
+    let to_send = leak(Queue::<u8, 2048>::new());
+    let node = leak(NomadNode::new());
+    let errors = leak(ErrorCounters::new());
     let (incoming, received) = received.split();
     let (to_send, outgoing) = to_send.split();
-    Bench {
-        control: Control::new(mind, received, FrameSink::new(to_send), faults, store),
+    ControlBench {
+        control: Control::new(node, received, TxQueue::new(to_send), errors, store),
         incoming,
         outgoing,
         seq: 0,
     }
 }
 
-impl<F: NorFlash> Bench<F> {
+impl<F: NorFlash> ControlBench<F> {
     fn start(&mut self) {
         let identity = Identity {
             build: *b"testtest",
@@ -72,7 +72,7 @@ impl<F: NorFlash> Bench<F> {
         }
     }
 
-    fn ask(&mut self, message: &ToMind<16>) {
+    fn send_request(&mut self, message: &ToMind<16>) {
         self.seq += 1;
         let header = Header {
             session: 3,
@@ -93,31 +93,31 @@ impl<F: NorFlash> Bench<F> {
             sensors: 16,
             neurons: 16,
         };
-        self.ask(&ToMind::Hello(HostHello {
+        self.send_request(&ToMind::Hello(HostHello {
             dimensions,
             clock,
             open_space: false,
         }));
     }
 
-    /// What was said since this was asked last.
-    fn said(&mut self) -> Vec<FromMind<16>> {
+    /// The reports sent since the last call.
+    fn take_reports(&mut self) -> Vec<FromMind<16>> {
         let mut receiver = Receiver::new();
-        let mut said = Vec::new();
+        let mut reports = Vec::new();
         while let Some(byte) = self.outgoing.dequeue() {
             if let Some(frame) = receiver.push(byte) {
                 let (_, report) = unpack::<Report<16>>(frame).expect("a sound frame");
-                said.push(report.said);
+                reports.push(report.said);
             }
         }
-        said
+        reports
     }
 
     fn counters(&mut self, now_ms: u32) -> Counters {
-        self.ask(&ToMind::Counters);
+        self.send_request(&ToMind::Counters);
         assert!(!self.control.run(Millis::from_ms(now_ms)));
-        let said = self.said();
-        let counters = said.iter().find_map(|said| match said {
+        let reports = self.take_reports();
+        let counters = reports.iter().find_map(|reports| match reports {
             FromMind::Counters(counters) => Some(*counters),
             _ => None,
         });
@@ -126,11 +126,11 @@ impl<F: NorFlash> Bench<F> {
 }
 
 #[test]
-fn a_start_says_who_and_why() {
+fn a_start_sends_a_hello_with_build_and_reset_cause() {
     let mut bench = bench();
     bench.start();
-    assert!(bench.control.take_sent() && !bench.control.take_sent());
-    let [FromMind::Hello(hello)] = bench.said()[..] else {
+    assert!(bench.control.take_queued() && !bench.control.take_queued());
+    let [FromMind::Hello(hello)] = bench.take_reports()[..] else {
         panic!("a hello");
     };
     assert_eq!(
@@ -140,16 +140,16 @@ fn a_start_says_who_and_why() {
 }
 
 #[test]
-fn frames_are_answered_and_what_the_device_counts_is_told() {
+fn frames_are_answered_and_device_counters_reported() {
     let mut bench = bench();
     bench.start();
     bench.open();
     assert!(!bench.control.run(Millis::from_ms(7)));
     assert!(bench.control.is_linked());
-    assert_eq!(bench.control.news(), Some(LogEvent::Linked));
-    assert_eq!(bench.control.news(), None);
-    bench.said();
-    bench.control.note_stack(1_234);
+    assert_eq!(bench.control.next_log_event(), Some(LogEvent::Linked));
+    assert_eq!(bench.control.next_log_event(), None);
+    bench.take_reports();
+    bench.control.set_stack_peak(1_234);
     let counters = bench.counters(30);
     assert_eq!(counters.accepted, 2);
     assert_eq!(counters.device.stack_peak_bytes, 1_234);
@@ -158,18 +158,18 @@ fn frames_are_answered_and_what_the_device_counts_is_told() {
 }
 
 #[test]
-fn a_host_that_falls_silent_is_news() {
+fn a_silent_host_is_a_log_event() {
     let mut bench = bench();
     bench.start();
     bench.open();
     assert!(!bench.control.run(Millis::from_ms(0)));
-    assert_eq!(bench.control.news(), Some(LogEvent::Linked));
+    assert_eq!(bench.control.next_log_event(), Some(LogEvent::Linked));
     assert!(!bench.control.run(Millis::from_ms(1_000)));
-    assert_eq!(bench.control.news(), Some(LogEvent::Unlinked));
+    assert_eq!(bench.control.next_log_event(), Some(LogEvent::Unlinked));
 }
 
 #[test]
-fn garbage_is_counted_and_the_next_frame_is_heard() {
+fn garbage_is_counted_and_the_next_frame_accepted() {
     let mut bench = bench();
     bench.start();
     bench.open();
@@ -177,7 +177,7 @@ fn garbage_is_counted_and_the_next_frame_is_heard() {
     bench.receive(&[0, 3, 1, 2, 0]);
     assert!(!bench.control.run(Millis::from_ms(1)));
     let counters = bench.counters(2);
-    // The hello and the question; what was too long; what was no frame.
+    // The Hello and the request; the oversized frame; the malformed one.
     let counted = (counters.accepted, counters.oversized, counters.misshapen);
     assert_eq!(counted, (2, 1, 1));
 }
@@ -194,43 +194,43 @@ fn a_full_queue_is_emptied_in_one_run() {
     assert!(bench.incoming.is_empty());
 }
 
-/// Runs until nothing is to be done at once; the interrupt takes whatever is queued, the watchdog is as patient as is wanted.
-fn settle(bench: &mut Bench, now_ms: u32) -> Vec<FromMind<16>> {
-    let mut said = Vec::new();
+/// Runs until no work is left. Every queued byte is sent, and timeout requests are granted.
+fn settle(bench: &mut ControlBench, now_ms: u32) -> Vec<FromMind<16>> {
+    let mut reports = Vec::new();
     for _ in 0..10 {
-        let wanted = bench.control.wants_patience();
-        bench.control.note_patience(wanted);
+        let requested = bench.control.needs_long_timeout();
+        bench.control.set_has_long_timeout(requested);
         let more = bench.control.run(Millis::from_ms(now_ms));
-        said.extend(bench.said());
-        if !more && bench.control.mind.flash_task().is_none() {
+        reports.extend(bench.take_reports());
+        if !more && bench.control.node.flash_task().is_none() {
             break;
         }
     }
-    said
+    reports
 }
 
-fn config_crc(bench: &mut Bench) -> u32 {
+fn config_crc(bench: &mut ControlBench) -> u32 {
     bench.start();
-    let [FromMind::Hello(hello)] = bench.said()[..] else {
+    let [FromMind::Hello(hello)] = bench.take_reports()[..] else {
         panic!("a hello");
     };
     hello.config_crc
 }
 
 #[test]
-fn what_was_saved_is_there_after_the_next_start() {
+fn a_saved_image_is_loaded_at_the_next_start() {
     let mut bench = bench();
     let fresh = config_crc(&mut bench);
     bench.open();
-    bench.ask(&ToMind::Parameter {
+    bench.send_request(&ToMind::Parameter {
         parameter: Parameter::Far,
         value: Some(1_300),
     });
-    bench.ask(&ToMind::Flash(Flash::Save));
-    // Behind it in the queue: has to wait.
-    bench.ask(&ToMind::Mode);
-    let said = settle(&mut bench, 5);
-    let tail = said.split_at(said.len() - 4).1;
+    bench.send_request(&ToMind::Flash(Flash::Save));
+    // Waits in the queue behind the save.
+    bench.send_request(&ToMind::Mode);
+    let reports = settle(&mut bench, 5);
+    let tail = reports.split_at(reports.len() - 4).1;
     assert_eq!(
         tail,
         [
@@ -242,23 +242,23 @@ fn what_was_saved_is_there_after_the_next_start() {
             FromMind::Done { seq: 4 },
         ]
     );
-    let mut next = bench_with(bench.control.store.expect("a store").into_flash());
+    let mut next = bench_with_flash(bench.control.store.expect("a store").into_flash());
     let saved = config_crc(&mut next);
     assert_ne!(saved, fresh);
-    // Erased, and recalled: there is nothing.
+    // After the erasure there is nothing to load.
     next.open();
-    next.ask(&ToMind::Flash(Flash::Erase));
-    next.ask(&ToMind::Flash(Flash::Recall));
-    let said = settle(&mut next, 9);
-    assert!(said.contains(&FromMind::Busy {
+    next.send_request(&ToMind::Flash(Flash::Erase));
+    next.send_request(&ToMind::Flash(Flash::Recall));
+    let reports = settle(&mut next, 9);
+    assert!(reports.contains(&FromMind::Busy {
         ms: 2 * persist::ERASE_MS
     }));
     let why = Refusal::Flash(FlashError::Empty);
     assert!(
-        said.contains(&FromMind::Refusal { seq: 3, why }),
-        "{said:?}"
+        reports.contains(&FromMind::Refusal { seq: 3, why }),
+        "{reports:?}"
     );
-    let mut last = bench_with(next.control.store.expect("a store").into_flash());
+    let mut last = bench_with_flash(next.control.store.expect("a store").into_flash());
     assert_eq!(config_crc(&mut last), fresh);
 }
 
@@ -267,41 +267,41 @@ fn a_pause_waits_for_its_announcement_and_for_the_watchdog() {
     let mut bench = bench();
     bench.start();
     bench.open();
-    bench.ask(&ToMind::Flash(Flash::Save));
-    assert!(bench.control.run(Millis::from_ms(0)) && !bench.control.wants_patience());
-    assert!(!bench.control.run(Millis::from_ms(0)) && bench.control.wants_patience());
-    let _ = bench.said();
-    // Writing alone may take longer than an impatient watchdog bears.
+    bench.send_request(&ToMind::Flash(Flash::Save));
+    assert!(bench.control.run(Millis::from_ms(0)) && !bench.control.needs_long_timeout());
+    assert!(!bench.control.run(Millis::from_ms(0)) && bench.control.needs_long_timeout());
+    let _ = bench.take_reports();
+    // Writing alone may exceed the normal timeout.
     assert!(!bench.control.run(Millis::from_ms(0)));
     assert_eq!(bench.generation(), 0);
     let _ = settle(&mut bench, 1);
     assert_eq!(bench.generation(), 1);
-    // The sector takes one image: the next one goes into the other, which has to be erased.
-    bench.ask(&ToMind::Flash(Flash::Save));
-    assert!(bench.control.run(Millis::from_ms(2)) && !bench.control.wants_patience());
-    for patient in [false, true] {
-        // Nothing happens while the announcement waits in the queue.
-        bench.control.note_patience(patient);
+    // The sector holds one image: the next save erases the other sector.
+    bench.send_request(&ToMind::Flash(Flash::Save));
+    assert!(bench.control.run(Millis::from_ms(2)) && !bench.control.needs_long_timeout());
+    for has_long_timeout in [false, true] {
+        // Nothing happens until the announcement is sent.
+        bench.control.set_has_long_timeout(has_long_timeout);
         assert!(!bench.control.run(Millis::from_ms(3)));
-        assert!(bench.control.wants_patience());
+        assert!(bench.control.needs_long_timeout());
     }
     let pause_ms = persist::WRITE_MS + persist::ERASE_MS;
-    let said = bench.said();
-    assert_eq!(said.last(), Some(&FromMind::Busy { ms: pause_ms }));
-    bench.control.note_patience(false);
+    let reports = bench.take_reports();
+    assert_eq!(reports.last(), Some(&FromMind::Busy { ms: pause_ms }));
+    bench.control.set_has_long_timeout(false);
     assert!(!bench.control.run(Millis::from_ms(4)));
     assert_eq!(bench.generation(), 1);
-    bench.control.note_patience(true);
+    bench.control.set_has_long_timeout(true);
     assert!(bench.control.run(Millis::from_ms(5)));
-    assert_eq!(bench.said(), [FromMind::Done { seq: 3 }]);
-    assert!(bench.generation() == 2 && !bench.control.wants_patience());
+    assert_eq!(bench.take_reports(), [FromMind::Done { seq: 3 }]);
+    assert!(bench.generation() == 2 && !bench.control.needs_long_timeout());
 }
 
-/// The ring's queue, whose near end the control task holds; the session takes its scans from there.
-fn ringed(bench: Bench) -> (Bench, Producer<'static, Firing>) {
-    let queue = forever(Queue::<Firing, 16>::new());
+/// A bench with a ring of its own, and the ring's end of the queue. The session uses the ring.
+fn ringed(bench: ControlBench) -> (ControlBench, Producer<'static, RingReading>) {
+    let queue = leak(Queue::<RingReading, 16>::new());
     let (near, far) = queue.split();
-    let mut bench = Bench {
+    let mut bench = ControlBench {
         control: bench.control.with_ring(far),
         ..bench
     };
@@ -317,10 +317,10 @@ fn ringed(bench: Bench) -> (Bench, Producer<'static, Firing>) {
     (bench, near)
 }
 
-/// These transducers hear something 2 m away.
-fn fire(near: &mut Producer<'static, Firing>, transducers: core::ops::Range<u8>, at_ms: u32) {
+/// Readings of 2 m from these transducers.
+fn fire(near: &mut Producer<'static, RingReading>, transducers: core::ops::Range<u8>, at_ms: u32) {
     for sensor in transducers {
-        let firing = Firing {
+        let firing = RingReading {
             sensor,
             range: Some(Range::from_mm(2_000)),
             at: Millis::from_ms(at_ms),
@@ -329,135 +329,140 @@ fn fire(near: &mut Producer<'static, Firing>, transducers: core::ops::Range<u8>,
     }
 }
 
-/// The motion that was ordered, along and across.
-fn motion(said: &[FromMind<16>]) -> Option<(i16, i16)> {
-    said.iter().find_map(|said| match said {
+/// The commanded displacement, dx and dy.
+fn motion(reports: &[FromMind<16>]) -> Option<(i16, i16)> {
+    reports.iter().find_map(|reports| match reports {
         FromMind::Motion(order) => Some((order.dx_mm, order.dy_mm)),
         _ => None,
     })
 }
 
-fn listen(bench: &mut Bench, source: Source, now_ms: u32) {
-    bench.ask(&ToMind::Source(source));
+fn listen(bench: &mut ControlBench, source: Source, now_ms: u32) {
+    bench.send_request(&ToMind::Source(source));
     let _ = bench.control.run(Millis::from_ms(now_ms));
 }
 
 #[test]
-fn the_ring_fires_when_its_session_listens_to_it() {
+fn the_ring_fires_when_it_is_the_source() {
     let (mut bench, _near) = ringed(bench());
-    assert!(!bench.control.wants_ring());
+    assert!(!bench.control.needs_ring());
     listen(&mut bench, Source::Ring, 2);
-    assert!(bench.control.wants_ring());
+    assert!(bench.control.needs_ring());
     listen(&mut bench, Source::Link, 3);
-    assert!(!bench.control.wants_ring());
+    assert!(!bench.control.needs_ring());
 }
 
-/// A robot that explores moves when its ring is whole; what the ring heard before it was listened to does not count.
+/// An exploring robot moves when its ring is complete. Readings from before the source was
+/// chosen do not count.
 #[test]
-fn what_the_ring_hears_reaches_the_mind_with_its_age() {
+fn ring_readings_reach_the_node_with_their_age() {
     let (mut bench, mut near) = ringed(bench());
     fire(&mut near, 0..15, 2);
     listen(&mut bench, Source::Link, 3);
     listen(&mut bench, Source::Ring, 4);
-    bench.ask(&ToMind::Command {
+    bench.send_request(&ToMind::Command {
         at_ms: 5,
         ttl_ms: 1_000,
         order: Order::Explore { moves: 3, seed: 1 },
     });
     let _ = bench.control.run(Millis::from_ms(5));
-    bench.said();
-    let last = Firing {
+    bench.take_reports();
+    let last = RingReading {
         sensor: 15,
         range: None,
         at: Millis::from_ms(6),
     };
     assert!(near.enqueue(last).is_ok());
     let _ = bench.control.run(Millis::from_ms(6));
-    assert_eq!(motion(&bench.said()), None, "the others are unheard");
+    assert_eq!(
+        motion(&bench.take_reports()),
+        None,
+        "the others are unheard"
+    );
     fire(&mut near, 0..15, 7);
     let _ = bench.control.run(Millis::from_ms(40));
-    assert!(motion(&bench.said()).is_some());
+    assert!(motion(&bench.take_reports()).is_some());
 }
 
-/// An erasure stops the ring's clock.
+/// An erasure stops the ring's timer.
 #[test]
 fn the_ring_rests_while_flash_is_in_use() {
     let (mut bench, _near) = ringed(bench());
     listen(&mut bench, Source::Ring, 2);
-    bench.ask(&ToMind::Flash(Flash::Save));
+    bench.send_request(&ToMind::Flash(Flash::Save));
     let _ = bench.control.run(Millis::from_ms(3));
     let _ = bench.control.run(Millis::from_ms(4));
-    assert!(!bench.control.wants_ring());
+    assert!(!bench.control.needs_ring());
     for ms in 5..20 {
-        bench.said();
-        bench.control.note_patience(true);
+        bench.take_reports();
+        bench.control.set_has_long_timeout(true);
         let _ = bench.control.run(Millis::from_ms(ms));
     }
-    assert!(bench.control.wants_ring());
+    assert!(bench.control.needs_ring());
 }
 
 #[test]
-fn a_board_without_flash_refuses_at_once_and_goes_on() {
-    let mut bench = bench_on::<NoFlash>(None);
+fn a_board_without_flash_refuses_at_once_and_continues() {
+    let mut bench = bench_with_store::<NoFlash>(None);
     bench.start();
     bench.open();
     assert!(!bench.control.run(Millis::from_ms(1)));
-    let _ = bench.said();
+    let _ = bench.take_reports();
     for task in [Flash::Save, Flash::Recall, Flash::Erase] {
-        bench.ask(&ToMind::Flash(task));
+        bench.send_request(&ToMind::Flash(task));
         while bench.control.run(Millis::from_ms(2)) {}
-        let said = bench.said();
+        let reports = bench.take_reports();
         let absent = Refusal::Flash(FlashError::Absent);
         assert!(
-            matches!(said[..], [FromMind::Refusal { why, .. }, FromMind::Done { .. }] if why == absent),
-            "{task:?}: {said:?}"
+            matches!(reports[..], [FromMind::Refusal { why, .. }, FromMind::Done { .. }] if why == absent),
+            "{task:?}: {reports:?}"
         );
     }
 }
 
-/// A bench that explores for a linked host.
-fn exploring() -> Bench {
+/// A bench that explores with a connected host.
+fn exploring() -> ControlBench {
     let bench = exploring_by(Clock::Device);
     assert!(bench.control.may_move(Millis::from_ms(2)));
     bench
 }
 
-fn exploring_by(clock: Clock) -> Bench {
+fn exploring_by(clock: Clock) -> ControlBench {
     let mut bench = bench();
     bench.start();
     bench.open_by(clock);
     let _ = bench.control.run(Millis::from_ms(1));
     assert!(bench.control.is_linked() && !bench.control.may_move(Millis::from_ms(1)));
-    bench.ask(&ToMind::Command {
+    bench.send_request(&ToMind::Command {
         at_ms: 1,
         ttl_ms: 1_000,
         order: Order::Explore { moves: 10, seed: 1 },
     });
     let _ = bench.control.run(Millis::from_ms(2));
-    let _ = bench.said();
+    let _ = bench.take_reports();
     bench
 }
 
-/// In a session by the host's clock, as a bridge has one, the host is not lost while it is silent.
+/// In a session by the host's clock, as in a bridge, a silent host is not lost.
 #[test]
-fn the_motors_have_a_permit_only_while_the_host_is_heard_whichever_clock_counts() {
+fn the_permit_requires_a_recently_heard_host_with_either_clock() {
     for clock in [Clock::Device, Clock::Host] {
         let mut bench = exploring_by(clock);
-        let permit_at = |bench: &mut Bench, ms: u32| {
+        let permit_at = |bench: &mut ControlBench, ms: u32| {
             let _ = bench.control.run(Millis::from_ms(ms));
             bench.control.may_move(Millis::from_ms(ms))
         };
-        // Last heard at 2 ms.
+        // The host was last heard at 2 ms.
         assert!(permit_at(&mut bench, 302), "{clock:?}");
         assert!(!permit_at(&mut bench, 303), "{clock:?}");
-        bench.ask(&ToMind::Alive { at_ms: 3 });
-        // Who is lost has to resume; who was silent by the clock here alone has not.
+        bench.send_request(&ToMind::Alive { at_ms: 3 });
+        // By the device's clock the host is lost and must resume; by the host's clock it is not.
         assert_eq!(permit_at(&mut bench, 600), clock == Clock::Host);
         assert!(!permit_at(&mut bench, 901), "{clock:?}");
     }
 }
 
-/// An order to go on and a whole ring come at once, before the lines are looked at again.
+/// A Resume and a complete ring arrive together, before the safety lines are read again.
 #[test]
 fn nothing_moves_while_the_emergency_stop_is_open() {
     let open = Alarms {
@@ -466,17 +471,17 @@ fn nothing_moves_while_the_emergency_stop_is_open() {
     };
     for (alarms, moves) in [(Alarms::default(), true), (open, false)] {
         let mut bench = exploring();
-        bench.ask(&ToMind::Command {
+        bench.send_request(&ToMind::Command {
             at_ms: 2,
             ttl_ms: 1_000,
             order: Order::Stop,
         });
         let _ = bench.control.run(Millis::from_ms(3));
-        let _ = bench.said();
+        let _ = bench.take_reports();
         bench
             .control
             .apply_alarms(alarms, false, Millis::from_ms(4));
-        bench.ask(&ToMind::Command {
+        bench.send_request(&ToMind::Command {
             at_ms: 4,
             ttl_ms: 1_000,
             order: Order::Resume,
@@ -486,20 +491,20 @@ fn nothing_moves_while_the_emergency_stop_is_open() {
             range_mm: Some(1_500),
             age_ms: 0,
         };
-        bench.ask(&ToMind::Scan {
+        bench.send_request(&ToMind::Scan {
             at_ms: 4,
             echoes: (0..16).map(echo).collect(),
         });
         let _ = bench.control.run(Millis::from_ms(4));
-        let said = bench.said();
-        let is_motion = |said: &FromMind<16>| matches!(said, FromMind::Motion(_));
-        assert_eq!(said.iter().any(is_motion), moves, "{said:?}");
+        let reports = bench.take_reports();
+        let is_motion = |reports: &FromMind<16>| matches!(reports, FromMind::Motion(_));
+        assert_eq!(reports.iter().any(is_motion), moves, "{reports:?}");
         assert_eq!(bench.control.may_move(Millis::from_ms(5)), moves);
     }
 }
 
 #[test]
-fn alarms_of_the_lines_stop_the_robot_and_say_why() {
+fn alarms_stop_the_robot_and_report_the_reason() {
     let stop = Alarms {
         emergency_stop: true,
         ..Alarms::default()
@@ -519,9 +524,9 @@ fn alarms_of_the_lines_stop_the_robot_and_say_why() {
         assert!(bench.control.may_move(now));
         bench.control.apply_alarms(alarms, low_voltage, now);
         assert!(!bench.control.may_move(now));
-        let said = bench.said();
+        let reports = bench.take_reports();
         let mode = FromMind::Mode(ModeReport::Stopped(reason));
-        assert!(said.contains(&mode), "{said:?}");
+        assert!(reports.contains(&mode), "{reports:?}");
     }
 }
 
@@ -529,7 +534,7 @@ fn alarms_of_the_lines_stop_the_robot_and_say_why() {
 fn a_touch_ends_the_motion_under_way_and_nothing_else() {
     let (mut bench, mut near) = ringed(bench());
     listen(&mut bench, Source::Ring, 2);
-    bench.ask(&ToMind::Command {
+    bench.send_request(&ToMind::Command {
         at_ms: 3,
         ttl_ms: 1_000,
         order: Order::Explore { moves: 10, seed: 1 },
@@ -539,12 +544,12 @@ fn a_touch_ends_the_motion_under_way_and_nothing_else() {
         touched: true,
         ..Alarms::default()
     };
-    let touch = |bench: &mut Bench| {
+    let touch = |bench: &mut ControlBench| {
         let now = Millis::from_ms(60);
-        let _ = bench.said();
+        let _ = bench.take_reports();
         bench.control.apply_alarms(touched, false, now);
         assert!(bench.control.may_move(now));
-        motion(&bench.said())
+        motion(&bench.take_reports())
     };
     assert_eq!(touch(&mut bench), None, "it stands");
     // The queue has no room for all sixteen.
@@ -552,11 +557,11 @@ fn a_touch_ends_the_motion_under_way_and_nothing_else() {
     let _ = bench.control.run(Millis::from_ms(30));
     fire(&mut near, 8..16, 4);
     let _ = bench.control.run(Millis::from_ms(50));
-    let ordered = motion(&bench.said()).expect("a motion");
+    let ordered = motion(&bench.take_reports()).expect("a motion");
     assert_ne!(ordered, (0, 0));
     let now = Millis::from_ms(55);
     bench.control.apply_alarms(Alarms::default(), false, now);
-    assert_eq!(motion(&bench.said()), None, "nothing was touched");
+    assert_eq!(motion(&bench.take_reports()), None, "nothing was touched");
     assert_eq!(touch(&mut bench), Some((0, 0)));
     assert_eq!(touch(&mut bench), None, "it stands again");
 }

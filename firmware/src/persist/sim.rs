@@ -1,8 +1,8 @@
-//! Flash that is stricter than the chip's and loses power on demand.
+//! Simulated flash, stricter than the chip's, that loses power on request.
 //!
-//! It stops the test when a word is written that does not read as erased, was written before, or was erased by halves, and
-//! when an address is not aligned. Where power is lost, a word being written keeps any mixture of its old and its new bits,
-//! a sector being erased any mixture of old bits and ones.
+//! It panics when a word is written that is not blank, was written before or was partly erased,
+//! and at an unaligned address. At a loss of power the word being written keeps any mixture of
+//! old and new bits, and a sector being erased any mixture of old bits and ones.
 
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
@@ -14,16 +14,16 @@ use std::vec::Vec;
 const WORD: usize = 4;
 const ERASED: u32 = u32::MAX;
 
-/// What has happened to a word since it was erased.
+/// What has happened to a word since its erasure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Past {
+enum WordHistory {
     Erased,
     Written,
     TornWrite,
     TornErase,
 }
 
-/// There is no power.
+/// The power is off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NoPower;
 
@@ -36,58 +36,58 @@ impl NorFlashError for NoPower {
 /// Two sectors of `SECTOR` bytes.
 #[derive(Debug, Clone)]
 pub struct SimFlash<const SECTOR: usize> {
-    words: Vec<(u32, Past)>,
-    chance: Xoshiro128PlusPlus,
-    /// Words written and sectors erased until power is lost.
-    left: Option<u32>,
+    words: Vec<(u32, WordHistory)>,
+    rng: Xoshiro128PlusPlus,
+    /// Operations until the power is lost; a word written or a sector erased is one.
+    operations_left: Option<u32>,
     has_power: bool,
-    /// Words written and sectors erased.
+    /// Operations so far.
     pub writes: u32,
-    /// Of them erasures, by sector.
+    /// Erasures so far, by sector.
     pub erasures: [u32; 2],
 }
 
 impl<const SECTOR: usize> SimFlash<SECTOR> {
-    /// Holds anything, as after another program.
+    /// Flash with random content.
     pub fn new(seed: u64) -> Self {
-        let mut chance = Xoshiro128PlusPlus::seed_from_u64(seed);
-        let word = |_| (chance.next_u32(), Past::Written);
+        let mut rng = Xoshiro128PlusPlus::seed_from_u64(seed);
+        let word = |_| (rng.next_u32(), WordHistory::Written);
         Self {
             words: (0..2 * SECTOR / WORD).map(word).collect(),
-            chance,
-            left: None,
+            rng,
+            operations_left: None,
             has_power: true,
             writes: 0,
             erasures: [0; 2],
         }
     }
 
-    /// Power will be lost during the next word or erasure after so many.
+    /// Loses power during the next operation after `operations` of them.
     pub fn cut_after(&mut self, operations: u32) {
-        self.left = Some(operations);
+        self.operations_left = Some(operations);
     }
 
-    /// Power is there and stays.
+    /// Switches the power on.
     pub fn power_on(&mut self) {
-        (self.has_power, self.left) = (true, None);
+        (self.has_power, self.operations_left) = (true, None);
     }
 
-    /// Whether it is.
+    /// Whether the power is on.
     pub fn has_power(&self) -> bool {
         self.has_power
     }
 
-    /// A number below `bound`.
+    /// A random number below `bound`.
     pub fn below(&mut self, bound: u32) -> u32 {
-        ((u64::from(self.chance.next_u32()) * u64::from(bound)) >> 32) as u32
+        ((u64::from(self.rng.next_u32()) * u64::from(bound)) >> 32) as u32
     }
 
-    /// Whether the next operation is cut short.
+    /// Counts an operation; returns whether the power is lost during it.
     fn is_cut(&mut self) -> bool {
         self.writes += 1;
-        match &mut self.left {
+        match &mut self.operations_left {
             Some(0) => self.has_power = false,
-            Some(left) => *left -= 1,
+            Some(operations_left) => *operations_left -= 1,
             None => {}
         }
         !self.has_power
@@ -96,19 +96,19 @@ impl<const SECTOR: usize> SimFlash<SECTOR> {
     fn write_word(&mut self, index: usize, new: u32) -> Result<(), NoPower> {
         let (old, past) = self.words[index];
         assert!(
-            old == ERASED && matches!(past, Past::Erased | Past::TornWrite),
+            old == ERASED && matches!(past, WordHistory::Erased | WordHistory::TornWrite),
             "word {index:#x}: {new:#010x} over {old:#010x}, {past:?}"
         );
         if self.is_cut() {
             let torn = match self.below(4) {
                 0 => new,
                 1 => old,
-                _ => new | self.chance.next_u32(),
+                _ => new | self.rng.next_u32(),
             };
-            self.words[index] = (torn, Past::TornWrite);
+            self.words[index] = (torn, WordHistory::TornWrite);
             return Err(NoPower);
         }
-        self.words[index] = (new, Past::Written);
+        self.words[index] = (new, WordHistory::Written);
         Ok(())
     }
 }
@@ -154,12 +154,12 @@ impl<const SECTOR: usize> NorFlash for SimFlash<SECTOR> {
         for index in from / WORD..to / WORD {
             let old = self.words[index].0;
             self.words[index] = match (cut, kind) {
-                (false, _) => (ERASED, Past::Erased),
-                // Reads as erased and is not.
-                (true, 0) => (ERASED, Past::TornErase),
-                (true, 1) => (old, Past::TornErase),
-                (true, 2) if self.below(8) > 0 => (ERASED, Past::TornErase),
-                (true, _) => (old | self.chance.next_u32(), Past::TornErase),
+                (false, _) => (ERASED, WordHistory::Erased),
+                // Reads as blank, but is only partly erased.
+                (true, 0) => (ERASED, WordHistory::TornErase),
+                (true, 1) => (old, WordHistory::TornErase),
+                (true, 2) if self.below(8) > 0 => (ERASED, WordHistory::TornErase),
+                (true, _) => (old | self.rng.next_u32(), WordHistory::TornErase),
             };
         }
         if cut { Err(NoPower) } else { Ok(()) }

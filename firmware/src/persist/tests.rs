@@ -10,39 +10,39 @@ use std::boxed::Box;
 use std::vec;
 use std::vec::Vec;
 
-/// A mind that is full of one number.
-struct Mind<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize> {
+/// Contents that are derived from one number.
+struct TestContents<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize> {
     config: Config<SENSORS>,
     state: Box<State<SENSORS, NEURONS, SAMPLES>>,
     goal: Goal<SENSORS>,
     kept: KeptGoals<SENSORS>,
 }
 
-type Nomad = Mind<16, 16, 100>;
-/// Its images take some 180 bytes: hundreds of thousands of them are written in seconds.
-type Small = Mind<4, 2, 2>;
+type Nomad = TestContents<16, 16, 100>;
+/// Its images take some 180 bytes: hundreds of thousands are written in seconds.
+type Small = TestContents<4, 2, 2>;
 
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
-    Mind<SENSORS, NEURONS, SAMPLES>
+    TestContents<SENSORS, NEURONS, SAMPLES>
 {
     fn of(number: u32) -> Self {
-        let mut mind = Self {
+        let mut stored = Self {
             config: supervisable(Node::<SENSORS, NEURONS, SAMPLES>::new().config()),
             state: Box::new(State::new(Grid::rectangle(1, 2))),
             goal: Goal::of([Component::ANY; SENSORS]),
             kept: KeptGoals::new(),
         };
-        mind.goal.going_q16 = number as u16;
+        stored.goal.going_q16 = number as u16;
         let mut bytes = number.to_le_bytes().into_iter().cycle();
         for part in [Part::Situations, Part::Changes, Part::Actions, Part::Memory] {
             let length = match part {
                 Part::Memory => SAMPLES * State::<SENSORS, NEURONS, SAMPLES>::SAMPLE_BYTES,
-                _ => mind.state.part_len(part),
+                _ => stored.state.part_len(part),
             };
             let bytes: Vec<u8> = bytes.by_ref().take(length).collect();
-            mind.state.write_part(part, 0, &bytes).expect("a part");
+            stored.state.write_part(part, 0, &bytes).expect("a part");
         }
-        mind
+        stored
     }
 
     fn contents(&self) -> Contents<'_, SENSORS, NEURONS, SAMPLES> {
@@ -54,7 +54,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
     }
 
-    /// The image with which the store would keep it as this generation.
+    /// The image that the store writes for this generation.
     fn image(&self, generation: u32) -> Vec<u8> {
         let mut image = Vec::new();
         let _ = self.contents().write(generation, &mut |bytes| {
@@ -64,23 +64,23 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         image
     }
 
-    /// What the store has kept last.
-    fn recalled<F: NorFlash>(store: &mut Store<F>) -> Result<Self, FlashError> {
-        let mut mind = Self::of(0);
-        store.recall(|read, most| {
+    /// The contents of the newest image in the store.
+    fn loaded<F: NorFlash>(store: &mut Store<F>) -> Result<Self, FlashError> {
+        let mut stored = Self::of(0);
+        store.load(|read, most| {
             let mut contents = ContentsMut {
-                config: &mut mind.config,
-                state: &mut mind.state,
-                goal: &mut mind.goal,
-                kept: &mut mind.kept,
+                config: &mut stored.config,
+                state: &mut stored.state,
+                goal: &mut stored.goal,
+                kept: &mut stored.kept,
             };
             contents.read(read, most).map(drop)
         })?;
-        Ok(mind)
+        Ok(stored)
     }
 }
 
-/// A configuration of zeros whose motions and rings have an end: no other is recalled.
+/// A configuration of zeros, except where a zero would not be loaded.
 fn supervisable<const SENSORS: usize>(zeroed: &Config<SENSORS>) -> Config<SENSORS> {
     let mut config = zeroed.clone();
     (config.robot.ring_period_ms, config.robot.speed_mm_s) = (640, 508);
@@ -88,17 +88,18 @@ fn supervisable<const SENSORS: usize>(zeroed: &Config<SENSORS>) -> Config<SENSOR
     config
 }
 
-/// The number of the mind that was kept last, if it is that mind from the first byte to the last.
+/// The number of the newest image. Panics unless the image equals one of the candidates.
 fn number<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize, F: NorFlash>(
     store: &mut Store<F>,
     candidates: &[u32],
 ) -> Option<u32> {
-    let kept = match Mind::<SENSORS, NEURONS, SAMPLES>::recalled(store) {
-        Ok(mind) => mind.image(1),
+    let kept = match TestContents::<SENSORS, NEURONS, SAMPLES>::loaded(store) {
+        Ok(stored) => stored.image(1),
         Err(FlashError::Empty) => return None,
         Err(error) => panic!("the store cannot be read: {error}"),
     };
-    let same = |number: &&u32| Mind::<SENSORS, NEURONS, SAMPLES>::of(**number).image(1) == kept;
+    let same =
+        |number: &&u32| TestContents::<SENSORS, NEURONS, SAMPLES>::of(**number).image(1) == kept;
     let found = candidates.iter().find(same);
     Some(*found.expect("a mixture, or something older"))
 }
@@ -110,21 +111,21 @@ fn nomad(flash: SimFlash<NOMAD_SECTOR>) -> Store<SimFlash<NOMAD_SECTOR>> {
 }
 
 #[test]
-fn power_may_be_lost_at_every_word_and_erasure_of_a_save() {
+fn power_loss_at_any_operation_of_a_save_keeps_an_image() {
     let mut store = nomad(SimFlash::new(1));
     let mut cuts = 0;
-    // The first save of all; beside an older one; into the other sector, which has to be erased.
+    // The first save; one beside an older image; one that erases the other sector.
     for save in 1..=3 {
         let (old, new) = (save - 1, save);
         let candidates = if save == 1 { vec![new] } else { vec![old, new] };
-        let mind = Nomad::of(new);
+        let stored = Nomad::of(new);
         let before = store.flash.clone();
         let mut operations = 0;
         loop {
             let mut flash = before.clone();
             flash.cut_after(operations);
             let mut cut = nomad(flash);
-            if cut.save(&mind.contents()).is_ok() {
+            if cut.save(&stored.contents()).is_ok() {
                 break;
             }
             assert!(!cut.flash.has_power());
@@ -136,16 +137,16 @@ fn power_may_be_lost_at_every_word_and_erasure_of_a_save() {
                 found.is_some() || save == 1,
                 "save {save}, cut {operations}"
             );
-            // Saving again succeeds, wherever the first attempt ended.
+            // A later save succeeds, wherever the first one was interrupted.
             if operations % 16 == 0 {
-                after.tidy().expect("power is back");
-                after.save(&mind.contents()).expect("power is back");
+                after.ensure_free_slot().expect("power is back");
+                after.save(&stored.contents()).expect("power is back");
                 assert_eq!(number::<16, 16, 100, _>(&mut after, &[new]), Some(new));
             }
             operations += 1;
         }
         cuts += operations;
-        store.save(&mind.contents()).expect("there is power");
+        store.save(&stored.contents()).expect("there is power");
         assert_eq!(store.generation(), save);
     }
     std::println!("{cuts} cuts");
@@ -154,8 +155,8 @@ fn power_may_be_lost_at_every_word_and_erasure_of_a_save() {
 
 const SMALL_SLOT: u32 = 320;
 
-/// Starts over and over, each time with power cut at a random operation of tidying up and of a save; `cuts` in all. Returns
-/// how many of them left the old image, the new one.
+/// Starts and saves until `cuts` runs have lost power at a random operation. Returns how many
+/// of them left the old image, and how many the new one.
 fn cut_again_and_again<const SECTOR: usize>(cuts: u32, seed: u64) -> [u32; 2] {
     let mut flash = SimFlash::<SECTOR>::new(seed);
     let mut kept = None;
@@ -164,7 +165,7 @@ fn cut_again_and_again<const SECTOR: usize>(cuts: u32, seed: u64) -> [u32; 2] {
     let words = Small::of(1).image(1).len() as u32 / 4;
     while counts[0] + counts[1] < cuts {
         attempt += 1;
-        // Tidying is an erasure and 3 words. Most runs are cut: early, anywhere, or about the last word.
+        // An erasure and its mark are 1 + 3 operations. Cuts are early, anywhere, or near the end.
         let operations = match flash.below(3) {
             0 => flash.below(6),
             1 => flash.below(words + 4),
@@ -172,8 +173,10 @@ fn cut_again_and_again<const SECTOR: usize>(cuts: u32, seed: u64) -> [u32; 2] {
         };
         flash.cut_after(operations);
         let mut store = Store::mount(flash, SMALL_SLOT);
-        let mind = Small::of(attempt);
-        let saved = store.tidy().and_then(|()| store.save(&mind.contents()));
+        let stored = Small::of(attempt);
+        let saved = store
+            .ensure_free_slot()
+            .and_then(|()| store.save(&stored.contents()));
         let lost = !store.flash.has_power();
         assert_eq!(saved.is_ok(), !lost, "only the cut makes it fail");
         flash = store.flash;
@@ -192,10 +195,10 @@ fn cut_again_and_again<const SECTOR: usize>(cuts: u32, seed: u64) -> [u32; 2] {
     counts
 }
 
-/// Two hundred thousand cuts. They follow each other without a whole save between them more often than not: in the run that
-/// recovers from the first one the second strikes.
+/// 200 000 cuts. Most follow each other without a complete save between them, so a cut also
+/// strikes the run that recovers from the cut before.
 #[test]
-fn power_may_be_lost_again_and_again() {
+fn power_loss_again_and_again_keeps_an_image() {
     let mut all = [0; 2];
     for seed in 0..10 {
         for counts in [
@@ -210,7 +213,7 @@ fn power_may_be_lost_again_and_again() {
 }
 
 #[test]
-fn an_erasure_that_is_cut_short_leaves_nothing_half() {
+fn an_interrupted_erasure_leaves_whole_images() {
     let mut store = nomad(SimFlash::new(4));
     for number in 1..=3 {
         store.save(&Nomad::of(number).contents()).expect("room");
@@ -225,7 +228,7 @@ fn an_erasure_that_is_cut_short_leaves_nothing_half() {
         let mut flash = store.flash;
         flash.power_on();
         let mut store = nomad(flash);
-        // The newest goes last; what is left may be any of them, and whole.
+        // The newest image goes last; whichever image is left is whole.
         let _ = number::<16, 16, 100, _>(&mut store, &[1, 2, 3]);
         store.save(&Nomad::of(9).contents()).expect("room");
         assert_eq!(number::<16, 16, 100, _>(&mut store, &[9]), Some(9));
@@ -246,7 +249,7 @@ fn a_save_erases_only_when_a_sector_has_filled_since_the_start() {
     let mut flash = SimFlash::<SECTOR>::new(6);
     for number in 1..=150 {
         let mut store = Store::mount(flash, SMALL_SLOT);
-        store.tidy().expect("there is power");
+        store.ensure_free_slot().expect("there is power");
         assert_eq!(
             store.pause_ms(Flash::Save),
             WRITE_MS,
@@ -255,13 +258,13 @@ fn a_save_erases_only_when_a_sector_has_filled_since_the_start() {
         store.save(&Small::of(number).contents()).expect("room");
         flash = store.flash;
     }
-    // The first start, and one for each sector of fifteen that had filled.
+    // One erasure at the first start, and one for each sector of fifteen slots that had filled.
     assert_eq!(flash.erasures, [5, 5]);
     let mut store = Store::mount(flash, SMALL_SLOT);
     assert_eq!(store.pause_ms(Flash::Save), WRITE_MS + ERASE_MS);
     store.save(&Small::of(151).contents()).expect("room");
     assert_eq!(store.flash.erasures, [6, 5]);
-    // The one before still lies in the other sector: it is the newest once this one is gone.
+    // The previous image is in the other sector: it becomes the newest.
     assert_eq!(store.erase_sector(0), Ok(()));
     let mut store = Store::mount(store.flash, SMALL_SLOT);
     assert_eq!(number::<4, 2, 2, _>(&mut store, &[150]), Some(150));

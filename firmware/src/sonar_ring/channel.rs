@@ -1,4 +1,4 @@
-//! One ranging module behind a multiplexer, as a state machine: time and the ECHO line in, pin changes and readings out.
+//! One ranging module behind a multiplexer, as a state machine: time and ECHO in, pin changes out.
 //!
 //! ```text
 //!            ┌───────────────────── recycle over ─────────────────────┐
@@ -9,124 +9,127 @@
 //!                            (no firing)     └── ECHO: early ─┘
 //! ```
 //!
-//! The address changes in `Recycle` alone, and INIT is low there.
-//!
-//! A self-test is a firing whose BINH rises while the membrane still rings: ECHO has to rise at once. A module without supply, a
-//! transducer without a contact and a dead multiplexer stay silent, which in a firing means free space.
+//! The address changes only in `Recycle`, when INIT is low.
 
-use super::timing::{Blanking, FiringOrder, LATEST_US, RINGING_US, RUNG_US, Timing};
+use super::timing::{
+    Blanking, FiringOrder, MAX_LATE_US, RINGING_END_US, SELF_TEST_BINH_US, Timing,
+};
 
-/// Something to be done to a pin.
+/// A change of a pin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Action {
-    /// Puts out the address of a transducer.
+pub enum PinChange {
+    /// Outputs the address of a transducer.
     Select(u8),
-    /// Raises INIT, which sends the burst, or drops it, which drops ECHO. Before it is raised the capture is armed.
+    /// INIT high sends the burst; low makes ECHO fall. The capture is armed before it rises.
     Init(bool),
-    /// Raises BINH, which ends the module's own blanking, or drops it.
+    /// BINH high ends the module's internal blanking.
     Binh(bool),
 }
 
-/// The ECHO line.
+/// State of the ECHO line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Line {
-    /// It is high.
+pub struct EchoLine {
+    /// The line is high.
     pub high: bool,
-    /// When it rose after the capture was armed, microseconds.
+    /// When the line rose after the capture was armed, microseconds.
     pub rose_us: Option<u32>,
 }
 
-/// What came of a firing.
+/// Outcome of a firing.
+///
+/// In a self-test BINH rises while the membrane still rings, so ECHO must rise at once. A module
+/// without supply, a disconnected transducer and a dead multiplexer stay silent; in a normal
+/// firing silence means free space.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Outcome {
-    /// An echo, so long after the firing, the channel's delay taken off; microseconds.
+pub enum FiringOutcome {
+    /// Time of flight, less the channel's delay, microseconds.
     Echo(u32),
-    /// None within the window.
-    Silent,
-    /// ECHO rose before any echo can have come: not to be believed.
+    /// ECHO did not rise within the window.
+    NoEcho,
+    /// ECHO rose before any echo can come.
     Early,
-    /// ECHO was high before the firing, which was left out.
+    /// ECHO was high before the firing, which was skipped.
     HeldHigh,
-    /// ECHO has not fallen after the firing before; said in addition to that firing's own outcome.
+    /// ECHO has not fallen after the previous firing, whose own outcome is reported apart.
     NotReleased,
-    /// A self-test heard the membrane ring: the transducer listens from its next turn on.
-    Rings,
-    /// A self-test heard nothing: its module, supply, transducer or multiplexer is dead. It is tested again in its next turn.
+    /// The self-test has passed: the transducer listens from its next turn on.
+    Ringing,
+    /// The self-test has failed; it is repeated in the next turn.
     Mute,
 }
 
-/// What a transducer has to say.
+/// The result of a firing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Reading {
+pub struct FiringResult {
     /// Transducer.
     pub sensor: u8,
-    /// What came of its firing.
-    pub outcome: Outcome,
-    /// When it fired, or should have, microseconds.
+    /// Outcome.
+    pub outcome: FiringOutcome,
+    /// Time of the firing, or of the skipped firing, microseconds.
     pub fired_us: u32,
 }
 
-/// What is to be done now.
+/// What the caller has to do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Todo {
-    /// This, and then to ask again.
-    Act(Action),
-    /// To take this, and then to ask again.
-    Take(Reading),
-    /// Nothing before this time, microseconds, unless ECHO rises.
-    Wait(u32),
+pub enum ChannelStep {
+    /// Change a pin, then poll again.
+    Change(PinChange),
+    /// Report a result, then poll again.
+    Report(FiringResult),
+    /// Poll again at this time, microseconds, or when ECHO rises.
+    WaitUntil(u32),
     /// Nothing: the order is empty.
-    Rest,
+    Idle,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum State {
-    /// INIT low, until then.
+enum ChannelState {
+    /// INIT is low until this time.
     Recycle(u32),
-    /// The address stands, the relays swing, until then.
+    /// The address is set; the relays settle until this time.
     Settle(u32),
-    /// Fired; BINH to be raised.
+    /// Fired; BINH has to rise.
     Blank,
     /// Fired; an echo may come.
     Listen,
-    /// Heard or given up: INIT is to drop, then BINH, then the outcome is told.
-    Drop(Outcome),
-    Unblank(Outcome),
-    Tell(Outcome),
+    /// The firing is over: INIT falls, then BINH, then the outcome is reported.
+    LowerInit(FiringOutcome),
+    LowerBinh(FiringOutcome),
+    Finish(FiringOutcome),
 }
 
-/// A channel.
+/// A channel: a module and its multiplexer.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Channel {
+pub struct SonarChannel {
     timing: Timing,
     order: FiringOrder,
-    state: State,
-    place: u8,
+    state: ChannelState,
+    position: u8,
     sensor: u8,
     fired_us: u32,
     /// When the next firing is due.
     due_us: u32,
-    /// ECHO need not fall any more, or has been told not to have fallen.
+    /// ECHO has fallen since the last firing, or its failure to fall was reported.
     released: bool,
-    /// Transducers that need no self-test, or have passed it, by their bits.
+    /// Bit k set: transducer k has passed its self-test, or needs none.
     passed: u16,
 }
 
-/// Whether `now` has come to `then`; right while the two are less than 35 minutes apart.
+/// Whether `now` is `then` or later; correct while they are less than 35 minutes apart.
 const fn reached(now: u32, then: u32) -> bool {
     now.wrapping_sub(then) < 1 << 31
 }
 
-impl Channel {
-    /// A channel that begins at `now_us`, its pins all low.
+impl SonarChannel {
+    /// A channel that starts at `now_us` with all pins low.
     #[must_use]
     pub const fn new(timing: Timing, order: FiringOrder, now_us: u32) -> Self {
         let first = timing.recycle_us.wrapping_add(timing.settle_us);
         Self {
             timing,
             order,
-            state: State::Recycle(now_us.wrapping_add(timing.recycle_us)),
-            place: 0,
+            state: ChannelState::Recycle(now_us.wrapping_add(timing.recycle_us)),
+            position: 0,
             sensor: 0,
             fired_us: now_us,
             due_us: now_us.wrapping_add(first).wrapping_add(timing.offset_us),
@@ -135,46 +138,50 @@ impl Channel {
         }
     }
 
-    /// Begins anew at `now_us`, its pins all low; who has passed the self-test is not tested again.
+    /// Starts again at `now_us` with all pins low. Passed self-tests are not repeated.
     pub fn restart(&mut self, timing: Timing, order: FiringOrder, now_us: u32) {
         let passed = self.passed;
         *self = Self::new(timing, order, now_us);
         self.passed |= passed;
     }
 
-    /// Whether a rise of ECHO means something.
+    /// Whether a rise of ECHO has a meaning.
     #[must_use]
-    pub const fn listens(&self) -> bool {
-        matches!(self.state, State::Blank | State::Listen)
+    pub const fn is_listening(&self) -> bool {
+        matches!(self.state, ChannelState::Blank | ChannelState::Listen)
     }
 
-    /// What is to be done at `now_us`, when the line is so.
-    pub fn poll(&mut self, now_us: u32, line: Line) -> Todo {
+    /// The next step at `now_us`, with ECHO in the state `line`.
+    pub fn poll(&mut self, now_us: u32, line: EchoLine) -> ChannelStep {
         match self.state {
-            State::Recycle(until) if !reached(now_us, until) => Todo::Wait(until),
-            State::Recycle(_) => self.select(now_us, line),
-            State::Settle(until) if !reached(now_us, until) => Todo::Wait(until),
-            State::Settle(_) if !reached(now_us, self.due_us) => Todo::Wait(self.due_us),
-            State::Settle(_) => self.fire(now_us, line),
-            State::Blank => self.blank(now_us, line),
-            State::Listen => self.listen(now_us, line),
-            State::Drop(outcome) => {
-                self.state = State::Unblank(outcome);
-                Todo::Act(Action::Init(false))
+            ChannelState::Recycle(until) if !reached(now_us, until) => {
+                ChannelStep::WaitUntil(until)
             }
-            State::Unblank(outcome) => {
-                self.state = State::Tell(outcome);
-                Todo::Act(Action::Binh(false))
+            ChannelState::Recycle(_) => self.select(now_us, line),
+            ChannelState::Settle(until) if !reached(now_us, until) => ChannelStep::WaitUntil(until),
+            ChannelState::Settle(_) if !reached(now_us, self.due_us) => {
+                ChannelStep::WaitUntil(self.due_us)
             }
-            State::Tell(outcome) => {
-                self.state = State::Recycle(now_us.wrapping_add(self.timing.recycle_us));
-                Todo::Take(self.reading(outcome))
+            ChannelState::Settle(_) => self.fire(now_us, line),
+            ChannelState::Blank => self.blank(now_us, line),
+            ChannelState::Listen => self.listen(now_us, line),
+            ChannelState::LowerInit(outcome) => {
+                self.state = ChannelState::LowerBinh(outcome);
+                ChannelStep::Change(PinChange::Init(false))
+            }
+            ChannelState::LowerBinh(outcome) => {
+                self.state = ChannelState::Finish(outcome);
+                ChannelStep::Change(PinChange::Binh(false))
+            }
+            ChannelState::Finish(outcome) => {
+                self.state = ChannelState::Recycle(now_us.wrapping_add(self.timing.recycle_us));
+                ChannelStep::Report(self.reading(outcome))
             }
         }
     }
 
     /// Whether this firing is a self-test.
-    fn tests(&self) -> bool {
+    fn is_self_test(&self) -> bool {
         self.passed & self.bit() == 0
     }
 
@@ -182,52 +189,52 @@ impl Channel {
         1_u16.checked_shl(self.sensor.into()).unwrap_or(0)
     }
 
-    fn reading(&self, outcome: Outcome) -> Reading {
-        Reading {
+    fn reading(&self, outcome: FiringOutcome) -> FiringResult {
+        FiringResult {
             sensor: self.sensor,
             outcome,
             fired_us: self.fired_us,
         }
     }
 
-    fn select(&mut self, now_us: u32, line: Line) -> Todo {
+    fn select(&mut self, now_us: u32, line: EchoLine) -> ChannelStep {
         if line.high && !self.released {
             self.released = true;
-            return Todo::Take(self.reading(Outcome::NotReleased));
+            return ChannelStep::Report(self.reading(FiringOutcome::NotReleased));
         }
-        let Some((sensor, next)) = self.order.at(self.place) else {
-            return Todo::Rest;
+        let Some((sensor, next)) = self.order.at(self.position) else {
+            return ChannelStep::Idle;
         };
-        (self.sensor, self.place) = (sensor, next);
-        self.state = State::Settle(now_us.wrapping_add(self.timing.settle_us));
-        Todo::Act(Action::Select(sensor))
+        (self.sensor, self.position) = (sensor, next);
+        self.state = ChannelState::Settle(now_us.wrapping_add(self.timing.settle_us));
+        ChannelStep::Change(PinChange::Select(sensor))
     }
 
-    fn fire(&mut self, now_us: u32, line: Line) -> Todo {
+    fn fire(&mut self, now_us: u32, line: EchoLine) -> ChannelStep {
         let late_us = now_us.wrapping_sub(self.due_us);
-        // On the grid, whatever has been missed.
+        // The firings keep to the grid of slots, however many were missed.
         let slots = (late_us / self.timing.slot_us()).wrapping_add(1);
         let next_us = slots.wrapping_mul(self.timing.slot_us());
         self.due_us = self.due_us.wrapping_add(next_us);
-        if late_us > LATEST_US {
-            return Todo::Wait(self.due_us);
+        if late_us > MAX_LATE_US {
+            return ChannelStep::WaitUntil(self.due_us);
         }
         self.fired_us = now_us;
         if line.high {
-            self.state = State::Recycle(now_us.wrapping_add(self.timing.recycle_us));
-            return Todo::Take(self.reading(Outcome::HeldHigh));
+            self.state = ChannelState::Recycle(now_us.wrapping_add(self.timing.recycle_us));
+            return ChannelStep::Report(self.reading(FiringOutcome::HeldHigh));
         }
         self.released = false;
-        self.state = State::Blank;
-        Todo::Act(Action::Init(true))
+        self.state = ChannelState::Blank;
+        ChannelStep::Change(PinChange::Init(true))
     }
 
-    fn blank(&mut self, now_us: u32, line: Line) -> Todo {
+    fn blank(&mut self, now_us: u32, line: EchoLine) -> ChannelStep {
         let us = match self.timing.blanking {
-            _ if self.tests() => RINGING_US,
+            _ if self.is_self_test() => SELF_TEST_BINH_US,
             Blanking::Until(us) => us,
             Blanking::Internal => {
-                self.state = State::Listen;
+                self.state = ChannelState::Listen;
                 return self.listen(now_us, line);
             }
         };
@@ -236,54 +243,54 @@ impl Channel {
         }
         let until = self.fired_us.wrapping_add(us);
         if !reached(now_us, until) {
-            return Todo::Wait(until);
+            return ChannelStep::WaitUntil(until);
         }
-        self.state = State::Listen;
-        Todo::Act(Action::Binh(true))
+        self.state = ChannelState::Listen;
+        ChannelStep::Change(PinChange::Binh(true))
     }
 
-    fn listen(&mut self, now_us: u32, line: Line) -> Todo {
-        if self.tests() {
+    fn listen(&mut self, now_us: u32, line: EchoLine) -> ChannelStep {
+        if self.is_self_test() {
             return self.listen_for_ringing(now_us, line);
         }
         let until = self.fired_us.wrapping_add(self.timing.window_us);
         let outcome = match line.rose_us {
-            Some(rose_us) => self.judge(rose_us.wrapping_sub(self.fired_us)),
-            // It rose unseen, around the firing.
-            None if line.high => Outcome::Early,
-            None if reached(now_us, until) => Outcome::Silent,
-            None => return Todo::Wait(until),
+            Some(rose_us) => self.classify(rose_us.wrapping_sub(self.fired_us)),
+            // The rise was not captured: it came around the time of the firing.
+            None if line.high => FiringOutcome::Early,
+            None if reached(now_us, until) => FiringOutcome::NoEcho,
+            None => return ChannelStep::WaitUntil(until),
         };
-        self.state = State::Drop(outcome);
+        self.state = ChannelState::LowerInit(outcome);
         self.poll(now_us, line)
     }
 
-    fn listen_for_ringing(&mut self, now_us: u32, line: Line) -> Todo {
-        let until = self.fired_us.wrapping_add(RUNG_US);
-        let rings = RINGING_US..=RUNG_US;
+    fn listen_for_ringing(&mut self, now_us: u32, line: EchoLine) -> ChannelStep {
+        let until = self.fired_us.wrapping_add(RINGING_END_US);
+        let rings = SELF_TEST_BINH_US..=RINGING_END_US;
         let outcome = match line.rose_us.map(|us| us.wrapping_sub(self.fired_us)) {
-            Some(us) if rings.contains(&us) => Outcome::Rings,
-            Some(us) if us > RUNG_US && us < 1 << 31 => Outcome::Mute,
-            Some(_) => Outcome::Early,
-            None if line.high => Outcome::Early,
-            None if reached(now_us, until) => Outcome::Mute,
-            None => return Todo::Wait(until),
+            Some(us) if rings.contains(&us) => FiringOutcome::Ringing,
+            Some(us) if us > RINGING_END_US && us < 1 << 31 => FiringOutcome::Mute,
+            Some(_) => FiringOutcome::Early,
+            None if line.high => FiringOutcome::Early,
+            None if reached(now_us, until) => FiringOutcome::Mute,
+            None => return ChannelStep::WaitUntil(until),
         };
-        if outcome == Outcome::Rings {
+        if outcome == FiringOutcome::Ringing {
             self.passed |= self.bit();
         }
-        self.state = State::Drop(outcome);
+        self.state = ChannelState::LowerInit(outcome);
         self.poll(now_us, line)
     }
 
-    /// An edge so long after the firing; one before it wraps to a very long time.
-    fn judge(&self, flight_us: u32) -> Outcome {
+    /// The outcome of a rise at `flight_us`. A rise before the firing wraps to a very long time.
+    fn classify(&self, flight_us: u32) -> FiringOutcome {
         if flight_us > 1 << 31 || flight_us < self.timing.blanking.us() {
-            return Outcome::Early;
+            return FiringOutcome::Early;
         }
         if flight_us > self.timing.window_us {
-            return Outcome::Silent;
+            return FiringOutcome::NoEcho;
         }
-        Outcome::Echo(flight_us.saturating_sub(self.timing.delay_us.into()))
+        FiringOutcome::Echo(flight_us.saturating_sub(self.timing.delay_us.into()))
     }
 }

@@ -1,31 +1,32 @@
-//! The numbers of the ring: how long everything takes, who fires when, and how a flight time becomes a range.
+//! Durations of the ring, the firing order, and the range of a flight time.
 
 use amp::units::Range;
 
 /// Transducers of the ring.
 pub const SENSORS: usize = 16;
 
-/// What ends a firing order that is shorter than the ring.
+/// Ends a firing order that is shorter than the ring.
 pub const END_OF_ORDER: u8 = 255;
 
-/// Greatest range, millimeters: 255 in. An echo from there takes 37.7 ms at 20 °C.
+/// Greatest range, millimeters: 255 in. Such an echo takes 37.7 ms at 20 °C.
 pub const MAX_MM: u16 = 6_477;
 
-/// When the module may hear an echo.
+/// From when on the module can detect an echo.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Blanking {
-    /// After its own 2.38 ms (Polaroid 6500 data sheet): nothing nearer than 16 in, of which the Nomad's makers said 17.
+    /// After the internal 2.38 ms (Polaroid 6500 data sheet), which is 16 in. The Nomad's manual
+    /// says 17 in.
     Internal,
-    /// From this time after the firing on, microseconds, when BINH is raised. The burst takes 324 µs and the membrane rings
-    /// on; 900 µs is 6 in.
+    /// From this time after the firing, microseconds, when BINH rises. The burst takes 324 µs, then
+    /// the membrane rings; 900 µs is 6 in.
     Until(u32),
 }
 
 impl Blanking {
-    /// The shorter of the two: 6 in.
+    /// Short blanking: 6 in.
     pub const SHORT: Self = Self::Until(900);
 
-    /// Time from the firing on in which no echo can be true, microseconds.
+    /// Time after the firing in which no valid echo can come, microseconds.
     #[must_use]
     pub const fn us(self) -> u32 {
         match self {
@@ -35,39 +36,39 @@ impl Blanking {
     }
 }
 
-/// Timing of a channel: a module and its multiplexer.
+/// Timing of a channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Timing {
-    /// From a new address to the firing, microseconds: 25 ms for the relays of the Nomad's multiplexer.
+    /// From a new address to the firing, microseconds: 25 ms for the Nomad's relays.
     pub settle_us: u32,
-    /// When the module may hear an echo.
+    /// When the module can detect an echo.
     pub blanking: Blanking,
-    /// How long an echo is waited for after the firing, microseconds.
+    /// From the firing to the end of listening, microseconds.
     pub window_us: u32,
-    /// How long INIT stays low before the next address, microseconds; ECHO has to fall meanwhile.
+    /// Shortest time with INIT low before the next address, microseconds; ECHO falls in it.
     pub recycle_us: u32,
-    /// Time from one firing of the channel to the next at the soonest, in units of 4 ms, as in the Nomad's `conf_sn`.
-    /// Where the other times add up to more, they decide.
+    /// Shortest time between two firings, in units of 4 ms as in the Nomad's `conf_sn`. It is
+    /// longer if the other times add up to more.
     pub rate: u8,
-    /// When the first firing is due, after the start, microseconds: what keeps channels apart.
+    /// Delay of the first firing, microseconds; keeps channels apart.
     pub offset_us: u32,
-    /// Part of the measured flight that is none: the detector trips some cycles into the echo. To be measured at a wall in
-    /// a known distance; microseconds.
+    /// Part of the measured time that is not flight, microseconds: the detector needs some cycles
+    /// of the echo. To be measured at a wall in a known distance.
     pub delay_us: u16,
-    /// A transducer's first firing after the start tests its module instead of listening for an echo, and so do the next
-    /// ones until it passes.
+    /// Each transducer's first firings are self-tests, until it passes one.
     pub self_test: bool,
 }
 
-/// When a self-test raises BINH, after the firing, microseconds: the burst of 324 µs is over, the membrane still rings.
-pub const RINGING_US: u32 = 400;
+/// When BINH rises in a self-test, microseconds after the firing: the burst of 324 µs is over and
+/// the membrane rings.
+pub const SELF_TEST_BINH_US: u32 = 400;
 
-/// By then ECHO has risen if the module, its supply, its transducer and their multiplexer are sound, microseconds: the membrane rings
-/// until then, which is why the Polaroid 6500 blanks it.
-pub const RUNG_US: u32 = 900;
+/// When a self-test ends, microseconds after the firing: the membrane rings until then. ECHO has
+/// risen if module, supply, transducer and multiplexer work.
+pub const RINGING_END_US: u32 = 900;
 
 impl Timing {
-    /// The Nomad's relays, at the rate at which they can follow (64 ms, a ring in 1.02 s), with the short blanking.
+    /// The Nomad's relays at their highest rate (64 ms, a ring in 1.02 s), with short blanking.
     #[must_use]
     pub const fn relays() -> Self {
         Self {
@@ -84,15 +85,16 @@ impl Timing {
 
     /// The same with a self-test at the start.
     #[must_use]
-    pub const fn self_tested(self) -> Self {
+    pub const fn with_self_test(self) -> Self {
         Self {
             self_test: true,
             ..self
         }
     }
 
-    /// The same for channel `channel` of four, each a quadrant of the ring: opposite quadrants fire 2 ms apart, the other
-    /// two half a slot later. No two bursts of 324 µs ever meet, and neighbors never listen to each other's.
+    /// The same for channel `channel` of four, each a quadrant of the ring. Opposite quadrants fire
+    /// 2 ms apart, the others half a slot later. Bursts of 324 µs never overlap, and neighbors
+    /// never hear each other.
     #[must_use]
     pub const fn quadrant(self, channel: u8) -> Self {
         let half = self.slot_us() / 2;
@@ -100,7 +102,7 @@ impl Timing {
         Self { offset_us, ..self }
     }
 
-    /// Time from one firing to the next, a whole number of 4 ms, in microseconds.
+    /// Time between two firings, microseconds: a multiple of 4 ms.
     #[must_use]
     pub const fn slot_us(&self) -> u32 {
         let needed = self
@@ -117,23 +119,23 @@ impl Timing {
 /// Unit of the rate, microseconds.
 const UNIT_US: u32 = 4_000;
 
-/// Time between the firings of two channels as planned, microseconds: a burst draws 2 A for 324 µs.
+/// Planned time between the firings of two channels, microseconds: a burst draws 2 A for 324 µs.
 pub const STAGGER_US: u32 = 2_000;
 
-/// A firing that comes later than this is put off by a slot, microseconds: half the stagger, so that however late
-/// everybody is, no two channels fire within the other half.
-pub const LATEST_US: u32 = STAGGER_US / 2;
+/// A firing that is later than this is postponed by a slot, microseconds. It is half the stagger,
+/// so two channels always fire at least the other half apart.
+pub const MAX_LATE_US: u32 = STAGGER_US / 2;
 
-/// Which transducers fire, and when in their turn.
+/// The order in which transducers fire.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FiringOrder([u8; SENSORS]);
 
 impl FiringOrder {
-    /// Front first, then from side to side: what the Nomad's drivers ask for.
+    /// Front first, then alternating sides: the order that the Nomad's drivers set.
     pub const NOMAD: Self = Self([0, 2, 15, 1, 14, 3, 13, 4, 12, 5, 11, 6, 10, 7, 9, 8]);
 
-    /// An order ended by [`END_OF_ORDER`], or by its 16th transducer; `None` where it names one that does not exist, or one
-    /// twice.
+    /// An order, ended by [`END_OF_ORDER`] or by its 16th transducer; `None` if a transducer does
+    /// not exist or occurs twice.
     #[must_use]
     pub fn new(order: [u8; SENSORS]) -> Option<Self> {
         let mut seen = 0_u16;
@@ -147,7 +149,7 @@ impl FiringOrder {
         Some(Self(order))
     }
 
-    /// The transducers of one quadrant of the ring, 0 in front, 1 to the left.
+    /// The transducers of one quadrant; 0 in front, 1 to the left.
     #[must_use]
     pub fn quadrant(channel: u8) -> Self {
         let first = (channel % 4) * 4;
@@ -158,7 +160,7 @@ impl FiringOrder {
         Self(order)
     }
 
-    /// The transducer at a place of the order, and the place after it; `None` for an empty order.
+    /// The transducer at a place of the order, and the next place; `None` for an empty order.
     #[must_use]
     pub fn at(&self, place: u8) -> Option<(u8, u8)> {
         let sensor = |place: u8| {
@@ -172,18 +174,18 @@ impl FiringOrder {
     }
 }
 
-/// Microseconds of flight per meter of range (there and back), from −20 °C on in steps of 10 K: 2 / c with c = 331.3
-/// √(1 + T / 273.15) m/s.
+/// Time of flight (there and back) per meter of range, microseconds, from −20 °C in steps of 10 K:
+/// 2 / c with c = 331.3 √(1 + T / 273.15) m/s.
 const US_PER_M: [u16; 8] = [6_271, 6_150, 6_037, 5_929, 5_827, 5_730, 5_638, 5_550];
 
-/// How sound travels at a temperature.
+/// Speed of sound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Sound {
+pub struct SpeedOfSound {
     us_per_m: u16,
 }
 
-impl Sound {
-    /// At a temperature in tenths of a degree Celsius, brought into −20 … 50 °C.
+impl SpeedOfSound {
+    /// At a temperature in tenths of a degree Celsius, limited to −20 … 50 °C.
     #[must_use]
     pub fn at(decidegrees: i16) -> Self {
         let above = i32::from(decidegrees).clamp(-200, 500) + 200;
@@ -196,11 +198,11 @@ impl Sound {
         }
     }
 
-    /// The range a flight of so many microseconds means; `None` from [`MAX_MM`] on.
+    /// The range of a time of flight; `None` from [`MAX_MM`] on.
     #[must_use]
     pub fn range(self, flight_us: u32) -> Option<Range> {
         let us_per_m = u32::from(self.us_per_m.max(1));
-        // 65 ms times 1 000 fit.
+        // 65 535 times 1 000 fits 32 bits.
         let mm = (flight_us.min(65_535) * 1_000 + us_per_m / 2) / us_per_m;
         let mm = u16::try_from(mm).ok().filter(|&mm| mm < MAX_MM)?;
         Some(Range::from_mm(mm))
@@ -211,33 +213,33 @@ impl Sound {
 mod tests {
     use super::*;
 
-    /// c = 331.3 √(1 + T / 273.15), in integers only where it counts: the test may use floats.
+    /// 2 / c by floating point, microseconds per meter.
     fn exact_us_per_m(celsius: f64) -> f64 {
         let ratio = 1.0 + celsius / 273.15;
-        // Newton's square root: the library's needs more than core.
+        // Newton's method: `core` has no square root.
         let root = (0..60).fold(1.0, |root, _| 0.5 * (root + ratio / root));
         2e6 / (331.3 * root)
     }
 
     #[test]
-    fn the_table_is_that_of_the_formula() {
+    fn the_table_matches_the_formula() {
         for (step, &us) in US_PER_M.iter().enumerate() {
             let exact = exact_us_per_m(step as f64 * 10.0 - 20.0);
             assert!((f64::from(us) - exact).abs() <= 0.51, "{us} {exact}");
         }
         for decidegrees in -200..=500_i16 {
-            let us = f64::from(Sound::at(decidegrees).us_per_m);
+            let us = f64::from(SpeedOfSound::at(decidegrees).us_per_m);
             let exact = exact_us_per_m(f64::from(decidegrees) / 10.0);
             assert!((us - exact).abs() <= 2.0, "{decidegrees}: {us} {exact}");
         }
-        assert_eq!(Sound::at(-900), Sound::at(-200));
-        assert_eq!(Sound::at(900), Sound::at(500));
+        assert_eq!(SpeedOfSound::at(-900), SpeedOfSound::at(-200));
+        assert_eq!(SpeedOfSound::at(900), SpeedOfSound::at(500));
     }
 
-    /// 148.0 µs per inch at 20 °C; the full range is heard 37.7 ms after the firing.
+    /// 148.0 µs per inch at 20 °C; the full range takes 37.7 ms.
     #[test]
-    fn a_flight_becomes_a_range() {
-        let mm = |us| Sound::at(200).range(us).map(Range::as_mm);
+    fn a_time_of_flight_gives_a_range() {
+        let mm = |us| SpeedOfSound::at(200).range(us).map(Range::as_mm);
         assert_eq!(mm(0), Some(0));
         assert_eq!(mm(5_827), Some(1_000));
         assert_eq!(mm(148 * 6), Some(152));
@@ -245,11 +247,11 @@ mod tests {
         assert_eq!((mm(37_800), mm(u32::MAX)), (None, None));
     }
 
-    /// The module's own blanking makes 16 in the nearest range, the short one 6 in.
+    /// Nearest range: 16 in with internal blanking, 6 in with the short one.
     #[test]
     fn both_blankings_are_the_known_ranges() {
         let nearest = |blanking: Blanking| {
-            let range = Sound::at(200).range(blanking.us());
+            let range = SpeedOfSound::at(200).range(blanking.us());
             range.map(|range| (range.as_mm() + 12) / 25)
         };
         assert_eq!(nearest(Blanking::Internal), Some(16));
@@ -257,10 +259,10 @@ mod tests {
     }
 
     #[test]
-    fn an_order_goes_round_and_names_nobody_twice() {
+    fn an_order_repeats_and_rejects_duplicates() {
         let mut place = 0;
         for expected in [0, 2, 15, 1, 14, 3, 13, 4, 12, 5, 11, 6, 10, 7, 9, 8, 0, 2] {
-            let (sensor, next) = FiringOrder::NOMAD.at(place).expect("somebody");
+            let (sensor, next) = FiringOrder::NOMAD.at(place).expect("a transducer");
             assert_eq!(sensor, expected);
             place = next;
         }
@@ -276,11 +278,13 @@ mod tests {
     }
 
     #[test]
-    fn the_quadrants_are_the_ring() {
+    fn the_quadrants_cover_the_ring() {
         let mut seen = [false; 16];
         for channel in 0..4 {
             for place in 0..4 {
-                let (sensor, _) = FiringOrder::quadrant(channel).at(place).expect("somebody");
+                let (sensor, _) = FiringOrder::quadrant(channel)
+                    .at(place)
+                    .expect("a transducer");
                 seen[usize::from(sensor)] = true;
             }
         }

@@ -194,11 +194,16 @@ impl Grid {
     }
 
     /// The direct neighbors of neuron `k`; those from 32 on are left out.
+    #[inline]
     pub(crate) fn neighbor_mask(self, k: usize) -> Mask {
-        if self == GRID_4X4 {
-            let bits = NEIGHBORS_4X4.get(k).copied().unwrap_or(0);
-            return Mask::from_bits(u32::from(bits));
+        match NEIGHBORS_4X4.get(k) {
+            Some(bits) if self == GRID_4X4 => Mask::from_bits(u32::from(*bits)),
+            _ => self.any_neighbor_mask(k),
         }
+    }
+
+    #[inline(never)]
+    fn any_neighbor_mask(self, k: usize) -> Mask {
         self.neighbors(k).fold(Mask::NONE, Mask::with)
     }
 

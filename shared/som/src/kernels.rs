@@ -3,7 +3,7 @@
 //! Results are those of the portable code, bit for bit; tests on the chip compare them. Maps of other
 //! sizes, partial masks and gains of 1/2 or more always take the portable code.
 
-use crate::fixed::{Mask, Weight, Weight32, high_product};
+use crate::fixed::{Mask, Scalar as _, Weight, Weight32, high_product};
 use crate::grid::Grid;
 use crate::neighborhood::{Shape, Update};
 
@@ -43,14 +43,19 @@ pub struct Group {
     pub neurons: u32,
 }
 
-/// By how much two ranks may be out of order. Per component, in units of 2⁻²⁶: squared distances are
-/// rounded by less than 16, squares by 1, products by 2. Beside them the base and its half by 1 each.
-/// Two ranks are compared, and ranks are half as large.
-const MARGIN: i32 = (16 + 1 + 2) * 16 + 2;
+/// By how much two ranks of `dims` components may be out of order.
+///
+/// Per component, in units of 2⁻²⁶: squared distances are rounded by less than 16, squares by 1,
+/// products by 2. Beside them the base and its half by 1 each. Two ranks are compared, and ranks are
+/// half as large.
+const fn margin(dims: usize) -> i32 {
+    (16 + 1 + 2) * dims as i32 + 2
+}
 
-/// Distances added to a search ([`Som::bmu_with`](crate::Som::bmu_with)) lie below this, so that ranks
-/// fit 32 bits.
-const MAX_EXTRA: u64 = 1 << 54;
+/// A second map of a joint search has less than this weight, in 1/256, and at most
+/// [`MAX_JOINT_DIMS`] components: then a base fits 31 bits.
+const MAX_JOINT_WEIGHT_Q8: u16 = 512;
+const MAX_JOINT_DIMS: usize = 2;
 
 /// What a search by ranks leaves.
 pub(crate) enum Candidates {
@@ -90,25 +95,34 @@ impl Accelerator {
         code: &[[Weight32; DIMS]; NEURONS],
         probe: &[Weight; DIMS],
     ) -> Option<Candidates> {
-        self.search(code, &self.norms, probe)
+        self.search(code, &self.norms, probe, margin(DIMS))
     }
 
-    /// The same with a squared distance added for each neuron; `None` where one of them is too large.
+    /// The same with the weighted distances of a second map; `None` where they do not fit.
     #[inline]
-    pub(crate) fn candidates_with<const NEURONS: usize, const DIMS: usize>(
+    pub(crate) fn joint_candidates<const NEURONS: usize, const DIMS: usize, const OTHER: usize>(
         &self,
         code: &[[Weight32; DIMS]; NEURONS],
         probe: &[Weight; DIMS],
-        extra: &[u64; NEURONS],
+        other: &[[Weight32; OTHER]; NEURONS],
+        other_probe: &[Weight; OTHER],
+        weight_q8: u16,
     ) -> Option<Candidates> {
-        let mut bases = self.norms;
-        for (base, extra) in bases.iter_mut().zip(extra) {
-            if *extra >= MAX_EXTRA {
-                return None;
-            }
-            *base = base.wrapping_add((extra >> 24) as i32);
+        if OTHER > MAX_JOINT_DIMS || weight_q8 >= MAX_JOINT_WEIGHT_Q8 {
+            return None;
         }
-        self.search(code, &bases, probe)
+        let mut bases = self.norms;
+        for (base, row) in bases.iter_mut().zip(other) {
+            let mut squared = 0_i32;
+            for (w, x) in row.iter().zip(other_probe) {
+                let difference = w.to_bits().wrapping_sub(x.to_weight32().to_bits());
+                squared = squared.wrapping_add(high_product(difference, difference));
+            }
+            let weighted = i64::from(squared).wrapping_mul(i64::from(weight_q8)) >> 8;
+            *base = base.wrapping_add(weighted as i32);
+        }
+        // Each component of the second map counts twice at most.
+        self.search(code, &bases, probe, margin(DIMS + 2 * OTHER))
     }
 
     #[inline]
@@ -117,9 +131,10 @@ impl Accelerator {
         code: &[[Weight32; DIMS]; NEURONS],
         bases: &[i32; 16],
         probe: &[Weight; DIMS],
+        margin: i32,
     ) -> Option<Candidates> {
         let probe = probe.as_slice().try_into().ok()?;
-        let found = (self.kernels.candidates)(sized(code)?, bases, probe, MARGIN);
+        let found = (self.kernels.candidates)(sized(code)?, bases, probe, margin);
         Some(if found < 1 << 16 {
             Candidates::One(found as usize)
         } else {
@@ -169,13 +184,18 @@ pub(crate) fn groups(update: &Update, grid: Grid, bmu: usize) -> Option<[Group; 
     ])
 }
 
+/// Whether a map has the kernels' size.
+pub(crate) const fn fit(neurons: usize, dims: usize) -> bool {
+    neurons == 16 && dims == 16
+}
+
 /// The code vectors, if there are 16 of 16 components.
 #[inline]
 fn sized<const NEURONS: usize, const DIMS: usize>(
     code: &[[Weight32; DIMS]; NEURONS],
 ) -> Option<&[[Weight32; 16]; 16]> {
     let (rows, _) = code.as_flattened().as_chunks();
-    rows.try_into().ok().filter(|_| DIMS == 16)
+    rows.try_into().ok().filter(|_| fit(NEURONS, DIMS))
 }
 
 #[inline]
@@ -183,7 +203,7 @@ fn sized_mut<const NEURONS: usize, const DIMS: usize>(
     code: &mut [[Weight32; DIMS]; NEURONS],
 ) -> Option<&mut [[Weight32; 16]; 16]> {
     let (rows, _) = code.as_flattened_mut().as_chunks_mut();
-    rows.try_into().ok().filter(|_| DIMS == 16)
+    rows.try_into().ok().filter(|_| fit(NEURONS, DIMS))
 }
 
 /// Squared length in units of 2⁻²⁶, the square of each component rounded down.

@@ -44,7 +44,7 @@
 //!
 //! Maps serve as associative memories: a [`Mask`] probes with a part of the vector,
 //! [`Som::alignments`] by the *direction* of a probe instead of its distance, and
-//! [`Som::bmu_with`] searches two maps over one grid together.
+//! [`Som::joint_bmu`] searches two maps over one grid together.
 //!
 //! # Features
 //!

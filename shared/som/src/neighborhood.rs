@@ -74,21 +74,40 @@ impl Update {
             Shape::Direct { share } => {
                 moves(bmu, self.rate);
                 if share != Gain::ZERO {
-                    grid.neighbors(bmu).for_each(|neuron| moves(neuron, share));
+                    self.for_neighbors(grid, bmu, share, moves);
                 }
             }
-            Shape::Gaussian { width_q16 } => {
-                let (column, row) = grid.position(bmu);
-                for y in 0..grid.rows() {
-                    let row_gain = gaussian(grid.row_distance(row, y), width_q16);
-                    let row_gain = self.rate.times(row_gain);
-                    for x in 0..grid.columns() {
-                        let gain = gaussian(grid.column_distance(column, x), width_q16);
-                        let gain = row_gain.times(gain);
-                        if gain != Gain::ZERO {
-                            moves(y * grid.columns() + x, gain);
-                        }
-                    }
+            Shape::Gaussian { width_q16 } => self.for_all(grid, bmu, width_q16, moves),
+        }
+    }
+
+    #[inline]
+    fn for_neighbors(
+        &self,
+        grid: Grid,
+        bmu: usize,
+        share: Gain,
+        mut moves: impl FnMut(usize, Gain),
+    ) {
+        if grid.len() <= 32 {
+            let neighbors = grid.neighbor_mask(bmu).indices(32);
+            neighbors.for_each(|neuron| moves(neuron, share));
+        } else {
+            grid.neighbors(bmu).for_each(|neuron| moves(neuron, share));
+        }
+    }
+
+    #[inline(never)]
+    fn for_all(&self, grid: Grid, bmu: usize, width_q16: u64, mut moves: impl FnMut(usize, Gain)) {
+        let (column, row) = grid.position(bmu);
+        for y in 0..grid.rows() {
+            let row_gain = gaussian(grid.row_distance(row, y), width_q16);
+            let row_gain = self.rate.times(row_gain);
+            for x in 0..grid.columns() {
+                let gain = gaussian(grid.column_distance(column, x), width_q16);
+                let gain = row_gain.times(gain);
+                if gain != Gain::ZERO {
+                    moves(y * grid.columns() + x, gain);
                 }
             }
         }

@@ -4,7 +4,7 @@ use crate::MAX_DIMS;
 use crate::codebook::{Codebook, least, pull};
 use crate::fixed::{Gain, Mask, Scalar as _, Weight, Weight32, to_weight16, unit_weight32};
 use crate::grid::Grid;
-use crate::kernels::{Accelerator, Candidates, Kernels, groups};
+use crate::kernels::{Accelerator, Candidates, Kernels, fit, groups};
 use crate::neighborhood::Update;
 use crate::quality::Quality;
 use crate::train::{TrainConfig, shuffle};
@@ -128,9 +128,21 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     fn write(&mut self, k: usize, change: impl FnOnce(&mut [Weight32; DIMS])) {
         if let Some(row) = self.code.get_mut(k) {
             change(row);
-            if let Some(accelerator) = &mut self.accelerator {
+            if fit(NEURONS, DIMS)
+                && let Some(accelerator) = &mut self.accelerator
+            {
                 accelerator.renew(k, row);
             }
+        }
+    }
+
+    /// The kernels, where they serve a probe with this mask.
+    #[inline]
+    fn accelerator(&self, mask: Mask) -> Option<&Accelerator> {
+        if fit(NEURONS, DIMS) && mask.covers(DIMS) {
+            self.accelerator.as_ref()
+        } else {
+            None
         }
     }
 
@@ -147,8 +159,8 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
     #[inline(never)]
     #[must_use]
     pub fn bmu(&self, probe: &[Weight; DIMS], mask: Mask) -> usize {
-        let accelerator = self.accelerator.as_ref().filter(|_| mask.covers(DIMS));
-        match accelerator.and_then(|a| a.candidates(&self.code, probe)) {
+        let by_ranks = |accelerator: &Accelerator| accelerator.candidates(&self.code, probe);
+        match self.accelerator(mask).and_then(by_ranks) {
             Some(Candidates::One(bmu)) => bmu,
             Some(Candidates::Several(candidates)) => {
                 nearest_of(candidates, |k| self.distance(k, probe, mask))
@@ -157,18 +169,29 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         }
     }
 
-    /// The same with a squared distance, in units of 2⁻⁵⁰, added for each neuron.
+    /// The BMU of two maps over one grid together: the neuron of least |x − w|² + λ |y − v|².
     ///
-    /// Two maps over one grid are searched together: `extra` holds the other one's distances.
+    /// λ is `weight_q8` in 1/256; all components of `other` count.
     #[inline(never)]
     #[must_use]
-    pub fn bmu_with(&self, probe: &[Weight; DIMS], mask: Mask, extra: &[u64; NEURONS]) -> usize {
+    pub fn joint_bmu<const OTHER: usize>(
+        &self,
+        probe: &[Weight; DIMS],
+        mask: Mask,
+        other: &Som<NEURONS, OTHER>,
+        other_probe: &[Weight; OTHER],
+        weight_q8: u16,
+    ) -> usize {
         let distance = |k: usize| {
-            let extra = extra.get(k).copied().unwrap_or(0);
-            self.distance(k, probe, mask).saturating_add(extra)
+            // Rounded before it is weighted, so that two components of any weight fit.
+            let weighted = other.distance(k, other_probe, Mask::ALL) >> 8;
+            let weighted = weighted.saturating_mul(u64::from(weight_q8));
+            self.distance(k, probe, mask).saturating_add(weighted)
         };
-        let accelerator = self.accelerator.as_ref().filter(|_| mask.covers(DIMS));
-        match accelerator.and_then(|a| a.candidates_with(&self.code, probe, extra)) {
+        let by_ranks = |accelerator: &Accelerator| {
+            accelerator.joint_candidates(&self.code, probe, &other.code, other_probe, weight_q8)
+        };
+        match self.accelerator(mask).and_then(by_ranks) {
             Some(Candidates::One(bmu)) => bmu,
             Some(Candidates::Several(candidates)) => nearest_of(candidates, distance),
             None => least((0..NEURONS).map(distance)),
@@ -198,7 +221,10 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         mask: Mask,
         update: &Update,
     ) -> Option<()> {
-        let accelerator = self.accelerator.as_mut().filter(|_| mask.covers(DIMS))?;
+        if !fit(NEURONS, DIMS) || !mask.covers(DIMS) {
+            return None;
+        }
+        let accelerator = self.accelerator.as_mut()?;
         let groups = groups(update, self.grid, bmu)?;
         accelerator.update(&mut self.code, probe, &groups)
     }
@@ -228,7 +254,11 @@ impl<const NEURONS: usize, const DIMS: usize> Som<NEURONS, DIMS> {
         let mut updates = config.updates(samples.len());
         for _ in 0..config.epochs {
             if config.is_shuffled() {
-                shuffle(samples.len(), &mut index, |a, b| samples.swap(a, b));
+                shuffle(samples.len(), &mut index, |a, b| {
+                    if let Ok([first, second]) = samples.get_disjoint_mut([a, b]) {
+                        core::mem::swap(first, second);
+                    }
+                });
             }
             for (sample, update) in samples.iter().zip(&mut updates) {
                 self.train_step(sample, Mask::ALL, &update);

@@ -3,7 +3,7 @@ use crate::fixed::{
     FINE_ONE_BITS, ONE_BITS, Scalar as _, approach, squared_distance, squared_norm, unit_weight,
 };
 use proptest::prelude::*;
-use rand_core::{Rng as _, SeedableRng as _};
+use rand_core::{RngCore as _, SeedableRng as _};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::vec::Vec;
 
@@ -54,7 +54,8 @@ proptest! {
         code in components(-3..=3, 48),
         probe in components(-3..=3, 3),
         mask in 0_u32..8,
-        extra in prop::collection::vec(0_u64..1 << 30, 16),
+        other in components(-3..=3, 16),
+        weight in any::<u16>(),
     ) {
         let map: Som<16, 3> = map_of(SQUARE, &code);
         let probe: [Weight; 3] = probe.try_into().unwrap();
@@ -62,11 +63,13 @@ proptest! {
         let rows = map.code().iter();
         let mut distances: Vec<_> = rows.map(|row| squared_distance(row, &probe, mask)).collect();
         prop_assert_eq!(map.bmu(&probe, mask), first_least(&distances));
-        for (distance, extra) in distances.iter_mut().zip(&extra) {
-            *distance += extra;
+        let other: Som<16, 1> = map_of(SQUARE, &other);
+        for (k, distance) in distances.iter_mut().enumerate() {
+            let squared = other.distance(k, &[Weight::ZERO], Mask::ALL);
+            *distance += (squared >> 8) * u64::from(weight);
         }
-        let extra = extra.try_into().unwrap();
-        prop_assert_eq!(map.bmu_with(&probe, mask, &extra), first_least(&distances));
+        let bmu = map.joint_bmu(&probe, mask, &other, &[Weight::ZERO], weight);
+        prop_assert_eq!(bmu, first_least(&distances));
     }
 
     #[test]

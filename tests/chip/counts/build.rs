@@ -1,4 +1,4 @@
-//! Tells the linker where the memory of the emulated chip is.
+//! Passes the memory layout of the emulated chip to the linker.
 
 use std::env;
 

@@ -1,4 +1,4 @@
-//! Tells the linker where the memory of the chip is: as in the firmware.
+//! Passes the memory layout of the chip to the linker, as in the firmware.
 
 use std::env;
 use std::path::Path;

@@ -20,7 +20,7 @@ use amp::wire::message::{FromMind, Heard, Report, ToMind};
 use arena::sonar::FIRING_ORDER;
 use arena::world::{Point, Pose, Shape, World};
 use firmware::control::Control;
-use firmware::line::{Faults, FrameSink};
+use firmware::uart::{ErrorCounters, TxQueue};
 use heapless::spsc::{Consumer, Producer, Queue};
 use rayon::prelude::*;
 use std::collections::VecDeque;
@@ -194,10 +194,10 @@ fn try_it(ready: &Ready, hall: &World, gone: Gone, seed: u64, trial: u64) -> Sto
     let mut random = generator(seed, trial);
     let mut node = ready.node.clone();
     let (mut received, mut to_send) = (Queue::<u8, 512>::new(), Queue::<u8, 2_048>::new());
-    let faults = Faults::new();
+    let errors = ErrorCounters::new();
     let (producer, consumer) = received.split();
     let (to_send, outgoing) = to_send.split();
-    let control = Control::new(&mut node, consumer, FrameSink::new(to_send), &faults, None);
+    let control = Control::new(&mut node, consumer, TxQueue::new(to_send), &errors, None);
     let wheels = Wheels::new(hall, trial);
     let mut scene = Scene::new(ready, control, wheels, producer, outgoing);
     // Somewhere between two rounds, echoes and reports.
@@ -396,10 +396,10 @@ mod tests {
         let ready = Ready::new(3, CLOCKS);
         let mut node = ready.node.clone();
         let (mut received, mut to_send) = (Queue::<u8, 512>::new(), Queue::<u8, 2_048>::new());
-        let faults = Faults::new();
+        let errors = ErrorCounters::new();
         let (producer, consumer) = received.split();
         let (to_send, outgoing) = to_send.split();
-        let control = Control::new(&mut node, consumer, FrameSink::new(to_send), &faults, None);
+        let control = Control::new(&mut node, consumer, TxQueue::new(to_send), &errors, None);
         let hall = hall();
         let wheels = Wheels::new(&hall, 1);
         let mut scene = Scene::new(&ready, control, wheels, producer, outgoing);

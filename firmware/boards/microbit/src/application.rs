@@ -1,8 +1,8 @@
-//! What runs when.
+//! The program on the micro:bit: two interrupts and the main loop.
 
 #![allow(unsafe_code)]
 
-use crate::device::{Device, MillisecondTimer, Uart};
+use crate::device::{Device, MillisecondTimer, NordicUart};
 use amp::node::{Identity, NomadNode};
 use amp::units::Millis;
 use amp::wire::message::{Oscillator, ResetCause};
@@ -14,50 +14,45 @@ use cortex_m::peripheral::{NVIC, SCB};
 use cortex_m_rt::{entry, exception};
 use critical_section::Mutex;
 use firmware::control::Control;
-use firmware::line::{Faults, FrameSink, Line};
-use firmware::{BUILD, lamp, stack};
+use firmware::uart::{ErrorCounters, TxQueue, UartDriver};
+use firmware::{BUILD, stack, status_led};
 use heapless::spsc::Queue;
 use nrf51_pac::{Interrupt, Peripherals, interrupt};
 
-/// How often control runs though nothing has come.
-const ROUND_MS: u32 = 10;
+/// Longest time between two runs of the control task.
+const CONTROL_PERIOD_MS: u32 = 10;
 
-/// What the serial interrupt works with.
-struct Link {
-    line: Line<'static>,
-    uart: Uart,
+/// The serial interrupt's data.
+struct SerialLink {
+    driver: UartDriver<'static>,
+    uart: NordicUart,
 }
 
-static LINK: Mutex<RefCell<Option<Link>>> = Mutex::new(RefCell::new(None));
+static SERIAL_LINK: Mutex<RefCell<Option<SerialLink>>> = Mutex::new(RefCell::new(None));
 static TIMER: Mutex<RefCell<Option<MillisecondTimer>>> = Mutex::new(RefCell::new(None));
-static FAULTS: Faults = Faults::new();
+static ERRORS: ErrorCounters = ErrorCounters::new();
 static NOW_MS: AtomicU32 = AtomicU32::new(0);
-/// Whether the control task is to run.
-static DUE: AtomicBool = AtomicBool::new(true);
+/// The control task has to run.
+static CONTROL_PENDING: AtomicBool = AtomicBool::new(true);
 
 #[entry]
 fn main() -> ! {
-    static mut MIND: NomadNode = NomadNode::new();
-    static mut RECEIVED: Queue<u8, 256> = Queue::new();
-    static mut TO_SEND: Queue<u8, 384> = Queue::new();
+    static mut NODE: NomadNode = NomadNode::new();
+    static mut RX_QUEUE: Queue<u8, 256> = Queue::new();
+    static mut TX_QUEUE: Queue<u8, 384> = Queue::new();
 
-    let (received_in, received_out) = RECEIVED.split();
-    let (to_send_in, to_send_out) = TO_SEND.split();
+    let (received_in, received_out) = RX_QUEUE.split();
+    let (to_send_in, to_send_out) = TX_QUEUE.split();
     let peripherals = Peripherals::take().unwrap();
     let mut device = Device::start(peripherals);
-    let mut control: Control<'_> = Control::new(
-        MIND,
-        received_out,
-        FrameSink::new(to_send_in),
-        &FAULTS,
-        None,
-    );
-    let link = Link {
-        line: Line::new(received_in, to_send_out),
+    let mut control: Control<'_> =
+        Control::new(NODE, received_out, TxQueue::new(to_send_in), &ERRORS, None);
+    let link = SerialLink {
+        driver: UartDriver::new(received_in, to_send_out),
         uart: device.uart,
     };
     critical_section::with(|cs| {
-        LINK.replace(cs, Some(link));
+        SERIAL_LINK.replace(cs, Some(link));
         TIMER.replace(cs, Some(device.timer));
     });
     unmask();
@@ -71,18 +66,18 @@ fn main() -> ! {
         Millis::from_ms(0),
     );
     loop {
-        // Loads and stores suffice: an interrupt in between sets it again, at the latest with the next round.
-        if DUE.load(Ordering::Relaxed) {
-            DUE.store(false, Ordering::Relaxed);
+        // No atomic swap needed: an interrupt in between sets it again, at the latest in 10 ms.
+        if CONTROL_PENDING.load(Ordering::Relaxed) {
+            CONTROL_PENDING.store(false, Ordering::Relaxed);
             let now = Millis::from_ms(NOW_MS.load(Ordering::Relaxed));
             if control.run(now) {
-                DUE.store(true, Ordering::Relaxed);
+                CONTROL_PENDING.store(true, Ordering::Relaxed);
             }
-            if control.take_sent() {
+            if control.take_queued() {
                 NVIC::pend(Interrupt::UART0);
             }
-            control.note_stack(stack_peak_bytes());
-            let lit = lamp::is_lit(now, control.is_linked(), ResetCause::Unknown);
+            control.set_stack_peak(stack_peak_bytes());
+            let lit = status_led::is_lit(now, control.is_linked(), ResetCause::Unknown);
             device.led.set(lit);
         } else {
             cortex_m::asm::wfi();
@@ -90,7 +85,7 @@ fn main() -> ! {
     }
 }
 
-/// Lets the interrupts come; a byte does not wait for the timer.
+/// Enables the interrupts. The serial interrupt has the higher priority.
 fn unmask() {
     // SAFETY: no critical section of this program relies on a mask or a priority.
     unsafe {
@@ -105,10 +100,10 @@ fn unmask() {
 #[interrupt]
 fn UART0() {
     critical_section::with(|cs| {
-        if let Some(link) = LINK.borrow_ref_mut(cs).as_mut()
-            && link.line.serve(&mut link.uart, &FAULTS)
+        if let Some(link) = SERIAL_LINK.borrow_ref_mut(cs).as_mut()
+            && link.driver.transfer(&mut link.uart, &ERRORS)
         {
-            DUE.store(true, Ordering::Relaxed);
+            CONTROL_PENDING.store(true, Ordering::Relaxed);
         }
     });
 }
@@ -123,13 +118,13 @@ fn TIMER0() {
     // Only this interrupt writes it.
     let now_ms = NOW_MS.load(Ordering::Relaxed).wrapping_add(1);
     NOW_MS.store(now_ms, Ordering::Relaxed);
-    if now_ms.is_multiple_of(ROUND_MS) {
-        DUE.store(true, Ordering::Relaxed);
+    if now_ms.is_multiple_of(CONTROL_PERIOD_MS) {
+        CONTROL_PENDING.store(true, Ordering::Relaxed);
     }
 }
 
 unsafe extern "C" {
-    /// Behind the highest word of the stack.
+    /// One word above the highest word of the stack.
     static _stack_start: u32;
     /// The lowest word of the stack.
     static _stack_end: u32;
@@ -140,12 +135,12 @@ const _: () = assert!(
     "start-up code paints the stack in another color"
 );
 
-/// The deepest the stack has been, in bytes.
+/// Greatest depth of the stack, bytes.
 fn stack_peak_bytes() -> u32 {
     let lowest = addr_of!(_stack_end);
     let words = (addr_of!(_stack_start).addr() - lowest.addr()) / size_of::<u32>();
-    // SAFETY: the words from the stack's lowest to its highest are memory; a volatile read of a word in use gives some
-    // value, which suffices here.
+    // SAFETY: all words of the stack's region are RAM. A volatile read of a word in use returns
+    // some value, and any value will do.
     let peak = stack::peak_bytes(words, |index| unsafe { lowest.add(index).read_volatile() });
     peak as u32
 }

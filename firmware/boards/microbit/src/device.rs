@@ -1,61 +1,61 @@
-//! The chip: crystal, serial port, timer, one LED. The only file that touches registers.
+//! Devices of the nRF51822: crystal, serial port, timer, LED. Only this file accesses registers.
 
 #![allow(unsafe_code)]
 
-use firmware::line::{Port, Status};
+use firmware::uart::{UartPort, UartStatus};
 use nrf51_pac::generic::{Reg, RegisterSpec, Resettable, Writable};
 use nrf51_pac::{GPIO, Peripherals, TIMER0, UART0};
 
-/// Pin of the port P0 that transmits to the interface chip, which hands it to the USB.
+/// Pin P0.24: transmits to the USB interface chip.
 const TRANSMIT: u32 = 24;
-/// Pin of the port P0 that receives from there.
+/// Pin P0.25: receives from the USB interface chip.
 const RECEIVE: u32 = 25;
-/// First row of the LEDs: high lights it.
+/// First row of the LED matrix, active high.
 const ROW: u32 = 13;
-/// First column of the LEDs: low lights it.
+/// First column of the LED matrix, active low.
 const COLUMN: u32 = 4;
 
-/// The devices the program works with.
+/// The devices of the program.
 pub struct Device {
     /// The serial port of the link.
-    pub uart: Uart,
-    /// Raises an interrupt each millisecond.
+    pub uart: NordicUart,
+    /// Interrupts each millisecond.
     pub timer: MillisecondTimer,
     /// The status LED.
-    pub led: Led,
+    pub led: MatrixLed,
 }
 
 impl Device {
     /// Starts the crystal, the port and the timer.
     pub fn start(chip: Peripherals) -> Self {
-        // The internal oscillator would be too inexact for a serial line.
+        // The internal oscillator is too inaccurate for a serial link.
         set(&chip.CLOCK.tasks_hfclkstart, 1);
         while chip.CLOCK.events_hfclkstarted.read().bits() == 0 {}
         Self {
-            uart: Uart::start(chip.UART0),
+            uart: NordicUart::start(chip.UART0),
             timer: MillisecondTimer::start(chip.TIMER0),
-            led: Led::start(chip.GPIO),
+            led: MatrixLed::start(chip.GPIO),
         }
     }
 }
 
-/// Writes a register whole.
+/// Writes a whole register.
 fn set<R>(register: &Reg<R>, value: u32)
 where
     R: RegisterSpec<Ux = u32> + Writable + Resettable,
 {
-    // SAFETY: tasks, events, pin numbers and counts take any value; none of them leads to memory.
+    // SAFETY: tasks, events, pin numbers and counts accept any value; none is an address.
     register.write(|w| unsafe { w.bits(value) });
 }
 
 /// The serial port: 115 200 baud, eight data bits, no parity, one stop bit.
-pub struct Uart {
+pub struct NordicUart {
     registers: UART0,
-    /// A byte is on its way out.
+    /// A byte is being sent.
     is_sending: bool,
 }
 
-impl Uart {
+impl NordicUart {
     fn start(registers: UART0) -> Self {
         set(&registers.pseltxd, TRANSMIT);
         set(&registers.pselrxd, RECEIVE);
@@ -73,8 +73,8 @@ impl Uart {
     }
 }
 
-impl Port for Uart {
-    fn status(&mut self) -> Status {
+impl UartPort for NordicUart {
+    fn status(&mut self) -> UartStatus {
         if self.registers.events_txdrdy.read().bits() != 0 {
             set(&self.registers.events_txdrdy, 0);
             self.is_sending = false;
@@ -82,10 +82,10 @@ impl Port for Uart {
         let overrun = self.registers.errorsrc.read().overrun().bit_is_set();
         if self.registers.events_error.read().bits() != 0 {
             set(&self.registers.events_error, 0);
-            // Ones take away the errors they stand for.
+            // Ones clear the errors.
             set(&self.registers.errorsrc, 0xf);
         }
-        Status {
+        UartStatus {
             received: self.registers.events_rxdrdy.read().bits() != 0,
             overrun,
             can_send: !self.is_sending,
@@ -93,7 +93,7 @@ impl Port for Uart {
     }
 
     fn receive(&mut self) -> u8 {
-        // First the event: it comes again if a further byte lies behind this one.
+        // Clears the event first: it comes again if another byte is waiting.
         set(&self.registers.events_rxdrdy, 0);
         self.registers.rxd.read().rxd().bits()
     }
@@ -103,11 +103,11 @@ impl Port for Uart {
         set(&self.registers.txd, byte.into());
     }
 
-    // The interrupt comes after each byte, whether there is another one or not.
-    fn call_to_send(&mut self, _: bool) {}
+    // The interrupt comes after every sent byte.
+    fn enable_transmit_interrupt(&mut self, _: bool) {}
 }
 
-/// Timer 0, which counts microseconds and begins anew each millisecond.
+/// Timer 0: counts microseconds and restarts each millisecond.
 pub struct MillisecondTimer(TIMER0);
 
 impl MillisecondTimer {
@@ -122,22 +122,22 @@ impl MillisecondTimer {
         Self(timer)
     }
 
-    /// Forgets why it has called.
+    /// Clears the timer's interrupt.
     pub fn clear(&mut self) {
         set(&self.0.events_compare[0], 0);
     }
 }
 
 /// The LED in the first row and column.
-pub struct Led(GPIO);
+pub struct MatrixLed(GPIO);
 
-impl Led {
+impl MatrixLed {
     fn start(port: GPIO) -> Self {
         set(&port.dirset, 1 << ROW | 1 << COLUMN);
         Self(port)
     }
 
-    /// Lights it or puts it out.
+    /// Switches the LED on or off.
     pub fn set(&mut self, lit: bool) {
         if lit {
             set(&self.0.outset, 1 << ROW);

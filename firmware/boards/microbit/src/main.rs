@@ -1,7 +1,8 @@
-//! The firmware on a BBC micro:bit, version 1: an nRF51822 with a Cortex-M0 at 16 MHz and 16 KiB of memory.
+//! The firmware on a BBC micro:bit, version 1: nRF51822, Cortex-M0 at 16 MHz, 16 KiB of RAM.
 //!
-//! Two interrupts and a loop: the serial interrupt moves bytes, the timer counts milliseconds, the loop runs the control
-//! task when a frame has come, each 10 ms, and while there is more to do. There is neither flash nor a ring.
+//! The serial interrupt moves bytes and the timer counts milliseconds. The main loop runs the
+//! control task when a frame has arrived, each 10 ms, and while work is left. It has no flash for
+//! saved images and no ring.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]

@@ -1,36 +1,37 @@
-//! The machine: a 16550 serial port, the core's timer, and a device that resets everything. The only file that touches
-//! registers. Addresses are those of `hw/riscv/virt.c` in QEMU.
+//! Devices of the RISC-V machine: UART, timer, reset. Only this file accesses registers.
+//!
+//! The addresses are those of `hw/riscv/virt.c` in QEMU.
 
 #![allow(unsafe_code)]
 
 use amp::units::Millis;
 use core::ptr::with_exposed_provenance_mut;
-use firmware::line::{Port, Status};
+use firmware::uart::{UartPort, UartStatus};
 
-/// The 16550 compatible serial port.
+/// The serial port, compatible with a 16550.
 const UART: usize = 0x1000_0000;
 /// Its registers: data, FIFO control, line control, line status.
 const DATA: usize = 0;
 const FIFO_CONTROL: usize = 2;
 const LINE_CONTROL: usize = 3;
 const LINE_STATUS: usize = 5;
-/// The core-local interruptor: time at which its interrupt is pending, and time; 64 bits each.
+/// The core-local interruptor: compare register and time, 64 bits each.
 const COMPARE: usize = 0x0200_4000;
 const TIME: usize = 0x0200_bff8;
-/// Ticks of the core's timer per millisecond.
+/// Ticks of the timer per millisecond.
 const TICKS_PER_MS: u64 = 10_000;
-/// Takes orders for the whole machine.
+/// The device that resets the machine.
 const TEST_DEVICE: usize = 0x10_0000;
-/// Resets it.
+/// The command for a reset.
 const RESET: u32 = 0x7777;
 
 /// The serial port; an emulated one has no rate.
-pub struct Uart {
+pub struct Uart16550 {
     moved: bool,
 }
 
-impl Uart {
-    /// Eight data bits, no parity, one stop bit; queues of 16 bytes.
+impl Uart16550 {
+    /// Eight data bits, no parity, one stop bit; FIFOs of 16 bytes.
     pub fn start() -> Self {
         write8(LINE_CONTROL, 0b011);
         write8(FIFO_CONTROL, 0b111);
@@ -43,10 +44,10 @@ impl Uart {
     }
 }
 
-impl Port for Uart {
-    fn status(&mut self) -> Status {
+impl UartPort for Uart16550 {
+    fn status(&mut self) -> UartStatus {
         let status = read8(LINE_STATUS);
-        Status {
+        UartStatus {
             received: status & 1 != 0,
             overrun: status & 1 << 1 != 0,
             can_send: status & 1 << 5 != 0,
@@ -64,21 +65,21 @@ impl Port for Uart {
     }
 
     // The loop polls the port.
-    fn call_to_send(&mut self, _: bool) {}
+    fn enable_transmit_interrupt(&mut self, _: bool) {}
 }
 
 /// The core's timer.
 pub struct Timer {}
 
 impl Timer {
-    /// Lets its interrupt wake the core; it is never taken, because interrupts stay off.
+    /// Lets the timer wake the core. Its interrupt is never taken, because interrupts are disabled.
     pub fn start() -> Self {
-        // SAFETY: only whether the core wakes depends on this bit while interrupts are off.
+        // SAFETY: with interrupts disabled, this bit only decides whether the core wakes.
         unsafe { riscv::register::mie::set_mtimer() };
         Self {}
     }
 
-    /// Time since the start, whole milliseconds; begins anew after 49.7 days.
+    /// Time since the start; wraps after 49.7 days.
     pub fn now(&self) -> Millis {
         Millis::from_ms((ticks() / TICKS_PER_MS) as u32)
     }
@@ -86,7 +87,7 @@ impl Timer {
     /// Sleeps for a millisecond.
     pub fn sleep_1_ms(&mut self) {
         let then = ticks() + TICKS_PER_MS;
-        // The upper half last, and nothing earlier than `then` meanwhile.
+        // The upper half goes last, and no intermediate value is earlier than `then`.
         write32(COMPARE + 4, u32::MAX);
         write32(COMPARE, then as u32);
         write32(COMPARE + 4, (then >> 32) as u32);
@@ -102,11 +103,11 @@ pub fn reset() -> ! {
     }
 }
 
-/// The timer's ticks since the start.
+/// Ticks since the start.
 fn ticks() -> u64 {
     loop {
         let (high, low) = (read32(TIME + 4), read32(TIME));
-        // The lower half may have come round in between.
+        // The lower half may have overflowed in between.
         if read32(TIME + 4) == high {
             return u64::from(high) << 32 | u64::from(low);
         }
@@ -114,7 +115,7 @@ fn ticks() -> u64 {
 }
 
 fn read8(register: usize) -> u8 {
-    // SAFETY: the address is a register of the port; reading it has no effect on memory.
+    // SAFETY: a register of the port; reading it does not affect memory.
     unsafe { with_exposed_provenance_mut::<u8>(UART + register).read_volatile() }
 }
 
@@ -124,11 +125,11 @@ fn write8(register: usize, value: u8) {
 }
 
 fn read32(address: usize) -> u32 {
-    // SAFETY: the address is a register of the timer; reading it has no effect on memory.
+    // SAFETY: a register of the timer; reading it does not affect memory.
     unsafe { with_exposed_provenance_mut::<u32>(address).read_volatile() }
 }
 
 fn write32(address: usize, value: u32) {
-    // SAFETY: the address is a register of the timer or the test device; writing it has no effect on memory.
+    // SAFETY: a register of the timer or the test device; writing it does not affect memory.
     unsafe { with_exposed_provenance_mut::<u32>(address).write_volatile(value) }
 }

@@ -1,29 +1,30 @@
-//! The tasks: who runs when.
+//! The tasks of the STM32F405 boards, their interrupts and priorities.
 //!
 //! | task | runs | priority | does |
 //! |---|---|---|---|
-//! | `serial` | when a byte has come or can go | 3 | moves it between the port and a queue |
-//! | `ring` | when a sonar's time has come or its echo | 2 | fires, listens, queues what was heard |
-//! | `clock` | each millisecond | 2 | counts, lights the LED, feeds the watchdog, wakes `control` |
-//! | `control` | when a frame has come, each 10 ms, and while there is more to do | 1 | owns the mind |
-//! | `supply` | when the supply voltage becomes too low | 1 | wakes `control`, which reads it each time it runs |
+//! | `serial` | when a byte has arrived or can be sent | 3 | moves it from or to a queue |
+//! | `ring` | when the sonars' timer is due, or at an echo | 2 | fires, listens, queues readings |
+//! | `clock` | each millisecond | 2 | counts, sets the LED, feeds the watchdog, wakes `control` |
+//! | `control` | when a frame has arrived, each 10 ms, and while work is left | 1 | runs the node |
+//! | `supply` | when the supply voltage falls too low | 1 | wakes `control`, which reads it |
 //! | `idle` | otherwise | 0 | sleeps |
 //!
-//! Tasks share queues and atomic numbers, never a lock: nothing but a line of the log holds off the receiver, for at most
-//! 334 instructions (counted in an emulated chip with the board's logger), 2 µs of the 87 µs a byte takes.
+//! Tasks share queues and atomics, never a lock. Only a line of the log masks the receive
+//! interrupt, for at most 334 instructions (counted in an emulated chip with the board's logger):
+//! 2 µs of the 87 µs per byte.
 
-/// The program of a board: `$board` is its module in this crate, `$link` the interrupt of its link's port.
+/// The program of a board. `$board` is its module in this crate, `$link` the interrupt of its port.
 ///
-/// A macro, because RTIC takes the names of interrupts literally, and boards use different ports.
+/// A macro, because RTIC needs interrupt names as literals and the boards use different ports.
 #[macro_export]
 macro_rules! application {
     ($board:ident, $link:ident) => {
         #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
         mod app {
             use $crate::chip::{
-                Devices, RingPin, Safety, StatusLed, Supply, SupplyAlarm, Watchdog,
+                Devices, RingPin, BoardSafetyLines, StatusLed, SupplyMonitor, SupplyInterrupt, Watchdog,
             };
-            use $crate::flash::Kept;
+            use $crate::flash::StoreFlash;
             use $crate::ring_timer::RingTimer;
             use $crate::serial::SerialPort;
             use $crate::{clocks, fault};
@@ -34,25 +35,25 @@ macro_rules! application {
             use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
             use firmware::BUILD;
             use firmware::control::Control;
-            use firmware::crash::{Flags, name, reset_cause};
-            use firmware::lamp;
-            use firmware::line::{Faults, Line, FrameSink};
+            use firmware::crash::{ResetFlags, reset_name, reset_cause};
+            use firmware::status_led;
+            use firmware::uart::{ErrorCounters, UartDriver, TxQueue};
             use firmware::persist::{SLOT_BYTES, Store};
-            use firmware::sonar_ring::{Capture, Driver, Firing, FiringOrder, Ring, Sound, Timing};
-            use firmware::task_monitor::{Task, TaskMonitor};
+            use firmware::sonar_ring::{EchoCapture, ChannelDriver, RingReading, FiringOrder, SonarRing, SpeedOfSound, Timing};
+            use firmware::task_monitor::{MonitoredTask, TaskMonitor};
             use heapless::spsc::Queue;
             use stm32f4xx_hal::pac::Interrupt;
 
-            /// How often control runs though nothing has come, and the watchdog may be fed.
-            const ROUND_MS: u32 = 10;
-            /// How often the stack is looked at, and whether there is news for the log.
-            const LOOK_MS: u32 = 1_000;
-            /// The interrupt whose vector control borrows: the 64-pin package has no external memory.
+            /// Longest time between two runs of `control`, and between feedings of the watchdog.
+            const CONTROL_PERIOD_MS: u32 = 10;
+            /// Period of `housekeeping`.
+            const HOUSEKEEPING_MS: u32 = 1_000;
+            /// The interrupt vector of `control`; the 64-pin package has no external memory (FSMC).
             const CONTROL: Interrupt = Interrupt::FSMC;
             /// An emulated chip has no pins.
             const HAS_PINS: bool = cfg!(not(feature = "qemu"));
-            /// Of the air around the ring, tenths of a degree Celsius.
-            const AIR: i16 = 200;
+            /// Temperature of the air around the ring, tenths of a degree Celsius.
+            const AIR_DECIDEGREES: i16 = 200;
 
             #[shared]
             struct Shared {
@@ -61,43 +62,43 @@ macro_rules! application {
                 ring_wanted: AtomicBool,
                 reset: ResetCause,
                 task_monitor: TaskMonitor,
-                faults: &'static Faults,
+                errors: &'static ErrorCounters,
             }
 
             #[local]
             struct Local {
-                line: Line<'static>,
+                driver: UartDriver<'static>,
                 port: SerialPort<board::Link>,
                 led: StatusLed,
                 watchdog: Watchdog,
-                ring: Ring<'static, RingPin>,
+                ring: SonarRing<'static, RingPin>,
                 timer: RingTimer,
-                control: Control<'static, Kept>,
-                safety: Safety,
-                supply: Supply,
-                supply_alarm: SupplyAlarm,
+                control: Control<'static, StoreFlash>,
+                safety: BoardSafetyLines,
+                supply: SupplyMonitor,
+                supply_alarm: SupplyInterrupt,
             }
 
             #[init(local = [
-                mind: NomadNode = NomadNode::new(),
+                node: NomadNode = NomadNode::new(),
                 received: Queue<u8, 512> = Queue::new(),
                 to_send: Queue<u8, 2048> = Queue::new(),
-                faults: Faults = Faults::new(),
-                firings: Queue<Firing, 16> = Queue::new(),
+                errors: ErrorCounters = ErrorCounters::new(),
+                firings: Queue<RingReading, 16> = Queue::new(),
             ])]
             fn init(cx: init::Context) -> (Shared, Local) {
                 let mut devices: Devices<board::Link> = board::init(cx.device, cx.core);
                 let reset = reset_reason(devices.flags);
-                let faults: &'static Faults = cx.local.faults;
+                let errors: &'static ErrorCounters = cx.local.errors;
                 let (received_in, received_out) = cx.local.received.split();
                 let (to_send_in, to_send_out) = cx.local.to_send.split();
-                let outbox = FrameSink::new(to_send_in);
-                cx.local.mind.use_kernels(&cortex_m4::KERNELS);
+                let tx = TxQueue::new(to_send_in);
+                cx.local.node.use_kernels(&cortex_m4::KERNELS);
                 let (firings_in, firings_out) = cx.local.firings.split();
-                let store = Store::mount(devices.kept, SLOT_BYTES);
-                let control = Control::new(cx.local.mind, received_out, outbox, faults, Some(store));
+                let store = Store::mount(devices.flash, SLOT_BYTES);
+                let control = Control::new(cx.local.node, received_out, tx, errors, Some(store));
                 let mut control = control.with_ring(firings_out);
-                // A sector of flash may have to be erased.
+                // A sector of flash may be erased.
                 devices.watchdog.set_long_timeout(true);
                 control.start(
                     Identity {
@@ -109,7 +110,7 @@ macro_rules! application {
                     Millis::from_ms(0),
                 );
                 devices.watchdog.set_long_timeout(false);
-                // The hello waits in its queue.
+                // Sends the Hello, which waits in the queue.
                 rtic::pend(Interrupt::$link);
                 let shared = Shared {
                     now_ms: AtomicU32::new(0),
@@ -117,14 +118,14 @@ macro_rules! application {
                     ring_wanted: AtomicBool::new(false),
                     reset,
                     task_monitor: TaskMonitor::new(),
-                    faults,
+                    errors,
                 };
-                let (timing, mut timer) = (Timing::relays().self_tested(), devices.ring_timer);
+                let (timing, mut timer) = (Timing::relays().with_self_test(), devices.ring_timer);
                 let now_us = timer.now_us();
-                let Ok(driver) = Driver::new(devices.ring_pins, timing, FiringOrder::NOMAD, now_us);
-                let ring = Ring::new(driver, timing, Sound::at(AIR), firings_in, faults);
+                let Ok(driver) = ChannelDriver::new(devices.ring_pins, timing, FiringOrder::NOMAD, now_us);
+                let ring = SonarRing::new(driver, timing, SpeedOfSound::at(AIR_DECIDEGREES), firings_in, errors);
                 let local = Local {
-                    line: Line::new(received_in, to_send_out),
+                    driver: UartDriver::new(received_in, to_send_out),
                     port: devices.port,
                     led: devices.led,
                     watchdog: devices.watchdog,
@@ -145,12 +146,12 @@ macro_rules! application {
                 }
             }
 
-            #[task(binds = $link, priority = 3, local = [line, port], shared = [&faults, &task_monitor])]
+            #[task(binds = $link, priority = 3, local = [driver, port], shared = [&errors, &task_monitor])]
             fn serial(cx: serial::Context) {
-                if cx.local.line.serve(cx.local.port, cx.shared.faults) {
+                if cx.local.driver.transfer(cx.local.port, cx.shared.errors) {
                     rtic::pend(CONTROL);
                 }
-                cx.shared.task_monitor.seen(Task::Serial);
+                cx.shared.task_monitor.check_in(MonitoredTask::Serial);
             }
 
             #[task(binds = SysTick, priority = 2, local = [led, watchdog], shared = [&now_ms, &linked, &reset, &task_monitor])]
@@ -160,24 +161,24 @@ macro_rules! application {
                     .now_ms
                     .fetch_add(1, Ordering::Relaxed)
                     .wrapping_add(1);
-                shared.task_monitor.seen(Task::Clock);
-                if now_ms == clocks::PROOF_MS {
-                    clocks::prove();
+                shared.task_monitor.check_in(MonitoredTask::Clock);
+                if now_ms == clocks::PROVEN_AFTER_MS {
+                    clocks::mark_proven();
                 }
                 let watchdog = &mut *cx.local.watchdog;
                 shared
                     .task_monitor
-                    .change_patience(|patient| watchdog.set_long_timeout(patient));
-                if now_ms.is_multiple_of(ROUND_MS) {
+                    .apply_timeout(|long| watchdog.set_long_timeout(long));
+                if now_ms.is_multiple_of(CONTROL_PERIOD_MS) {
                     if shared.task_monitor.all_checked_in() {
                         watchdog.feed();
                     }
-                    // Both have to show themselves until the next round.
+                    // Both must check in before the next feeding.
                     rtic::pend(CONTROL);
                     rtic::pend(Interrupt::$link);
                 }
                 let linked = shared.linked.load(Ordering::Relaxed);
-                let lit = lamp::is_lit(Millis::from_ms(now_ms), linked, *shared.reset);
+                let lit = status_led::is_lit(Millis::from_ms(now_ms), linked, *shared.reset);
                 cx.local.led.set(lit);
             }
 
@@ -188,14 +189,14 @@ macro_rules! application {
                 let now = Millis::from_ms(shared.now_ms.load(Ordering::Relaxed));
                 let wanted = shared.ring_wanted.load(Ordering::Relaxed);
                 let Ok(next_us) = cx.local.ring.serve(timer, now, wanted);
-                timer.wake_at(next_us, cx.local.ring.listens());
+                timer.wake_at(next_us, cx.local.ring.is_listening());
             }
 
-            #[task(binds = FSMC, priority = 1, local = [control, safety, supply, looked_ms: u32 = 0], shared = [&now_ms, &linked, &ring_wanted, &task_monitor])]
+            #[task(binds = FSMC, priority = 1, local = [control, safety, supply, housekeeping_ms: u32 = 0], shared = [&now_ms, &linked, &ring_wanted, &task_monitor])]
             fn control(cx: control::Context) {
                 let (control, shared) = (cx.local.control, cx.shared);
                 let now_ms = shared.now_ms.load(Ordering::Relaxed);
-                control.note_patience(shared.task_monitor.is_patient());
+                control.set_has_long_timeout(shared.task_monitor.has_long_timeout());
                 let now = Millis::from_ms(now_ms);
                 if HAS_PINS {
                     let alarms = cx.local.safety.read(now);
@@ -203,22 +204,22 @@ macro_rules! application {
                 }
                 let more = control.run(now);
                 if HAS_PINS {
-                    cx.local.safety.permit(control.may_move(now), now);
+                    cx.local.safety.toggle_permit(control.may_move(now), now);
                 }
-                shared.task_monitor.want_patience(control.wants_patience());
-                if control.take_sent() {
+                shared.task_monitor.request_long_timeout(control.needs_long_timeout());
+                if control.take_queued() {
                     rtic::pend(Interrupt::$link);
                 }
-                let wanted = HAS_PINS && control.wants_ring();
+                let wanted = HAS_PINS && control.needs_ring();
                 if shared.ring_wanted.swap(wanted, Ordering::Relaxed) != wanted {
                     rtic::pend(Interrupt::TIM3);
                 }
                 shared.linked.store(control.is_linked(), Ordering::Relaxed);
-                if now_ms.wrapping_sub(*cx.local.looked_ms) >= LOOK_MS {
-                    *cx.local.looked_ms = now_ms;
-                    look_after(control);
+                if now_ms.wrapping_sub(*cx.local.housekeeping_ms) >= HOUSEKEEPING_MS {
+                    *cx.local.housekeeping_ms = now_ms;
+                    housekeeping(control);
                 }
-                shared.task_monitor.seen(Task::Control);
+                shared.task_monitor.check_in(MonitoredTask::Control);
                 if more {
                     rtic::pend(CONTROL);
                 }
@@ -230,22 +231,22 @@ macro_rules! application {
                 rtic::pend(CONTROL);
             }
 
-            /// What need not be looked at often: how deep the stack has been, and what the log should know.
-            fn look_after(control: &mut Control<'static, Kept>) {
-                control.note_stack(fault::stack_peak_bytes());
-                if let Some(news) = control.news() {
-                    news.log();
+            /// Measures the stack and logs changes.
+            fn housekeeping(control: &mut Control<'static, StoreFlash>) {
+                control.set_stack_peak(fault::stack_peak_bytes());
+                if let Some(log_event) = control.next_log_event() {
+                    log_event.log();
                 }
             }
 
-            /// Why the program started, for the hello and for the log.
-            fn reset_reason(flags: Flags) -> ResetCause {
-                let crash = fault::take();
+            /// Logs why the program started, and returns it for the Hello.
+            fn reset_reason(flags: ResetFlags) -> ResetCause {
+                let crash = fault::take_crash();
                 let reset = reset_cause(flags, crash.as_ref());
                 defmt::info!(
                     "build {=str} starts {=str}",
                     str::from_utf8(&BUILD).unwrap_or_default(),
-                    name(reset)
+                    reset_name(reset)
                 );
                 match crash {
                     Some(crash) if crash.program_counter != 0 => {

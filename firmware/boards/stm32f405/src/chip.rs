@@ -1,36 +1,36 @@
-//! The chip: watchdog, reset flags, and what a board hands to the tasks.
+//! The chip's common devices: watchdog, reset flags, status LED, supply monitor.
 //!
-//! An emulated chip differs in three points: its oscillators are never ready, so it stays on the internal one; its port
-//! raises no interrupt when it takes a byte, so this is done by software; watchdog and reset flags do nothing.
+//! An emulated chip differs in three points. It has only the internal oscillator. Its port raises
+//! no transmit interrupt, so software pends it. Watchdog and reset flags have no effect.
 
-use crate::flash::Kept;
+use crate::flash::StoreFlash;
 use crate::ring_timer::RingTimer;
 use crate::serial::SerialPort;
 use crate::{clocks, fault};
 use amp::wire::message::Oscillator;
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
-use firmware::crash::Flags;
+use firmware::crash::ResetFlags;
 use firmware::safety::SafetyLines;
-use firmware::sonar_ring::Pins;
+use firmware::sonar_ring::RingPins;
 use stm32f4xx_hal::gpio::{ErasedPin, Input, Output, PinState};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::{Enable, Rcc};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
-/// Clock of the processor. An emulated chip counts its clock at this rate too, whatever its oscillator is.
+/// Clock of the processor. An emulated chip counts at this rate too, whatever its oscillator is.
 pub const CORE_HZ: u32 = 168_000_000;
 
-/// The watchdog bites after this time. Its oscillator (17 to 47 kHz, STM32F405 data sheet DS8626, LSI) makes it 340 to 940
-/// ms; every task shows itself each 10 ms.
+/// Normal timeout of the watchdog. The tolerance of its oscillator (17 to 47 kHz, STM32F405 data
+/// sheet DS8626, LSI) makes it 340 to 940 ms; every task checks in each 10 ms.
 const WATCHDOG_MS: u32 = 500;
 
-/// The watchdog bites after this time while flash is erased or written: 10.9 to 30.1 s, and two sectors take 4 s at most, an
+/// Timeout while flash is erased or written: 10.9 to 30.1 s. Two sectors take at most 4 s, an
 /// image a quarter of a second.
-const PATIENT_MS: u32 = 16_000;
+const LONG_TIMEOUT_MS: u32 = 16_000;
 
-/// The devices the tasks work with; the link's port is `U`.
+/// The devices that the tasks use; `U` is the USART of the link.
 pub struct Devices<U> {
     /// The serial port of the link.
     pub port: SerialPort<U>,
@@ -39,36 +39,36 @@ pub struct Devices<U> {
     /// The watchdog, running.
     pub watchdog: Watchdog,
     /// The pins of the ring, all low.
-    pub ring_pins: Pins<RingPin>,
-    /// The clock of the ring.
+    pub ring_pins: RingPins<RingPin>,
+    /// The timer of the ring.
     pub ring_timer: RingTimer,
-    /// What the chip remembers of the last reset.
-    pub flags: Flags,
-    /// What clocks the processor.
+    /// The flags of the last reset.
+    pub flags: ResetFlags,
+    /// The oscillator that clocks the processor.
     pub oscillator: Oscillator,
     /// Emergency stop, bumper and motion permit.
-    pub safety: Safety,
-    /// The watch over the supply voltage.
-    pub supply: Supply,
-    /// Its interrupt.
-    pub supply_alarm: SupplyAlarm,
-    /// What outlives a loss of power.
-    pub kept: Kept,
+    pub safety: BoardSafetyLines,
+    /// The monitor of the supply voltage.
+    pub supply: SupplyMonitor,
+    /// The interrupt of the monitor.
+    pub supply_alarm: SupplyInterrupt,
+    /// The flash for saved images.
+    pub flash: StoreFlash,
 }
 
-/// The chip as started, before a board's pins are taken.
-pub struct Chip {
-    /// Clocks, running.
+/// The chip after its start, before a board takes its pins.
+pub struct StartedChip {
+    /// The clocks, running.
     pub rcc: Rcc,
     /// The watchdog, running.
     pub watchdog: Watchdog,
-    /// What the chip remembers of the last reset.
-    pub flags: Flags,
-    /// What clocks the processor.
+    /// The flags of the last reset.
+    pub flags: ResetFlags,
+    /// The oscillator that clocks the processor.
     pub oscillator: Oscillator,
 }
 
-impl Chip {
+impl StartedChip {
     /// Starts the watchdog, then the clocks, and guards the stack.
     pub fn start(
         (iwdg, dbgmcu): (pac::IWDG, &pac::DBGMCU),
@@ -78,9 +78,9 @@ impl Chip {
         let mut watchdog = IndependentWatchdog::new(iwdg);
         watchdog.stop_on_debug(dbgmcu, true);
         watchdog.start(WATCHDOG_MS.millis());
-        let flags = take_flags(&rcc);
+        let flags = read_reset_flags(&rcc);
         let (rcc, oscillator) = clocks::start(rcc, timer, flags);
-        count_milliseconds(&mut core.SYST);
+        start_millisecond_tick(&mut core.SYST);
         fault::guard_stack(&mut core.MPU);
         Self {
             rcc,
@@ -91,8 +91,8 @@ impl Chip {
     }
 }
 
-/// Lets the core's timer raise an interrupt each millisecond.
-fn count_milliseconds(timer: &mut SYST) {
+/// Starts the interrupt of each millisecond.
+fn start_millisecond_tick(timer: &mut SYST) {
     timer.set_clock_source(SystClkSource::Core);
     timer.set_reload(CORE_HZ / 1_000 - 1);
     timer.clear_current();
@@ -100,10 +100,10 @@ fn count_milliseconds(timer: &mut SYST) {
     timer.enable_counter();
 }
 
-/// Reads and clears what the chip remembers of the last reset.
-fn take_flags(rcc: &pac::RCC) -> Flags {
+/// Reads and clears the flags of the last reset.
+fn read_reset_flags(rcc: &pac::RCC) -> ResetFlags {
     let register = rcc.csr().read();
-    let flags = Flags {
+    let flags = ResetFlags {
         power: register.porrstf().bit_is_set() || register.borrstf().bit_is_set(),
         watchdog: register.wdgrstf().bit_is_set() || register.wwdgrstf().bit_is_set(),
         software: register.sftrstf().bit_is_set(),
@@ -113,7 +113,7 @@ fn take_flags(rcc: &pac::RCC) -> Flags {
     flags
 }
 
-/// The status LED, wherever it is and whatever level lights it.
+/// The status LED.
 pub struct StatusLed {
     pin: ErasedPin<Output>,
     lit: PinState,
@@ -126,46 +126,47 @@ impl StatusLed {
         Self { pin, lit }
     }
 
-    /// Lights it or puts it out.
+    /// Switches the LED on or off.
     pub fn set(&mut self, lit: bool) {
         self.pin.set_state(if lit { self.lit } else { !self.lit });
     }
 }
 
-/// The lines that stop the robot.
-pub type Safety = SafetyLines<ErasedPin<Input>, ErasedPin<Output>>;
+/// The safety lines of a board.
+pub type BoardSafetyLines = SafetyLines<ErasedPin<Input>, ErasedPin<Output>>;
 
-/// The chip's comparator of its supply voltage.
-pub struct Supply(pac::PWR);
+/// The monitor of the supply voltage: the chip's voltage detector (PVD).
+pub struct SupplyMonitor(pac::PWR);
 
-impl Supply {
-    /// Watches for less than 2.9 V (RM0090, 5.4.1: the highest threshold).
+impl SupplyMonitor {
+    /// Monitors for less than 2.9 V, the highest threshold (RM0090, 5.4.1).
     pub fn watch(power: pac::PWR, rcc: &mut Rcc) -> Self {
         pac::PWR::enable(rcc);
         power.cr().modify(|_, w| w.pls().set(7).pvde().set_bit());
         Self(power)
     }
 
-    /// Whether the voltage is too low at the moment.
+    /// Whether the voltage is too low at present.
     pub fn is_low(&self) -> bool {
         self.0.csr().read().pvdo().bit_is_set()
     }
 }
 
-/// The interrupt of that comparator.
-pub struct SupplyAlarm(pac::EXTI);
+/// The interrupt of the voltage detector.
+pub struct SupplyInterrupt(pac::EXTI);
 
-impl SupplyAlarm {
-    /// Interrupts when the voltage becomes too low: the comparator's output rises then, on line 16 (RM0090, 5.2.3 and 12.2.5).
+impl SupplyInterrupt {
+    /// Interrupts when the voltage falls too low: the detector's output then rises on line 16
+    /// (RM0090, 5.2.3 and 12.2.5).
     pub fn listen(lines: pac::EXTI) -> Self {
         lines.rtsr().modify(|_, w| w.tr16().set_bit());
         lines.imr().modify(|_, w| w.mr16().set_bit());
         Self(lines)
     }
 
-    /// Forgets that it has interrupted.
+    /// Clears the interrupt.
     pub fn clear(&mut self) {
-        // Ones clear, zeros leave the other lines alone.
+        // Ones clear; zeros leave the other lines unchanged.
         self.0.pr().write(|w| w.pr16().clear_bit_by_one());
     }
 }
@@ -177,20 +178,20 @@ pub type RingPin = ErasedPin<Output>;
 pub struct Watchdog(IndependentWatchdog);
 
 impl Watchdog {
-    /// Gives it as much time again.
+    /// Restarts the timeout.
     pub fn feed(&mut self) {
         self.0.feed();
     }
 
-    /// Makes it bite after [`PATIENT_MS`] from now on, or after [`WATCHDOG_MS`] again.
-    // One copy of it in the program.
+    /// Sets the long timeout [`LONG_TIMEOUT_MS`], or the normal one [`WATCHDOG_MS`], from now on.
+    // Not inlined: one copy in flash.
     #[inline(never)]
-    pub fn set_long_timeout(&mut self, patient: bool) {
-        let bite_ms = if patient { PATIENT_MS } else { WATCHDOG_MS };
-        // A change takes the watchdog some cycles of its own clock, 0.3 ms, during which it takes no other: it is waited for,
-        // and then it is fed, so that it counts from the new time.
+    pub fn set_long_timeout(&mut self, long: bool) {
+        let timeout_ms = if long { LONG_TIMEOUT_MS } else { WATCHDOG_MS };
+        // A change takes the watchdog 0.3 ms, during which it accepts no other: wait for it, then
+        // feed, so that the new timeout begins now.
         let _ = self.0.interval();
-        self.0.start(bite_ms.millis());
+        self.0.start(timeout_ms.millis());
         let _ = self.0.interval();
         self.0.feed();
     }

@@ -1,7 +1,7 @@
-//! The end and the beginning: what is kept when the program crashes, and read when it starts again.
+//! Crash handlers: panic, fault, stack overflow and a stopped crystal leave a record and reset.
 //!
-//! A crash keeps a record and resets the chip. No motor is told to stop, because none is driven from here: the base stops
-//! when the time to live of its last motion ends.
+//! No motor is stopped here, because none is driven from here: the base stops when the time to
+//! live of its last motion ends.
 
 #![allow(unsafe_code)]
 
@@ -11,39 +11,39 @@ use core::panic::PanicInfo;
 use core::ptr::{addr_of, addr_of_mut};
 use cortex_m::peripheral::{MPU, SCB};
 use cortex_m_rt::exception;
-use firmware::clock::{Note, Trial};
-use firmware::crash::{Cause, Crash, Fault, Record, Text};
+use firmware::clock::{CrystalTrial, TrialRecord};
+use firmware::crash::{Crash, CrashCause, CrashRecord, CrashText, FaultRegisters};
 use firmware::stack;
 
-/// Start-up code neither clears nor fills this section.
+/// Not initialized by start-up code.
 #[unsafe(link_section = ".uninit.crash")]
-static mut RECORD: MaybeUninit<Record> = MaybeUninit::uninit();
+static mut RECORD: MaybeUninit<CrashRecord> = MaybeUninit::uninit();
 
-/// What is known of the crystal; likewise.
+/// What earlier runs say about the crystal. Not initialized by start-up code.
 #[unsafe(link_section = ".uninit.crystal")]
-static mut CRYSTAL: MaybeUninit<Note> = MaybeUninit::uninit();
+static mut CRYSTAL: MaybeUninit<TrialRecord> = MaybeUninit::uninit();
 
 unsafe extern "C" {
-    /// Behind the highest word of the stack.
+    /// One word above the highest word of the stack.
     static _stack_start: u32;
     /// The lowest word of the stack.
     static _stack_end: u32;
 }
 
-/// Lowest bytes of the stack's region, which nothing may write to.
+/// Size of the guard at the low end of the stack's region, bytes.
 const GUARD_BYTES: u32 = 32;
 
-/// Makes the lowest bytes of the stack's region read-only: a stack that comes so far faults at once
+/// Makes the low end of the stack's region read-only, so that a stack overflow faults at once
 /// (ARMv7-M Architecture Reference Manual, B3.5).
 pub fn guard_stack(mpu: &mut MPU) {
-    /// The address is of the region that is named with it: number 0.
+    /// The address is that of region 0, which is selected with it.
     const REGION_0: u32 = 1 << 4;
-    /// Read-only, no code, 2^(4 + 1) bytes, on.
+    /// Read-only, not executable, 2^(4 + 1) bytes, enabled.
     const READ_ONLY_32_BYTES: u32 = 1 << 28 | 0b101 << 24 | 4 << 1 | 1;
-    /// On; all other memory as without it.
+    /// Enabled; all other memory keeps the default map.
     const ON_WITH_DEFAULT_MAP: u32 = 1 << 2 | 1;
     let lowest = addr_of!(_stack_end).addr() as u32;
-    // SAFETY: nothing in the program writes there but a stack that is too deep.
+    // SAFETY: only a stack overflow writes there.
     unsafe {
         mpu.rbar.write(lowest | REGION_0);
         mpu.rasr.write(READ_ONLY_32_BYTES);
@@ -58,56 +58,60 @@ const _: () = assert!(
     "start-up code paints the stack in another color"
 );
 
-/// The crash that ended the last run, once.
-pub fn take() -> Option<Crash> {
-    let record = addr_of_mut!(RECORD).cast::<Record>();
-    // SAFETY: the memory is there, aligned, and every bit pattern is a record; only this function, called once while
-    // interrupts are off, and the crash handlers, which never return, touch it.
+/// Takes the record of the crash that ended the last run.
+pub fn take_crash() -> Option<Crash> {
+    let record = addr_of_mut!(RECORD).cast::<CrashRecord>();
+    // SAFETY: the memory is valid, aligned, and every bit pattern is a record. Only this function
+    // (called once, with interrupts off) and the crash handlers (which never return) access it.
     let crash = unsafe { record.read_volatile() }.crash();
     // SAFETY: as above.
-    unsafe { record.write_volatile(Record::EMPTY) };
+    unsafe { record.write_volatile(CrashRecord::EMPTY) };
     crash
 }
 
-/// What is noted of the crystal.
-pub fn noted() -> Note {
-    // SAFETY: the memory is there, aligned, and every bit pattern is a note; see `note`.
-    unsafe { addr_of!(CRYSTAL).cast::<Note>().read_volatile() }
+/// What earlier runs say about the crystal.
+pub fn read_trial() -> TrialRecord {
+    // SAFETY: the memory is valid, aligned, and every bit pattern is a record; see `write_trial`.
+    unsafe { addr_of!(CRYSTAL).cast::<TrialRecord>().read_volatile() }
 }
 
-/// Notes something of the crystal.
-pub fn note(note: Note) {
-    // SAFETY: the memory is there and aligned. Start-up, one task and the crash handlers touch it, of which the first comes
-    // before the others and the last never return.
-    unsafe { addr_of_mut!(CRYSTAL).cast::<Note>().write_volatile(note) }
+/// Replaces what is recorded about the crystal.
+pub fn write_trial(record: TrialRecord) {
+    // SAFETY: the memory is valid and aligned. Start-up runs before the one task that calls this,
+    // and the crash handlers never return.
+    unsafe {
+        addr_of_mut!(CRYSTAL)
+            .cast::<TrialRecord>()
+            .write_volatile(record)
+    }
 }
 
-/// The deepest the stack has been, in bytes.
+/// Greatest depth of the stack, bytes.
 pub fn stack_peak_bytes() -> u32 {
     let lowest = addr_of!(_stack_end);
     let words = (addr_of!(_stack_start).addr() - lowest.addr()) / size_of::<u32>();
-    // SAFETY: the words from the stack's lowest to its highest are memory; a volatile read of a word in use gives some
-    // value, which is all that is asked.
+    // SAFETY: all words of the stack's region are RAM. A volatile read of a word in use returns
+    // some value, and any value will do.
     let peak = stack::peak_bytes(words, |index| unsafe { lowest.add(index).read_volatile() });
     peak as u32
 }
 
-fn keep_and_reset(crash: &Crash) -> ! {
+fn save_and_reset(crash: &Crash) -> ! {
     #[cfg(feature = "hil")]
-    end_test(crash);
-    note(Note::of(noted().trial().at_crash()));
-    // SAFETY: see `take`; nothing else runs any more.
+    fail_test(crash);
+    write_trial(TrialRecord::of(read_trial().trial().on_crash()));
+    // SAFETY: see `take_crash`; nothing else runs any more.
     unsafe {
         addr_of_mut!(RECORD)
-            .cast::<Record>()
-            .write_volatile(Record::of(crash));
+            .cast::<CrashRecord>()
+            .write_volatile(CrashRecord::of(crash));
     }
     SCB::sys_reset()
 }
 
-/// Tells the debugger what would be kept, and that the test has failed.
+/// Reports the crash to the debugger and ends the test as failed.
 #[cfg(feature = "hil")]
-fn end_test(crash: &Crash) {
+fn fail_test(crash: &Crash) {
     use cortex_m_semihosting::{debug, heprintln};
     heprintln!("{} {:#x}", crash.text.as_str(), crash.program_counter);
     debug::exit(debug::EXIT_FAILURE);
@@ -116,7 +120,7 @@ fn end_test(crash: &Crash) {
 #[panic_handler]
 fn panic(info: &PanicInfo) -> ! {
     cortex_m::interrupt::disable();
-    let mut text = Text::new();
+    let mut text = CrashText::new();
     if let Some(place) = info.location() {
         let path = place.file();
         let name = path.rfind('/').and_then(|slash| path.get(slash + 1..));
@@ -128,15 +132,15 @@ fn panic(info: &PanicInfo) -> ! {
         text.push(" ");
         text.push(message);
     }
-    keep_and_reset(&Crash {
-        cause: Cause::Panic,
+    save_and_reset(&Crash {
+        cause: CrashCause::Panic,
         program_counter: 0,
         text,
     })
 }
 
-/// Starts the stack anew before anything else, since it may be what failed, and hands on where it was.
-// SAFETY: the name is the one the vector table asks for; the body never returns.
+/// Resets the stack pointer first, since the stack may be what failed, and passes on the old one.
+// SAFETY: the vector table refers to this name; the body never returns.
 #[unsafe(no_mangle)]
 #[unsafe(naked)]
 extern "C" fn HardFault() -> ! {
@@ -153,18 +157,19 @@ extern "C" fn HardFault() -> ! {
 extern "C" fn fault(stack_pointer: *const u32) -> ! {
     let start = addr_of!(_stack_start).addr() as u32;
     let end = addr_of!(_stack_end).addr() as u32 + GUARD_BYTES;
-    // SAFETY: reading these registers has no effect.
+    // SAFETY: reading these registers has no side effects.
     let scb = unsafe { &*SCB::PTR };
-    let fault = Fault {
+    let fault = FaultRegisters {
         status: scb.cfsr.read(),
         protected: scb.mmfar.read(),
         bus: scb.bfar.read(),
     };
     let cause = fault.cause(stack_pointer.addr() as u32, start, end);
-    let (mut program_counter, mut text) = (0, Text::new());
-    if cause == Cause::HardFault {
-        // SAFETY: the processor has pushed eight words onto a stack that is memory, the link register sixth, the program counter
-        // seventh. The new stack may have overwritten it only if the fault came within a few words of the stack's beginning.
+    let (mut program_counter, mut text) = (0, CrashText::new());
+    if cause == CrashCause::HardFault {
+        // SAFETY: the processor has pushed eight words to a stack in RAM; word 5 is the link
+        // register, word 6 the program counter. The handler's own stack overlaps them only if the
+        // fault came within a few words of the stack's start.
         let (link, counter) = unsafe {
             (
                 stack_pointer.add(5).read_volatile(),
@@ -176,40 +181,40 @@ extern "C" fn fault(stack_pointer: *const u32) -> ! {
     } else {
         text.push("the stack left its region");
     }
-    keep_and_reset(&Crash {
+    save_and_reset(&Crash {
         cause,
         program_counter,
         text,
     })
 }
 
-/// The crystal has stopped: the chip has switched to its slow internal oscillator, at which no task keeps its times. The
-/// restart does not try the crystal, which may start again and stop again, and uses the internal oscillator at the full clock.
+/// The crystal has stopped, and the chip has switched to the slow internal oscillator. The restart
+/// uses the internal oscillator at the full clock and does not try the crystal again.
 #[exception]
 unsafe fn NonMaskableInt() -> ! {
-    note(Note::of(Trial::Failed));
-    let mut text = Text::new();
+    write_trial(TrialRecord::of(CrystalTrial::Failed));
+    let mut text = CrashText::new();
     text.push("the crystal has stopped");
-    keep_and_reset(&Crash {
-        cause: Cause::Panic,
+    save_and_reset(&Crash {
+        cause: CrashCause::Panic,
         program_counter: 0,
         text,
     })
 }
 
-/// An interrupt without a task.
+/// An interrupt without a handler.
 #[exception]
 unsafe fn DefaultHandler(number: i16) -> ! {
-    let mut text = Text::new();
-    // The core's own count from -15 to -1, the chip's from 0.
+    let mut text = CrashText::new();
+    // Exceptions of the core are -15 to -1; interrupts of the chip start at 0.
     text.push(if number < 0 {
         "no task for interrupt -"
     } else {
         "no task for interrupt "
     });
     text.push_number(number.unsigned_abs().into());
-    keep_and_reset(&Crash {
-        cause: Cause::Panic,
+    save_and_reset(&Crash {
+        cause: CrashCause::Panic,
         program_counter: 0,
         text,
     })

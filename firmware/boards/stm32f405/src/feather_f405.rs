@@ -1,10 +1,10 @@
-//! Adafruit Feather STM32F405 Express: a 12 MHz crystal, a red LED, and the link at USART3, the pads TX and RX.
+//! Adafruit Feather STM32F405 Express: its 12 MHz crystal, its pins, and the link at USART3.
 //!
-//! The ring keeps clear of the pins of the SD socket, the flash chip, the NeoPixel, the battery and the I2C connector.
+//! The ring uses no pin of the SD socket, flash chip, NeoPixel, battery or I2C connector.
 
 use crate::pinout::Pinout;
 
-/// What the pins are used for.
+/// The board's pins.
 pub const PINOUT: Pinout = Pinout {
     board: "feather_f405",
     used: &[
@@ -58,38 +58,38 @@ pub use device::{Link, init};
 
 #[cfg(target_os = "none")]
 mod device {
-    use crate::chip::{Chip, Devices, StatusLed, Supply, SupplyAlarm};
-    use crate::flash::Kept;
+    use crate::chip::{Devices, StartedChip, StatusLed, SupplyInterrupt, SupplyMonitor};
+    use crate::flash::StoreFlash;
     use crate::ring_timer::RingTimer;
     use crate::serial::{SerialPort, settings};
     use firmware::safety::SafetyLines;
-    use firmware::sonar_ring::Pins;
+    use firmware::sonar_ring::RingPins;
     use stm32f4xx_hal::gpio::{PinState, Pull};
     use stm32f4xx_hal::pac;
     use stm32f4xx_hal::prelude::*;
 
-    /// The port of the link.
+    /// The USART of the link.
     pub type Link = pac::USART3;
 
     /// Starts the chip and takes the pins.
     ///
     /// # Panics
-    /// When the clocks cannot make the link's rate, which they can.
+    /// The clocks cannot make the link's rate; each supported clock can.
     pub fn init(device: pac::Peripherals, core: cortex_m::Peripherals) -> Devices<Link> {
         let guards = (device.IWDG, &device.DBGMCU);
-        let Chip {
+        let StartedChip {
             mut rcc,
             watchdog,
             flags,
             oscillator,
-        } = Chip::start(guards, (device.RCC, device.TIM11), core);
+        } = StartedChip::start(guards, (device.RCC, device.TIM11), core);
         let gpioa = device.GPIOA.split(&mut rcc);
         let gpiob = device.GPIOB.split(&mut rcc);
         let gpioc = device.GPIOC.split(&mut rcc);
         let led = gpioc.pc1.into_push_pull_output_in_state(PinState::Low);
-        // An open wire would be noise; the idle line is high.
+        // Pull-up: an open wire would be noise, and the idle line is high.
         let receive = gpiob.pb11.into_alternate().internal_resistor(Pull::Up);
-        let ring_pins = Pins {
+        let ring_pins = RingPins {
             address: [
                 gpioa.pa4.into_push_pull_output().erase(),
                 gpioa.pa5.into_push_pull_output().erase(),
@@ -119,9 +119,9 @@ mod device {
             flags,
             oscillator,
             safety,
-            supply: Supply::watch(device.PWR, &mut rcc),
-            supply_alarm: SupplyAlarm::listen(device.EXTI),
-            kept: Kept::new(device.FLASH),
+            supply: SupplyMonitor::watch(device.PWR, &mut rcc),
+            supply_alarm: SupplyInterrupt::listen(device.EXTI),
+            flash: StoreFlash::new(device.FLASH),
         }
     }
 }

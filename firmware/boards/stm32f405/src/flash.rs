@@ -1,11 +1,11 @@
-//! The flash behind [`firmware::persist`]: the two sectors of `STORE` in `memory.x`.
+//! The flash for saved images: the two sectors of `STORE` in `memory.x`.
 //!
-//! An emulated chip has no flash to write to: there two small sectors lie in memory that start-up code does not touch. They
-//! outlive a reset, and are lost when the emulator ends.
+//! An emulated chip has no flash to write. There two small sectors are in RAM that start-up code
+//! does not initialize: they outlive a reset, but not the emulator.
 
 #![allow(unsafe_code)]
 
-pub use device::Kept;
+pub use device::StoreFlash;
 
 #[cfg(not(feature = "qemu"))]
 mod device {
@@ -17,46 +17,47 @@ mod device {
     use stm32f4xx_hal::pac;
     use stm32f4xx_hal::pac::flash::cr;
 
-    /// Where the two sectors begin in the chip's memory: see `memory.x`.
+    /// Address of the two sectors, as in `memory.x`.
     const BEGIN: usize = 0x080c_0000;
-    /// Number of the first one.
+    /// Number of the first sector.
     const FIRST: u8 = 10;
-    /// Bytes of a sector.
+    /// Size of a sector, bytes.
     const SECTOR: usize = 128 * 1_024;
-    /// Bytes of a word.
+    /// Size of a word, bytes.
     const WORD: usize = 4;
 
-    /// What unlocks the registers (RM0090, 3.5.1).
+    /// Keys that unlock the registers (RM0090, 3.5.1).
     const KEYS: [u32; 2] = [0x4567_0123, 0xcdef_89ab];
-    /// All errors in the status register: OPERR, WRPERR, PGAERR, PGPERR, PGSERR.
+    /// Error bits of the status register: OPERR, WRPERR, PGAERR, PGPERR, PGSERR.
     const ERRORS: u32 = 0xf2;
 
     /// The last two sectors of the flash.
-    pub struct Kept(pac::FLASH);
+    pub struct StoreFlash(pac::FLASH);
 
-    impl Kept {
+    impl StoreFlash {
         /// Takes the flash.
         pub fn new(flash: pac::FLASH) -> Self {
             Self(flash)
         }
 
-        /// Erases or writes by words with the registers unlocked.
+        /// Runs `work` with the registers unlocked.
         ///
-        /// The chip does a word at once from 2.7 V on only; with less, what was written may not last (RM0090, 3.6.2).
+        /// Writing 32 bits at once needs 2.7 V; below that, data may not last (RM0090, 3.6.2).
         fn change(
             &mut self,
             work: impl FnOnce(&pac::FLASH) -> Result<(), Error>,
         ) -> Result<(), Error> {
-            // SAFETY: this register is only read, which changes nothing.
+            // SAFETY: this register is only read, which has no side effects.
             let power = unsafe { pac::PWR::steal() };
             if power.csr().read().pvdo().bit_is_set() {
                 return Err(Error::Operation);
             }
             let flash = &self.0;
             while flash.sr().read().bsy().bit_is_set() {}
-            // A debugger that has just written the program may leave errors, which would be taken for ours, and the registers
-            // unlocked; keys would then lock them for good.
-            // SAFETY: a bit written as one takes away the error it stands for, and does nothing else.
+            // After a debugger has written the program, error bits may be set and the registers
+            // may be unlocked. Old errors would count as ours; writing keys to unlocked registers
+            // locks them until the next reset.
+            // SAFETY: a one clears its error bit and has no other effect.
             flash.sr().write(|w| unsafe { w.bits(ERRORS) });
             if flash.cr().read().lock().bit_is_set() {
                 for key in KEYS {
@@ -67,13 +68,13 @@ mod device {
                 return Err(Error::Operation);
             }
             let done = work(flash);
-            // Neither erases nor writes any more, and locked.
+            // Ends erasing or writing, and locks.
             flash.cr().write(|w| w.lock().set_bit());
             self.forget();
             done
         }
 
-        /// Takes out of the data cache what was read before (RM0090, 3.4.2: not done by the chip).
+        /// Clears the data cache, which the chip does not do after a change (RM0090, 3.4.2).
         fn forget(&self) {
             let control = self.0.acr();
             control.modify(|_, w| w.dcen().clear_bit());
@@ -83,17 +84,17 @@ mod device {
         }
     }
 
-    /// Sets what is to be done, and nothing else; 32 bits at once.
+    /// Sets the operation and a width of 32 bits; clears all other bits.
     fn by_words(flash: &pac::FLASH, what: impl FnOnce(&mut cr::W) -> &mut cr::W) {
-        // A register is written upon its value after a reset, which is locked.
+        // `write` starts from the register's reset value, which is locked.
         flash
             .cr()
             .write(|w| what(w.psize().psize32()).lock().clear_bit());
     }
 
-    /// Waits for the end, and says how it went.
+    /// Waits for the end of the operation and returns its error.
     fn wait(flash: &pac::FLASH) -> Result<(), Error> {
-        // The order to the flash has to be out before its state is read.
+        // The write to the flash must leave the processor before the status is read.
         cortex_m::asm::dsb();
         while flash.sr().read().bsy().bit_is_set() {}
         let status = flash.sr().read();
@@ -112,17 +113,17 @@ mod device {
         Error::ProgrammingAlignment
     }
 
-    impl ErrorType for Kept {
+    impl ErrorType for StoreFlash {
         type Error = Error;
     }
 
-    impl ReadNorFlash for Kept {
+    impl ReadNorFlash for StoreFlash {
         const READ_SIZE: usize = 1;
 
         fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Error> {
             check_read(self, offset, bytes.len()).map_err(misplaced)?;
             let from = (BEGIN + offset as usize) as *const u8;
-            // SAFETY: the bytes lie in the two sectors, and nobody changes them while this object is borrowed.
+            // SAFETY: the bytes are in the two sectors and do not change while `self` is borrowed.
             bytes.copy_from_slice(unsafe { slice::from_raw_parts(from, bytes.len()) });
             Ok(())
         }
@@ -132,7 +133,7 @@ mod device {
         }
     }
 
-    impl NorFlash for Kept {
+    impl NorFlash for StoreFlash {
         const WRITE_SIZE: usize = WORD;
         const ERASE_SIZE: usize = SECTOR;
 
@@ -141,9 +142,9 @@ mod device {
             self.change(|flash| {
                 for sector in from as usize / SECTOR..to as usize / SECTOR {
                     let number = FIRST + sector as u8;
-                    // SAFETY: it is the number of one of the two sectors, where no program is.
+                    // SAFETY: it is the number of one of the two sectors, which hold no code.
                     by_words(flash, |w| unsafe { w.ser().set_bit().snb().bits(number) });
-                    // The start comes after all else is set (RM0090, 3.6.3).
+                    // Started after all else is set (RM0090, 3.6.3).
                     flash.cr().modify(|_, w| w.strt().set_bit());
                     wait(flash)?;
                 }
@@ -151,7 +152,7 @@ mod device {
             })
         }
 
-        // One copy of it in the program.
+        // Not inlined: one copy in flash.
         #[inline(never)]
         fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Error> {
             check_write(self, offset, bytes.len()).map_err(misplaced)?;
@@ -160,7 +161,7 @@ mod device {
                 let (words, _) = bytes.as_chunks::<WORD>();
                 let places = (BEGIN + offset as usize..).step_by(WORD);
                 for (word, place) in words.iter().zip(places) {
-                    // SAFETY: the place lies in the two sectors, at a whole word; no Rust object is there.
+                    // SAFETY: a whole word within the two sectors, where no Rust object is.
                     unsafe { (place as *mut u32).write_volatile(u32::from_le_bytes(*word)) };
                     wait(flash)?;
                 }
@@ -179,42 +180,42 @@ mod device {
     use firmware::persist::SLOT_BYTES;
     use stm32f4xx_hal::pac;
 
-    /// Bytes of a sector: a mark and one image.
+    /// Size of a sector, bytes: a mark and one image.
     const SECTOR: usize = (SLOT_BYTES as usize + 12).next_multiple_of(64);
 
-    /// Start-up code neither clears nor fills this section.
+    /// Not initialized by start-up code.
     #[unsafe(link_section = ".uninit.flash")]
     static mut BYTES: MaybeUninit<[u8; 2 * SECTOR]> = MaybeUninit::uninit();
 
-    /// Two sectors in memory.
-    pub struct Kept(*mut u8);
+    /// Two sectors in RAM.
+    pub struct StoreFlash(*mut u8);
 
-    // SAFETY: there is one of these only, because there is one token of the flash, and whoever has it has the memory.
-    unsafe impl Send for Kept {}
+    // SAFETY: only one value exists, because there is only one `pac::FLASH`.
+    unsafe impl Send for StoreFlash {}
 
-    impl Kept {
-        /// Takes the flash, which does nothing here.
+    impl StoreFlash {
+        /// Takes the flash, which is not used.
         pub fn new(_: pac::FLASH) -> Self {
             Self(addr_of_mut!(BYTES).cast())
         }
 
-        /// The bytes from `offset` on, as places in memory.
+        /// Pointers to the bytes from `offset` on.
         fn places(&self, offset: u32) -> impl Iterator<Item = *mut u8> {
-            // The places lie within the array they are taken from.
+            // All are within the array.
             (offset as usize..2 * SECTOR).map(|index| self.0.wrapping_add(index))
         }
     }
 
-    impl ErrorType for Kept {
+    impl ErrorType for StoreFlash {
         type Error = Infallible;
     }
 
-    impl ReadNorFlash for Kept {
+    impl ReadNorFlash for StoreFlash {
         const READ_SIZE: usize = 1;
 
         fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Infallible> {
             for (byte, place) in bytes.iter_mut().zip(self.places(offset)) {
-                // SAFETY: the place is memory that only this object touches; any bits are a byte.
+                // SAFETY: only this object accesses the memory, and any bits are a byte.
                 *byte = unsafe { place.read_volatile() };
             }
             Ok(())
@@ -225,7 +226,7 @@ mod device {
         }
     }
 
-    impl NorFlash for Kept {
+    impl NorFlash for StoreFlash {
         const WRITE_SIZE: usize = 4;
         const ERASE_SIZE: usize = SECTOR;
 
@@ -237,7 +238,7 @@ mod device {
             Ok(())
         }
 
-        /// As flash does: bits go from one to zero only.
+        /// Like flash: bits change from one to zero only.
         fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Infallible> {
             for (byte, place) in bytes.iter().zip(self.places(offset)) {
                 // SAFETY: as in `read`.

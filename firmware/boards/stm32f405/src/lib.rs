@@ -1,17 +1,17 @@
-//! The firmware on an STM32F405: tasks, clocks, flash, faults, log. A board adds its crystal and its pins.
+//! The firmware on an STM32F405; each board adds its crystal and its pins.
 //!
 //! | module | what it is |
 //! |---|---|
 //! | `application` | the tasks, as a macro that each board's program calls |
-//! | `chip` | watchdog, reset flags, devices |
+//! | `chip` | watchdog, reset flags, LED, supply monitor |
 //! | `clocks` | crystal or internal oscillator |
-//! | `fault` | what is kept of a crash |
+//! | `fault` | crash handlers and the crash record |
 //! | [`feather_f405`] | Adafruit Feather STM32F405 Express |
-//! | `flash` | the two sectors that outlive a loss of power |
-//! | `log` | where the log goes |
+//! | `flash` | the two sectors for saved images |
+//! | `log` | the transport of the log |
 //! | [`olimex_h405`] | Olimex STM32-H405 |
-//! | [`pinout`] | what each board uses its pins for |
-//! | `ring_timer` | the clock of the ring of sonars |
+//! | [`pinout`] | pin tables of the boards |
+//! | `ring_timer` | the timer of the ring of sonars |
 //! | `serial` | the serial port of the link |
 //!
 //! On a desktop machine only the pin tables are built.

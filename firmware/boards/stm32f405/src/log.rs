@@ -1,6 +1,6 @@
-//! Where the log goes: over the debugger's real-time transfer, or to the emulator's standard error.
+//! The transport of the log: the debugger (RTT), or the standard error of the emulator.
 //!
-//! Not to its standard output: that may be the wire.
+//! The emulator's standard output is not used, because it may carry the link.
 
 #[cfg(not(feature = "qemu"))]
 use defmt_rtt as _;
@@ -17,31 +17,31 @@ mod semihosting {
     #[defmt::global_logger]
     struct Logger;
 
-    static STATE: State = State {
-        taken: AtomicBool::new(false),
-        inner: UnsafeCell::new(Inner {
+    static STATE: LoggerState = LoggerState {
+        acquired: AtomicBool::new(false),
+        inner: UnsafeCell::new(LoggerInner {
             restore: RestoreState::invalid(),
             encoder: defmt::Encoder::new(),
             stream: None,
         }),
     };
 
-    struct State {
-        taken: AtomicBool,
-        inner: UnsafeCell<Inner>,
+    struct LoggerState {
+        acquired: AtomicBool,
+        inner: UnsafeCell<LoggerInner>,
     }
 
-    // SAFETY: `inner` is touched only between `acquire` and `release`, which is a critical section.
-    unsafe impl Sync for State {}
+    // SAFETY: `inner` is accessed only between `acquire` and `release`: a critical section.
+    unsafe impl Sync for LoggerState {}
 
-    struct Inner {
+    struct LoggerInner {
         restore: RestoreState,
         encoder: defmt::Encoder,
         stream: Option<HostStream>,
     }
 
-    impl Inner {
-        /// Bytes that cannot be written are lost; there is nobody to tell.
+    impl LoggerInner {
+        /// Bytes that cannot be written are dropped.
         fn write(&mut self, encode: impl FnOnce(&mut defmt::Encoder, &mut dyn FnMut(&[u8]))) {
             let stream = &mut self.stream;
             encode(&mut self.encoder, &mut |bytes| {
@@ -53,19 +53,19 @@ mod semihosting {
     }
 
     /// # Safety
-    /// Only between `acquire` and `release`, and not while another such reference is alive.
-    unsafe fn inner() -> &'static mut Inner {
-        // SAFETY: the caller's promise.
+    /// Only between `acquire` and `release`, with no other such reference alive.
+    unsafe fn inner() -> &'static mut LoggerInner {
+        // SAFETY: guaranteed by the caller.
         unsafe { &mut *STATE.inner.get() }
     }
 
-    // SAFETY: `acquire` begins a critical section and refuses to be entered twice; `release` ends it.
+    // SAFETY: `acquire` begins a critical section and panics if entered twice; `release` ends it.
     unsafe impl defmt::Logger for Logger {
         fn acquire() {
-            // SAFETY: `release` is its counterpart.
+            // SAFETY: `release` ends it.
             let restore = unsafe { critical_section::acquire() };
             assert!(
-                !STATE.taken.swap(true, Ordering::Relaxed),
+                !STATE.acquired.swap(true, Ordering::Relaxed),
                 "logged while logging"
             );
             // SAFETY: the critical section has begun.
@@ -78,15 +78,15 @@ mod semihosting {
         }
 
         unsafe fn flush() {
-            // The host has every byte as soon as it is written.
+            // Each byte reaches the host as soon as it is written.
         }
 
         unsafe fn release() {
             // SAFETY: the caller has acquired the logger.
             let inner = unsafe { inner() };
             inner.write(|encoder, sink| encoder.end_frame(sink));
-            STATE.taken.store(false, Ordering::Relaxed);
-            // SAFETY: it is the state that `acquire` got.
+            STATE.acquired.store(false, Ordering::Relaxed);
+            // SAFETY: the state comes from `acquire`.
             unsafe { critical_section::release(inner.restore) };
         }
 

@@ -1,21 +1,21 @@
-//! Olimex STM32-H405: an 8 MHz crystal, a green LED, and the link at USART1.
+//! Olimex STM32-H405: its 8 MHz crystal, its pins, and the link at USART1.
 
 use crate::pinout::Pinout;
 
-/// What the pins are used for.
+/// The board's pins.
 pub const PINOUT: Pinout = Pinout {
     board: "olimex_h405",
     used: &[
         ("PA9", "link: USART1 transmits"),
         ("PA10", "link: USART1 receives"),
         ("PC12", "status LED, lit when low"),
-        // One ranging module serves sixteen transducers, chosen by a four-bit address.
+        // One ranging module serves 16 transducers, selected by a 4-bit address.
         ("PC0", "ring: address bit 0"),
         ("PC1", "ring: address bit 1"),
         ("PC2", "ring: address bit 2"),
         ("PC3", "ring: address bit 3"),
-        // Timer 3, channel 1 captures the edge. The module's output is an open collector pulled up to 5 V, which the pin
-        // tolerates.
+        // Channel 1 of timer 3. The module's output is an open collector with a pull-up to 5 V,
+        // which this pin tolerates.
         ("PC6", "ring: ECHO, captured by timer 3"),
         ("PC7", "ring: INIT"),
         ("PC8", "ring: BINH"),
@@ -48,38 +48,38 @@ pub use device::{Link, init};
 
 #[cfg(target_os = "none")]
 mod device {
-    use crate::chip::{Chip, Devices, StatusLed, Supply, SupplyAlarm};
-    use crate::flash::Kept;
+    use crate::chip::{Devices, StartedChip, StatusLed, SupplyInterrupt, SupplyMonitor};
+    use crate::flash::StoreFlash;
     use crate::ring_timer::RingTimer;
     use crate::serial::{SerialPort, settings};
     use firmware::safety::SafetyLines;
-    use firmware::sonar_ring::Pins;
+    use firmware::sonar_ring::RingPins;
     use stm32f4xx_hal::gpio::{PinState, Pull};
     use stm32f4xx_hal::pac;
     use stm32f4xx_hal::prelude::*;
 
-    /// The port of the link.
+    /// The USART of the link.
     pub type Link = pac::USART1;
 
     /// Starts the chip and takes the pins.
     ///
     /// # Panics
-    /// When the clocks cannot make the link's rate, which they can.
+    /// The clocks cannot make the link's rate; each supported clock can.
     pub fn init(device: pac::Peripherals, core: cortex_m::Peripherals) -> Devices<Link> {
         let guards = (device.IWDG, &device.DBGMCU);
-        let Chip {
+        let StartedChip {
             mut rcc,
             watchdog,
             flags,
             oscillator,
-        } = Chip::start(guards, (device.RCC, device.TIM11), core);
+        } = StartedChip::start(guards, (device.RCC, device.TIM11), core);
         let gpioa = device.GPIOA.split(&mut rcc);
         let gpiob = device.GPIOB.split(&mut rcc);
         let gpioc = device.GPIOC.split(&mut rcc);
         let led = gpioc.pc12.into_push_pull_output_in_state(PinState::High);
-        // An open wire would be noise; the idle line is high.
+        // Pull-up: an open wire would be noise, and the idle line is high.
         let receive = gpioa.pa10.into_alternate().internal_resistor(Pull::Up);
-        let ring_pins = Pins {
+        let ring_pins = RingPins {
             address: [
                 gpioc.pc0.into_push_pull_output().erase(),
                 gpioc.pc1.into_push_pull_output().erase(),
@@ -109,9 +109,9 @@ mod device {
             flags,
             oscillator,
             safety,
-            supply: Supply::watch(device.PWR, &mut rcc),
-            supply_alarm: SupplyAlarm::listen(device.EXTI),
-            kept: Kept::new(device.FLASH),
+            supply: SupplyMonitor::watch(device.PWR, &mut rcc),
+            supply_alarm: SupplyInterrupt::listen(device.EXTI),
+            flash: StoreFlash::new(device.FLASH),
         }
     }
 }

@@ -1,6 +1,6 @@
-//! What each board uses its pins for: tables that tests compare with the board's code and with the README.
+//! Pin tables of the boards; tests compare them with the boards' code and with the README.
 //!
-//! The chip is an STM32F405RG in its 64-pin package: ports A, B and C whole, PD2, and the crystal's two pins (PH0, PH1).
+//! The chip is an STM32F405RG in its 64-pin package: ports A, B and C, PD2, PH0 and PH1.
 
 /// A pin and its function.
 pub type Assignment = (&'static str, &'static str);
@@ -30,7 +30,7 @@ mod tests {
         (olimex_h405::PINOUT, include_str!("olimex_h405.rs")),
     ];
 
-    /// The pins that a board's code takes from the ports, as `gpioa.pa9` and the like.
+    /// The pins that a board's source takes, such as `gpioa.pa9`.
     fn taken(source: &str) -> BTreeSet<String> {
         let words = source.split(|c: char| !(c.is_alphanumeric() || c == '.'));
         words
@@ -81,7 +81,7 @@ mod tests {
         }
     }
 
-    /// Under a heading with the board's name the README has a row for each pin.
+    /// The README has a row for each pin under a heading with the board's name.
     #[test]
     fn the_readme_has_every_pin() {
         let readme = include_str!("../../../README.md");

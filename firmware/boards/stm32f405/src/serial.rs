@@ -1,21 +1,21 @@
 //! The serial port of the link: any of the chip's USARTs.
 
 use core::ops::Deref;
-use firmware::line::{Port, Status};
+use firmware::uart::{UartPort, UartStatus};
 use stm32f4xx_hal::pac::{Interrupt, usart1};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::serial;
 
-/// Rate of the link, with eight data bits, no parity and one stop bit.
+/// Rate of the link; eight data bits, no parity, one stop bit.
 const BAUD: u32 = 115_200;
 
-/// How the link's port is set up.
+/// The settings of the link's port.
 #[must_use]
 pub fn settings() -> serial::Config {
     serial::Config::default().baudrate(BAUD.bps())
 }
 
-/// A port that raises an interrupt for each byte.
+/// A USART that interrupts for each byte.
 pub struct SerialPort<U> {
     usart: U,
     #[cfg_attr(
@@ -26,17 +26,17 @@ pub struct SerialPort<U> {
 }
 
 impl<U: Deref<Target = usart1::RegisterBlock>> SerialPort<U> {
-    /// Listens on a port that is set up already.
+    /// Enables the receive interrupt of a USART that is already set up.
     pub fn listen(usart: U, interrupt: Interrupt) -> Self {
         usart.cr1().modify(|_, w| w.rxneie().set_bit());
         Self { usart, interrupt }
     }
 }
 
-impl<U: Deref<Target = usart1::RegisterBlock>> Port for SerialPort<U> {
-    fn status(&mut self) -> Status {
+impl<U: Deref<Target = usart1::RegisterBlock>> UartPort for SerialPort<U> {
+    fn status(&mut self) -> UartStatus {
         let register = self.usart.sr().read();
-        Status {
+        UartStatus {
             received: register.rxne().bit_is_set(),
             overrun: register.ore().bit_is_set(),
             can_send: register.txe().bit_is_set(),
@@ -44,7 +44,7 @@ impl<U: Deref<Target = usart1::RegisterBlock>> Port for SerialPort<U> {
     }
 
     fn receive(&mut self) -> u8 {
-        // The upper bits are the parity's and empty.
+        // The upper bits are unused without parity.
         self.usart.dr().read().dr().bits() as u8
     }
 
@@ -53,13 +53,13 @@ impl<U: Deref<Target = usart1::RegisterBlock>> Port for SerialPort<U> {
     }
 
     #[cfg(not(feature = "qemu"))]
-    fn call_to_send(&mut self, wanted: bool) {
+    fn enable_transmit_interrupt(&mut self, wanted: bool) {
         self.usart.cr1().modify(|_, w| w.txeie().bit(wanted));
     }
 
-    // The emulated port raises no interrupt when it takes a byte.
+    // The emulated port raises no transmit interrupt, so software pends it.
     #[cfg(feature = "qemu")]
-    fn call_to_send(&mut self, wanted: bool) {
+    fn enable_transmit_interrupt(&mut self, wanted: bool) {
         if wanted {
             rtic::pend(self.interrupt);
         }

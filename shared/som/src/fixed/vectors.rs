@@ -99,18 +99,19 @@ pub fn squared_norm<A: Scalar>(a: &[A]) -> i64 {
 #[inline]
 #[must_use]
 pub fn squared_distance<A: Scalar, B: Scalar>(a: &[A], b: &[B], mask: Mask) -> u64 {
-    let is_whole = mask.covers(a.len());
-    let mut total = 0_u64;
-    for (index, (x, y)) in a.iter().zip(b).enumerate() {
-        if is_whole || mask.contains(index) {
-            total = total.wrapping_add(squared_difference(x.to_weight32(), y.to_weight32()));
-        }
+    let squares = a.iter().zip(b).map(|(x, y)| squared_difference(*x, *y));
+    if mask.covers(a.len()) {
+        return squares.fold(0, u64::wrapping_add);
     }
-    total
+    let counted = squares
+        .enumerate()
+        .filter(|(index, _)| mask.contains(*index));
+    counted.map(|(_, square)| square).fold(0, u64::wrapping_add)
 }
 
 #[inline]
-const fn squared_difference(x: Weight32, y: Weight32) -> u64 {
-    let difference = (x.to_bits().wrapping_sub(y.to_bits()) >> 4) as i64;
+fn squared_difference<A: Scalar, B: Scalar>(x: A, y: B) -> u64 {
+    let (x, y) = (x.to_weight32().to_bits(), y.to_weight32().to_bits());
+    let difference = i64::from(x.wrapping_sub(y) >> 4);
     difference.wrapping_mul(difference) as u64
 }

@@ -75,8 +75,8 @@ proptest! {
         shifts in prop::collection::vec(-8_192_i32..=8_192, 16 * 16),
         spread in prop_oneof![Just(1), Just(200), Just(1 << 17)],
         probes in components(-8_192..=8_192, 4 * 16),
-        extra in prop::collection::vec(0_u64..1 << 55, 16),
-        extra_bits in 0_u32..56,
+        other in components(-8_192..=8_192, 2 * 16),
+        weight in prop_oneof![Just(511_u16), Just(512), 0_u16..600],
         wrapped in any::<bool>(),
         rate in 0_u32..=65_536,
         share in prop_oneof![Just(0_u32), 0_u32..=65_536],
@@ -91,13 +91,15 @@ proptest! {
         let mut map = portable.clone();
         map.use_kernels(&PLAIN);
         let update = Update::from_q16(Neighborhood::Direct, rate, share);
-        let extra = core::array::from_fn(|k| extra[k] >> extra_bits);
+        let actions: Som<16, 2> = map_of(SQUARE, &other);
         // The last probe is a code vector.
         let own = portable.code_vector(3);
         for probe in probes.as_chunks::<16>().0.iter().chain([&own]) {
             let bmu = portable.bmu(probe, mask);
             prop_assert_eq!(map.bmu(probe, mask), bmu);
-            prop_assert_eq!(map.bmu_with(probe, mask, &extra), portable.bmu_with(probe, mask, &extra));
+            let action = [probe[0], probe[15]];
+            let joint = |map: &Som<16, 16>| map.joint_bmu(probe, mask, &actions, &action, weight);
+            prop_assert_eq!(joint(&map), joint(&portable));
             portable.update(bmu, probe, mask, &update);
             map.update(bmu, probe, mask, &update);
             prop_assert_eq!(&map, &portable);
@@ -116,17 +118,20 @@ fn kernels_are_asked_for_whole_vectors_of_their_size() {
     map.use_kernels(&PLAIN);
     assert!(map.has_kernels() && !Som::<16, 16>::zeroed(SQUARE).has_kernels());
     let (probe, some) = ([Weight::ONE; 16], Mask::ALL.without(3));
+    let actions = Som::<16, 2>::zeroed(SQUARE);
     let update = |rate| Update::from_q16(Neighborhood::Direct, rate, 0);
     calls();
     for (mask, times) in [(Mask::ALL, 1), (some, 0)] {
         let _ = map.bmu(&probe, mask);
         assert_eq!(calls(), [times, 0]);
-        let _ = map.bmu_with(&probe, mask, &[1 << 53; 16]);
+        let _ = map.joint_bmu(&probe, mask, &actions, &[Weight::ONE; 2], 511);
         assert_eq!(calls(), [times, 0]);
         map.update(0, &probe, mask, &update(32_767));
         assert_eq!(calls(), [0, times]);
     }
-    let _ = map.bmu_with(&probe, Mask::ALL, &[1 << 54; 16]);
+    let _ = map.joint_bmu(&probe, Mask::ALL, &actions, &[Weight::ONE; 2], 512);
+    let three = Som::<16, 3>::zeroed(SQUARE);
+    let _ = map.joint_bmu(&probe, Mask::ALL, &three, &[Weight::ONE; 3], 1);
     map.update(0, &probe, Mask::ALL, &update(32_768));
     map.update(
         0,

@@ -1,4 +1,4 @@
-//! Builds and runs the programs beside this package, and reads sizes from images.
+//! Builds and runs the programs of this workspace, and reads the sizes of images.
 
 pub mod stack;
 
@@ -6,45 +6,45 @@ use object::{Object as _, ObjectSection as _, SectionFlags, SectionKind};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// The chip.
+/// The target of the F405 boards.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
 
-/// A board that the firmware is built for.
+/// A board for which the firmware is built.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Board {
-    /// The package in the project's workspace.
+pub struct BoardImage {
+    /// Package in the project's workspace.
     pub package: &'static str,
-    /// The program in it.
+    /// Program in the package.
     pub program: &'static str,
-    /// The processor.
+    /// Target.
     pub target: &'static str,
 }
 
-/// The F405 board whose image is looked at; the other one's differs by its pins.
-pub const OLIMEX_H405: Board = Board {
+/// The F405 board whose image is examined; the other one differs only in its pins.
+pub const OLIMEX_H405: BoardImage = BoardImage {
     package: "stm32f405",
     program: "olimex_h405",
     target: TARGET,
 };
 
-/// The smallest board.
-pub const MICROBIT: Board = Board {
+/// The board with the least memory.
+pub const MICROBIT: BoardImage = BoardImage {
     package: "microbit",
     program: "microbit",
     target: "thumbv6m-none-eabi",
 };
 
-/// The chip's memory.
+/// Addresses of the F405's RAM.
 const SRAM: std::ops::Range<u64> = 0x2000_0000..0x2002_0000;
 
-/// What an image takes, bytes.
+/// Sizes of an image, bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Sizes {
-    /// Of flash: code, constants and what statics start with.
+pub struct ImageSizes {
+    /// Flash: code, constants and initial values of statics.
     pub flash: u64,
-    /// Of memory: statics, whether they start with something or not; not the stack.
+    /// RAM: all statics, without the stack.
     pub ram: u64,
-    /// Of statics that start with something other than zeros: in memory, and once more in flash.
+    /// Statics that do not start as zeros; they take RAM and flash.
     pub initialized: u64,
 }
 
@@ -60,10 +60,10 @@ pub fn project() -> PathBuf {
     workspace().join("../..")
 }
 
-/// Runs cargo in a folder, with a target folder of its own so that nothing else is disturbed.
+/// Runs cargo in `folder`, with this workspace's target folder.
 ///
 /// # Panics
-/// When there is no cargo.
+/// There is no cargo.
 #[must_use]
 pub fn cargo(folder: &Path, line: &str) -> Output {
     let mut cargo = Command::new(env!("CARGO"));
@@ -74,7 +74,7 @@ pub fn cargo(folder: &Path, line: &str) -> Output {
     cargo.output().expect("cargo starts")
 }
 
-/// Where the programs for the chip are built.
+/// The folder of the built programs.
 #[must_use]
 pub fn target_folder() -> PathBuf {
     match std::env::var_os("CARGO_TARGET_DIR") {
@@ -83,10 +83,10 @@ pub fn target_folder() -> PathBuf {
     }
 }
 
-/// The firmware's image for the board, built from here unless `FIRMWARE_ELF` names another one.
+/// The firmware's image for the Olimex board, or the one that `FIRMWARE_ELF` names.
 ///
 /// # Panics
-/// When it cannot be built.
+/// The build fails.
 #[must_use]
 pub fn board_image() -> PathBuf {
     if let Some(path) = std::env::var_os("FIRMWARE_ELF") {
@@ -95,13 +95,13 @@ pub fn board_image() -> PathBuf {
     image(&OLIMEX_H405)
 }
 
-/// A board's image, built from here.
+/// Builds a board's image.
 ///
 /// # Panics
-/// When it cannot be built.
+/// The build fails.
 #[must_use]
-pub fn image(board: &Board) -> PathBuf {
-    let Board {
+pub fn image(board: &BoardImage) -> PathBuf {
+    let BoardImage {
         package,
         program,
         target,
@@ -115,12 +115,12 @@ pub fn image(board: &Board) -> PathBuf {
     target_folder().join(target).join("chip").join(program)
 }
 
-/// What an image takes, by the sections of its ELF file.
+/// Sizes of an image, by the sections of its ELF file.
 ///
 /// # Errors
-/// What is wrong with the file.
-pub fn sizes(elf: &[u8]) -> Result<Sizes, object::Error> {
-    let mut sizes = Sizes {
+/// The file is not valid ELF.
+pub fn sizes(elf: &[u8]) -> Result<ImageSizes, object::Error> {
+    let mut sizes = ImageSizes {
         flash: 0,
         ram: 0,
         initialized: 0,
@@ -132,7 +132,7 @@ pub fn sizes(elf: &[u8]) -> Result<Sizes, object::Error> {
         if sh_flags & u64::from(object::elf::SHF_ALLOC) == 0 {
             continue;
         }
-        // What has content is kept in flash, even where start-up code copies it to memory.
+        // Sections with content are in flash, even if start-up code copies them to RAM.
         let has_content = section.kind() != SectionKind::UninitializedData;
         if has_content {
             sizes.flash += section.size();
@@ -147,27 +147,27 @@ pub fn sizes(elf: &[u8]) -> Result<Sizes, object::Error> {
 
 /// A row of the table of instruction counts.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Row {
-    /// What was called.
+pub struct CountRow {
+    /// The counted call.
     pub call: String,
-    /// Instructions on average.
+    /// Instructions, mean.
     pub mean: u64,
     /// Instructions of the longest call.
     pub most: u64,
-    /// Instructions allowed.
+    /// Allowed instructions.
     pub allowed: u64,
 }
 
 /// The rows of the table that `counts` prints.
 #[must_use]
-pub fn rows(table: &str) -> Vec<Row> {
+pub fn rows(table: &str) -> Vec<CountRow> {
     table.lines().filter_map(row).collect()
 }
 
-fn row(line: &str) -> Option<Row> {
+fn row(line: &str) -> Option<CountRow> {
     let mut cells = line.strip_prefix('|')?.split('|').map(str::trim);
     let (call, _calls) = (cells.next()?, cells.next()?);
-    Some(Row {
+    Some(CountRow {
         call: call.to_owned(),
         mean: cells.next()?.parse().ok()?,
         most: cells.next()?.parse().ok()?,
@@ -177,13 +177,13 @@ fn row(line: &str) -> Option<Row> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Row, rows};
+    use super::{CountRow, rows};
 
     #[test]
     fn only_rows_with_counts_are_rows() {
         let table = "| call | calls | mean | most | allowed |\n| --- | ---: | ---: | ---: | ---: |\n\
                      | one, two | 3 | 40 | 50 | 60 |\n\n| what | bytes |\n| `State` | 7 |";
-        let row = Row {
+        let row = CountRow {
             call: "one, two".to_owned(),
             mean: 40,
             most: 50,

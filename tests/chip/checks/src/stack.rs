@@ -1,46 +1,45 @@
-//! How deep the stack can become, read from an image's code: what each function pushes, and who calls whom.
+//! Worst-case stack depth, computed from an image's code: frames and calls of each function.
 //!
-//! Thumb instructions that lower the stack pointer are added up over a whole function (a function that pushes in two of its
-//! branches is so taken for deeper than it is), and the deepest chain of calls counts (ARMv7-M Architecture Reference Manual,
-//! A7.7). Jumps to other functions are taken for calls, though mostly the stack has been given back by then. An indirect call is
-//! taken for one to any function whose address stands in the image's data; two of them one in the other are followed, which is
-//! as deep as formatted text goes. Recursion is found and named: it has no bound.
+//! It adds up all instructions of a function that lower the stack pointer, on any branch, and takes
+//! the deepest chain of calls (ARMv7-M Architecture Reference Manual, A7.7). Jumps to other
+//! functions count as calls. Recursion is reported: it has no bound.
 
 use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SectionKind, SymbolKind};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Indirect calls within indirect calls that are followed.
+/// Depth to which nested indirect calls are followed: as deep as formatting of text goes. An
+/// indirect call may reach any function whose address is in the image's data.
 const INDIRECT: usize = 2;
 
-/// What a function takes of the stack, and what it calls.
+/// A function's use of the stack, and its calls.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Function {
-    /// Its name in the image.
+    /// Name in the image.
     pub name: String,
     /// Bytes it pushes itself.
     pub frame: u32,
-    /// Addresses it calls or jumps to, outside itself.
+    /// Addresses outside itself that it calls or jumps to.
     pub calls: BTreeSet<u64>,
-    /// It calls what a register says.
+    /// It calls an address in a register.
     pub is_indirect: bool,
-    /// It lowers the stack pointer by what a register says.
+    /// It lowers the stack pointer by a register's value.
     pub is_dynamic: bool,
 }
 
-/// An image's functions by their addresses.
+/// An image's functions, by address.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Calls {
     functions: BTreeMap<u64, Function>,
-    /// Those whose addresses stand in data.
+    /// Functions whose addresses are in data.
     taken: BTreeSet<u64>,
 }
 
 /// The deepest chain of calls from a function.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Deepest {
-    /// Bytes.
+    /// Depth, bytes.
     pub bytes: u32,
-    /// Addresses of the chain's functions.
+    /// Addresses of the functions.
     pub chain: Vec<u64>,
 }
 
@@ -48,7 +47,7 @@ impl Calls {
     /// Reads an image.
     ///
     /// # Errors
-    /// What is wrong with the file.
+    /// The file is not valid ELF.
     pub fn of(elf: &[u8]) -> Result<Self, object::Error> {
         let file = object::File::parse(elf)?;
         let data = marks(&file);
@@ -57,7 +56,7 @@ impl Calls {
             if symbol.kind() != SymbolKind::Text || symbol.size() == 0 {
                 continue;
             }
-            // The lowest bit says Thumb.
+            // The lowest bit marks Thumb code.
             let address = symbol.address() & !1;
             let Some(section) = symbol.section_index() else {
                 continue;
@@ -75,7 +74,8 @@ impl Calls {
         Ok(calls)
     }
 
-    /// Addresses of functions in constants, statics and the data between functions; not those of the vector table.
+    /// Finds addresses of functions in constants, statics and literal pools, but not in the
+    /// vector table.
     fn find_taken(
         &mut self,
         file: &object::File<'_>,
@@ -104,13 +104,13 @@ impl Calls {
         Ok(())
     }
 
-    /// Does not follow calls of functions whose names contain `part`.
+    /// Removes functions whose names contain `part`.
     pub fn leave_out(&mut self, part: &str) {
         self.functions
             .retain(|_, function| !function.name.contains(part));
     }
 
-    /// Address of the function with this very name.
+    /// Address of the function with exactly this name.
     #[must_use]
     pub fn address(&self, name: &str) -> Option<u64> {
         let mut all = self.functions.iter();
@@ -127,9 +127,10 @@ impl Calls {
     /// The deepest chain of calls from the function at `address`.
     ///
     /// # Errors
-    /// Names of functions that call themselves by way of others, or take what a register says: no bound.
+    /// There is no bound: names of the functions of a recursion, or of a function with a frame of
+    /// variable size.
     pub fn deepest(&self, address: u64) -> Result<Deepest, Vec<String>> {
-        let mut walk = Walk {
+        let mut walk = CallWalk {
             calls: self,
             known: BTreeMap::new(),
             path: Vec::new(),
@@ -138,14 +139,14 @@ impl Calls {
     }
 }
 
-/// A walk along the calls.
-struct Walk<'a> {
+/// A depth-first search along the calls.
+struct CallWalk<'a> {
     calls: &'a Calls,
     known: BTreeMap<(u64, usize), Deepest>,
     path: Vec<(u64, usize)>,
 }
 
-impl Walk<'_> {
+impl CallWalk<'_> {
     fn from(&mut self, address: u64, indirect: usize) -> Result<Deepest, Vec<String>> {
         let step = (address, indirect);
         if let Some(known) = self.known.get(&step) {
@@ -183,7 +184,7 @@ impl Walk<'_> {
     }
 }
 
-/// Where data begin (true) and code begins again, by the image's mapping symbols.
+/// Starts of data (true) and code (false), by the image's mapping symbols.
 fn marks(file: &object::File<'_>) -> BTreeMap<u64, bool> {
     let mark = |name: &str| match name.split('.').next() {
         Some("$d") => Some(true),
@@ -200,7 +201,7 @@ fn is_data(marks: &BTreeMap<u64, bool>, address: u64) -> bool {
     before.is_some_and(|(_, is_data)| *is_data)
 }
 
-/// Reads a function's instructions.
+/// Decodes a function's instructions.
 fn read(start: u64, bytes: &[u8], marks: &BTreeMap<u64, bool>) -> Function {
     let mut function = Function::default();
     let (halves, _) = bytes.as_chunks::<2>();
@@ -223,7 +224,7 @@ fn read(start: u64, bytes: &[u8], marks: &BTreeMap<u64, bool>) -> Function {
             Instruction::Dynamic => function.is_dynamic = true,
             Instruction::Indirect => function.is_indirect = true,
             Instruction::Branch(offset) => {
-                // Counted from two instructions on.
+                // Relative to the second instruction after this one.
                 let target = address.wrapping_add_signed(4 + offset);
                 if !(start..end).contains(&target) || (target == start && length == 2) {
                     function.calls.insert(target);
@@ -238,13 +239,13 @@ fn read(start: u64, bytes: &[u8], marks: &BTreeMap<u64, bool>) -> Function {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Instruction {
-    /// The stack pointer, by so many bytes.
+    /// Lowers the stack pointer by this many bytes.
     Lowers(u32),
-    /// The stack pointer, by what a register says.
+    /// Lowers the stack pointer by a register's value.
     Dynamic,
-    /// A call or jump, by so many bytes from here on.
+    /// Calls or jumps to this offset from the instruction, bytes.
     Branch(i64),
-    /// A call or jump to what a register says.
+    /// Calls or jumps to an address in a register.
     Indirect,
     Other,
 }
@@ -261,7 +262,7 @@ fn narrow(first: u16) -> Instruction {
         // B, with a condition (not UDF, SVC) or without.
         0xd000..=0xddff => Instruction::Branch(i64::from(first as i8) * 2),
         0xe000..=0xe7ff => Instruction::Branch(signed(u32::from(first & 0x7ff), 11) * 2),
-        // ADD SP, Rm: a Cortex-M0 may make room for a large frame so.
+        // ADD SP, Rm: a Cortex-M0 allocates a large frame this way.
         _ if first & 0xff87 == 0x4485 => Instruction::Dynamic,
         _ => Instruction::Other,
     }
@@ -272,9 +273,9 @@ fn wide(first: u16, second: u16) -> Instruction {
     match (first, second & 0xf00) {
         // STMDB SP!.
         (0xe92d, _) => Instruction::Lowers(4 * second.count_ones()),
-        // VPUSH of single or double registers: its number is that of words.
+        // VPUSH of single or double registers: the operand is the number of words.
         (0xed2d | 0xed6d, 0xa00 | 0xb00) => Instruction::Lowers(4 * small),
-        // STR and STRD with SP lowered before.
+        // STR and STRD with SP lowered first.
         (0xf84d, 0xd00) => Instruction::Lowers(small),
         (0xe96d, _) => Instruction::Lowers(4 * small),
         // SUB SP, SP, with a modified or a plain constant, or a register.
@@ -290,7 +291,7 @@ fn wide(first: u16, second: u16) -> Instruction {
     }
 }
 
-/// The twelve bits of a constant.
+/// The 12 bits of a constant.
 fn constant(first: u16, second: u16) -> u32 {
     let (i, imm3) = (u32::from(first >> 10 & 1), u32::from(second >> 12 & 7));
     i << 11 | imm3 << 8 | u32::from(second & 0xff)
@@ -308,7 +309,7 @@ fn modified(constant: u32) -> u32 {
     }
 }
 
-/// BL, B.W with and without a condition.
+/// BL; B.W with and without a condition.
 fn branch(first: u16, second: u16) -> Instruction {
     let s = u32::from(first >> 10 & 1);
     let (j1, j2) = (u32::from(second >> 13 & 1), u32::from(second >> 11 & 1));
@@ -330,7 +331,7 @@ fn branch(first: u16, second: u16) -> Instruction {
     }
 }
 
-/// A number of so many bits with its sign.
+/// Sign-extends the lowest `bits` bits.
 fn signed(number: u32, bits: u32) -> i64 {
     i64::from((number << (32 - bits)) as i32 >> (32 - bits))
 }
@@ -339,7 +340,7 @@ fn signed(number: u32, bits: u32) -> i64 {
 mod tests {
     use super::*;
 
-    /// Codes as an assembler gives them.
+    /// Codes as an assembler generates them.
     #[test]
     fn instructions_are_known_by_their_codes() {
         use Instruction::{Branch, Dynamic, Indirect, Lowers, Other};
@@ -414,7 +415,7 @@ mod tests {
             let function = graph.functions.get_mut(&address).expect("it is there");
             function.is_indirect = true;
         }
-        // Itself once more, and no further.
+        // Each indirect call is followed to a depth of two.
         let deepest = graph.deepest(2).expect("a bound");
         assert_eq!(deepest.chain, [2, 4, 4]);
         assert_eq!(deepest.bytes, 208);

@@ -1,14 +1,14 @@
-//! The tests for a board that need none of its devices pass on the emulated chip, and one that fails is told from them.
+//! The board tests that need no device pass on the emulated chip, and a failure is reported.
 
 use checks::{TARGET, cargo, project, target_folder};
 use object::{Object as _, ObjectSection as _, ObjectSymbol as _};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-/// Builds the tests of the mind, one that fails among them.
+/// Builds the tests, including one that fails.
 fn build() -> PathBuf {
     let line = format!(
-        "test --locked --no-run --package hil --test mind --features qemu,failing --profile chip --target {TARGET} \
+        "test --locked --no-run --package hil --test kernels_and_storage --features qemu,failing --profile chip --target {TARGET} \
          --message-format json"
     );
     let output = cargo(&project(), &line);
@@ -20,7 +20,8 @@ fn build() -> PathBuf {
     target_folder().join(path)
 }
 
-/// Names and addresses of an image's tests: each is a symbol whose name is a JSON object, at the function's address.
+/// Names and addresses of an image's tests. Each symbol's name is a JSON object, and its data
+/// is the function's address.
 fn tests(image: &Path) -> Vec<(String, u32)> {
     let elf = std::fs::read(image).expect("the image can be read");
     let file = object::File::parse(&*elf).expect("the image is an ELF file");
@@ -34,7 +35,7 @@ fn tests(image: &Path) -> Vec<(String, u32)> {
     file.symbols().filter_map(test).collect()
 }
 
-/// Runs a single test as the debugger's program would: after a reset, by its address.
+/// Runs one test after a reset, selected by its address, as `probe-rs` does.
 fn run(image: &Path, address: u32) -> Output {
     let mut qemu = Command::new("timeout");
     qemu.args(["60", "qemu-system-arm", "-M", "netduinoplus2"])
@@ -49,7 +50,7 @@ fn run(image: &Path, address: u32) -> Output {
 }
 
 #[test]
-fn tests_of_the_mind_pass_on_the_emulated_chip_and_a_failure_is_reported() {
+fn board_tests_pass_on_the_emulated_chip_and_a_failure_is_reported() {
     let image = build();
     let tests = tests(&image);
     assert_eq!(tests.len(), 5, "{tests:?}");
@@ -58,12 +59,16 @@ fn tests_of_the_mind_pass_on_the_emulated_chip_and_a_failure_is_reported() {
         let said = String::from_utf8_lossy(&output.stderr);
         println!("{name}: {} {said}", output.status);
         let fails = name == "a_failure_is_reported";
-        // 124 would be a test that does not end.
+        // 124 means a test that did not end.
         assert_eq!(
             output.status.code(),
             Some(i32::from(fails)),
             "{name}: {said}"
         );
-        assert_eq!(said.contains("mind.rs:"), fails, "{name}: {said}");
+        assert_eq!(
+            said.contains("kernels_and_storage.rs:"),
+            fails,
+            "{name}: {said}"
+        );
     }
 }

@@ -1,10 +1,10 @@
-//! No call takes more instructions than allowed, and counting is repeatable.
+//! No call takes more instructions than allowed.
 
 use checks::{TARGET, cargo, rows, workspace};
 
-/// Bounds by the beginning of a row: instructions on average, and of the longest call.
+/// Limits by the start of a row: instructions, mean and of the longest call.
 const BUDGETS: [(&str, u64, u64); 9] = [
-    ("best-matching unit, 16 × 16, exact", 500, 500),
+    ("best-matching unit, 16 × 16, by kernels", 500, 500),
     ("situation map learns, winner and 4 neighbors", 450, 450),
     (
         "**decision** (last echo of the ring): avoid",
@@ -42,9 +42,9 @@ fn no_call_takes_more_instructions_than_allowed() {
     }
 }
 
-/// Nothing else holds off the receiver: see `masks.rs`.
+/// Nothing else masks the receive interrupt: see `masks.rs`.
 #[test]
-fn no_line_of_the_log_holds_off_the_receiver_for_long() {
+fn no_log_line_masks_the_receive_interrupt_for_long() {
     within_bounds(&table("lines"), 2);
 }
 

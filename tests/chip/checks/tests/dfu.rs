@@ -1,4 +1,4 @@
-//! What `firmware/README.md` has written to the board by USB is the firmware.
+//! The file that `firmware/README.md` writes to the board by USB equals the firmware's image.
 
 use checks::{OLIMEX_H405, TARGET, board_image, project, target_folder};
 use object::Endianness;
@@ -6,12 +6,12 @@ use object::read::elf::{ElfFile32, ProgramHeader as _};
 use std::path::Path;
 use std::process::Command;
 
-/// Where the chip's flash begins, and the file is written to.
+/// Address of the chip's flash and of the file.
 const FLASH: u32 = 0x0800_0000;
-/// Behind the highest word of the stack: see `memory.x`.
+/// One word above the highest word of the stack: see `memory.x`.
 const STACK_START: u32 = 0x2000_2000;
 
-/// Makes the file as the README says, of another image and elsewhere.
+/// Makes the file by the README's command, from `image` to `file`.
 fn make(image: &Path, file: &Path) {
     let readme = std::fs::read_to_string(project().join("firmware/README.md")).expect("a README");
     let line = readme.lines().find(|line| line.starts_with("objcopy "));
@@ -28,8 +28,8 @@ fn make(image: &Path, file: &Path) {
     assert!(made.expect("objcopy (binutils) starts").success());
 }
 
-/// What the image wants in flash, from its beginning on; zeros between.
-fn wanted(elf: &[u8]) -> Vec<u8> {
+/// Content of the image's loadable segments in flash; zeros between them.
+fn segments(elf: &[u8]) -> Vec<u8> {
     let file = ElfFile32::<Endianness>::parse(elf).expect("an ELF file");
     let endian = file.endian();
     let mut flash = Vec::new();
@@ -47,15 +47,15 @@ fn wanted(elf: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn the_file_for_dfu_is_the_image() {
+fn the_dfu_file_equals_the_image() {
     let image = board_image();
     let file = target_folder().join("firmware.bin");
     make(&image, &file);
     let bytes = std::fs::read(&file).expect("the file");
     let elf = std::fs::read(&image).expect("the image");
     assert!(
-        bytes == wanted(&elf),
-        "the file is not what the image's segments are"
+        bytes == segments(&elf),
+        "the file differs from the image's segments"
     );
     let word = |index: usize| {
         let bytes = bytes[4 * index..].first_chunk().expect("a vector");

@@ -1,69 +1,65 @@
-//! Who in the firmware's image for the board may hold off an interrupt, by the instructions that do.
+//! Functions of the board's image that may mask an interrupt, found by their instructions.
 //!
-//! | instruction | what it does |
+//! | instruction | effect |
 //! | --- | --- |
-//! | `cpsid i`, `cpsid f` | holds off every interrupt |
-//! | `msr primask`, `basepri`, `basepri_max`, `faultmask` | holds off some, or puts back what was before |
+//! | `cpsid i`, `cpsid f` | masks every interrupt |
+//! | `msr primask`, `basepri`, `basepri_max`, `faultmask` | masks some, or restores a former mask |
 
 use checks::board_image;
 use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SymbolKind};
 use std::collections::BTreeSet;
 
-/// What an instruction holds off.
+/// Which interrupts an instruction masks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Mask {
+enum MaskKind {
     /// Interrupts up to some priority.
     Some,
     /// Every interrupt.
     All,
 }
 
-/// Part of a function's name in the image, what it may hold off at most, and why it is no matter for a receiver at work.
-const KNOWN: [(&str, Mask, &str); 9] = [
-    ("main", Mask::All, "start-up: tasks do not run yet"),
+/// Part of a function's name, the most it may mask, and why this does not delay a running receiver.
+const KNOWN: [(&str, MaskKind, &str); 9] = [
+    ("main", MaskKind::All, "start-up: tasks do not run yet"),
     (
         "rust_begin_unwind",
-        Mask::All,
-        "a panic: the program is over",
+        MaskKind::All,
+        "a panic: the program ends",
     ),
     (
         "_defmt_acquire",
-        Mask::All,
-        "a line of the log: counted in counts.rs",
+        MaskKind::All,
+        "start of a log line: counted in counts.rs",
     ),
-    ("_defmt_release", Mask::All, "its end"),
-    // RTIC puts back the priority a task was entered with, as the last thing the task does.
-    ("FSMC", Mask::Some, "the control task's end"),
-    (
-        "PVD",
-        Mask::Some,
-        "the end of the task that a low supply wakes",
-    ),
-    ("SysTick", Mask::Some, "the clock's end"),
-    ("TIM3", Mask::Some, "the ring's end"),
-    ("USART1", Mask::Some, "the receiver's own end"),
+    ("_defmt_release", MaskKind::All, "end of a log line"),
+    // The last thing an RTIC task does is to restore the former priority.
+    ("FSMC", MaskKind::Some, "end of the control task"),
+    ("PVD", MaskKind::Some, "end of the supply task"),
+    ("SysTick", MaskKind::Some, "end of the clock task"),
+    ("TIM3", MaskKind::Some, "end of the ring task"),
+    ("USART1", MaskKind::Some, "end of the serial task itself"),
 ];
 
-/// What a Thumb instruction holds off: CPSID i, f or both, and MSR with the special registers 16 to 19 (ARMv7-M Architecture
-/// Reference Manual, B5.2.3).
-fn mask(first: u16, second: u16) -> Option<Mask> {
+/// What a Thumb instruction masks: CPSID i, f or both, and MSR with the special registers 16 to 19
+/// (ARMv7-M Architecture Reference Manual, B5.2.3).
+fn mask(first: u16, second: u16) -> Option<MaskKind> {
     if matches!(first, 0xb671..=0xb673) {
-        return Some(Mask::All);
+        return Some(MaskKind::All);
     }
     if first & 0xfff0 != 0xf380 || second & 0xff00 != 0x8800 {
         return None;
     }
     match second & 0xff {
         // PRIMASK, FAULTMASK.
-        16 | 19 => Some(Mask::All),
+        16 | 19 => Some(MaskKind::All),
         // BASEPRI, BASEPRI_MAX.
-        17 | 18 => Some(Mask::Some),
+        17 | 18 => Some(MaskKind::Some),
         _ => None,
     }
 }
 
-/// The offsets in the code at which interrupts may be held off; data between functions may look like it.
-fn sites(code: &[u8]) -> Vec<(u64, Mask)> {
+/// Offsets of masking instructions in the code. Data between functions may look like one.
+fn sites(code: &[u8]) -> Vec<(u64, MaskKind)> {
     let (halves, _) = code.as_chunks::<2>();
     let halves: Vec<u16> = halves.iter().copied().map(u16::from_le_bytes).collect();
     let mut sites = Vec::new();
@@ -75,14 +71,14 @@ fn sites(code: &[u8]) -> Vec<(u64, Mask)> {
 }
 
 #[test]
-fn nothing_but_the_log_holds_off_the_receiver() {
+fn only_the_log_masks_the_receive_interrupt() {
     let elf = std::fs::read(board_image()).expect("the image");
     let file = object::File::parse(&*elf).expect("an ELF file");
     let section = file.section_by_name(".text").expect("code");
     let mut functions: Vec<_> = file
         .symbols()
         .filter(|symbol| symbol.kind() == SymbolKind::Text)
-        // The lowest bit says Thumb.
+        // The lowest bit marks Thumb code.
         .map(|symbol| (symbol.address() & !1, symbol.name().unwrap_or("")))
         .collect();
     functions.sort_unstable();
@@ -93,15 +89,18 @@ fn nothing_but_the_log_holds_off_the_receiver() {
             .iter()
             .rev()
             .filter(|(start, _)| *start <= address);
-        let owner = owners.map(|(_, name)| *name).next().unwrap_or("nobody");
+        let owner = owners
+            .map(|(_, name)| *name)
+            .next()
+            .unwrap_or("no function");
         let mut known = KNOWN.iter();
         let (part, ..) = known
             .find(|(part, most, _)| owner.contains(part) && mask <= *most)
-            .unwrap_or_else(|| panic!("{owner} at {address:#x} may hold off interrupts: {mask:?}"));
+            .unwrap_or_else(|| panic!("{owner} at {address:#x} may mask interrupts: {mask:?}"));
         found.insert(*part);
     }
     println!("{found:?}");
-    // The search finds what is surely there.
+    // These certainly mask interrupts, so the search must find them.
     for part in ["_defmt_acquire", "_defmt_release", "rust_begin_unwind"] {
         assert!(found.contains(part), "{part} is not among {found:?}");
     }
@@ -116,6 +115,6 @@ fn instructions_are_known_by_their_codes() {
     let bytes: Vec<u8> = code.iter().copied().flat_map(u16::to_le_bytes).collect();
     assert_eq!(
         sites(&bytes),
-        [(0, Mask::All), (4, Mask::Some), (8, Mask::All)]
+        [(0, MaskKind::All), (4, MaskKind::Some), (8, MaskKind::All)]
     );
 }

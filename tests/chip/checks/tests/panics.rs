@@ -1,4 +1,4 @@
-//! No input makes the mind panic: it links for the chip without a panic handler, and would not if it could panic.
+//! The controller cannot panic: it links for the chip without a panic handler.
 
 use checks::{TARGET, cargo, workspace};
 use std::process::Output;
@@ -10,7 +10,7 @@ fn link(features: &str) -> Output {
 }
 
 #[test]
-fn the_mind_has_no_path_to_a_panic() {
+fn the_controller_has_no_path_to_a_panic() {
     let output = link("");
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(
@@ -20,8 +20,8 @@ fn the_mind_has_no_path_to_a_panic() {
 }
 
 #[test]
-fn one_path_to_a_panic_would_be_found() {
-    let output = link("--features provoked");
+fn a_path_to_a_panic_is_found() {
+    let output = link("--features deliberate-panic");
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(!output.status.success(), "it linked");
     assert!(

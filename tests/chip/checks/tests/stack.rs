@@ -1,24 +1,24 @@
-//! How deep the stacks of the firmware's images can become, by their code.
+//! Worst-case stack depth of the firmware's images stays within the stack's region.
 //!
-//! Whatever runs may be interrupted by whatever has a higher priority, each at its deepest.
+//! It assumes that each task is interrupted at its deepest by each task of higher priority.
 
 use checks::stack::{Calls, Deepest};
 use checks::{MICROBIT, board_image, image};
 use std::path::Path;
 
-/// What may run at once on a board, and where.
+/// The tasks of a board and its stack.
 struct Load {
     name: &'static str,
-    /// The interrupts and what they are for, lowest priority first.
+    /// Interrupts and their tasks, lowest priority first.
     tasks: &'static [(&'static str, &'static str)],
-    /// What the processor pushes on its way into an interrupt, bytes.
+    /// Bytes that the processor pushes on entry to an interrupt.
     entry: u32,
-    /// The stack's region, bytes.
+    /// Size of the stack's region, bytes.
     region: u32,
 }
 
-/// RTIC's tasks. Eight words, the floating-point unit's 18, and a word to align them (ARMv7-M Architecture Reference Manual,
-/// B1.5.7); memory.x.
+/// RTIC tasks. Entry: eight words, 18 of the floating-point unit, one for alignment (ARMv7-M
+/// Architecture Reference Manual, B1.5.7). Region: memory.x.
 const F405_LOAD: Load = Load {
     name: "F405",
     tasks: &[
@@ -29,7 +29,7 @@ const F405_LOAD: Load = Load {
     entry: 4 * (8 + 18 + 1),
     region: 8_192,
 };
-/// No floating-point unit (ARMv6-M Architecture Reference Manual, B1.5.6); microbit.x.
+/// No floating-point unit (ARMv6-M Architecture Reference Manual, B1.5.6). Region: microbit.x.
 const MICROBIT_LOAD: Load = Load {
     name: "micro:bit",
     tasks: &[("TIMER0", "timer"), ("UART0", "serial")],
@@ -40,10 +40,10 @@ const MICROBIT_LOAD: Load = Load {
 fn calls(path: &Path) -> Calls {
     let elf = std::fs::read(path).expect("the image");
     let mut calls = Calls::of(&elf).expect("an ELF file");
-    // A panic is the end of the program, and formatting its words may panic again: it has no bound. Whether its record still
-    // fits is seen to by the region's lower end.
+    // A panic ends the program, and formatting its message may panic again: no bound. The guard of
+    // the stack's region catches an overflow there.
     calls.leave_out("core9panicking");
-    // In the emulator's image alone, and without a bound on purpose.
+    // Only in the emulator's image, and unbounded on purpose.
     calls.leave_out("firmware10crash_test");
     calls
 }
@@ -60,8 +60,8 @@ fn print_frames(calls: &Calls, deepest: &Deepest) {
     }
 }
 
-/// Fails where the tasks on top of `beneath` leave the region, or `alone` does by itself. The mind's decisions are in it: less
-/// than 2000 bytes would mean that calls were not followed.
+/// Fails if the tasks on top of `beneath`, or `alone`, exceed the region. Less than 2000 bytes
+/// mean that calls were not followed, since a decision alone takes more.
 fn check(load: &Load, calls: &Calls, beneath: u32, alone: u32) {
     let name = load.name;
     let mut table = format!("| {name} | bytes, at most |\n| --- | ---: |\n");
@@ -82,7 +82,7 @@ fn check(load: &Load, calls: &Calls, beneath: u32, alone: u32) {
     assert!(all <= region, "{all} bytes");
 }
 
-/// Start-up runs with interrupts off; they interrupt only the loop that sleeps.
+/// Start-up runs with interrupts disabled; the tasks interrupt only the sleeping loop.
 #[test]
 fn the_deepest_stack_of_the_f405_stays_within_its_region() {
     let calls = calls(&board_image());
@@ -92,7 +92,7 @@ fn the_deepest_stack_of_the_f405_stays_within_its_region() {
     check(&F405_LOAD, &calls, idle, main.bytes);
 }
 
-/// The control task is a part of `main`.
+/// The control task is part of `main`.
 #[test]
 fn the_deepest_stack_of_the_microbit_stays_within_its_region() {
     let calls = calls(&image(&MICROBIT));

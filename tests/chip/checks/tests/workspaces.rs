@@ -1,4 +1,4 @@
-//! What is checked here is what is built on top: the same profile and the same versions of packages.
+//! This workspace has the same profile and package versions as the main one.
 
 use checks::{project, workspace};
 use std::collections::BTreeMap;
@@ -9,7 +9,7 @@ fn read(folder: &Path, file: &str) -> String {
     fs::read_to_string(folder.join(file)).expect("a readable file")
 }
 
-/// The settings of the profile, one per line.
+/// The lines of the profile.
 fn profile(manifest: &str) -> Vec<&str> {
     let lines = manifest
         .lines()
@@ -18,13 +18,13 @@ fn profile(manifest: &str) -> Vec<&str> {
 }
 
 #[test]
-fn the_profile_is_the_firmwares() {
-    let (ours, firmwares) = (
+fn the_profile_equals_that_of_the_firmware() {
+    let (ours, main) = (
         read(&workspace(), "Cargo.toml"),
         read(&project(), "Cargo.toml"),
     );
     assert!(profile(&ours).len() > 1);
-    assert_eq!(profile(&ours), profile(&firmwares));
+    assert_eq!(profile(&ours), profile(&main));
 }
 
 /// Versions by package; a package may have several.
@@ -40,19 +40,19 @@ fn versions(lock: &str) -> BTreeMap<&str, Vec<&str>> {
 }
 
 #[test]
-fn packages_have_the_versions_they_have_on_top() {
-    let (ours, tops) = (
+fn package_versions_equal_those_of_the_main_workspace() {
+    let (ours, main) = (
         read(&workspace(), "Cargo.lock"),
         read(&project(), "Cargo.lock"),
     );
-    let tops = versions(&tops);
+    let main = versions(&main);
     for (name, ours) in versions(&ours) {
-        let Some(tops) = tops.get(name) else {
+        let Some(main) = main.get(name) else {
             continue;
         };
         assert!(
-            ours.iter().all(|version| tops.contains(version)),
-            "{name}: {ours:?} here, {tops:?} on top"
+            ours.iter().all(|version| main.contains(version)),
+            "{name}: {ours:?} here, {main:?} in the main workspace"
         );
     }
 }

@@ -1,7 +1,7 @@
-//! A whole episode through the controller, every event counted: 100 random moves, learning, decisions.
+//! Counts each event of an episode of the controller: 100 random moves, learning, decisions.
 
-use crate::room::Room;
-use crate::stopwatch::{Stopwatch, Tally};
+use crate::room::SquareRoom;
+use crate::stopwatch::{InstructionStats, Stopwatch};
 use amp::config::Config;
 use amp::controller::{Command, Decision, Event, Motion, NomadState, Outputs, Progress, handle};
 use amp::goal::{Goal, Side};
@@ -11,53 +11,53 @@ use core::hint::black_box;
 use cortex_m4::KERNELS;
 use heapless::Vec;
 
-/// Decisions towards the goal.
+/// Decisions per goal.
 pub const DECISIONS: usize = 32;
 
-/// What was counted.
+/// Instructions by kind of event.
 #[derive(Default)]
-pub struct Counts {
-    /// An echo that completes a ring while exploring.
-    pub random_move: Tally,
-    /// Any other echo of a robot at rest.
-    pub echo: Tally,
-    /// A tick while learning.
-    pub tick: Tally,
-    /// An echo that completes a ring while obstacles are avoided.
-    pub decision: Tally,
-    /// The same along a wall.
-    pub along_wall: Tally,
-    /// The same to a place.
-    pub to_place: Tally,
-    /// The same while obstacles are passed on the right.
-    pub passing: Tally,
-    /// The same after a leader that is not there.
-    pub following: Tally,
-    /// The same while obstacles are avoided by the paper's four steps.
-    pub four_steps: Tally,
-    /// An echo of a moving robot.
-    pub guard: Tally,
-    /// A report of the base.
-    pub odometry: Tally,
+pub struct EpisodeCounts {
+    /// Echo that completes a ring while exploring.
+    pub random_move: InstructionStats,
+    /// Other echo of a standing robot.
+    pub echo: InstructionStats,
+    /// Tick while learning.
+    pub tick: InstructionStats,
+    /// Echo that completes a ring, goal: avoid obstacles.
+    pub decision: InstructionStats,
+    /// Goal: along a wall.
+    pub along_wall: InstructionStats,
+    /// Goal: to a place.
+    pub to_place: InstructionStats,
+    /// Goal: pass obstacles on the right.
+    pub passing: InstructionStats,
+    /// Goal: follow a leader that is not there.
+    pub following: InstructionStats,
+    /// Goal: avoid obstacles, by the paper's four steps.
+    pub four_steps: InstructionStats,
+    /// Echo of a moving robot.
+    pub guard: InstructionStats,
+    /// Report of the base.
+    pub odometry: InstructionStats,
 }
 
 /// A robot in its room.
-pub struct Episode<'a> {
+pub struct CountedEpisode<'a> {
     watch: &'a Stopwatch,
-    /// What the robot was told.
+    /// Configuration.
     pub config: Config<16>,
-    /// What it knows.
+    /// State of the controller.
     pub state: NomadState,
-    /// What it cost so far.
-    pub counts: Counts,
-    /// Its decisions towards the goal.
+    /// Instructions so far.
+    pub counts: EpisodeCounts,
+    /// Decisions of the first goal.
     pub decisions: Vec<Decision<16>, DECISIONS>,
-    room: Room,
+    room: SquareRoom,
     time: u32,
 }
 
-impl<'a> Episode<'a> {
-    /// The whole episode.
+impl<'a> CountedEpisode<'a> {
+    /// Runs the whole episode.
     pub fn new(watch: &'a Stopwatch, config: Config<16>) -> Self {
         let mut state = NomadState::new(Grid::rectangle(4, 4));
         state.use_kernels(&KERNELS);
@@ -65,9 +65,9 @@ impl<'a> Episode<'a> {
             watch,
             config,
             state,
-            counts: Counts::default(),
+            counts: EpisodeCounts::default(),
             decisions: Vec::new(),
-            room: Room::new(),
+            room: SquareRoom::new(),
             time: 0,
         };
         episode.explore();
@@ -128,9 +128,9 @@ impl<'a> Episode<'a> {
         self.counts.following = self.decisions_towards(following);
     }
 
-    /// What the next decisions towards a goal cost.
-    fn decisions_towards(&mut self, goal: Goal<16>) -> Tally {
-        let mut counted = Tally::default();
+    /// Instructions of the next decisions towards a goal.
+    fn decisions_towards(&mut self, goal: Goal<16>) -> InstructionStats {
+        let mut counted = InstructionStats::default();
         self.send(|| Event::Command(Command::Seek(goal)));
         for _ in 0..DECISIONS {
             let (instructions, out) = self.ring();
@@ -140,7 +140,7 @@ impl<'a> Episode<'a> {
         counted
     }
 
-    /// A ring heard at rest: what its last echo cost and brought about.
+    /// Sends a ring of a standing robot. Returns instructions and outputs of its last echo.
     fn ring(&mut self) -> (u32, Outputs<16>) {
         for sensor in 0..15 {
             let (instructions, _) = self.hear(sensor);
@@ -149,7 +149,7 @@ impl<'a> Episode<'a> {
         self.hear(15)
     }
 
-    /// Half of a motion, a ring heard on the way, which may shorten it, and the rest.
+    /// Drives half of a motion, sends a ring, which may shorten the motion, and drives the rest.
     fn carry_out(&mut self, motion: Option<Motion>) {
         let Some(mut motion) = motion else {
             return;
@@ -190,7 +190,8 @@ impl<'a> Episode<'a> {
         })
     }
 
-    /// Hands the controller an event made on the spot, of values the compiler cannot know.
+    /// Passes an event to the controller. It is built inside the counted call, from values that are
+    /// unknown to the compiler.
     #[inline(always)]
     fn send(&mut self, event: impl FnOnce() -> Event<16>) -> (u32, Outputs<16>) {
         let (config, state) = (&self.config, &mut self.state);

@@ -1,8 +1,8 @@
-//! What the link costs: frames packed and unpacked, and a mind that decides by a frame.
+//! Counts the link: packing and unpacking of frames, and decisions of a node by frames.
 
-use crate::episode::Episode;
-use crate::room::Room;
-use crate::stopwatch::{Stopwatch, Tally};
+use crate::episode::CountedEpisode;
+use crate::room::SquareRoom;
+use crate::stopwatch::{InstructionStats, Stopwatch};
 use amp::controller::{self, Progress};
 use amp::node::{FrameSink, Identity, NomadNode};
 use amp::som::Grid;
@@ -19,9 +19,9 @@ use heapless::Vec;
 /// Decisions by frames.
 const DECISIONS: u32 = 32;
 
-/// Packing the decisions of an episode.
-pub fn packing(watch: &Stopwatch, episode: &Episode<'_>) -> Tally {
-    let mut tally = Tally::default();
+/// Counts packing the decisions of an episode.
+pub fn packing(watch: &Stopwatch, episode: &CountedEpisode<'_>) -> InstructionStats {
+    let mut stats = InstructionStats::default();
     for decision in &episode.decisions {
         let report = Report {
             device_ms: 123_456,
@@ -33,33 +33,33 @@ pub fn packing(watch: &Stopwatch, episode: &Episode<'_>) -> Tally {
         };
         let mut frame = Frame::EMPTY;
         let (instructions, _) = watch.count(|| frame.fill(header, black_box(&report)));
-        tally.add(instructions);
+        stats.add(instructions);
     }
-    tally
+    stats
 }
 
-/// What was counted.
+/// Instructions by kind of call.
 #[derive(Default)]
-pub struct Counts {
+pub struct LinkCounts {
     /// Unpacking a scan of 16 echoes.
-    pub unpack: Tally,
-    /// Everything a mind does with one that completes a ring: it answers with decision, motion and confirmation.
-    pub decision: Tally,
+    pub unpack: InstructionStats,
+    /// Processing a scan that completes a ring; the answer is decision, motion and Done.
+    pub decision: InstructionStats,
 }
 
-/// A mind that knows what another learned, and the base it steers.
-struct Base {
+/// A node with the maps of an episode, and the base that it controls.
+struct LinkedBase {
     node: NomadNode,
-    sent: Mail,
-    room: Room,
+    sent: SentFrames,
+    room: SquareRoom,
     seq: u16,
     time: u32,
 }
 
-/// Decisions by frames, in the same room.
-pub fn decisions(watch: &Stopwatch, episode: &Episode<'_>) -> Counts {
-    let mut counts = Counts::default();
-    let mut base = Base::new(episode);
+/// Counts decisions by frames, in the same room.
+pub fn decisions(watch: &Stopwatch, episode: &CountedEpisode<'_>) -> LinkCounts {
+    let mut counts = LinkCounts::default();
+    let mut base = LinkedBase::new(episode);
     for _ in 0..DECISIONS {
         let scan = base.pack(&base.scan());
         let scan = &scan.as_bytes()[..scan.as_bytes().len() - 1];
@@ -77,12 +77,12 @@ pub fn decisions(watch: &Stopwatch, episode: &Episode<'_>) -> Counts {
     counts
 }
 
-impl Base {
-    fn new(episode: &Episode<'_>) -> Self {
+impl LinkedBase {
+    fn new(episode: &CountedEpisode<'_>) -> Self {
         let mut base = Self {
             node: NomadNode::new(),
-            sent: Mail(Vec::new()),
-            room: Room::new(),
+            sent: SentFrames(Vec::new()),
+            room: SquareRoom::new(),
             seq: 0,
             time: 0,
         };
@@ -115,13 +115,13 @@ impl Base {
                 order,
             });
         }
-        // The echoes of the first ring are not older than the session.
+        // Otherwise the echoes of the first ring would be older than the session.
         base.pass();
         base
     }
 
-    /// Writes what an episode's robot knows into the mind.
-    fn teach(&mut self, episode: &Episode<'_>, part: Part, of: controller::Part) {
+    /// Uploads a part of the episode's state to the node.
+    fn teach(&mut self, episode: &CountedEpisode<'_>, part: Part, of: controller::Part) {
         let mut offset = 0;
         loop {
             let mut piece = [0; MAX_PIECE];
@@ -165,7 +165,7 @@ impl Base {
         self.pass();
     }
 
-    /// A ring's time passes, with signs of life.
+    /// Advances the time of a ring, with Alive messages.
     fn pass(&mut self) {
         for _ in 0..4 {
             self.time += 160;
@@ -173,7 +173,7 @@ impl Base {
         }
     }
 
-    /// The next frame.
+    /// Packs the next frame.
     fn pack(&mut self, message: &ToMind<16>) -> Frame {
         self.seq += 1;
         let header = Header {
@@ -195,11 +195,11 @@ impl Base {
     }
 }
 
-/// Frames the mind sent: copied, as a queue would.
-struct Mail(Vec<u8, 1_024>);
+/// Frames that the node sent, copied as by a queue.
+struct SentFrames(Vec<u8, 1_024>);
 
-impl Mail {
-    /// The motion among them.
+impl SentFrames {
+    /// The motion among the frames.
     fn motion(&self) -> Option<MotionOrder> {
         let frames = self.0.split(|byte| *byte == 0);
         let mut reports = frames.filter_map(|bytes| frame::unpack::<Report<16>>(bytes).ok());
@@ -210,7 +210,7 @@ impl Mail {
     }
 }
 
-impl FrameSink for Mail {
+impl FrameSink for SentFrames {
     fn send(&mut self, frame: &[u8]) -> bool {
         self.0.extend_from_slice(frame).is_ok()
     }

@@ -1,7 +1,7 @@
-//! Counts the instructions of the mind's calls on an emulated chip and prints them as a table in Markdown.
+//! Counts the controller's instructions on an emulated chip and prints them as a Markdown table.
 //!
-//! Everything is counted one call at a time on the data of an episode that is driven on the spot: the same program counts
-//! the same on every run. Instructions are not cycles: a Cortex-M4 takes from 1 to some 1.5 of these per instruction.
+//! Single calls are counted on the data of an episode, with the same result in every run.
+//! Instructions are not cycles: a Cortex-M4 takes 1 to 1.5 cycles per instruction.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
@@ -11,7 +11,7 @@ mod link;
 #[cfg(target_os = "none")]
 mod maps;
 #[cfg(target_os = "none")]
-mod oracle;
+mod reference;
 #[cfg(target_os = "none")]
 mod room;
 #[cfg(target_os = "none")]

@@ -1,51 +1,46 @@
-//! What the maps cost, one call at a time, on the code vectors and situations of an episode.
+//! Counts single calls of the maps, on code vectors and situations of an episode.
 
-use crate::episode::Episode;
-use crate::stopwatch::{Stopwatch, Tally};
+use crate::episode::CountedEpisode;
+use crate::stopwatch::{InstructionStats, Stopwatch};
 use amp::action_map::{Effect, Probe, Recall};
 use amp::controller::Decision;
-use amp::fixed::{Mask, squared_norm};
+use amp::fixed::Mask;
 use amp::scan::Situation;
-use amp::som::neighborhood::Update;
-use amp::som::{Neighborhood, kernels};
+use amp::som::{Neighborhood, Som, Update};
 use core::hint::black_box;
 
 /// 0.05 in Q16.
 const RATE_Q16: u32 = 3_277;
-/// Half as much for the neighbors.
+/// Half of the winner's rate for the neighbors.
 const SHARE_Q16: u32 = 1 << 15;
 
-/// Searches of the situation map: the whole one, and its search by 16-bit values alone.
-pub fn searches(watch: &Stopwatch, episode: &Episode<'_>) -> [Tally; 2] {
+/// Searches of the situation map: by the kernels, and by the portable code.
+pub fn searches(watch: &Stopwatch, episode: &CountedEpisode<'_>) -> [InstructionStats; 2] {
     let map = episode.state.situations();
-    let code = map.code();
-    let norms = code.each_ref().map(|row| squared_norm(row));
-    let mut tallies = [Tally::default(); 2];
-    for situation in situations(episode) {
-        let (whole, _) = watch.count(|| {
-            let (map, probe, mask) = black_box((map, situation, Mask::ALL));
-            map.winner(probe, mask)
-        });
-        let (to_weight16, _) = watch.count(|| {
-            let (code, norms, probe) = black_box((code, &norms, situation));
-            let mut scores = [0; 16];
-            let norms = norms.iter().copied();
-            kernels::scores(code.as_flattened(), norms, 16, probe, &mut scores);
-            kernels::least(&scores)
-        });
-        tallies[0].add(whole);
-        tallies[1].add(to_weight16);
+    let mut portable = Som::<16, 16>::zeroed(map.grid());
+    for (index, component) in map.code().as_flattened().iter().enumerate() {
+        portable.set_component(index, *component);
     }
-    tallies
+    let mut stats = [InstructionStats::default(); 2];
+    for situation in situations(episode) {
+        for (map, stats) in [map, &portable].into_iter().zip(&mut stats) {
+            let (instructions, _) = watch.count(|| {
+                let (map, probe, mask) = black_box((map, situation, Mask::ALL));
+                map.bmu(probe, mask)
+            });
+            stats.add(instructions);
+        }
+    }
+    stats
 }
 
-/// Recalls as the default preset asks for them.
-pub fn recalls(watch: &Stopwatch, episode: &Episode<'_>) -> Tally {
+/// Recalls with the probe of the default preset.
+pub fn recalls(watch: &Stopwatch, episode: &CountedEpisode<'_>) -> InstructionStats {
     let probe = Probe {
         recall: Recall::Direction,
         preference: None,
     };
-    let mut tally = Tally::default();
+    let mut stats = InstructionStats::default();
     for plan in episode
         .decisions
         .iter()
@@ -60,40 +55,40 @@ pub fn recalls(watch: &Stopwatch, episode: &Episode<'_>) -> Tally {
                 black_box(Mask::ALL),
             )
         });
-        tally.add(instructions);
+        stats.add(instructions);
     }
-    tally
+    stats
 }
 
-/// A step of learning of the situation map and of the action map, without the search for the winner, for the winner alone
-/// and with four neighbors.
-pub fn updates(watch: &Stopwatch, episode: &Episode<'_>) -> [[Tally; 2]; 2] {
+/// Updates of the situation map and the action map without the search for the winner: for the
+/// winner alone, and with four neighbors.
+pub fn updates(watch: &Stopwatch, episode: &CountedEpisode<'_>) -> [[InstructionStats; 2]; 2] {
     [0, SHARE_Q16].map(|share_q16| {
-        let pull = Update::<16>::new(Neighborhood::Direct, RATE_Q16, share_q16);
+        let update = Update::from_q16(Neighborhood::Direct, RATE_Q16, share_q16);
         let mut situations_map = episode.state.situations().clone();
         let mut actions_map = episode.state.actions().clone();
-        let mut tallies = [Tally::default(); 2];
+        let mut stats = [InstructionStats::default(); 2];
         for pair in episode.decisions.windows(2) {
-            // Neuron 5 stands inside the grid and has four neighbors.
+            // Neuron 5 is inside the grid and has four neighbors.
             let winner = black_box(5);
             let after = &pair[1].situation;
             let (situation, ()) = watch.count(|| {
-                let (map, probe, pull) = black_box((&mut situations_map, after, &pull));
-                map.learn(winner, probe, black_box(Mask::ALL), pull);
+                let (map, probe, update) = black_box((&mut situations_map, after, &update));
+                map.update(winner, probe, black_box(Mask::ALL), update);
             });
             let effect = effect(&pair[0], &pair[1], episode);
             let (action, ()) = watch.count(|| {
-                let (map, effect, pull) = black_box((&mut actions_map, &effect, &pull));
-                map.learn(winner, effect, pull);
+                let (map, effect, update) = black_box((&mut actions_map, &effect, &update));
+                map.update(winner, effect, update);
             });
-            tallies[0].add(situation);
-            tallies[1].add(action);
+            stats[0].add(situation);
+            stats[1].add(action);
         }
-        tallies
+        stats
     })
 }
 
-fn effect(before: &Decision<16>, after: &Decision<16>, episode: &Episode<'_>) -> Effect<16> {
+fn effect(before: &Decision<16>, after: &Decision<16>, episode: &CountedEpisode<'_>) -> Effect<16> {
     let config = &episode.config;
     Effect {
         change: amp::planner::difference(&after.situation, &before.situation),
@@ -104,6 +99,6 @@ fn effect(before: &Decision<16>, after: &Decision<16>, episode: &Episode<'_>) ->
     }
 }
 
-fn situations<'a>(episode: &'a Episode<'_>) -> impl Iterator<Item = &'a Situation<16>> {
+fn situations<'a>(episode: &'a CountedEpisode<'_>) -> impl Iterator<Item = &'a Situation<16>> {
     episode.decisions.iter().map(|decision| &decision.situation)
 }

@@ -1,5 +1,4 @@
-//! A square room of 4 m × 4 m and a robot in it that keeps its ring's bearing: data like those of a real drive, made by
-//! integers on the spot.
+//! A square room of 4 m × 4 m with a robot whose ring keeps its bearing, in integer arithmetic.
 
 use amp::config::Config;
 use amp::robot::RobotSpec;
@@ -7,15 +6,15 @@ use amp::units::Displacement;
 
 const HALF_ROOM_MM: i32 = 2_000;
 
-/// Where the robot stands.
-pub struct Room {
+/// The robot's position in the room.
+pub struct SquareRoom {
     robot: RobotSpec<16>,
-    /// From the middle, millimeters.
+    /// From the center, millimeters.
     x: i32,
     y: i32,
 }
 
-impl Room {
+impl SquareRoom {
     /// A robot near a wall, so that there is something to learn.
     pub fn new() -> Self {
         Self {
@@ -25,7 +24,7 @@ impl Room {
         }
     }
 
-    /// Distance from the face of a transducer to the wall along its axis.
+    /// Distance from a transducer's face to the wall along its axis.
     pub fn range_mm(&self, sensor: usize) -> u16 {
         let axis = self.robot.directions[sensor];
         let to_wall = |place: i32, part: i16| match i32::from(part) {
@@ -36,7 +35,7 @@ impl Room {
         (from_middle - i32::from(self.robot.face_radius_mm)).max(0) as u16
     }
 
-    /// Moves the robot unless it would touch a wall; returns the move.
+    /// Moves the robot, unless it would touch a wall. Returns the displacement.
     pub fn drive(&mut self, wanted: Displacement) -> Displacement {
         let limit = HALF_ROOM_MM - i32::from(self.robot.body_radius_mm);
         let (x, y) = (

@@ -1,5 +1,6 @@
-//! Counts instructions: the emulator's time goes on by 8 ns with each instruction (`-icount shift=3`), and its SysTick
-//! counts 168 000 000 times in a second of it, which is 1.344 times per instruction.
+//! Counts instructions by the emulator's clock, which advances 8 ns each (`-icount shift=3`).
+//!
+//! Its SysTick counts at 168 MHz, which is 1.344 ticks per instruction.
 
 use core::hint::black_box;
 use cortex_m::peripheral::SYST;
@@ -12,7 +13,7 @@ const MAX_TICKS: u32 = (1 << 24) - 1;
 
 /// A running SysTick.
 pub struct Stopwatch {
-    /// What it costs to look twice, ticks.
+    /// Ticks of an empty measurement.
     overhead: u32,
 }
 
@@ -28,8 +29,8 @@ impl Stopwatch {
         watch
     }
 
-    /// Instructions of a call, at most 12 million, and its result. Whatever the call reads should come out of a
-    /// [`black_box`] inside it, or the compiler may do some of the work before.
+    /// Instructions of a call, at most 12 million, and its result. Inputs of the call should pass
+    /// through a [`black_box`] inside it, or the compiler may compute a part in advance.
     pub fn count<T>(&self, call: impl FnOnce() -> T) -> (u32, T) {
         let (ticks, result) = self.ticks(call);
         let thousands = ticks.saturating_sub(self.overhead) * 1_000;
@@ -41,23 +42,23 @@ impl Stopwatch {
     fn ticks<T>(&self, call: impl FnOnce() -> T) -> (u32, T) {
         let begin = SYST::get_current();
         let result = call();
-        // By reference: a result should not be copied for the sake of being counted.
+        // By reference, so that the result is not copied.
         black_box(&result);
         let end = SYST::get_current();
         (begin.wrapping_sub(end) & MAX_TICKS, result)
     }
 }
 
-/// Counts of one kind of call.
+/// Instruction counts of one kind of call.
 #[derive(Clone, Copy, Default)]
-pub struct Tally {
+pub struct InstructionStats {
     calls: u32,
     sum: u32,
     most: u32,
 }
 
-impl Tally {
-    /// One more call.
+impl InstructionStats {
+    /// Adds a call.
     pub fn add(&mut self, instructions: u32) {
         self.calls += 1;
         self.sum += instructions;
@@ -69,19 +70,19 @@ impl Tally {
         self.calls
     }
 
-    /// Instructions of all of them.
+    /// Sum of instructions.
     pub fn sum(self) -> u32 {
         self.sum
     }
 
-    /// Instructions of a call on average, rounded.
+    /// Mean instructions per call, rounded.
     pub fn mean(self) -> u32 {
         (self.sum + self.calls / 2)
             .checked_div(self.calls)
             .unwrap_or(0)
     }
 
-    /// Instructions of the longest one.
+    /// Instructions of the longest call.
     pub fn most(self) -> u32 {
         self.most
     }

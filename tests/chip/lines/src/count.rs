@@ -1,7 +1,7 @@
-//! The lines that are written while the link is up, over and over.
+//! Counts the instructions of the log lines that are written while the link is up.
 
 use crate::ring;
-use crate::stopwatch::{Stopwatch, Tally};
+use crate::stopwatch::{InstructionStats, Stopwatch};
 use core::hint::black_box;
 use core::panic::PanicInfo;
 use cortex_m_rt::entry;
@@ -10,7 +10,7 @@ use defmt_rtt as _;
 use firmware::control::LogEvent;
 use stm32f4xx_hal as _;
 
-/// Enough for the logger's ring of 1 KiB to come round some times, so that lines are cut at its end as well.
+/// Enough for RTT's ring buffer of 1 KiB to wrap several times, which splits some lines.
 const ROUNDS: u32 = 200;
 
 /// A byte at 1 Mbaud takes 1680 cycles.
@@ -18,15 +18,15 @@ const ALLOWED: u32 = 1_000;
 
 #[entry]
 fn main() -> ! {
-    let chip = cortex_m::Peripherals::take().expect("nobody else took them");
+    let chip = cortex_m::Peripherals::take().expect("not taken yet");
     let watch = Stopwatch::new(chip.SYST);
     hprintln!("| call | calls | instructions, mean | most | allowed |");
     hprintln!("| --- | ---: | ---: | ---: | ---: |");
-    for (call, counted, allowed) in [
+    for (call, stats, allowed) in [
         ("a line of the log", count(&watch), ALLOWED),
         ("a run of the ring", ring::count(&watch), ring::ALLOWED),
     ] {
-        let (calls, mean, most) = (counted.calls(), counted.mean(), counted.most());
+        let (calls, mean, most) = (stats.calls(), stats.mean(), stats.most());
         hprintln!("| {call} | {calls} | {mean} | {most} | {allowed} |");
     }
     debug::exit(debug::EXIT_SUCCESS);
@@ -35,17 +35,17 @@ fn main() -> ! {
     }
 }
 
-/// Whole calls: a little more than what is held off.
-fn count(watch: &Stopwatch) -> Tally {
-    let mut tally = Tally::default();
+/// Counts whole calls: some instructions more than the masked part.
+fn count(watch: &Stopwatch) -> InstructionStats {
+    let mut stats = InstructionStats::default();
     for round in 0..ROUNDS {
         let lost = LogEvent::BytesLost(u32::MAX >> (round % 32));
-        for news in [LogEvent::Linked, LogEvent::Unlinked, lost] {
-            let (instructions, ()) = watch.count(|| black_box(news).log());
-            tally.add(instructions);
+        for log_event in [LogEvent::Linked, LogEvent::Unlinked, lost] {
+            let (instructions, ()) = watch.count(|| black_box(log_event).log());
+            stats.add(instructions);
         }
     }
-    tally
+    stats
 }
 
 #[panic_handler]

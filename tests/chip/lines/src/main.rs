@@ -1,7 +1,7 @@
-//! Counts the instructions of the firmware's lines of the log with the board's logger, which holds off every interrupt for
-//! as long as a line takes, and those of the ring's driver.
+//! Counts the instructions of the firmware's log lines, with the board's logger, and of its ring.
 //!
-//! An image of its own: beside the firmware's packages the mind's calls would be compiled a little differently.
+//! A log line masks every interrupt while it is written. This image is separate from `counts`,
+//! because the firmware's packages would change the code that is counted there.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]

@@ -1,16 +1,19 @@
-//! The runs of the ring's task but for the timer's registers: two rings, in which half of the transducers hear something.
+//! Counts the instructions of the ring's task, without the timer's registers, over two rings.
 
-use crate::stopwatch::{Stopwatch, Tally};
+use crate::stopwatch::{InstructionStats, Stopwatch};
 use amp::units::Millis;
 use core::convert::Infallible;
 use core::hint::black_box;
 use embedded_hal::digital::{ErrorType, OutputPin};
-use firmware::line::Faults;
-use firmware::sonar_ring::{Capture, Driver, Firing, FiringOrder, Line, Pins, Ring, Sound, Timing};
+use firmware::sonar_ring::{
+    ChannelDriver, EchoCapture, EchoLine, FiringOrder, RingPins, RingReading, SonarRing,
+    SpeedOfSound, Timing,
+};
+use firmware::uart::ErrorCounters;
 use heapless::spsc::Queue;
 
-/// At 168 MHz a tenth of the 87 µs that a byte takes at 115 200 baud, were every instruction one cycle: what the clock, of the
-/// same priority, may be late by.
+/// A tenth of the 87 µs per byte at 115 200 baud and 168 MHz, at one cycle per instruction: the
+/// acceptable delay of the clock task, which has the same priority.
 pub const ALLOWED: u32 = 1_460;
 
 /// A pin like the chip's: setting it is a store.
@@ -32,13 +35,13 @@ impl OutputPin for Pin {
     }
 }
 
-/// The test's clock, and what its line does.
-struct Clock {
+/// The test's time, and the ECHO line.
+struct FakeCapture {
     now_us: u32,
-    line: Line,
+    line: EchoLine,
 }
 
-impl Capture for Clock {
+impl EchoCapture for FakeCapture {
     fn now_us(&mut self) -> u32 {
         *black_box(&mut self.now_us)
     }
@@ -47,52 +50,52 @@ impl Capture for Clock {
         self.line.rose_us = None;
     }
 
-    fn line(&mut self) -> Line {
+    fn echo_line(&mut self) -> EchoLine {
         *black_box(&mut self.line)
     }
 }
 
-/// Every run until both rings are over.
-pub fn count(watch: &Stopwatch) -> Tally {
-    let mut queue: Queue<Firing, 64> = Queue::new();
+/// Counts every call until two rings are complete. Every other transducer hears an echo.
+pub fn count(watch: &Stopwatch) -> InstructionStats {
+    let mut queue: Queue<RingReading, 64> = Queue::new();
     let (firings, _) = queue.split();
     let pin = || Pin(false);
-    let pins = Pins {
+    let pins = RingPins {
         address: [pin(), pin(), pin(), pin()],
         init: pin(),
         binh: pin(),
         blnk: pin(),
     };
-    let (timing, faults) = (Timing::relays(), Faults::new());
-    let Ok(driver) = Driver::new(pins, timing, FiringOrder::NOMAD, 0);
-    let mut ring = Ring::new(driver, timing, Sound::at(200), firings, &faults);
-    let mut clock = Clock {
+    let (timing, errors) = (Timing::relays(), ErrorCounters::new());
+    let Ok(driver) = ChannelDriver::new(pins, timing, FiringOrder::NOMAD, 0);
+    let mut ring = SonarRing::new(driver, timing, SpeedOfSound::at(200), firings, &errors);
+    let mut capture = FakeCapture {
         now_us: 0,
-        line: Line::default(),
+        line: EchoLine::default(),
     };
-    let mut tally = Tally::default();
+    let mut stats = InstructionStats::default();
     for run in 0.. {
-        let now = Millis::from_ms(clock.now_us / 1_000);
+        let now = Millis::from_ms(capture.now_us / 1_000);
         let (instructions, next) = watch.count(|| {
-            let (ring, clock) = black_box((&mut ring, &mut clock));
-            ring.serve(clock, now, true)
+            let (ring, capture) = black_box((&mut ring, &mut capture));
+            ring.serve(capture, now, true)
         });
-        tally.add(instructions);
+        stats.add(instructions);
         let Ok(Some(next_us)) = next else { break };
-        if clock.now_us > 2_048_000 {
+        if capture.now_us > 2_048_000 {
             break;
         }
-        // An echo comes while the window lasts, in every other slot.
-        let waits_for_echo = next_us.wrapping_sub(clock.now_us) > 30_000;
-        clock.line = Line::default();
-        clock.now_us = next_us;
+        // In every other slot an echo comes within the window.
+        let waits_for_echo = next_us.wrapping_sub(capture.now_us) > 30_000;
+        capture.line = EchoLine::default();
+        capture.now_us = next_us;
         if waits_for_echo && run % 2 == 0 {
-            clock.now_us -= 20_000;
-            clock.line = Line {
+            capture.now_us -= 20_000;
+            capture.line = EchoLine {
                 high: true,
-                rose_us: Some(clock.now_us - 10),
+                rose_us: Some(capture.now_us - 10),
             };
         }
     }
-    tally
+    stats
 }

@@ -1,4 +1,4 @@
-//! Numbers, quantities and the situation made of them.
+//! Numbers, quantities, scans and situations.
 
 use crate::{any, bytes, sink};
 use amp::fixed::{self, Gain, Mask, Weight, Weight32};
@@ -45,7 +45,8 @@ fn vectors() {
 
 fn functions() {
     sink(fixed::isqrt(any(1)));
-    sink(fixed::div_round(any(1), any(2)));
+    sink(fixed::quotient(any(1), any(2)));
+    sink(fixed::q16(any(0.5)));
     sink(fixed::exp2_neg(any(1)));
     sink(fixed::exp_neg(any(1)));
     sink(fixed::log2_ratio(any(1), any(2)));
@@ -67,7 +68,7 @@ fn masks() {
 }
 
 fn schedules() {
-    let fall = Schedule::new(any(1), any(2), any(Decay::Linear));
+    let fall = Schedule::from_q16(any(1), any(2), any(Decay::Linear));
     sink(fall);
     sink(any(fall).at(any(1), any(2)));
     sink(Schedule::constant(any(1)));

@@ -1,9 +1,8 @@
-//! Every entry point of the mind, linked for the chip with a panic handler that calls a function nobody has.
+//! Every entry point of the controller, linked with a panic handler that calls a missing function.
 //!
-//! The linker drops what is unreachable. If it finds the handler unreachable, this links, and the mind has no path to a
-//! panic for any input; if it does not, the function is missing. Never run: it is the linking that counts.
-//!
-//! Every argument goes through [`black_box`] and every result into it, so that the compiler may assume nothing of either.
+//! The linker drops unreachable code. If no input can reach a panic, the handler is unreachable and
+//! this links; otherwise linking fails. The program is never run. Every argument and every result
+//! passes through [`black_box`], so that the compiler can assume nothing about it.
 #![no_std]
 #![no_main]
 
@@ -15,7 +14,7 @@ mod wire;
 use core::hint::black_box;
 use core::panic::PanicInfo;
 
-#[expect(unsafe_code, reason = "whoever calls it must not link")]
+#[expect(unsafe_code, reason = "a program that calls it must not link")]
 // SAFETY: there is no such function.
 unsafe extern "C" {
     safe fn a_path_to_a_panic_is_left() -> !;
@@ -27,21 +26,21 @@ fn panic(_: &PanicInfo<'_>) -> ! {
 }
 
 #[expect(unsafe_code, reason = "the linker looks for this name")]
-// SAFETY: nothing else in this program has the name.
+// SAFETY: nothing else in this program has this name.
 #[unsafe(no_mangle)]
 extern "C" fn _start() -> ! {
     arithmetic::all();
     maps::all();
     robot::all();
     wire::all();
-    #[cfg(feature = "provoked")]
+    #[cfg(feature = "deliberate-panic")]
     sink(black_box(&BYTES[..])[any(3_usize)]);
     loop {
         core::hint::spin_loop();
     }
 }
 
-/// Room for bytes of which the compiler knows neither length nor content.
+/// Bytes whose number and content the compiler does not know.
 static BYTES: [u8; 512] = [0; 512];
 
 /// Any bytes.
@@ -59,8 +58,8 @@ fn sink<T>(value: T) {
     let _ = black_box(value);
 }
 
-/// Keeps a text from being optimized away.
-fn say(text: impl core::fmt::Display) {
+/// Keeps formatting a value from being optimized away.
+fn format_text(text: impl core::fmt::Display) {
     struct Nowhere;
     impl core::fmt::Write for Nowhere {
         fn write_str(&mut self, text: &str) -> core::fmt::Result {

@@ -1,18 +1,14 @@
-//! The maps: kernels on slices of any length, maps of fixed size, measures, recall.
+//! Maps: search, training, quality measures, recall.
 
 use crate::arithmetic::{displacement, mask, weight};
 use crate::{any, sink};
 use amp::action_map::{ActionCode, ActionMap, Effect, Preference, Probe, Recall};
-use amp::fixed::{Gain, Weight, Weight32};
-use amp::som::metrics::{MapView, Quality, u_matrix_value};
-use amp::som::neighborhood::{Update, View, gaussian};
-use amp::som::{Edges, Grid, Neighborhood, Som, kernels};
+use amp::fixed::Weight32;
+use amp::som::{Decay, Edges, Grid, Neighborhood, SampleOrder, Schedule, Som, TrainConfig, Update};
 
 pub fn all() {
     grids();
-    searches();
     learning();
-    metrics();
     som();
     actions();
 }
@@ -29,75 +25,36 @@ fn grids() {
     sink(Grid::chain(any(3)));
 }
 
-fn code() -> &'static [Weight32] {
-    static CODE: [Weight32; 300] = [Weight32::ZERO; 300];
-    any(&CODE[..])
-}
-
-fn probe() -> &'static [Weight] {
-    static PROBE: [Weight; 40] = [Weight::ZERO; 40];
-    any(&PROBE[..])
-}
-
-fn norms() -> impl Iterator<Item = i64> + Clone {
-    static NORMS: [i64; 16] = [0; 16];
-    any(&NORMS[..]).iter().copied()
-}
-
-fn searches() {
-    let mut room = any([0_i64; 32]);
-    let room = any(&mut room[..]);
-    let dims = any(16_usize);
-    kernels::scores(code(), norms(), dims, probe(), room);
-    kernels::scores_masked(code(), dims, probe(), mask(), room);
-    kernels::projections(code(), dims, probe(), mask(), room);
-    kernels::alignments(code(), norms(), dims, probe(), mask(), room);
-    sink((
-        kernels::least(room),
-        kernels::greatest(room, mask()),
-        kernels::two_least(room),
-    ));
-    let distance = |k| kernels::distance(code(), dims, k, probe(), mask());
-    sink(kernels::nearest(room, dims, any(1), distance));
-}
-
 fn shape() -> Neighborhood {
     any(Neighborhood::Direct)
 }
 
 fn learning() {
-    let mut axis = any([Gain::ZERO; 20]);
-    gaussian(any(1), any(&mut axis[..]));
-    let view = View::new(shape(), any(1), any(2), any(&mut axis[..]));
-    view.each(grid(), any(3), |k, gain| sink((k, gain)));
+    update().for_each(grid(), any(3), |k, gain| sink((k, gain)));
+    sink(update().is_alone());
+    sink(Update::new(shape(), any(0.5), any(1.5)));
 }
 
-fn metrics() {
-    let view = MapView {
-        grid: grid(),
-        code: code(),
-        dims: any(16),
-    };
-    let mut room = any([0_i64; 32]);
-    let mut quality = any(Quality::default());
-    sink(quality.add(view, probe(), any(&mut room[..])));
-    sink((
-        quality.quantization_error_q21(),
-        quality.topographic_error_q16(),
-    ));
-    sink(u_matrix_value(view, any(3)));
+fn update() -> Update {
+    Update::from_q16(shape(), any(1), any(2))
 }
 
-fn pull() -> Update<16> {
-    Update::new(shape(), any(1), any(2))
+fn train_config() -> TrainConfig {
+    TrainConfig {
+        neighborhood: shape(),
+        rate: Schedule::new(any(0.5), any(0.1), any(Decay::Linear)),
+        radius: Schedule::new(any(1.5), any(0.1), any(Decay::Linear)),
+        epochs: any(3),
+        order: any(SampleOrder::Shuffled),
+    }
 }
 
 fn som() {
     let mut som = any(Som::<16, 16>::new(grid(), any([[weight(); 16]; 16])));
     let probe = any([weight(); 16]);
-    sink(som.winner(&probe, mask()));
+    sink(som.bmu(&probe, mask()));
     sink((
-        som.scores(&probe),
+        som.scores(&probe, mask()),
         som.distance(any(3), &probe, mask()),
         som.code_vector(any(3)),
     ));
@@ -105,9 +62,23 @@ fn som() {
         som.alignments(&probe, mask()),
         som.projections(&probe, mask()),
     ));
-    som.learn(any(3), &probe, mask(), &pull());
-    sink(som.quality(any(&[probe; 3][..])));
-    sink(som.u_matrix());
+    let actions = any(Som::<16, 2>::zeroed(grid()));
+    sink(som.joint_bmu(&probe, mask(), &actions, &[weight(); 2], any(3)));
+    som.update(any(3), &probe, mask(), &update());
+    sink(som.train_step(&probe, mask(), &update()));
+    som.train(any(&mut [probe; 3][..]), &train_config(), any);
+    let (quality, hits) = som.quality(any(&[probe; 3][..]));
+    sink((
+        hits,
+        quality.quantization_error(),
+        quality.topographic_error(),
+    ));
+    sink((som.novelty(&probe, &quality), quality.largest_novelty()));
+    sink((quality.largest_distance(), som.u_matrix()));
+    som.set_code_vector(any(3), &probe);
+    som.set_component(any(3), any(Weight32::ZERO));
+    sink(som.component(any(3)));
+    som.clear();
     sink(som);
 }
 
@@ -118,8 +89,8 @@ fn actions() {
         action: [weight(); 2],
         mask: mask(),
     });
-    sink(map.winner(&effect, any(256)));
-    map.learn(any(3), &effect, &pull());
+    sink(map.bmu(&effect, any(256)));
+    map.update(any(3), &effect, &update());
     let probe = any(Probe {
         recall: Recall::Distance,
         preference: Some(Preference {

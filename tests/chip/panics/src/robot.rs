@@ -1,8 +1,8 @@
-//! The robot as a function: configuration, goals, plans, shield, controller, what it knows in pieces.
+//! The controller: configuration, goals, plans, shield, events, transfer of its state.
 
 use crate::arithmetic::{bearing, displacement, echo, mask, now, weight};
 use crate::maps::grid;
-use crate::{any, bytes, say, sink};
+use crate::{any, bytes, format_text, sink};
 use amp::action_map::ActionMap;
 use amp::config::Config;
 use amp::controller::{self, Command, Event, NomadState, Part, Progress, StopReason};
@@ -68,7 +68,7 @@ fn plans() {
     };
     sink(planner.plan(&any([weight(); 16]), &goal()));
     sink(difference(&any([weight(); 16]), &any([weight(); 16])));
-    say(any(Why::Neighbour));
+    format_text(any(Why::Neighbour));
 }
 
 fn shields() {
@@ -87,10 +87,10 @@ fn configs() {
     let mut config = config();
     let parameter = any(Parameter::Near);
     if let Err(why) = parameter.set(&mut config, any(1)) {
-        say(why);
+        format_text(why);
     }
     sink((parameter.get(&config), parameter.spec(), parameter.name()));
-    say(parameter.spec().unit);
+    format_text(parameter.spec().unit);
     sink(config);
 }
 
@@ -103,7 +103,7 @@ fn memories() {
         executed: displacement(),
     }));
     if let Err(why) = kept {
-        say(why);
+        format_text(why);
     }
     sink(memory.samples());
     memory.clear();
@@ -143,7 +143,7 @@ fn parts() {
     sink(state.part_len(part));
     sink(state.read_part(part, any(1), any(&mut room[..])));
     if let Err(why) = state.write_part(part, any(1), bytes()) {
-        say(why);
+        format_text(why);
     }
     state.forget();
     sink((state, room));

@@ -1,9 +1,9 @@
-//! Frames, messages, the link's state and the mind behind it.
+//! Frames, messages, the state of the link, and the node.
 
 use crate::arithmetic::now;
 use crate::maps::grid;
 use crate::robot::config;
-use crate::{any, bytes, say, sink};
+use crate::{any, bytes, format_text, sink};
 use amp::link::Link;
 use amp::node::{FrameSink, Identity, NomadNode};
 use amp::store::check;
@@ -37,7 +37,7 @@ fn packing() {
     }
     match frame::unpack::<Report<16>>(bytes()) {
         Ok((header, message)) => packed(header, &message),
-        Err(why) => say(why),
+        Err(why) => format_text(why),
     }
     let mut echoes = any(Vec::new());
     sink(echoes.push(any(Heard {
@@ -66,7 +66,7 @@ fn packing() {
 fn packed<M: serde::Serialize>(header: Header, message: &M) {
     match Frame::pack(header, message) {
         Ok(frame) => sink(any(frame).as_bytes()),
-        Err(why) => say(why),
+        Err(why) => format_text(why),
     }
 }
 
@@ -91,7 +91,7 @@ fn linking() {
     sink(link);
 }
 
-/// Takes frames and may refuse them.
+/// A sink that may refuse any frame.
 struct Anywhere;
 
 impl FrameSink for Anywhere {
@@ -101,7 +101,7 @@ impl FrameSink for Anywhere {
     }
 }
 
-/// Flash that holds anything and may fail.
+/// Flash with any content that may fail.
 fn read(at: usize, out: &mut [u8]) -> bool {
     sink(at);
     for byte in out {

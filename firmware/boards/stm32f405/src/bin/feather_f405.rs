@@ -1,4 +1,4 @@
-//! The firmware for the Adafruit Feather STM32F405 Express.
+//! The program for the Adafruit Feather STM32F405 Express.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]

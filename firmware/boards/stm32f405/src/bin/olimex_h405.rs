@@ -1,4 +1,4 @@
-//! The firmware for the Olimex STM32-H405.
+//! The program for the Olimex STM32-H405.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]

@@ -1,4 +1,4 @@
-//! The kernels and what outlives a loss of power: on a board, and on an emulated chip.
+//! Kernels in assembly and saved images, on a board and on an emulated chip.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(not(target_os = "none"))]
@@ -26,18 +26,18 @@ mod tests {
     use firmware::persist::{SLOT_BYTES, Store};
     use stm32f4xx_hal::pac;
     use stm32f4xx_hal::rcc::{self, RccExt};
-    use stm32f405::chip::Supply;
-    use stm32f405::flash::Kept;
+    use stm32f405::chip::SupplyMonitor;
+    use stm32f405::flash::StoreFlash;
 
-    /// What a flash keeps.
-    struct Mind {
+    /// The contents of a saved image.
+    struct StoredContents {
         config: Config<16>,
         state: State<16, 16, 100>,
         goal: Goal<16>,
         kept: KeptGoals<16>,
     }
 
-    impl Mind {
+    impl StoredContents {
         const fn new() -> Self {
             Self {
                 config: Config::recommended(),
@@ -47,9 +47,9 @@ mod tests {
             }
         }
 
-        /// Fills maps and memory with bytes that are told by this number.
-        fn fill(&mut self, number: u8, room: &mut Image) {
-            for (place, byte) in room.iter_mut().enumerate() {
+        /// Fills maps and memory with bytes derived from `number`.
+        fn fill(&mut self, number: u8, buffers: &mut Image) {
+            for (place, byte) in buffers.iter_mut().enumerate() {
                 *byte = (place as u8).wrapping_mul(7).wrapping_add(number);
             }
             for part in [Part::Situations, Part::Changes, Part::Actions, Part::Memory] {
@@ -57,7 +57,7 @@ mod tests {
                     Part::Memory => 100 * State::<16, 16, 100>::SAMPLE_BYTES,
                     _ => self.state.part_len(part),
                 };
-                let written = self.state.write_part(part, 0, &room[..length]);
+                let written = self.state.write_part(part, 0, &buffers[..length]);
                 assert!(written.is_ok());
             }
         }
@@ -71,9 +71,9 @@ mod tests {
             }
         }
 
-        /// Becomes what was saved last.
-        fn recall(&mut self, store: &mut Store<&mut Kept>) -> Result<(), FlashError> {
-            store.recall(|read, most| {
+        /// Loads the newest image.
+        fn recall(&mut self, store: &mut Store<&mut StoreFlash>) -> Result<(), FlashError> {
+            store.load(|read, most| {
                 let mut contents = ContentsMut {
                     config: &mut self.config,
                     state: &mut self.state,
@@ -84,12 +84,12 @@ mod tests {
             })
         }
 
-        /// The image it would be saved as, and its length.
-        fn image(&self, room: &mut Image) -> usize {
+        /// Writes the image to `buffers`; returns its length.
+        fn image(&self, buffers: &mut Image) -> usize {
             let mut length = 0;
             let written = self.contents().write(1, &mut |bytes| {
                 let end = length + bytes.len();
-                room[length..end].copy_from_slice(bytes);
+                buffers[length..end].copy_from_slice(bytes);
                 length = end;
                 Ok::<_, ()>(())
             });
@@ -100,19 +100,19 @@ mod tests {
 
     type Image = [u8; MAX_NOMAD];
 
-    /// Too large for the stack: what was saved before, is saved, is recalled; and images of the latter two.
-    type Room = ([Mind; 3], [Image; 2]);
+    /// Contents before, saved and loaded; images of the latter two. Too large for the stack.
+    type TestBuffers = ([StoredContents; 3], [Image; 2]);
 
-    static ROOM: Mutex<RefCell<Room>> = Mutex::new(RefCell::new((
-        [const { Mind::new() }; 3],
+    static TEST_BUFFERS: Mutex<RefCell<TestBuffers>> = Mutex::new(RefCell::new((
+        [const { StoredContents::new() }; 3],
         [[0; MAX_NOMAD]; 2],
     )));
 
-    /// Numbers in no order (G. Marsaglia, Xorshift RNGs, 2003).
-    struct Noise(u32);
+    /// Pseudo-random numbers (G. Marsaglia, Xorshift RNGs, 2003).
+    struct TestRng(u32);
 
-    impl Noise {
-        /// A component from -1 to 1; every fourth one is an end of that range.
+    impl TestRng {
+        /// A component from -1 to 1; every fourth one is -1 or 1.
         fn weight(&mut self) -> Weight {
             self.0 ^= self.0 << 13;
             self.0 ^= self.0 >> 17;
@@ -129,38 +129,38 @@ mod tests {
             from_fn(|_| self.weight())
         }
 
-        /// So close together that a neuron's action decides who wins.
+        /// Components so close together that a neuron's action decides the winner.
         fn near<const COUNT: usize>(&mut self) -> [Weight; COUNT] {
             self.weights().map(|weight| weight / 64)
         }
     }
 
-    /// Alone, with half as much for the neighbors, and with all of it.
-    fn pulls() -> [Update<16>; 3] {
+    /// Shares of the neighbors: none, half, all.
+    fn updates() -> [Update; 3] {
         [0, 1 << 15, 1 << 16].map(|share| Update::from_q16(Neighborhood::Direct, 13_107, share))
     }
 
-    /// Erases both sectors; what was saved last is saved again at the end, as the only image.
+    /// Erases both sectors, and finally saves the newest previous image again as the only one.
     #[test]
-    fn an_image_outlives_erasing_and_saving() {
-        free(|section| keep(&mut ROOM.borrow(section).borrow_mut()));
+    fn a_saved_image_is_loaded_unchanged() {
+        free(|section| keep(&mut TEST_BUFFERS.borrow(section).borrow_mut()));
     }
 
-    fn keep(room: &mut Room) {
-        let ([before, saved, recalled], [wanted, found]) = room;
-        let device = pac::Peripherals::take().expect("nobody has them");
+    fn keep(buffers: &mut TestBuffers) {
+        let ([before, saved, recalled], [wanted, found]) = buffers;
+        let device = pac::Peripherals::take().expect("not taken yet");
         let mut clocks = device.RCC.freeze(rcc::Config::hsi());
-        let supply = Supply::watch(device.PWR, &mut clocks);
+        let supply = SupplyMonitor::watch(device.PWR, &mut clocks);
         assert!(!supply.is_low(), "a saved image would not last");
-        let mut kept = Kept::new(device.FLASH);
+        let mut kept = StoreFlash::new(device.FLASH);
         let mut store = Store::mount(&mut kept, SLOT_BYTES);
-        let was_there = before.recall(&mut store).is_ok();
+        let had_image = before.recall(&mut store).is_ok();
         assert_eq!(store.erase(), Ok(()));
         assert_eq!(recalled.recall(&mut store), Err(FlashError::Empty));
         for number in 1..=3 {
             saved.fill(number, wanted);
             assert_eq!(store.save(&saved.contents()), Ok(()));
-            // As a new start finds it.
+            // As after a restart.
             store = Store::mount(&mut kept, SLOT_BYTES);
             assert_eq!(store.generation(), u32::from(number));
             assert_eq!(recalled.recall(&mut store), Ok(()));
@@ -169,51 +169,49 @@ mod tests {
             assert!(wanted[..length] == found[..length]);
         }
         assert_eq!(store.erase(), Ok(()));
-        if was_there {
+        if had_image {
             assert_eq!(store.save(&before.contents()), Ok(()));
         }
     }
 
     #[test]
     fn the_situation_map_is_the_same_with_the_kernels_in_assembly() {
-        let mut noise = Noise(1);
+        let mut rng = TestRng(1);
         for _ in 0..8 {
             let mut portable =
-                Som::<16, 16>::new(Grid::rectangle(4, 4), from_fn(|_| noise.weights()));
-            let mut by_hand = portable.clone();
-            by_hand.use_kernels(&KERNELS);
-            for pull in pulls() {
-                let probe = noise.weights();
-                let winner = portable.winner(&probe, Mask::ALL);
-                assert_eq!(by_hand.winner(&probe, Mask::ALL), winner);
-                let alignments = portable.alignments(&probe, Mask::ALL);
-                assert_eq!(by_hand.alignments(&probe, Mask::ALL), alignments);
-                portable.learn(winner, &probe, Mask::ALL, &pull);
-                by_hand.learn(winner, &probe, Mask::ALL, &pull);
-                assert!(by_hand == portable);
+                Som::<16, 16>::new(Grid::rectangle(4, 4), from_fn(|_| rng.weights()));
+            let mut simd = portable.clone();
+            simd.use_kernels(&KERNELS);
+            for update in updates() {
+                let probe = rng.weights();
+                let winner = portable.bmu(&probe, Mask::ALL);
+                assert_eq!(simd.bmu(&probe, Mask::ALL), winner);
+                portable.update(winner, &probe, Mask::ALL, &update);
+                simd.update(winner, &probe, Mask::ALL, &update);
+                assert!(simd == portable);
             }
         }
     }
 
     #[test]
     fn the_action_map_is_the_same_with_the_kernels_in_assembly() {
-        let mut noise = Noise(2);
+        let mut rng = TestRng(2);
         for _ in 0..8 {
-            let (code, actions) = (from_fn(|_| noise.near()), from_fn(|_| noise.weights()));
+            let (code, actions) = (from_fn(|_| rng.near()), from_fn(|_| rng.weights()));
             let mut portable = ActionMap::<16, 16>::new(Grid::rectangle(4, 4), code, actions);
-            let mut by_hand = portable.clone();
-            by_hand.use_kernels(&KERNELS);
-            for (pull, weight) in pulls().into_iter().zip([0, 256, 512]) {
+            let mut simd = portable.clone();
+            simd.use_kernels(&KERNELS);
+            for (update, weight) in updates().into_iter().zip([0, 256, 600]) {
                 let effect = Effect {
-                    change: noise.near(),
-                    action: noise.weights(),
+                    change: rng.near(),
+                    action: rng.weights(),
                     mask: Mask::ALL,
                 };
-                let winner = portable.winner(&effect, weight);
-                assert_eq!(by_hand.winner(&effect, weight), winner);
-                portable.learn(winner, &effect, &pull);
-                by_hand.learn(winner, &effect, &pull);
-                assert!(by_hand == portable);
+                let winner = portable.bmu(&effect, weight);
+                assert_eq!(simd.bmu(&effect, weight), winner);
+                portable.update(winner, &effect, &update);
+                simd.update(winner, &effect, &update);
+                assert!(simd == portable);
             }
         }
     }

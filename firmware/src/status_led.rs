@@ -1,30 +1,30 @@
-//! When the lamp is lit: what a person beside the robot can see without a computer.
+//! When the status LED is lit: the state of the firmware, visible without a computer.
 //!
-//! | lamp | meaning |
+//! | LED | meaning |
 //! |---|---|
-//! | a short flash each second | the firmware runs; no host is there |
-//! | half a second on, half a second off | a host is there |
-//! | flickers for three seconds after a start | the start before ended in a crash or by the watchdog |
-//! | neither lit nor flashing, or lit for good | the firmware does not run |
+//! | a short flash each second | the firmware runs; no host is connected |
+//! | half a second on, half a second off | a host is connected |
+//! | flickers for three seconds after a start | the last run ended by a crash or the watchdog |
+//! | constantly on or off | the firmware does not run |
 
 use amp::units::Millis;
 use amp::wire::message::ResetCause;
 
-/// How long a start after a crash is shown.
-const ALARM_MS: u32 = 3_000;
+/// How long the LED flickers after a crash, milliseconds.
+const CRASH_SIGNAL_MS: u32 = 3_000;
 
-/// Whether the lamp is lit at `now`, milliseconds since the start.
+/// Whether the LED is lit at `now`, counted from the start.
 #[must_use]
 pub const fn is_lit(now: Millis, linked: bool, reset: ResetCause) -> bool {
     let now_ms = now.as_ms();
-    if now_ms < ALARM_MS && is_alarming(reset) {
+    if now_ms < CRASH_SIGNAL_MS && is_crash(reset) {
         return now_ms % 100 < 50;
     }
     let lit_ms = if linked { 500 } else { 50 };
     now_ms % 1_000 < lit_ms
 }
 
-const fn is_alarming(reset: ResetCause) -> bool {
+const fn is_crash(reset: ResetCause) -> bool {
     matches!(
         reset,
         ResetCause::Watchdog
@@ -45,7 +45,7 @@ mod tests {
     }
 
     #[test]
-    fn the_patterns_of_the_table() {
+    fn led_patterns_match_the_table() {
         assert_eq!(lit_ms(0, false, ResetCause::PowerOn), 50);
         assert_eq!(lit_ms(0, true, ResetCause::PowerOn), 500);
         assert_eq!(lit_ms(2_000, false, ResetCause::Watchdog), 500);
@@ -53,7 +53,7 @@ mod tests {
     }
 
     #[test]
-    fn an_alarm_flickers_faster_than_a_link() {
+    fn a_crash_flickers_faster_than_a_link() {
         let changes = |reset| {
             let lit = |ms| is_lit(Millis::from_ms(ms), true, reset);
             (0..1_000).filter(|&ms| lit(ms) != lit(ms + 1)).count()
