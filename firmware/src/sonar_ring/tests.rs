@@ -480,12 +480,12 @@ fn the_pins_change_in_order() {
     let first = [1_000, 26_000, 26_900, 63_700, 64_700];
     let second = [89_700, 90_000, 90_900, 127_700, 128_700];
     assert_eq!(times, [first, second].concat());
-    let told: Vec<_> = heard
+    let results: Vec<_> = heard
         .iter()
         .map(|r| (r.sensor, r.outcome, r.fired_us))
         .collect();
     assert_eq!(
-        told,
+        results,
         [
             (0, FiringOutcome::NoEcho, 26_000),
             (2, FiringOutcome::NoEcho, 90_000)

@@ -19,7 +19,7 @@ use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::{Enable, Rcc};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
-/// Clock of the processor. An emulated chip counts at this rate too, whatever its oscillator is.
+/// Clock of the processor. An emulated chip also counts at this rate.
 pub const CORE_HZ: u32 = 168_000_000;
 
 /// Normal timeout of the watchdog. The tolerance of its oscillator (17 to 47 kHz, STM32F405 data
