@@ -1,8 +1,8 @@
 //! Which oscillator clocks the processor: a crystal of a known frequency, else the internal one.
 //!
-//! A board measures its crystal against the internal oscillator at each start. A trial record in
-//! RAM that outlives a reset says that a crystal passed and failed later: such a crystal is not
-//! used until the next power-on, so it causes one restart at most.
+//! A board measures its crystal against the internal oscillator at each start. A record in RAM
+//! survives a reset: a crystal that passes and fails later is not used until the next power-on, so
+//! it causes one restart at most.
 
 use crate::crash::ResetFlags;
 use amp::wire::message::Oscillator;

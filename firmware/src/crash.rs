@@ -201,8 +201,9 @@ impl FaultRegisters {
     /// BFARVALID in CFSR.
     const BUS_VALID: u32 = 1 << 15;
 
-    /// The cause of the fault. It is a stack overflow if the guard below `stack_end` was hit, or if
-    /// the stack pointer is outside the stack after the processor has pushed its registers.
+    /// The cause of the fault. It is a stack overflow if the guard below `stack_end` was hit or the
+    /// stack pointer is outside the stack. `stack_pointer` is the value after the processor has
+    /// pushed its registers.
     #[must_use]
     pub const fn cause(&self, stack_pointer: u32, stack_start: u32, stack_end: u32) -> CrashCause {
         let guard_was_hit = self.status & Self::PROTECTED_VALID != 0 && self.protected < stack_end;

@@ -164,7 +164,7 @@ pub struct SonarRing<'queue, P> {
     driver: ChannelDriver<P>,
     timing: Timing,
     sound: SpeedOfSound,
-    firings: Producer<'queue, RingReading>,
+    readings: Producer<'queue, RingReading>,
     errors: &'queue ErrorCounters,
     runs: bool,
 }
@@ -176,14 +176,14 @@ impl<'queue, P: OutputPin> SonarRing<'queue, P> {
         driver: ChannelDriver<P>,
         timing: Timing,
         sound: SpeedOfSound,
-        firings: Producer<'queue, RingReading>,
+        readings: Producer<'queue, RingReading>,
         errors: &'queue ErrorCounters,
     ) -> Self {
         Self {
             driver,
             timing,
             sound,
-            firings,
+            readings,
             errors,
             runs: false,
         }
@@ -216,12 +216,12 @@ impl<'queue, P: OutputPin> SonarRing<'queue, P> {
         if !wanted {
             return Ok(None);
         }
-        let (sound, firings, errors) = (self.sound, &mut self.firings, self.errors);
+        let (sound, readings, errors) = (self.sound, &mut self.readings, self.errors);
         self.driver.run(capture, |reading| {
             let age_ms = now_us.wrapping_sub(reading.fired_us) / 1_000;
-            let told = match reading.outcome.report(sound) {
+            let queued = match reading.outcome.report(sound) {
                 // The queue is full if the node has not run for 1 s: the ring stays incomplete.
-                EchoReport::Range(range) => firings.enqueue(RingReading {
+                EchoReport::Range(range) => readings.enqueue(RingReading {
                     sensor: reading.sensor,
                     range,
                     at: Millis::from_ms(now.as_ms().wrapping_sub(age_ms)),
@@ -229,7 +229,7 @@ impl<'queue, P: OutputPin> SonarRing<'queue, P> {
                 EchoReport::Fault => return errors.count_ring_fault(),
                 EchoReport::Nothing => return,
             };
-            if told.is_err() {
+            if queued.is_err() {
                 errors.count_ring_fault();
             }
         })

@@ -72,7 +72,7 @@ mod tests {
         }
 
         /// Loads the newest image.
-        fn recall(&mut self, store: &mut Store<&mut StoreFlash>) -> Result<(), FlashError> {
+        fn load(&mut self, store: &mut Store<&mut StoreFlash>) -> Result<(), FlashError> {
             store.load(|read, most| {
                 let mut contents = ContentsMut {
                     config: &mut self.config,
@@ -147,25 +147,25 @@ mod tests {
     }
 
     fn keep(buffers: &mut TestBuffers) {
-        let ([before, saved, recalled], [wanted, found]) = buffers;
+        let ([before, saved, loaded], [wanted, found]) = buffers;
         let device = pac::Peripherals::take().expect("not taken yet");
         let mut clocks = device.RCC.freeze(rcc::Config::hsi());
         let supply = SupplyMonitor::watch(device.PWR, &mut clocks);
         assert!(!supply.is_low(), "a saved image would not last");
         let mut kept = StoreFlash::new(device.FLASH);
         let mut store = Store::mount(&mut kept, SLOT_BYTES);
-        let had_image = before.recall(&mut store).is_ok();
+        let had_image = before.load(&mut store).is_ok();
         assert_eq!(store.erase(), Ok(()));
-        assert_eq!(recalled.recall(&mut store), Err(FlashError::Empty));
+        assert_eq!(loaded.load(&mut store), Err(FlashError::Empty));
         for number in 1..=3 {
             saved.fill(number, wanted);
             assert_eq!(store.save(&saved.contents()), Ok(()));
             // As after a restart.
             store = Store::mount(&mut kept, SLOT_BYTES);
             assert_eq!(store.generation(), u32::from(number));
-            assert_eq!(recalled.recall(&mut store), Ok(()));
+            assert_eq!(loaded.load(&mut store), Ok(()));
             let length = saved.image(wanted);
-            assert_eq!(recalled.image(found), length);
+            assert_eq!(loaded.image(found), length);
             assert!(wanted[..length] == found[..length]);
         }
         assert_eq!(store.erase(), Ok(()));

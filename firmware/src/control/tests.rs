@@ -117,7 +117,7 @@ impl<F: NorFlash> ControlBench<F> {
         self.send_request(&ToMind::Counters);
         assert!(!self.control.run(Millis::from_ms(now_ms)));
         let reports = self.take_reports();
-        let counters = reports.iter().find_map(|reports| match reports {
+        let counters = reports.iter().find_map(|report| match report {
             FromMind::Counters(counters) => Some(*counters),
             _ => None,
         });
@@ -331,7 +331,7 @@ fn fire(near: &mut Producer<'static, RingReading>, transducers: core::ops::Range
 
 /// The commanded displacement, dx and dy.
 fn motion(reports: &[FromMind<16>]) -> Option<(i16, i16)> {
-    reports.iter().find_map(|reports| match reports {
+    reports.iter().find_map(|report| match report {
         FromMind::Motion(order) => Some((order.dx_mm, order.dy_mm)),
         _ => None,
     })
@@ -497,7 +497,7 @@ fn nothing_moves_while_the_emergency_stop_is_open() {
         });
         let _ = bench.control.run(Millis::from_ms(4));
         let reports = bench.take_reports();
-        let is_motion = |reports: &FromMind<16>| matches!(reports, FromMind::Motion(_));
+        let is_motion = |report: &FromMind<16>| matches!(report, FromMind::Motion(_));
         assert_eq!(reports.iter().any(is_motion), moves, "{reports:?}");
         assert_eq!(bench.control.may_move(Millis::from_ms(5)), moves);
     }

@@ -1,8 +1,8 @@
 //! Simulated flash, stricter than the chip's, that loses power on request.
 //!
 //! It panics when a word is written that is not blank, was written before or was partly erased,
-//! and at an unaligned address. At a loss of power the word being written keeps any mixture of
-//! old and new bits, and a sector being erased any mixture of old bits and ones.
+//! and at an unaligned address. At a loss of power the word or sector in progress keeps any
+//! mixture of old and new bits.
 
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,

@@ -49,10 +49,10 @@ struct ModuleSim {
     readings: Vec<FiringResult>,
 }
 
-type Shared = Rc<RefCell<ModuleSim>>;
+type SharedModule = Rc<RefCell<ModuleSim>>;
 
 impl ModuleSim {
-    fn new(fault: ModuleFault) -> Shared {
+    fn new(fault: ModuleFault) -> SharedModule {
         Rc::new(RefCell::new(Self {
             now_us: u32::MAX - 200_000,
             fault,
@@ -163,7 +163,7 @@ enum ModulePin {
     Blnk,
 }
 
-struct FakePin(Shared, ModulePin);
+struct FakePin(SharedModule, ModulePin);
 
 impl ErrorType for FakePin {
     type Error = Infallible;
@@ -181,9 +181,9 @@ impl OutputPin for FakePin {
     }
 }
 
-struct FakeCapture(Shared);
+struct SimCapture(SharedModule);
 
-impl EchoCapture for FakeCapture {
+impl EchoCapture for SimCapture {
     fn now_us(&mut self) -> u32 {
         self.0.borrow().now_us
     }
@@ -201,7 +201,7 @@ impl EchoCapture for FakeCapture {
     }
 }
 
-fn driver(module: &Shared, timing: Timing, order: FiringOrder) -> ChannelDriver<FakePin> {
+fn driver(module: &SharedModule, timing: Timing, order: FiringOrder) -> ChannelDriver<FakePin> {
     let pin = |wire| FakePin(Rc::clone(module), wire);
     let pins = RingPins {
         address: [0, 1, 2, 3].map(|bit| pin(ModulePin::Address(bit))),
@@ -215,9 +215,9 @@ fn driver(module: &Shared, timing: Timing, order: FiringOrder) -> ChannelDriver<
 }
 
 /// Runs a driver for `ms` milliseconds; run k is `late_us(k)` microseconds late.
-fn run_for(module: &Shared, timing: Timing, ms: u32, late_us: impl Fn(usize) -> u32) {
+fn run_for(module: &SharedModule, timing: Timing, ms: u32, late_us: impl Fn(usize) -> u32) {
     let mut driver = driver(module, timing, FiringOrder::NOMAD);
-    let mut capture = FakeCapture(Rc::clone(module));
+    let mut capture = SimCapture(Rc::clone(module));
     let began = module.borrow().now_us;
     let mut runs = 0;
     while module.borrow().now_us.wrapping_sub(began) < ms * 1_000 {
@@ -433,9 +433,7 @@ fn an_empty_order_rests() {
     let order = FiringOrder::new([END_OF_ORDER; 16]).expect("an order");
     let mut driver = driver(&module, Timing::relays(), order);
     module.borrow_mut().now_us += 2_000;
-    let Ok(next) = driver.run(&mut FakeCapture(Rc::clone(&module)), |_| {
-        panic!("a reading")
-    });
+    let Ok(next) = driver.run(&mut SimCapture(Rc::clone(&module)), |_| panic!("a reading"));
     assert_eq!(next, None);
 }
 
@@ -482,12 +480,12 @@ fn the_pins_change_in_order() {
     let first = [1_000, 26_000, 26_900, 63_700, 64_700];
     let second = [89_700, 90_000, 90_900, 127_700, 128_700];
     assert_eq!(times, [first, second].concat());
-    let told: Vec<_> = heard
+    let results: Vec<_> = heard
         .iter()
         .map(|r| (r.sensor, r.outcome, r.fired_us))
         .collect();
     assert_eq!(
-        told,
+        results,
         [
             (0, FiringOutcome::NoEcho, 26_000),
             (2, FiringOutcome::NoEcho, 90_000)

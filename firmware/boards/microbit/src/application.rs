@@ -2,7 +2,7 @@
 
 #![allow(unsafe_code)]
 
-use crate::device::{Device, MillisecondTimer, NordicUart};
+use crate::device::{Device, MatrixLed, MillisecondTimer, NordicUart};
 use amp::node::{Identity, NomadNode};
 use amp::units::Millis;
 use amp::wire::message::{Oscillator, ResetCause};
@@ -21,6 +21,14 @@ use nrf51_pac::{Interrupt, Peripherals, interrupt};
 
 /// Longest time between two runs of the control task.
 const CONTROL_PERIOD_MS: u32 = 10;
+
+/// What the Hello says about this device.
+const IDENTITY: Identity = Identity {
+    build: BUILD,
+    reset: ResetCause::Unknown,
+    oscillator: Oscillator::Crystal,
+    ring: false,
+};
 
 /// The serial interrupt's data.
 struct SerialLink {
@@ -56,33 +64,29 @@ fn main() -> ! {
         TIMER.replace(cs, Some(device.timer));
     });
     unmask();
-    control.start(
-        Identity {
-            build: BUILD,
-            reset: ResetCause::Unknown,
-            oscillator: Oscillator::Crystal,
-            ring: false,
-        },
-        Millis::from_ms(0),
-    );
+    control.start(IDENTITY, Millis::from_ms(0));
     loop {
         // No atomic swap needed: an interrupt in between sets it again, at the latest in 10 ms.
         if CONTROL_PENDING.load(Ordering::Relaxed) {
             CONTROL_PENDING.store(false, Ordering::Relaxed);
-            let now = Millis::from_ms(NOW_MS.load(Ordering::Relaxed));
-            if control.run(now) {
-                CONTROL_PENDING.store(true, Ordering::Relaxed);
-            }
-            if control.take_queued() {
-                NVIC::pend(Interrupt::UART0);
-            }
-            control.set_stack_peak(stack_peak_bytes());
-            let lit = status_led::is_lit(now, control.is_linked(), ResetCause::Unknown);
-            device.led.set(lit);
+            run_control(&mut control, &mut device.led);
         } else {
             cortex_m::asm::wfi();
         }
     }
+}
+
+/// Runs the control task once.
+fn run_control(control: &mut Control<'_>, led: &mut MatrixLed) {
+    let now = Millis::from_ms(NOW_MS.load(Ordering::Relaxed));
+    if control.run(now) {
+        CONTROL_PENDING.store(true, Ordering::Relaxed);
+    }
+    if control.take_queued() {
+        NVIC::pend(Interrupt::UART0);
+    }
+    control.set_stack_peak(stack_peak_bytes());
+    led.set(status_led::is_lit(now, control.is_linked(), IDENTITY.reset));
 }
 
 /// Enables the interrupts. The serial interrupt has the higher priority.

@@ -22,7 +22,7 @@ macro_rules! application {
         #[rtic::app(device = stm32f4xx_hal::pac, peripherals = true)]
         mod app {
             use $crate::chip::{
-                Devices, RingPin, BoardSafetyLines, StatusLed, SupplyMonitor, SupplyInterrupt, Watchdog,
+                BoardSafetyLines, Devices, RingPin, StatusLed, SupplyInterrupt, SupplyMonitor, Watchdog,
             };
             use $crate::flash::StoreFlash;
             use $crate::ring_timer::RingTimer;
@@ -35,13 +35,15 @@ macro_rules! application {
             use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
             use firmware::BUILD;
             use firmware::control::Control;
-            use firmware::crash::{ResetFlags, reset_name, reset_cause};
-            use firmware::status_led;
-            use firmware::uart::{ErrorCounters, UartDriver, TxQueue};
+            use firmware::crash::{ResetFlags, reset_cause, reset_name};
             use firmware::persist::{SLOT_BYTES, Store};
-            use firmware::sonar_ring::{EchoCapture, ChannelDriver, RingReading, FiringOrder, SonarRing, SpeedOfSound, Timing};
+            use firmware::sonar_ring::{
+                ChannelDriver, EchoCapture, FiringOrder, RingPins, RingReading, SonarRing, SpeedOfSound, Timing,
+            };
+            use firmware::status_led;
             use firmware::task_monitor::{MonitoredTask, TaskMonitor};
-            use heapless::spsc::Queue;
+            use firmware::uart::{ErrorCounters, TxQueue, UartDriver};
+            use heapless::spsc::{Producer, Queue};
             use stm32f4xx_hal::pac::Interrupt;
 
             /// Longest time between two runs of `control`, and between feedings of the watchdog.
@@ -56,7 +58,7 @@ macro_rules! application {
             const AIR_DECIDEGREES: i16 = 200;
 
             #[shared]
-            struct Shared {
+            struct SharedResources {
                 now_ms: AtomicU32,
                 linked: AtomicBool,
                 ring_wanted: AtomicBool,
@@ -66,7 +68,7 @@ macro_rules! application {
             }
 
             #[local]
-            struct Local {
+            struct LocalResources {
                 driver: UartDriver<'static>,
                 port: SerialPort<board::Link>,
                 led: StatusLed,
@@ -84,9 +86,9 @@ macro_rules! application {
                 received: Queue<u8, 512> = Queue::new(),
                 to_send: Queue<u8, 2048> = Queue::new(),
                 errors: ErrorCounters = ErrorCounters::new(),
-                firings: Queue<RingReading, 16> = Queue::new(),
+                readings: Queue<RingReading, 16> = Queue::new(),
             ])]
-            fn init(cx: init::Context) -> (Shared, Local) {
+            fn init(cx: init::Context) -> (SharedResources, LocalResources) {
                 let mut devices: Devices<board::Link> = board::init(cx.device, cx.core);
                 let reset = reset_reason(devices.flags);
                 let errors: &'static ErrorCounters = cx.local.errors;
@@ -94,25 +96,17 @@ macro_rules! application {
                 let (to_send_in, to_send_out) = cx.local.to_send.split();
                 let tx = TxQueue::new(to_send_in);
                 cx.local.node.use_kernels(&cortex_m4::KERNELS);
-                let (firings_in, firings_out) = cx.local.firings.split();
+                let (readings_in, readings_out) = cx.local.readings.split();
                 let store = Store::mount(devices.flash, SLOT_BYTES);
                 let control = Control::new(cx.local.node, received_out, tx, errors, Some(store));
-                let mut control = control.with_ring(firings_out);
+                let mut control = control.with_ring(readings_out);
                 // A sector of flash may be erased.
                 devices.watchdog.set_long_timeout(true);
-                control.start(
-                    Identity {
-                        build: BUILD,
-                        reset,
-                        oscillator: devices.oscillator,
-                        ring: HAS_PINS,
-                    },
-                    Millis::from_ms(0),
-                );
+                control.start(identity(reset, devices.oscillator), Millis::from_ms(0));
                 devices.watchdog.set_long_timeout(false);
                 // Sends the Hello, which waits in the queue.
                 rtic::pend(Interrupt::$link);
-                let shared = Shared {
+                let shared = SharedResources {
                     now_ms: AtomicU32::new(0),
                     linked: AtomicBool::new(false),
                     ring_wanted: AtomicBool::new(false),
@@ -120,11 +114,9 @@ macro_rules! application {
                     task_monitor: TaskMonitor::new(),
                     errors,
                 };
-                let (timing, mut timer) = (Timing::relays().with_self_test(), devices.ring_timer);
-                let now_us = timer.now_us();
-                let Ok(driver) = ChannelDriver::new(devices.ring_pins, timing, FiringOrder::NOMAD, now_us);
-                let ring = SonarRing::new(driver, timing, SpeedOfSound::at(AIR_DECIDEGREES), firings_in, errors);
-                let local = Local {
+                let mut timer = devices.ring_timer;
+                let ring = sonar_ring(devices.ring_pins, timer.now_us(), readings_in, errors);
+                let local = LocalResources {
                     driver: UartDriver::new(received_in, to_send_out),
                     port: devices.port,
                     led: devices.led,
@@ -202,7 +194,7 @@ macro_rules! application {
                     let alarms = cx.local.safety.read(now);
                     control.apply_alarms(alarms, cx.local.supply.is_low(), now);
                 }
-                let more = control.run(now);
+                let work_left = control.run(now);
                 if HAS_PINS {
                     cx.local.safety.toggle_permit(control.may_move(now), now);
                 }
@@ -220,7 +212,7 @@ macro_rules! application {
                     housekeeping(control);
                 }
                 shared.task_monitor.check_in(MonitoredTask::Control);
-                if more {
+                if work_left {
                     rtic::pend(CONTROL);
                 }
             }
@@ -229,6 +221,28 @@ macro_rules! application {
             fn supply(cx: supply::Context) {
                 cx.local.supply_alarm.clear();
                 rtic::pend(CONTROL);
+            }
+
+            /// What the Hello says about this device.
+            const fn identity(reset: ResetCause, oscillator: Oscillator) -> Identity {
+                Identity {
+                    build: BUILD,
+                    reset,
+                    oscillator,
+                    ring: HAS_PINS,
+                }
+            }
+
+            /// The ring of sonars, at rest.
+            fn sonar_ring(
+                pins: RingPins<RingPin>,
+                now_us: u32,
+                readings: Producer<'static, RingReading>,
+                errors: &'static ErrorCounters,
+            ) -> SonarRing<'static, RingPin> {
+                let timing = Timing::relays().with_self_test();
+                let Ok(driver) = ChannelDriver::new(pins, timing, FiringOrder::NOMAD, now_us);
+                SonarRing::new(driver, timing, SpeedOfSound::at(AIR_DECIDEGREES), readings, errors)
             }
 
             /// Measures the stack and logs changes.
@@ -251,12 +265,12 @@ macro_rules! application {
                 match crash {
                     Some(crash) if crash.program_counter != 0 => {
                         defmt::error!(
-                            "the run before faulted at {=u32:#x}: {=str}",
+                            "the last run faulted at {=u32:#x}: {=str}",
                             crash.program_counter,
                             crash.text.as_str()
                         );
                     }
-                    Some(crash) => defmt::error!("the run before said: {=str}", crash.text.as_str()),
+                    Some(crash) => defmt::error!("the last run crashed: {=str}", crash.text.as_str()),
                     None => {}
                 }
                 reset

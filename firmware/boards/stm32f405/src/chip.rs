@@ -13,13 +13,13 @@ use cortex_m::peripheral::syst::SystClkSource;
 use firmware::crash::ResetFlags;
 use firmware::safety::SafetyLines;
 use firmware::sonar_ring::RingPins;
-use stm32f4xx_hal::gpio::{ErasedPin, Input, Output, PinState};
+use stm32f4xx_hal::gpio::{ErasedPin, Input, Output, PB13, PB14, PB15, PinState};
 use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::{Enable, Rcc};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
-/// Clock of the processor. An emulated chip counts at this rate too, whatever its oscillator is.
+/// Clock of the processor. An emulated chip also counts at this rate.
 pub const CORE_HZ: u32 = 168_000_000;
 
 /// Normal timeout of the watchdog. The tolerance of its oscillator (17 to 47 kHz, STM32F405 data
@@ -134,6 +134,15 @@ impl StatusLed {
 
 /// The safety lines of a board.
 pub type BoardSafetyLines = SafetyLines<ErasedPin<Input>, ErasedPin<Output>>;
+
+/// The safety lines at the same pins of each board: emergency stop, bumper, motion permit.
+pub fn safety_lines(emergency_stop: PB13, bumper: PB14, permit: PB15) -> BoardSafetyLines {
+    SafetyLines::new(
+        emergency_stop.into_pull_up_input().erase(),
+        bumper.into_pull_up_input().erase(),
+        permit.into_push_pull_output().erase(),
+    )
+}
 
 /// The monitor of the supply voltage: the chip's voltage detector (PVD).
 pub struct SupplyMonitor(pac::PWR);

@@ -58,11 +58,12 @@ pub use device::{Link, init};
 
 #[cfg(target_os = "none")]
 mod device {
-    use crate::chip::{Devices, StartedChip, StatusLed, SupplyInterrupt, SupplyMonitor};
+    use crate::chip::{
+        Devices, StartedChip, StatusLed, SupplyInterrupt, SupplyMonitor, safety_lines,
+    };
     use crate::flash::StoreFlash;
     use crate::ring_timer::RingTimer;
     use crate::serial::{SerialPort, settings};
-    use firmware::safety::SafetyLines;
     use firmware::sonar_ring::RingPins;
     use stm32f4xx_hal::gpio::{PinState, Pull};
     use stm32f4xx_hal::pac;
@@ -77,15 +78,10 @@ mod device {
     /// The clocks cannot make the link's rate; each supported clock can.
     pub fn init(device: pac::Peripherals, core: cortex_m::Peripherals) -> Devices<Link> {
         let guards = (device.IWDG, &device.DBGMCU);
-        let StartedChip {
-            mut rcc,
-            watchdog,
-            flags,
-            oscillator,
-        } = StartedChip::start(guards, (device.RCC, device.TIM11), core);
-        let gpioa = device.GPIOA.split(&mut rcc);
-        let gpiob = device.GPIOB.split(&mut rcc);
-        let gpioc = device.GPIOC.split(&mut rcc);
+        let mut chip = StartedChip::start(guards, (device.RCC, device.TIM11), core);
+        let gpioa = device.GPIOA.split(&mut chip.rcc);
+        let gpiob = device.GPIOB.split(&mut chip.rcc);
+        let gpioc = device.GPIOC.split(&mut chip.rcc);
         let led = gpioc.pc1.into_push_pull_output_in_state(PinState::Low);
         // Pull-up: an open wire would be noise, and the idle line is high.
         let receive = gpiob.pb11.into_alternate().internal_resistor(Pull::Up);
@@ -100,26 +96,22 @@ mod device {
             binh: gpioc.pc2.into_push_pull_output().erase(),
             blnk: gpioc.pc3.into_push_pull_output().erase(),
         };
-        let safety = SafetyLines::new(
-            gpiob.pb13.into_pull_up_input().erase(),
-            gpiob.pb14.into_pull_up_input().erase(),
-            gpiob.pb15.into_push_pull_output().erase(),
-        );
-        let ring_timer = RingTimer::start(device.TIM3, gpioc.pc6.into_alternate(), &mut rcc);
+        let safety = safety_lines(gpiob.pb13, gpiob.pb14, gpiob.pb15);
+        let ring_timer = RingTimer::start(device.TIM3, gpioc.pc6.into_alternate(), &mut chip.rcc);
         let serial = device
             .USART3
-            .serial::<u8>((gpiob.pb10, receive), settings(), &mut rcc)
+            .serial::<u8>((gpiob.pb10, receive), settings(), &mut chip.rcc)
             .expect("every clock used here can make this rate");
         Devices {
             port: SerialPort::listen(serial.release().0, pac::Interrupt::USART3),
             led: StatusLed::new(led.erase(), PinState::High),
-            watchdog,
+            watchdog: chip.watchdog,
             ring_pins,
             ring_timer,
-            flags,
-            oscillator,
+            flags: chip.flags,
+            oscillator: chip.oscillator,
             safety,
-            supply: SupplyMonitor::watch(device.PWR, &mut rcc),
+            supply: SupplyMonitor::watch(device.PWR, &mut chip.rcc),
             supply_alarm: SupplyInterrupt::listen(device.EXTI),
             flash: StoreFlash::new(device.FLASH),
         }

@@ -1,7 +1,7 @@
 //! The flash for saved images: the two sectors of `STORE` in `memory.x`.
 //!
 //! An emulated chip has no flash to write. There two small sectors are in RAM that start-up code
-//! does not initialize: they outlive a reset, but not the emulator.
+//! does not initialize: they survive a reset, but not the emulator.
 
 #![allow(unsafe_code)]
 

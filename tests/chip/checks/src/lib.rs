@@ -110,8 +110,8 @@ pub fn image(board: &BoardImage) -> PathBuf {
         "build --locked --package {package} --bin {program} --profile chip --target {target}"
     );
     let output = cargo(&project(), &line);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{stderr}");
     target_folder().join(target).join("chip").join(program)
 }
 

@@ -1,8 +1,8 @@
 //! Worst-case stack depth, computed from an image's code: frames and calls of each function.
 //!
-//! It adds up all instructions of a function that lower the stack pointer, on any branch, and takes
-//! the deepest chain of calls (ARMv7-M Architecture Reference Manual, A7.7). Jumps to other
-//! functions count as calls. Recursion is reported: it has no bound.
+//! A frame is the sum of a function's instructions that lower the stack pointer, on any branch
+//! (ARMv7-M Architecture Reference Manual, A7.7). Jumps to other functions count as calls.
+//! Recursion is reported: it has no bound.
 
 use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SectionKind, SymbolKind};
 use std::collections::{BTreeMap, BTreeSet};

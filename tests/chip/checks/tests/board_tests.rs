@@ -12,10 +12,10 @@ fn build() -> PathBuf {
          --message-format json"
     );
     let output = cargo(&project(), &line);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}");
-    let said = String::from_utf8_lossy(&output.stdout);
-    let (_, path) = said.split_once("\"executable\":\"").expect("an image");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{stderr}");
+    let stdout = String::from_utf8_lossy(&output.stdout);
+    let (_, path) = stdout.split_once("\"executable\":\"").expect("an image");
     let (path, _) = path.split_once('"').expect("its path ends");
     target_folder().join(path)
 }
@@ -56,19 +56,19 @@ fn board_tests_pass_on_the_emulated_chip_and_a_failure_is_reported() {
     assert_eq!(tests.len(), 5, "{tests:?}");
     for (name, address) in tests {
         let output = run(&image, address);
-        let said = String::from_utf8_lossy(&output.stderr);
-        println!("{name}: {} {said}", output.status);
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        println!("{name}: {} {stderr}", output.status);
         let fails = name == "a_failure_is_reported";
         // 124 means a test that did not end.
         assert_eq!(
             output.status.code(),
             Some(i32::from(fails)),
-            "{name}: {said}"
+            "{name}: {stderr}"
         );
         assert_eq!(
-            said.contains("kernels_and_storage.rs:"),
+            stderr.contains("kernels_and_storage.rs:"),
             fails,
-            "{name}: {said}"
+            "{name}: {stderr}"
         );
     }
 }

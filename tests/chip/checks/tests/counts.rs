@@ -22,10 +22,10 @@ const BUDGETS: [(&str, u64, u64); 9] = [
 fn table(package: &str) -> String {
     let line = format!("run --quiet --locked --profile chip --package {package} --target {TARGET}");
     let output = cargo(&workspace(), &line);
-    let said = String::from_utf8_lossy(&output.stderr);
+    let stderr = String::from_utf8_lossy(&output.stderr);
     assert!(
         output.status.success(),
-        "qemu-system-arm 7.2 or later is needed:\n{said}"
+        "qemu-system-arm 7.2 or later is needed:\n{stderr}"
     );
     String::from_utf8(output.stdout).expect("the table is UTF-8")
 }

@@ -12,20 +12,20 @@ fn link(features: &str) -> Output {
 #[test]
 fn the_controller_has_no_path_to_a_panic() {
     let output = link("");
-    let said = String::from_utf8_lossy(&output.stderr);
+    let stderr = String::from_utf8_lossy(&output.stderr);
     assert!(
         output.status.success(),
-        "see README.md beside this workspace:\n{said}"
+        "see README.md beside this workspace:\n{stderr}"
     );
 }
 
 #[test]
 fn a_path_to_a_panic_is_found() {
     let output = link("--features deliberate-panic");
-    let said = String::from_utf8_lossy(&output.stderr);
+    let stderr = String::from_utf8_lossy(&output.stderr);
     assert!(!output.status.success(), "it linked");
     assert!(
-        said.contains("a_path_to_a_panic_is_left"),
-        "another error:\n{said}"
+        stderr.contains("a_path_to_a_panic_is_left"),
+        "another error:\n{stderr}"
     );
 }
