@@ -52,10 +52,8 @@ const fn margin(dims: usize) -> i32 {
     (16 + 1 + 2) * dims as i32 + 2
 }
 
-/// A second map of a joint search has less than this weight, in 1/256, and at most
-/// [`MAX_JOINT_DIMS`] components: then a base fits 31 bits.
+/// A second map of two components has less than this weight, in 1/256: then a base fits 31 bits.
 const MAX_JOINT_WEIGHT_Q8: u16 = 512;
-const MAX_JOINT_DIMS: usize = 2;
 
 /// What a search by ranks leaves.
 pub(crate) enum Candidates {
@@ -98,7 +96,8 @@ impl Accelerator {
         self.search(code, &self.norms, probe, margin(DIMS))
     }
 
-    /// The same with the weighted distances of a second map; `None` where they do not fit.
+    /// The same with the weighted distances of a second map of two components; `None` for another one
+    /// and for a large weight.
     #[inline]
     pub(crate) fn joint_candidates<const NEURONS: usize, const DIMS: usize, const OTHER: usize>(
         &self,
@@ -108,21 +107,23 @@ impl Accelerator {
         other_probe: &[Weight; OTHER],
         weight_q8: u16,
     ) -> Option<Candidates> {
-        if OTHER > MAX_JOINT_DIMS || weight_q8 >= MAX_JOINT_WEIGHT_Q8 {
+        let [x, y] = other_probe.as_slice() else {
+            return None;
+        };
+        let (x, y) = (x.to_weight32().to_bits(), y.to_weight32().to_bits());
+        if weight_q8 >= MAX_JOINT_WEIGHT_Q8 {
             return None;
         }
         let mut bases = self.norms;
-        for (base, row) in bases.iter_mut().zip(other) {
-            let mut squared = 0_i32;
-            for (w, x) in row.iter().zip(other_probe) {
-                let difference = w.to_bits().wrapping_sub(x.to_weight32().to_bits());
-                squared = squared.wrapping_add(high_product(difference, difference));
-            }
+        let (pairs, _) = other.as_flattened().as_chunks();
+        for (base, [u, v]) in bases.iter_mut().zip(pairs) {
+            let (du, dv) = (u.to_bits().wrapping_sub(x), v.to_bits().wrapping_sub(y));
+            let squared = high_product(du, du).wrapping_add(high_product(dv, dv));
             let weighted = i64::from(squared).wrapping_mul(i64::from(weight_q8)) >> 8;
             *base = base.wrapping_add(weighted as i32);
         }
-        // Each component of the second map counts twice at most.
-        self.search(code, &bases, probe, margin(DIMS + 2 * OTHER))
+        // Each component of the second map counts less than twice.
+        self.search(code, &bases, probe, margin(DIMS + 4))
     }
 
     #[inline]
