@@ -45,8 +45,8 @@ pub struct Config<const SENSORS: usize> {
     pub shield: Option<Shielding>,
     /// Whether a transducer that behaves as none in good order does is no longer believed: see [`faults`](crate::faults).
     pub fault_detection: bool,
-    /// Rings without any echo are expected: they do not stop the robot with
-    /// [`StopReason::NothingHeard`](crate::controller::StopReason::NothingHeard).
+    /// A session with this configuration expects rings without any echo: see
+    /// [`State::expect_open_space`](crate::controller::State::expect_open_space). The controller itself does not read it.
     pub open_space: bool,
 }
 

@@ -88,6 +88,8 @@ pub struct State<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usiz
     heard_any: bool,
     /// Rings in a row that heard nothing.
     silent_rings: u8,
+    /// The session expects rings without any echo.
+    open_space: bool,
     detector: Detector<SENSORS>,
     shield: Shield<SENSORS>,
     memory: Memory<SENSORS, SAMPLES>,
@@ -136,6 +138,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             deadline: Millis::from_ms(0),
             heard_any: false,
             silent_rings: 0,
+            open_space: false,
             detector: Detector::new(),
             shield: Shield::new(),
             memory: Memory::new(),
@@ -210,6 +213,17 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     #[must_use]
     pub const fn has_learned(&self) -> bool {
         self.learned
+    }
+
+    /// Whether the session expects rings without any echo; otherwise three in a row stop the robot.
+    #[must_use]
+    pub const fn expects_open_space(&self) -> bool {
+        self.open_space
+    }
+
+    /// Begins a session that expects rings without any echo, or does not.
+    pub const fn expect_open_space(&mut self, expected: bool) {
+        self.open_space = expected;
     }
 
     /// A seed for whoever is to go on from here with randomness of his own; the same until the next random number.

@@ -116,7 +116,8 @@ impl Mind {
 
     /// A mind that knows this already.
     #[must_use]
-    pub fn with_state(config: Config<16>, state: SimState) -> Self {
+    pub fn with_state(config: Config<16>, mut state: SimState) -> Self {
+        state.expect_open_space(config.open_space);
         Self {
             config,
             state: Box::new(state),
@@ -127,6 +128,7 @@ impl Mind {
     /// Tells it something else; what it knows stays. Its fault detector starts anew with the transducers it has disabled.
     pub fn configure(&mut self, config: Config<16>) {
         self.state.trust(config.believed);
+        self.state.expect_open_space(config.open_space);
         self.config = config;
     }
 

@@ -20,7 +20,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     /// A ring is complete and the base stands. Apart from the echoes that bring about nothing.
     #[inline(never)]
     pub(super) fn decide(&mut self, config: &Config<SENSORS>, now: Millis) -> Outputs<SENSORS> {
-        if self.hears_nothing(config) {
+        if self.hears_nothing() {
             return self.alarm(now, StopReason::NothingHeard);
         }
         let situation = &Aligned(config.encoding.situation(&self.scan));

@@ -42,7 +42,7 @@ pub enum StopReason {
     /// Nothing was heard from the other end of the link.
     LinkLost,
     /// Three rings in a row heard no echo at all, and no open space is expected
-    /// ([`Config::open_space`](crate::config::Config::open_space)).
+    /// ([`State::expects_open_space`](super::State::expects_open_space)).
     NothingHeard,
     /// A motion had not ended at its deadline: twice its distance over its speed, plus 0.5 s.
     Overdue,

@@ -67,14 +67,14 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 
     /// Counts a complete ring that heard nothing. Returns whether these are too many in a row.
-    pub(super) fn hears_nothing(&mut self, config: &Config<SENSORS>) -> bool {
+    pub(super) fn hears_nothing(&mut self) -> bool {
         let heard = core::mem::take(&mut self.heard_any);
         self.silent_rings = if heard {
             0
         } else {
             self.silent_rings.saturating_add(1)
         };
-        self.silent_rings >= SILENT_RINGS && !config.open_space
+        self.silent_rings >= SILENT_RINGS && !self.open_space
     }
 
     /// Ends the motion under way: the next ring is awaited as after a motion the base has ended.

@@ -1,12 +1,16 @@
 use super::*;
-use crate::controller::{Decision, Progress, Refusal as CommandRefusal};
+use crate::controller::{Decision, Outputs, Progress, Refusal as CommandRefusal};
 use crate::faults::Fault;
 use crate::fixed::Mask;
 use crate::goal::Component;
 use crate::link::SILENCE_MS;
 use crate::parameters::{Parameter, ParameterError};
 use crate::units::{Displacement, Range};
-use crate::wire::message::{Clock, Flash, FlashError, GoalBy, Heard, Notice, Order, Part, Source};
+use crate::wire::frame::{self, Frame};
+use crate::wire::message::{
+    Clock, Flash, FlashError, FromMind, GoalBy, Heard, HostHello, ModeReport, Notice, Order, Part,
+    Refusal, Report, Source, ToMind,
+};
 use std::vec::Vec;
 
 mod again;

@@ -244,8 +244,8 @@ pub struct HostHello {
     pub dimensions: Dimensions,
     /// Whose time counts in this session.
     pub clock: Clock,
-    /// Rings without any echo are expected in this session: they do not stop the robot. Sets
-    /// [`Config::open_space`](crate::config::Config::open_space).
+    /// Rings without any echo are expected in this session: they do not stop the robot. See
+    /// [`State::expects_open_space`](crate::controller::State::expects_open_space).
     pub open_space: bool,
 }
 

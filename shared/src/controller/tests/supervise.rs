@@ -270,10 +270,8 @@ fn what_a_transducer_hears_that_is_not_believed_is_no_echo() {
 #[test]
 fn three_rings_without_any_echo_stop_the_robot() {
     let silent = |open_space: bool| {
-        let mut bench = Bench::new(Config {
-            open_space,
-            ..Config::recommended()
-        });
+        let mut bench = Bench::new(Config::recommended());
+        bench.state.expect_open_space(open_space);
         bench.send(Event::Command(Command::Explore { moves: 9, seed: 3 }));
         let mut moves = 0;
         for _ in 0..8 {

@@ -4,7 +4,7 @@ use super::*;
 use crate::controller::supervise::{SILENT_RINGS, SLACK_MS};
 use crate::goal::MAX_KEPT;
 use crate::link::offset::{SLOT_MS, SLOTS};
-use crate::node::kept;
+use crate::node::reply_cache;
 use crate::wire::frame::MAX_FRAME;
 use crate::wire::message::{MAX_ECHOES, MAX_PIECE};
 use crate::wire::tests::document::{DOCUMENT, check_block};
@@ -34,7 +34,7 @@ fn documented_constants_are_those_of_the_program() {
         format!("{MAX_PIECE}bytes"),
         format!("{MAX_ECHOES}echoes"),
         format!("{MAX_CONFIG}bytes"),
-        format!("{}bytes", kept::MOST),
+        format!("{}bytes", reply_cache::MAX_BYTES),
         format!("{MAX_KEPT}goals"),
         format!("{SILENCE_MS}ms"),
         format!("{MOTION_TTL_MS}ms"),
@@ -53,7 +53,10 @@ fn documented_constants_are_those_of_the_program() {
         format!("has at most {MAX_FRAME} bytes"),
         format!("of more than {MAX_PIECE} bytes"),
         format!("of more than {MAX_ECHOES} echoes"),
-        format!("keeps {} bytes of its latest answer", kept::MOST),
+        format!(
+            "keeps {} bytes of its latest answer",
+            reply_cache::MAX_BYTES
+        ),
         format!("at least every {SILENCE_MS} ms"),
         format!("time to live of {MOTION_TTL_MS} ms"),
         format!("under way every {RENEWAL_MS} ms"),

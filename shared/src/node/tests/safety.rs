@@ -323,7 +323,7 @@ fn a_configuration_that_nobody_could_supervise_is_refused() {
                 last: number + 1 == pieces.len(),
             }));
         }
-        (refused, rig.node.config().open_space)
+        (refused, rig.node.state().expects_open_space())
     };
     assert_eq!(write(&|config| config.open_space = true), (None, false));
     let robots: [&dyn Fn(&mut Config<16>); 5] = [
