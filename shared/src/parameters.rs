@@ -1,4 +1,8 @@
-//! Configuration values that may be changed one by one, each with unit, least and greatest value.
+//! Configuration values by name, each with unit and range: those that a host sets over the link, and the table of all.
+
+mod settings;
+
+pub use settings::{FORMER_KEYS, Kind, NotTaken, NumberFormat, Setting, Value};
 
 use crate::config::Config;
 use crate::fixed::Mask;
@@ -201,11 +205,24 @@ impl Parameter {
         if value < spec.least || value > spec.greatest {
             return Err(ParameterError::Range(spec));
         }
-        // The ranges above fit 16 bits but for the mask.
+        match self {
+            Self::Near if value >= i32::from(config.encoding.far_mm) => {
+                return Err(ParameterError::Order);
+            }
+            Self::Far if value <= i32::from(config.encoding.near_mm) => {
+                return Err(ParameterError::Order);
+            }
+            Self::Margin if config.shield.is_none() => return Err(ParameterError::NoShield),
+            _ => self.put(config, value),
+        }
+        Ok(())
+    }
+
+    /// Sets it to a value within its range, whatever the others are. A margin without a shield changes nothing.
+    fn put<const SENSORS: usize>(self, config: &mut Config<SENSORS>, value: i32) {
+        // All ranges but that of the mask fit 16 bits.
         let small = value as u16;
         match self {
-            Self::Near if small >= config.encoding.far_mm => return Err(ParameterError::Order),
-            Self::Far if small <= config.encoding.near_mm => return Err(ParameterError::Order),
             Self::Near => config.encoding.near_mm = small,
             Self::Far => config.encoding.far_mm = small,
             Self::Clearance => config.clearance_mm = small,
@@ -215,10 +232,11 @@ impl Parameter {
                 let on = config.shield.unwrap_or_else(Shielding::nomad200);
                 config.shield = (value == 1).then_some(on);
             }
-            Self::Margin => match &mut config.shield {
-                Some(shield) => shield.margin_mm = small,
-                None => return Err(ParameterError::NoShield),
-            },
+            Self::Margin => {
+                if let Some(shield) = &mut config.shield {
+                    shield.margin_mm = small;
+                }
+            }
             Self::Online => {
                 let on = config.online.or(Config::recommended().online);
                 config.online = if value == 1 { on } else { None };
@@ -228,7 +246,6 @@ impl Parameter {
             Self::RingPeriod => config.robot.ring_period_ms = small,
             Self::FaultDetection => config.fault_detection = value == 1,
         }
-        Ok(())
     }
 }
 
