@@ -1,12 +1,14 @@
-//! **Associative memory programming**: a robot explores with 100 random moves, and from then on any behavior is had at
-//! once by naming a *goal situation*.
+//! **Associative memory programming**: a robot explores with 100 random moves, and from then on any
+//! behavior is had at once by naming a *goal situation*.
 //!
-//! The method is that of C. Touzet, "Modeling and Simulation of Elementary Robot Behaviors using Associative Memories",
-//! International Journal of Advanced Robotic Systems 3(2), 2006, 165–170 (doi 10.5772/5742); *the paper* below. Two
-//! self-organizing maps (T. Kohonen, *Self-Organizing Maps*, Springer 2001) of 16 neurons do the work:
+//! The method is that of C. Touzet, "Modeling and Simulation of Elementary Robot Behaviors using
+//! Associative Memories", International Journal of Advanced Robotic Systems 3(2), 2006, 165–170
+//! (doi 10.5772/5742); *the paper* below. Two self-organizing maps (T. Kohonen, *Self-Organizing
+//! Maps*, Springer 2001) of 16 neurons do the work:
 //!
 //! * the **situation map** knows what can be perceived: its code vectors are situations;
-//! * the **action map** knows which action brings which change of situation: its code vectors are (change, action) pairs.
+//! * the **action map** knows which action brings which change of situation: its code vectors are
+//!   (change, action) pairs.
 //!
 //! # The way of the data
 //!
@@ -17,9 +19,9 @@
 //!                                 └ Seek:    goal ─► neuron ─► neighbor ─► change ─► action
 //! ```
 //!
-//! [`controller::handle`] is the whole robot as one pure function of configuration, state and event: integer arithmetic,
-//! no clock, no global randomness, no input or output. The same events give the same bytes on a microcontroller and on a
-//! desktop machine.
+//! [`controller::handle`] is the whole robot as one pure function of configuration, state and
+//! event: integer arithmetic, no clock, no global randomness, no input or output. The same events
+//! give the same bytes on a microcontroller and on a desktop machine.
 //!
 //! # Modules
 //!
@@ -46,8 +48,8 @@
 //!
 //! # Limits
 //!
-//! Rings of at most 32 transducers; maps of at most 32 neurons inside the controller (the kernels in [`som`] know no such
-//! limit). No `unsafe`, no allocation, and no panic that data can reach.
+//! Rings of at most 32 transducers; maps of at most 32 neurons inside the controller (the kernels
+//! in [`som`] know no such limit). No `unsafe`, no allocation, and no panic that data can reach.
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]

@@ -1,7 +1,9 @@
-//! The lazy memory: what the robot saw, did and saw then, kept as it was for whatever is to be learned from it.
+//! The lazy memory: what the robot saw, did and saw then, kept as it was for whatever is to be
+//! learned from it.
 //!
-//! Situations are kept as bytes: 0 … 254 is the way from the far to the near limit, 255 a transducer that was not to be
-//! believed. A sample of a 16-sonar ring takes 40 bytes, a hundred of them 4 kB.
+//! Situations are kept as bytes: 0 … 254 is the way from the far to the near limit, 255 a
+//! transducer that was not to be believed. A sample of a 16-sonar ring takes 40 bytes, a hundred of
+//! them 4 kB.
 
 use crate::fixed::{Mask, ONE_BITS, Weight};
 use crate::scan::Situation;
@@ -18,7 +20,8 @@ const ONE: u32 = ONE_BITS.unsigned_abs() as u32;
 /// The byte of a transducer that was not to be believed.
 const UNKNOWN: u8 = 255;
 
-/// The value of each byte, the nearest to its share; the last one's is 0. A table, because learning asks a million times.
+/// The value of each byte, the nearest to its share; the last one's is 0. A table, because learning
+/// asks a million times.
 static VALUES: [Weight; 256] = {
     let mut values = [Weight::ZERO; 256];
     let mut byte = 0;
@@ -67,8 +70,8 @@ fn value_of(byte: u8) -> Weight {
     VALUES.get(usize::from(byte)).copied().unwrap_or_default()
 }
 
-/// A sample's situations turned by ring places: the values after and their change are written, and which of them were
-/// believed both times returned. With `gaps` there may be some that were not.
+/// A sample's situations turned by ring places: the values after and their change are written, and
+/// which of them were believed both times returned. With `gaps` there may be some that were not.
 pub(crate) fn turned_change<const SENSORS: usize>(
     Sample { before, after, .. }: &Sample<SENSORS>,
     places: usize,

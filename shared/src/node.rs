@@ -1,12 +1,13 @@
 //! The controller behind a link: frames in, frames out, the same on the chip and in the simulator.
 //!
-//! [`Node::frame`] takes a received frame, does what it asks for and sends the answers. [`Node::tick`] lets time pass:
-//! a slice of learning, the supervision of link and ring, motions renewed before they expire. Every accepted frame but a
-//! sign of life is answered with its results and then [`FromMind::Done`](crate::wire::FromMind::Done). When the last
-//! accepted frame is repeated, its answer is sent again byte for byte, and nothing is done twice.
+//! [`Node::frame`] takes a received frame, does what it asks for and sends the answers.
+//! [`Node::tick`] lets time pass: a slice of learning, the supervision of link and ring, motions
+//! renewed before they expire. Every accepted frame but a sign of life is answered with its results
+//! and then [`FromMind::Done`](crate::wire::FromMind::Done). When the last accepted frame is
+//! repeated, its answer is sent again byte for byte, and nothing is done twice.
 //!
-//! When the host falls silent for longer than [`SILENCE_MS`](crate::link::SILENCE_MS) the robot stops with
-//! [`StopReason::LinkLost`] and stays stopped until the host resumes it.
+//! When the host falls silent for longer than [`SILENCE_MS`](crate::link::SILENCE_MS) the robot
+//! stops with [`StopReason::LinkLost`] and stays stopped until the host resumes it.
 
 use crate::config::Config;
 use crate::controller::{self, Event, Mode, NomadState, State, StopReason};
@@ -34,7 +35,7 @@ mod transfer;
 /// Time to live of a motion, milliseconds: a base that hears nothing for this long stops.
 pub const MOTION_TTL_MS: u16 = 500;
 /// A motion under way is sent again after this time, milliseconds.
-pub const RENEWAL_MS: u32 = 200;
+pub(crate) const RENEWAL_MS: u32 = 200;
 /// Most bytes of a configuration in postcard's form.
 pub const MAX_CONFIG: usize = 384;
 
@@ -103,8 +104,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize> Default
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     Node<SENSORS, NEURONS, SAMPLES>
 {
-    /// A node before [`start`](Self::start): no transducer is enabled, no goal is set. It is all zeros, so a static one
-    /// takes no flash.
+    /// A node before [`start`](Self::start): no transducer is enabled, no goal is set. It is all
+    /// zeros, so a static one takes no flash.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -136,8 +137,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.state.use_kernels(kernels);
     }
 
-    /// Begins with this configuration and maps on this grid, which should have `NEURONS` places. Sends a hello in session
-    /// 0.
+    /// Begins with this configuration and maps on this grid, which should have `NEURONS` places.
+    /// Sends a hello in session 0.
     pub fn start(
         &mut self,
         config: &Config<SENSORS>,
@@ -190,8 +191,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.link.is_alive()
     }
 
-    /// Whether a host is there and was heard within [`SILENCE_MS`](crate::link::SILENCE_MS) before `now`, by the device's
-    /// clock in every session.
+    /// Whether a host is there and was heard within [`SILENCE_MS`](crate::link::SILENCE_MS) before
+    /// `now`, by the device's clock in every session.
     #[must_use]
     pub const fn has_heard_host(&self, now: Millis) -> bool {
         self.link.has_heard(now)
@@ -221,7 +222,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.renew_motion(time, now, out);
     }
 
-    /// Takes an echo of the device's own ring, heard `age_ms` before `now`. Ignored while echoes come over the link.
+    /// Takes an echo of the device's own ring, heard `age_ms` before `now`. Ignored while echoes
+    /// come over the link.
     pub fn ring_echo(
         &mut self,
         sensor: u8,
@@ -254,7 +256,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         event: Event<SENSORS>,
         now: Millis,
         out: &mut impl FrameSink,
-    ) -> Option<controller::Refusal> {
+    ) -> Option<controller::CommandRefusal> {
         let outputs = controller::handle(&self.config, &mut self.state, at, event);
         self.publish(&outputs, at, now, out);
         outputs.refusal

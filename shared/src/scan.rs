@@ -1,8 +1,10 @@
-//! From echoes to a situation: ranges with age and validity, and their encoding as values in [0, 1].
+//! From echoes to a situation: ranges with age and validity, and their encoding as values in [0,
+//! 1].
 //!
-//! A *situation* is what the paper's maps know: one value per transducer, 1.0 for an obstacle at the near limit or nearer,
-//! 0.0 for none within the far limit (Fig. 2 of the paper), linear in between. A transducer without an echo hears nothing
-//! and reads 0.0; one that is masked out does not count at all.
+//! A *situation* is what the paper's maps know: one value per transducer, 1.0 for an obstacle at
+//! the near limit or nearer, 0.0 for none within the far limit (Fig. 2 of the paper), linear in
+//! between. A transducer without an echo hears nothing and reads 0.0; one that is masked out does
+//! not count at all.
 
 use crate::fixed::{Mask, ONE_BITS, Weight};
 use crate::units::{Millis, Range};
@@ -74,7 +76,8 @@ impl<const SENSORS: usize> Scan<SENSORS> {
         (self.fresh & 1_u32.wrapping_shl(sensor as u32) != 0).then_some(echo.at)
     }
 
-    /// Whether every transducer that `believed` counts has been heard since the last [`renew`](Self::renew).
+    /// Whether every transducer that `believed` counts has been heard since the last
+    /// [`renew`](Self::renew).
     #[must_use]
     pub fn is_complete(&self, believed: Mask) -> bool {
         Mask::from_bits(self.fresh | !believed.to_bits()).covers(SENSORS)
@@ -129,7 +132,8 @@ impl Encoding {
         situation
     }
 
-    /// As a loop, which compilers would write out for each transducer where they know how many there are.
+    /// As a loop, which compilers would write out for each transducer where they know how many
+    /// there are.
     #[inline(never)]
     fn values(self, echoes: &[Echo], values: &mut [Weight]) {
         let (far, width) = (u32::from(self.far_mm), self.width());

@@ -1,23 +1,25 @@
 //! What the ring hears limits how far and how fast the robot may go.
 //!
-//! An echo says: the nearest surface within the transducer's lobe lies somewhere on an arc around its face. The shield
-//! keeps some arcs of every transducer, moves them along as the robot moves (odometry), and lets a displacement end
-//! where the body would come within a margin of the part of any arc that lies most in the way. A direction that no echo
-//! covers is closed. The speed is such that the robot can stop within the distance left, at the given deceleration.
+//! An echo says: the nearest surface within the transducer's lobe lies somewhere on an arc around
+//! its face. The shield keeps some arcs of every transducer, moves them along as the robot moves
+//! (odometry), and lets a displacement end where the body would come within a margin of the part of
+//! any arc that lies most in the way. A direction that no echo covers is closed. The speed is such
+//! that the robot can stop within the distance left, at the given deceleration.
 //!
-//! Arcs are kept by where they look, not by transducer: as a ring turns, what all of it hears of a near wall replaces nothing that
-//! was heard elsewhere.
+//! Arcs are kept by where they look, not by transducer: as a ring turns, what all of it hears of a
+//! near wall replaces nothing that was heard elsewhere.
 //!
-//! An arc does not expire. Each of its points stays until newer echoes contradict it: they come from farther away
-//! through a cone that contains the point. Silence in another direction, or from a turned ring, contradicts nothing: a
-//! corner may have left the lobe for the gap beside it.
+//! An arc does not expire. Each of its points stays until newer echoes contradict it: they come
+//! from farther away through a cone that contains the point. Silence in another direction, or from
+//! a turned ring, contradicts nothing: a corner may have left the lobe for the gap beside it.
 //!
-//! Arcs keep the bearing that the ring had at the start. Only new echoes and ways are rotated, so errors of rotation do not
-//! add up.
+//! Arcs keep the bearing that the ring had at the start. Only new echoes and ways are rotated, so
+//! errors of rotation do not add up.
 //!
-//! What it cannot know: a thing thinner than the gap between two lobes, from the first place it listens at. The controller's first
-//! move is therefore a short one across the way wanted. At the Nomad's faces the gap is 9 cm wide; the
-//! corner of a box can stand 4.5 cm inside it, which the margin covers.
+//! What it cannot know: a thing thinner than the gap between two lobes, from the first place it
+//! listens at. The controller's first move is therefore a short one across the way wanted. At the
+//! Nomad's faces the gap is 9 cm wide; the corner of a box can stand 4.5 cm inside it, which the
+//! margin covers.
 
 use crate::config::Config;
 use crate::fixed::{Mask, isqrt};
@@ -25,74 +27,25 @@ use crate::scan::Echo;
 use crate::units::{Bearing, Direction, Displacement, Millis};
 use arc::{Arc, Lobe};
 use cone::Cone;
-use serde::{Deserialize, Serialize};
 use way::Way;
 
 mod arc;
 mod cone;
+mod config;
 mod detour;
 mod way;
 
+pub use config::ShieldConfig;
+
 /// Arcs kept per place of the ring, at most.
-pub const ARCS_PER_SENSOR: usize = 4;
-
-/// How careful to be.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Shielding {
-    /// Distance to keep between body and anything heard, millimeters.
-    pub margin_mm: u16,
-    /// Half the opening of a transducer's lobe.
-    pub half_lobe: Bearing,
-    /// Arcs kept per place of the ring, 1 … [`ARCS_PER_SENSOR`]. The newest replaces the farthest, by the points that still count.
-    pub places: u8,
-    /// Echoes whose faces were less than this apart, with the same axis, come through one cone, millimeters: the newer
-    /// replaces the older or contradicts all of it. Small, as a near corner leaves the lobe within a few centimeters.
-    pub spacing_mm: u16,
-    /// A direction is open only while the transducers that look there have been heard within this time,
-    /// milliseconds.
-    pub fresh_ms: u32,
-    /// A transducer that was silent for longer than this may have been carried elsewhere: its arcs are dropped when it
-    /// is heard again, milliseconds. While it is heard, arcs do not expire.
-    pub forget_ms: u32,
-    /// Displacements that would be shortened to less than this are not begun, millimeters.
-    pub least_mm: u16,
-    /// The shortest range the ring can report, millimeters: a reading this short may be anything nearer, so the
-    /// place before it is closed as well.
-    pub least_range_mm: u16,
-    /// Highest speed of things that may come towards the robot, millimeters per second: every echo loses this much range
-    /// per second of its age.
-    pub approach_mm_s: u16,
-}
-
-impl Shielding {
-    /// For the Nomad's ring: lobes of ±15°, at least 6 in, a margin of 90 mm.
-    #[must_use]
-    pub const fn nomad200() -> Self {
-        Self {
-            margin_mm: 90,
-            half_lobe: Bearing::from_turns(2_731),
-            places: 4,
-            spacing_mm: 2,
-            fresh_ms: 2_000,
-            forget_ms: 600_000,
-            least_mm: 10,
-            least_range_mm: 153,
-            approach_mm_s: 0,
-        }
-    }
-
-    /// From a face to the point that stands for all that is nearer than the shortest range, millimeters: halfway, or the margin
-    /// where that is less. So nothing fits between the face and this point's margin.
-    fn before_mm(&self) -> i32 {
-        (self.least_range_mm / 2).min(self.margin_mm).into()
-    }
-}
+pub(crate) const ARCS_PER_SENSOR: usize = 4;
 
 /// A motion is not shortened by less, millimeters.
 const ROUNDING_MM: u16 = 3;
 
-/// From places so far apart, across a way, all of the way is in some lobe, millimeters: wider than the gap between two of the
-/// Nomad's lobes anywhere but at the body itself, narrower than the distance of two lobes.
+/// From places so far apart, across a way, all of the way is in some lobe, millimeters: wider than
+/// the gap between two of the Nomad's lobes anywhere but at the body itself, narrower than the
+/// distance of two lobes.
 pub(crate) const SECOND_VIEW_MM: u16 = 80;
 
 /// What was heard lately.
@@ -109,7 +62,8 @@ pub struct Shield<const SENSORS: usize> {
     turned: Bearing,
     /// The lobe of the last echo.
     lobe: Option<Lobe>,
-    /// How far the robot has moved since it knew nothing, millimeters; counted until that makes a second view.
+    /// How far the robot has moved since it knew nothing, millimeters; counted until that makes a
+    /// second view.
     way_mm: u16,
 }
 
@@ -151,14 +105,15 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         self.way_mm = 0;
     }
 
-    /// Whether all that is known was heard from one place: a thing may stand unheard in the gap between two lobes.
+    /// Whether all that is known was heard from one place: a thing may stand unheard in the gap
+    /// between two lobes.
     pub(crate) const fn has_one_view(&self) -> bool {
         // The way is told in pieces of whole millimeters.
         self.way_mm < SECOND_VIEW_MM - 10
     }
 
-    /// Takes an echo of a transducer: what it contradicts is counted, and what it tells is kept at its place of the ring, where the
-    /// arc whose points that still count are farthest makes room.
+    /// Takes an echo of a transducer: what it contradicts is counted, and what it tells is kept at
+    /// its place of the ring, where the arc whose points that still count are farthest makes room.
     #[inline(never)]
     pub fn hear(&mut self, config: &Config<SENSORS>, sensor: usize, echo: Echo) {
         let (Some(shielding), Some(axis)) = (&config.shield, config.robot.directions.get(sensor))
@@ -201,7 +156,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
     }
 
     /// Drops the arcs of a transducer that was silent for long.
-    fn drop_if_silent(&mut self, shielding: &Shielding, sensor: usize, now: Millis) {
+    fn drop_if_silent(&mut self, shielding: &ShieldConfig, sensor: usize, now: Millis) {
         let is_silent = self.since_heard(sensor, now) > Some(shielding.forget_ms);
         if let Some(at) = self.heard_at.get_mut(sensor) {
             *at = now;
@@ -224,7 +179,8 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         self.heard.contains(sensor).then(|| now.after(*at))
     }
 
-    /// The place of the unturned ring that looks nearest this way: the transducer's own while the ring is not turned.
+    /// The place of the unturned ring that looks nearest this way: the transducer's own while the
+    /// ring is not turned.
     fn place_of(&self, config: &Config<SENSORS>, sensor: usize, axis: Direction) -> usize {
         if self.turned == Bearing::ZERO {
             return sensor;
@@ -235,7 +191,8 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         nearest.map_or(sensor, |(place, _)| place)
     }
 
-    /// The robot has moved and then its ring has turned: what was heard stays where it is in the world.
+    /// The robot has moved and then its ring has turned: what was heard stays where it is in the
+    /// world.
     pub fn moved(&mut self, by: Displacement, turned: Bearing) {
         if by != Displacement::ZERO {
             let by = self.way_in_frame(by);
@@ -281,8 +238,8 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         self.allow_by(config, enabled, wanted, now, Mask::ALL)
     }
 
-    /// As [`allow`](Self::allow), by what the transducers in `among` heard: enough for a motion that the others have
-    /// allowed already.
+    /// As [`allow`](Self::allow), by what the transducers in `among` heard: enough for a motion
+    /// that the others have allowed already.
     #[must_use]
     pub fn allow_by(
         &self,
@@ -325,7 +282,8 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         }
     }
 
-    /// What is left of a motion that was allowed, by what a transducer has just heard and heard before; `None` = all of it.
+    /// What is left of a motion that was allowed, by what a transducer has just heard and heard
+    /// before; `None` = all of it.
     #[must_use]
     #[inline(never)]
     pub fn shorten(

@@ -1,5 +1,5 @@
-//! The saved image: all a mind was told and has learned, as bytes that outlive a loss of power. The chip keeps it in its
-//! flash, a desktop machine in a file; both hold the same bytes.
+//! The saved image: all a mind was told and has learned, as bytes that outlive a loss of power. The
+//! chip keeps it in its flash, a desktop machine in a file; both hold the same bytes.
 //!
 //! ```text
 //! image  = "AMPS" record…
@@ -11,16 +11,17 @@
 //!        | 04 crc:u32                     the last: CRC-32 of everything before it
 //! ```
 //!
-//! An image is written piece by piece and is one only with its last record: whatever is cut short, torn or damaged before is
-//! none. Framing, first and last record stay as they are for good, so that any version of a program finds its way through
-//! any other's images; *layout* and *grammar* (the CRC-32 of the grammar's part that is kept) say whether it can read them.
-//! Not kept: what is under way (motions, rings, a search for a place), counters, the link.
+//! An image is written piece by piece and is one only with its last record: whatever is cut short,
+//! torn or damaged before is none. Framing, first and last record stay as they are for good, so
+//! that any version of a program finds its way through any other's images; *layout* and *grammar*
+//! (the CRC-32 of the grammar's part that is kept) say whether it can read them. Not kept: what is
+//! under way (motions, rings, a search for a place), counters, the link.
 //!
-//! Cost: writing takes a record's bytes of memory, reading and checking as much; an image of the Nomad's mind has at most
-//! [`MAX_NOMAD`] bytes.
+//! Cost: writing takes a record's bytes of memory, reading and checking as much; an image of the
+//! Nomad's mind has at most [`MAX_NOMAD`] bytes.
 
 use crate::config::Config;
-use crate::controller::{Part as StatePart, State};
+use crate::controller::{State, StatePart};
 use crate::goal::{Goal, KeptGoal, KeptGoals, Name};
 use crate::node::MAX_CONFIG;
 use crate::wire::message::MAX_PIECE;
@@ -29,12 +30,13 @@ use crate::wire::{CRC, Checksum};
 mod read;
 mod write;
 
-pub use read::{Fault, Found, check};
+pub use read::{ImageError, ImageInfo, check};
 
 /// Records begin and end at multiples of so many bytes.
 pub const WORD: usize = 4;
 
-/// Most bytes of an image of a mind with 16 transducers, 16 neurons to a map and 100 samples; a test fills one.
+/// Most bytes of an image of a mind with 16 transducers, 16 neurons to a map and 100 samples; a
+/// test fills one.
 pub const MAX_NOMAD: usize = 8_256;
 
 /// How an image begins.

@@ -1,6 +1,6 @@
 //! What goes into the controller and what comes out of it.
 
-use crate::faults::Verdict;
+use crate::faults::SensorVerdict;
 use crate::goal::Goal;
 use crate::planner::Plan;
 use crate::scan::Situation;
@@ -56,7 +56,7 @@ pub enum StopReason {
 
 /// Why a command was not carried out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Refusal {
+pub enum CommandRefusal {
     /// More moves than the memory holds, or none.
     Moves {
         /// The most it holds.
@@ -134,8 +134,8 @@ pub enum Event<const SENSORS: usize> {
     Touched,
 }
 
-/// What the base is asked to do: a straight displacement in the ring's present frame. A newer motion replaces an older
-/// one, zero stops.
+/// What the base is asked to do: a straight displacement in the ring's present frame. A newer
+/// motion replaces an older one, zero stops.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Motion {
     /// Number of the motion; a shortened motion keeps its number.
@@ -158,9 +158,9 @@ pub struct Outputs<const SENSORS: usize> {
     /// The robot stopped, for this reason.
     pub stopped: Option<StopReason>,
     /// A command was refused.
-    pub refusal: Option<Refusal>,
+    pub refusal: Option<CommandRefusal>,
     /// A transducer is no longer enabled, or is enabled again.
-    pub verdict: Option<Verdict>,
+    pub verdict: Option<SensorVerdict>,
     /// The echo was not used: its age in milliseconds.
     pub stale_ms: Option<u32>,
 }
@@ -169,7 +169,8 @@ impl<const SENSORS: usize> Outputs<SENSORS> {
     /// Nothing.
     pub const NONE: Self = Self::none();
 
-    /// As [`NONE`](Self::NONE), made on the spot: the constant would be copied with all its room for a decision.
+    /// As [`NONE`](Self::NONE), made on the spot: the constant would be copied with all its room
+    /// for a decision.
     pub(super) const fn none() -> Self {
         Self {
             motion: None,

@@ -23,8 +23,9 @@ impl Search {
         left: 0,
     };
 
-    /// Counts a decision taken at this deviation from the goal; true when the robot begins to wander with it. Nearer
-    /// means by a fiftieth: a robot that trembles before a local optimum does not come nearer.
+    /// Counts a decision taken at this deviation from the goal; true when the robot begins to
+    /// wander with it. Nearer means by a fiftieth: a robot that trembles before a local optimum
+    /// does not come nearer.
     pub(super) fn is_stuck(&mut self, deviation: i64, wander: Wander) -> bool {
         if self.left > 0 {
             self.left -= 1;

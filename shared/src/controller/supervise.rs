@@ -21,8 +21,8 @@ impl Motion {
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     State<SENSORS, NEURONS, SAMPLES>
 {
-    /// Keeps the latest time. Ticks and commands are of the present: one that lies far back means that the clock was set
-    /// back, or begins near the end of its 32 bits.
+    /// Keeps the latest time. Ticks and commands are of the present: one that lies far back means
+    /// that the clock was set back, or begins near the end of its 32 bits.
     pub(super) fn pass_time(&mut self, config: &Config<SENSORS>, at: Millis, is_present: bool) {
         if self.now.is_before(at) {
             self.now = at;
@@ -33,7 +33,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
     }
 
-    /// Stops a robot whose motion is overdue, or one of whose transducers has not been heard for two ring periods.
+    /// Stops a robot whose motion is overdue, or one of whose transducers has not been heard for
+    /// two ring periods.
     pub(super) fn supervise(&mut self, config: &Config<SENSORS>, at: Millis) -> Outputs<SENSORS> {
         if self.moving && self.deadline.is_before(at) {
             return self.alarm(at, StopReason::Overdue);
@@ -44,7 +45,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         Outputs::none()
     }
 
-    /// A ring that is still awaited lacks an echo. During a motion each transducer has to be heard again and again.
+    /// A ring that is still awaited lacks an echo. During a motion each transducer has to be heard
+    /// again and again.
     fn lacks_echo(&self, config: &Config<SENSORS>, at: Millis) -> bool {
         let is_late = |sensor: usize| {
             let heard = self.scan.heard_at(sensor);
@@ -53,7 +55,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         !self.moving || self.enabled(config).indices(SENSORS).any(is_late)
     }
 
-    /// The base turns its wheels: the motion's time counts from now, unless this takes longer than it can.
+    /// The base turns its wheels: the motion's time counts from now, unless this takes longer than
+    /// it can.
     pub(super) fn allow_steering(&mut self, config: &Config<SENSORS>, at: Millis) {
         let is_possible = at.after(self.waiting_since) <= u32::from(config.robot.steer_ms);
         if let Some(pending) = self.pending.as_ref().filter(|_| is_possible) {

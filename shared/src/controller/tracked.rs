@@ -8,8 +8,9 @@ const FINE: i32 = 16;
 
 /// A displacement that keeps its bearing in the world while the ring turns.
 ///
-/// All of it stays in the frame in which it was told, and is rotated once where it is asked for: each rotation rounds, and turns a
-/// little too far or too little, so that the many small ones of a turning ring would lead elsewhere.
+/// All of it stays in the frame in which it was told, and is rotated once where it is asked for:
+/// each rotation rounds, and turns a little too far or too little, so that the many small ones of a
+/// turning ring would lead elsewhere.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Tracked {
     /// Along x and y, in 1/16 mm; products with a unit vector fit 32 bits up to 4 m.

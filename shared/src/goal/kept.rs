@@ -33,7 +33,7 @@ impl Name {
 
     /// Whether goals may be kept under it; whatever bytes the link brought.
     #[must_use]
-    pub fn is_valid(&self) -> bool {
+    fn is_valid(&self) -> bool {
         let text = self.as_bytes();
         let rest = self.0.get(text.len()..).unwrap_or(&[]);
         !text.is_empty()

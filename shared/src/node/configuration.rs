@@ -1,19 +1,20 @@
 //! The node's configuration: the only place that writes it, and only while the robot stands.
 //!
-//! It is written at the start, by an upload, by a parameter and by a saved image. What belongs to a session (open space,
-//! the source of echoes, the clock) is not part of it.
+//! It is written at the start, by an upload, by a parameter and by a saved image. What belongs to a
+//! session (open space, the source of echoes, the clock) is not part of it.
 
 use super::{Identity, Node};
 use crate::config::Config;
 use crate::goal::Goal;
 use crate::parameters::{Parameter, ParameterError};
 use crate::som::Grid;
-use crate::store::{ContentsMut, Fault};
+use crate::store::{ContentsMut, ImageError};
 
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     Node<SENSORS, NEURONS, SAMPLES>
 {
-    /// The first half of [`start`](Self::start), for a device that reads a saved image before the hello.
+    /// The first half of [`start`](Self::start), for a device that reads a saved image before the
+    /// hello.
     pub fn prepare(&mut self, config: &Config<SENSORS>, grid: Grid, identity: Identity) {
         self.config.clone_from(config);
         self.state.set_grid(grid);
@@ -21,15 +22,16 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.goal = Goal::avoiding(&self.config);
     }
 
-    /// Replaces configuration, maps, memory and goals by those of a saved image; for a node that stands still.
+    /// Replaces configuration, maps, memory and goals by those of a saved image; for a node that
+    /// stands still.
     ///
     /// # Errors
-    /// [`Fault`]; nothing has changed then, see [`ContentsMut::read`].
+    /// [`ImageError`]; nothing has changed then, see [`ContentsMut::read`].
     pub fn recall(
         &mut self,
         read: &mut dyn FnMut(usize, &mut [u8]) -> bool,
         most: usize,
-    ) -> Result<(), Fault> {
+    ) -> Result<(), ImageError> {
         let mut contents = ContentsMut {
             config: &mut self.config,
             state: &mut self.state,
@@ -44,7 +46,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     /// Replaces the configuration by an uploaded one.
     pub(super) fn replace_config(&mut self, config: Config<SENSORS>) {
         self.config = config;
-        self.state.trust(self.config.believed);
+        self.state.trust(self.config.enabled);
     }
 
     /// Changes one value of the configuration.
@@ -55,7 +57,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     ) -> Result<(), ParameterError> {
         parameter.set(&mut self.config, value)?;
         if parameter == Parameter::Believed {
-            self.state.trust(self.config.believed);
+            self.state.trust(self.config.enabled);
         }
         Ok(())
     }

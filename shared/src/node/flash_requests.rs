@@ -1,7 +1,7 @@
 //! Requests for the flash, and goals saved under names.
 //!
-//! The node itself has no flash. It stores a host's request; the device polls [`Node::flash_task`], does it and reports the
-//! result.
+//! The node itself has no flash. It stores a host's request; the device polls [`Node::flash_task`],
+//! does it and reports the result.
 
 use super::{FrameSink, Node};
 use crate::goal::{KeptGoal, Name};
@@ -39,7 +39,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
     }
 
-    /// The request for the flash, until [`flash_done`](Self::flash_done). Frames and ticks wait meanwhile.
+    /// The request for the flash, until [`flash_done`](Self::flash_done). Frames and ticks wait
+    /// meanwhile.
     #[must_use]
     pub const fn flash_task(&self) -> Option<Flash> {
         match self.flash.seq {

@@ -1,4 +1,5 @@
-//! The frames of the latest answer, sent again when the host repeats its request. It never holds part of an answer.
+//! The frames of the latest answer, sent again when the host repeats its request. It never holds
+//! part of an answer.
 
 use heapless::Vec;
 
@@ -31,7 +32,8 @@ impl ReplyCache {
         (self.open, self.overflowed) = (false, false);
     }
 
-    /// A frame was accepted: its answer begins now. After a sign of life, which has no *Done*, it has begun already.
+    /// A frame was accepted: its answer begins now. After a sign of life, which has no *Done*, it
+    /// has begun already.
     pub(super) fn begin(&mut self) {
         if !self.open {
             self.clear();
@@ -46,7 +48,8 @@ impl ReplyCache {
         }
     }
 
-    /// Forgets a finished answer: the robot has moved on by itself, and the cached frames would order a motion that is over.
+    /// Forgets a finished answer: the robot has moved on by itself, and the cached frames would
+    /// order a motion that is over.
     pub(super) fn invalidate(&mut self) {
         if !self.open {
             self.clear();

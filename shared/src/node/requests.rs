@@ -124,8 +124,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         Ok(())
     }
 
-    /// Takes the host's time of a frame; in a session with the host's clock, time passes with it. Returns the time by the
-    /// session's clock.
+    /// Takes the host's time of a frame; in a session with the host's clock, time passes with it.
+    /// Returns the time by the session's clock.
     fn hear_of(&mut self, at_ms: u32, now: Millis, out: &mut impl FrameSink) -> Millis {
         let at = Millis::from_ms(at_ms);
         if self.link.clock() == Clock::Host {
@@ -256,7 +256,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 
     fn set_source(&mut self, source: Source) -> Result<(), Refusal> {
         self.require_standing()?;
-        // By the host's clock no time passes while the host is silent: motions by the device's ring would be unsupervised.
+        // By the host's clock no time passes while the host is silent: motions by the device's ring
+        // would be unsupervised.
         if source == Source::Ring && (!self.identity.ring || self.link.clock() == Clock::Host) {
             return Err(Refusal::NoRing);
         }

@@ -2,7 +2,7 @@
 
 use super::{FrameSink, Node, add};
 use crate::controller::{Command, Event, Mode, StopReason};
-use crate::link::Verdict;
+use crate::link::FrameVerdict;
 use crate::units::Millis;
 use crate::wire::frame::{self, FrameError, Header};
 use crate::wire::message::{
@@ -35,12 +35,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             return self.open(header, hello, now, out);
         }
         let verdict = self.link.accept(header);
-        if verdict == Verdict::Accept {
+        if verdict == FrameVerdict::Accept {
             add(&mut self.counters.accepted);
             self.reply_cache.begin();
         }
-        // A stop acts in every session, with every number and time. If it repeats the last frame, that frame's cached answer
-        // holds the order to stand already.
+        // A stop acts in every session, with every number and time. If it repeats the last frame,
+        // that frame's cached answer holds the order to stand already.
         let is_stop = matches!(
             message,
             ToMind::Command {
@@ -48,15 +48,15 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 ..
             }
         );
-        let is_answered = verdict == Verdict::Replayed { last: true }
+        let is_answered = verdict == FrameVerdict::Replayed { last: true }
             && matches!(self.state.mode(), Mode::Stopped(_))
             && self.reply_cache.frames().next().is_some();
         if is_stop && !is_answered {
             self.stop(now, out);
         }
         match verdict {
-            Verdict::Accept => self.request(header.seq, message, now, out),
-            Verdict::Replayed { last } => {
+            FrameVerdict::Accept => self.request(header.seq, message, now, out),
+            FrameVerdict::Replayed { last } => {
                 add(&mut self.counters.replayed);
                 if last && !matches!(message, ToMind::Alive { .. }) {
                     self.resend(header.seq, now, out);
@@ -64,15 +64,15 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                     self.done(header.seq, now, out);
                 }
             }
-            Verdict::NoSession | Verdict::Stranger if is_stop => {
+            FrameVerdict::NoSession | FrameVerdict::Stranger if is_stop => {
                 add(&mut self.counters.strangers);
                 self.done(header.seq, now, out);
             }
-            Verdict::NoSession => {
+            FrameVerdict::NoSession => {
                 add(&mut self.counters.strangers);
                 self.refuse(header.seq, Refusal::NoSession, now, out);
             }
-            Verdict::Stranger => add(&mut self.counters.strangers),
+            FrameVerdict::Stranger => add(&mut self.counters.strangers),
         }
     }
 

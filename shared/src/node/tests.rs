@@ -1,6 +1,6 @@
 use super::*;
-use crate::controller::{Decision, Outputs, Progress, Refusal as CommandRefusal};
-use crate::faults::Fault;
+use crate::controller::{CommandRefusal, Decision, Outputs, Progress};
+use crate::faults::SensorFault;
 use crate::fixed::Mask;
 use crate::goal::Component;
 use crate::link::SILENCE_MS;
@@ -29,7 +29,8 @@ impl FrameSink for Said {
     }
 }
 
-/// A host with a node; the robot stands in the middle of a square room and its ring hears what the test wants.
+/// A host with a node; the robot stands in the middle of a square room and its ring hears what the
+/// test wants.
 struct Rig {
     node: Small,
     seq: u16,
@@ -670,7 +671,7 @@ fn image(node: &Small) -> Vec<u8> {
     image
 }
 
-fn recall(node: &mut Small, image: &[u8]) -> Result<(), crate::store::Fault> {
+fn recall(node: &mut Small, image: &[u8]) -> Result<(), crate::store::ImageError> {
     let mut read = |at: usize, out: &mut [u8]| {
         out.copy_from_slice(&image[at..at + out.len()]);
         true
@@ -687,7 +688,8 @@ fn a_node_that_recalls_goes_on_as_any_other_that_does() {
     let saved = image(&rig.node);
     let sums = |node: &Small| [node.config_crc(), node.maps_crc(), node.memory_crc()];
     let known = sums(&rig.node);
-    // The one that saved it, and one that has just been switched on; at the same time by the host's clock.
+    // The one that saved it, and one that has just been switched on; at the same time by the host's
+    // clock.
     let mut other = Rig::new(Clock::Host);
     assert_ne!(sums(&other.node), known);
     other.now = rig.now;
@@ -881,7 +883,7 @@ impl Rig {
             turned: 0,
             progress: Progress::Ended,
         });
-        let fault = Fault::Unheard;
+        let fault = SensorFault::Unheard;
         assert_eq!(
             rig.notices(None),
             [Notice::Disbelieved { sensor: 3, fault }]

@@ -79,16 +79,16 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 
     pub(super) fn maps_crc(&self) -> u32 {
-        use controller::Part::{Actions, Changes, Situations};
+        use controller::StatePart::{Actions, Changes, Situations};
         self.crc_of(&[Situations, Changes, Actions])
     }
 
     pub(super) fn memory_crc(&self) -> u32 {
-        self.crc_of(&[controller::Part::Memory])
+        self.crc_of(&[controller::StatePart::Memory])
     }
 
     #[inline(never)]
-    fn crc_of(&self, parts: &[controller::Part]) -> u32 {
+    fn crc_of(&self, parts: &[controller::StatePart]) -> u32 {
         let mut digest = Checksum::new();
         for &part in parts {
             let mut offset = 0;
@@ -107,12 +107,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 }
 
 /// The controller's part; `None` for the configuration, which is the node's.
-const fn controller_part(part: Part) -> Option<controller::Part> {
+const fn controller_part(part: Part) -> Option<controller::StatePart> {
     match part {
         Part::Config => None,
-        Part::Situations => Some(controller::Part::Situations),
-        Part::Changes => Some(controller::Part::Changes),
-        Part::Actions => Some(controller::Part::Actions),
-        Part::Memory => Some(controller::Part::Memory),
+        Part::Situations => Some(controller::StatePart::Situations),
+        Part::Changes => Some(controller::StatePart::Changes),
+        Part::Actions => Some(controller::StatePart::Actions),
+        Part::Memory => Some(controller::StatePart::Memory),
     }
 }

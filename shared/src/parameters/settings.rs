@@ -1,6 +1,8 @@
-//! The table of settings: every open choice by key, with its meaning, its values, and where it lies in the configuration.
+//! The table of settings: every open choice by key, with its meaning, its values, and where it lies
+//! in the configuration.
 //!
-//! It knows numbers, not text: a host reads and prints them. A program that does not use the table does not contain it.
+//! It knows numbers, not text: a host reads and prints them. A program that does not use the table
+//! does not contain it.
 
 use super::Parameter;
 use crate::config::{Config, Wander};
@@ -10,7 +12,7 @@ mod rows;
 mod table;
 
 /// Former keys, which are accepted but not listed, and what they are called now.
-pub const FORMER_KEYS: [(&str, &str); 11] = [
+const FORMER_KEYS: [(&str, &str); 11] = [
     ("mask", "disabled-sensors"),
     ("start", "initialization"),
     ("turned", "augment-rotations"),
@@ -159,7 +161,8 @@ impl<const SENSORS: usize> Setting<SENSORS> {
         }
     }
 
-    /// Sets it. What belongs to a part that is switched off (shield, online learning) changes nothing.
+    /// Sets it. What belongs to a part that is switched off (shield, online learning) changes
+    /// nothing.
     ///
     /// # Errors
     /// [`NotTaken`]; nothing has changed then.

@@ -4,10 +4,11 @@ use super::cone::CONTRADICTIONS;
 use crate::scan::Echo;
 use crate::units::{Bearing, Direction, Displacement, Millis, Range};
 
-/// Points of an arc that are tested, evenly spaced from end to end: 5° of 30°. Where the lobes of two neighbors leave a gap
-/// wider than the margin covers, a point lies in it.
+/// Points of an arc that are tested, evenly spaced from end to end: 5° of 30°. Where the lobes of
+/// two neighbors leave a gap wider than the margin covers, a point lies in it.
 pub(super) const POINTS: usize = 7;
-/// One point more, between face and arc. It counts where the range is the shortest that the ring can report.
+/// One point more, between face and arc. It counts where the range is the shortest that the ring
+/// can report.
 pub(super) const BEFORE: usize = POINTS;
 
 /// Longer ranges count as this, millimeters: products stay within 32 bits.
@@ -73,8 +74,8 @@ impl Arc {
         }
     }
 
-    /// How far its nearest point that still counts is from the robot, as the square of half the distance; the greatest for
-    /// no arc. What is below `limit` may be less.
+    /// How far its nearest point that still counts is from the robot, as the square of half the
+    /// distance; the greatest for no arc. What is below `limit` may be less.
     pub(super) fn half_distance_squared(&self, lobe: &Lobe, limit: u32) -> u32 {
         const AHEAD: Direction = Direction {
             x_q14: 1 << 14,

@@ -1,6 +1,6 @@
 //! How far the robot may go along a way before it comes near to what was heard.
 
-use super::Shielding;
+use super::ShieldConfig;
 use super::arc::{Arc, BEFORE, Lobe, Seen, magnitude, nearest_mm};
 use crate::config::Config;
 use crate::fixed::{Mask, isqrt_u32};
@@ -8,7 +8,7 @@ use crate::units::{Direction, Displacement, Millis, Range};
 
 /// The way ahead.
 pub(super) struct Way<'a> {
-    pub(super) shielding: &'a Shielding,
+    pub(super) shielding: &'a ShieldConfig,
     /// In the shield's frame.
     pub(super) direction: Direction,
     /// In the ring's.
@@ -22,7 +22,7 @@ pub(super) struct Way<'a> {
 impl<'a> Way<'a> {
     pub(super) fn new<const SENSORS: usize>(
         config: &Config<SENSORS>,
-        shielding: &'a Shielding,
+        shielding: &'a ShieldConfig,
         lobe: &'a Lobe,
         wanted: Displacement,
         length: i32,
@@ -43,8 +43,9 @@ impl<'a> Way<'a> {
         }
     }
 
-    /// Whether the way leads along the gap of a transducer that is not believed: a post there stays unheard all the way. It
-    /// reaches to 30° from its axis, somewhat beyond those of the neighbors of 16: the robot is wider than the gap.
+    /// Whether the way leads along the gap of a transducer that is not believed: a post there stays
+    /// unheard all the way. It reaches to 30° from its axis, somewhat beyond those of the neighbors
+    /// of 16: the robot is wider than the gap.
     pub(super) fn is_blind<const SENSORS: usize>(
         &self,
         config: &Config<SENSORS>,
@@ -65,7 +66,8 @@ impl<'a> Way<'a> {
         self.in_ring.along(x, y) > COS_45_Q14
     }
 
-    /// Distance until the body would come within the margin of any of these arcs; `limit` where it would not before that.
+    /// Distance until the body would come within the margin of any of these arcs; `limit` where it
+    /// would not before that.
     pub(super) fn until_any<'b>(&self, arcs: impl Iterator<Item = &'b Arc>, limit: i32) -> i32 {
         let far_mm = limit.saturating_add(self.reach_mm);
         arcs.fold(limit, |limit, arc| self.until(arc, far_mm, limit))
@@ -130,7 +132,8 @@ impl<'a> Way<'a> {
         )
     }
 
-    /// Distance until the body would come within the margin of a point along the way and aside of it.
+    /// Distance until the body would come within the margin of a point along the way and aside of
+    /// it.
     pub(super) fn until_point(&self, (along, aside): (i32, i32), limit: i32) -> i32 {
         let reach = self.reach_mm;
         let beyond = along.wrapping_sub(limit);

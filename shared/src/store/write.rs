@@ -5,8 +5,8 @@ use super::*;
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     Contents<'_, SENSORS, NEURONS, SAMPLES>
 {
-    /// Writes the image of this generation, front to back, each time a whole record of at most 256 bytes and a multiple of
-    /// [`WORD`]. No more than one of them is in memory.
+    /// Writes the image of this generation, front to back, each time a whole record of at most 256
+    /// bytes and a multiple of [`WORD`]. No more than one of them is in memory.
     ///
     /// # Errors
     /// The sink's.
@@ -95,8 +95,8 @@ struct Draft {
 }
 
 impl Draft {
-    /// A record of this kind with these fields. None is too long for its room: a piece takes 164 bytes, a goal of 32
-    /// transducers with the dearest numbers 248.
+    /// A record of this kind with these fields. None is too long for its room: a piece takes 164
+    /// bytes, a goal of 32 transducers with the dearest numbers 248.
     #[inline(never)]
     fn of(kind: u8, fields: &[&[u8]]) -> Self {
         let mut draft = Self {

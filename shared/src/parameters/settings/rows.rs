@@ -3,7 +3,7 @@
 use super::{Access, Kind, NumberFormat, Setting, Value};
 use crate::config::{Config, Online};
 use crate::parameters::{Parameter, Unit};
-use crate::shield::Shielding;
+use crate::shield::ShieldConfig;
 
 /// A number from `least` to `greatest`.
 pub(super) const fn number(format: NumberFormat, least: i32, greatest: i32) -> Kind {
@@ -86,7 +86,7 @@ pub(super) fn of_online<const SENSORS: usize>(
 /// A value of the shield; 0 if it is off.
 pub(super) fn of_shield<const SENSORS: usize>(
     config: &Config<SENSORS>,
-    get: fn(&Shielding) -> u32,
+    get: fn(&ShieldConfig) -> u32,
 ) -> Value {
     Value::of(config.shield.as_ref().map_or(0, get))
 }
@@ -104,7 +104,7 @@ pub(super) fn put_online<const SENSORS: usize>(
 /// Changes the shield, if it is on.
 pub(super) fn put_shield<const SENSORS: usize>(
     config: &mut Config<SENSORS>,
-    put: impl FnOnce(&mut Shielding),
+    put: impl FnOnce(&mut ShieldConfig),
 ) {
     if let Some(shield) = &mut config.shield {
         put(shield);

@@ -3,7 +3,7 @@
 use super::rows::*;
 use super::{Kind, NumberFormat, Setting, Value};
 use crate::action_map::{ActionCode, Recall};
-use crate::config::{AtGoal, Choice, Order, Start, Subgoal, Taught};
+use crate::config::{AtGoal, Initialization, LearnFrom, PlannerKind, SampleOrder, Subgoal};
 use crate::fixed::Weight;
 use crate::parameters::Parameter;
 use crate::shield::ARCS_PER_SENSOR;
@@ -80,24 +80,27 @@ impl<const SENSORS: usize> Setting<SENSORS> {
             "order",
             "order of the samples: recorded | random",
             learning.order,
-            [("recorded", Order::Recorded), ("random", Order::Random)]
+            [
+                ("recorded", SampleOrder::Recorded),
+                ("random", SampleOrder::Random)
+            ]
         ),
         words!(
             "initialization",
             "starting code vectors: samples | random | plane",
             learning.start,
             [
-                ("samples", Start::Samples),
-                ("random", Start::Random),
-                ("plane", Start::Plane)
+                ("samples", Initialization::Samples),
+                ("random", Initialization::Random),
+                ("plane", Initialization::Plane)
             ]
         ),
         Self::new(
             "augment-rotations",
             "samples also learned turned by ring steps: on | off",
             Kind::Switch,
-            |config| Value::of(config.learning.turned),
-            |config, value| config.learning.turned = value.is_on(),
+            |config| Value::of(config.learning.augment_rotations),
+            |config, value| config.learning.augment_rotations = value.is_on(),
         ),
         Self::new(
             "action-weight",
@@ -109,10 +112,10 @@ impl<const SENSORS: usize> Setting<SENSORS> {
         words!(
             "learn-from",
             "displacement a sample teaches: commanded | executed",
-            learning.taught,
+            learning.learn_from,
             [
-                ("commanded", Taught::Commanded),
-                ("executed", Taught::Executed)
+                ("commanded", LearnFrom::Commanded),
+                ("executed", LearnFrom::Executed)
             ]
         ),
         words!(
@@ -195,11 +198,11 @@ impl<const SENSORS: usize> Setting<SENSORS> {
             "planner",
             "how the action is found: recall (probe by the change) | neurons | headings \
              (look-ahead)",
-            planning.choice,
+            planning.planner,
             [
-                ("recall", Choice::Recall),
-                ("neurons", Choice::Neurons),
-                ("headings", Choice::Headings)
+                ("recall", PlannerKind::Recall),
+                ("neurons", PlannerKind::BestNeuron),
+                ("headings", PlannerKind::BestHeading)
             ]
         ),
         Self::new(
@@ -217,7 +220,7 @@ impl<const SENSORS: usize> Setting<SENSORS> {
         words!(
             "subgoal",
             "neuron aimed at: hops | code | goal",
-            planning.intermediate,
+            planning.subgoal,
             [
                 ("hops", Subgoal::FewestHops),
                 ("code", Subgoal::NearestCode),
