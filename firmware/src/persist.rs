@@ -17,7 +17,7 @@
 //!
 //! Cost: a slot's bytes of flash an image, 3 words for a mark; memory for one record. Starting reads both sectors once.
 
-use amp::store::{Contents, Fault, Found, WORD, check};
+use amp::store::{Contents, ImageError, ImageInfo, WORD, check};
 use amp::wire::checksum;
 use amp::wire::message::{Flash, FlashError};
 use core::convert::Infallible;
@@ -195,15 +195,15 @@ impl<F: NorFlash> Store<F> {
     /// [`FlashError`]: nothing was saved, or it cannot be read.
     pub fn recall<T>(
         &mut self,
-        into: impl FnOnce(&mut dyn FnMut(usize, &mut [u8]) -> bool, usize) -> Result<T, Fault>,
+        into: impl FnOnce(&mut dyn FnMut(usize, &mut [u8]) -> bool, usize) -> Result<T, ImageError>,
     ) -> Result<T, FlashError> {
         let place = self.newest.ok_or(FlashError::Empty)?;
         let (from, most) = (self.address(place), self.slot_bytes as usize);
         let flash = &mut self.flash;
         let mut read = |at: usize, out: &mut [u8]| flash.read(from + at as u32, out).is_ok();
         into(&mut read, most).map_err(|fault| match fault {
-            Fault::Source | Fault::Torn => FlashError::Failed,
-            Fault::Version | Fault::Dimensions => FlashError::Unreadable,
+            ImageError::Source | ImageError::Torn => FlashError::Failed,
+            ImageError::Version | ImageError::Dimensions => FlashError::Unreadable,
         })
     }
 
@@ -291,7 +291,7 @@ impl<F: NorFlash> Store<F> {
         })
     }
 
-    fn check(&mut self, place: Place) -> Result<Found, Fault> {
+    fn check(&mut self, place: Place) -> Result<ImageInfo, ImageError> {
         let from = self.address(place);
         let flash = &mut self.flash;
         let mut read = |at: usize, out: &mut [u8]| flash.read(from + at as u32, out).is_ok();

@@ -11,7 +11,7 @@ fn main() {
 mod tests {
     use amp::action_map::{ActionMap, Effect};
     use amp::config::Config;
-    use amp::controller::{Part, State};
+    use amp::controller::{State, StatePart};
     use amp::fixed::{Mask, Weight};
     use amp::goal::{Component, Goal, KeptGoals};
     use amp::som::neighborhood::Update;
@@ -52,9 +52,14 @@ mod tests {
             for (place, byte) in room.iter_mut().enumerate() {
                 *byte = (place as u8).wrapping_mul(7).wrapping_add(number);
             }
-            for part in [Part::Situations, Part::Changes, Part::Actions, Part::Memory] {
+            for part in [
+                StatePart::Situations,
+                StatePart::Changes,
+                StatePart::Actions,
+                StatePart::Memory,
+            ] {
                 let length = match part {
-                    Part::Memory => 100 * State::<16, 16, 100>::SAMPLE_BYTES,
+                    StatePart::Memory => 100 * State::<16, 16, 100>::SAMPLE_BYTES,
                     _ => self.state.part_len(part),
                 };
                 let written = self.state.write_part(part, 0, &room[..length]);

@@ -1,7 +1,7 @@
 use super::sim::SimFlash;
 use super::*;
 use amp::config::Config;
-use amp::controller::{Part, State};
+use amp::controller::{State, StatePart};
 use amp::goal::{Component, Goal, KeptGoals};
 use amp::node::Node;
 use amp::som::Grid;
@@ -32,11 +32,16 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             goal: Goal::of([Component::ANY; SENSORS]),
             kept: KeptGoals::new(),
         };
-        mind.goal.going_q16 = number as u16;
+        mind.goal.progress_q16 = number as u16;
         let mut bytes = number.to_le_bytes().into_iter().cycle();
-        for part in [Part::Situations, Part::Changes, Part::Actions, Part::Memory] {
+        for part in [
+            StatePart::Situations,
+            StatePart::Changes,
+            StatePart::Actions,
+            StatePart::Memory,
+        ] {
             let length = match part {
-                Part::Memory => SAMPLES * State::<SENSORS, NEURONS, SAMPLES>::SAMPLE_BYTES,
+                StatePart::Memory => SAMPLES * State::<SENSORS, NEURONS, SAMPLES>::SAMPLE_BYTES,
                 _ => mind.state.part_len(part),
             };
             let bytes: Vec<u8> = bytes.by_ref().take(length).collect();

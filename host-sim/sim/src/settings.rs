@@ -1,6 +1,7 @@
 //! The table of settings as text: reads and prints every open choice, for `--set KEY=VALUE`.
 //!
-//! [`amp::parameters`] holds the table: keys, meanings, ranges. This module adds units, words and error messages.
+//! [`amp::parameters`] holds the table: keys, meanings, ranges. This module adds units, words and
+//! error messages.
 
 use amp::config::{Config, Wander};
 use amp::fixed::{Mask, Weight};
@@ -24,8 +25,9 @@ const SWITCH: &[&str] = &["on", "off"];
 /// Applies several `KEY=VALUE`, in order.
 ///
 /// # Errors
-/// A sentence that names the key or the value when a text is not `KEY=VALUE`, a key is unknown (with
-/// the nearest known one), a value is not among those it takes, or the values do not go together.
+/// A sentence that names the key or the value when a text is not `KEY=VALUE`, a key is unknown
+/// (with the nearest known one), a value is not among those it takes, or the values do not go
+/// together.
 pub fn apply<T: AsRef<str>>(config: &mut Config<16>, assignments: &[T]) -> Result<(), BadInput> {
     for assignment in assignments {
         apply_one(config, assignment.as_ref())?;
@@ -52,7 +54,8 @@ fn apply_one(config: &mut Config<16>, assignment: &str) -> Result<(), BadInput> 
 /// Sets one choice. [`apply`] also checks that it goes with the others.
 ///
 /// # Errors
-/// A sentence that names the key, if it is unknown, or the value, if it is not among those the key takes.
+/// A sentence that names the key, if it is unknown, or the value, if it is not among those the key
+/// takes.
 pub fn set(config: &mut Config<16>, key: &str, text: &str) -> Result<(), BadInput> {
     let Some(setting) = Setting::find(key) else {
         let keys: Vec<_> = SETTINGS.iter().map(|setting| setting.key).collect();
@@ -100,7 +103,8 @@ fn parse(kind: Kind, text: &str) -> Result<Value, String> {
     }
 }
 
-/// How many of the table's numbers make one of what a person types: meters, seconds, degrees, shares.
+/// How many of the table's numbers make one of what a person types: meters, seconds, degrees,
+/// shares.
 const fn per_unit(format: NumberFormat) -> f64 {
     match format {
         NumberFormat::Count => 1.0,
@@ -276,7 +280,7 @@ mod tests {
             (5_000, 5_500)
         );
         assert_eq!(config.planning.recall, Recall::Projection);
-        assert!(!config.believed.contains(3) && !config.believed.contains(7));
+        assert!(!config.enabled.contains(3) && !config.enabled.contains(7));
         assert_eq!(config.learning.actions.rate.decay(), Decay::Inverse);
     }
 

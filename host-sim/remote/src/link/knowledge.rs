@@ -2,7 +2,7 @@
 
 use super::{Fingerprint, LinkError, Session, next_number};
 use amp::config::Config;
-use amp::controller::Part as StatePart;
+use amp::controller::StatePart;
 use amp::goal::{Goal, KeptGoal, KeptGoals, Name};
 use amp::node::MAX_CONFIG;
 use amp::som::Grid;

@@ -104,9 +104,9 @@ impl Base {
             clock: Clock::Host,
             open_space: false,
         }));
-        base.teach(episode, Part::Situations, controller::Part::Situations);
-        base.teach(episode, Part::Changes, controller::Part::Changes);
-        base.teach(episode, Part::Actions, controller::Part::Actions);
+        base.teach(episode, Part::Situations, controller::StatePart::Situations);
+        base.teach(episode, Part::Changes, controller::StatePart::Changes);
+        base.teach(episode, Part::Actions, controller::StatePart::Actions);
         for order in [Order::Goal(GoalBy::Avoid), Order::Seek] {
             let (at_ms, ttl_ms) = (base.time, 500);
             base.send(&ToMind::Command {
@@ -121,7 +121,7 @@ impl Base {
     }
 
     /// Writes what an episode's robot knows into the mind.
-    fn teach(&mut self, episode: &Episode<'_>, part: Part, of: controller::Part) {
+    fn teach(&mut self, episode: &Episode<'_>, part: Part, of: controller::StatePart) {
         let mut offset = 0;
         loop {
             let mut piece = [0; MAX_PIECE];

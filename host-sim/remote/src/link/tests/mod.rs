@@ -2,7 +2,7 @@
 
 use super::*;
 use amp::config::Config;
-use amp::controller::{Command, Event, Outputs, Progress, Refusal as Refused, StopReason};
+use amp::controller::{Command, CommandRefusal as Refused, Event, Outputs, Progress, StopReason};
 use amp::parameters::{Parameter, ParameterError};
 use amp::units::{Bearing, Displacement, Millis, Range};
 use amp::wire::message::{Clock, Order, Part, Refusal};
