@@ -18,7 +18,8 @@ use serde::{Deserialize, Serialize};
 mod presets;
 mod zeroed;
 
-/// What a robot with `SENSORS` transducers is told before it starts.
+/// The configuration of a robot with `SENSORS` transducers. Nothing changes it while the robot
+/// runs.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Config<const SENSORS: usize> {
     /// The body.
@@ -38,13 +39,12 @@ pub struct Config<const SENSORS: usize> {
     pub online: Option<Online>,
     /// From a goal to an action.
     pub planning: Planning,
-    /// What "free of obstacles" means as a goal: nothing nearer than this, millimeters; at the far
-    /// limit or beyond it, nothing perceived at all.
+    /// Obstacle avoidance asks for nothing nearer than this, millimeters; at or beyond the far
+    /// limit, for nothing perceived at all.
     pub clearance_mm: u16,
-    /// What limits motion by the echoes; `None` = nothing does.
+    /// How echoes limit motions; `None` = not at all.
     pub shield: Option<ShieldConfig>,
-    /// Whether a transducer that behaves as none in good order does is no longer believed: see
-    /// [`faults`](crate::faults).
+    /// Whether transducers that misbehave are disabled: see [`faults`](crate::faults).
     pub fault_detection: bool,
     /// A session with this configuration expects rings without any echo: see
     /// [`State::expect_open_space`](crate::controller::State::expect_open_space). The controller
@@ -62,8 +62,8 @@ impl<const SENSORS: usize> Config<SENSORS> {
         postcard::to_slice(self, buffer).map_or(&[], |bytes| bytes)
     }
 
-    /// Undoes [`to_bytes`](Self::to_bytes); `None` for bytes that are no configuration, or one that
-    /// nobody could supervise.
+    /// Undoes [`to_bytes`](Self::to_bytes); `None` for bytes that are no configuration, or for one
+    /// without deadlines that can be supervised.
     #[inline(never)]
     #[must_use]
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
@@ -78,8 +78,8 @@ pub struct Exploration {
     /// Shortest move, millimeters; the longest is the robot's step. Lengths are uniform in between,
     /// bearings uniform.
     pub shortest_mm: u16,
-    /// Bearings drawn before a move that the shield shortens below half is accepted all the same,
-    /// at least 1.
+    /// Draws of a random move, at least 1; the last one is taken even if the shield shortens it
+    /// below half.
     pub draws: u8,
 }
 
@@ -164,12 +164,12 @@ pub struct Online {
     pub action_rate_q16: u32,
     /// The direct neighbors' share of the rate, Q16.
     pub share_q16: u32,
-    /// The action map's learner is the neuron that chose the move, not the one that matches it
-    /// best: a move that brought nothing then weakens its own cause.
+    /// The action map updates the neuron that chose the move, not the best-matching one: a move
+    /// without effect weakens its own cause.
     pub blame_recalled: bool,
 }
 
-/// Which neuron is aimed at.
+/// The neuron aimed at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Subgoal {
     /// The direct neighbor fewest grid steps from the goal neuron (the paper's step 3), the one
@@ -221,7 +221,7 @@ pub struct Planning {
     /// How the action is found; the fields up to `at_goal` are for [`PlannerKind::Recall`].
     #[serde(rename = "choice")]
     pub planner: PlannerKind,
-    /// Which neuron is aimed at.
+    /// The neuron aimed at.
     #[serde(rename = "intermediate")]
     pub subgoal: Subgoal,
     /// How the action map is probed.
@@ -229,14 +229,13 @@ pub struct Planning {
     /// The wanted change starts from the situation as measured, not from the present neuron's code
     /// vector.
     pub from_measured: bool,
-    /// All neurons of the action map answer together, each as far as its change points the wanted
-    /// way; otherwise the best one alone.
+    /// All neurons of the action map answer the probe, weighted by how well their changes match;
+    /// otherwise the best one alone.
     pub together: bool,
-    /// Only what the goal asks for and does not have yet is wanted: a component that is as the goal
-    /// wants it may change as it likes.
+    /// Only unmet components of the goal are wanted: the others may change freely.
     pub unmet_only: bool,
-    /// How much a neuron whose action keeps to the course is preferred, beside 1 for the change
-    /// that points the wanted way, in 1/256 (recall by direction only).
+    /// Weight of an action that keeps the course, beside 1 for the match of its change, in 1/256
+    /// (recall by direction only).
     pub straight_q8: u16,
     /// Share of the course added to the recalled action, in 1/256.
     pub inertia_q8: u16,
@@ -249,12 +248,12 @@ pub struct Planning {
     /// Decisions for which an action neuron is not recalled again after its move was cut below
     /// half; 0 = never.
     pub inhibition: u8,
-    /// What to do when no action leads nearer to a place; `None` = go on trying.
+    /// What to do when no action leads nearer to a place; `None` = keep trying.
     pub wander: Option<Wander>,
 }
 
 impl<const SENSORS: usize> Config<SENSORS> {
-    /// The same choices for another robot, all of whose transducers are believed.
+    /// The same choices for another robot, with all its transducers enabled.
     #[must_use]
     pub fn for_robot<const OTHERS: usize>(&self, robot: RobotSpec<OTHERS>) -> Config<OTHERS> {
         Config {
@@ -279,7 +278,7 @@ mod tests {
     use super::*;
     use crate::som::Decay;
 
-    /// What the documentation says of them, and a sum over everything: a preset changes on purpose
+    /// The values quoted in the documentation, and a checksum of all: a preset changes on purpose
     /// only.
     #[test]
     fn the_presets_are_what_they_are_said_to_be() {

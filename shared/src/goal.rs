@@ -18,8 +18,7 @@ pub use behaviors::Side;
 pub use kept::{KeepError, KeptGoal, KeptGoals, MAX_KEPT, Name};
 pub(crate) use value_bounds::{Over, ValueBounds, cost_of};
 
-/// What a step straight ahead weighs in obstacle avoidance: enough to cross free space, too little
-/// to graze a wall.
+/// Weight of progress in obstacle avoidance: the robot crosses free space but does not graze walls.
 const AVOIDING_Q16: u16 = 33;
 
 /// What is asked of one transducer's value.
@@ -41,7 +40,7 @@ impl Component {
         weight: 0,
     };
 
-    /// All zeros, in a goal that nobody has set.
+    /// All zeros, for a goal that has not been set.
     pub(crate) const ZERO: Self = Self {
         low: Weight::ZERO,
         high: Weight::ZERO,
@@ -105,8 +104,8 @@ pub enum GoalFrame {
     /// The ring's: component `i` is transducer `i`.
     #[default]
     Ring,
-    /// That of the way: component 0 looks where the robot goes, the others follow
-    /// counter-clockwise. Rings that are not symmetric know only their own frame.
+    /// That of travel: component 0 looks along the motion, the others follow counter-clockwise.
+    /// Only for symmetric rings.
     Travel,
 }
 
@@ -126,8 +125,8 @@ pub struct Goal<const SENSORS: usize> {
     /// Weight of keeping the heading, likewise.
     #[serde(rename = "steady_q16")]
     pub heading_hold_q16: u16,
-    /// A component counts as at most so far off: what is hidden behind a corner does not drown the
-    /// rest.
+    /// Greatest deviation that counts for one component: a surface hidden behind a corner does not
+    /// outweigh the rest.
     pub cap: Weight,
     /// The goal holds when the root of the mean squared deviation is at most this.
     pub tolerance: Weight,
@@ -201,8 +200,8 @@ impl<const SENSORS: usize> Goal<SENSORS> {
         }
     }
 
-    /// Squared deviation of a situation from what is asked, over the believed components, in units
-    /// of 2⁻²⁶ · weight.
+    /// Squared deviation of a situation from the goal, over the components of `mask`, in units of
+    /// 2⁻²⁶ · weight.
     #[must_use]
     pub fn distance(&self, situation: &Situation<SENSORS>, mask: Mask) -> i64 {
         let mut total = 0_i64;
@@ -215,7 +214,7 @@ impl<const SENSORS: usize> Goal<SENSORS> {
         total
     }
 
-    /// Whether every believed component lies within `tolerance` of what is asked.
+    /// Whether every component of `mask` lies within `tolerance` of the goal.
     #[must_use]
     pub fn holds(&self, situation: &Situation<SENSORS>, mask: Mask, tolerance: Weight) -> bool {
         let mut parts = self.components.iter().zip(situation).enumerate();
@@ -248,7 +247,7 @@ impl<const SENSORS: usize> Goal<SENSORS> {
     }
 
     /// What is asked of each transducer in the ring's frame by a robot that goes towards place
-    /// `place` of the ring; nothing of those that are not believed.
+    /// `place` of the ring; nothing of the disabled ones.
     pub(crate) fn asked(&self, place: usize, believed: Mask) -> impl Iterator<Item = ValueBounds> {
         let back = SENSORS.wrapping_sub(place);
         (0..SENSORS).map(move |sensor| {
@@ -265,7 +264,7 @@ impl<const SENSORS: usize> Goal<SENSORS> {
         i32::from(self.cap.to_bits()).max(0)
     }
 
-    /// Whether a deviation is within the tolerance, by what is asked of the believed transducers.
+    /// Whether a deviation is within the tolerance, by the bounds of the enabled transducers.
     pub(crate) fn is_met_by(
         &self,
         deviation: i64,
@@ -394,7 +393,7 @@ mod tests {
         };
         let is_met = |deviation, believed| goal.is_met_by(deviation, goal.asked(0, believed));
         assert!(is_met(500, Mask::ALL) && !is_met(501, Mask::ALL));
-        // Who is not believed is not asked.
+        // A disabled transducer has no bounds.
         let without = Mask::ALL.without(0);
         assert!(is_met(100, without) && !is_met(101, without));
     }

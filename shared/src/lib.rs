@@ -36,15 +36,15 @@
 //! | [`memory`] | the lazy memory of samples |
 //! | [`goal`] | behaviors as goal situations |
 //! | [`planner`] | the paper's four steps, with every intermediate value |
-//! | [`faults`] | which transducers to believe |
-//! | [`shield`] | what the ring hears limits how far and how fast |
+//! | [`faults`] | detects faulty transducers |
+//! | [`shield`] | limits how far and how fast, by the echoes of the ring |
 //! | [`config`] | every open choice of the method as a named value; the presets |
 //! | [`controller`] | modes and events: the robot as a function |
 //! | [`wire`] | messages and frames of the link to the base |
-//! | [`link`] | session, order and age of frames, and whether the host is there |
-//! | [`parameters`] | what of the configuration may be changed one by one |
-//! | [`node`] | the mind behind a link: frames in, frames out |
-//! | [`store`] | the saved image of all a mind was told and has learned |
+//! | [`link`] | session, order and age of frames, and whether the host is alive |
+//! | [`parameters`] | configuration values by name: over the link, and the table of settings |
+//! | [`node`] | the controller behind a link: frames in, frames out |
+//! | [`store`] | the saved image: configuration, maps, memory and goals |
 //!
 //! # Limits
 //!

@@ -1,5 +1,5 @@
-//! Session, order and age of frames, and whether the other end is still there: pure, with time as
-//! an argument; the chip and the host use the same.
+//! Session, order and age of frames, and whether the other end is alive. Time is an argument; chip
+//! and host use the same code.
 //!
 //! A host opens a *session* with a number of its own choice; frames of other sessions are
 //! strangers. Within a session frames are numbered; a frame whose number is not newer than the last
@@ -42,7 +42,7 @@ pub struct Link {
     /// The host's time counts, not the one here.
     by_host: bool,
     /// When the last frame of the session was heard, by the session's clock; by the host's, none
-    /// before it has told its time.
+    /// before it has sent its time.
     heard: Option<Millis>,
     /// When the last frame of the session came, by the clock here.
     came: Millis,
@@ -120,7 +120,7 @@ impl Link {
     }
 
     /// Whether the host was heard lately, by the clock here. In a session by the host's clock
-    /// [`is_alive`](Self::is_alive) does not tell: there no time passes while it is silent.
+    /// [`is_alive`](Self::is_alive) does not detect silence: no time passes meanwhile.
     #[must_use]
     pub(crate) const fn has_heard(&self, now: Millis) -> bool {
         self.alive && now.since(self.came) <= SILENCE_MS
@@ -149,7 +149,7 @@ impl Link {
         self.came = now;
         match self.clock() {
             Clock::Host => {
-                // A host whose clock was set back goes on from there.
+                // The host's clock was set back: continue from there.
                 if self.host.is_before(at) || self.host.since(at) > SILENCE_MS {
                     self.host = at;
                 }
@@ -189,8 +189,9 @@ impl Link {
         }
     }
 
-    /// Age of a frame of the host's time `at`, milliseconds: how much later than the promptest one
-    /// it came. By the host's clock no frame is late.
+    /// Age of a frame of the host's time `at`, milliseconds: (arrival − sent) minus the least such
+    /// difference of the window. Needs equal clock rates, not a common epoch. By the host's clock
+    /// no frame is late.
     #[must_use]
     pub fn age_ms(&self, at: Millis, now: Millis) -> u32 {
         match self.clock() {
@@ -299,7 +300,7 @@ mod tests {
         link.heard_timeless(ms(2_000));
         assert!(link.is_alive() && !link.falls_silent(ms(2_300)) && link.falls_silent(ms(2_301)));
         assert!(!Link::new().falls_silent(ms(u32::MAX)));
-        // A pause that was announced is no silence; it brings nobody back.
+        // An announced pause is no silence, and does not make a lost host alive.
         link.resume(ms(6_000));
         assert!(!link.is_alive());
         link.heard_timeless(ms(7_000));

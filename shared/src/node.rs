@@ -45,7 +45,7 @@ pub trait FrameSink {
     fn send(&mut self, frame: &[u8]) -> bool;
 }
 
-/// What a node says of itself in its hello.
+/// Identity of a node, sent in its hello.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Identity {
     /// Build of the program.

@@ -32,11 +32,11 @@ pub enum Parameter {
     Online,
     /// Presentations of the whole memory.
     Epochs,
-    /// Bit mask of the transducers to believe.
+    /// Bit mask of the enabled transducers.
     Believed,
     /// Time the ring takes.
     RingPeriod,
-    /// Whether transducers that misbehave are no longer believed: 0 or 1.
+    /// Whether transducers that misbehave are disabled: 0 or 1.
     FaultDetection,
 }
 

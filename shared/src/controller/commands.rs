@@ -43,7 +43,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             }
             Command::Stop => {
                 let stopped = self.stop(at, StopReason::Commanded);
-                // Said each time: the order before may have been lost.
+                // Sent each time: the order before may have been lost.
                 let motion = stopped.motion.or(Some(self.standing()));
                 return Outputs { motion, ..stopped };
             }
@@ -57,7 +57,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.enter(at, mode)
     }
 
-    /// Stands still and keeps what that interrupts for [`Command::Resume`].
+    /// Stands still and stores the interrupted mode for [`Command::Resume`].
     #[inline(never)]
     fn stop(&mut self, at: Millis, reason: StopReason) -> Outputs<SENSORS> {
         self.interrupted = match self.mode {
@@ -68,7 +68,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.enter(at, Mode::Stopped(reason))
     }
 
-    /// Something outside is wrong: whoever may move stops, anybody else goes on.
+    /// Stops a robot that explores or seeks; does nothing in other modes.
     pub(super) fn alarm(&mut self, at: Millis, reason: StopReason) -> Outputs<SENSORS> {
         match self.mode {
             Mode::Explore { .. } | Mode::Seek { .. } => self.stop(at, reason),
@@ -77,7 +77,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 
     /// Changes the mode. A motion under way is stopped, except from one goal to the next. One copy
-    /// of it in a program.
+    /// in the program.
     #[inline(never)]
     pub(super) fn enter(&mut self, at: Millis, mode: Mode<SENSORS>) -> Outputs<SENSORS> {
         let goes_on = matches!((&self.mode, &mode), (Mode::Seek { .. }, Mode::Seek { .. }));

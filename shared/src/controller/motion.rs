@@ -28,7 +28,7 @@ impl<const SENSORS: usize> Pending<SENSORS> {
         self.executed.is_shorter_than(half)
     }
 
-    /// The base has gone farther than it was to go: braking takes a way of its own.
+    /// The base has overrun its target: braking takes some distance.
     fn was_overrun(&self) -> bool {
         let left = self.remaining.now().rotated(self.turned.direction());
         left.opposes(self.commanded)
@@ -49,7 +49,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         if age_ms > patience_ms(config) {
             return stale(age_ms);
         }
-        // The robot was elsewhere, or it knows better already.
+        // Heard at another place, or older than a known echo.
         if !self.moving && echo.at.is_before(self.waiting_since) {
             return stale(age_ms);
         }
@@ -84,7 +84,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let Some(allowed) = self.shield.shorten(config, enabled, remaining, now, sensor) else {
             return Outputs::none();
         };
-        // A base that has gone too far stands; it does not turn round and come back.
+        // A base that has overrun its target stands; it does not return.
         let left_mm = if pending.was_overrun() {
             0
         } else {
@@ -102,8 +102,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             speed_mm_s: pending.speed_mm_s,
             ..faster
         };
-        // No more than what the lower speed takes: something that comes nearer and nearer must not
-        // put it off for ever.
+        // Only by the time that the lower speed adds: an approaching obstacle must not postpone the
+        // deadline without end.
         let slower_ms = motion.longest_ms().saturating_sub(faster.longest_ms());
         self.deadline = self.deadline.plus_ms(slower_ms);
         Outputs {

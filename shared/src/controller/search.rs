@@ -1,4 +1,4 @@
-//! Whether the robot comes nearer to a place, and what it does when it does not.
+//! Progress towards a place, and when the robot wanders because there is none.
 
 use crate::config::Wander;
 

@@ -1,4 +1,5 @@
-//! What stops a robot that explores or seeks, though nobody has asked for it.
+//! Supervision: stops a robot that explores or seeks when a motion is overdue or transducers fall
+//! silent.
 
 use super::{Motion, Outputs, State, StopReason, patience_ms};
 use crate::config::Config;
@@ -21,8 +22,8 @@ impl Motion {
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     State<SENSORS, NEURONS, SAMPLES>
 {
-    /// Keeps the latest time. Ticks and commands are of the present: one that lies far back means
-    /// that the clock was set back, or begins near the end of its 32 bits.
+    /// Stores the latest time. Ticks and commands carry the present time: if it lies far back, the
+    /// clock was set back or has wrapped.
     pub(super) fn pass_time(&mut self, config: &Config<SENSORS>, at: Millis, is_present: bool) {
         if self.now.is_before(at) {
             self.now = at;

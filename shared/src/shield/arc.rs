@@ -1,4 +1,4 @@
-//! What one echo says: something stands on an arc around the transducer's face.
+//! One echo as an arc: the nearest surface stands somewhere on it.
 
 use super::cone::CONTRADICTIONS;
 use crate::scan::Echo;
@@ -85,7 +85,7 @@ impl Arc {
             return u32::MAX;
         };
         let face_mm = self.face_mm();
-        let seen = Seen::along(AHEAD, face_mm, self.axis, range.as_mm().into());
+        let seen = ArcView::along(AHEAD, face_mm, self.axis, range.as_mm().into());
         let mut least = u32::MAX;
         for (point, (x, y)) in seen.points(lobe) {
             if self.stands(point) {
@@ -129,7 +129,7 @@ impl Lobe {
 }
 
 /// An arc seen along some direction: what lies along it and to the left of it, millimeters.
-pub(super) struct Seen {
+pub(super) struct ArcView {
     /// From where the direction begins to the arc's face.
     face: (i32, i32),
     /// From the face to the arc's middle.
@@ -145,7 +145,7 @@ pub(super) struct Extent {
     pub(super) aside: i32,
 }
 
-impl Seen {
+impl ArcView {
     /// `x_mm` and `y_mm` lead to the face, within ±65.5 m.
     pub(super) fn along(
         direction: Direction,

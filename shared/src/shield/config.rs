@@ -1,9 +1,9 @@
-//! How careful the shield is: margins, lobes and times as configuration values.
+//! Configuration of the shield: margins, lobes and times.
 
 use crate::units::Bearing;
 use serde::{Deserialize, Serialize};
 
-/// How careful to be.
+/// Margins, lobes and times of the shield.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ShieldConfig {
     /// Distance to keep between body and anything heard, millimeters.

@@ -1,4 +1,4 @@
-//! Where to go instead of a way that the shield has closed, or has seen from one place only.
+//! Detours: other motions when the wanted one is blocked, or has been seen from one place only.
 
 use super::{Allowed, SECOND_VIEW_MM, Shield};
 use crate::config::Config;
@@ -24,7 +24,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         let aside = [1, 3].map(|quarters| {
             let way = step.rotated(Bearing::of_place(quarters, 4).direction());
             let mut allowed = self.allow(config, enabled, way, now);
-            // Nobody has looked there: slowly.
+            // Not yet seen: slowly.
             allowed.speed_mm_s = allowed.speed_mm_s.min(config.robot.speed_mm_s / 2);
             (way, allowed)
         });

@@ -43,7 +43,7 @@ proptest! {
         let shielding = config.shield.as_ref().unwrap();
         let (lobe, now) = (Lobe::of(half_lobe), Millis::from_ms(0));
         let wanted = Displacement::along(Bearing::from_turns(wanted), 250);
-        let way = Way::new(&config, shielding, &lobe, wanted, 250, now);
+        let way = StraightPath::new(&config, shielding, &lobe, wanted, 250, now);
         let angle = |direction: Direction| libm::atan2(direction.y_q14.into(), direction.x_q14.into());
         let heading = angle(way.direction);
         let radius = f64::from(config.robot.body_radius_mm + shielding.margin_mm);
@@ -346,7 +346,7 @@ fn echoes_grow_old() {
 fn a_point_is_met_where_the_body_touches_it() {
     let (config, shielding) = (Config::recommended(), ShieldConfig::nomad200());
     let lobe = Lobe::of(shielding.half_lobe);
-    let way = Way::new(
+    let way = StraightPath::new(
         &config,
         &shielding,
         &lobe,

@@ -1,8 +1,8 @@
-//! From an image to a mind.
+//! Reads an image into a controller.
 
 use super::*;
 
-/// What a whole image says of itself.
+/// Properties of a complete image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ImageInfo {
     /// Its generation; the higher, the newer.
@@ -11,7 +11,7 @@ pub struct ImageInfo {
     pub bytes: usize,
 }
 
-/// Why bytes were not read into a mind.
+/// Why an image was not read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ImageError {
     /// They could not be read.
@@ -72,7 +72,7 @@ fn look(read: Read<'_>, most: usize) -> Result<(Head, usize), ImageError> {
     }
 }
 
-/// What a record says.
+/// The content of a record.
 enum ImageRecord<'a> {
     Head(Head),
     Piece {
@@ -201,11 +201,11 @@ impl RecordReader {
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     ContentsMut<'_, SENSORS, NEURONS, SAMPLES>
 {
-    /// Replaces everything by what the image says. The mind has to stand still.
+    /// Replaces everything by the image's content. The robot has to stand still.
     ///
     /// # Errors
-    /// [`ImageError`]; nothing has changed then, except by an image that is sound and yet none of a
-    /// program's: that leaves a mind as new, with [`ImageError::Version`].
+    /// [`ImageError`]; nothing has changed then, except by a sound image with invalid content: that
+    /// leaves an empty state, with [`ImageError::Version`].
     pub fn read(&mut self, read: Read<'_>, most: usize) -> Result<ImageInfo, ImageError> {
         let (head, bytes) = look(read, most)?;
         if (head.layout, head.grammar) != (LAYOUT, GRAMMAR) {

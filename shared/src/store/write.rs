@@ -1,4 +1,4 @@
-//! From a mind to an image.
+//! Writes a controller as an image.
 
 use super::*;
 
@@ -18,7 +18,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let mut digest = Checksum::new();
         digest.update(&MAGIC);
         sink(&MAGIC)?;
-        // Not a copy of it for each record.
+        // One copy of the code for all records.
         let put: &mut dyn FnMut(&Draft) -> Result<(), E> = &mut |record| {
             digest.update(record.as_bytes());
             sink(record.as_bytes())
@@ -96,7 +96,7 @@ struct Draft {
 
 impl Draft {
     /// A record of this kind with these fields. None is too long for its room: a piece takes 164
-    /// bytes, a goal of 32 transducers with the dearest numbers 248.
+    /// bytes, a goal of 32 transducers at most 248.
     #[inline(never)]
     fn of(kind: u8, fields: &[&[u8]]) -> Self {
         let mut draft = Self {

@@ -47,7 +47,7 @@ pub enum Source {
 pub enum Clock {
     /// The host's: time is that of its latest message. For simulators: a slow host changes nothing.
     Host,
-    /// The mind's own: a silent host stops the robot.
+    /// The device's own: a silent host stops the robot.
     Device,
 }
 

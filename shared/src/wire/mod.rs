@@ -1,9 +1,9 @@
-//! What goes over the link between the robot's base (or a computer in its place) and the mind.
+//! The link's wire format: messages, frames and checksums between a host and the device.
 //!
 //! A *frame* is `COBS(postcard(header, message) + CRC-32) 0`, at most 256 bytes; `PROTOCOL.md`
 //! beside this crate's manifest describes it for a stranger. [`frame`] turns messages into frames
-//! and back, [`message`] says what there is to say. Enumerations grow at their ends only;
-//! [`SCHEMA`] changes whenever a message does.
+//! and back, [`message`] holds the messages. Enumerations grow at their ends only; [`SCHEMA`]
+//! changes whenever a message does.
 
 pub mod cobs;
 pub mod frame;

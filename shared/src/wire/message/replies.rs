@@ -8,7 +8,7 @@ use crate::parameters::{Parameter, ParameterError, Spec};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-/// The mind's hello.
+/// The device's hello.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MindHello {
     /// What both ends have to agree on.
@@ -29,16 +29,16 @@ pub struct MindHello {
     pub memory_crc: u32,
 }
 
-/// What the mind says, and when by its own time.
+/// A message of the device with its time.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Report<const SENSORS: usize> {
     /// Time by the session's clock.
     pub device_ms: u32,
-    /// What it says.
+    /// The message.
     pub said: FromMind<SENSORS>,
 }
 
-/// From the mind to the base.
+/// From the device to the host.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FromMind<const SENSORS: usize> {
     /// Who this is. Also sent unasked after each start, in session 0.
@@ -80,12 +80,12 @@ pub enum FromMind<const SENSORS: usize> {
     },
     /// Something for a person to read.
     Log(Notice),
-    /// A frame has been dealt with; whatever it brought about has been said before.
+    /// A frame has been handled; all its results were sent before.
     Done {
         /// Its number.
         seq: u16,
     },
-    /// Nothing will be heard or said from here for so long at most.
+    /// The device neither receives nor sends for at most this long.
     Busy {
         /// How long.
         ms: u32,
@@ -173,14 +173,14 @@ pub enum Notice {
         /// How many so far.
         count: u32,
     },
-    /// A transducer is out of order and no longer believed.
+    /// A transducer is faulty and disabled.
     Disbelieved {
         /// Transducer.
         sensor: u8,
         /// What is wrong with it.
         fault: SensorFault,
     },
-    /// A transducer is in order again and believed.
+    /// A transducer is sound again and enabled.
     Believed {
         /// Transducer.
         sensor: u8,
@@ -206,7 +206,7 @@ impl From<SensorVerdict> for Notice {
 pub enum Refusal {
     /// The other end speaks another protocol, other messages, or of another robot: this is ours.
     Incompatible(Dimensions),
-    /// No session has been opened since the mind started.
+    /// No session has been opened since the device started.
     NoSession,
     /// The command was past its time to live.
     Expired {

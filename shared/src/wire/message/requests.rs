@@ -8,10 +8,11 @@ use crate::parameters::Parameter;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-/// From the base (or a computer in its place) to the mind.
+/// From the host to the device.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ToMind<const SENSORS: usize> {
-    /// Opens a session: the one in the frame's header. Answered with the mind's hello, or refused.
+    /// Opens a session: the one in the frame's header. Answered with the device's hello, or
+    /// refused.
     Hello(HostHello),
     /// The host is there. Not answered.
     Alive {
@@ -143,7 +144,7 @@ pub enum Order<const SENSORS: usize> {
     Explore {
         /// How many.
         moves: u16,
-        /// Seed of the mind's generator.
+        /// Seed of the controller's generator.
         seed: u64,
     },
     /// Make the maps.
