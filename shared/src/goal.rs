@@ -11,11 +11,11 @@ use crate::units::Range;
 use serde::{Deserialize, Serialize};
 
 mod behaviors;
-mod kept;
+mod named;
 mod value_bounds;
 
 pub use behaviors::Side;
-pub use kept::{KeepError, KeptGoal, KeptGoals, MAX_KEPT, Name};
+pub use named::{MAX_NAMED_GOALS, Name, NamedGoal, NamedGoals, SaveGoalError};
 pub(crate) use value_bounds::{Over, ValueBounds, cost_of};
 
 /// Weight of progress in obstacle avoidance: the robot crosses free space but does not graze walls.

@@ -11,7 +11,7 @@
 
 use crate::config::Config;
 use crate::controller::{self, Event, Mode, NomadState, State, StopReason};
-use crate::goal::{Goal, KeptGoals};
+use crate::goal::{Goal, NamedGoals};
 use crate::link::Link;
 use crate::som::Grid;
 use crate::som::kernels::Kernels;
@@ -71,7 +71,7 @@ pub struct Node<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize
     config: Config<SENSORS>,
     state: State<SENSORS, NEURONS, SAMPLES>,
     goal: Goal<SENSORS>,
-    goals: KeptGoals<SENSORS>,
+    goals: NamedGoals<SENSORS>,
     flash: FlashRequest,
     identity: Identity,
     source: Source,
@@ -112,7 +112,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             config: Config::zeroed(),
             state: State::new(Grid::rectangle(1, 1)),
             goal: Goal::zeroed(),
-            goals: KeptGoals::new(),
+            goals: NamedGoals::new(),
             flash: FlashRequest::NONE,
             identity: Identity {
                 build: [0; 8],

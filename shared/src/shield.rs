@@ -125,10 +125,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         let cone = Cone::new(Displacement::saturating(x_mm, y_mm), axis, echo);
         self.drop_if_silent(limits, sensor, echo.at);
         let place = self.place_of(config, sensor, axis);
-        if self
-            .lobe
-            .is_none_or(|lobe| lobe.half != limits.half_lobe)
-        {
+        if self.lobe.is_none_or(|lobe| lobe.half != limits.half_lobe) {
             self.lobe = Some(Lobe::of(limits.half_lobe));
         }
         let Some(lobe) = &self.lobe else { return };

@@ -22,7 +22,7 @@
 
 use crate::config::Config;
 use crate::controller::{State, StatePart};
-use crate::goal::{Goal, KeptGoal, KeptGoals, Name};
+use crate::goal::{Goal, Name, NamedGoal, NamedGoals};
 use crate::node::MAX_CONFIG;
 use crate::wire::message::MAX_PIECE;
 use crate::wire::{CRC, Checksum};
@@ -100,7 +100,7 @@ pub struct Contents<'m, const SENSORS: usize, const NEURONS: usize, const SAMPLE
     /// The present goal.
     pub goal: &'m Goal<SENSORS>,
     /// The named goals.
-    pub kept: &'m KeptGoals<SENSORS>,
+    pub kept: &'m NamedGoals<SENSORS>,
 }
 
 /// What an image holds, to be read.
@@ -113,7 +113,7 @@ pub struct ContentsMut<'m, const SENSORS: usize, const NEURONS: usize, const SAM
     /// The present goal.
     pub goal: &'m mut Goal<SENSORS>,
     /// The named goals.
-    pub kept: &'m mut KeptGoals<SENSORS>,
+    pub kept: &'m mut NamedGoals<SENSORS>,
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ mod tests {
     use amp::config::Config;
     use amp::controller::{State, StatePart};
     use amp::fixed::{Mask, Weight};
-    use amp::goal::{Component, Goal, KeptGoals};
+    use amp::goal::{Component, Goal, NamedGoals};
     use amp::som::neighborhood::Update;
     use amp::som::{Grid, Neighborhood, Som};
     use amp::store::{Contents, ContentsMut, MAX_NOMAD};
@@ -34,7 +34,7 @@ mod tests {
         config: Config<16>,
         state: State<16, 16, 100>,
         goal: Goal<16>,
-        kept: KeptGoals<16>,
+        kept: NamedGoals<16>,
     }
 
     impl Mind {
@@ -43,7 +43,7 @@ mod tests {
                 config: Config::recommended(),
                 state: State::new(Grid::rectangle(4, 4)),
                 goal: Goal::of([Component::ANY; 16]),
-                kept: KeptGoals::new(),
+                kept: NamedGoals::new(),
             }
         }
 

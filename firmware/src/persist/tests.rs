@@ -2,7 +2,7 @@ use super::sim::SimFlash;
 use super::*;
 use amp::config::Config;
 use amp::controller::{State, StatePart};
-use amp::goal::{Component, Goal, KeptGoals};
+use amp::goal::{Component, Goal, NamedGoals};
 use amp::node::Node;
 use amp::som::Grid;
 use amp::store::ContentsMut;
@@ -15,7 +15,7 @@ struct Mind<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize> {
     config: Config<SENSORS>,
     state: Box<State<SENSORS, NEURONS, SAMPLES>>,
     goal: Goal<SENSORS>,
-    kept: KeptGoals<SENSORS>,
+    kept: NamedGoals<SENSORS>,
 }
 
 type Nomad = Mind<16, 16, 100>;
@@ -30,7 +30,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             config: supervisable(Node::<SENSORS, NEURONS, SAMPLES>::new().config()),
             state: Box::new(State::new(Grid::rectangle(1, 2))),
             goal: Goal::of([Component::ANY; SENSORS]),
-            kept: KeptGoals::new(),
+            kept: NamedGoals::new(),
         };
         mind.goal.progress_q16 = number as u16;
         let mut bytes = number.to_le_bytes().into_iter().cycle();

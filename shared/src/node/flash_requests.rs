@@ -4,7 +4,7 @@
 //! does it and reports the result.
 
 use super::{FrameSink, Node};
-use crate::goal::{KeptGoal, Name};
+use crate::goal::{Name, NamedGoal};
 use crate::store::Contents;
 use crate::units::Millis;
 use crate::wire::message::{Flash, FlashError, FromMind, Refusal};
@@ -82,13 +82,13 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 
     pub(super) fn save_goal(&mut self, name: Name) -> Result<(), Refusal> {
         let goal = self.goal;
-        let kept = self.goals.keep(KeptGoal { name, goal });
-        kept.map_err(|_| Refusal::GoalName)
+        let saved = self.goals.save(NamedGoal { name, goal });
+        saved.map_err(|_| Refusal::GoalName)
     }
 
     pub(super) fn delete_goal(&mut self, name: Name) -> Result<(), Refusal> {
-        let dropped = self.goals.drop(name);
-        dropped.then_some(()).ok_or(Refusal::NoSuchGoal)
+        let deleted = self.goals.delete(name);
+        deleted.then_some(()).ok_or(Refusal::NoSuchGoal)
     }
 
     /// Sends every goal, the present one first.
@@ -98,7 +98,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let (name, goal) = (Name::NONE, self.goal);
         self.send(FromMind::Goal { name, goal }, now, out);
         for index in 0..self.goals.as_slice().len() {
-            if let Some(&KeptGoal { name, goal }) = self.goals.as_slice().get(index) {
+            if let Some(&NamedGoal { name, goal }) = self.goals.as_slice().get(index) {
                 self.send(FromMind::Goal { name, goal }, now, out);
             }
         }

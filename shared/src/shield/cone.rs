@@ -5,7 +5,7 @@
 //! echo, so a point is dropped after [`CONTRADICTIONS`] of them.
 
 use super::ShieldConfig;
-use super::arc::{Arc, BEFORE, Lobe, POINTS, ArcView, magnitude, nearest_mm};
+use super::arc::{Arc, ArcView, BEFORE, Lobe, POINTS, magnitude, nearest_mm};
 use crate::scan::Echo;
 use crate::units::{Direction, Displacement, Millis, Range};
 
@@ -96,13 +96,7 @@ impl Cone {
     }
 
     /// Counts the contradictions of an arc of another cone.
-    pub(super) fn look_at(
-        &self,
-        limits: &ShieldConfig,
-        lobe: &Lobe,
-        arc: &mut Arc,
-        range_mm: i32,
-    ) {
+    pub(super) fn look_at(&self, limits: &ShieldConfig, lobe: &Lobe, arc: &mut Arc, range_mm: i32) {
         let (x, y) = arc.face_mm();
         if nearest_mm((x, y), range_mm) > FARTHEST_MM {
             return;

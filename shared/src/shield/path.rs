@@ -2,7 +2,7 @@
 //! margin.
 
 use super::ShieldConfig;
-use super::arc::{Arc, BEFORE, Lobe, ArcView, magnitude, nearest_mm};
+use super::arc::{Arc, ArcView, BEFORE, Lobe, magnitude, nearest_mm};
 use crate::config::Config;
 use crate::fixed::{Mask, isqrt_u32};
 use crate::units::{Direction, Displacement, Millis, Range};

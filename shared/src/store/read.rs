@@ -248,7 +248,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                     if name == Name::NONE {
                         *self.goal = goal;
                     } else {
-                        self.kept.keep(KeptGoal { name, goal }).ok()?;
+                        self.kept.save(NamedGoal { name, goal }).ok()?;
                     }
                 }
                 ImageRecord::End(_) => return Some(()),

@@ -1,6 +1,6 @@
 use super::*;
 use crate::fixed::Weight;
-use crate::goal::{Component, GoalFrame, MAX_KEPT};
+use crate::goal::{Component, GoalFrame, MAX_NAMED_GOALS};
 use crate::som::Grid;
 use proptest::prelude::*;
 use std::boxed::Box;
@@ -13,7 +13,7 @@ struct Mind<const SAMPLES: usize> {
     config: Config<16>,
     state: Box<State<16, 16, SAMPLES>>,
     goal: Goal<16>,
-    kept: KeptGoals<16>,
+    kept: NamedGoals<16>,
 }
 
 impl<const SAMPLES: usize> Mind<SAMPLES> {
@@ -22,7 +22,7 @@ impl<const SAMPLES: usize> Mind<SAMPLES> {
         Self {
             state: Box::new(State::new(Grid::rectangle(4, 4))),
             goal: Goal::avoiding(&config),
-            kept: KeptGoals::new(),
+            kept: NamedGoals::new(),
             config,
         }
     }
@@ -53,11 +53,11 @@ impl<const SAMPLES: usize> Mind<SAMPLES> {
             tolerance: Weight::MIN,
             ..Goal::of([component; 16])
         };
-        for number in 0..MAX_KEPT {
+        for number in 0..MAX_NAMED_GOALS {
             let name: String = std::format!("goal-number-{number}");
             let name = Name::new(&name[name.len() - 12..]).unwrap();
             let goal = mind.goal;
-            mind.kept.keep(KeptGoal { name, goal }).unwrap();
+            mind.kept.save(NamedGoal { name, goal }).unwrap();
         }
         mind
     }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::controller::supervise::{SILENT_RINGS, SLACK_MS};
-use crate::goal::MAX_KEPT;
+use crate::goal::MAX_NAMED_GOALS;
 use crate::link::offset::{SLOT_MS, SLOTS};
 use crate::node::reply_cache;
 use crate::wire::frame::MAX_FRAME;
@@ -35,7 +35,7 @@ fn documented_constants_are_those_of_the_program() {
         format!("{MAX_ECHOES}echoes"),
         format!("{MAX_CONFIG}bytes"),
         format!("{}bytes", reply_cache::MAX_BYTES),
-        format!("{MAX_KEPT}goals"),
+        format!("{MAX_NAMED_GOALS}goals"),
         format!("{SILENCE_MS}ms"),
         format!("{MOTION_TTL_MS}ms"),
         format!("{RENEWAL_MS}ms"),
@@ -61,7 +61,7 @@ fn documented_constants_are_those_of_the_program() {
         format!("time to live of {MOTION_TTL_MS} ms"),
         format!("under way every {RENEWAL_MS} ms"),
         format!("÷ speed + {SLACK_MS} ms"),
-        format!("at most {MAX_KEPT}\ngoals"),
+        format!("at most {MAX_NAMED_GOALS}\ngoals"),
     ];
     for sentence in sentences {
         assert!(DOCUMENT.contains(&sentence), "{sentence}");
