@@ -6,7 +6,7 @@
 //! slot   = an image, or blank, or the rest of an image that was not finished
 //! ```
 
-use amp::store::{Contents, Fault, Found, WORD, check};
+use amp::store::{Contents, ImageError, ImageInfo, WORD, check};
 use amp::wire::checksum;
 use amp::wire::message::{Flash, FlashError};
 use core::convert::Infallible;
@@ -192,15 +192,15 @@ impl<F: NorFlash> Store<F> {
     /// [`FlashError`]: nothing is saved, or the image cannot be read.
     pub fn load<T>(
         &mut self,
-        into: impl FnOnce(&mut dyn FnMut(usize, &mut [u8]) -> bool, usize) -> Result<T, Fault>,
+        into: impl FnOnce(&mut dyn FnMut(usize, &mut [u8]) -> bool, usize) -> Result<T, ImageError>,
     ) -> Result<T, FlashError> {
         let slot = self.newest.ok_or(FlashError::Empty)?;
         let (from, most) = (self.address(slot), self.slot_bytes as usize);
         let flash = &mut self.flash;
         let mut read = |at: usize, out: &mut [u8]| flash.read(from + at as u32, out).is_ok();
         into(&mut read, most).map_err(|fault| match fault {
-            Fault::Source | Fault::Torn => FlashError::Failed,
-            Fault::Version | Fault::Dimensions => FlashError::Unreadable,
+            ImageError::Source | ImageError::Torn => FlashError::Failed,
+            ImageError::Version | ImageError::Dimensions => FlashError::Unreadable,
         })
     }
 
@@ -290,7 +290,7 @@ impl<F: NorFlash> Store<F> {
         })
     }
 
-    fn check_slot(&mut self, slot: SlotLocation) -> Result<Found, Fault> {
+    fn check_slot(&mut self, slot: SlotLocation) -> Result<ImageInfo, ImageError> {
         let from = self.address(slot);
         let flash = &mut self.flash;
         let mut read = |at: usize, out: &mut [u8]| flash.read(from + at as u32, out).is_ok();

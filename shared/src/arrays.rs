@@ -1,5 +1,5 @@
-//! Arrays of any length for serde, which knows them up to 32 only: the elements one after another, no length before them.
-//! For `#[serde(with = "crate::arrays")]`.
+//! Arrays of any length for serde, which knows them up to 32 only: the elements one after another,
+//! no length before them. For `#[serde(with = "crate::arrays")]`.
 
 use core::fmt;
 use core::marker::PhantomData;

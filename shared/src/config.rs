@@ -1,31 +1,32 @@
 //! Every open choice of the method as a named value, and the two presets.
 //!
-//! The paper fixes the idea (100 random moves, two maps of 16 neurons, a neighbor nearer to the goal, recall by the
-//! difference) and leaves much open: what an action is, how near is near, how a map is trained, how it is probed, what to
-//! do at the goal. [`Config::touzet`] is the most literal reading of each point, [`Config::recommended`] the best found; the
-//! project's documentation holds the ablation of each choice.
+//! The paper fixes the idea (100 random moves, two maps of 16 neurons, a neighbor nearer to the
+//! goal, recall by the difference) and leaves much open: what an action is, how near is near, how a
+//! map is trained, how it is probed, what to do at the goal. [`Config::touzet`] is the most literal
+//! reading of each point, [`Config::recommended`] the best found; the project's documentation holds
+//! the ablation of each choice.
 
 use crate::action_map::{ActionCode, Recall};
 use crate::fixed::{Mask, Weight};
 use crate::node::MAX_CONFIG;
 use crate::robot::RobotSpec;
 use crate::scan::Encoding;
-use crate::shield::Shielding;
-use crate::som::{Decay, Edges, Neighborhood, Schedule};
+use crate::shield::ShieldConfig;
+use crate::som::{Edges, Neighborhood, Schedule};
 use serde::{Deserialize, Serialize};
 
+mod presets;
 mod zeroed;
 
-/// 1.0 in Q16.
-const ONE_Q16: u32 = 1 << 16;
-
-/// What a robot with `SENSORS` transducers is told before it starts.
+/// The configuration of a robot with `SENSORS` transducers. Nothing changes it while the robot
+/// runs.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Config<const SENSORS: usize> {
     /// The body.
     pub robot: RobotSpec<SENSORS>,
-    /// Transducers to believe.
-    pub believed: Mask,
+    /// Transducers that are used.
+    #[serde(rename = "believed")]
+    pub enabled: Mask,
     /// From ranges to situations.
     pub encoding: Encoding,
     /// The random moves.
@@ -38,21 +39,22 @@ pub struct Config<const SENSORS: usize> {
     pub online: Option<Online>,
     /// From a goal to an action.
     pub planning: Planning,
-    /// What "free of obstacles" means as a goal: nothing nearer than this, millimeters; at the far limit
-    /// or beyond it, nothing perceived at all.
+    /// Obstacle avoidance asks for nothing nearer than this, millimeters; at or beyond the far
+    /// limit, for nothing perceived at all.
     pub clearance_mm: u16,
-    /// What limits motion by the echoes; `None` = nothing does.
-    pub shield: Option<Shielding>,
-    /// Whether a transducer that behaves as none in good order does is no longer believed: see [`faults`](crate::faults).
+    /// How echoes limit motions; `None` = not at all.
+    pub shield: Option<ShieldConfig>,
+    /// Whether transducers that misbehave are disabled: see [`faults`](crate::faults).
     pub fault_detection: bool,
-    /// Rings without any echo are expected: they do not stop the robot with
-    /// [`StopReason::NothingHeard`](crate::controller::StopReason::NothingHeard).
+    /// A session with this configuration expects rings without any echo: see
+    /// [`State::expect_open_space`](crate::controller::State::expect_open_space). The controller
+    /// itself does not read it.
     pub open_space: bool,
 }
 
 impl<const SENSORS: usize> Config<SENSORS> {
-    /// In postcard's form, as it goes over the link and is saved. Empty if it does not fit, which a ring of more than 32
-    /// transducers would not.
+    /// In postcard's form, as it goes over the link and is saved. Empty if it does not fit, which a
+    /// ring of more than 32 transducers would not.
     // One copy of it in a program.
     #[inline(never)]
     #[must_use]
@@ -60,7 +62,8 @@ impl<const SENSORS: usize> Config<SENSORS> {
         postcard::to_slice(self, buffer).map_or(&[], |bytes| bytes)
     }
 
-    /// Undoes [`to_bytes`](Self::to_bytes); `None` for bytes that are no configuration, or one that nobody could supervise.
+    /// Undoes [`to_bytes`](Self::to_bytes); `None` for bytes that are no configuration, or for one
+    /// without deadlines that can be supervised.
     #[inline(never)]
     #[must_use]
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
@@ -72,15 +75,17 @@ impl<const SENSORS: usize> Config<SENSORS> {
 /// The random moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Exploration {
-    /// Shortest move, millimeters; the longest is the robot's step. Lengths are uniform in between, bearings uniform.
+    /// Shortest move, millimeters; the longest is the robot's step. Lengths are uniform in between,
+    /// bearings uniform.
     pub shortest_mm: u16,
-    /// Bearings drawn before a move that the shield shortens below half is accepted all the same, at least 1.
+    /// Draws of a random move, at least 1; the last one is taken even if the shield shortens it
+    /// below half.
     pub draws: u8,
 }
 
 /// The order in which samples are presented.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Order {
+pub enum SampleOrder {
     /// One after another, epoch by epoch.
     Recorded,
     /// A random one each time.
@@ -89,7 +94,7 @@ pub enum Order {
 
 /// Where the code vectors start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Start {
+pub enum Initialization {
     /// Random samples.
     Samples,
     /// Random values in the range of what is to be learned.
@@ -98,12 +103,12 @@ pub enum Start {
     Plane,
 }
 
-/// Which displacement a sample teaches.
+/// Which displacement of a sample is learned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Taught {
-    /// What the mind asked for.
+pub enum LearnFrom {
+    /// The commanded one.
     Commanded,
-    /// What the base carried out.
+    /// The executed one, by odometry.
     Executed,
 }
 
@@ -123,30 +128,34 @@ pub struct Training {
 pub struct Learning {
     /// Presentations of the whole memory.
     pub epochs: u16,
-    /// Order of the presentations.
-    pub order: Order,
+    /// SampleOrder of the presentations.
+    pub order: SampleOrder,
     /// Where the code vectors start.
-    pub start: Start,
-    /// Whether each presentation is turned by a random number of ring places (symmetric rings only): a hundred moves
-    /// teach as many situations as the ring has places, times a hundred.
-    pub turned: bool,
-    /// λ, the weight of the action beside the change when the action map's winner is sought, in 1/256.
+    pub start: Initialization,
+    /// Whether each presentation is rotated by a random number of ring steps (symmetric rings
+    /// only): a hundred moves yield as many samples as the ring has places, times a hundred.
+    #[serde(rename = "turned")]
+    pub augment_rotations: bool,
+    /// λ, the weight of the action beside the change when the action map's winner is sought, in
+    /// 1/256.
     pub action_weight_q8: u16,
-    /// Which displacement a sample teaches.
-    pub taught: Taught,
+    /// Which displacement of a sample is learned.
+    #[serde(rename = "taught")]
+    pub learn_from: LearnFrom,
     /// Border of both grids.
     pub edges: Edges,
     /// The situation map's training.
     pub situations: Training,
     /// The action map's training.
     pub actions: Training,
-    /// Presentations per [`Event::Tick`](crate::controller::Event::Tick), 1 … 16 (half as many at first, when many ties are
-    /// to be settled): bounds the work between two events and changes nothing else.
+    /// Presentations per [`Event::Tick`](crate::controller::Event::Tick), 1 … 16 (half as many at
+    /// first, when many ties are to be settled): bounds the work between two events and changes
+    /// nothing else.
     pub slice: u16,
 }
 
-/// Learning from each move while seeking. Both rates are halved after 2048 moves since the maps were made or read back,
-/// and each time the number of moves has doubled, down to 1/32.
+/// Learning from each move while seeking. Both rates are halved after 2048 moves since the maps
+/// were made or read back, and each time the number of moves has doubled, down to 1/32.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Online {
     /// Learning rate of the situation map, Q16.
@@ -155,17 +164,19 @@ pub struct Online {
     pub action_rate_q16: u32,
     /// The direct neighbors' share of the rate, Q16.
     pub share_q16: u32,
-    /// The action map's learner is the neuron that chose the move, not the one that matches it best: a move that brought
-    /// nothing then weakens its own cause.
+    /// The action map updates the neuron that chose the move, not the best-matching one: a move
+    /// without effect weakens its own cause.
     pub blame_recalled: bool,
 }
 
-/// Which neuron is aimed at.
+/// The neuron aimed at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Subgoal {
-    /// The direct neighbor fewest grid steps from the goal neuron (the paper's step 3), the one nearer in code on ties.
+    /// The direct neighbor fewest grid steps from the goal neuron (the paper's step 3), the one
+    /// nearer in code on ties.
     FewestHops,
-    /// The direct neighbor whose code vector is nearest to the goal, if nearer than the present neuron's.
+    /// The direct neighbor whose code vector is nearest to the goal, if nearer than the present
+    /// neuron's.
     NearestCode,
     /// The goal itself: no intermediate neuron.
     Goal,
@@ -182,15 +193,17 @@ pub enum AtGoal {
 
 /// How the action is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Choice {
+pub enum PlannerKind {
     /// The action map is probed with the change of situation wanted (the paper's step 4).
     Recall,
-    /// One step ahead: of the neurons' own actions, each brought to the whole step, that whose change leads
-    /// nearest to the goal.
-    Neurons,
-    /// One step ahead: of the directions in which the transducers look that whose change, as all neurons
-    /// together predict it, leads nearest to the goal.
-    Headings,
+    /// One step ahead: the neuron whose action, stretched to the whole step, leads nearest to the
+    /// goal.
+    #[serde(rename = "Neurons")]
+    BestNeuron,
+    /// One step ahead: the direction of a transducer whose change, as all neurons together predict
+    /// it, leads nearest to the goal.
+    #[serde(rename = "Headings")]
+    BestHeading,
 }
 
 /// What to do when no action leads nearer to a place.
@@ -205,22 +218,24 @@ pub struct Wander {
 /// From a goal to an action.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Planning {
-    /// How the action is found; what follows up to `at_goal` is for [`Choice::Recall`].
-    pub choice: Choice,
-    /// Which neuron is aimed at.
-    pub intermediate: Subgoal,
+    /// How the action is found; the fields up to `at_goal` are for [`PlannerKind::Recall`].
+    #[serde(rename = "choice")]
+    pub planner: PlannerKind,
+    /// The neuron aimed at.
+    #[serde(rename = "intermediate")]
+    pub subgoal: Subgoal,
     /// How the action map is probed.
     pub recall: Recall,
-    /// The wanted change starts from the situation as measured, not from the present neuron's code vector.
+    /// The wanted change starts from the situation as measured, not from the present neuron's code
+    /// vector.
     pub from_measured: bool,
-    /// All neurons of the action map answer together, each as far as its change points the wanted way;
+    /// All neurons of the action map answer the probe, weighted by how well their changes match;
     /// otherwise the best one alone.
     pub together: bool,
-    /// Only what the goal asks for and does not have yet is wanted: a component that is as the goal wants
-    /// it may change as it likes.
+    /// Only unmet components of the goal are wanted: the others may change freely.
     pub unmet_only: bool,
-    /// How much a neuron whose action keeps to the course is preferred, beside 1 for the change that
-    /// points the wanted way, in 1/256 (recall by direction only).
+    /// Weight of an action that keeps the course, beside 1 for the match of its change, in 1/256
+    /// (recall by direction only).
     pub straight_q8: u16,
     /// Share of the course added to the recalled action, in 1/256.
     pub inertia_q8: u16,
@@ -230,19 +245,20 @@ pub struct Planning {
     pub at_goal: AtGoal,
     /// A component may deviate this much and the goal still holds.
     pub tolerance: Weight,
-    /// Decisions for which an action neuron is not recalled again after its move was cut below half; 0 = never.
+    /// Decisions for which an action neuron is not recalled again after its move was cut below
+    /// half; 0 = never.
     pub inhibition: u8,
-    /// What to do when no action leads nearer to a place; `None` = go on trying.
+    /// What to do when no action leads nearer to a place; `None` = keep trying.
     pub wander: Option<Wander>,
 }
 
 impl<const SENSORS: usize> Config<SENSORS> {
-    /// The same choices for another robot, all of whose transducers are believed.
+    /// The same choices for another robot, with all its transducers enabled.
     #[must_use]
     pub fn for_robot<const OTHERS: usize>(&self, robot: RobotSpec<OTHERS>) -> Config<OTHERS> {
         Config {
             robot,
-            believed: Mask::ALL,
+            enabled: Mask::ALL,
             encoding: self.encoding,
             exploration: self.exploration,
             action_code: self.action_code,
@@ -257,136 +273,13 @@ impl<const SENSORS: usize> Config<SENSORS> {
     }
 }
 
-impl Config<16> {
-    /// The most literal reading of the paper: an action is (turn, step), the probe is by squared distance, the neighbor
-    /// by grid steps among the four direct ones, learning goes on, straight ahead at the goal. The ring is to turn with
-    /// the heading.
-    #[must_use]
-    pub const fn touzet() -> Self {
-        let training = Training {
-            neighborhood: Neighborhood::Direct,
-            rate: Schedule::from_q16(ONE_Q16 / 2, ONE_Q16 / 20, Decay::Linear),
-            radius: Schedule::constant(ONE_Q16 / 2),
-        };
-        Self {
-            robot: RobotSpec::nomad200(),
-            believed: Mask::ALL,
-            encoding: Encoding {
-                near_mm: 150,
-                far_mm: 1_000,
-            },
-            exploration: Exploration {
-                shortest_mm: 0,
-                draws: 8,
-            },
-            action_code: ActionCode::TurnStep,
-            learning: Learning {
-                epochs: 100,
-                order: Order::Random,
-                start: Start::Samples,
-                turned: false,
-                action_weight_q8: 256,
-                taught: Taught::Executed,
-                edges: Edges::Open,
-                situations: training,
-                actions: training,
-                slice: 4,
-            },
-            online: Some(Online {
-                situation_rate_q16: ONE_Q16 / 20,
-                action_rate_q16: ONE_Q16 / 20,
-                share_q16: ONE_Q16 / 2,
-                blame_recalled: false,
-            }),
-            planning: Planning {
-                choice: Choice::Recall,
-                intermediate: Subgoal::FewestHops,
-                recall: Recall::Distance,
-                from_measured: true,
-                together: false,
-                unmet_only: false,
-                straight_q8: 0,
-                inertia_q8: 0,
-                full_steps: false,
-                at_goal: AtGoal::StraightAhead,
-                tolerance: Weight::ZERO,
-                inhibition: 0,
-                wander: None,
-            },
-            clearance_mm: 1_000,
-            shield: Some(Shielding::nomad200()),
-            fault_detection: true,
-            open_space: false,
-        }
-    }
-
-    /// The best found: see the project's documentation for the measurement behind each choice. The ring is to keep its
-    /// bearing in the world.
-    #[must_use]
-    pub const fn recommended() -> Self {
-        let probing = Self::probing();
-        Self {
-            clearance_mm: 600,
-            planning: Planning {
-                choice: Choice::Headings,
-                wander: Some(Wander {
-                    patience: 6,
-                    moves: 30,
-                }),
-                ..probing.planning
-            },
-            ..probing
-        }
-    }
-
-    /// The best found that keeps the paper's four steps: the action map is probed with the change of situation wanted.
-    /// The ring is to keep its bearing in the world.
-    #[must_use]
-    pub const fn probing() -> Self {
-        let literal = Self::touzet();
-        Self {
-            encoding: Encoding {
-                near_mm: 0,
-                far_mm: 4_500,
-            },
-            clearance_mm: 700,
-            action_code: ActionCode::Displacement,
-            learning: Learning {
-                start: Start::Plane,
-                turned: true,
-                actions: Training {
-                    rate: Schedule::from_q16(ONE_Q16 / 2, ONE_Q16 / 100, Decay::Exponential),
-                    radius: Schedule::from_q16(ONE_Q16, ONE_Q16 * 3 / 10, Decay::Linear),
-                    ..literal.learning.actions
-                },
-                ..literal.learning
-            },
-            online: Some(Online {
-                situation_rate_q16: ONE_Q16 / 20,
-                action_rate_q16: ONE_Q16 / 50,
-                share_q16: 0,
-                blame_recalled: false,
-            }),
-            planning: Planning {
-                intermediate: Subgoal::NearestCode,
-                recall: Recall::Direction,
-                together: true,
-                unmet_only: true,
-                full_steps: true,
-                at_goal: AtGoal::KeepCourse,
-                inhibition: 8,
-                ..literal.planning
-            },
-            ..literal
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::som::Decay;
 
-    /// What the documentation says of them, and a sum over everything: a preset changes on purpose only.
+    /// The values quoted in the documentation, and a checksum of all: a preset changes on purpose
+    /// only.
     #[test]
     fn the_presets_are_what_they_are_said_to_be() {
         let literal = Config::touzet();

@@ -1,4 +1,4 @@
-//! The whole robot as one function: [`handle`] takes an event and says what to do.
+//! The whole robot as one function: [`handle`] takes an event and returns what to do.
 //!
 //! | mode | what happens |
 //! |---|---|
@@ -6,15 +6,16 @@
 //! | *Explore* | random moves, each remembered as (S, a, S') |
 //! | *Learn* | standing still; each tick teaches both maps a fixed number of samples |
 //! | *Seek* | each complete ring becomes a decision towards the goal |
-//! | *Stopped* | nothing moves until the next command, and the reason is kept |
+//! | *Stopped* | nothing moves until the next command; the reason is stored |
 //!
-//! A *decision* is taken when every enabled transducer has been heard since the last motion ended. Between decisions
-//! each echo passes the shield, which may shorten the motion under way. Time comes with the events; the only randomness is
-//! the generator in the state, seeded by the command.
+//! A *decision* is taken when every enabled transducer has been heard since the last motion ended.
+//! Between decisions each echo passes the shield, which may shorten the motion under way. Time
+//! comes with the events; the only randomness is the generator in the state, seeded by the command.
 //!
-//! A robot that explores or seeks stops by itself ([`StopReason`]) when an enabled transducer is not heard for two ring
-//! periods, when three rings in a row hear nothing at all, and when a motion passes its deadline. The state also holds the
-//! fault detector: a transducer that misbehaves is disabled.
+//! A robot that explores or seeks stops by itself ([`StopReason`]) when an enabled transducer is
+//! not heard for two ring periods, when three rings in a row hear nothing at all, and when a motion
+//! passes its deadline. The state also holds the fault detector: a transducer that misbehaves is
+//! disabled.
 
 use crate::action_map::ActionMap;
 use crate::config::Config;
@@ -22,63 +23,40 @@ use crate::faults::Detector;
 use crate::fixed::Mask;
 use crate::memory::Memory;
 use crate::planner::Memo;
-use crate::scan::{Aligned, Echo, Scan};
+use crate::scan::{Echo, Scan};
 use crate::shield::Shield;
 use crate::som::kernels::Kernels;
 use crate::som::{Grid, Som};
-use crate::units::{Bearing, Displacement, Millis};
+use crate::units::Millis;
 use rand_core::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro128PlusPlus;
 
+mod commands;
 mod decide;
 mod learn;
 mod message;
+mod motion;
 mod parts;
 mod search;
 pub(crate) mod supervise;
 mod tracked;
 
-pub use message::{Command, Decision, Event, Mode, Motion, Outputs, Progress, Refusal, StopReason};
-pub use parts::{Part, PartError};
+pub use message::{
+    Command, CommandRefusal, Decision, Event, Mode, Motion, Outputs, Progress, StopReason,
+};
+use motion::Pending;
+pub use parts::{PartError, StatePart};
 use search::Search;
 pub use tracked::Tracked;
 
-/// A motion under way.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Pending<const SENSORS: usize> {
-    before: Aligned<SENSORS>,
-    commanded: Displacement,
-    /// Executed so far, in the ring's frame at the decision.
-    executed: Displacement,
-    /// Still to go.
-    remaining: Tracked,
-    /// How far the ring has turned since the decision.
-    turned: Bearing,
-    speed_mm_s: u16,
-}
-
-impl<const SENSORS: usize> Pending<SENSORS> {
-    /// Less than half of it was carried out.
-    fn was_cut(&self) -> bool {
-        let half = u32::from(self.commanded.length_mm() / 2);
-        self.executed.is_shorter_than(half)
-    }
-
-    /// The base has gone farther than it was to go: braking takes a way of its own.
-    fn was_overrun(&self) -> bool {
-        let left = self.remaining.now().rotated(self.turned.direction());
-        left.opposes(self.commanded)
-    }
-}
-
-/// Everything the robot knows.
+/// Everything that changes while the robot runs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct State<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize> {
     mode: Mode<SENSORS>,
     /// What a stop interrupted: exploring or seeking; idle if nothing.
     interrupted: Mode<SENSORS>,
     scan: Scan<SENSORS>,
-    /// The latest time heard of.
+    /// The latest time of any event.
     now: Millis,
     /// Since when the ring has been awaited; while moving, when the motion began.
     waiting_since: Millis,
@@ -88,28 +66,30 @@ pub struct State<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usiz
     heard_any: bool,
     /// Rings in a row that heard nothing.
     silent_rings: u8,
+    /// The session expects rings without any echo.
+    open_space: bool,
     detector: Detector<SENSORS>,
     shield: Shield<SENSORS>,
     memory: Memory<SENSORS, SAMPLES>,
     situations: Som<NEURONS, SENSORS>,
     actions: ActionMap<NEURONS, SENSORS>,
     learned: bool,
-    /// Moves the maps have learned from since they were made, as far as it counts.
-    lessons: u16,
-    /// Maps written from outside to their ends, bit by [`Part`].
+    /// Updates of the maps since they were made, saturating.
+    updates: u16,
+    /// Maps written from outside to their ends, bit by [`StatePart`].
     written: u8,
     /// Seeded by the command to explore.
     generator: Option<Xoshiro128PlusPlus>,
     pending: Option<Pending<SENSORS>>,
     /// The motion has not ended.
     moving: bool,
-    /// The action neuron that asked for it, if one did.
-    asked_by: Option<u8>,
+    /// The action neuron whose action it is, if there is one.
+    acting_neuron: Option<u8>,
     motion_id: u16,
     /// The last displacement.
     course: Tracked,
-    /// Decisions in a row for which all ways that were tried were closed.
-    closed: u8,
+    /// Decisions in a row for which the shield allowed no motion.
+    blocked: u8,
     /// Decisions for which each action neuron stays inhibited.
     inhibited: [u8; NEURONS],
     /// What the searches of the last decision found.
@@ -124,7 +104,7 @@ pub type NomadState = State<16, 16, 100>;
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     State<SENSORS, NEURONS, SAMPLES>
 {
-    /// A robot that knows nothing; `grid` should have `NEURONS` places.
+    /// A robot that has learned nothing; `grid` should have `NEURONS` places.
     #[must_use]
     pub const fn new(grid: Grid) -> Self {
         Self {
@@ -136,21 +116,22 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             deadline: Millis::from_ms(0),
             heard_any: false,
             silent_rings: 0,
+            open_space: false,
             detector: Detector::new(),
             shield: Shield::new(),
             memory: Memory::new(),
             situations: Som::zeroed(grid),
             actions: ActionMap::zeroed(grid),
             learned: false,
-            lessons: 0,
+            updates: 0,
             written: 0,
             generator: None,
             pending: None,
             moving: false,
-            asked_by: None,
+            acting_neuron: None,
             motion_id: 0,
             course: Tracked::ZERO,
-            closed: 0,
+            blocked: 0,
             inhibited: [0; NEURONS],
             last_plan: Memo::NONE,
             search: Search::NEW,
@@ -212,13 +193,41 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.learned
     }
 
-    /// A seed for whoever is to go on from here with randomness of his own; the same until the next random number.
+    /// Whether the session expects rings without any echo; otherwise three in a row stop the robot.
+    #[must_use]
+    pub const fn expects_open_space(&self) -> bool {
+        self.open_space
+    }
+
+    /// Begins a session that expects rings without any echo, or does not.
+    pub const fn expect_open_space(&mut self, expected: bool) {
+        self.open_space = expected;
+    }
+
+    /// Transducers in use: those configured, less those that the fault detector has disabled.
+    #[must_use]
+    pub fn enabled(&self, config: &Config<SENSORS>) -> Mask {
+        self.detector.enabled(config)
+    }
+
+    /// The fault detector.
+    #[must_use]
+    pub const fn detector(&self) -> &Detector<SENSORS> {
+        &self.detector
+    }
+
+    /// Enables transducers that the fault detector has disabled, and resets their scores.
+    pub fn trust(&mut self, sensors: Mask) {
+        self.detector.trust(sensors);
+    }
+
+    /// A seed for the saved image; the same until the next random number.
     pub(crate) fn next_seed(&self) -> Option<u64> {
         let mut generator = self.generator.clone()?;
         Some(generator.next_u64())
     }
 
-    /// Starts the generator anew.
+    /// Seeds the generator.
     pub(crate) fn seed(&mut self, seed: u64) {
         self.generator = Some(Xoshiro128PlusPlus::seed_from_u64(seed));
     }
@@ -236,8 +245,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 }
 
-/// Handles one event that happened at `at`. Worst case: the echo that completes a ring while seeking (one decision plus one
-/// update of each map), or a tick while learning.
+/// Handles one event that happened at `at`. Worst case: one decision plus one update of each map,
+/// or a tick while learning.
 #[must_use]
 pub fn handle<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>(
     config: &Config<SENSORS>,
@@ -247,7 +256,8 @@ pub fn handle<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>(
 ) -> Outputs<SENSORS> {
     let is_present = matches!(event, Event::Tick | Event::Command(_));
     state.pass_time(config, at, is_present);
-    // A decision, on an echo, is where the stack is deepest: what the other events need of it lies in functions of their own.
+    // The stack is deepest in a decision, on an echo: the other events are handled in functions of
+    // their own.
     match event {
         Event::Echo { sensor, range } => state.echo(config, sensor, Echo { range, at }),
         Event::Odometry {
@@ -266,274 +276,9 @@ pub fn handle<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>(
     }
 }
 
-impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
-    State<SENSORS, NEURONS, SAMPLES>
-{
-    fn echo(&mut self, config: &Config<SENSORS>, sensor: u8, echo: Echo) -> Outputs<SENSORS> {
-        let age_ms = self.now.since(echo.at);
-        if age_ms > patience_ms(config) {
-            return stale(age_ms);
-        }
-        // The robot was elsewhere, or it knows better already.
-        if !self.moving && echo.at.is_before(self.waiting_since) {
-            return stale(age_ms);
-        }
-        let index = usize::from(sensor);
-        if (self.scan.heard_at(index)).is_some_and(|heard| echo.at.is_before(heard)) {
-            return stale(age_ms);
-        }
-        if self.enabled(config).contains(index) {
-            self.shield.hear(config, index, echo);
-            self.heard_any |= echo.range.is_some();
-        }
-        let verdict = self.detector.hear(config, sensor, echo.range);
-        self.scan.hear(index, echo);
-        let mut outputs = if self.moving {
-            self.guard(config, index, echo.at)
-        } else if self.scan.is_complete(self.enabled(config)) {
-            self.decide(config, echo.at)
-        } else {
-            Outputs::none()
-        };
-        outputs.verdict = verdict;
-        outputs
-    }
-
-    /// Transducers that are used: those configured, less those the fault detector has disabled.
-    #[must_use]
-    pub fn enabled(&self, config: &Config<SENSORS>) -> Mask {
-        self.detector.enabled(config)
-    }
-
-    /// The fault detector.
-    #[must_use]
-    pub const fn detector(&self) -> &Detector<SENSORS> {
-        &self.detector
-    }
-
-    /// Enables transducers that the fault detector has disabled; it starts anew with them.
-    pub fn trust(&mut self, sensors: Mask) {
-        self.detector.trust(sensors);
-    }
-
-    /// Shortens the motion under way where the newest echo asks for it.
-    fn guard(&mut self, config: &Config<SENSORS>, sensor: usize, now: Millis) -> Outputs<SENSORS> {
-        let Some(pending) = &mut self.pending else {
-            return Outputs::none();
-        };
-        let remaining = pending.remaining.now();
-        let enabled = self.detector.enabled(config);
-        let Some(allowed) = self.shield.shorten(config, enabled, remaining, now, sensor) else {
-            return Outputs::none();
-        };
-        // A base that has gone too far stands; it does not turn round and come back.
-        let left_mm = if pending.was_overrun() {
-            0
-        } else {
-            allowed.distance_mm
-        };
-        let shorter = remaining.with_length(left_mm);
-        pending.remaining = Tracked::new(shorter);
-        let faster = Motion {
-            id: self.motion_id,
-            displacement: shorter,
-            speed_mm_s: pending.speed_mm_s,
-        };
-        pending.speed_mm_s = allowed.speed_mm_s.min(pending.speed_mm_s);
-        let motion = Motion {
-            speed_mm_s: pending.speed_mm_s,
-            ..faster
-        };
-        // No more than what the lower speed takes: something that comes nearer and nearer must not put it off for ever.
-        let slower_ms = motion.longest_ms().saturating_sub(faster.longest_ms());
-        self.deadline = self.deadline.plus_ms(slower_ms);
-        Outputs {
-            motion: Some(motion),
-            ..Outputs::none()
-        }
-    }
-
-    #[inline(never)]
-    fn odometry(
-        &mut self,
-        config: &Config<SENSORS>,
-        at: Millis,
-        motion: u16,
-        moved: Displacement,
-        turned: Bearing,
-        progress: Progress,
-    ) {
-        if progress == Progress::Touched {
-            self.detector.touched(config, moved);
-        }
-        self.detector.moved(config, moved, turned);
-        self.shield.moved(moved, turned);
-        self.course.turn(turned);
-        let Some(pending) = &mut self.pending else {
-            return;
-        };
-        let since_decision = if pending.turned == Bearing::ZERO {
-            moved
-        } else {
-            moved.rotated(pending.turned.direction())
-        };
-        pending.executed = pending.executed.plus(since_decision);
-        pending.remaining.go(moved, turned);
-        pending.turned = pending.turned.plus(turned);
-        if motion != self.motion_id || !self.moving {
-            return;
-        }
-        match progress {
-            Progress::Moving => {}
-            Progress::Steering => self.allow_steering(config, at),
-            Progress::Ended | Progress::Touched => {
-                self.moving = false;
-                self.await_ring(at);
-            }
-        }
-    }
-
-    #[inline(never)]
-    fn command(
-        &mut self,
-        config: &Config<SENSORS>,
-        at: Millis,
-        command: Command<SENSORS>,
-    ) -> Outputs<SENSORS> {
-        self.last_plan.forget_cost();
-        let most = u16::try_from(SAMPLES).unwrap_or(u16::MAX);
-        let mode = match command {
-            Command::Explore { moves, .. } if moves == 0 || moves > most => {
-                return refused(Refusal::Moves { most });
-            }
-            Command::Learn if self.memory.samples().is_empty() => {
-                return refused(Refusal::NoSamples);
-            }
-            Command::Seek(_) if !self.learned => return refused(Refusal::NotLearnt),
-            Command::Explore { moves, seed } => {
-                self.generator = Some(Xoshiro128PlusPlus::seed_from_u64(seed));
-                self.memory.clear();
-                Mode::Explore { left: moves }
-            }
-            Command::Learn => {
-                self.start_maps(config);
-                Mode::Learn { step: 0 }
-            }
-            Command::Seek(goal) => {
-                self.search = Search::NEW;
-                Mode::Seek { goal }
-            }
-            Command::Stop => {
-                let stopped = self.stop(at, StopReason::Commanded);
-                // Said each time: the order before may have been lost.
-                let motion = stopped.motion.or(Some(self.standing()));
-                return Outputs { motion, ..stopped };
-            }
-            Command::Resume => match (self.mode, self.interrupted) {
-                (Mode::Stopped(_), interrupted @ (Mode::Explore { .. } | Mode::Seek { .. })) => {
-                    interrupted
-                }
-                _ => return refused(Refusal::NothingToResume),
-            },
-        };
-        self.enter(at, mode)
-    }
-
-    /// Stands still and keeps what that interrupts for [`Command::Resume`].
-    #[inline(never)]
-    fn stop(&mut self, at: Millis, reason: StopReason) -> Outputs<SENSORS> {
-        self.interrupted = match self.mode {
-            Mode::Explore { .. } | Mode::Seek { .. } => self.mode,
-            Mode::Stopped(_) => self.interrupted,
-            Mode::Idle | Mode::Learn { .. } => Mode::Idle,
-        };
-        self.enter(at, Mode::Stopped(reason))
-    }
-
-    /// Something outside is wrong: whoever may move stops, anybody else goes on.
-    fn alarm(&mut self, at: Millis, reason: StopReason) -> Outputs<SENSORS> {
-        match self.mode {
-            Mode::Explore { .. } | Mode::Seek { .. } => self.stop(at, reason),
-            Mode::Idle | Mode::Learn { .. } | Mode::Stopped(_) => Outputs::none(),
-        }
-    }
-
-    /// From now on every transducer has to be heard again.
-    fn await_ring(&mut self, at: Millis) {
-        self.scan.renew();
-        self.waiting_since = at;
-    }
-
-    /// The order to stand.
-    const fn standing(&self) -> Motion {
-        Motion {
-            id: self.motion_id,
-            displacement: Displacement::ZERO,
-            speed_mm_s: 0,
-        }
-    }
-
-    /// Changes the mode. A motion under way is stopped, except from one goal to the next. One copy of it in a program.
-    #[inline(never)]
-    fn enter(&mut self, at: Millis, mode: Mode<SENSORS>) -> Outputs<SENSORS> {
-        let goes_on = matches!((&self.mode, &mode), (Mode::Seek { .. }, Mode::Seek { .. }));
-        let stopped = match mode {
-            Mode::Stopped(reason) => Some(reason),
-            _ => None,
-        };
-        self.mode = mode;
-        let motion = (self.moving && !goes_on).then(|| {
-            self.motion_id = self.motion_id.wrapping_add(1);
-            self.standing()
-        });
-        if !goes_on {
-            self.pending = None;
-            self.moving = false;
-            self.silent_rings = 0;
-            self.heard_any = false;
-            self.await_ring(at);
-        }
-        Outputs {
-            motion,
-            mode_changed: true,
-            stopped,
-            ..Outputs::none()
-        }
-    }
-
-    #[inline(never)]
-    fn tick(&mut self, config: &Config<SENSORS>, at: Millis) -> Outputs<SENSORS> {
-        let Mode::Learn { step } = self.mode else {
-            return self.supervise(config, at);
-        };
-        let steps = self.learning_steps(config);
-        let step = self.learn_slice(config, step, steps);
-        if step < steps {
-            self.mode = Mode::Learn { step };
-            return Outputs::none();
-        }
-        self.learned = true;
-        self.enter(at, Mode::Idle)
-    }
-}
-
 /// The longest time a whole ring may take, milliseconds; an older echo is stale.
 fn patience_ms<const SENSORS: usize>(config: &Config<SENSORS>) -> u32 {
     u32::from(config.robot.ring_period_ms).saturating_mul(2)
-}
-
-fn stale<const SENSORS: usize>(age_ms: u32) -> Outputs<SENSORS> {
-    Outputs {
-        stale_ms: Some(age_ms),
-        ..Outputs::none()
-    }
-}
-
-fn refused<const SENSORS: usize>(refusal: Refusal) -> Outputs<SENSORS> {
-    Outputs {
-        refusal: Some(refusal),
-        ..Outputs::none()
-    }
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! Behaviors as goal situations: per transducer at least, at most or equal, with a weight.
 //!
-//! A component asks its value to lie within an interval. "Nothing near me" asks every value to be at most 0; "a wall
-//! 0.6 m to my right" asks the value there to equal that of 0.6 m; "what I perceived at the nest" asks every value to
-//! equal a captured one.
+//! A component asks its value to lie within an interval. "Nothing near me" asks every value to be
+//! at most 0; "a wall 0.6 m to my right" asks the value there to equal that of 0.6 m; "what I
+//! perceived at the nest" asks every value to equal a captured one.
 
 use crate::config::Config;
 use crate::fixed::{Mask, ONE_BITS, Weight};
@@ -11,14 +11,14 @@ use crate::units::Range;
 use serde::{Deserialize, Serialize};
 
 mod behaviors;
-mod kept;
+mod named;
 mod value_bounds;
 
 pub use behaviors::Side;
-pub use kept::{KeepError, KeptGoal, KeptGoals, MAX_KEPT, Name};
+pub use named::{MAX_NAMED_GOALS, Name, NamedGoal, NamedGoals, SaveGoalError};
 pub(crate) use value_bounds::{Over, ValueBounds, cost_of};
 
-/// What a step straight ahead weighs in obstacle avoidance: enough to cross free space, too little to graze a wall.
+/// Weight of progress in obstacle avoidance: the robot crosses free space but does not graze walls.
 const AVOIDING_Q16: u16 = 33;
 
 /// What is asked of one transducer's value.
@@ -40,7 +40,7 @@ impl Component {
         weight: 0,
     };
 
-    /// All zeros, in a goal that nobody has set.
+    /// All zeros, for a goal that has not been set.
     pub(crate) const ZERO: Self = Self {
         low: Weight::ZERO,
         high: Weight::ZERO,
@@ -100,12 +100,12 @@ impl Component {
 
 /// Whose frame a goal's components are counted in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub enum Frame {
+pub enum GoalFrame {
     /// The ring's: component `i` is transducer `i`.
     #[default]
     Ring,
-    /// That of the way: component 0 looks where the robot goes, the others follow counter-clockwise. Rings
-    /// that are not symmetric know only their own frame.
+    /// That of travel: component 0 looks along the motion, the others follow counter-clockwise.
+    /// Only for symmetric rings.
     Travel,
 }
 
@@ -117,13 +117,16 @@ pub struct Goal<const SENSORS: usize> {
     #[serde(with = "crate::arrays")]
     pub components: [Component; SENSORS],
     /// Whose frame the components are counted in.
-    pub frame: Frame,
-    /// How much a whole step along the way weighs against deviation, Q16 of a squared deviation of 1 with
-    /// weight 1; 0 = a place to be, not a way to go: the robot may stand (look-ahead only).
-    pub going_q16: u16,
-    /// How much keeping the course weighs when the way is chosen, likewise.
-    pub steady_q16: u16,
-    /// A component counts as at most so far off: what is hidden behind a corner does not drown the rest.
+    pub frame: GoalFrame,
+    /// Weight of progress: a whole step counts as much as this squared deviation, Q16 of 1 with
+    /// weight 1. 0 = a place to be, where the robot may stand (look-ahead only).
+    #[serde(rename = "going_q16")]
+    pub progress_q16: u16,
+    /// Weight of keeping the heading, likewise.
+    #[serde(rename = "steady_q16")]
+    pub heading_hold_q16: u16,
+    /// Greatest deviation that counts for one component: a surface hidden behind a corner does not
+    /// outweigh the rest.
     pub cap: Weight,
     /// The goal holds when the root of the mean squared deviation is at most this.
     pub tolerance: Weight,
@@ -135,9 +138,9 @@ impl<const SENSORS: usize> Goal<SENSORS> {
     pub const fn of(components: [Component; SENSORS]) -> Self {
         Self {
             components,
-            frame: Frame::Ring,
-            going_q16: 0,
-            steady_q16: 0,
+            frame: GoalFrame::Ring,
+            progress_q16: 0,
+            heading_hold_q16: 0,
             cap: Weight::ONE,
             tolerance: Weight::ZERO,
         }
@@ -147,9 +150,9 @@ impl<const SENSORS: usize> Goal<SENSORS> {
     pub(crate) const fn zeroed() -> Self {
         Self {
             components: [Component::ZERO; SENSORS],
-            frame: Frame::Ring,
-            going_q16: 0,
-            steady_q16: 0,
+            frame: GoalFrame::Ring,
+            progress_q16: 0,
+            heading_hold_q16: 0,
             cap: Weight::ZERO,
             tolerance: Weight::ZERO,
         }
@@ -159,7 +162,7 @@ impl<const SENSORS: usize> Goal<SENSORS> {
     #[must_use]
     pub const fn free_of_obstacles() -> Self {
         Self {
-            going_q16: AVOIDING_Q16,
+            progress_q16: AVOIDING_Q16,
             ..Self::of([Component::at_most(Weight::ZERO); SENSORS])
         }
     }
@@ -197,7 +200,8 @@ impl<const SENSORS: usize> Goal<SENSORS> {
         }
     }
 
-    /// Squared deviation of a situation from what is asked, over the believed components, in units of 2⁻²⁶ · weight.
+    /// Squared deviation of a situation from the goal, over the components of `mask`, in units of
+    /// 2⁻²⁶ · weight.
     #[must_use]
     pub fn distance(&self, situation: &Situation<SENSORS>, mask: Mask) -> i64 {
         let mut total = 0_i64;
@@ -210,7 +214,7 @@ impl<const SENSORS: usize> Goal<SENSORS> {
         total
     }
 
-    /// Whether every believed component lies within `tolerance` of what is asked.
+    /// Whether every component of `mask` lies within `tolerance` of the goal.
     #[must_use]
     pub fn holds(&self, situation: &Situation<SENSORS>, mask: Mask, tolerance: Weight) -> bool {
         let mut parts = self.components.iter().zip(situation).enumerate();
@@ -237,13 +241,13 @@ impl<const SENSORS: usize> Goal<SENSORS> {
         components.rotate_right(place.checked_rem(SENSORS).unwrap_or(0));
         Self {
             components,
-            frame: Frame::Ring,
+            frame: GoalFrame::Ring,
             ..*self
         }
     }
 
-    /// What is asked of each transducer in the ring's frame by a robot that goes towards place `place` of the ring; nothing of
-    /// those that are not believed.
+    /// What is asked of each transducer in the ring's frame by a robot that goes towards place
+    /// `place` of the ring; nothing of the disabled ones.
     pub(crate) fn asked(&self, place: usize, believed: Mask) -> impl Iterator<Item = ValueBounds> {
         let back = SENSORS.wrapping_sub(place);
         (0..SENSORS).map(move |sensor| {
@@ -260,7 +264,7 @@ impl<const SENSORS: usize> Goal<SENSORS> {
         i32::from(self.cap.to_bits()).max(0)
     }
 
-    /// Whether a deviation is within the tolerance, by what is asked of the believed transducers.
+    /// Whether a deviation is within the tolerance, by the bounds of the enabled transducers.
     pub(crate) fn is_met_by(
         &self,
         deviation: i64,
@@ -337,14 +341,17 @@ mod tests {
             .encoding
             .value(Some(Range::from_mm(config.clearance_mm)));
         assert_eq!(avoiding.components, [Component::at_most(clear); 16]);
-        assert_eq!((avoiding.going_q16, avoiding.frame), (33, Frame::Ring));
+        assert_eq!(
+            (avoiding.progress_q16, avoiding.frame),
+            (33, GoalFrame::Ring)
+        );
         let place = Goal::<2>::perceived(&weights([0.25, 1.0]));
         assert_eq!(place.components, weights([0.25, 1.0]).map(Component::equal));
         assert_eq!(
             (
                 place.cap.to_bits(),
                 place.tolerance.to_bits(),
-                place.going_q16
+                place.progress_q16
             ),
             (2_730, 287, 0)
         );
@@ -358,7 +365,7 @@ mod tests {
         );
         assert_eq!(place.cap_bits(), 2_730);
         let travel = Goal {
-            frame: Frame::Travel,
+            frame: GoalFrame::Travel,
             ..place
         };
         assert_eq!(
@@ -367,7 +374,7 @@ mod tests {
         );
         assert_eq!(
             (travel.towards(1).frame, travel.towards(2)),
-            (Frame::Ring, place)
+            (GoalFrame::Ring, place)
         );
     }
 
@@ -386,7 +393,7 @@ mod tests {
         };
         let is_met = |deviation, believed| goal.is_met_by(deviation, goal.asked(0, believed));
         assert!(is_met(500, Mask::ALL) && !is_met(501, Mask::ALL));
-        // Who is not believed is not asked.
+        // A disabled transducer has no bounds.
         let without = Mask::ALL.without(0);
         assert!(is_met(100, without) && !is_met(101, without));
     }

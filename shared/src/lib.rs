@@ -1,12 +1,14 @@
-//! **Associative memory programming**: a robot explores with 100 random moves, and from then on any behavior is had at
-//! once by naming a *goal situation*.
+//! **Associative memory programming**: a robot explores with 100 random moves, and from then on any
+//! behavior is had at once by naming a *goal situation*.
 //!
-//! The method is that of C. Touzet, "Modeling and Simulation of Elementary Robot Behaviors using Associative Memories",
-//! International Journal of Advanced Robotic Systems 3(2), 2006, 165–170 (doi 10.5772/5742); *the paper* below. Two
-//! self-organizing maps (T. Kohonen, *Self-Organizing Maps*, Springer 2001) of 16 neurons do the work:
+//! The method is that of C. Touzet, "Modeling and Simulation of Elementary Robot Behaviors using
+//! Associative Memories", International Journal of Advanced Robotic Systems 3(2), 2006, 165–170
+//! (doi 10.5772/5742); *the paper* below. Two self-organizing maps (T. Kohonen, *Self-Organizing
+//! Maps*, Springer 2001) of 16 neurons do the work:
 //!
 //! * the **situation map** knows what can be perceived: its code vectors are situations;
-//! * the **action map** knows which action brings which change of situation: its code vectors are (change, action) pairs.
+//! * the **action map** knows which action brings which change of situation: its code vectors are
+//!   (change, action) pairs.
 //!
 //! # The way of the data
 //!
@@ -17,9 +19,9 @@
 //!                                 └ Seek:    goal ─► neuron ─► neighbor ─► change ─► action
 //! ```
 //!
-//! [`controller::handle`] is the whole robot as one pure function of configuration, state and event: integer arithmetic,
-//! no clock, no global randomness, no input or output. The same events give the same bytes on a microcontroller and on a
-//! desktop machine.
+//! [`controller::handle`] is the whole robot as one pure function of configuration, state and
+//! event: integer arithmetic, no clock, no global randomness, no input or output. The same events
+//! give the same bytes on a microcontroller and on a desktop machine.
 //!
 //! # Modules
 //!
@@ -34,20 +36,20 @@
 //! | [`memory`] | the lazy memory of samples |
 //! | [`goal`] | behaviors as goal situations |
 //! | [`planner`] | the paper's four steps, with every intermediate value |
-//! | [`faults`] | which transducers to believe |
-//! | [`shield`] | what the ring hears limits how far and how fast |
+//! | [`faults`] | detects faulty transducers |
+//! | [`shield`] | limits how far and how fast, by the echoes of the ring |
 //! | [`config`] | every open choice of the method as a named value; the presets |
 //! | [`controller`] | modes and events: the robot as a function |
 //! | [`wire`] | messages and frames of the link to the base |
-//! | [`link`] | session, order and age of frames, and whether the host is there |
-//! | [`parameters`] | what of the configuration may be changed one by one |
-//! | [`node`] | the mind behind a link: frames in, frames out |
-//! | [`store`] | the saved image of all a mind was told and has learned |
+//! | [`link`] | session, order and age of frames, and whether the host is alive |
+//! | [`parameters`] | configuration values by name: over the link, and the table of settings |
+//! | [`node`] | the controller behind a link: frames in, frames out |
+//! | [`store`] | the saved image: configuration, maps, memory and goals |
 //!
 //! # Limits
 //!
-//! Rings of at most 32 transducers; maps of at most 32 neurons inside the controller ([`som`] has no such
-//! limit). No `unsafe`, no allocation, and no panic that data can reach.
+//! Rings of at most 32 transducers; maps of at most 32 neurons inside the controller ([`som`] has
+//! no such limit). No `unsafe`, no allocation, and no panic that data can reach.
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]

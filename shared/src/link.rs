@@ -1,10 +1,11 @@
-//! Session, order and age of frames, and whether the other end is still there: pure, with time as an argument; the chip
-//! and the host use the same.
+//! Session, order and age of frames, and whether the other end is alive. Time is an argument; chip
+//! and host use the same code.
 //!
-//! A host opens a *session* with a number of its own choice; frames of other sessions are strangers. Within a session
-//! frames are numbered; a frame whose number is not newer than the last one accepted came again or too late. A command
-//! carries the host's time and a time to live. Its *age* is its arrival time minus its send time, less the least such
-//! difference of about the last minute. The two clocks need equal rates, not a common epoch.
+//! A host opens a *session* with a number of its own choice; frames of other sessions are
+//! strangers. Within a session frames are numbered; a frame whose number is not newer than the last
+//! one accepted came again or too late. A command carries the host's time and a time to live. Its
+//! *age* is its arrival time minus its send time, less the least such difference of about the last
+//! minute. The two clocks need equal rates, not a common epoch.
 
 use crate::units::Millis;
 use crate::wire::Header;
@@ -18,7 +19,7 @@ pub const SILENCE_MS: u32 = 300;
 
 /// What to do with a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verdict {
+pub enum FrameVerdict {
     /// It is the next one, or some were lost before it.
     Accept,
     /// No session has been opened yet.
@@ -40,8 +41,8 @@ pub struct Link {
     seq: u16,
     /// The host's time counts, not the one here.
     by_host: bool,
-    /// When the last frame of the session was heard, by the session's clock; by the host's, none before it has told its
-    /// time.
+    /// When the last frame of the session was heard, by the session's clock; by the host's, none
+    /// before it has sent its time.
     heard: Option<Millis>,
     /// When the last frame of the session came, by the clock here.
     came: Millis,
@@ -114,41 +115,41 @@ impl Link {
 
     /// Whether a session is open and its host has not fallen silent.
     #[must_use]
-    pub const fn is_alive(&self) -> bool {
+    pub(crate) const fn is_alive(&self) -> bool {
         self.alive
     }
 
-    /// Whether the host was heard lately, by the clock here. In a session by the host's clock [`is_alive`](Self::is_alive) does
-    /// not tell: there no time passes while it is silent.
+    /// Whether the host was heard lately, by the clock here. In a session by the host's clock
+    /// [`is_alive`](Self::is_alive) does not detect silence: no time passes meanwhile.
     #[must_use]
-    pub const fn has_heard(&self, now: Millis) -> bool {
+    pub(crate) const fn has_heard(&self, now: Millis) -> bool {
         self.alive && now.since(self.came) <= SILENCE_MS
     }
 
     /// Takes the header of a sound frame.
-    pub const fn accept(&mut self, header: Header) -> Verdict {
+    pub const fn accept(&mut self, header: Header) -> FrameVerdict {
         if self.session == 0 {
-            return Verdict::NoSession;
+            return FrameVerdict::NoSession;
         }
         if header.session != self.session {
-            return Verdict::Stranger;
+            return FrameVerdict::Stranger;
         }
         let ahead = header.seq.wrapping_sub(self.seq) as i16;
         if ahead <= 0 {
-            return Verdict::Replayed { last: ahead == 0 };
+            return FrameVerdict::Replayed { last: ahead == 0 };
         }
         self.seq = header.seq;
-        Verdict::Accept
+        FrameVerdict::Accept
     }
 
-    /// Takes the time of an accepted frame, `at` by the host's clock and `now` by the one here; returns the moment it speaks
-    /// of by the session's clock, never later than now.
+    /// Takes the time of an accepted frame, `at` by the host's clock and `now` by the one here;
+    /// returns the moment it speaks of by the session's clock, never later than now.
     pub fn heard(&mut self, at: Millis, now: Millis) -> Millis {
         self.alive = true;
         self.came = now;
         match self.clock() {
             Clock::Host => {
-                // A host whose clock was set back goes on from there.
+                // The host's clock was set back: continue from there.
                 if self.host.is_before(at) || self.host.since(at) > SILENCE_MS {
                     self.host = at;
                 }
@@ -188,8 +189,9 @@ impl Link {
         }
     }
 
-    /// Age of a frame of the host's time `at`, milliseconds: how much later than the promptest one it came. By the host's
-    /// clock no frame is late.
+    /// Age of a frame of the host's time `at`, milliseconds: (arrival − sent) minus the least such
+    /// difference of the window. Needs equal clock rates, not a common epoch. By the host's clock
+    /// no frame is late.
     #[must_use]
     pub fn age_ms(&self, at: Millis, now: Millis) -> u32 {
         match self.clock() {
@@ -198,14 +200,15 @@ impl Link {
         }
     }
 
-    /// How far the host's clock has fallen behind the one here since the session began, milliseconds; negative: it is
-    /// ahead. 0 by the host's clock.
+    /// How far the host's clock has fallen behind the one here since the session began,
+    /// milliseconds; negative: it is ahead. 0 by the host's clock.
     #[must_use]
-    pub fn drift_ms(&self) -> i32 {
+    pub(crate) fn drift_ms(&self) -> i32 {
         self.offset.drift_ms()
     }
 
-    /// Whether the host has just fallen silent, at `time` by the session's clock; true once for each silence.
+    /// Whether the host has just fallen silent, at `time` by the session's clock; true once for
+    /// each silence.
     pub const fn falls_silent(&mut self, time: Millis) -> bool {
         let Some(heard) = self.heard else {
             return false;
@@ -243,17 +246,20 @@ mod tests {
     fn only_newer_frames_of_the_session_are_accepted() {
         let mut link = Link::new();
         let header = |session, seq| Header { session, seq };
-        assert_eq!(link.accept(header(7, 1)), Verdict::NoSession);
+        assert_eq!(link.accept(header(7, 1)), FrameVerdict::NoSession);
         link = opened(Clock::Device);
-        assert_eq!(link.accept(header(6, 65_531)), Verdict::Stranger);
+        assert_eq!(link.accept(header(6, 65_531)), FrameVerdict::Stranger);
         assert_eq!(
             link.accept(header(7, 65_530)),
-            Verdict::Replayed { last: true }
+            FrameVerdict::Replayed { last: true }
         );
-        assert_eq!(link.accept(header(7, 65_535)), Verdict::Accept);
+        assert_eq!(link.accept(header(7, 65_535)), FrameVerdict::Accept);
         // Over the end of the numbers, with two lost.
-        assert_eq!(link.accept(header(7, 2)), Verdict::Accept);
-        assert_eq!(link.accept(header(7, 1)), Verdict::Replayed { last: false });
+        assert_eq!(link.accept(header(7, 2)), FrameVerdict::Accept);
+        assert_eq!(
+            link.accept(header(7, 1)),
+            FrameVerdict::Replayed { last: false }
+        );
     }
 
     #[test]
@@ -294,7 +300,7 @@ mod tests {
         link.heard_timeless(ms(2_000));
         assert!(link.is_alive() && !link.falls_silent(ms(2_300)) && link.falls_silent(ms(2_301)));
         assert!(!Link::new().falls_silent(ms(u32::MAX)));
-        // A pause that was announced is no silence; it brings nobody back.
+        // An announced pause is no silence, and does not make a lost host alive.
         link.resume(ms(6_000));
         assert!(!link.is_alive());
         link.heard_timeless(ms(7_000));

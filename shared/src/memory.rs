@@ -1,7 +1,7 @@
-//! The lazy memory: what the robot saw, did and saw then, kept as it was for whatever is to be learned from it.
+//! The lazy memory: samples of situation, move and next situation, stored as they were.
 //!
-//! Situations are kept as bytes: 0 … 254 is the way from the far to the near limit, 255 a transducer that was not to be
-//! believed. A sample of a 16-sonar ring takes 40 bytes, a hundred of them 4 kB.
+//! Situations are kept as bytes: 0 … 254 is the way from the far to the near limit, 255 a disabled
+//! transducer. A sample of a 16-sonar ring takes 40 bytes, a hundred of them 4 kB.
 
 use crate::fixed::{Mask, ONE_BITS, Weight};
 use crate::scan::Situation;
@@ -15,10 +15,11 @@ pub type SituationBytes<const SENSORS: usize> = [u8; SENSORS];
 const NEAR: u32 = 254;
 /// 1.0 as bits of a weight.
 const ONE: u32 = ONE_BITS.unsigned_abs() as u32;
-/// The byte of a transducer that was not to be believed.
+/// The byte of a disabled transducer.
 const UNKNOWN: u8 = 255;
 
-/// The value of each byte, the nearest to its share; the last one's is 0. A table, because learning asks a million times.
+/// The value of each byte, the nearest to its share; the last one's is 0. A table, because learning
+/// reads a million of them.
 static VALUES: [Weight; 256] = {
     let mut values = [Weight::ZERO; 256];
     let mut byte = 0;
@@ -30,7 +31,7 @@ static VALUES: [Weight; 256] = {
     values
 };
 
-/// The nearest byte to each value that `believed` counts.
+/// The nearest byte to each value of an enabled transducer.
 #[must_use]
 pub fn to_bytes<const SENSORS: usize>(
     situation: &Situation<SENSORS>,
@@ -46,7 +47,8 @@ pub fn to_bytes<const SENSORS: usize>(
     bytes
 }
 
-/// The values of a situation kept as bytes, and which of them to believe; the others are 0.
+/// The values of a situation stored as bytes, and which transducers were enabled; the others'
+/// values are 0.
 #[must_use]
 pub fn from_bytes<const SENSORS: usize>(
     bytes: &SituationBytes<SENSORS>,
@@ -62,13 +64,13 @@ pub fn from_bytes<const SENSORS: usize>(
     (situation, believed)
 }
 
-/// The value of a byte; 0 for a transducer that was not to be believed.
+/// The value of a byte; 0 for a disabled transducer.
 fn value_of(byte: u8) -> Weight {
     VALUES.get(usize::from(byte)).copied().unwrap_or_default()
 }
 
-/// A sample's situations turned by ring places: the values after and their change are written, and which of them were
-/// believed both times returned. With `gaps` there may be some that were not.
+/// A sample's situations turned by ring places: writes the values after and their change; returns
+/// the transducers enabled both times. Without `gaps` these are all.
 pub(crate) fn turned_change<const SENSORS: usize>(
     Sample { before, after, .. }: &Sample<SENSORS>,
     places: usize,
@@ -112,9 +114,9 @@ pub struct Sample<const SENSORS: usize> {
     pub before: SituationBytes<SENSORS>,
     /// Situation after it.
     pub after: SituationBytes<SENSORS>,
-    /// What the mind asked for, in the ring's frame before the move.
+    /// The commanded displacement, in the ring's frame before the move.
     pub commanded: Displacement,
-    /// What the base carried out, in the same frame.
+    /// The executed displacement, in the same frame.
     pub executed: Displacement,
 }
 
@@ -122,7 +124,7 @@ pub struct Sample<const SENSORS: usize> {
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Memory<const SENSORS: usize, const SAMPLES: usize> {
     samples: Vec<Sample<SENSORS>, SAMPLES>,
-    /// A transducer was not to be believed in one of them: seldom, and learning asks 10 000 times.
+    /// A transducer was disabled in one of them. Cached, because learning asks 10 000 times.
     gaps: bool,
 }
 
@@ -148,7 +150,7 @@ impl<const SENSORS: usize, const SAMPLES: usize> Memory<SENSORS, SAMPLES> {
         }
     }
 
-    /// Keeps a sample.
+    /// Stores a sample.
     ///
     /// # Errors
     /// [`Full`] when there is no room; the memory is unchanged.
@@ -165,7 +167,7 @@ impl<const SENSORS: usize, const SAMPLES: usize> Memory<SENSORS, SAMPLES> {
         self.gaps = false;
     }
 
-    /// Whether a transducer was not to be believed in one of the samples.
+    /// Whether a transducer was disabled in one of the samples.
     pub(crate) const fn has_gaps(&self) -> bool {
         self.gaps
     }

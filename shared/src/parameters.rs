@@ -1,8 +1,13 @@
-//! Configuration values that may be changed one by one, each with unit, least and greatest value.
+//! Configuration values by name, each with unit and range: those that a host sets over the link,
+//! and the table of all.
+
+mod settings;
+
+pub use settings::{Kind, NotTaken, NumberFormat, Setting, Value};
 
 use crate::config::Config;
 use crate::fixed::Mask;
-use crate::shield::Shielding;
+use crate::shield::ShieldConfig;
 use serde::{Deserialize, Serialize};
 
 /// A value that may be changed.
@@ -22,15 +27,16 @@ pub enum Parameter {
     Shield,
     /// Distance to keep from anything heard (with the shield on).
     Margin,
-    /// Whether the maps go on learning: 0 or 1. Switched on, the rates are those of the default preset.
+    /// Whether the maps go on learning: 0 or 1. Switched on, the rates are those of the default
+    /// preset.
     Online,
     /// Presentations of the whole memory.
     Epochs,
-    /// Bit mask of the transducers to believe.
+    /// Bit mask of the enabled transducers.
     Believed,
     /// Time the ring takes.
     RingPeriod,
-    /// Whether transducers that misbehave are no longer believed: 0 or 1.
+    /// Whether transducers that misbehave are disabled: 0 or 1.
     FaultDetection,
 }
 
@@ -182,7 +188,7 @@ impl Parameter {
                 .map_or(0, |shield| i32::from(shield.margin_mm)),
             Self::Online => i32::from(config.online.is_some()),
             Self::Epochs => i32::from(config.learning.epochs),
-            Self::Believed => config.believed.to_bits() as i32,
+            Self::Believed => config.enabled.to_bits() as i32,
             Self::RingPeriod => i32::from(config.robot.ring_period_ms),
             Self::FaultDetection => i32::from(config.fault_detection),
         }
@@ -201,34 +207,48 @@ impl Parameter {
         if value < spec.least || value > spec.greatest {
             return Err(ParameterError::Range(spec));
         }
-        // The ranges above fit 16 bits but for the mask.
+        match self {
+            Self::Near if value >= i32::from(config.encoding.far_mm) => {
+                return Err(ParameterError::Order);
+            }
+            Self::Far if value <= i32::from(config.encoding.near_mm) => {
+                return Err(ParameterError::Order);
+            }
+            Self::Margin if config.shield.is_none() => return Err(ParameterError::NoShield),
+            _ => self.put(config, value),
+        }
+        Ok(())
+    }
+
+    /// Sets it to a value within its range, whatever the others are. A margin without a shield
+    /// changes nothing.
+    fn put<const SENSORS: usize>(self, config: &mut Config<SENSORS>, value: i32) {
+        // All ranges but that of the mask fit 16 bits.
         let small = value as u16;
         match self {
-            Self::Near if small >= config.encoding.far_mm => return Err(ParameterError::Order),
-            Self::Far if small <= config.encoding.near_mm => return Err(ParameterError::Order),
             Self::Near => config.encoding.near_mm = small,
             Self::Far => config.encoding.far_mm = small,
             Self::Clearance => config.clearance_mm = small,
             Self::Step => config.robot.step_mm = small,
             Self::Speed => config.robot.speed_mm_s = small,
             Self::Shield => {
-                let on = config.shield.unwrap_or_else(Shielding::nomad200);
+                let on = config.shield.unwrap_or_else(ShieldConfig::nomad200);
                 config.shield = (value == 1).then_some(on);
             }
-            Self::Margin => match &mut config.shield {
-                Some(shield) => shield.margin_mm = small,
-                None => return Err(ParameterError::NoShield),
-            },
+            Self::Margin => {
+                if let Some(shield) = &mut config.shield {
+                    shield.margin_mm = small;
+                }
+            }
             Self::Online => {
                 let on = config.online.or(Config::recommended().online);
                 config.online = if value == 1 { on } else { None };
             }
             Self::Epochs => config.learning.epochs = small,
-            Self::Believed => config.believed = Mask::from_bits(value as u32),
+            Self::Believed => config.enabled = Mask::from_bits(value as u32),
             Self::RingPeriod => config.robot.ring_period_ms = small,
             Self::FaultDetection => config.fault_detection = value == 1,
         }
-        Ok(())
     }
 }
 
@@ -340,7 +360,7 @@ mod tests {
         }
         assert_eq!(
             (config.shield, config.online),
-            (Some(Shielding::nomad200()), Config::recommended().online)
+            (Some(ShieldConfig::nomad200()), Config::recommended().online)
         );
         assert_eq!(Parameter::Margin.set(&mut config, 55), Ok(()));
         assert_eq!(Parameter::Margin.get(&config), 55);

@@ -5,11 +5,11 @@
 //! 3. choose a *neighbor* of it nearer to the goal: the intermediate situation;
 //! 4. probe the action map with the change of situation wanted; it answers with an action.
 //!
-//! With [`Choice::Recall`] these are the steps. The other choices ask the action map the other way round: what change does
+//! With [`PlannerKind::Recall`] these are the steps. The other choices ask the action map the other way round: what change does
 //! each action bring, and which of the situations to come is nearest to the goal (`look_ahead`).
 
 use crate::action_map::{ActionMap, Match, Preference, Probe};
-use crate::config::{AtGoal, Choice, Config, Subgoal};
+use crate::config::{AtGoal, Config, PlannerKind, Subgoal};
 use crate::fixed::{Mask, Weight, Weight32, to_weight16, unit_weight};
 use crate::goal::{Goal, ValueBounds};
 use crate::scan::Situation;
@@ -138,12 +138,12 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         let goal_neuron = last.goal_neuron(self, travel, &asked);
         let current = self.current_neuron(situation);
         // Steps 3 and 4, or the look-ahead in their place.
-        match self.config.planning.choice {
-            Choice::Recall => {
+        match self.config.planning.planner {
+            PlannerKind::Recall => {
                 let goal = goal.towards(travel);
                 self.recall(situation, &goal, &asked, [goal_neuron, current])
             }
-            Choice::Neurons | Choice::Headings => {
+            PlannerKind::BestNeuron | PlannerKind::BestHeading => {
                 let aim = Aim::new(self, goal, &asked, travel);
                 self.look_ahead(situation, &aim, [goal_neuron, current])
             }
@@ -165,7 +165,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         asked: &[ValueBounds; SENSORS],
     ) -> (usize, Why) {
         let grid = self.situations.grid();
-        let by_hops = match self.config.planning.intermediate {
+        let by_hops = match self.config.planning.subgoal {
             Subgoal::Goal => return (goal_neuron, Why::GoalDirectly),
             _ if current == goal_neuron => return (goal_neuron, Why::GoalNeuron),
             Subgoal::FewestHops => true,

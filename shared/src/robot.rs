@@ -1,10 +1,12 @@
-//! What the mind has to know of a robot's body: where its transducers look and what must not touch.
+//! What the controller knows of a robot's body: where its transducers look, its size and its speed.
 //!
-//! The paper's miniature robot with eight proximity sensors, a robot with 24 sonars and the Nomad 200 differ in this data
-//! only.
+//! The paper's miniature robot with eight proximity sensors, a robot with 24 sonars and the Nomad
+//! 200 differ in this data only.
 
 use crate::units::{Bearing, Direction};
 use serde::{Deserialize, Serialize};
+
+mod nomad200;
 
 /// A ring of `SENSORS` transducers on a round body (at most 32).
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -12,8 +14,8 @@ pub struct RobotSpec<const SENSORS: usize> {
     /// Directions the transducers look, from the robot's center in the ring's frame.
     #[serde(with = "crate::arrays")]
     pub directions: [Direction; SENSORS],
-    /// The transducers are evenly spaced, transducer `i` at `i`/`SENSORS` of a turn, so the ring turned by a place is the
-    /// same ring.
+    /// The transducers are evenly spaced, transducer `i` at `i`/`SENSORS` of a turn, so the ring
+    /// turned by a place is the same ring.
     pub symmetric: bool,
     /// Distance of the transducers' faces from the center, millimeters.
     pub face_radius_mm: u16,
@@ -27,54 +29,16 @@ pub struct RobotSpec<const SENSORS: usize> {
     pub braking_mm_s2: u16,
     /// Time the ring takes to hear every transducer once, milliseconds.
     pub ring_period_ms: u16,
-    /// Longest time the base turns its wheels before it rolls, milliseconds; 0 for a base that rolls any way at once.
+    /// Longest time the base turns its wheels before it rolls, milliseconds; 0 for a base that
+    /// rolls any way at once.
     pub steer_ms: u16,
 }
 
-/// [`evenly_spaced`] for 16 transducers, as a constant.
-const RING_OF_16: [Direction; 16] = {
-    // cos 0°, 22.5°, 45° … by micromath's cosine, 16 384 = 1; the sine lags by a quarter turn.
-    const COSINES: [i16; 16] = [
-        16_384, 15_144, 11_597, 6_261, 0, -6_261, -11_597, -15_144, -16_384, -15_144, -11_597,
-        -6_261, 0, 6_261, 11_597, 15_144,
-    ];
-    let mut ring = [Direction { x_q14: 0, y_q14: 0 }; 16];
-    let mut place = 0;
-    while place < 16 {
-        ring[place] = Direction {
-            x_q14: COSINES[place],
-            y_q14: COSINES[(place + 12) % 16],
-        };
-        place += 1;
-    }
-    ring
-};
-
-impl RobotSpec<16> {
-    /// The Nomad 200: 16 sonars at 22.5° steps, faces at 0.2305 m, collision radius 0.269 m, at most 20 in/s and
-    /// 30 in/s² (drivers' software limits), steps of 0.25 m.
-    #[must_use]
-    pub const fn nomad200() -> Self {
-        Self {
-            directions: RING_OF_16,
-            symmetric: true,
-            face_radius_mm: 231,
-            body_radius_mm: 269,
-            step_mm: 250,
-            speed_mm_s: 508,
-            braking_mm_s2: 762,
-            ring_period_ms: 640,
-            // Half a turn at 45 °/s and 30 °/s² takes 5.5 s.
-            steer_ms: 6_000,
-        }
-    }
-}
-
 impl<const SENSORS: usize> RobotSpec<SENSORS> {
-    /// Whether a motion and a ring have an end that can be waited for: with other values nobody would notice blocked wheels or
-    /// a transducer that is silent.
+    /// Whether motions and rings have deadlines: otherwise blocked wheels or a silent transducer
+    /// would stay undetected.
     pub(crate) const fn is_supervisable(&self) -> bool {
-        // As the parameters of these names may be set.
+        // The ranges of the parameters with these names.
         matches!(self.ring_period_ms, 1..=10_000)
             && self.steer_ms <= 10_000
             && self.speed_mm_s >= 10
@@ -83,10 +47,12 @@ impl<const SENSORS: usize> RobotSpec<SENSORS> {
 }
 
 impl RobotSpec<8> {
-    /// The paper's miniature robot (Fig. 2): a body of 55 mm with six sensors in front and two behind; no symmetry.
+    /// The paper's miniature robot (Fig. 2): a body of 55 mm with six sensors in front and two
+    /// behind; no symmetry.
     #[must_use]
     pub fn miniature() -> Self {
-        // Bearings of the Khepera's sensors, left to right and then the two behind, in degrees times 10.
+        // Bearings of the Khepera's sensors, left to right and then the two behind, in degrees
+        // times 10.
         let decidegrees = [900, 450, 100, -100, -450, -900, -1_700, 1_700_i32];
         Self {
             directions: decidegrees
@@ -115,7 +81,7 @@ mod tests {
 
     #[test]
     fn the_constant_ring_is_the_computed_one() {
-        assert_eq!(RING_OF_16, evenly_spaced::<16>());
+        assert_eq!(RobotSpec::nomad200().directions, evenly_spaced::<16>());
     }
 
     #[test]
@@ -148,6 +114,6 @@ mod tests {
             (&config.robot, config.planning),
             (&robot, Config::touzet().planning)
         );
-        assert!(config.believed.covers(8));
+        assert!(config.enabled.covers(8));
     }
 }

@@ -1,8 +1,10 @@
-//! From echoes to a situation: ranges with age and validity, and their encoding as values in [0, 1].
+//! From echoes to a situation: ranges with age and validity, and their encoding as values in [0,
+//! 1].
 //!
-//! A *situation* is what the paper's maps know: one value per transducer, 1.0 for an obstacle at the near limit or nearer,
-//! 0.0 for none within the far limit (Fig. 2 of the paper), linear in between. A transducer without an echo hears nothing
-//! and reads 0.0; one that is masked out does not count at all.
+//! A *situation* is what the paper's maps know: one value per transducer, 1.0 for an obstacle at
+//! the near limit or nearer, 0.0 for none within the far limit (Fig. 2 of the paper), linear in
+//! between. A transducer without an echo hears nothing and reads 0.0; one that is masked out does
+//! not count at all.
 
 use crate::fixed::{Mask, ONE_BITS, Weight};
 use crate::units::{Millis, Range};
@@ -11,7 +13,7 @@ use serde::{Deserialize, Serialize};
 /// A situation: one value in [0, 1] per transducer.
 pub type Situation<const SENSORS: usize> = [Weight; SENSORS];
 
-/// A situation at a whole word's address: the chip copies it by words.
+/// A situation aligned to words: the chip copies it by words.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(align(4))]
 pub(crate) struct Aligned<const SENSORS: usize>(pub(crate) Situation<SENSORS>);
@@ -25,7 +27,7 @@ pub struct Echo {
     pub at: Millis,
 }
 
-/// The latest echo of every transducer, and which of them are news since the last decision.
+/// The latest echo of every transducer, and which of them came since the last decision.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Scan<const SENSORS: usize> {
     echoes: [Echo; SENSORS],
@@ -74,13 +76,13 @@ impl<const SENSORS: usize> Scan<SENSORS> {
         (self.fresh & 1_u32.wrapping_shl(sensor as u32) != 0).then_some(echo.at)
     }
 
-    /// Whether every transducer that `believed` counts has been heard since the last [`renew`](Self::renew).
+    /// Whether every enabled transducer has been heard since the last [`renew`](Self::renew).
     #[must_use]
     pub fn is_complete(&self, believed: Mask) -> bool {
         Mask::from_bits(self.fresh | !believed.to_bits()).covers(SENSORS)
     }
 
-    /// Whether every transducer that `believed` counts has ever been heard.
+    /// Whether every enabled transducer has ever been heard.
     #[must_use]
     pub fn has_heard_all(&self, believed: Mask) -> bool {
         Mask::from_bits(self.ever | !believed.to_bits()).covers(SENSORS)
@@ -129,7 +131,7 @@ impl Encoding {
         situation
     }
 
-    /// As a loop, which compilers would write out for each transducer where they know how many there are.
+    /// Apart and on slices, so that the compiler does not unroll the loop.
     #[inline(never)]
     fn values(self, echoes: &[Echo], values: &mut [Weight]) {
         let (far, width) = (u32::from(self.far_mm), self.width());
@@ -139,7 +141,7 @@ impl Encoding {
     }
 }
 
-/// A situation turned with the ring: what transducer `i` saw, transducer `i + steps` sees.
+/// A situation rotated by ring steps: value `i` becomes value `i + steps`.
 #[must_use]
 pub fn rotated<const SENSORS: usize, T: Copy + Default>(
     values: &[T; SENSORS],

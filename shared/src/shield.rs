@@ -1,23 +1,25 @@
-//! What the ring hears limits how far and how fast the robot may go.
+//! Limits how far and how fast the robot may go, by the echoes of the ring.
 //!
-//! An echo says: the nearest surface within the transducer's lobe lies somewhere on an arc around its face. The shield
-//! keeps some arcs of every transducer, moves them along as the robot moves (odometry), and lets a displacement end
-//! where the body would come within a margin of the part of any arc that lies most in the way. A direction that no echo
-//! covers is closed. The speed is such that the robot can stop within the distance left, at the given deceleration.
+//! An echo means that the nearest surface within the transducer's lobe lies somewhere on an arc
+//! around its face. The shield keeps some arcs of every transducer, moves them along as the robot
+//! moves (odometry), and lets a displacement end where the body would come within a margin of the
+//! part of any arc that lies most in the way. A direction that no echo covers is closed. The speed
+//! is such that the robot can stop within the distance left, at the given deceleration.
 //!
-//! Arcs are kept by where they look, not by transducer: as a ring turns, what all of it hears of a near wall replaces nothing that
-//! was heard elsewhere.
+//! Arcs are stored by bearing, not by transducer: as the ring turns, its echoes of a near wall
+//! replace no arcs of other bearings.
 //!
-//! An arc does not expire. Each of its points stays until newer echoes contradict it: they come from farther away
-//! through a cone that contains the point. Silence in another direction, or from a turned ring, contradicts nothing: a
-//! corner may have left the lobe for the gap beside it.
+//! An arc does not expire. Each of its points stays until newer echoes contradict it: they come
+//! from farther away through a cone that contains the point. Silence from another direction or from
+//! a turned ring contradicts nothing: a corner may have moved from the lobe into the gap beside it.
 //!
-//! Arcs keep the bearing that the ring had at the start. Only new echoes and ways are rotated, so errors of rotation do not
-//! add up.
+//! Arcs keep the bearing that the ring had at the start. Only new echoes and ways are rotated, so
+//! errors of rotation do not add up.
 //!
-//! What it cannot know: a thing thinner than the gap between two lobes, from the first place it listens at. The controller's first
-//! move is therefore a short one across the way wanted. At the Nomad's faces the gap is 9 cm wide; the
-//! corner of a box can stand 4.5 cm inside it, which the margin covers.
+//! The shield cannot know an obstacle thinner than the gap between two lobes from the first place
+//! alone. The controller's first move is therefore a short one across the way wanted. At the
+//! Nomad's faces the gap is 9 cm wide; the corner of a box can stand 4.5 cm inside it, which the
+//! margin covers.
 
 use crate::config::Config;
 use crate::fixed::{Mask, isqrt};
@@ -25,77 +27,28 @@ use crate::scan::Echo;
 use crate::units::{Bearing, Direction, Displacement, Millis};
 use arc::{Arc, Lobe};
 use cone::Cone;
-use serde::{Deserialize, Serialize};
-use way::Way;
+use path::StraightPath;
 
 mod arc;
 mod cone;
+mod config;
 mod detour;
-mod way;
+mod path;
+
+pub use config::ShieldConfig;
 
 /// Arcs kept per place of the ring, at most.
-pub const ARCS_PER_SENSOR: usize = 4;
-
-/// How careful to be.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Shielding {
-    /// Distance to keep between body and anything heard, millimeters.
-    pub margin_mm: u16,
-    /// Half the opening of a transducer's lobe.
-    pub half_lobe: Bearing,
-    /// Arcs kept per place of the ring, 1 … [`ARCS_PER_SENSOR`]. The newest replaces the farthest, by the points that still count.
-    pub places: u8,
-    /// Echoes whose faces were less than this apart, with the same axis, come through one cone, millimeters: the newer
-    /// replaces the older or contradicts all of it. Small, as a near corner leaves the lobe within a few centimeters.
-    pub spacing_mm: u16,
-    /// A direction is open only while the transducers that look there have been heard within this time,
-    /// milliseconds.
-    pub fresh_ms: u32,
-    /// A transducer that was silent for longer than this may have been carried elsewhere: its arcs are dropped when it
-    /// is heard again, milliseconds. While it is heard, arcs do not expire.
-    pub forget_ms: u32,
-    /// Displacements that would be shortened to less than this are not begun, millimeters.
-    pub least_mm: u16,
-    /// The shortest range the ring can report, millimeters: a reading this short may be anything nearer, so the
-    /// place before it is closed as well.
-    pub least_range_mm: u16,
-    /// Highest speed of things that may come towards the robot, millimeters per second: every echo loses this much range
-    /// per second of its age.
-    pub approach_mm_s: u16,
-}
-
-impl Shielding {
-    /// For the Nomad's ring: lobes of ±15°, at least 6 in, a margin of 90 mm.
-    #[must_use]
-    pub const fn nomad200() -> Self {
-        Self {
-            margin_mm: 90,
-            half_lobe: Bearing::from_turns(2_731),
-            places: 4,
-            spacing_mm: 2,
-            fresh_ms: 2_000,
-            forget_ms: 600_000,
-            least_mm: 10,
-            least_range_mm: 153,
-            approach_mm_s: 0,
-        }
-    }
-
-    /// From a face to the point that stands for all that is nearer than the shortest range, millimeters: halfway, or the margin
-    /// where that is less. So nothing fits between the face and this point's margin.
-    fn before_mm(&self) -> i32 {
-        (self.least_range_mm / 2).min(self.margin_mm).into()
-    }
-}
+pub(crate) const ARCS_PER_SENSOR: usize = 4;
 
 /// A motion is not shortened by less, millimeters.
 const ROUNDING_MM: u16 = 3;
 
-/// From places so far apart, across a way, all of the way is in some lobe, millimeters: wider than the gap between two of the
-/// Nomad's lobes anywhere but at the body itself, narrower than the distance of two lobes.
+/// From places so far apart, across a way, all of the way is in some lobe, millimeters: wider than
+/// the gap between two of the Nomad's lobes anywhere but at the body itself, narrower than the
+/// distance of two lobes.
 pub(crate) const SECOND_VIEW_MM: u16 = 80;
 
-/// What was heard lately.
+/// The arcs of the latest echoes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Shield<const SENSORS: usize> {
     /// Of each place of the unturned ring those that look nearest its way, in no order.
@@ -109,7 +62,8 @@ pub struct Shield<const SENSORS: usize> {
     turned: Bearing,
     /// The lobe of the last echo.
     lobe: Option<Lobe>,
-    /// How far the robot has moved since it knew nothing, millimeters; counted until that makes a second view.
+    /// How far the robot has moved since it knew nothing, millimeters; counted until that makes a
+    /// second view.
     way_mm: u16,
 }
 
@@ -151,40 +105,38 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         self.way_mm = 0;
     }
 
-    /// Whether all that is known was heard from one place: a thing may stand unheard in the gap between two lobes.
+    /// Whether all that is known was heard from one place: a thing may stand unheard in the gap
+    /// between two lobes.
     pub(crate) const fn has_one_view(&self) -> bool {
-        // The way is told in pieces of whole millimeters.
+        // The distance arrives in whole millimeters.
         self.way_mm < SECOND_VIEW_MM - 10
     }
 
-    /// Takes an echo of a transducer: what it contradicts is counted, and what it tells is kept at its place of the ring, where the
-    /// arc whose points that still count are farthest makes room.
+    /// Takes an echo of a transducer: it counts against the arcs it contradicts, and becomes an arc
+    /// itself. At its place of the ring it replaces the arc whose valid points are farthest.
     #[inline(never)]
     pub fn hear(&mut self, config: &Config<SENSORS>, sensor: usize, echo: Echo) {
-        let (Some(shielding), Some(axis)) = (&config.shield, config.robot.directions.get(sensor))
+        let (Some(limits), Some(axis)) = (&config.shield, config.robot.directions.get(sensor))
         else {
             return;
         };
         let axis = self.in_frame(*axis);
         let (x_mm, y_mm) = axis.times(i32::from(config.robot.face_radius_mm));
         let cone = Cone::new(Displacement::saturating(x_mm, y_mm), axis, echo);
-        self.drop_if_silent(shielding, sensor, echo.at);
+        self.drop_if_silent(limits, sensor, echo.at);
         let place = self.place_of(config, sensor, axis);
-        if self
-            .lobe
-            .is_none_or(|lobe| lobe.half != shielding.half_lobe)
-        {
-            self.lobe = Some(Lobe::of(shielding.half_lobe));
+        if self.lobe.is_none_or(|lobe| lobe.half != limits.half_lobe) {
+            self.lobe = Some(Lobe::of(limits.half_lobe));
         }
         let Some(lobe) = &self.lobe else { return };
         let arcs = self.arcs.as_flattened_mut().iter_mut();
         for arc in arcs.filter(|arc| cone.looks_along(arc)) {
-            cone.look(shielding, lobe, arc);
+            cone.look(limits, lobe, arc);
         }
         if echo.range.is_none() {
             return;
         }
-        let kept = usize::from(shielding.places).clamp(1, ARCS_PER_SENSOR);
+        let kept = usize::from(limits.places).clamp(1, ARCS_PER_SENSOR);
         let arcs = self.arcs.get_mut(place).into_iter().flatten();
         let heard_by = self.heard_by.get_mut(place).into_iter().flatten();
         let (mut farthest, mut most) = (None, 0);
@@ -201,8 +153,8 @@ impl<const SENSORS: usize> Shield<SENSORS> {
     }
 
     /// Drops the arcs of a transducer that was silent for long.
-    fn drop_if_silent(&mut self, shielding: &Shielding, sensor: usize, now: Millis) {
-        let is_silent = self.since_heard(sensor, now) > Some(shielding.forget_ms);
+    fn drop_if_silent(&mut self, limits: &ShieldConfig, sensor: usize, now: Millis) {
+        let is_silent = self.since_heard(sensor, now) > Some(limits.forget_ms);
         if let Some(at) = self.heard_at.get_mut(sensor) {
             *at = now;
             self.heard = self.heard.with(sensor);
@@ -224,7 +176,8 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         self.heard.contains(sensor).then(|| now.after(*at))
     }
 
-    /// The place of the unturned ring that looks nearest this way: the transducer's own while the ring is not turned.
+    /// The place of the unturned ring that looks nearest this way: the transducer's own while the
+    /// ring is not turned.
     fn place_of(&self, config: &Config<SENSORS>, sensor: usize, axis: Direction) -> usize {
         if self.turned == Bearing::ZERO {
             return sensor;
@@ -235,7 +188,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         nearest.map_or(sensor, |(place, _)| place)
     }
 
-    /// The robot has moved and then its ring has turned: what was heard stays where it is in the world.
+    /// The robot has moved and then its ring has turned: the arcs keep their place in the world.
     pub fn moved(&mut self, by: Displacement, turned: Bearing) {
         if by != Displacement::ZERO {
             let by = self.way_in_frame(by);
@@ -281,8 +234,8 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         self.allow_by(config, enabled, wanted, now, Mask::ALL)
     }
 
-    /// As [`allow`](Self::allow), by what the transducers in `among` heard: enough for a motion that the others have
-    /// allowed already.
+    /// As [`allow`](Self::allow), by what the transducers in `among` heard: enough for a motion
+    /// that the others have allowed already.
     #[must_use]
     pub fn allow_by(
         &self,
@@ -293,7 +246,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         among: Mask,
     ) -> Allowed {
         let length = wanted.length_mm();
-        let Some(shielding) = &config.shield else {
+        let Some(limits) = &config.shield else {
             return Allowed {
                 distance_mm: length,
                 speed_mm_s: config.robot.speed_mm_s,
@@ -302,30 +255,31 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         let length = i32::from(length);
         let new;
         let lobe = match &self.lobe {
-            Some(lobe) if lobe.half == shielding.half_lobe => lobe,
+            Some(lobe) if lobe.half == limits.half_lobe => lobe,
             _ => {
-                new = Lobe::of(shielding.half_lobe);
+                new = Lobe::of(limits.half_lobe);
                 &new
             }
         };
-        let mut way = Way::new(config, shielding, lobe, wanted, length, now);
-        way.direction = self.in_frame(way.direction);
+        let mut path = StraightPath::new(config, limits, lobe, wanted, length, now);
+        path.direction = self.in_frame(path.direction);
         let free = self.free_distance(
             config,
             enabled,
-            &way,
+            &path,
             length.saturating_add(braking_distance(config)),
             among,
         );
         let distance = free.min(length);
-        let begun = distance >= i32::from(shielding.least_mm).min(length);
+        let begun = distance >= i32::from(limits.least_mm).min(length);
         Allowed {
             distance_mm: if begun { distance as u16 } else { 0 },
             speed_mm_s: stopping_speed(config, free),
         }
     }
 
-    /// What is left of a motion that was allowed, by what a transducer has just heard and heard before; `None` = all of it.
+    /// What is left of a motion that was allowed, by what a transducer has just heard and heard
+    /// before; `None` = all of it.
     #[must_use]
     #[inline(never)]
     pub fn shorten(
@@ -349,56 +303,56 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         &self,
         config: &Config<SENSORS>,
         enabled: Mask,
-        way: &Way<'_>,
+        path: &StraightPath<'_>,
         limit: i32,
         among: Mask,
     ) -> i32 {
-        // Who stands meets nothing.
-        if way.direction == Direction::default() {
+        // A robot that stands meets nothing.
+        if path.direction == Direction::default() {
             return limit;
         }
         if !enabled.and(among).covers(SENSORS) {
-            return self.free_by_some(config, enabled, way, limit, among);
+            return self.free_by_some(config, enabled, path, limit, among);
         }
         let mut axes = config.robot.directions.iter().enumerate();
-        if axes.any(|(sensor, axis)| self.is_stale(way, sensor, *axis)) {
+        if axes.any(|(sensor, axis)| self.is_stale(path, sensor, *axis)) {
             return 0;
         }
-        way.until_any(self.arcs.as_flattened().iter(), limit)
+        path.until_any(self.arcs.as_flattened().iter(), limit)
     }
 
-    /// The same where not all are asked; apart, so that it costs nothing where all are.
+    /// The same for some of the transducers. Apart, so that it costs nothing for all of them.
     #[inline(never)]
     fn free_by_some(
         &self,
         config: &Config<SENSORS>,
         enabled: Mask,
-        way: &Way<'_>,
+        path: &StraightPath<'_>,
         limit: i32,
         among: Mask,
     ) -> i32 {
-        if among == Mask::ALL && way.is_blind(config, enabled) {
+        if among == Mask::ALL && path.is_blind(config, enabled) {
             return 0;
         }
         let asked = enabled.and(among);
         let axis = |sensor: usize| config.robot.directions.get(sensor);
         let is_stale =
-            |sensor: usize| axis(sensor).is_some_and(|axis| self.is_stale(way, sensor, *axis));
+            |sensor: usize| axis(sensor).is_some_and(|axis| self.is_stale(path, sensor, *axis));
         if asked.indices(SENSORS).any(is_stale) {
             return 0;
         }
         let arcs = self.arcs.as_flattened().iter();
         let arcs = arcs.zip(self.heard_by.as_flattened());
         let theirs = arcs.filter(|(_, by)| asked.contains(usize::from(**by)));
-        way.until_any(theirs.map(|(arc, _)| arc), limit)
+        path.until_any(theirs.map(|(arc, _)| arc), limit)
     }
 
     /// Whether the transducer looks where the robot would go and was not heard lately.
-    fn is_stale(&self, way: &Way<'_>, sensor: usize, axis: Direction) -> bool {
-        way.is_covered_by(axis)
+    fn is_stale(&self, path: &StraightPath<'_>, sensor: usize, axis: Direction) -> bool {
+        path.is_covered_by(axis)
             && self
-                .since_heard(sensor, way.now)
-                .is_none_or(|ms| ms > way.shielding.fresh_ms)
+                .since_heard(sensor, path.now)
+                .is_none_or(|ms| ms > path.limits.fresh_ms)
     }
 }
 

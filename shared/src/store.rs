@@ -1,5 +1,5 @@
-//! The saved image: all a mind was told and has learned, as bytes that outlive a loss of power. The chip keeps it in its
-//! flash, a desktop machine in a file; both hold the same bytes.
+//! The saved image: configuration, maps, memory and goals as bytes that survive a loss of power.
+//! The chip stores it in flash, a desktop machine in a file; the bytes are the same.
 //!
 //! ```text
 //! image  = "AMPS" record…
@@ -11,17 +11,18 @@
 //!        | 04 crc:u32                     the last: CRC-32 of everything before it
 //! ```
 //!
-//! An image is written piece by piece and is one only with its last record: whatever is cut short, torn or damaged before is
-//! none. Framing, first and last record stay as they are for good, so that any version of a program finds its way through
-//! any other's images; *layout* and *grammar* (the CRC-32 of the grammar's part that is kept) say whether it can read them.
-//! Not kept: what is under way (motions, rings, a search for a place), counters, the link.
+//! An image is written piece by piece and is one only with its last record: whatever is cut short,
+//! torn or damaged before is none. Framing, first and last record stay as they are for good, so
+//! that any version of a program finds its way through any other's images; *layout* and *grammar*
+//! (the CRC-32 of the grammar's part that is kept) say whether it can read them. Not kept: what is
+//! under way (motions, rings, a search for a place), counters, the link.
 //!
-//! Cost: writing takes a record's bytes of memory, reading and checking as much; an image of the Nomad's mind has at most
-//! [`MAX_NOMAD`] bytes.
+//! Cost: writing takes a record's bytes of memory, reading and checking as much; an image for the
+//! Nomad has at most [`MAX_NOMAD`] bytes.
 
 use crate::config::Config;
-use crate::controller::{Part as StatePart, State};
-use crate::goal::{Goal, KeptGoal, KeptGoals, Name};
+use crate::controller::{State, StatePart};
+use crate::goal::{Goal, Name, NamedGoal, NamedGoals};
 use crate::node::MAX_CONFIG;
 use crate::wire::message::MAX_PIECE;
 use crate::wire::{CRC, Checksum};
@@ -29,12 +30,13 @@ use crate::wire::{CRC, Checksum};
 mod read;
 mod write;
 
-pub use read::{Fault, Found, check};
+pub use read::{ImageError, ImageInfo, check};
 
 /// Records begin and end at multiples of so many bytes.
 pub const WORD: usize = 4;
 
-/// Most bytes of an image of a mind with 16 transducers, 16 neurons to a map and 100 samples; a test fills one.
+/// Most bytes of an image with 16 transducers, 16 neurons per map and 100 samples; a test fills
+/// one.
 pub const MAX_NOMAD: usize = 8_256;
 
 /// How an image begins.
@@ -88,30 +90,30 @@ const PARTS: [StatePart; 4] = [
     StatePart::Memory,
 ];
 
-/// What is saved of a mind.
+/// What an image holds, to be written.
 #[derive(Debug)]
 pub struct Contents<'m, const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize> {
-    /// What it was told.
+    /// The configuration.
     pub config: &'m Config<SENSORS>,
-    /// What it has learned.
+    /// The state: maps and memory.
     pub state: &'m State<SENSORS, NEURONS, SAMPLES>,
-    /// What it is to pursue.
+    /// The present goal.
     pub goal: &'m Goal<SENSORS>,
-    /// What it may be told to pursue.
-    pub kept: &'m KeptGoals<SENSORS>,
+    /// The named goals.
+    pub kept: &'m NamedGoals<SENSORS>,
 }
 
-/// A mind to read an image into.
+/// What an image holds, to be read.
 #[derive(Debug)]
 pub struct ContentsMut<'m, const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize> {
-    /// What it was told.
+    /// The configuration.
     pub config: &'m mut Config<SENSORS>,
-    /// What it has learned.
+    /// The state: maps and memory.
     pub state: &'m mut State<SENSORS, NEURONS, SAMPLES>,
-    /// What it is to pursue.
+    /// The present goal.
     pub goal: &'m mut Goal<SENSORS>,
-    /// What it may be told to pursue.
-    pub kept: &'m mut KeptGoals<SENSORS>,
+    /// The named goals.
+    pub kept: &'m mut NamedGoals<SENSORS>,
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! Physical quantities: millimeters, milliseconds, binary turns.
 //!
-//! Each is a newtype with a private field, so that a range cannot be taken for a time; raw integers appear only on the
-//! wire and in drivers, always with a unit suffix.
+//! Each is a newtype with a private field, so that a range cannot be taken for a time; raw integers
+//! appear only on the wire and in drivers, always with a unit suffix.
 //!
-//! The few floats are micromath's, called by path: with the standard library linked (as in tests) a method call would
-//! silently become the C library's, and the chip and the host would differ.
+//! The few floats are micromath's, called by path: with the standard library linked (as in tests) a
+//! method call would silently become the C library's, and the chip and the host would differ.
 
 use core::cmp::Ordering;
 use core::num::NonZeroU16;
@@ -63,7 +63,8 @@ impl Millis {
         self.0
     }
 
-    /// Milliseconds from `earlier` to here; right across the wrap while the two are less than 49.7 days apart.
+    /// Milliseconds from `earlier` to here; right across the wrap while the two are less than 49.7
+    /// days apart.
     #[must_use]
     pub const fn since(self, earlier: Self) -> u32 {
         self.0.wrapping_sub(earlier.0)
@@ -79,7 +80,8 @@ impl Millis {
         }
     }
 
-    /// Whether this moment comes before `other`; right across the wrap while the two are less than 24.8 days apart.
+    /// Whether this moment comes before `other`; right across the wrap while the two are less than
+    /// 24.8 days apart.
     #[must_use]
     pub const fn is_before(self, other: Self) -> bool {
         (self.0.wrapping_sub(other.0) as i32) < 0
@@ -93,12 +95,13 @@ impl Millis {
 
     /// The moment `ms` milliseconds after this one.
     #[must_use]
-    pub const fn plus_ms(self, ms: u32) -> Self {
+    pub(crate) const fn plus_ms(self, ms: u32) -> Self {
         Self(self.0.wrapping_add(ms))
     }
 }
 
-/// A direction as a binary turn: 65 536 units are one full turn, counter-clockwise from the frame's x axis; wraps for free.
+/// A direction as a binary turn: 65 536 units are one full turn, counter-clockwise from the frame's
+/// x axis; wraps for free.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Bearing(u16);
 
@@ -145,7 +148,8 @@ impl Bearing {
         Self(self.0.wrapping_sub(other.0))
     }
 
-    /// The unit vector in this direction; error of each component at most 0.0012 (micromath's sine).
+    /// The unit vector in this direction; error of each component at most 0.0012 (micromath's
+    /// sine).
     #[must_use]
     #[inline(never)]
     pub fn direction(self) -> Direction {
@@ -208,7 +212,8 @@ impl Direction {
     }
 }
 
-/// A straight move in the ring's frame: x along transducer 0, y along the one a quarter turn to its left; ±32.767 m.
+/// A straight move in the ring's frame: x along transducer 0, y along the one a quarter turn to its
+/// left; ±32.767 m.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Displacement {
     /// Millimetres along x.

@@ -167,7 +167,7 @@ fn the_nest_and_a_place_that_was_shown_are_found() {
 fn a_robot_that_knows_nothing_finds_no_nest() {
     // One sample says nothing across its direction when it is not turned.
     let mut config = Config::recommended();
-    config.learning.turned = false;
+    config.learning.augment_rotations = false;
     config.planning.wander = None;
     config.online = None;
     let trial = Trial {

@@ -1,7 +1,7 @@
 //! Transducers out of order: noticed within a run, and nobody else taken for one.
 
 use amp::config::Config;
-use amp::faults::{Fault, Verdict};
+use amp::faults::{SensorFault, SensorVerdict};
 use arena::robot::TurretMode;
 use arena::sonar::{SonarModel, TransducerFault};
 use arena::world::World;
@@ -11,7 +11,7 @@ use sim::scenes::Behavior;
 use tests::{host_sim, words};
 
 /// What a mind that watches its transducers decides about them in a random room, and how often the robot touches something.
-fn verdicts(room: u64, sonar: SonarModel, faults: &[&str]) -> (Vec<Verdict>, u32) {
+fn verdicts(room: u64, sonar: SonarModel, faults: &[&str]) -> (Vec<SensorVerdict>, u32) {
     let faults = faults
         .iter()
         .map(|text| text.parse::<TransducerFault>().expect(text));
@@ -46,7 +46,7 @@ fn a_dead_transducer_is_masked_and_the_robot_touches_nothing() {
         let first = verdicts.first().expect("a verdict");
         assert_eq!(
             (usize::from(first.sensor), first.fault),
-            (sensor, Some(Fault::Unheard))
+            (sensor, Some(SensorFault::Unheard))
         );
         assert!(
             verdicts
@@ -60,9 +60,9 @@ fn a_dead_transducer_is_masked_and_the_robot_touches_nothing() {
 #[test]
 fn one_that_always_says_the_same_is_stuck() {
     let (verdicts, _) = verdicts(1_004, SonarModel::Nomad, &["stuck:5:2"]);
-    let stuck = Verdict {
+    let stuck = SensorVerdict {
         sensor: 5,
-        fault: Some(Fault::Stuck),
+        fault: Some(SensorFault::Stuck),
     };
     assert_eq!(verdicts, [stuck]);
 }

@@ -11,9 +11,9 @@ fn main() {
 mod tests {
     use amp::action_map::{ActionMap, Effect};
     use amp::config::Config;
-    use amp::controller::{Part, State};
+    use amp::controller::{State, StatePart};
     use amp::fixed::{Mask, Weight};
-    use amp::goal::{Component, Goal, KeptGoals};
+    use amp::goal::{Component, Goal, NamedGoals};
     use amp::som::Update;
     use amp::som::{Grid, Neighborhood, Som};
     use amp::store::{Contents, ContentsMut, MAX_NOMAD};
@@ -34,7 +34,7 @@ mod tests {
         config: Config<16>,
         state: State<16, 16, 100>,
         goal: Goal<16>,
-        kept: KeptGoals<16>,
+        kept: NamedGoals<16>,
     }
 
     impl StoredContents {
@@ -43,7 +43,7 @@ mod tests {
                 config: Config::recommended(),
                 state: State::new(Grid::rectangle(4, 4)),
                 goal: Goal::of([Component::ANY; 16]),
-                kept: KeptGoals::new(),
+                kept: NamedGoals::new(),
             }
         }
 
@@ -52,9 +52,14 @@ mod tests {
             for (place, byte) in buffers.iter_mut().enumerate() {
                 *byte = (place as u8).wrapping_mul(7).wrapping_add(number);
             }
-            for part in [Part::Situations, Part::Changes, Part::Actions, Part::Memory] {
+            for part in [
+                StatePart::Situations,
+                StatePart::Changes,
+                StatePart::Actions,
+                StatePart::Memory,
+            ] {
                 let length = match part {
-                    Part::Memory => 100 * State::<16, 16, 100>::SAMPLE_BYTES,
+                    StatePart::Memory => 100 * State::<16, 16, 100>::SAMPLE_BYTES,
                     _ => self.state.part_len(part),
                 };
                 let written = self.state.write_part(part, 0, &buffers[..length]);

@@ -1,8 +1,8 @@
 use super::sim::SimFlash;
 use super::*;
 use amp::config::Config;
-use amp::controller::{Part, State};
-use amp::goal::{Component, Goal, KeptGoals};
+use amp::controller::{State, StatePart};
+use amp::goal::{Component, Goal, NamedGoals};
 use amp::node::Node;
 use amp::som::Grid;
 use amp::store::ContentsMut;
@@ -15,7 +15,7 @@ struct TestContents<const SENSORS: usize, const NEURONS: usize, const SAMPLES: u
     config: Config<SENSORS>,
     state: Box<State<SENSORS, NEURONS, SAMPLES>>,
     goal: Goal<SENSORS>,
-    kept: KeptGoals<SENSORS>,
+    kept: NamedGoals<SENSORS>,
 }
 
 type Nomad = TestContents<16, 16, 100>;
@@ -30,13 +30,18 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             config: supervisable(Node::<SENSORS, NEURONS, SAMPLES>::new().config()),
             state: Box::new(State::new(Grid::rectangle(1, 2))),
             goal: Goal::of([Component::ANY; SENSORS]),
-            kept: KeptGoals::new(),
+            kept: NamedGoals::new(),
         };
-        stored.goal.going_q16 = number as u16;
+        stored.goal.progress_q16 = number as u16;
         let mut bytes = number.to_le_bytes().into_iter().cycle();
-        for part in [Part::Situations, Part::Changes, Part::Actions, Part::Memory] {
+        for part in [
+            StatePart::Situations,
+            StatePart::Changes,
+            StatePart::Actions,
+            StatePart::Memory,
+        ] {
             let length = match part {
-                Part::Memory => SAMPLES * State::<SENSORS, NEURONS, SAMPLES>::SAMPLE_BYTES,
+                StatePart::Memory => SAMPLES * State::<SENSORS, NEURONS, SAMPLES>::SAMPLE_BYTES,
                 _ => stored.state.part_len(part),
             };
             let bytes: Vec<u8> = bytes.by_ref().take(length).collect();

@@ -71,8 +71,8 @@ pub struct Figures {
 
 /// Choices changed one at a time from the preset `default`.
 const CHANGES: [&str; 39] = [
-    "choose=neurons",
-    "choose=recall",
+    "planner=neurons",
+    "planner=recall",
     "near=0.15",
     "far=1",
     "far=2",
@@ -88,13 +88,13 @@ const CHANGES: [&str; 39] = [
     "epochs=30",
     "epochs=300",
     "order=recorded",
-    "start=samples",
-    "start=random",
-    "turned=off",
+    "initialization=samples",
+    "initialization=random",
+    "augment-rotations=off",
     "action-weight=0",
     "action-weight=0.25",
     "action-weight=4",
-    "taught=commanded",
+    "learn-from=commanded",
     "edges=wrapped",
     "situation.neighborhood=gaussian",
     "situation.rate=0.2:0.02:inverse",
@@ -114,13 +114,13 @@ const CHANGES: [&str; 39] = [
 
 /// Choices of the paper's four steps, changed one at a time from the preset `probe`.
 const PROBE_CHANGES: [&str; 12] = [
-    "intermediate=hops",
-    "intermediate=goal",
-    "wanted=all",
-    "answer=best",
+    "subgoal=hops",
+    "subgoal=goal",
+    "probe-components=all",
+    "probe-neurons=best",
     "recall=distance",
     "recall=projection",
-    "from=code",
+    "change-from=code",
     "straight=0.1",
     "inertia=0.25",
     "full-steps=off",
@@ -130,8 +130,8 @@ const PROBE_CHANGES: [&str; 12] = [
 
 /// Choices that matter to the behaviors beside avoidance.
 const BEHAVIOR_CHANGES: [&str; 13] = [
-    "choose=neurons",
-    "choose=recall",
+    "planner=neurons",
+    "planner=recall",
     "wander=off",
     "wander=3:30",
     "wander=6:10",
@@ -140,7 +140,7 @@ const BEHAVIOR_CHANGES: [&str; 13] = [
     "far=2",
     "far=3",
     "far=6.5",
-    "turned=off",
+    "augment-rotations=off",
     "action.radius=0",
     "epochs=10",
 ];

@@ -2,7 +2,7 @@
 
 use amp::config::Config;
 use amp::controller::{Event, Outputs, Progress};
-use amp::faults::Fault;
+use amp::faults::SensorFault;
 use amp::units::Millis;
 use arena::robot::TurretMode;
 use arena::sonar::{FaultKind, SonarModel, TransducerFault};
@@ -35,7 +35,12 @@ pub struct Trial {
 }
 
 /// The faults that have a name, as [`Course::false_alarms`] counts them.
-pub const FAULTS: [Fault; 4] = [Fault::Dead, Fault::Stuck, Fault::Short, Fault::Jumping];
+pub const FAULTS: [SensorFault; 4] = [
+    SensorFault::Dead,
+    SensorFault::Stuck,
+    SensorFault::Short,
+    SensorFault::Jumping,
+];
 
 /// What came of one episode.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -46,7 +51,7 @@ pub struct Course {
     pub contacts_after: u32,
     /// Moves, random ones included, until it was no longer believed.
     pub noticed: Option<u32>,
-    /// Moves until its fault had a name: as before, but for [`Fault::Unheard`].
+    /// Moves until its fault had a name: as before, but for [`SensorFault::Unheard`].
     pub named: Option<u32>,
     /// Times it was believed again.
     pub returns: u32,

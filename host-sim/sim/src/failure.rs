@@ -1,12 +1,12 @@
 //! Why an episode ends before its time.
 
-use amp::controller::{Refusal, StopReason};
+use amp::controller::{CommandRefusal, StopReason};
 
 /// Why an episode ended early.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Failure {
     /// The mind refused a command.
-    Refused(Refusal),
+    Refused(CommandRefusal),
     /// The mind has not decided anything for a hundred rings.
     Silent,
     /// The robot stopped by itself.

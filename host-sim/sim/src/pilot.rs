@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use amp::config::Config;
 use amp::controller::{self, Event, Outputs, State};
-use amp::faults::Verdict;
+use amp::faults::SensorVerdict;
 use amp::fixed::Mask;
 use amp::som::Grid;
 use amp::units::{Millis, Range};
@@ -104,7 +104,7 @@ impl<P: InspectableController> InspectableController for &mut P {
 pub struct Mind {
     config: Config<16>,
     state: Box<SimState>,
-    verdicts: Vec<Verdict>,
+    verdicts: Vec<SensorVerdict>,
 }
 
 impl Mind {
@@ -116,7 +116,8 @@ impl Mind {
 
     /// A mind that knows this already.
     #[must_use]
-    pub fn with_state(config: Config<16>, state: SimState) -> Self {
+    pub fn with_state(config: Config<16>, mut state: SimState) -> Self {
+        state.expect_open_space(config.open_space);
         Self {
             config,
             state: Box::new(state),
@@ -126,7 +127,8 @@ impl Mind {
 
     /// Tells it something else; what it knows stays. Its fault detector starts anew with the transducers it has disabled.
     pub fn configure(&mut self, config: Config<16>) {
-        self.state.trust(config.believed);
+        self.state.trust(config.enabled);
+        self.state.expect_open_space(config.open_space);
         self.config = config;
     }
 
@@ -144,7 +146,7 @@ impl Mind {
 
     /// Which transducers its fault detector has disabled, or enabled again, in order.
     #[must_use]
-    pub fn verdicts(&self) -> &[Verdict] {
+    pub fn verdicts(&self) -> &[SensorVerdict] {
         &self.verdicts
     }
 

@@ -6,7 +6,7 @@ use amp::config::Config;
 use amp::controller::{Decision, Event, Motion, Outputs, Progress, Tracked};
 use amp::fixed::Mask;
 use amp::scan::{Echo, Scan};
-use amp::shield::{Allowed, Shield, Shielding};
+use amp::shield::{Allowed, Shield, ShieldConfig};
 use amp::units::{Bearing, Displacement, Millis, Range};
 use arena::world::{Point, Pose, wrap_angle};
 use std::f64::consts::{PI, TAU};
@@ -105,7 +105,7 @@ pub struct RingPilot<P> {
 impl<P: Policy> RingPilot<P> {
     /// Lets `policy` drive a Nomad 200, with this shield or none.
     #[must_use]
-    pub fn new(policy: P, shield: Option<Shielding>) -> Self {
+    pub fn new(policy: P, shield: Option<ShieldConfig>) -> Self {
         Self {
             policy,
             config: Config {
@@ -304,7 +304,7 @@ mod tests {
     use crate::episode::{Body, Setup, drive_pilot, educate};
     use crate::pilot::{Mind, SimState};
     use crate::scenes::Behavior;
-    use amp::controller::{Command, Part};
+    use amp::controller::{Command, StatePart};
     use amp::goal::{Goal, Side};
     use amp::som::Grid;
     use arena::robot::TurretMode;
@@ -372,7 +372,12 @@ mod tests {
         educate(&small(2), &setup, &mut mind).expect("it learns");
         // Only what it has learned, not what it has heard.
         let mut fresh = SimState::new(Grid::rectangle(4, 4));
-        for part in [Part::Situations, Part::Changes, Part::Actions, Part::Memory] {
+        for part in [
+            StatePart::Situations,
+            StatePart::Changes,
+            StatePart::Actions,
+            StatePart::Memory,
+        ] {
             let mut bytes = vec![0; mind.state().part_len(part)];
             mind.state().read_part(part, 0, &mut bytes);
             fresh.write_part(part, 0, &bytes).expect("its own part");
@@ -415,7 +420,7 @@ mod tests {
     }
 
     /// A pilot with nothing around it and its first motion; it asks for 100 mm straight on.
-    fn under_way(shield: Option<Shielding>) -> (RingPilot<Script>, Motion) {
+    fn under_way(shield: Option<ShieldConfig>) -> (RingPilot<Script>, Motion) {
         let mut pilot = RingPilot::new(Script(Displacement::along(Bearing::ZERO, 100)), shield);
         let motion = (0..16).find_map(|sensor| {
             let range = None;

@@ -207,7 +207,9 @@ fn settings(out: &mut impl Write) -> Result<(), Failure> {
     let rows: Vec<_> = sim::settings::SETTINGS
         .iter()
         .map(|setting| {
-            let values = configs.iter().map(|config| setting.value(config));
+            let values = configs
+                .iter()
+                .map(|config| sim::settings::text(setting, config));
             let key = [setting.key.to_owned()].into_iter();
             key.chain(values).chain([setting.help.to_owned()]).collect()
         })

@@ -9,7 +9,7 @@ use clap::{Args, Parser};
 use experiments::sweep::{self, Description, Plan, Progress, Shard, Vocabulary};
 use files::error::BadInput;
 use sim::episode::Setup;
-use sim::settings::{self, SETTINGS};
+use sim::settings;
 use std::io::{IsTerminal as _, Write};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -68,7 +68,7 @@ fn vocabulary() -> Vocabulary {
 }
 
 fn is_setting(key: &str) -> bool {
-    SETTINGS.iter().any(|setting| setting.key == key)
+    settings::is_key(key)
 }
 
 fn check(key: &str, value: &str) -> Result<(), BadInput> {

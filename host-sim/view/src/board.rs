@@ -10,7 +10,7 @@ use super::seen::{Knowing, meters, millimeters, plan_seen, ring};
 use super::snapshot::{Counts, Now, Part, Scene, Short, Showable, Snapshot, Xy};
 use super::source::{Abilities, Refused, Source, Stepped};
 use super::trail::{Trail, mark};
-use amp::config::{Choice, Config};
+use amp::config::{Config, PlannerKind};
 use amp::controller::Decision;
 use amp::fixed::Weight;
 use amp::planner::difference;
@@ -275,7 +275,7 @@ impl Board {
             turret: "as it is".to_owned(),
             moves: self.explore_moves,
             mind: self.name.clone(),
-            recalls: config.planning.choice == Choice::Recall,
+            recalls: config.planning.planner == PlannerKind::Recall,
             abilities: self.abilities(),
             behaviors: names.map(about).collect(),
             ..Scene::default()
@@ -310,7 +310,7 @@ impl Board {
             note: self.note.clone(),
             resumes: mode == "stopped",
             done: Short(done),
-            on: std::array::from_fn(|sensor| self.config.believed.contains(sensor)),
+            on: std::array::from_fn(|sensor| self.config.enabled.contains(sensor)),
             situation: decision.map_or_else(Default::default, |it| ring(&it.situation)),
             changed: changed.map(|(now, before)| ring(&difference(&now.situation, &before))),
             plan: plan.map(|plan| plan_seen(&plan, &self.known)),

@@ -3,7 +3,7 @@
 use super::order::{Done, File, Order};
 use super::source::Refused;
 use amp::config::Config;
-use amp::shield::Shielding;
+use amp::shield::ShieldConfig;
 use files::hex::hex;
 use remote::link::Knowledge;
 use sim::pilot::SimState;
@@ -20,7 +20,7 @@ pub(super) fn switched(
     let mut config = config.clone();
     match *order {
         Order::Shield { on } => {
-            let shield = whole.shield.unwrap_or(Shielding::nomad200());
+            let shield = whole.shield.unwrap_or(ShieldConfig::nomad200());
             config.shield = on.then_some(shield);
         }
         Order::Online { on } => {
@@ -30,14 +30,14 @@ pub(super) fn switched(
         Order::Sonar { number, .. } if number >= 16 => {
             return Err(format!("there is no sonar {number}: they are 0 to 15").into());
         }
-        Order::Sonar { number, on: true } => config.believed = config.believed.with(number),
+        Order::Sonar { number, on: true } => config.enabled = config.enabled.with(number),
         Order::Sonar { number, on: false } => {
-            let after = config.believed.without(number);
+            let after = config.enabled.without(number);
             if (0..16).all(|sensor| !after.contains(sensor)) {
                 let why = "one sonar must stay on: without any the robot never decides";
                 return Err(why.into());
             }
-            config.believed = after;
+            config.enabled = after;
         }
         _ => {}
     }

@@ -5,7 +5,7 @@ use super::source::Refused;
 use crate::snapshot::{GoalSeen, Short};
 use amp::config::Config;
 use amp::fixed::Weight;
-use amp::goal::{Frame, Goal};
+use amp::goal::{Goal, GoalFrame};
 use amp::scan::Situation;
 use arena::world::Point;
 use files::error::BadInput;
@@ -201,7 +201,7 @@ impl Pursued {
             name: self.name(),
             part: (parts > 1).then_some(self.part),
             asked: asked.collect(),
-            travels: goal.frame == Frame::Travel,
+            travels: goal.frame == GoalFrame::Travel,
             neuron,
             place: place.map(|place| [place.x, place.y].map(Short)),
         }

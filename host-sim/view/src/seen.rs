@@ -115,9 +115,9 @@ fn maps(known: &SimState, config: &Config<16>) -> Maps {
 fn answering(known: &SimState, config: &Config<16>, sample: &Sample<16>) -> [usize; 2] {
     let ((before, believed), (after, too)) =
         (from_bytes(&sample.before), from_bytes(&sample.after));
-    let taught = match config.learning.taught {
-        amp::config::Taught::Commanded => sample.commanded,
-        amp::config::Taught::Executed => sample.executed,
+    let taught = match config.learning.learn_from {
+        amp::config::LearnFrom::Commanded => sample.commanded,
+        amp::config::LearnFrom::Executed => sample.executed,
     };
     let effect = Effect {
         change: difference(&after, &before),

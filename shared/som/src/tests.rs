@@ -3,7 +3,7 @@ use crate::fixed::{
     FINE_ONE_BITS, ONE_BITS, Scalar as _, approach, squared_distance, squared_norm, unit_weight,
 };
 use proptest::prelude::*;
-use rand_core::{RngCore as _, SeedableRng as _};
+use rand_core::SeedableRng as _;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::vec::Vec;
 

@@ -1,8 +1,8 @@
-//! A configuration that says nothing yet.
+//! The all-zero configuration of a node that has not been started.
 
 use super::{
-    AtGoal, Choice, Config, Exploration, Learning, Online, Order, Planning, Start, Subgoal, Taught,
-    Training,
+    AtGoal, Config, Exploration, Initialization, LearnFrom, Learning, Online, PlannerKind,
+    Planning, SampleOrder, Subgoal, Training,
 };
 use crate::action_map::{ActionCode, Recall};
 use crate::fixed::{Mask, Weight};
@@ -12,8 +12,8 @@ use crate::som::{Edges, Neighborhood, Schedule};
 use crate::units::Direction;
 
 impl<const SENSORS: usize> Config<SENSORS> {
-    /// All zeros: a ring of which no transducer is believed, a step of no length, no lessons. It fills the place of a
-    /// configuration in a static that is to lie in zeroed memory.
+    /// All zeros: no transducer enabled, a step of no length, no epochs. A static node with it lies
+    /// in zeroed memory.
     #[must_use]
     pub(crate) const fn zeroed() -> Self {
         let training = Training {
@@ -33,7 +33,7 @@ impl<const SENSORS: usize> Config<SENSORS> {
                 ring_period_ms: 0,
                 steer_ms: 0,
             },
-            believed: Mask::NONE,
+            enabled: Mask::NONE,
             encoding: Encoding {
                 near_mm: 0,
                 far_mm: 0,
@@ -45,11 +45,11 @@ impl<const SENSORS: usize> Config<SENSORS> {
             action_code: ActionCode::Displacement,
             learning: Learning {
                 epochs: 0,
-                order: Order::Recorded,
-                start: Start::Samples,
-                turned: false,
+                order: SampleOrder::Recorded,
+                start: Initialization::Samples,
+                augment_rotations: false,
                 action_weight_q8: 0,
-                taught: Taught::Commanded,
+                learn_from: LearnFrom::Commanded,
                 edges: Edges::Open,
                 situations: training,
                 actions: training,
@@ -63,9 +63,9 @@ impl<const SENSORS: usize> Config<SENSORS> {
                 blame_recalled: false,
             }),
             planning: Planning {
-                choice: Choice::Recall,
+                planner: PlannerKind::Recall,
                 wander: None,
-                intermediate: Subgoal::FewestHops,
+                subgoal: Subgoal::FewestHops,
                 recall: Recall::Distance,
                 from_measured: false,
                 together: false,

@@ -1,12 +1,13 @@
-//! A ring is complete and the base stands: what now?
+//! A decision: a complete ring and a standing base become a random move or a step towards the goal.
 
+use super::motion::Pending;
 use super::search::Search;
 use super::tracked::Tracked;
-use super::{Decision, Mode, Motion, Outputs, Pending, State, StopReason};
+use super::{Decision, Mode, Motion, Outputs, State, StopReason};
 use crate::action_map::Effect;
-use crate::config::{Choice, Config, Taught};
+use crate::config::{Config, LearnFrom, PlannerKind};
 use crate::fixed::Mask;
-use crate::goal::{Frame, Goal, cost_of};
+use crate::goal::{Goal, GoalFrame, cost_of};
 use crate::memory::{self, Sample};
 use crate::planner::{NEXT_COURSE, Plan, Planner, Why};
 use crate::scan::{Aligned, Situation, rotated};
@@ -17,10 +18,11 @@ use crate::units::{Bearing, Displacement, Millis};
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     State<SENSORS, NEURONS, SAMPLES>
 {
-    /// A ring is complete and the base stands. Apart from the echoes that bring about nothing.
+    /// Takes a decision by the mode.
+    // Apart, so that it adds nothing to the stack of other echoes.
     #[inline(never)]
     pub(super) fn decide(&mut self, config: &Config<SENSORS>, now: Millis) -> Outputs<SENSORS> {
-        if self.hears_nothing(config) {
+        if self.hears_nothing() {
             return self.alarm(now, StopReason::NothingHeard);
         }
         let situation = &Aligned(config.encoding.situation(&self.scan));
@@ -58,10 +60,11 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
         self.mode = Mode::Explore { left };
         let wanted = self.random_move(config, now);
-        self.go(config, now, situation, wanted, None)
+        self.start_motion(config, now, situation, wanted, None)
     }
 
-    /// A random displacement; drawn anew a few times while the shield would take more than half of it.
+    /// A random displacement; drawn anew a few times while the shield would take more than half of
+    /// it.
     fn random_move(&mut self, config: &Config<SENSORS>, now: Millis) -> Displacement {
         let (shortest, longest) = (config.exploration.shortest_mm, config.robot.step_mm);
         let span = u32::from(longest.saturating_sub(shortest));
@@ -88,11 +91,11 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             *left = left.saturating_sub(1);
         }
         let enabled = self.enabled(config);
-        // Stays where it is until the next one takes its place: it is much to copy.
+        // Borrowed: a copy would be expensive.
         let cut = self.pending.as_ref().is_some_and(Pending::was_cut);
         let current = self.learn_online(config, enabled, &situation.0);
         self.inhibit(config, cut);
-        if config.planning.choice != Choice::Recall {
+        if config.planning.planner != PlannerKind::Recall {
             self.actions.keep_products();
         }
         let mut allowed = Mask::ALL;
@@ -102,11 +105,11 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 allowed = allowed.without(neuron);
             }
         }
-        // Looked at where it lies: it is much to copy.
+        // Borrowed: a copy would be expensive.
         let Mode::Seek { goal } = &self.mode else {
             return Outputs::none();
         };
-        let pursued = pursued(
+        let wandering = wandering_goal(
             config,
             enabled,
             &situation.0,
@@ -114,7 +117,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             &mut self.search,
             &mut self.course,
         );
-        if pursued.is_some() {
+        if wandering.is_some() {
             self.last_plan.forget_cost();
         }
         let planner = Planner {
@@ -127,25 +130,25 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             course: self.course.now(),
             cut,
         };
-        let goal = pursued.as_ref().unwrap_or(goal);
+        let goal = wandering.as_ref().unwrap_or(goal);
         let mut plan = planner.plan_next(&situation.0, goal, &mut self.last_plan);
         let travel = self.last_plan.travel();
-        if pursued.is_some() {
+        if wandering.is_some() {
             self.last_plan.forget_cost();
             plan.at_goal = false;
             plan.why = Why::Wander;
         }
-        // A robot that backs away from what it follows still looks at it.
-        let looks = goal.frame == Frame::Travel && goal.going_q16 == 0;
-        let outputs = self.go(config, now, situation, plan.action, Some(&plan));
-        if let Some(direction) = config.robot.directions.get(travel).filter(|_| looks) {
+        // A robot that backs away from what it follows keeps facing it.
+        let keeps_facing = goal.frame == GoalFrame::Travel && goal.progress_q16 == 0;
+        let outputs = self.start_motion(config, now, situation, plan.action, Some(&plan));
+        if let Some(direction) = config.robot.directions.get(travel).filter(|_| keeps_facing) {
             let (x, y) = direction.times(i32::from(config.robot.step_mm));
             self.course = Tracked::new(Displacement::saturating(x, y));
         }
         outputs
     }
 
-    /// Those that are inhibited, and a few others: mostly none at all.
+    /// The inhibited neurons and up to three others beside each; mostly none.
     fn inhibited_mut(&mut self) -> impl Iterator<Item = &mut u8> {
         let (fours, rest) = self.inhibited.as_chunks_mut::<4>();
         let fours = fours.iter_mut().filter(|four| **four != [0; 4]);
@@ -154,22 +157,22 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 
     /// A move cut below half inhibits the neuron that asked for it.
     fn inhibit(&mut self, config: &Config<SENSORS>, cut: bool) {
-        let asked = self.asked_by.filter(|_| cut);
-        let neuron = asked.map(usize::from);
+        let neuron = self.acting_neuron.filter(|_| cut).map(usize::from);
         if let Some(left) = neuron.and_then(|neuron| self.inhibited.get_mut(neuron)) {
             *left = config.planning.inhibition;
         }
     }
 
-    /// How often the rates of online learning have been halved: after 2048 lessons, and each time their number has doubled
-    /// since. So they fall as 1 / n, by which averages settle (Robbins and Monro, Ann. Math. Stat. 22, 1951): a map that
-    /// learns for a day by steps that stay as long wanders off.
+    /// How often the rates of online learning have been halved: after 2048 updates, and each time
+    /// their number has doubled since. The rates fall as 1 / n, so that averages converge (Robbins
+    /// and Monro, Ann. Math. Stat. 22, 1951): at a constant rate a map drifts within a day.
     pub(super) fn halvings(&mut self) -> u32 {
-        self.lessons = self.lessons.saturating_add(1);
-        u16::BITS - (self.lessons >> 11).leading_zeros()
+        self.updates = self.updates.saturating_add(1);
+        u16::BITS - (self.updates >> 11).leading_zeros()
     }
 
-    /// Both maps learn from the last move: the best-matching unit of the situation it led to, if it is known afterwards.
+    /// Updates both maps by the last move. Returns the best-matching unit of the situation it led
+    /// to, if that is known afterwards.
     fn learn_online(
         &mut self,
         config: &Config<SENSORS>,
@@ -178,21 +181,21 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     ) -> Option<usize> {
         let online = config.online?;
         let pending = self.pending.as_ref()?;
-        let taught = match config.learning.taught {
-            Taught::Commanded => pending.commanded,
-            Taught::Executed => pending.executed,
+        let taught = match config.learning.learn_from {
+            LearnFrom::Commanded => pending.commanded,
+            LearnFrom::Executed => pending.executed,
         };
         // Both lie in [0, 1].
         let mut change = *after;
         for (value, before) in change.iter_mut().zip(&pending.before.0) {
             *value = value.wrapping_sub(*before);
         }
-        // The moves of a behavior are one-sided; turned by a random number of ring places they teach every
+        // The moves of a behavior are one-sided. Rotated by random ring steps they update every
         // direction, as the random moves did.
-        let turns = config.learning.turned
+        let turns = config.learning.augment_rotations
             && config.robot.symmetric
             && enabled.covers(SENSORS)
-            && config.planning.choice != Choice::Recall;
+            && config.planning.planner != PlannerKind::Recall;
         let places = if turns { self.below(SENSORS as u32) } else { 0 } as usize;
         let turned = match config.robot.directions.get(places) {
             Some(direction) if places > 0 => taught.rotated(*direction),
@@ -209,7 +212,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let halvings = self.halvings();
         let update =
             |rate: u32| Update::from_q16(Neighborhood::Direct, rate >> halvings, online.share_q16);
-        let winner = match self.asked_by {
+        let winner = match self.acting_neuron {
             Some(neuron) if online.blame_recalled => usize::from(neuron),
             _ => self.actions.bmu(&effect, config.learning.action_weight_q8),
         };
@@ -222,12 +225,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         if online.share_q16 != 0 {
             self.last_plan.forget_cost();
         }
-        // A winner that came nearer, alone, is still the winner.
+        // If the winner alone was updated, it is still the winner.
         (online.share_q16 == 0).then_some(winner)
     }
 
-    /// Sends the base on its way as far as the shield allows.
-    fn go(
+    /// Starts a motion, as far as the shield allows.
+    fn start_motion(
         &mut self,
         config: &Config<SENSORS>,
         now: Millis,
@@ -236,9 +239,9 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         plan: Option<&Plan<SENSORS>>,
     ) -> Outputs<SENSORS> {
         let enabled = self.enabled(config);
-        let aside = self.shield.step_aside(config, enabled, wanted, now);
-        let (wanted, limit) = aside.unwrap_or_else(|| match plan {
-            Some(_) => (self.shield).detour(config, enabled, wanted, now, self.closed),
+        let side_step = self.shield.step_aside(config, enabled, wanted, now);
+        let (wanted, limit) = side_step.unwrap_or_else(|| match plan {
+            Some(_) => (self.shield).detour(config, enabled, wanted, now, self.blocked),
             None => (wanted, self.shield.allow(config, enabled, wanted, now)),
         });
         let allowed = if wanted.is_shorter_than(u32::from(limit.distance_mm).wrapping_add(1)) {
@@ -247,12 +250,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             wanted.with_length(limit.distance_mm)
         };
         if allowed != Displacement::ZERO {
-            self.closed = 0;
+            self.blocked = 0;
         } else if wanted != Displacement::ZERO {
-            self.closed = self.closed.wrapping_add(1);
+            self.blocked = self.blocked.wrapping_add(1);
         }
         self.motion_id = self.motion_id.wrapping_add(1);
-        if wanted != Displacement::ZERO || config.planning.choice == Choice::Recall {
+        if wanted != Displacement::ZERO || config.planning.planner == PlannerKind::Recall {
             self.course = Tracked::new(wanted);
         }
         self.await_ring(now);
@@ -265,7 +268,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             speed_mm_s: limit.speed_mm_s,
         });
         self.moving = true;
-        self.asked_by = plan.and_then(|plan| plan.recalled.then_some(plan.action_neuron));
+        self.acting_neuron = plan.and_then(|plan| plan.recalled.then_some(plan.action_neuron));
         let motion = Motion {
             id: self.motion_id,
             displacement: allowed,
@@ -286,8 +289,9 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 }
 
-/// What is pursued instead of the goal while the robot wanders: obstacle avoidance on another course.
-fn pursued<const SENSORS: usize>(
+/// The goal of a robot that wanders, instead of its own: obstacle avoidance on another course.
+/// `None` if it does not wander.
+fn wandering_goal<const SENSORS: usize>(
     config: &Config<SENSORS>,
     enabled: Mask,
     situation: &Situation<SENSORS>,
@@ -296,7 +300,7 @@ fn pursued<const SENSORS: usize>(
     course: &mut Tracked,
 ) -> Option<Goal<SENSORS>> {
     let wander = config.planning.wander?;
-    if goal.going_q16 > 0 || goal.frame != Frame::Ring {
+    if goal.progress_q16 > 0 || goal.frame != GoalFrame::Ring {
         return None;
     }
     let values = situation.iter().map(|value| i32::from(value.to_bits()));

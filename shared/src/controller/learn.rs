@@ -2,24 +2,24 @@
 
 use super::State;
 use crate::action_map::Effect;
-use crate::config::{Config, Order, Start, Taught, Training};
+use crate::config::{Config, Initialization, LearnFrom, SampleOrder, Training};
 use crate::fixed::{Mask, Weight, unit_weight};
 use crate::memory::{Sample, turned_change};
 use crate::scan::Situation;
 use crate::som::Update;
 use crate::units::Bearing;
 
-/// Presentations between two steps of the schedules. A slice ends with them at the latest, so that the maps do not depend
-/// on the slices' size.
+/// Presentations between two steps of the schedules. A slice ends with them at the latest, so that
+/// the maps do not depend on the slices' size.
 const RENEWAL: u32 = 16;
 
 /// A sample as the maps learn it.
-struct Lesson<const SENSORS: usize> {
+struct Presentation<const SENSORS: usize> {
     after: Situation<SENSORS>,
     effect: Effect<SENSORS>,
 }
 
-impl<const SENSORS: usize> Lesson<SENSORS> {
+impl<const SENSORS: usize> Presentation<SENSORS> {
     /// Nothing seen, nothing done.
     const fn empty() -> Self {
         Self {
@@ -44,20 +44,20 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     /// Gives both maps their starting code vectors.
     pub(super) fn start_maps(&mut self, config: &Config<SENSORS>) {
         self.learned = false;
-        self.lessons = 0;
+        self.updates = 0;
         self.inhibited = [0; NEURONS];
         let grid = self.situations.grid().with_edges(config.learning.edges);
         self.set_grid(grid);
         for neuron in 0..NEURONS {
             let (situation, mut effect) = match config.learning.start {
-                Start::Random => self.random_start(),
-                Start::Samples | Start::Plane => {
-                    let mut lesson = Lesson::empty();
-                    self.lesson(config, None, &mut lesson);
-                    (lesson.after, lesson.effect)
+                Initialization::Random => self.random_start(),
+                Initialization::Samples | Initialization::Plane => {
+                    let mut presentation = Presentation::empty();
+                    self.presentation(config, None, &mut presentation);
+                    (presentation.after, presentation.effect)
                 }
             };
-            if config.learning.start == Start::Plane {
+            if config.learning.start == Initialization::Plane {
                 effect.change = [Weight::ZERO; SENSORS];
                 effect.action = on_the_plane(grid, neuron);
             }
@@ -87,7 +87,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     pub(super) fn learn_slice(&mut self, config: &Config<SENSORS>, done: u32, steps: u32) -> u32 {
         let learning = &config.learning;
         let renewed = done - done % RENEWAL;
-        // At first code vectors are alike, and many ties are settled in full precision: shorter slices.
+        // At first code vectors are alike, and many ties are settled in full precision: shorter
+        // slices.
         let slice = if renewed == 0 {
             learning.slice / 2
         } else {
@@ -105,53 +106,52 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             Update::from_q16(training.neighborhood, rate, radius)
         };
         let (for_situations, for_actions) = (pull(&learning.situations), pull(&learning.actions));
-        let mut lesson = Lesson::empty();
+        let mut presentation = Presentation::empty();
         self.actions.forget_products();
         for step in done..end {
-            self.lesson(config, Some(step), &mut lesson);
-            self.situations
-                .train_step(&lesson.after, lesson.effect.mask, &for_situations);
-            self.actions
-                .train_step(&lesson.effect, learning.action_weight_q8, &for_actions);
+            self.presentation(config, Some(step), &mut presentation);
+            let Presentation { after, effect } = &presentation;
+            (self.situations).train_step(after, effect.mask, &for_situations);
+            (self.actions).train_step(effect, learning.action_weight_q8, &for_actions);
         }
         end
     }
 
-    /// Writes the sample of a presentation (`None` = any), turned by a random number of ring places where that is asked
-    /// for.
-    fn lesson(
+    /// Writes the sample of a presentation (`None` = any), turned by a random number of ring places
+    /// where that is asked for.
+    fn presentation(
         &mut self,
         config: &Config<SENSORS>,
         step: Option<u32>,
-        lesson: &mut Lesson<SENSORS>,
+        presentation: &mut Presentation<SENSORS>,
     ) {
         let count = self.memory.samples().len() as u32;
         let index = match (config.learning.order, step) {
-            (Order::Recorded, Some(step)) => step.checked_rem(count).unwrap_or(0),
+            (SampleOrder::Recorded, Some(step)) => step.checked_rem(count).unwrap_or(0),
             _ => self.below(count),
         };
-        let places = if config.learning.turned && config.robot.symmetric {
+        let places = if config.learning.augment_rotations && config.robot.symmetric {
             self.below(SENSORS as u32)
         } else {
             0
         };
         if let Some(sample) = self.memory.samples().get(index as usize) {
             let gaps = self.memory.has_gaps();
-            write_lesson(config, sample, places as usize, gaps, lesson);
+            write_presentation(config, sample, places as usize, gaps, presentation);
         }
     }
 }
 
-fn write_lesson<const SENSORS: usize>(
+fn write_presentation<const SENSORS: usize>(
     config: &Config<SENSORS>,
     sample: &Sample<SENSORS>,
     places: usize,
     gaps: bool,
-    lesson: &mut Lesson<SENSORS>,
+    presentation: &mut Presentation<SENSORS>,
 ) {
-    let taught = match config.learning.taught {
-        Taught::Commanded => sample.commanded,
-        Taught::Executed => sample.executed,
+    let taught = match config.learning.learn_from {
+        LearnFrom::Commanded => sample.commanded,
+        LearnFrom::Executed => sample.executed,
     };
     let action = if places == 0 {
         taught
@@ -165,7 +165,7 @@ fn write_lesson<const SENSORS: usize>(
                 .unwrap_or_else(|| Bearing::ZERO.direction()),
         )
     };
-    let Lesson { after, effect } = lesson;
+    let Presentation { after, effect } = presentation;
     effect.action = config.action_code.encode(action, config.robot.step_mm);
     effect.mask = turned_change(sample, places, gaps, after, &mut effect.change);
 }

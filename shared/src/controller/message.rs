@@ -1,6 +1,6 @@
 //! What goes into the controller and what comes out of it.
 
-use crate::faults::Verdict;
+use crate::faults::SensorVerdict;
 use crate::goal::Goal;
 use crate::planner::Plan;
 use crate::scan::Situation;
@@ -35,14 +35,14 @@ pub enum Mode<const SENSORS: usize> {
 /// Why the robot stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum StopReason {
-    /// It was told to.
+    /// A command.
     Commanded,
-    /// The ring was not complete two periods after it should have begun.
+    /// The ring was not complete two ring periods after it began.
     RingIncomplete,
-    /// Nothing was heard from the other end of the link.
+    /// The host fell silent.
     LinkLost,
     /// Three rings in a row heard no echo at all, and no open space is expected
-    /// ([`Config::open_space`](crate::config::Config::open_space)).
+    /// ([`State::expects_open_space`](super::State::expects_open_space)).
     NothingHeard,
     /// A motion had not ended at its deadline: twice its distance over its speed, plus 0.5 s.
     Overdue,
@@ -56,13 +56,13 @@ pub enum StopReason {
 
 /// Why a command was not carried out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Refusal {
+pub enum CommandRefusal {
     /// More moves than the memory holds, or none.
     Moves {
         /// The most it holds.
         most: u16,
     },
-    /// There is nothing to learn from.
+    /// The memory is empty.
     NoSamples,
     /// The maps have not been learned.
     NotLearnt,
@@ -70,7 +70,7 @@ pub enum Refusal {
     NothingToResume,
 }
 
-/// What somebody wants of the robot.
+/// A command to the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Command<const SENSORS: usize> {
     /// Forget the samples and take so many new ones by random moves.
@@ -86,7 +86,7 @@ pub enum Command<const SENSORS: usize> {
     Seek(Goal<SENSORS>),
     /// Stand still.
     Stop,
-    /// Go on with what a stop interrupted.
+    /// Resume what a stop interrupted.
     Resume,
 }
 
@@ -124,18 +124,18 @@ pub enum Event<const SENSORS: usize> {
         /// What became of the motion.
         progress: Progress,
     },
-    /// Somebody wants something.
+    /// A command.
     Command(Command<SENSORS>),
     /// Time passes.
     Tick,
-    /// Something outside the mind is wrong: a robot that may move stops.
+    /// Something outside the controller is wrong: a robot that may move stops.
     Alarm(StopReason),
     /// A bumper touched something: the motion under way ends here.
     Touched,
 }
 
-/// What the base is asked to do: a straight displacement in the ring's present frame. A newer motion replaces an older
-/// one, zero stops.
+/// What the base is asked to do: a straight displacement in the ring's present frame. A newer
+/// motion replaces an older one, zero stops.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Motion {
     /// Number of the motion; a shortened motion keeps its number.
@@ -146,7 +146,7 @@ pub struct Motion {
     pub speed_mm_s: u16,
 }
 
-/// What one event brought about.
+/// The outputs of one event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Outputs<const SENSORS: usize> {
     /// What the base is to do.
@@ -158,9 +158,9 @@ pub struct Outputs<const SENSORS: usize> {
     /// The robot stopped, for this reason.
     pub stopped: Option<StopReason>,
     /// A command was refused.
-    pub refusal: Option<Refusal>,
+    pub refusal: Option<CommandRefusal>,
     /// A transducer is no longer enabled, or is enabled again.
-    pub verdict: Option<Verdict>,
+    pub verdict: Option<SensorVerdict>,
     /// The echo was not used: its age in milliseconds.
     pub stale_ms: Option<u32>,
 }
@@ -169,7 +169,7 @@ impl<const SENSORS: usize> Outputs<SENSORS> {
     /// Nothing.
     pub const NONE: Self = Self::none();
 
-    /// As [`NONE`](Self::NONE), made on the spot: the constant would be copied with all its room for a decision.
+    /// As [`NONE`](Self::NONE), built in place: copying the constant costs the size of a decision.
     pub(super) const fn none() -> Self {
         Self {
             motion: None,

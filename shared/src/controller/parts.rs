@@ -1,11 +1,11 @@
-//! What the robot knows as bytes, to be carried away and brought back in pieces.
+//! Maps and memory as bytes, read and written in pieces.
 //!
 //! | part | bytes, little-endian |
 //! |---|---|
-//! | [`Part::Situations`] | code vectors of the situation map, neuron by neuron, each component as `i32` in units of 2⁻²⁹ |
-//! | [`Part::Changes`] | code vectors of the action map's changes, as above |
-//! | [`Part::Actions`] | code vectors of its actions (two components), as above |
-//! | [`Part::Memory`] | samples in the order they came: before and after, a byte per transducer (see [`memory`](crate::memory)); commanded dx, dy, executed dx, dy as `i16` millimeters |
+//! | [`StatePart::Situations`] | code vectors of the situation map, neuron by neuron, each component as `i32` in units of 2⁻²⁹ |
+//! | [`StatePart::Changes`] | code vectors of the action map's changes, as above |
+//! | [`StatePart::Actions`] | code vectors of its actions (two components), as above |
+//! | [`StatePart::Memory`] | samples in the order they came: before and after, a byte per transducer (see [`memory`](crate::memory)); commanded dx, dy, executed dx, dy as `i16` millimeters |
 
 use super::tracked::Tracked;
 use super::{Mode, State};
@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 
 /// A part of what the robot knows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Part {
+pub enum StatePart {
     /// The situation map.
     Situations,
     /// The changes of the action map.
@@ -35,7 +35,8 @@ pub enum Part {
 pub enum PartError {
     /// The robot explores, learns or seeks.
     Busy,
-    /// The piece does not begin or end where a component or a sample does, or lies beyond the end; samples come in order.
+    /// The piece does not begin or end where a component or a sample does, or lies beyond the end;
+    /// samples come in order.
     Place,
 }
 
@@ -61,18 +62,19 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 
     /// Length of a part in bytes.
     #[must_use]
-    pub fn part_len(&self, part: Part) -> usize {
+    pub fn part_len(&self, part: StatePart) -> usize {
         match part {
-            Part::Situations | Part::Changes => COMPONENT * SENSORS * NEURONS,
-            Part::Actions => COMPONENT * 2 * NEURONS,
-            Part::Memory => self.memory.samples().len() * Self::SAMPLE_BYTES,
+            StatePart::Situations | StatePart::Changes => COMPONENT * SENSORS * NEURONS,
+            StatePart::Actions => COMPONENT * 2 * NEURONS,
+            StatePart::Memory => self.memory.samples().len() * Self::SAMPLE_BYTES,
         }
     }
 
-    // One copy of it in a program.
+    /// Copies a part from `offset` on into `out`, as far as both reach; returns the number of
+    /// bytes.
+    // One copy in the program.
     #[inline(never)]
-    /// Copies a part from `offset` on into `out`, as far as both reach; returns the number of bytes.
-    pub fn read_part(&self, part: Part, offset: usize, out: &mut [u8]) -> usize {
+    pub fn read_part(&self, part: StatePart, offset: usize, out: &mut [u8]) -> usize {
         let rest = self.part_len(part).saturating_sub(offset);
         let count = rest.min(out.len());
         for (place, index) in out.iter_mut().zip(offset..offset.saturating_add(count)) {
@@ -81,36 +83,42 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         count
     }
 
-    fn part_byte(&self, part: Part, index: usize) -> u8 {
+    fn part_byte(&self, part: StatePart, index: usize) -> u8 {
         match part {
-            Part::Situations => map_byte(&self.situations, index),
-            Part::Changes => map_byte(self.actions.changes(), index),
-            Part::Actions => map_byte(self.actions.actions(), index),
-            Part::Memory => {
+            StatePart::Situations => map_byte(&self.situations, index),
+            StatePart::Changes => map_byte(self.actions.changes(), index),
+            StatePart::Actions => map_byte(self.actions.actions(), index),
+            StatePart::Memory => {
                 let sample = self.memory.samples().get(index / Self::SAMPLE_BYTES);
                 sample.map_or(0, |sample| sample_byte(sample, index % Self::SAMPLE_BYTES))
             }
         }
     }
 
-    /// Replaces a piece of a part. A memory is written from its beginning on, whole samples in order; a piece at offset 0
-    /// empties it first. When all three maps have been written to their ends they count as learned.
+    /// Replaces a piece of a part. A memory is written from its beginning on, whole samples in
+    /// order; a piece at offset 0 empties it first. When all three maps have been written to their
+    /// ends they count as learned.
     ///
     /// # Errors
     /// [`PartError`]; nothing has changed then.
-    pub fn write_part(&mut self, part: Part, offset: usize, bytes: &[u8]) -> Result<(), PartError> {
+    pub fn write_part(
+        &mut self,
+        part: StatePart,
+        offset: usize,
+        bytes: &[u8],
+    ) -> Result<(), PartError> {
         if !matches!(self.mode, Mode::Idle | Mode::Stopped(_)) {
             return Err(PartError::Busy);
         }
         match part {
-            Part::Situations => write_map(&mut self.situations, offset, bytes)?,
-            Part::Changes => write_map(self.actions.changes_mut(), offset, bytes)?,
-            Part::Actions => write_map(self.actions.actions_mut(), offset, bytes)?,
-            Part::Memory => return self.write_memory(offset, bytes),
+            StatePart::Situations => write_map(&mut self.situations, offset, bytes)?,
+            StatePart::Changes => write_map(self.actions.changes_mut(), offset, bytes)?,
+            StatePart::Actions => write_map(self.actions.actions_mut(), offset, bytes)?,
+            StatePart::Memory => return self.write_memory(offset, bytes),
         }
         if offset.saturating_add(bytes.len()) == self.part_len(part) {
             self.written |= 1 << (part as u8);
-            self.lessons = 0;
+            self.updates = 0;
             self.learned |= self.written == 0b111;
         }
         Ok(())
@@ -142,9 +150,9 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         Ok(())
     }
 
-    // One copy of it in a program.
-    #[inline(never)]
     /// Forgets samples, maps and goal: as after the start.
+    // One copy in the program.
+    #[inline(never)]
     pub fn forget(&mut self) {
         self.mode = Mode::Idle;
         self.interrupted = Mode::Idle;
@@ -158,12 +166,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         self.actions.changes_mut().clear();
         self.actions.actions_mut().clear();
         self.learned = false;
-        self.lessons = 0;
+        self.updates = 0;
         self.written = 0;
         self.generator = None;
         self.pending = None;
         self.moving = false;
-        self.asked_by = None;
+        self.acting_neuron = None;
         self.motion_id = 0;
         self.course = Tracked::ZERO;
         self.inhibited = [0; NEURONS];

@@ -1,4 +1,4 @@
-//! Whether the robot comes nearer to a place, and what it does when it does not.
+//! Progress towards a place, and when the robot wanders because there is none.
 
 use crate::config::Wander;
 
@@ -23,8 +23,9 @@ impl Search {
         left: 0,
     };
 
-    /// Counts a decision taken at this deviation from the goal; true when the robot begins to wander with it. Nearer
-    /// means by a fiftieth: a robot that trembles before a local optimum does not come nearer.
+    /// Counts a decision taken at this deviation from the goal; true when the robot begins to
+    /// wander with it. Nearer means by a fiftieth: a robot that trembles before a local optimum
+    /// does not come nearer.
     pub(super) fn is_stuck(&mut self, deviation: i64, wander: Wander) -> bool {
         if self.left > 0 {
             self.left -= 1;

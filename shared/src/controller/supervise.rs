@@ -1,4 +1,5 @@
-//! What stops a robot that explores or seeks, though nobody has asked for it.
+//! Supervision: stops a robot that explores or seeks when a motion is overdue or transducers fall
+//! silent.
 
 use super::{Motion, Outputs, State, StopReason, patience_ms};
 use crate::config::Config;
@@ -21,8 +22,8 @@ impl Motion {
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     State<SENSORS, NEURONS, SAMPLES>
 {
-    /// Keeps the latest time. Ticks and commands are of the present: one that lies far back means that the clock was set
-    /// back, or begins near the end of its 32 bits.
+    /// Stores the latest time. Ticks and commands carry the present time: if it lies far back, the
+    /// clock was set back or has wrapped.
     pub(super) fn pass_time(&mut self, config: &Config<SENSORS>, at: Millis, is_present: bool) {
         if self.now.is_before(at) {
             self.now = at;
@@ -33,7 +34,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
     }
 
-    /// Stops a robot whose motion is overdue, or one of whose transducers has not been heard for two ring periods.
+    /// Stops a robot whose motion is overdue, or one of whose transducers has not been heard for
+    /// two ring periods.
     pub(super) fn supervise(&mut self, config: &Config<SENSORS>, at: Millis) -> Outputs<SENSORS> {
         if self.moving && self.deadline.is_before(at) {
             return self.alarm(at, StopReason::Overdue);
@@ -44,7 +46,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         Outputs::none()
     }
 
-    /// A ring that is still awaited lacks an echo. During a motion each transducer has to be heard again and again.
+    /// A ring that is still awaited lacks an echo. During a motion each transducer has to be heard
+    /// again and again.
     fn lacks_echo(&self, config: &Config<SENSORS>, at: Millis) -> bool {
         let is_late = |sensor: usize| {
             let heard = self.scan.heard_at(sensor);
@@ -53,7 +56,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         !self.moving || self.enabled(config).indices(SENSORS).any(is_late)
     }
 
-    /// The base turns its wheels: the motion's time counts from now, unless this takes longer than it can.
+    /// The base turns its wheels: the motion's time counts from now, unless this takes longer than
+    /// it can.
     pub(super) fn allow_steering(&mut self, config: &Config<SENSORS>, at: Millis) {
         let is_possible = at.after(self.waiting_since) <= u32::from(config.robot.steer_ms);
         if let Some(pending) = self.pending.as_ref().filter(|_| is_possible) {
@@ -67,14 +71,14 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 
     /// Counts a complete ring that heard nothing. Returns whether these are too many in a row.
-    pub(super) fn hears_nothing(&mut self, config: &Config<SENSORS>) -> bool {
+    pub(super) fn hears_nothing(&mut self) -> bool {
         let heard = core::mem::take(&mut self.heard_any);
         self.silent_rings = if heard {
             0
         } else {
             self.silent_rings.saturating_add(1)
         };
-        self.silent_rings >= SILENT_RINGS && !config.open_space
+        self.silent_rings >= SILENT_RINGS && !self.open_space
     }
 
     /// Ends the motion under way: the next ring is awaited as after a motion the base has ended.

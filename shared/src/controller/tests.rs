@@ -3,7 +3,9 @@ use crate::fixed::{Mask, Weight};
 use crate::goal::Component;
 use crate::goal::Goal;
 use crate::planner::Why;
+use crate::scan::Aligned;
 use crate::units::Range;
+use crate::units::{Bearing, Displacement};
 use std::vec::Vec;
 
 mod online;
@@ -159,12 +161,21 @@ impl Bench {
 fn commands_that_cannot_be_carried_out_are_refused() {
     let mut bench = Bench::new(Config::recommended());
     let mut refusal = |command| bench.send(Event::Command(command)).refusal;
-    assert_eq!(refusal(Command::Learn), Some(Refusal::NoSamples));
+    assert_eq!(refusal(Command::Learn), Some(CommandRefusal::NoSamples));
     let goal = Goal::free_of_obstacles();
-    assert_eq!(refusal(Command::Seek(goal)), Some(Refusal::NotLearnt));
+    assert_eq!(
+        refusal(Command::Seek(goal)),
+        Some(CommandRefusal::NotLearnt)
+    );
     let explore = |moves| Command::Explore { moves, seed: 1 };
-    assert_eq!(refusal(explore(0)), Some(Refusal::Moves { most: 20 }));
-    assert_eq!(refusal(explore(21)), Some(Refusal::Moves { most: 20 }));
+    assert_eq!(
+        refusal(explore(0)),
+        Some(CommandRefusal::Moves { most: 20 })
+    );
+    assert_eq!(
+        refusal(explore(21)),
+        Some(CommandRefusal::Moves { most: 20 })
+    );
     assert_eq!(bench.state.mode(), &Mode::Idle);
 }
 
@@ -442,9 +453,9 @@ fn a_stop_of_a_robot_that_does_nothing_leaves_nothing_to_resume() {
     let mut bench = Bench::new(Config::recommended());
     let resume = |bench: &mut Bench| bench.send(Event::Command(Command::Resume)).refusal;
     bench.send(Event::Command(Command::Stop));
-    assert_eq!(resume(&mut bench), Some(Refusal::NothingToResume));
+    assert_eq!(resume(&mut bench), Some(CommandRefusal::NothingToResume));
     bench.send(Event::Command(Command::Explore { moves: 20, seed: 3 }));
-    assert_eq!(resume(&mut bench), Some(Refusal::NothingToResume));
+    assert_eq!(resume(&mut bench), Some(CommandRefusal::NothingToResume));
     // A second stop does not forget what the first one interrupted.
     bench.send(Event::Command(Command::Stop));
     bench.send(Event::Command(Command::Stop));
@@ -462,31 +473,62 @@ fn a_stop_of_a_robot_that_does_nothing_leaves_nothing_to_resume() {
 fn maps_may_start_anywhere_and_learn_what_was_asked_for_in_the_order_recorded() {
     let learned = |start, order, taught| {
         let mut config = Config::recommended();
-        config.learning.turned = false;
+        config.learning.augment_rotations = false;
         config.learning.epochs = 2;
         (config.learning.start, config.learning.order) = (start, order);
-        config.learning.taught = taught;
+        config.learning.learn_from = taught;
         Bench::ready(config).state
     };
-    use crate::config::{Order, Start, Taught};
+    use crate::config::{Initialization, LearnFrom, SampleOrder};
     let values = |state: &Robot| {
         let all = state.situations().code().as_flattened();
         all.iter()
             .all(|value| (0..=1 << 29).contains(&value.to_bits()))
     };
-    let random = learned(Start::Random, Order::Recorded, Taught::Executed);
-    assert!(random == learned(Start::Random, Order::Recorded, Taught::Executed));
+    let random = learned(
+        Initialization::Random,
+        SampleOrder::Recorded,
+        LearnFrom::Executed,
+    );
+    assert!(
+        random
+            == learned(
+                Initialization::Random,
+                SampleOrder::Recorded,
+                LearnFrom::Executed
+            )
+    );
     for (start, order, taught) in [
-        (Start::Samples, Order::Recorded, Taught::Executed),
-        (Start::Random, Order::Random, Taught::Executed),
-        (Start::Plane, Order::Recorded, Taught::Commanded),
+        (
+            Initialization::Samples,
+            SampleOrder::Recorded,
+            LearnFrom::Executed,
+        ),
+        (
+            Initialization::Random,
+            SampleOrder::Random,
+            LearnFrom::Executed,
+        ),
+        (
+            Initialization::Plane,
+            SampleOrder::Recorded,
+            LearnFrom::Commanded,
+        ),
     ] {
         let other = learned(start, order, taught);
         assert!(other.situations() != random.situations() && values(&other));
     }
     // What was carried out and what was asked for are the same until a wall was in the way.
-    let executed = learned(Start::Plane, Order::Recorded, Taught::Executed);
-    let commanded = learned(Start::Plane, Order::Recorded, Taught::Commanded);
+    let executed = learned(
+        Initialization::Plane,
+        SampleOrder::Recorded,
+        LearnFrom::Executed,
+    );
+    let commanded = learned(
+        Initialization::Plane,
+        SampleOrder::Recorded,
+        LearnFrom::Commanded,
+    );
     let samples = executed.memory().samples().iter();
     let cut = samples.filter(|s| s.commanded != s.executed).count();
     assert_eq!(cut > 0, executed.actions() != commanded.actions());
@@ -535,7 +577,7 @@ fn a_place_that_is_not_found_is_searched_for_elsewhere() {
 #[test]
 fn only_a_place_is_searched_for() {
     let following = Goal {
-        frame: crate::goal::Frame::Travel,
+        frame: crate::goal::GoalFrame::Travel,
         ..Goal::place([Component::equal(Weight::ONE); 16])
     };
     for goal in [Goal::free_of_obstacles(), following] {
@@ -553,9 +595,12 @@ fn parts_are_written_while_the_robot_stands_and_where_they_fit() {
     let mut bench = Bench::new(Config::recommended());
     let write =
         |bench: &mut Bench, part, offset, bytes: &[u8]| bench.state.write_part(part, offset, bytes);
-    let length = bench.state.part_len(Part::Actions);
+    let length = bench.state.part_len(StatePart::Actions);
     let four = [1, 0, 0, 0];
-    assert_eq!(write(&mut bench, Part::Actions, length - 4, &four), Ok(()));
+    assert_eq!(
+        write(&mut bench, StatePart::Actions, length - 4, &four),
+        Ok(())
+    );
     // Beyond the end, not at a value's beginning, not whole values.
     for (offset, bytes) in [
         (length, &four[..]),
@@ -563,23 +608,23 @@ fn parts_are_written_while_the_robot_stands_and_where_they_fit() {
         (2, &four),
         (0, &four[..3]),
     ] {
-        let refused = write(&mut bench, Part::Actions, offset, bytes);
+        let refused = write(&mut bench, StatePart::Actions, offset, bytes);
         assert_eq!(refused, Err(PartError::Place), "{offset}");
     }
     // Samples follow one another, whole, and no more than there is room for.
     let sample = [7; Robot::SAMPLE_BYTES];
-    assert_eq!(write(&mut bench, Part::Memory, 0, &sample), Ok(()));
+    assert_eq!(write(&mut bench, StatePart::Memory, 0, &sample), Ok(()));
     for (offset, bytes) in [
         (0, &sample[..10]),
         (2 * sample.len(), &sample),
         (sample.len(), &[7; 20 * Robot::SAMPLE_BYTES]),
     ] {
-        let refused = write(&mut bench, Part::Memory, offset, bytes);
+        let refused = write(&mut bench, StatePart::Memory, offset, bytes);
         assert_eq!(refused, Err(PartError::Place), "{offset}");
     }
     assert_eq!(bench.state.memory().samples().len(), 1);
     bench.send(Event::Command(Command::Explore { moves: 20, seed: 3 }));
-    let busy = write(&mut bench, Part::Actions, 0, &four);
+    let busy = write(&mut bench, StatePart::Actions, 0, &four);
     assert_eq!(busy, Err(PartError::Busy));
     let words = [PartError::Busy, PartError::Place].map(|error| std::format!("{error}"));
     assert_eq!(words[0], "the robot explores, learns or seeks");
@@ -652,7 +697,7 @@ fn the_first_maps_are_spread_over_the_plane() {
 #[test]
 fn a_map_that_starts_anywhere_has_values_of_either_sign_where_there_are_such() {
     let mut config = Config::recommended();
-    config.learning.start = crate::config::Start::Random;
+    config.learning.start = crate::config::Initialization::Random;
     let mut bench = Bench::new(config);
     bench.explore(20);
     bench.send(Event::Command(Command::Learn));
@@ -692,7 +737,8 @@ fn a_turned_sample_teaches_the_same_move_seen_from_another_transducer() {
     assert_eq!(quadrants.len(), 4);
 }
 
-/// The last displacement, unless there was none; where the maps are recalled none is a course as well.
+/// The last displacement, unless there was none; where the maps are recalled none is a course as
+/// well.
 #[test]
 fn who_stays_keeps_the_course_while_looking_ahead() {
     let aside = Displacement {
@@ -715,11 +761,12 @@ fn who_stays_keeps_the_course_while_looking_ahead() {
     }
 }
 
-/// Something is wanted 0.5 m behind to the right, and it is nearer: the robot backs away from it and looks along it.
+/// Something is wanted 0.5 m behind to the right, and it is nearer: the robot backs away from it
+/// and looks along it.
 #[test]
 #[cfg_attr(miri, ignore = "four robots made ready: minutes")]
 fn who_follows_looks_along_the_way_whichever_way_the_robot_goes() {
-    let course = |frame, going_q16| {
+    let course = |frame, progress_q16| {
         let mut bench = Bench::ready(Config::recommended());
         (bench.x, bench.y) = (1_700, 0);
         let near = bench.config.encoding.value(Some(Range::from_mm(500)));
@@ -727,7 +774,7 @@ fn who_follows_looks_along_the_way_whichever_way_the_robot_goes() {
         components[9] = Component::equal(near);
         bench.send(Event::Command(Command::Seek(Goal {
             frame,
-            going_q16,
+            progress_q16,
             ..Goal::of(components)
         })));
         let decision = bench.ring().decision.expect("a decision");
@@ -739,14 +786,18 @@ fn who_follows_looks_along_the_way_whichever_way_the_robot_goes() {
             decision.wanted,
         )
     };
-    use crate::goal::Frame;
-    let (course_along, along, wanted) = course(Frame::Travel, 0);
+    use crate::goal::GoalFrame;
+    let (course_along, along, wanted) = course(GoalFrame::Travel, 0);
     assert_ne!(along, wanted);
     assert_eq!(course_along, along);
-    for (frame, going_q16) in [(Frame::Travel, 1), (Frame::Ring, 0), (Frame::Ring, 1)] {
-        let (course, along, wanted) = course(frame, going_q16);
-        assert_ne!(along, wanted, "{frame:?} {going_q16}");
-        assert_eq!(course, wanted, "{frame:?} {going_q16}");
+    for (frame, progress_q16) in [
+        (GoalFrame::Travel, 1),
+        (GoalFrame::Ring, 0),
+        (GoalFrame::Ring, 1),
+    ] {
+        let (course, along, wanted) = course(frame, progress_q16);
+        assert_ne!(along, wanted, "{frame:?} {progress_q16}");
+        assert_eq!(course, wanted, "{frame:?} {progress_q16}");
     }
 }
 

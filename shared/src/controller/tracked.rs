@@ -1,20 +1,20 @@
-//! What a turning ring leaves where it is in the world.
+//! A displacement that keeps its bearing in the world while the ring turns.
 
 use crate::units::div_round;
 use crate::units::{Bearing, Displacement};
 
-/// Parts of a millimeter that are kept.
+/// Fractions of a millimeter.
 const FINE: i32 = 16;
 
 /// A displacement that keeps its bearing in the world while the ring turns.
 ///
-/// All of it stays in the frame in which it was told, and is rotated once where it is asked for: each rotation rounds, and turns a
-/// little too far or too little, so that the many small ones of a turning ring would lead elsewhere.
+/// It is stored in the frame of its creation and rotated once when it is read. Each rotation
+/// rounds; the many small ones of a turning ring would add up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Tracked {
     /// Along x and y, in 1/16 mm; products with a unit vector fit 32 bits up to 4 m.
     way: (i32, i32),
-    /// How far the ring has turned since it was told.
+    /// How far the ring has turned since its creation.
     turned: Bearing,
 }
 
@@ -25,7 +25,7 @@ impl Tracked {
         turned: Bearing::ZERO,
     };
 
-    /// Told in the ring's present frame.
+    /// Created in the ring's present frame.
     #[must_use]
     pub fn new(way: Displacement) -> Self {
         Self {

@@ -5,7 +5,8 @@ use std::vec::Vec;
 /// Steps of a long way. Miri takes some thousand times as long.
 const LONG: u32 = if cfg!(miri) { 20 } else { 5_000 };
 
-/// A robot that goes on and on; each transducer has its own thing before it, now nearer, now farther.
+/// A robot that goes on and on; each transducer has its own thing before it, now nearer, now
+/// farther.
 struct Walk {
     detector: Detector<16>,
     config: Config<16>,
@@ -14,8 +15,8 @@ struct Walk {
     to_and_fro: bool,
 }
 
-/// What a transducer in good order hears after so many steps of 250 mm: a range between 1.5 and 2.2 m that changes by half
-/// the way.
+/// What a transducer in good order hears after so many steps of 250 mm: a range between 1.5 and 2.2
+/// m that changes by half the way.
 fn heard(sensor: u32, step: u32) -> Option<Range> {
     let phase = (step * 125 + sensor * 450) % 1_400;
     mm(1_500 + phase.min(1_400 - phase) as u16)
@@ -50,7 +51,7 @@ impl Walk {
         &mut self,
         steps: u32,
         says: impl Fn(u8, u32, Option<Range>) -> Option<Range>,
-    ) -> Vec<(u32, Verdict)> {
+    ) -> Vec<(u32, SensorVerdict)> {
         let mut verdicts = Vec::new();
         for _ in 0..steps {
             let back = self.to_and_fro && self.step % 2 == 1;
@@ -63,7 +64,7 @@ impl Walk {
             for sensor in 0..16 {
                 let range = heard(sensor.into(), self.step);
                 let said = says(sensor, self.step, range);
-                let verdict = self.detector.hear(&self.config, sensor, said);
+                let verdict = self.detector.update(&self.config, sensor, said);
                 verdicts.extend(verdict.map(|verdict| (self.step, verdict)));
             }
         }
@@ -75,7 +76,7 @@ impl Walk {
         &mut self,
         steps: u32,
         says: impl Fn(u32, Option<Range>) -> Option<Range>,
-    ) -> Vec<(u32, Verdict)> {
+    ) -> Vec<(u32, SensorVerdict)> {
         self.walk(steps, |sensor, step, range| match sensor {
             3 => says(step, range),
             _ => range,
@@ -86,25 +87,25 @@ impl Walk {
         self.detector.enabled(&self.config)
     }
 
-    fn in_order(&mut self, steps: u32) -> Vec<(u32, Verdict)> {
+    fn in_order(&mut self, steps: u32) -> Vec<(u32, SensorVerdict)> {
         self.walk(steps, |_, _, range| range)
     }
 }
 
-fn verdict(fault: Fault) -> Verdict {
-    Verdict {
+fn verdict(fault: SensorFault) -> SensorVerdict {
+    SensorVerdict {
         sensor: 3,
         fault: Some(fault),
     }
 }
 
-const BELIEVED: Verdict = Verdict {
+const BELIEVED: SensorVerdict = SensorVerdict {
     sensor: 3,
     fault: None,
 };
 
 /// The only verdict on a transducer that was in good order for 20 steps.
-fn found(says: impl Fn(u32, Option<Range>) -> Option<Range>) -> Option<Fault> {
+fn found(says: impl Fn(u32, Option<Range>) -> Option<Range>) -> Option<SensorFault> {
     let mut walk = Walk::new();
     assert_eq!(walk.in_order(20), []);
     let verdicts = walk.walk_with(300, says);
@@ -119,13 +120,13 @@ fn found(says: impl Fn(u32, Option<Range>) -> Option<Range>) -> Option<Fault> {
 #[test]
 #[cfg_attr(miri, ignore = "a long way: minutes")]
 fn every_kind_of_fault_is_found_and_named() {
-    assert_eq!(found(|_, _| None), Some(Fault::Dead));
-    assert_eq!(found(|_, _| mm(1_750)), Some(Fault::Stuck));
+    assert_eq!(found(|_, _| None), Some(SensorFault::Dead));
+    assert_eq!(found(|_, _| mm(1_750)), Some(SensorFault::Stuck));
     let jump = |step: u32, _| mm((step.wrapping_mul(2_654_435_761) >> 20) as u16 + 200);
-    assert_eq!(found(jump), Some(Fault::Jumping));
+    assert_eq!(found(jump), Some(SensorFault::Jumping));
     // Right changes, 1.1 m too near.
     let near = |_, range: Option<Range>| mm(range.map_or(0, Range::as_mm) - 1_100);
-    assert_eq!(found(near), Some(Fault::Short));
+    assert_eq!(found(near), Some(SensorFault::Short));
 }
 
 #[test]
@@ -143,7 +144,7 @@ fn one_that_hears_now_and_then_is_believed() {
     let rare = |step: u32, range: Option<Range>| range.filter(|_| step.is_multiple_of(8));
     assert_eq!(
         walk.walk_with(LONG, rare),
-        [(2, verdict(Fault::Unheard)), (8, BELIEVED)]
+        [(2, verdict(SensorFault::Unheard)), (8, BELIEVED)]
     );
 }
 
@@ -168,14 +169,15 @@ fn who_was_never_heard_is_not_believed_before_the_first_echo() {
     };
     assert_eq!(
         (unheard, named),
-        (verdict(Fault::Unheard), verdict(Fault::Dead))
+        (verdict(SensorFault::Unheard), verdict(SensorFault::Dead))
     );
     assert!(first <= 2 && later > 60, "{first} {later}");
     assert_eq!(walk.in_order(1), [(301, BELIEVED)]);
     assert_eq!(walk.enabled(), Mask::ALL);
 }
 
-/// In a wide place where only the nearer half of the ring hears anything, everybody is believed but those at its edge.
+/// In a wide place where only the nearer half of the ring hears anything, everybody is believed but
+/// those at its edge.
 #[test]
 #[cfg_attr(miri, ignore = "a long way: minutes")]
 fn silence_among_the_silent_is_no_fault() {
@@ -196,7 +198,7 @@ fn who_hears_nothing_where_the_robot_touches_something_is_dead() {
     assert_eq!(walk.detector.scores(3).silent, LIMIT);
     assert_eq!(walk.detector.scores(4).silent, 0, "it hears something");
     let verdicts = walk.walk_with(1, |_, _| None);
-    assert_eq!(verdicts, [(22, verdict(Fault::Dead))]);
+    assert_eq!(verdicts, [(22, verdict(SensorFault::Dead))]);
     // Where nobody is silent a touch proves nothing.
     let mut walk = Walk::new();
     assert_eq!(walk.in_order(20), []);
@@ -216,11 +218,11 @@ fn without_detection_and_without_moves_nothing_is_found() {
     for step in 0..LONG {
         for sensor in 0..16 {
             let range = heard(sensor.into(), step).filter(|_| sensor != 3 || step == 0);
-            assert_eq!(walk.detector.hear(&walk.config, sensor, range), None);
+            assert_eq!(walk.detector.update(&walk.config, sensor, range), None);
         }
     }
     assert_eq!(walk.detector.scores(3), Scores::default());
-    assert_eq!(walk.detector.hear(&walk.config, 99, None), None);
+    assert_eq!(walk.detector.update(&walk.config, 99, None), None);
 }
 
 #[test]
@@ -243,7 +245,7 @@ fn one_that_behaves_again_is_believed_again() {
 #[cfg_attr(miri, ignore = "a long way: minutes")]
 fn somebody_elses_word_counts_more() {
     let mut walk = Walk::new();
-    walk.config.believed = Mask::ALL.without(3);
+    walk.config.enabled = Mask::ALL.without(3);
     assert_eq!(
         walk.walk_with(400, |_, _| mm(700)),
         [],
@@ -292,11 +294,12 @@ fn no_more_than_half_of_the_ring_waits_for_its_first_echo() {
     assert!(
         verdicts
             .iter()
-            .all(|(_, verdict)| verdict.fault == Some(Fault::Unheard))
+            .all(|(_, verdict)| verdict.fault == Some(SensorFault::Unheard))
     );
 }
 
-/// The ring turns with the heading: places are still places, but no range is compared with one before the turn.
+/// The ring turns with the heading: places are still places, but no range is compared with one
+/// before the turn.
 #[test]
 #[cfg_attr(miri, ignore = "a long way: minutes")]
 fn turns_keep_the_places_and_forget_the_ranges() {
@@ -314,7 +317,7 @@ fn turns_keep_the_places_and_forget_the_ranges() {
             } else {
                 heard(sensor.into(), quarter.into())
             };
-            let verdict = walk.detector.hear(&walk.config, sensor, range);
+            let verdict = walk.detector.update(&walk.config, sensor, range);
             assert_eq!(verdict, None, "{turned}");
         }
     }
@@ -327,20 +330,20 @@ fn the_detector_takes_308_bytes() {
     assert_eq!(size_of::<Detector<16>>(), 308);
 }
 
-fn said(mm: Option<u16>) -> Said {
-    Said::new(mm.map(Range::from_mm))
+fn said(mm: Option<u16>) -> Reading {
+    Reading::new(mm.map(Range::from_mm))
 }
 
 #[test]
 fn two_words_differ_by_a_tenth_of_a_meter_or_by_silence() {
-    let is_other = |a: Said, b: Said| a.is_other_than(b);
+    let is_other = |a: Reading, b: Reading| a.is_other_than(b);
     assert!(
         is_other(said(Some(500)), said(Some(600))) && is_other(said(Some(600)), said(Some(500)))
     );
     assert!(!is_other(said(Some(500)), said(Some(599))));
     assert!(is_other(said(None), said(Some(500))) && !is_other(said(None), said(None)));
     for known in [said(None), said(Some(500))] {
-        assert!(!is_other(Said::NOTHING_YET, known) && !is_other(known, Said::NOTHING_YET));
+        assert!(!is_other(Reading::UNKNOWN, known) && !is_other(known, Reading::UNKNOWN));
     }
     assert_eq!(
         (said(Some(0)).range_mm(), said(None).range_mm()),
@@ -363,7 +366,10 @@ fn looked(before: Option<u16>, scores: Scores, now: Option<u16>, look: &Look) ->
 
 /// 200 mm on, at a new place, where both neighbors say something else than before.
 const NEW: Look = Look {
-    sides: [Said(2_000 + Said::LEAST), Said(2_100 + Said::LEAST)],
+    sides: [
+        Reading(2_000 + Reading::LEAST),
+        Reading(2_100 + Reading::LEAST),
+    ],
     way: 200,
     is_new: true,
     doubted: false,
@@ -509,27 +515,27 @@ fn scores_stop_at_the_limit_and_name_the_fault() {
     assert_eq!(after.silent, LIMIT);
     let none = Scores::default();
     let fault = |scores: Scores| scores.fault(true);
-    assert_eq!(fault(most), Some(Fault::Dead));
+    assert_eq!(fault(most), Some(SensorFault::Dead));
     assert_eq!(
         fault(Scores {
             still: LIMIT,
             ..none
         }),
-        Some(Fault::Stuck)
+        Some(SensorFault::Stuck)
     );
     assert_eq!(
         fault(Scores {
             jumps: LIMIT,
             ..none
         }),
-        Some(Fault::Jumping)
+        Some(SensorFault::Jumping)
     );
     assert_eq!(
         fault(Scores {
             short: LIMIT,
             ..none
         }),
-        Some(Fault::Short)
+        Some(SensorFault::Short)
     );
     let below = Scores {
         silent: LIMIT - 1,
@@ -540,7 +546,7 @@ fn scores_stop_at_the_limit_and_name_the_fault() {
     assert_eq!((fault(below), below.worst()), (None, LIMIT - 1));
     assert_eq!(
         (below.fault(false), none.fault(false)),
-        (Some(Fault::Unheard), None)
+        (Some(SensorFault::Unheard), None)
     );
     for worst in [
         Scores { short: 3, ..none },
@@ -553,7 +559,7 @@ fn scores_stop_at_the_limit_and_name_the_fault() {
 
 #[test]
 fn cells_are_known_when_they_have_been_left_and_on_a_torus_of_four_meters() {
-    let mut places = Places::NEW;
+    let mut places = VisitedCells::NEW;
     let mut enter = |x_mm, y_mm| {
         places.enter(x_mm, y_mm);
         places.is_known
@@ -567,7 +573,7 @@ fn cells_are_known_when_they_have_been_left_and_on_a_torus_of_four_meters() {
     );
     assert!(enter(4_096, 4_096), "round the torus");
     // Row by row: half of the cells can be kept, then all is new.
-    let mut places = Places::NEW;
+    let mut places = VisitedCells::NEW;
     let cell = |index: i16| (256 * (index % 16), 256 * (index / 16));
     for index in 0..=128 {
         let (x, y) = cell(index);
@@ -575,7 +581,7 @@ fn cells_are_known_when_they_have_been_left_and_on_a_torus_of_four_meters() {
     }
     places.enter(0, 0);
     assert!(!places.is_known, "with the 129th all were forgotten");
-    let mut places = Places::NEW;
+    let mut places = VisitedCells::NEW;
     for index in 0..128 {
         let (x, y) = cell(index);
         places.enter(x, y);
@@ -589,7 +595,7 @@ fn cells_are_known_when_they_have_been_left_and_on_a_torus_of_four_meters() {
 fn a_touch_asks_those_who_look_there() {
     let mut walk = Walk::new();
     for sensor in 0..16 {
-        let _ = walk.detector.hear(&walk.config, sensor, None);
+        let _ = walk.detector.update(&walk.config, sensor, None);
     }
     walk.moved(100, 0, Progress::Touched);
     let silent = |walk: &Walk| {

@@ -1,9 +1,9 @@
 //! Behaviors by name as goals: what a ring would perceive if the robot did what is asked.
 //!
-//! All in the frame of travel: component 0 looks where the robot goes. Weights and preferences were found by measurement
-//! (the project's documentation has the table); none is learned by the robot.
+//! All in the frame of travel: component 0 looks where the robot goes. Weights and preferences were
+//! found by measurement (the project's documentation has the table); none is learned by the robot.
 
-use super::{Component, Frame, Goal};
+use super::{Component, Goal, GoalFrame};
 use crate::config::Config;
 use crate::fixed::Weight;
 use crate::units::{Bearing, Range};
@@ -17,7 +17,8 @@ pub enum Side {
     Right,
 }
 
-/// Half a place of a ring of 16, in binary turns: what lies this far from a bearing still looks along it.
+/// Half a place of a ring of 16, in binary turns: what lies this far from a bearing still looks
+/// along it.
 const HALF_PLACE: u16 = 2_048;
 
 /// Binary turns between two bearings, at most half a turn.
@@ -26,7 +27,8 @@ const fn apart(a: Bearing, b: Bearing) -> u16 {
 }
 
 impl<const SENSORS: usize> Goal<SENSORS> {
-    /// A goal in the frame of travel from what is asked at each bearing, to be mirrored for the left.
+    /// A goal in the frame of travel from what is asked at each bearing, to be mirrored for the
+    /// left.
     fn along_the_way(side: Side, ask: impl Fn(Bearing) -> Component) -> Self {
         let components = core::array::from_fn(|place| {
             let bearing = Bearing::of_place(place, SENSORS);
@@ -36,20 +38,22 @@ impl<const SENSORS: usize> Goal<SENSORS> {
             })
         });
         Self {
-            frame: Frame::Travel,
+            frame: GoalFrame::Travel,
             ..Self::of(components)
         }
     }
 
     /// A wall at `range` from the ring on one side, along which the robot goes on.
     ///
-    /// Straight to the side the value is that of the range; beside it nothing may be nearer than a straight wall
-    /// would be, behind less than in front, so that the robot turns around corners; ahead there is room to turn.
+    /// Straight to the side the value is that of the range; beside it nothing may be nearer than a
+    /// straight wall would be, behind less than in front, so that the robot turns around corners;
+    /// ahead there is room to turn.
     #[must_use]
     pub fn wall(side: Side, range: Range, config: &Config<SENSORS>) -> Self {
         const RIGHT: Bearing = Bearing::from_turns(49_152);
         let face = u32::from(config.robot.face_radius_mm);
-        // How far a straight wall is along a lobe of ±12.5° whose axis lies one or two places beside the normal.
+        // How far a straight wall is along a lobe of ±12.5° whose axis lies one or two places
+        // beside the normal.
         let slanted = |stretch_q10: u32| {
             let from_center = ((u32::from(range.as_mm()) + face) * stretch_q10) >> 10;
             u16::try_from(from_center.saturating_sub(face)).unwrap_or(u16::MAX)
@@ -79,15 +83,16 @@ impl<const SENSORS: usize> Goal<SENSORS> {
             }
         };
         Self {
-            going_q16: 2_800,
-            steady_q16: 350,
+            progress_q16: 2_800,
+            heading_hold_q16: 350,
             ..Self::along_the_way(side, ask)
         }
     }
 
-    /// Obstacle avoidance in which what stands in the way is left on the robot's left (`Side::Right`: it passes by the
-    /// right) or on its right. On the side to pass by nothing is to be within `room`, ahead nothing within two thirds of
-    /// it, elsewhere nothing within the clearance and a bit: turning away to the wrong side would cost more.
+    /// Obstacle avoidance in which what stands in the way is left on the robot's left
+    /// (`Side::Right`: it passes by the right) or on its right. On the side to pass by nothing is
+    /// to be within `room`, ahead nothing within two thirds of it, elsewhere nothing within the
+    /// clearance and a bit: turning away to the wrong side would cost more.
     #[must_use]
     pub fn passing(side: Side, room: Range, config: &Config<SENSORS>) -> Self {
         let at_most = |mm: u16, weight: u8| Component {
@@ -103,14 +108,14 @@ impl<const SENSORS: usize> Goal<SENSORS> {
             _ => at_most(elsewhere, 4),
         };
         Self {
-            going_q16: 650,
-            steady_q16: 130,
+            progress_q16: 650,
+            heading_hold_q16: 130,
             ..Self::along_the_way(side, ask)
         }
     }
 
-    /// Something at `range` ahead, nothing nearer beside it, and room around: a thing that stands free. Strongly on course,
-    /// for such a thing does not jump from one side to another.
+    /// Something at `range` ahead, nothing nearer beside it, and room around: a thing that stands
+    /// free. Strongly on course, for such a thing does not jump from one side to another.
     #[must_use]
     pub fn following(range: Range, config: &Config<SENSORS>) -> Self {
         let value = |mm: u16| config.encoding.value(Some(Range::from_mm(mm)));
@@ -130,7 +135,7 @@ impl<const SENSORS: usize> Goal<SENSORS> {
             _ => Component::at_most(value(670)),
         };
         Self {
-            steady_q16: 8_700,
+            heading_hold_q16: 8_700,
             tolerance: Weight::from_bits(400),
             ..Self::along_the_way(Side::Right, ask)
         }
@@ -141,7 +146,7 @@ impl<const SENSORS: usize> Goal<SENSORS> {
 mod tests {
     use super::*;
     use crate::fixed::Mask;
-    use crate::goal::{Frame, cost_of};
+    use crate::goal::{GoalFrame, cost_of};
 
     fn config() -> Config<16> {
         Config::recommended()
@@ -211,10 +216,10 @@ mod tests {
             ahead, ahead, ahead, left, left, left, ANY, ANY, ANY, ANY, ANY,
             room(612, 17), (Some(600), Some(600), 15), room(612, 2), room(754, 6), ahead,
         ]);
-        assert_eq!((goal.going_q16, goal.steady_q16), (2_800, 350));
+        assert_eq!((goal.progress_q16, goal.heading_hold_q16), (2_800, 350));
         assert_eq!(
             (goal.frame, goal.cap, goal.tolerance),
-            (Frame::Travel, Weight::ONE, Weight::ZERO)
+            (GoalFrame::Travel, Weight::ONE, Weight::ZERO)
         );
     }
 
@@ -227,7 +232,7 @@ mod tests {
             ahead, ahead, ahead, ahead, else_, else_, else_, else_, else_, else_,
             side, side, side, side, side, side,
         ]);
-        assert_eq!((passing.going_q16, passing.steady_q16), (650, 130));
+        assert_eq!((passing.progress_q16, passing.heading_hold_q16), (650, 130));
         let following = Goal::following(Range::from_mm(700), &config());
         let (beside, around, behind) = (room(700, 3), room(1_250, 3), room(670, 1));
         #[rustfmt::skip]
@@ -236,7 +241,7 @@ mod tests {
             behind, behind, behind, around, around, around, beside,
         ]);
         assert_eq!(
-            (following.steady_q16, following.tolerance),
+            (following.heading_hold_q16, following.tolerance),
             (8_700, Weight::from_bits(400))
         );
     }
@@ -289,6 +294,6 @@ mod tests {
         for place in 1..16 {
             assert_eq!(deviation(place, 400), deviation(16 - place, 400));
         }
-        assert_eq!((goal.frame, goal.going_q16), (Frame::Travel, 0));
+        assert_eq!((goal.frame, goal.progress_q16), (GoalFrame::Travel, 0));
     }
 }

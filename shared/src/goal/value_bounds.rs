@@ -38,7 +38,8 @@ impl ValueBounds {
                 && value <= self.high.saturating_add(tolerance)
     }
 
-    /// How the deviation runs over the values from the least to the most, which may lie below 0 and count as 0 there.
+    /// How the deviation runs over the values from the least to the most, which may lie below 0 and
+    /// count as 0 there.
     pub(crate) const fn over(&self, (least, most): (i32, i32), cap: i32) -> Over {
         let (low, high) = (self.low, self.high);
         let from = if least < 0 { 0 } else { least };
@@ -97,8 +98,8 @@ pub(crate) enum Over {
     Bent,
 }
 
-/// Squared deviation of values (2⁻¹³, which may leave [0, 1]) from what is asked of them, each at most that of the cap, in
-/// units of 2⁻²⁶ · weight; what reaches `limit` may be more.
+/// Squared deviation of values (2⁻¹³, which may leave [0, 1]) from what is asked of them, each at
+/// most that of the cap, in units of 2⁻²⁶ · weight; what reaches `limit` may be more.
 #[inline(never)]
 pub(crate) fn cost_of(
     asked: impl Iterator<Item = ValueBounds>,

@@ -1,11 +1,13 @@
 //! The least delay of about the last minute, in clocks that do not agree.
 //!
-//! The *difference* of a frame is its arrival time by the clock here minus its send time by the other clock, modulo 2³².
-//! It is the frame's delay plus a constant, and the constant drifts with the clocks: at 200 ppm by 12 ms a minute. The
-//! least difference of a window of [`SLOTS`] × [`SLOT_MS`] stands for a frame without delay.
+//! The *difference* of a frame is its arrival time by the clock here minus its send time by the
+//! other clock, modulo 2³². It is the frame's delay plus a constant, and the constant drifts with
+//! the clocks: at 200 ppm by 12 ms a minute. The least difference of a window of [`SLOTS`] ×
+//! [`SLOT_MS`] stands for a frame without delay.
 //!
-//! One frame with a wrong time must not count for a minute. So the greater of two consecutive differences goes into the
-//! window. A clock that was set forward counts from its second frame on; one that was set back, when the window has passed.
+//! One frame with a wrong time must not count for a minute. So the greater of two consecutive
+//! differences goes into the window. A clock that was set forward counts from its second frame on;
+//! one that was set back, when the window has passed.
 
 use crate::units::Millis;
 
@@ -57,8 +59,8 @@ impl OffsetWindow {
         }
     }
 
-    /// Begins new slots for the time that has passed. After a silence longer than the window its last value stays for one
-    /// more window: the first frame after a stall is old.
+    /// Begins new slots for the time that has passed. After a silence longer than the window its
+    /// last value stays for one more window: the first frame after a stall is old.
     fn pass_slots(&mut self, now: Millis) {
         let slots = now.since(self.began) / SLOT_MS;
         let known = self.least_of_window();
@@ -112,7 +114,8 @@ const fn is_less(a: u32, b: u32) -> bool {
 mod tests {
     use super::*;
 
-    /// A host whose clock runs `ppm` fast and was set by `step_ms`, heard every 100 ms after 3 to 20 ms on the way.
+    /// A host whose clock runs `ppm` fast and was set by `step_ms`, heard every 100 ms after 3 to
+    /// 20 ms on the way.
     struct Host {
         ppm: i64,
         step_ms: i64,

@@ -1,4 +1,4 @@
-//! What a host may ask of a node.
+//! A host's requests: one function for each kind of accepted message.
 
 use super::{FrameSink, Node};
 use crate::controller::{Command, Event, Mode};
@@ -48,7 +48,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                     turned: Bearing::from_turns(turned),
                     progress,
                 };
-                self.happen(at, event, now, out);
+                self.dispatch(at, event, now, out);
                 Ok(())
             }
             ToMind::Command {
@@ -61,7 +61,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             }
             ToMind::Flash(what) => {
                 self.link.heard_timeless(now);
-                match self.ask_flash(seq, what) {
+                match self.request_flash(seq, what) {
                     // Answered when it has been done.
                     Ok(()) => return,
                     refused => refused,
@@ -77,12 +77,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
         if answered {
             self.done(seq, now, out);
-            self.kept.end();
+            self.reply_cache.finish();
         }
     }
 
-    /// What the mind itself does not hear of.
-    // Not a part of the stack of what it does.
+    /// Answers a request that does not reach the controller.
+    // Apart, so that it adds nothing to the controller's stack.
     #[inline(never)]
     fn answer(
         &mut self,
@@ -91,29 +91,29 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         out: &mut impl FrameSink,
     ) -> Result<(), Refusal> {
         match *question {
-            ToMind::Read { part, offset } => self.read_piece(part, offset, now, out),
+            ToMind::Read { part, offset } => self.read_part(part, offset, now, out),
             ToMind::Write {
                 part,
                 offset,
                 ref bytes,
                 last,
-            } => return self.write_piece(part, offset, bytes, last),
+            } => return self.write_part(part, offset, bytes, last),
             ToMind::Counters => {
                 self.counters.clock_drift_ms = self.link.drift_ms();
-                self.say(FromMind::Counters(self.counters), now, out);
+                self.send(FromMind::Counters(self.counters), now, out);
             }
             ToMind::Parameter { parameter, value } => {
                 return self.parameter(parameter, value, now, out);
             }
             ToMind::Mode => {
                 let mode = ModeReport::from(self.state.mode());
-                self.say(FromMind::Mode(mode), now, out);
+                self.send(FromMind::Mode(mode), now, out);
             }
             ToMind::Source(source) => return self.set_source(source),
-            ToMind::Keep { name } => return self.keep_goal(name),
-            ToMind::Drop { name } => return self.drop_goal(name),
-            ToMind::Goals => self.say_goals(now, out),
-            // These do not come here.
+            ToMind::Keep { name } => return self.save_goal(name),
+            ToMind::Drop { name } => return self.delete_goal(name),
+            ToMind::Goals => self.send_goals(now, out),
+            // `request` has handled these.
             ToMind::Hello(_)
             | ToMind::Alive { .. }
             | ToMind::Scan { .. }
@@ -124,7 +124,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         Ok(())
     }
 
-    /// Takes the host's time of a frame; by the host's clock, time passes with it. Returns the moment by the session's clock.
+    /// Takes the host's time of a frame; in a session with the host's clock, time passes with it.
+    /// Returns the time by the session's clock.
     fn hear_of(&mut self, at_ms: u32, now: Millis, out: &mut impl FrameSink) -> Millis {
         let at = Millis::from_ms(at_ms);
         if self.link.clock() == Clock::Host {
@@ -143,7 +144,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 sensor: echo.sensor,
                 range: echo.range_mm.map(Range::from_mm),
             };
-            self.happen(heard, event, now, out);
+            self.dispatch(heard, event, now, out);
         }
     }
 
@@ -164,12 +165,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let Some(command) = self.command_of(order)? else {
             return Ok(());
         };
-        let refused = self.happen(at, Event::Command(command), now, out);
+        let refused = self.dispatch(at, Event::Command(command), now, out);
         refused.map_or(Ok(()), |why| Err(Refusal::Command(why)))
     }
 
-    /// What the controller is to do; nothing where the order concerns the node alone.
-    // Not a part of every request's stack.
+    /// The controller's command for an order; `None` for an order to the node alone.
+    // Apart, so that it adds nothing to the stack of every request.
     #[inline(never)]
     fn command_of(&mut self, order: &Order<SENSORS>) -> Result<Option<Command<SENSORS>>, Refusal> {
         Ok(Some(match *order {
@@ -183,7 +184,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             Order::Seek => Command::Seek(self.goal),
             Order::Explore { moves, seed } => Command::Explore { moves, seed },
             Order::Learn => Command::Learn,
-            // Done before it was looked at any closer.
+            // `message` has stopped the robot already.
             Order::Stop => return Ok(None),
             Order::Resume => Command::Resume,
             Order::Forget => return self.forget().map(|()| None),
@@ -216,7 +217,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 
     fn forget(&mut self) -> Result<(), Refusal> {
-        self.standing()?;
+        self.require_standing()?;
         self.state.forget();
         self.goal = Goal::avoiding(&self.config);
         self.goals.clear();
@@ -224,8 +225,8 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         Ok(())
     }
 
-    /// Refuses unless the robot cannot begin to move.
-    pub(super) fn standing(&self) -> Result<(), Refusal> {
+    /// Refuses if the robot may move.
+    pub(super) fn require_standing(&self) -> Result<(), Refusal> {
         match self.state.mode() {
             Mode::Idle | Mode::Stopped(_) => Ok(()),
             Mode::Explore { .. } | Mode::Learn { .. } | Mode::Seek { .. } => Err(Refusal::Moving),
@@ -240,26 +241,23 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         out: &mut impl FrameSink,
     ) -> Result<(), Refusal> {
         if let Some(value) = value {
-            self.standing()?;
-            parameter
-                .set(&mut self.config, value)
+            self.require_standing()?;
+            self.set_parameter(parameter, value)
                 .map_err(Refusal::Parameter)?;
-            if parameter == Parameter::Believed {
-                self.state.trust(self.config.believed);
-            }
         }
-        let said = FromMind::Parameter {
+        let answer = FromMind::Parameter {
             parameter,
             value: parameter.get(&self.config),
             spec: parameter.spec(),
         };
-        self.say(said, now, out);
+        self.send(answer, now, out);
         Ok(())
     }
 
     fn set_source(&mut self, source: Source) -> Result<(), Refusal> {
-        self.standing()?;
-        // By the host's clock no time passes while the host is silent: nothing would supervise the motions of a ring.
+        self.require_standing()?;
+        // By the host's clock no time passes while the host is silent: motions by the device's ring
+        // would be unsupervised.
         if source == Source::Ring && (!self.identity.ring || self.link.clock() == Clock::Host) {
             return Err(Refusal::NoRing);
         }

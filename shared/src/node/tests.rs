@@ -1,13 +1,17 @@
 use super::*;
-use crate::controller::{Decision, Progress, Refusal as CommandRefusal};
-use crate::faults::Fault;
+use crate::controller::{CommandRefusal, Decision, Outputs, Progress};
+use crate::faults::SensorFault;
 use crate::fixed::{Mask, Weight, Weight32};
 use crate::goal::Component;
 use crate::link::SILENCE_MS;
 use crate::parameters::{Parameter, ParameterError};
 use crate::som::kernels::{Group, Kernels};
 use crate::units::{Displacement, Range};
-use crate::wire::message::{Clock, Flash, FlashError, GoalBy, Heard, Notice, Order, Part, Source};
+use crate::wire::frame::{self, Frame};
+use crate::wire::message::{
+    Clock, Flash, FlashError, FromMind, GoalBy, Heard, HostHello, ModeReport, Notice, Order, Part,
+    Refusal, Report, Source, ToMind,
+};
 use std::vec::Vec;
 
 mod again;
@@ -26,7 +30,8 @@ impl FrameSink for Said {
     }
 }
 
-/// A host with a node; the robot stands in the middle of a square room and its ring hears what the test wants.
+/// A host with a node; the robot stands in the middle of a square room and its ring hears what the
+/// test wants.
 struct Rig {
     node: Small,
     seq: u16,
@@ -667,7 +672,7 @@ fn image(node: &Small) -> Vec<u8> {
     image
 }
 
-fn recall(node: &mut Small, image: &[u8]) -> Result<(), crate::store::Fault> {
+fn recall(node: &mut Small, image: &[u8]) -> Result<(), crate::store::ImageError> {
     let mut read = |at: usize, out: &mut [u8]| {
         out.copy_from_slice(&image[at..at + out.len()]);
         true
@@ -684,7 +689,8 @@ fn a_node_that_recalls_goes_on_as_any_other_that_does() {
     let saved = image(&rig.node);
     let sums = |node: &Small| [node.config_crc(), node.maps_crc(), node.memory_crc()];
     let known = sums(&rig.node);
-    // The one that saved it, and one that has just been switched on; at the same time by the host's clock.
+    // The one that saved it, and one that has just been switched on; at the same time by the host's
+    // clock.
     let mut other = Rig::new(Clock::Host);
     assert_ne!(sums(&other.node), known);
     other.now = rig.now;
@@ -878,7 +884,7 @@ impl Rig {
             turned: 0,
             progress: Progress::Ended,
         });
-        let fault = Fault::Unheard;
+        let fault = SensorFault::Unheard;
         assert_eq!(
             rig.notices(None),
             [Notice::Disbelieved { sensor: 3, fault }]

@@ -15,9 +15,9 @@
 use super::cost_surface::CostSurface;
 use super::forward_model::ForwardModel;
 use super::{FAR, Plan, Planner, Why, cheapest, difference};
-use crate::config::Choice;
+use crate::config::PlannerKind;
 use crate::fixed::{Mask, ONE_BITS, Weight, Weight32, to_weight16};
-use crate::goal::{Frame, Goal, ValueBounds, cost_of};
+use crate::goal::{Goal, GoalFrame, ValueBounds, cost_of};
 use crate::scan::Situation;
 use crate::units::{Direction, Displacement};
 
@@ -56,7 +56,7 @@ impl<'a, const SENSORS: usize> Aim<'a, SENSORS> {
         travel: usize,
     ) -> Self {
         let robot = &planner.config.robot;
-        let travels = goal.frame == Frame::Travel && robot.symmetric;
+        let travels = goal.frame == GoalFrame::Travel && robot.symmetric;
         let ahead = robot.directions.get(travel).copied().filter(|_| travels);
         Self {
             goal,
@@ -80,7 +80,7 @@ impl<'a, const SENSORS: usize> Aim<'a, SENSORS> {
 
     /// What a whole step in this direction is worth.
     fn going(&self, direction: Direction) -> i64 {
-        weighted(self.goal.going_q16, cosine_q14(direction, self.way))
+        weighted(self.goal.progress_q16, cosine_q14(direction, self.way))
     }
 }
 
@@ -133,14 +133,14 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
         situation: &Situation<SENSORS>,
         goal: &Goal<SENSORS>,
     ) -> usize {
-        if goal.frame == Frame::Ring || !self.config.robot.symmetric {
+        if goal.frame == GoalFrame::Ring || !self.config.robot.symmetric {
             return 0;
         }
         let course = unit(self.course);
         let score = |place: usize, limit: i64| {
             let direction = self.config.robot.directions.get(place).copied();
             let along = cosine_q14(direction.unwrap_or_default(), course);
-            let steady = weighted(goal.steady_q16, along);
+            let steady = weighted(goal.heading_hold_q16, along);
             let limit = limit.wrapping_add(steady);
             // No deviation is below 0: most places need not be looked at.
             if limit <= 0 {
@@ -211,7 +211,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
             score: FAR,
             neuron: None,
         };
-        if self.config.planning.choice == Choice::Neurons {
+        if self.config.planning.planner == PlannerKind::BestNeuron {
             let allowed = (0..NEURONS).filter(|neuron| self.allowed.contains(*neuron));
             for own in allowed.filter_map(|neuron| self.own_candidate(situation, aim, neuron)) {
                 if own.score < best.score {
@@ -240,7 +240,7 @@ impl<const SENSORS: usize, const NEURONS: usize> Planner<'_, SENSORS, NEURONS> {
                 };
             }
         }
-        if aim.goal.going_q16 == 0 {
+        if aim.goal.progress_q16 == 0 {
             for share_q2 in SHORTER_Q2 {
                 let limit = best.score.wrapping_add(1);
                 let score = cost_surface.at(part(best.direction, share_q2), limit);
@@ -330,11 +330,16 @@ mod tests {
 
     type Bounds = [(i16, i16, u8); 16];
 
-    fn goal(bounds: Bounds, frame: Frame, going_q16: u16, steady_q16: u16) -> Goal<16> {
+    fn goal(
+        bounds: Bounds,
+        frame: GoalFrame,
+        progress_q16: u16,
+        heading_hold_q16: u16,
+    ) -> Goal<16> {
         Goal {
             frame,
-            going_q16,
-            steady_q16,
+            progress_q16,
+            heading_hold_q16,
             ..Goal::of(bounds.map(|(a, b, weight)| Component {
                 low: Weight::from_bits(a.min(b)),
                 high: Weight::from_bits(a.max(b)),
@@ -394,7 +399,7 @@ mod tests {
                 config: &self.config,
                 situations: &self.situations,
                 actions: &self.actions,
-                enabled: self.config.believed,
+                enabled: self.config.enabled,
                 allowed,
                 current: None,
                 course,
@@ -411,9 +416,9 @@ mod tests {
             steady in prop_oneof![Just(0_u16), 0_u16..9_000], course in course(), begin in 0_usize..20,
             mask in prop_oneof![Just(Mask::ALL), any::<u32>().prop_map(Mask::from_bits)],
         ) {
-            let goal = goal(bounds, Frame::Travel, 0, steady);
+            let goal = goal(bounds, GoalFrame::Travel, 0, steady);
             let mut bench = Bench::new([0; 16]);
-            bench.config.believed = mask;
+            bench.config.enabled = mask;
             let score = |place: usize| {
                 let along = cosine_q14(bench.config.robot.directions[place], unit(course));
                 cost_of(goal.asked(place, mask), values.into_iter().map(i32::from), goal.cap_bits(), i64::MAX) - weighted(steady, along)
@@ -431,7 +436,7 @@ mod tests {
             going in prop_oneof![Just(0_u16), 0_u16..9_000], course in course(), place in 0_usize..16,
             allowed in prop_oneof![Just(Mask::ALL), any::<u32>().prop_map(Mask::from_bits)],
         ) {
-            let goal = goal(bounds, Frame::Ring, going, 0);
+            let goal = goal(bounds, GoalFrame::Ring, going, 0);
             let bench = Bench::new(changes);
             let planner = bench.planner(course, allowed);
             let situation = values.map(Weight::from_bits);
@@ -500,7 +505,7 @@ mod tests {
             let code = bench.config.action_code.encode(along, 250);
             bench.actions.actions_mut().set_code_vector(k, &code);
         }
-        let goal = goal([(0, 0, 1); 16], Frame::Ring, 0, 0);
+        let goal = goal([(0, 0, 1); 16], GoalFrame::Ring, 0, 0);
         let asked = all_asked(&goal);
         let (goal, asked, way) = (&goal, &asked, Direction::default());
         let aim = Aim {

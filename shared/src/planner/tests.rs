@@ -3,7 +3,7 @@
 use super::*;
 use crate::action_map::Recall;
 use crate::config::Planning;
-use crate::goal::{Component, Frame};
+use crate::goal::{Component, GoalFrame};
 use crate::robot::RobotSpec;
 use crate::som::Grid;
 use std::string::ToString as _;
@@ -23,8 +23,8 @@ fn four() -> Config<4> {
     };
     let mut config = Config::recommended().for_robot(robot);
     config.planning = Planning {
-        choice: Choice::Recall,
-        intermediate: Subgoal::FewestHops,
+        planner: PlannerKind::Recall,
+        subgoal: Subgoal::FewestHops,
         recall: Recall::Direction,
         together: false,
         unmet_only: false,
@@ -84,7 +84,7 @@ impl Bench {
             config: &self.config,
             situations: &self.situations,
             actions: &self.actions,
-            enabled: self.config.believed,
+            enabled: self.config.enabled,
             allowed: self.allowed,
             current: None,
             course: self.course,
@@ -111,7 +111,7 @@ fn near(found: Displacement, dx_mm: i16, dy_mm: i16) -> bool {
 fn the_neighbor_nearer_to_the_goal_is_aimed_at() {
     let mut bench = Bench::new();
     for intermediate in [Subgoal::FewestHops, Subgoal::NearestCode] {
-        bench.config.planning.intermediate = intermediate;
+        bench.config.planning.subgoal = intermediate;
         let plan = bench.free([0.9, 0.0, 0.0, 0.0]);
         assert_eq!((plan.goal_neuron, plan.current_neuron), (3, 0));
         // Both neighbors are one step from the goal's neuron; less ahead is nearer to nothing than something on the right.
@@ -132,7 +132,7 @@ fn the_neighbor_nearer_to_the_goal_is_aimed_at() {
 #[test]
 fn without_a_nearer_neighbor_the_goal_itself_is_aimed_at() {
     let mut bench = Bench::new();
-    bench.config.planning.intermediate = Subgoal::NearestCode;
+    bench.config.planning.subgoal = Subgoal::NearestCode;
     // Both neighbors of the first are farther from nothing than it is.
     bench
         .situations
@@ -150,10 +150,10 @@ fn without_a_nearer_neighbor_the_goal_itself_is_aimed_at() {
         difference(&[Weight::ZERO; 4], &weights([0.9, 0.0, 0.0, 0.0]))
     );
     // By grid steps it has one all the same.
-    bench.config.planning.intermediate = Subgoal::FewestHops;
+    bench.config.planning.subgoal = Subgoal::FewestHops;
     assert_eq!(bench.free([0.9, 0.0, 0.0, 0.0]).why, Why::Neighbour);
     // A goal the present neuron meets exactly leaves nothing nearer.
-    bench.config.planning.intermediate = Subgoal::NearestCode;
+    bench.config.planning.subgoal = Subgoal::NearestCode;
     bench.situations.set_code_vector(0, &weights([0.0; 4]));
     bench
         .situations
@@ -168,7 +168,7 @@ fn without_a_nearer_neighbor_the_goal_itself_is_aimed_at() {
 #[test]
 fn the_goal_can_be_aimed_at_without_a_neighbor() {
     let mut bench = Bench::new();
-    bench.config.planning.intermediate = Subgoal::Goal;
+    bench.config.planning.subgoal = Subgoal::Goal;
     let plan = bench.free([0.0, 0.0, 0.0, 0.75]);
     assert_eq!((plan.intermediate_neuron, plan.why), (3, Why::GoalDirectly));
     assert_eq!(plan.wanted, weights([0.0, 0.0, 0.0, -0.75]));
@@ -186,7 +186,7 @@ fn the_goal_can_be_aimed_at_without_a_neighbor() {
 #[test]
 fn what_is_met_already_is_not_wanted_if_so_configured() {
     let mut bench = Bench::new();
-    bench.config.planning.intermediate = Subgoal::FewestHops;
+    bench.config.planning.subgoal = Subgoal::FewestHops;
     let goal = Goal::of([
         Component::equal(Weight::ZERO),
         Component::at_least(Weight::from_num(0.25)),
@@ -228,7 +228,7 @@ fn at_the_goal_the_course_is_kept_turned_or_straight_ahead() {
 #[test]
 fn together_neurons_that_point_the_wanted_way_share_the_action() {
     let mut bench = Bench::new();
-    bench.config.planning.intermediate = Subgoal::Goal;
+    bench.config.planning.subgoal = Subgoal::Goal;
     bench.config.planning.together = true;
     // Ahead and on the right as much: half back, half left.
     let plan = bench.free([0.5, 0.0, 0.0, 0.5]);
@@ -243,7 +243,7 @@ fn together_neurons_that_point_the_wanted_way_share_the_action() {
 #[test]
 fn of_answers_that_cancel_out_the_best_one_counts() {
     let mut bench = Bench::new();
-    bench.config.planning.intermediate = Subgoal::Goal;
+    bench.config.planning.subgoal = Subgoal::Goal;
     bench.config.planning.together = true;
     let situation = [0.5, 0.0, 0.0, 0.0];
     let action = |bench: &mut Bench, second: f64| {
@@ -264,7 +264,7 @@ fn of_answers_that_cancel_out_the_best_one_counts() {
 #[test]
 fn one_step_ahead_the_neuron_whose_own_change_leads_nearest_is_taken() {
     let mut bench = Bench::new();
-    bench.config.planning.choice = Choice::Neurons;
+    bench.config.planning.planner = PlannerKind::BestNeuron;
     let free_at = |place: usize| {
         let mut components = [Component::ANY; 4];
         components[place] = Component::at_most(Weight::ZERO);
@@ -296,11 +296,11 @@ fn one_step_ahead_the_neuron_whose_own_change_leads_nearest_is_taken() {
 #[test]
 fn the_way_of_a_goal_in_the_frame_of_travel_fits_the_situation() {
     let mut bench = Bench::new();
-    bench.config.planning.choice = Choice::Headings;
+    bench.config.planning.planner = PlannerKind::BestHeading;
     let wanted = Weight::from_num(0.75);
     let goal = Goal {
-        frame: Frame::Travel,
-        steady_q16: 0,
+        frame: GoalFrame::Travel,
+        heading_hold_q16: 0,
         ..Goal::of([
             Component::at_most(Weight::from_num(0.1)),
             Component::ANY,
@@ -313,7 +313,7 @@ fn the_way_of_a_goal_in_the_frame_of_travel_fits_the_situation() {
             config: &bench.config,
             situations: &bench.situations,
             actions: &bench.actions,
-            enabled: bench.config.believed,
+            enabled: bench.config.enabled,
             allowed: Mask::ALL,
             current: None,
             course: bench.course,
@@ -327,13 +327,13 @@ fn the_way_of_a_goal_in_the_frame_of_travel_fits_the_situation() {
         situation[wall] = 0.75;
         assert_eq!(way(&bench, situation, &goal), (wall + 1) % 4);
         // The same if a transducer is not believed that hears nothing anyway.
-        bench.config.believed = Mask::ALL.without((wall + 3) % 4);
+        bench.config.enabled = Mask::ALL.without((wall + 3) % 4);
         assert_eq!(way(&bench, situation, &goal), (wall + 1) % 4);
-        bench.config.believed = Mask::ALL;
+        bench.config.enabled = Mask::ALL;
     }
     // Two walls: the one the course goes along.
     let steady = Goal {
-        steady_q16: 6_000,
+        heading_hold_q16: 6_000,
         ..goal
     };
     bench.course = mm(0, 100);
@@ -346,7 +346,7 @@ fn the_way_of_a_goal_in_the_frame_of_travel_fits_the_situation() {
             &bench,
             [0.75, 0.0, 0.0, 0.0],
             &Goal {
-                frame: Frame::Ring,
+                frame: GoalFrame::Ring,
                 ..goal
             }
         ),
@@ -360,7 +360,7 @@ fn the_way_of_a_goal_in_the_frame_of_travel_fits_the_situation() {
 fn a_goal_in_the_frame_of_travel_is_recalled_along_its_way() {
     let bench = Bench::new();
     let goal = Goal {
-        frame: Frame::Travel,
+        frame: GoalFrame::Travel,
         ..Goal::of([
             Component::at_most(Weight::ZERO),
             Component::ANY,
@@ -386,7 +386,7 @@ fn a_goal_in_the_frame_of_travel_is_recalled_along_its_way() {
     assert_eq!(plan.wanted[0], Weight::from_num(-0.5));
     // Without a neuron in between: half of it on the right, and nothing ahead.
     let mut config = bench.config.clone();
-    config.planning.intermediate = Subgoal::Goal;
+    config.planning.subgoal = Subgoal::Goal;
     let planner = Planner {
         config: &config,
         ..planner
@@ -418,7 +418,7 @@ fn each_why_has_words_of_its_own() {
 #[test]
 fn one_step_ahead_the_heading_that_leads_nearest_is_taken_as_far_as_it_helps() {
     let mut bench = Bench::new();
-    bench.config.planning.choice = Choice::Headings;
+    bench.config.planning.planner = PlannerKind::BestHeading;
     let mut components = [Component::ANY; 4];
     components[0] = Component::at_most(Weight::ZERO);
     let goal = Goal::of(components);
@@ -445,7 +445,7 @@ fn one_step_ahead_the_heading_that_leads_nearest_is_taken_as_far_as_it_helps() {
 #[test]
 fn a_place_is_reached_on_average_or_at_every_sensor() {
     let mut bench = Bench::new();
-    bench.config.planning.choice = Choice::Headings;
+    bench.config.planning.planner = PlannerKind::BestHeading;
     let at_goal = |bench: &Bench, tolerance: f64, first: f64| {
         let goal = Goal {
             tolerance: Weight::from_num(tolerance),
@@ -462,9 +462,9 @@ fn a_place_is_reached_on_average_or_at_every_sensor() {
 #[test]
 fn who_goes_keeps_to_the_course_where_the_goal_does_not_care() {
     let mut bench = Bench::new();
-    bench.config.planning.choice = Choice::Headings;
+    bench.config.planning.planner = PlannerKind::BestHeading;
     let anything = Goal {
-        going_q16: 100,
+        progress_q16: 100,
         ..Goal::of([Component::ANY; 4])
     };
     for (course, neuron) in [(mm(0, -100), 3), (mm(0, 70), 2), (mm(-9, 0), 0)] {
@@ -485,8 +485,8 @@ fn who_goes_keeps_to_the_course_where_the_goal_does_not_care() {
     // In the frame of travel going on is going the chosen way, not the course.
     bench.allowed = Mask::ALL;
     let travel = Goal {
-        frame: Frame::Travel,
-        going_q16: 100,
+        frame: GoalFrame::Travel,
+        progress_q16: 100,
         ..Goal::of([
             Component::ANY,
             Component::ANY,
@@ -504,10 +504,10 @@ fn who_goes_keeps_to_the_course_where_the_goal_does_not_care() {
 #[test]
 fn the_strength_of_going_is_weighed_against_the_deviation() {
     let mut bench = Bench::new();
-    bench.config.planning.choice = Choice::Headings;
+    bench.config.planning.planner = PlannerKind::BestHeading;
     // Ahead 0.2 is asked and heard, and every step ahead makes it 0.825: a deviation of 0.39.
-    let goal = |going_q16| Goal {
-        going_q16,
+    let goal = |progress_q16| Goal {
+        progress_q16,
         ..Goal::of([
             Component::at_most(Weight::from_num(0.2)),
             Component::ANY,
@@ -530,7 +530,7 @@ fn the_strength_of_going_is_weighed_against_the_deviation() {
 #[test]
 fn a_neuron_that_keeps_the_course_is_preferred_where_so_configured() {
     let mut bench = Bench::new();
-    bench.config.planning.intermediate = Subgoal::Goal;
+    bench.config.planning.subgoal = Subgoal::Goal;
     let situation = [0.5, 0.0, 0.0, 0.5];
     assert!(near(bench.free(situation).action, -200, 0));
     bench.course = mm(0, 100);
@@ -541,7 +541,7 @@ fn a_neuron_that_keeps_the_course_is_preferred_where_so_configured() {
 #[test]
 fn a_share_of_the_course_is_added_and_the_sum_is_at_most_a_step() {
     let mut bench = Bench::new();
-    bench.config.planning.intermediate = Subgoal::Goal;
+    bench.config.planning.subgoal = Subgoal::Goal;
     bench.config.planning.inertia_q8 = 64;
     bench.course = mm(100, 0);
     // A step to the left and a quarter of one ahead, brought back to a step.
@@ -560,7 +560,7 @@ fn changes_are_differences_within_one() {
 #[test]
 fn a_goal_that_the_present_neuron_meets_has_no_nearer_neighbor() {
     let mut bench = Bench::new();
-    bench.config.planning.intermediate = Subgoal::NearestCode;
+    bench.config.planning.subgoal = Subgoal::NearestCode;
     // Both the last neuron and the second are nothing; the lower stands for the goal, the robot is at the other one.
     bench.situations.set_code_vector(1, &weights([0.0; 4]));
     bench

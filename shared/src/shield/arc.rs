@@ -1,13 +1,14 @@
-//! What one echo says: something stands on an arc around the transducer's face.
+//! One echo as an arc: the nearest surface stands somewhere on it.
 
 use super::cone::CONTRADICTIONS;
 use crate::scan::Echo;
 use crate::units::{Bearing, Direction, Displacement, Millis, Range};
 
-/// Points of an arc that are tested, evenly spaced from end to end: 5° of 30°. Where the lobes of two neighbors leave a gap
-/// wider than the margin covers, a point lies in it.
+/// Points of an arc that are tested, evenly spaced from end to end: 5° of 30°. Where the lobes of
+/// two neighbors leave a gap wider than the margin covers, a point lies in it.
 pub(super) const POINTS: usize = 7;
-/// One point more, between face and arc. It counts where the range is the shortest that the ring can report.
+/// One point more, between face and arc. It counts where the range is the shortest that the ring
+/// can report.
 pub(super) const BEFORE: usize = POINTS;
 
 /// Longer ranges count as this, millimeters: products stay within 32 bits.
@@ -73,8 +74,8 @@ impl Arc {
         }
     }
 
-    /// How far its nearest point that still counts is from the robot, as the square of half the distance; the greatest for
-    /// no arc. What is below `limit` may be less.
+    /// How far its nearest point that still counts is from the robot, as the square of half the
+    /// distance; the greatest for no arc. What is below `limit` may be less.
     pub(super) fn half_distance_squared(&self, lobe: &Lobe, limit: u32) -> u32 {
         const AHEAD: Direction = Direction {
             x_q14: 1 << 14,
@@ -84,7 +85,7 @@ impl Arc {
             return u32::MAX;
         };
         let face_mm = self.face_mm();
-        let seen = Seen::along(AHEAD, face_mm, self.axis, range.as_mm().into());
+        let seen = ArcView::along(AHEAD, face_mm, self.axis, range.as_mm().into());
         let mut least = u32::MAX;
         for (point, (x, y)) in seen.points(lobe) {
             if self.stands(point) {
@@ -128,7 +129,7 @@ impl Lobe {
 }
 
 /// An arc seen along some direction: what lies along it and to the left of it, millimeters.
-pub(super) struct Seen {
+pub(super) struct ArcView {
     /// From where the direction begins to the arc's face.
     face: (i32, i32),
     /// From the face to the arc's middle.
@@ -144,7 +145,7 @@ pub(super) struct Extent {
     pub(super) aside: i32,
 }
 
-impl Seen {
+impl ArcView {
     /// `x_mm` and `y_mm` lead to the face, within ±65.5 m.
     pub(super) fn along(
         direction: Direction,

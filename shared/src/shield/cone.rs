@@ -1,35 +1,37 @@
-//! What an echo says about points that were heard earlier.
+//! An echo's cone, which contradicts points of earlier arcs.
 //!
-//! An echo from range *r* proves that nothing stands inside the cone nearer than *r*. A point that was heard earlier and lies
-//! in that empty part is contradicted. One contradiction may be a missed echo, so a point is dropped after
-//! [`CONTRADICTIONS`] of them.
+//! An echo from range *r* proves that nothing stands inside the cone nearer than *r*. A point that
+//! was heard earlier and lies in that empty part is contradicted. One contradiction may be a missed
+//! echo, so a point is dropped after [`CONTRADICTIONS`] of them.
 
-use super::Shielding;
-use super::arc::{Arc, BEFORE, Lobe, POINTS, Seen, magnitude, nearest_mm};
+use super::ShieldConfig;
+use super::arc::{Arc, ArcView, BEFORE, Lobe, POINTS, magnitude, nearest_mm};
 use crate::scan::Echo;
 use crate::units::{Direction, Displacement, Millis, Range};
 
-/// Contradictions after which a point is dropped. A sonar misses about 1 % of its echoes, and walls that it meets at a slant
-/// more. At most 3: two bits count them.
+/// Contradictions after which a point is dropped. A sonar misses about 1 % of its echoes, and walls
+/// that it meets at a slant more. At most 3: two bits count them.
 pub(super) const CONTRADICTIONS: u8 = 2;
 
-/// An echo contradicts a point only if it comes from this much farther, millimeters: four standard deviations of a near range
-/// and the rounding to whole inches.
+/// An echo contradicts a point only if it comes from this much farther, millimeters: four standard
+/// deviations of a near range and the rounding to whole inches.
 const TOLERANCE_MM: i32 = 60;
 
-/// A point lies this much inside the cone at least, millimeters, besides 1/32 of the arc's range: what was heard may stand
-/// beside the point by half of the points' spacing, by the range's error and by slip.
+/// A point lies this much inside the cone at least, millimeters, besides 1/32 of the arc's range:
+/// what was heard may stand beside the point by half of the points' spacing, by the range's error
+/// and by slip.
 const ASIDE_MM: i32 = 20;
 
-/// Nearer than this to their faces two neighboring lobes leave a gap, millimeters. Farther away everything is in a lobe and
-/// is heard again by the next ring.
+/// Nearer than this to their faces two neighboring lobes leave a gap, millimeters. Farther away
+/// everything is in a lobe and is heard again by the next ring.
 const GAP_MM: i32 = 650;
 
-/// Arcs farther than this from the robot are not tested, millimeters: no motion reaches them before the next ring.
+/// Arcs farther than this from the robot are not tested, millimeters: no motion reaches them before
+/// the next ring.
 const FARTHEST_MM: i32 = 1_200;
 
-/// Cosine of the angle between two axes, Q14, beyond which an echo says nothing of an arc: 60°. What was heard from another side
-/// may be the other side of a thing.
+/// Cosine of the angle between two axes, Q14, beyond which an echo does not contradict an arc: 60°.
+/// From another side, the echo may come from another surface.
 const SIMILAR_AXIS_Q14: i32 = 8_192;
 
 /// Two axes differ by less than this, Q14, if they are the same: 0.2°.
@@ -77,15 +79,15 @@ impl Cone {
         self.range_mm > range_mm.saturating_add(TOLERANCE_MM + (range_mm >> 5))
     }
 
-    /// Drops an arc heard in nearly this direction through the same cone, unless this echo comes from farther away; counts
-    /// what it contradicts of others.
-    pub(super) fn look(&self, shielding: &Shielding, lobe: &Lobe, arc: &mut Arc) {
+    /// Drops an arc heard in nearly this direction through the same cone, unless this echo comes
+    /// from farther away; counts what it contradicts of others.
+    pub(super) fn look(&self, limits: &ShieldConfig, lobe: &Lobe, arc: &mut Arc) {
         let Some(range) = arc.range.filter(|_| !self.at.is_before(arc.at)) else {
             return;
         };
         let range_mm = range.as_mm().into();
-        if !self.is_same(arc, shielding.spacing_mm) {
-            self.look_at(shielding, lobe, arc, range_mm);
+        if !self.is_same(arc, limits.spacing_mm) {
+            self.look_at(limits, lobe, arc, range_mm);
         } else if self.is_beyond(range_mm) {
             (0..POINTS).for_each(|point| arc.contradict(point));
         } else {
@@ -94,7 +96,7 @@ impl Cone {
     }
 
     /// Counts the contradictions of an arc of another cone.
-    pub(super) fn look_at(&self, shielding: &Shielding, lobe: &Lobe, arc: &mut Arc, range_mm: i32) {
+    pub(super) fn look_at(&self, limits: &ShieldConfig, lobe: &Lobe, arc: &mut Arc, range_mm: i32) {
         let (x, y) = arc.face_mm();
         if nearest_mm((x, y), range_mm) > FARTHEST_MM {
             return;
@@ -104,10 +106,10 @@ impl Cone {
             y.wrapping_sub(self.face.dy_mm.into()),
         );
         // The points as they count where a way is asked for.
-        let least_mm = i32::from(shielding.least_range_mm);
-        let seen = Seen::along(self.axis, face_mm, arc.axis, range_mm.max(least_mm));
+        let least_mm = i32::from(limits.least_range_mm);
+        let seen = ArcView::along(self.axis, face_mm, arc.axis, range_mm.max(least_mm));
         if range_mm <= least_mm && arc.stands(BEFORE) {
-            let before = seen.on_axis(shielding.before_mm());
+            let before = seen.on_axis(limits.before_mm());
             if self.contains(lobe, before, ASIDE_MM) {
                 arc.contradict(BEFORE);
             }
@@ -123,8 +125,9 @@ impl Cone {
         }
     }
 
-    /// Whether a point of an arc can lie in the empty part of the cone: spares most arcs their points.
-    fn may_contain(&self, lobe: &Lobe, seen: &Seen) -> bool {
+    /// Whether a point of an arc can lie in the empty part of the cone: a quick test that spares
+    /// most arcs the test of each point.
+    fn may_contain(&self, lobe: &Lobe, seen: &ArcView) -> bool {
         let (along, aside) = seen.middle();
         if magnitude(along) > FARTHEST_MM || magnitude(aside) > FARTHEST_MM {
             return false;

@@ -1,4 +1,4 @@
-//! Where to go instead of a way that the shield has closed, or has seen from one place only.
+//! Detours: other motions when the wanted one is blocked, or has been seen from one place only.
 
 use super::{Allowed, SECOND_VIEW_MM, Shield};
 use crate::config::Config;
@@ -6,8 +6,9 @@ use crate::fixed::Mask;
 use crate::units::{Bearing, Displacement, Millis};
 
 impl<const SENSORS: usize> Shield<SENSORS> {
-    /// The first move after the start, or after the robot was carried: a short one across the way, to look at it from a second
-    /// place. `None` where that is known already, or where both sides are closed.
+    /// The first move after the start, or after the robot was carried: a short one across the way,
+    /// to look at it from a second place. `None` where that is known already, or where both sides
+    /// are closed.
     #[must_use]
     pub fn step_aside(
         &self,
@@ -23,7 +24,7 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         let aside = [1, 3].map(|quarters| {
             let way = step.rotated(Bearing::of_place(quarters, 4).direction());
             let mut allowed = self.allow(config, enabled, way, now);
-            // Nobody has looked there: slowly.
+            // Not yet seen: slowly.
             allowed.speed_mm_s = allowed.speed_mm_s.min(config.robot.speed_mm_s / 2);
             (way, allowed)
         });
@@ -33,12 +34,13 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         freer.filter(|(_, allowed)| allowed.distance_mm > 0)
     }
 
-    /// A way, and what is allowed of it: `wanted`, or the best of four detours where less than half of `wanted` is free. A
-    /// detour also shows what stands in the gap between two lobes: from beside it, it is in a lobe.
+    /// A way, and what is allowed of it: `wanted`, or the best of four detours where less than half
+    /// of `wanted` is free. A detour also shows what stands in the gap between two lobes: from
+    /// beside it, it is in a lobe.
     ///
-    /// `closed`: decisions in a row for which all of these were closed. Each time others are tried, 1/64 of a turn farther: the way
-    /// out between two things may be narrow, and what closes the others may be a phantom echo, which is found out from
-    /// elsewhere only.
+    /// `closed`: decisions in a row for which all of these were closed. Each time others are tried,
+    /// 1/64 of a turn farther: the way out between two things may be narrow, and what closes the
+    /// others may be a phantom echo, which is found out from elsewhere only.
     #[must_use]
     pub fn detour(
         &self,
@@ -53,8 +55,8 @@ impl<const SENSORS: usize> Shield<SENSORS> {
         if 2 * best.1.distance_mm >= wanted.length_mm() {
             return best;
         }
-        // Eighths of a turn, and what such a way counts for, sixteenths: at 45° what leads along the one wanted; across it
-        // nothing does, but a quarter counts for what it shows.
+        // Eighths of a turn, and what such a way counts for, sixteenths: at 45° what leads along
+        // the one wanted; across it nothing does, but a quarter counts for what it shows.
         let mut farthest = 16 * u32::from(best.1.distance_mm);
         for (eighths, share) in [(1, 11), (7, 11), (2, 4), (6, 4)] {
             let bearing = Bearing::of_place(eighths, 8).plus(Bearing::of_place(closed.into(), 64));

@@ -18,7 +18,8 @@ fn arc((x, y, turns, range, age): (i16, i16, u16, Option<u16>, u32), now: Millis
     Arc::heard(mm(x, y), axis, echo)
 }
 
-/// Distance along x until a disc of this radius touches a point no farther back than `back`, at most `limit`.
+/// Distance along x until a disc of this radius touches a point no farther back than `back`, at
+/// most `limit`.
 fn until_touch((x, y): (f64, f64), radius: f64, back: f64, limit: f64) -> f64 {
     if x <= back || y.abs() >= radius {
         return limit;
@@ -28,8 +29,9 @@ fn until_touch((x, y): (f64, f64), radius: f64, back: f64, limit: f64) -> f64 {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 4 } else { 2_000 }))]
-    /// Against the same in floats, point by point: arcs that are passed over change nothing. A lobe of nearly a half circle, which no
-    /// sonar has, would be less exact: the sine of a right angle is flat.
+    /// Against the same in floats, point by point: arcs that are passed over change nothing. A lobe
+    /// of nearly a half circle, which no sonar has, would be less exact: the sine of a right angle
+    /// is flat.
     #[test]
     fn a_way_ends_where_the_body_meets_the_first_point(
         parts in prop::collection::vec((-900_i16..900, -900_i16..900, any::<u16>(), 154_u16..3_000), 1..24),
@@ -37,11 +39,11 @@ proptest! {
     ) {
         let mut config = Config::recommended();
         let half_lobe = Bearing::from_turns(half_lobe);
-        config.shield = Some(Shielding { half_lobe, ..Shielding::nomad200() });
+        config.shield = Some(ShieldConfig { half_lobe, ..ShieldConfig::nomad200() });
         let shielding = config.shield.as_ref().unwrap();
         let (lobe, now) = (Lobe::of(half_lobe), Millis::from_ms(0));
         let wanted = Displacement::along(Bearing::from_turns(wanted), 250);
-        let way = Way::new(&config, shielding, &lobe, wanted, 250, now);
+        let way = StraightPath::new(&config, shielding, &lobe, wanted, 250, now);
         let angle = |direction: Direction| libm::atan2(direction.y_q14.into(), direction.x_q14.into());
         let heading = angle(way.direction);
         let radius = f64::from(config.robot.body_radius_mm + shielding.margin_mm);
@@ -77,7 +79,7 @@ fn who_stands_meets_nothing() {
         };
         shield.hear(&config, sensor, echo);
     }
-    let allowed = |wanted| shield.allow(&config, config.believed, wanted, Millis::from_ms(6));
+    let allowed = |wanted| shield.allow(&config, config.enabled, wanted, Millis::from_ms(6));
     let standing = allowed(Displacement::ZERO);
     assert_eq!((standing.distance_mm, standing.speed_mm_s), (0, 507));
     assert_eq!(
@@ -109,12 +111,12 @@ fn the_ways_along_a_blind_gap_are_closed() {
     };
     let distance = |config: &Config<16>, degrees| {
         shield
-            .allow(config, config.believed, to(degrees), now)
+            .allow(config, config.enabled, to(degrees), now)
             .distance_mm
     };
     let open = [0, 61, 90, 119, 270].map(|degrees| distance(&config, degrees));
     assert!(open.iter().all(|mm| *mm >= 249), "{open:?}");
-    config.believed = Mask::ALL.without(4);
+    config.enabled = Mask::ALL.without(4);
     for degrees in [61, 75, 90, 105, 119] {
         assert_eq!(distance(&config, degrees), 0, "{degrees}");
     }
@@ -122,7 +124,7 @@ fn the_ways_along_a_blind_gap_are_closed() {
         assert!(distance(&config, degrees) >= 249, "{degrees}");
     }
     // A motion that was allowed before is asked about by those who hear something new.
-    let guard = shield.allow_by(&config, config.believed, to(90), now, Mask::NONE.with(3));
+    let guard = shield.allow_by(&config, config.enabled, to(90), now, Mask::NONE.with(3));
     assert!(guard.distance_mm >= 249);
 }
 
@@ -150,11 +152,12 @@ fn mm(dx_mm: i16, dy_mm: i16) -> Displacement {
 
 /// How far towards a place, and how fast, at a time.
 fn way(shield: &Shield<16>, config: &Config<16>, wanted: Displacement, now: u32) -> (u16, u16) {
-    let allowed = shield.allow(config, config.believed, wanted, Millis::from_ms(now));
+    let allowed = shield.allow(config, config.enabled, wanted, Millis::from_ms(now));
     (allowed.distance_mm, allowed.speed_mm_s)
 }
 
-/// Body 269, margin 90, faces at 231: the robot may come so far that 128 of the range are left, speed² = 2 · 762 · distance.
+/// Body 269, margin 90, faces at 231: the robot may come so far that 128 of the range are left,
+/// speed² = 2 · 762 · distance.
 #[test]
 fn the_way_ends_at_the_margin_and_the_speed_with_it() {
     let config = Config::recommended();
@@ -171,9 +174,9 @@ fn the_way_ends_at_the_margin_and_the_speed_with_it() {
         "behind"
     );
     let mut short = config.clone();
-    short.shield = Some(Shielding {
+    short.shield = Some(ShieldConfig {
         least_mm: 40,
-        ..Shielding::nomad200()
+        ..ShieldConfig::nomad200()
     });
     let begun = |wanted, range: u16| way(&heard(&short, &[(0, range)]), &short, wanted, 6).0;
     assert_eq!((begun(wanted, 160), begun(wanted, 200)), (0, 69));
@@ -207,7 +210,7 @@ fn a_direction_is_open_while_those_who_look_there_have_been_heard() {
     assert_eq!(Shield::<16>::default(), Shield::new());
     // A ring in which one is not believed closes its ways likewise.
     let mut some = config.clone();
-    some.believed = Mask::ALL.without(8);
+    some.enabled = Mask::ALL.without(8);
     let shield = heard(&some, &[]);
     assert_eq!(
         (
@@ -218,7 +221,8 @@ fn a_direction_is_open_while_those_who_look_there_have_been_heard() {
     );
 }
 
-/// The robot drove through the middle of an arc that it had heard from afar: what is left of it is far aside.
+/// The robot drove through the middle of an arc that it had heard from afar: what is left of it is
+/// far aside.
 #[test]
 fn an_arc_is_as_far_as_its_points_that_still_count() {
     let (config, lobe) = (Config::recommended(), Lobe::of(Bearing::from_turns(2_731)));
@@ -267,9 +271,9 @@ fn the_farthest_arc_makes_room_for_the_newest() {
         (1, [0, 0, 0, 690]),
         (2, [0, 0, 600, 690]),
     ] {
-        config.shield = Some(Shielding {
+        config.shield = Some(ShieldConfig {
             places,
-            ..Shielding::nomad200()
+            ..ShieldConfig::nomad200()
         });
         assert_eq!(hear(&config), kept, "{places}");
     }
@@ -287,7 +291,8 @@ fn a_turn_in_many_steps_moves_nothing() {
     assert_eq!(way(&shield, &config, mm(400, 0), 6).0, 372);
 }
 
-/// A near wall behind the robot, as transducer 0 hears it while the ring turns: each time from another direction.
+/// A near wall behind the robot, as transducer 0 hears it while the ring turns: each time from
+/// another direction.
 #[test]
 fn what_a_turned_ring_hears_of_a_wall_replaces_nothing_elsewhere() {
     let config = Config::recommended();
@@ -313,7 +318,8 @@ fn what_was_heard_stays_where_it_is_while_the_robot_moves_and_turns() {
     let mut shield = heard(&config, &[(0, 500)]);
     shield.moved(mm(100, 0), Bearing::ZERO);
     assert_eq!(way(&shield, &config, mm(400, 0), 6).0, 272);
-    // A quarter to the left: what was ahead is on the right. Four degrees of a sine are 1 mm in 700.
+    // A quarter to the left: what was ahead is on the right. Four degrees of a sine are 1 mm in
+    // 700.
     shield.moved(Displacement::ZERO, Bearing::from_turns(16_384));
     let right = way(&shield, &config, mm(0, -400), 6).0;
     assert!(right.abs_diff(272) <= 2, "{right}");
@@ -328,9 +334,9 @@ fn what_was_heard_stays_where_it_is_while_the_robot_moves_and_turns() {
 fn echoes_grow_old() {
     let mut config = Config::recommended();
     let shield = heard(&config, &[(0, 500)]);
-    config.shield = Some(Shielding {
+    config.shield = Some(ShieldConfig {
         approach_mm_s: 100,
-        ..Shielding::nomad200()
+        ..ShieldConfig::nomad200()
     });
     let ahead = |config: &Config<16>, now| way(&shield, config, mm(400, 0), now).0;
     assert_eq!((ahead(&config, 5), ahead(&config, 1_005)), (372, 272));
@@ -338,9 +344,9 @@ fn echoes_grow_old() {
 
 #[test]
 fn a_point_is_met_where_the_body_touches_it() {
-    let (config, shielding) = (Config::recommended(), Shielding::nomad200());
+    let (config, shielding) = (Config::recommended(), ShieldConfig::nomad200());
     let lobe = Lobe::of(shielding.half_lobe);
-    let way = Way::new(
+    let way = StraightPath::new(
         &config,
         &shielding,
         &lobe,
@@ -386,16 +392,16 @@ fn a_small_robot_keeps_its_first_echo() {
     for sensor in 0..8 {
         shield.hear(&config, sensor, echo(None, 5));
     }
-    let allowed = shield.allow(&config, config.believed, mm(20, 0), Millis::from_ms(6));
+    let allowed = shield.allow(&config, config.enabled, mm(20, 0), Millis::from_ms(6));
     assert_eq!(allowed.distance_mm, 20);
 }
 
 /// Lobes of a quarter turn.
 fn wide() -> Config<16> {
     let mut config = Config::recommended();
-    config.shield = Some(Shielding {
+    config.shield = Some(ShieldConfig {
         half_lobe: Bearing::from_turns(1 << 13),
-        ..Shielding::nomad200()
+        ..ShieldConfig::nomad200()
     });
     config
 }
@@ -422,16 +428,17 @@ fn another_lobe_counts_from_the_next_echo_on() {
     assert_eq!(shield, heard(&narrow, &[]));
 }
 
-/// A ring that hears nothing nearer than the body reaches: its shortest reading may be anything nearer.
+/// A ring that hears nothing nearer than the body reaches: its shortest reading may be anything
+/// nearer.
 #[test]
 fn the_shortest_reading_is_not_passed_over_by_a_small_body() {
     let mut config = Config::recommended();
     config.robot.body_radius_mm = 28;
     config.robot.face_radius_mm = 27;
     config.robot.speed_mm_s = 100;
-    let shielding = Shielding {
+    let shielding = ShieldConfig {
         margin_mm: 10,
-        ..Shielding::nomad200()
+        ..ShieldConfig::nomad200()
     };
     config.shield = Some(shielding);
     let shield = heard(&config, &[(0, 153)]);

@@ -1,19 +1,19 @@
-//! From an image to a mind.
+//! Reads an image into a controller.
 
 use super::*;
 
-/// What a whole image says of itself.
+/// Properties of a complete image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Found {
+pub struct ImageInfo {
     /// Its generation; the higher, the newer.
     pub generation: u32,
     /// Its length in bytes.
     pub bytes: usize,
 }
 
-/// Why bytes were not read into a mind.
+/// Why an image was not read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Fault {
+pub enum ImageError {
     /// They could not be read.
     Source,
     /// They are no whole image: never finished, cut off or damaged.
@@ -24,7 +24,7 @@ pub enum Fault {
     Dimensions,
 }
 
-impl core::fmt::Display for Fault {
+impl core::fmt::Display for ImageError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
             Self::Source => "it cannot be read",
@@ -35,7 +35,7 @@ impl core::fmt::Display for Fault {
     }
 }
 
-impl core::error::Error for Fault {}
+impl core::error::Error for ImageError {}
 
 /// Reads bytes from a place on; false if they cannot be had.
 type Read<'r> = &'r mut dyn FnMut(usize, &mut [u8]) -> bool;
@@ -43,9 +43,9 @@ type Read<'r> = &'r mut dyn FnMut(usize, &mut [u8]) -> bool;
 /// Looks whether there is a whole image in the first `most` bytes; any version's.
 ///
 /// # Errors
-/// [`Fault::Torn`] if there is none, [`Fault::Source`].
-pub fn check(read: Read<'_>, most: usize) -> Result<Found, Fault> {
-    look(read, most).map(|(head, bytes)| Found {
+/// [`ImageError::Torn`] if there is none, [`ImageError::Source`].
+pub fn check(read: Read<'_>, most: usize) -> Result<ImageInfo, ImageError> {
+    look(read, most).map(|(head, bytes)| ImageInfo {
         generation: head.generation,
         bytes,
     })
@@ -53,27 +53,27 @@ pub fn check(read: Read<'_>, most: usize) -> Result<Found, Fault> {
 
 /// The first record, the image's length.
 #[inline(never)]
-fn look(read: Read<'_>, most: usize) -> Result<(Head, usize), Fault> {
+fn look(read: Read<'_>, most: usize) -> Result<(Head, usize), ImageError> {
     let mut digest = Checksum::new();
-    let mut walk = Walk::begin(read, most)?;
+    let mut walk = RecordReader::begin(read, most)?;
     digest.update(&MAGIC);
     walk.next(read)?;
     digest.update(walk.bytes());
-    let Some(Record::Head(head)) = Record::parse(walk.body()) else {
-        return Err(Fault::Torn);
+    let Some(ImageRecord::Head(head)) = ImageRecord::parse(walk.body()) else {
+        return Err(ImageError::Torn);
     };
     loop {
         walk.next(read)?;
-        if let Some(Record::End(crc)) = Record::parse(walk.body()) {
+        if let Some(ImageRecord::End(crc)) = ImageRecord::parse(walk.body()) {
             let whole = crc == digest.finalize();
-            return whole.then_some((head, walk.at)).ok_or(Fault::Torn);
+            return whole.then_some((head, walk.at)).ok_or(ImageError::Torn);
         }
         digest.update(walk.bytes());
     }
 }
 
-/// What a record says.
-enum Record<'a> {
+/// The content of a record.
+enum ImageRecord<'a> {
     Head(Head),
     Piece {
         part: u8,
@@ -88,11 +88,11 @@ enum Record<'a> {
     End(u32),
 }
 
-impl<'a> Record<'a> {
+impl<'a> ImageRecord<'a> {
     /// `None` for a kind that later versions may have, and for too few bytes.
     fn parse(body: &'a [u8]) -> Option<Self> {
         let (kind, rest) = body.split_first()?;
-        let mut rest = Fields(rest);
+        let mut rest = RecordFields(rest);
         Some(match *kind {
             // Stands for good.
             kind::HEAD => Self::Head(Head {
@@ -120,9 +120,9 @@ impl<'a> Record<'a> {
 }
 
 /// What is left of a record.
-struct Fields<'a>(&'a [u8]);
+struct RecordFields<'a>(&'a [u8]);
 
-impl Fields<'_> {
+impl RecordFields<'_> {
     fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
         let (first, rest) = self.0.split_first_chunk()?;
         self.0 = rest;
@@ -131,7 +131,7 @@ impl Fields<'_> {
 }
 
 /// Goes from record to record.
-struct Walk {
+struct RecordReader {
     at: usize,
     most: usize,
     buffer: [u8; MAX_RECORD],
@@ -140,14 +140,14 @@ struct Walk {
     length: usize,
 }
 
-impl Walk {
-    fn begin(read: Read<'_>, most: usize) -> Result<Self, Fault> {
+impl RecordReader {
+    fn begin(read: Read<'_>, most: usize) -> Result<Self, ImageError> {
         let mut magic = [0; WORD];
         if most < WORD || !read(0, &mut magic) {
-            return Err(Fault::Source);
+            return Err(ImageError::Source);
         }
         if magic != MAGIC {
-            return Err(Fault::Torn);
+            return Err(ImageError::Torn);
         }
         Ok(Self {
             at: WORD,
@@ -159,23 +159,23 @@ impl Walk {
     }
 
     /// Reads the next record.
-    fn next(&mut self, read: Read<'_>) -> Result<(), Fault> {
+    fn next(&mut self, read: Read<'_>) -> Result<(), ImageError> {
         let left = self.most.saturating_sub(self.at);
-        let first = self.buffer.get_mut(..WORD).ok_or(Fault::Torn)?;
+        let first = self.buffer.get_mut(..WORD).ok_or(ImageError::Torn)?;
         if left < WORD {
-            return Err(Fault::Torn);
+            return Err(ImageError::Torn);
         }
         if !read(self.at, first) {
-            return Err(Fault::Source);
+            return Err(ImageError::Source);
         }
         let body = usize::from(first.first().copied().unwrap_or(0));
         let whole = body.wrapping_add(1).next_multiple_of(WORD);
         if body == 0 || whole > left {
-            return Err(Fault::Torn);
+            return Err(ImageError::Torn);
         }
-        let rest = self.buffer.get_mut(WORD..whole).ok_or(Fault::Torn)?;
+        let rest = self.buffer.get_mut(WORD..whole).ok_or(ImageError::Torn)?;
         if !rest.is_empty() && !read(self.at.wrapping_add(WORD), rest) {
-            return Err(Fault::Source);
+            return Err(ImageError::Source);
         }
         self.at = self.at.wrapping_add(whole);
         (self.body, self.length) = (body, whole);
@@ -184,7 +184,7 @@ impl Walk {
             .copied()
             .all(|byte| byte == 0)
             .then_some(())
-            .ok_or(Fault::Torn)
+            .ok_or(ImageError::Torn)
     }
 
     /// The body of the record just read.
@@ -201,19 +201,19 @@ impl Walk {
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     ContentsMut<'_, SENSORS, NEURONS, SAMPLES>
 {
-    /// Replaces everything by what the image says. The mind has to stand still.
+    /// Replaces everything by the image's content. The robot has to stand still.
     ///
     /// # Errors
-    /// [`Fault`]; nothing has changed then, except by an image that is sound and yet none of a program's: that leaves a mind
-    /// as new, with [`Fault::Version`].
-    pub fn read(&mut self, read: Read<'_>, most: usize) -> Result<Found, Fault> {
+    /// [`ImageError`]; nothing has changed then, except by a sound image with invalid content: that
+    /// leaves an empty state, with [`ImageError::Version`].
+    pub fn read(&mut self, read: Read<'_>, most: usize) -> Result<ImageInfo, ImageError> {
         let (head, bytes) = look(read, most)?;
         if (head.layout, head.grammar) != (LAYOUT, GRAMMAR) {
-            return Err(Fault::Version);
+            return Err(ImageError::Version);
         }
         let ours = (SENSORS as u8, NEURONS as u8);
         if (head.sensors, head.neurons) != ours || usize::from(head.samples) > SAMPLES {
-            return Err(Fault::Dimensions);
+            return Err(ImageError::Dimensions);
         }
         *self.config = told(read, most)?;
         self.state.forget();
@@ -224,17 +224,17 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
             self.state.forget();
         }
         let generation = head.generation;
-        taken.ok_or(Fault::Version)?;
-        Ok(Found { generation, bytes })
+        taken.ok_or(ImageError::Version)?;
+        Ok(ImageInfo { generation, bytes })
     }
 
     fn take_all(&mut self, read: Read<'_>, most: usize) -> Option<()> {
-        let mut walk = Walk::begin(read, most).ok()?;
+        let mut walk = RecordReader::begin(read, most).ok()?;
         loop {
             walk.next(read).ok()?;
-            match Record::parse(walk.body())? {
-                Record::Head(_) | Record::Piece { part: 0, .. } => {}
-                Record::Piece {
+            match ImageRecord::parse(walk.body())? {
+                ImageRecord::Head(_) | ImageRecord::Piece { part: 0, .. } => {}
+                ImageRecord::Piece {
                     part,
                     offset,
                     bytes,
@@ -242,33 +242,33 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                     let part = PARTS.get(usize::from(part).wrapping_sub(1))?;
                     self.state.write_part(*part, offset.into(), bytes).ok()?;
                 }
-                Record::Random(seed) => self.state.seed(seed),
-                Record::Goal { name, goal } => {
+                ImageRecord::Random(seed) => self.state.seed(seed),
+                ImageRecord::Goal { name, goal } => {
                     let goal = postcard::from_bytes(goal).ok()?;
                     if name == Name::NONE {
                         *self.goal = goal;
                     } else {
-                        self.kept.keep(KeptGoal { name, goal }).ok()?;
+                        self.kept.save(NamedGoal { name, goal }).ok()?;
                     }
                 }
-                Record::End(_) => return Some(()),
+                ImageRecord::End(_) => return Some(()),
             }
         }
     }
 }
 
 /// The configuration in an image, which sends it first.
-fn told<const SENSORS: usize>(read: Read<'_>, most: usize) -> Result<Config<SENSORS>, Fault> {
+fn told<const SENSORS: usize>(read: Read<'_>, most: usize) -> Result<Config<SENSORS>, ImageError> {
     let mut buffer = [0; MAX_CONFIG];
     let mut length = 0_usize;
-    let mut walk = Walk::begin(read, most)?;
+    let mut walk = RecordReader::begin(read, most)?;
     loop {
         walk.next(read)?;
-        match Record::parse(walk.body()) {
-            Some(Record::Head(_)) => {}
-            Some(Record::Piece { part: 0, bytes, .. }) => {
+        match ImageRecord::parse(walk.body()) {
+            Some(ImageRecord::Head(_)) => {}
+            Some(ImageRecord::Piece { part: 0, bytes, .. }) => {
                 let end = length.saturating_add(bytes.len());
-                let place = buffer.get_mut(length..end).ok_or(Fault::Version)?;
+                let place = buffer.get_mut(length..end).ok_or(ImageError::Version)?;
                 for (place, byte) in place.iter_mut().zip(bytes) {
                     *place = *byte;
                 }
@@ -277,5 +277,5 @@ fn told<const SENSORS: usize>(read: Read<'_>, most: usize) -> Result<Config<SENS
             _ => break,
         }
     }
-    Config::from_bytes(buffer.get(..length).unwrap_or(&[])).ok_or(Fault::Version)
+    Config::from_bytes(buffer.get(..length).unwrap_or(&[])).ok_or(ImageError::Version)
 }

@@ -1,6 +1,6 @@
 use super::*;
 use crate::fixed::Weight;
-use crate::goal::{Component, Frame, MAX_KEPT};
+use crate::goal::{Component, GoalFrame, MAX_NAMED_GOALS};
 use crate::som::Grid;
 use proptest::prelude::*;
 use std::boxed::Box;
@@ -13,7 +13,7 @@ struct Mind<const SAMPLES: usize> {
     config: Config<16>,
     state: Box<State<16, 16, SAMPLES>>,
     goal: Goal<16>,
-    kept: KeptGoals<16>,
+    kept: NamedGoals<16>,
 }
 
 impl<const SAMPLES: usize> Mind<SAMPLES> {
@@ -22,7 +22,7 @@ impl<const SAMPLES: usize> Mind<SAMPLES> {
         Self {
             state: Box::new(State::new(Grid::rectangle(4, 4))),
             goal: Goal::avoiding(&config),
-            kept: KeptGoals::new(),
+            kept: NamedGoals::new(),
             config,
         }
     }
@@ -46,18 +46,18 @@ impl<const SAMPLES: usize> Mind<SAMPLES> {
             weight: 255,
         };
         mind.goal = Goal {
-            frame: Frame::Travel,
-            going_q16: u16::MAX,
-            steady_q16: u16::MAX,
+            frame: GoalFrame::Travel,
+            progress_q16: u16::MAX,
+            heading_hold_q16: u16::MAX,
             cap: Weight::MIN,
             tolerance: Weight::MIN,
             ..Goal::of([component; 16])
         };
-        for number in 0..MAX_KEPT {
+        for number in 0..MAX_NAMED_GOALS {
             let name: String = std::format!("goal-number-{number}");
             let name = Name::new(&name[name.len() - 12..]).unwrap();
             let goal = mind.goal;
-            mind.kept.keep(KeptGoal { name, goal }).unwrap();
+            mind.kept.save(NamedGoal { name, goal }).unwrap();
         }
         mind
     }
@@ -79,7 +79,7 @@ impl<const SAMPLES: usize> Mind<SAMPLES> {
         image
     }
 
-    fn read(&mut self, image: &[u8]) -> Result<Found, Fault> {
+    fn read(&mut self, image: &[u8]) -> Result<ImageInfo, ImageError> {
         self.read_from(&mut reader(image), image.len())
     }
 
@@ -87,7 +87,7 @@ impl<const SAMPLES: usize> Mind<SAMPLES> {
         &mut self,
         read: &mut dyn FnMut(usize, &mut [u8]) -> bool,
         most: usize,
-    ) -> Result<Found, Fault> {
+    ) -> Result<ImageInfo, ImageError> {
         let mut contents = ContentsMut {
             config: &mut self.config,
             state: &mut self.state,
@@ -108,7 +108,7 @@ fn reader(image: &[u8]) -> impl FnMut(usize, &mut [u8]) -> bool {
     }
 }
 
-fn checked(image: &[u8]) -> Result<Found, Fault> {
+fn checked(image: &[u8]) -> Result<ImageInfo, ImageError> {
     check(&mut reader(image), image.len())
 }
 
@@ -130,7 +130,7 @@ fn what_is_written_is_read() {
         .unwrap();
     for mind in [Mind::fresh(), learning, full] {
         let image = mind.image(41);
-        let found = Found {
+        let found = ImageInfo {
             generation: 41,
             bytes: image.len(),
         };
@@ -188,7 +188,7 @@ fn whatever_is_cut_or_changed_is_no_image_and_changes_nothing() {
     // Old bytes behind it do not matter.
     let longer = [&image[..], &[0x55; 300]].concat();
     assert_eq!(checked(&longer).map(|found| found.bytes), Ok(image.len()));
-    assert_eq!(checked(&[0xff; 600]), Err(Fault::Torn));
+    assert_eq!(checked(&[0xff; 600]), Err(ImageError::Torn));
 }
 
 #[test]
@@ -201,9 +201,9 @@ fn nothing_is_read_beyond_the_room_it_was_given() {
             whole(at, out)
         };
         let fault = if most < WORD {
-            Fault::Source
+            ImageError::Source
         } else {
-            Fault::Torn
+            ImageError::Torn
         };
         assert_eq!(check(&mut read, most), Err(fault));
     }
@@ -219,16 +219,16 @@ fn other_versions_and_robots_are_known_as_such() {
     later[6] = 2;
     let later = sealed(later);
     assert_eq!(checked(&later).map(|found| found.generation), Ok(7));
-    assert_eq!(mind.read(&later), Err(Fault::Version));
+    assert_eq!(mind.read(&later), Err(ImageError::Version));
     let hundred = Mind::<100>::full().image(7);
-    assert_eq!(mind.read(&hundred), Err(Fault::Dimensions));
+    assert_eq!(mind.read(&hundred), Err(ImageError::Dimensions));
     let mut few = Mind::<100>::fresh();
     assert!(few.read(&image).is_ok(), "a larger memory takes fewer");
     // Sealed, but its goals have names that are none.
     let name = image.windows(12).position(|bytes| bytes == b"oal-number-0");
     let mut strange = image.clone();
     strange[name.unwrap()] = 7;
-    assert_eq!(mind.read(&sealed(strange)), Err(Fault::Version));
+    assert_eq!(mind.read(&sealed(strange)), Err(ImageError::Version));
     assert!(!mind.state.has_learned() && mind.state.memory().samples().is_empty());
 }
 
@@ -259,10 +259,10 @@ proptest! {
 #[test]
 fn each_fault_has_words_of_its_own() {
     let faults = [
-        Fault::Source,
-        Fault::Torn,
-        Fault::Version,
-        Fault::Dimensions,
+        ImageError::Source,
+        ImageError::Torn,
+        ImageError::Version,
+        ImageError::Dimensions,
     ];
     let words = faults.map(|fault| std::format!("{fault}"));
     assert_eq!(words[0], "it cannot be read");
@@ -283,7 +283,7 @@ fn a_source_that_fails_is_said_to_and_changes_nothing() {
         let mut mind = Mind::<20>::fresh();
         let fault = mind.read_from(&mut read, image.len());
         assert!(
-            fault == Err(Fault::Source) && mind == Mind::fresh(),
+            fault == Err(ImageError::Source) && mind == Mind::fresh(),
             "{fails}"
         );
     }

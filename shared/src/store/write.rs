@@ -1,12 +1,12 @@
-//! From a mind to an image.
+//! Writes a controller as an image.
 
 use super::*;
 
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     Contents<'_, SENSORS, NEURONS, SAMPLES>
 {
-    /// Writes the image of this generation, front to back, each time a whole record of at most 256 bytes and a multiple of
-    /// [`WORD`]. No more than one of them is in memory.
+    /// Writes the image of this generation, front to back, each time a whole record of at most 256
+    /// bytes and a multiple of [`WORD`]. No more than one of them is in memory.
     ///
     /// # Errors
     /// The sink's.
@@ -18,7 +18,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         let mut digest = Checksum::new();
         digest.update(&MAGIC);
         sink(&MAGIC)?;
-        // Not a copy of it for each record.
+        // One copy of the code for all records.
         let put: &mut dyn FnMut(&Draft) -> Result<(), E> = &mut |record| {
             digest.update(record.as_bytes());
             sink(record.as_bytes())
@@ -95,8 +95,8 @@ struct Draft {
 }
 
 impl Draft {
-    /// A record of this kind with these fields. None is too long for its room: a piece takes 164 bytes, a goal of 32
-    /// transducers with the dearest numbers 248.
+    /// A record of this kind with these fields. None is too long for its room: a piece takes 164
+    /// bytes, a goal of 32 transducers at most 248.
     #[inline(never)]
     fn of(kind: u8, fields: &[&[u8]]) -> Self {
         let mut draft = Self {

@@ -1,17 +1,18 @@
-//! Consistent overhead byte stuffing (S. Cheshire and M. Baker, IEEE/ACM Transactions on Networking 7(2), 1999): bytes
-//! without a zero, so that a zero can end a frame.
+//! Consistent overhead byte stuffing (S. Cheshire and M. Baker, IEEE/ACM Transactions on Networking
+//! 7(2), 1999): bytes without a zero, so that a zero can end a frame.
 //!
-//! For at most [`MOST`] bytes, the coded form is exactly one byte longer. Cost: one pass over the bytes.
+//! For at most [`MOST`] bytes, the coded form is exactly one byte longer. Cost: one pass over the
+//! bytes.
 //!
-//! The crate `cobs` 0.5 gives the same bytes and cannot panic either, but does not encode in place. With it
-//! the F405's image takes 348 bytes more, unpacking a scan 9 400 instructions (6 000), packing a
-//! decision 5 800 (4 600).
+//! The crate `cobs` 0.5 gives the same bytes and cannot panic either, but does not encode in place.
+//! With it the F405's image takes 348 bytes more, unpacking a scan 9 400 instructions (6 000),
+//! packing a decision 5 800 (4 600).
 
 /// Most bytes that can be coded.
 pub const MOST: usize = 254;
 
-/// Codes the bytes behind the first one where they are; the first one is overwritten. Nothing for more than [`MOST`] bytes,
-/// and none at all.
+/// Codes the bytes behind the first one where they are; the first one is overwritten. Nothing for
+/// more than [`MOST`] bytes, and none at all.
 #[must_use]
 pub fn encode(bytes: &mut [u8]) -> Option<()> {
     if bytes.len() > MOST.wrapping_add(1) {
@@ -31,7 +32,8 @@ pub fn encode(bytes: &mut [u8]) -> Option<()> {
     Some(())
 }
 
-/// Undoes [`encode`]; returns the number of bytes. Nothing for a coded form that nothing has, or too little room.
+/// Undoes [`encode`]; returns the number of bytes. Nothing for a coded form that nothing has, or
+/// too little room.
 #[must_use]
 pub fn decode(coded: &[u8], data: &mut [u8]) -> Option<usize> {
     let (&first, rest) = coded.split_first()?;

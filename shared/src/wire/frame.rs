@@ -6,8 +6,9 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 /// Longest frame with its zero, bytes.
 pub const MAX_FRAME: usize = 256;
 
-/// Longest header and message in postcard's form, bytes: a frame less COBS's byte, the zero and the CRC.
-pub const MAX_BODY: usize = MAX_FRAME - 2 - CRC_BYTES;
+/// Longest header and message in postcard's form, bytes: a frame less COBS's byte, the zero and the
+/// CRC.
+pub(crate) const MAX_BODY: usize = MAX_FRAME - 2 - CRC_BYTES;
 
 const CRC_BYTES: usize = 4;
 
@@ -112,7 +113,8 @@ impl Frame {
 /// Unpacks a frame, given without its zero.
 ///
 /// # Errors
-/// [`FrameError`]: a damaged frame is never a message (a CRC-32 lets through fewer than one of 10⁹ damaged frames).
+/// [`FrameError`]: a damaged frame is never a message (a CRC-32 lets through fewer than one of 10⁹
+/// damaged frames).
 // Its buffer is to leave the stack before the message is dealt with.
 #[inline(never)]
 pub fn unpack<M: DeserializeOwned>(frame: &[u8]) -> Result<(Header, M), FrameError> {
@@ -133,8 +135,8 @@ pub fn unpack<M: DeserializeOwned>(frame: &[u8]) -> Result<(Header, M), FrameErr
     }
 }
 
-/// Collects bytes until a zero ends a frame. Work per byte is constant; bytes beyond the longest frame are dropped with
-/// everything up to the next zero.
+/// Collects bytes until a zero ends a frame. Work per byte is constant; bytes beyond the longest
+/// frame are dropped with everything up to the next zero.
 #[derive(Debug, Clone)]
 pub struct Receiver {
     buffer: [u8; MAX_FRAME],
@@ -161,7 +163,8 @@ impl Receiver {
         }
     }
 
-    /// Takes a byte; returns the frame it ends, without its zero. Empty frames (a zero after a zero) are no frames.
+    /// Takes a byte; returns the frame it ends, without its zero. Empty frames (a zero after a
+    /// zero) are no frames.
     pub fn push(&mut self, byte: u8) -> Option<&[u8]> {
         if self.ended {
             (self.length, self.ended) = (0, false);

@@ -6,10 +6,10 @@ use super::message::{
 };
 use super::*;
 use crate::config::Config;
-use crate::controller::{Decision, PartError, Progress, Refusal as CommandRefusal, StopReason};
-use crate::faults::Fault;
+use crate::controller::{CommandRefusal, Decision, PartError, Progress, StopReason};
+use crate::faults::SensorFault;
 use crate::fixed::Weight;
-use crate::goal::{Component, Frame as GoalFrame, Goal, Name};
+use crate::goal::{Component, Goal, GoalFrame, Name};
 use crate::parameters::{Parameter, ParameterError};
 use crate::planner::{Plan, Why};
 use crate::units::Displacement;
@@ -56,8 +56,8 @@ fn to_mind() -> std::vec::Vec<(&'static str, ToMind<16>)> {
     });
     let goal = Goal {
         frame: GoalFrame::Travel,
-        going_q16: 8_700,
-        steady_q16: 1_300,
+        progress_q16: 8_700,
+        heading_hold_q16: 1_300,
         ..Goal::of(core::array::from_fn(|i| match i {
             0 => Component::at_most(Weight::from_bits(4_096)),
             12 => Component::equal(Weight::from_bits(7_000)),
@@ -270,7 +270,7 @@ fn from_mind() -> std::vec::Vec<(&'static str, FromMind<16>)> {
             "log: a transducer",
             FromMind::Log(Notice::Disbelieved {
                 sensor: 3,
-                fault: Fault::Dead,
+                fault: SensorFault::Dead,
             }),
         ),
         ("done", FromMind::Done { seq: 6 }),
@@ -301,7 +301,8 @@ fn there_and_back<M: Serialize + DeserializeOwned + PartialEq + Debug>(message: 
     words.collect::<std::vec::Vec<_>>().join(" ")
 }
 
-/// The examples of PROTOCOL.md are what the program sends, every message of both directions among them.
+/// The examples of PROTOCOL.md are what the program sends, every message of both directions among
+/// them.
 #[test]
 fn the_documented_examples_are_what_is_sent() {
     let to = to_mind().into_iter();
@@ -372,8 +373,8 @@ fn the_longest_messages_fit_a_frame() {
     };
     let goal = Goal {
         frame: GoalFrame::Travel,
-        going_q16: u16::MAX,
-        steady_q16: u16::MAX,
+        progress_q16: u16::MAX,
+        heading_hold_q16: u16::MAX,
         cap: Weight::MIN,
         tolerance: Weight::MIN,
         ..Goal::of([component; 16])

@@ -9,7 +9,7 @@ use super::bench::{Clocks, Ready, SESSION, coded, command, numbered, scan};
 use super::channel::{Badness, Channel, Come};
 use super::{Progress, Verdict, below, generator, grouped, parts};
 use amp::controller::{Mode, Progress as Way, StopReason};
-use amp::link::{Link, Verdict as Judged};
+use amp::link::{FrameVerdict as Judged, Link};
 use amp::node::FrameSink;
 use amp::units::Millis;
 use amp::wire::frame::{Header, unpack};

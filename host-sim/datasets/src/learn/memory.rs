@@ -11,6 +11,9 @@ use files::error::BadInput;
 use tinysom::fixed::{FINE_ONE_BITS, Weight32};
 use tinysom::{DynSom, Grid, Mask, TrainConfig};
 
+/// By neuron: the mean action of the samples it won; `None` where it won none.
+pub type Labels = Vec<Option<Vec<f64>>>;
+
 /// A codebook with answers.
 #[derive(Debug, Clone)]
 pub struct Memory {
@@ -89,7 +92,7 @@ impl Memory {
     ///
     /// # Errors
     /// See [`of_the_mean`](Self::of_the_mean).
-    pub fn of_map(map: &DynSom, pairs: &Pairs) -> Result<(Self, Vec<Option<Vec<f64>>>), BadInput> {
+    pub fn of_map(map: &DynSom, pairs: &Pairs) -> Result<(Self, Labels), BadInput> {
         let mut won = vec![Vec::new(); map.grid().len()];
         for (index, input) in pairs.inputs.chunks_exact(pairs.dims).enumerate() {
             let bmu = map.bmu(input, Mask::ALL);

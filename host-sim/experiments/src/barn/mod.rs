@@ -21,7 +21,7 @@ use crate::baselines::{PotentialField, VfhPlus, potential_field, vfh_plus};
 
 use amp::config::Config;
 use amp::controller::{Event, Outputs};
-use amp::shield::Shielding;
+use amp::shield::ShieldConfig;
 use amp::units::Millis;
 use arena::robot::{COLLISION_RADIUS_M, TurretMode};
 use arena::sonar::SonarModel;
@@ -222,7 +222,7 @@ struct Homing<P> {
 }
 
 impl<P: Policy> Homing<P> {
-    fn new(policy: P, shield: Option<Shielding>, target: Option<Point>) -> Self {
+    fn new(policy: P, shield: Option<ShieldConfig>, target: Option<Point>) -> Self {
         Self {
             pilot: RingPilot::new(policy, shield),
             target,

@@ -3,7 +3,7 @@
 //! The maps know 16 sonars. In free space nothing they perceive says where a distant place is; a component more does: the
 //! place's bearing. How it changes need not be learned: a step towards the place brings the robot nearer by the whole step, one
 //! aside by nothing, so a direction is worth the cosine of its angle to the bearing. That is what the look-ahead does with
-//! the direction of travel already (`Goal::going_q16`): the crate's own planner is asked with the bearing in the course's
+//! the direction of travel already (`Goal::progress_q16`): the crate's own planner is asked with the bearing in the course's
 //! place. The maps stay those of 16 components, learned as always, and the chip's program stays as it is.
 
 use amp::config::Config;
@@ -55,7 +55,7 @@ impl Seeker {
         let config = mind.config().clone();
         let clearance = Range::from_mm((tuning.clearance_m * 1e3) as u16);
         let goal = Goal {
-            going_q16: (tuning.pull * 65_536.0) as u16,
+            progress_q16: (tuning.pull * 65_536.0) as u16,
             ..Goal::nothing_within(clearance, config.encoding)
         };
         Ok(Self {

@@ -7,7 +7,7 @@ use crate::baselines::{
     learning::Schooling, nearest,
 };
 use amp::config::Config;
-use amp::controller::Part;
+use amp::controller::StatePart;
 use arena::noise::Noise;
 use arena::robot::TurretMode;
 use arena::sonar::SonarModel;
@@ -210,7 +210,12 @@ impl Place<'_> {
         let mut watched = Watched::new(Mind::new(config), self.conditions.timed);
         let report = run_with(self.world, &setup, &mut watched, |_, _, _| {})?.report;
         let state = watched.driver().state();
-        let parts = [Part::Situations, Part::Changes, Part::Actions, Part::Memory];
+        let parts = [
+            StatePart::Situations,
+            StatePart::Changes,
+            StatePart::Actions,
+            StatePart::Memory,
+        ];
         Ok(vec![Outcome {
             learning_contacts: report.explore_contacts,
             contacts: report.contacts,

@@ -107,7 +107,7 @@ fn one(reading: &Reading, world: &World, seed: u64) -> Result<Room, Failure> {
 
 /// The situations the map has learned from: where every sample counts turned by each ring step, all of those.
 fn lessons(state: &SimState, reading: &Reading) -> Vec<Situation<16>> {
-    let turns = if reading.config.learning.turned {
+    let turns = if reading.config.learning.augment_rotations {
         16
     } else {
         1

@@ -34,7 +34,7 @@ use files::read_text;
 use files::toml_reader::TomlText;
 use serde::Deserialize;
 use sim::scenes::Behavior;
-use sim::settings::SETTINGS;
+use sim::settings::{SETTINGS, is_key};
 use std::ops::Range;
 use std::path::Path;
 use toml::Spanned;
@@ -271,7 +271,7 @@ impl File<'_> {
         let known: Vec<_> = flags
             .chain(SETTINGS.iter().map(|setting| setting.key))
             .collect();
-        if known.contains(&key) {
+        if known.contains(&key) || is_key(key) {
             return Ok(());
         }
         let elsewhere = match key {

@@ -2,8 +2,8 @@
 
 use super::{Fingerprint, LinkError, Session, next_number};
 use amp::config::Config;
-use amp::controller::Part as StatePart;
-use amp::goal::{Goal, KeptGoal, KeptGoals, Name};
+use amp::controller::StatePart;
+use amp::goal::{Goal, Name, NamedGoal, NamedGoals};
 use amp::node::MAX_CONFIG;
 use amp::som::Grid;
 use amp::store::{Contents, ContentsMut};
@@ -33,7 +33,7 @@ pub struct Knowledge {
     config: Config<16>,
     state: Box<SimState>,
     goal: Goal<16>,
-    kept: KeptGoals<16>,
+    kept: NamedGoals<16>,
 }
 
 impl Knowledge {
@@ -46,7 +46,7 @@ impl Knowledge {
     fn new(config: Config<16>, state: SimState) -> Self {
         Self {
             goal: Goal::avoiding(&config),
-            kept: KeptGoals::new(),
+            kept: NamedGoals::new(),
             state: Box::new(state),
             config,
         }
@@ -66,7 +66,7 @@ impl Knowledge {
             if name == Name::NONE {
                 knowledge.goal = goal;
             } else {
-                let kept = knowledge.kept.keep(KeptGoal { name, goal });
+                let kept = knowledge.kept.save(NamedGoal { name, goal });
                 kept.map_err(|_| LinkError::Unlike { what: "goals" })?;
             }
         }
@@ -114,7 +114,7 @@ impl Knowledge {
             }
         }
         session.write_part(Part::Config, &Self::of_config(&self.config)?)?;
-        for KeptGoal { name, goal } in self.kept.as_slice() {
+        for NamedGoal { name, goal } in self.kept.as_slice() {
             let goal = Order::Goal(GoalBy::Components(*goal));
             session.order(session.elapsed_ms(), goal)?;
             session.ask(&ToMind::Keep { name: *name })?;

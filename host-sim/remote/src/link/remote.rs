@@ -152,7 +152,7 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
     /// Transducers it uses.
     #[must_use]
     pub fn enabled(&self) -> Mask {
-        Mask::from_bits(self.config.believed.to_bits() & !self.disabled.to_bits())
+        Mask::from_bits(self.config.enabled.to_bits() & !self.disabled.to_bits())
     }
 
     /// What the mind had instead of this configuration, empty maps and an empty memory before it was told; in words.

@@ -57,18 +57,18 @@ pub fn refusal(why: Refusal) -> String {
     }
 }
 
-fn command(why: controller::Refusal) -> String {
+fn command(why: controller::CommandRefusal) -> String {
     match why {
-        controller::Refusal::Moves { most } => {
+        controller::CommandRefusal::Moves { most } => {
             format!("it takes from 1 to {most} random moves")
         }
-        controller::Refusal::NoSamples => {
+        controller::CommandRefusal::NoSamples => {
             "there is nothing to learn from: explore first, or push a memory".into()
         }
-        controller::Refusal::NotLearnt => {
+        controller::CommandRefusal::NotLearnt => {
             "it has not learned yet: learn first, or push maps".into()
         }
-        controller::Refusal::NothingToResume => "no stop has interrupted anything".into(),
+        controller::CommandRefusal::NothingToResume => "no stop has interrupted anything".into(),
     }
 }
 

@@ -1,7 +1,9 @@
 //! What stands in the channels of our own, as it is written.
 
 use amp::config::Config;
-use amp::controller::{Command, Decision, Event, Motion, Outputs, Progress, Refusal, StopReason};
+use amp::controller::{
+    Command, CommandRefusal, Decision, Event, Motion, Outputs, Progress, StopReason,
+};
 use amp::fixed::Weight;
 use amp::goal::Goal;
 use amp::planner::Plan;
@@ -228,7 +230,7 @@ pub struct Answer {
     /// The mode changed.
     pub mode_changed: bool,
     /// A command was refused.
-    pub refusal: Option<Refusal>,
+    pub refusal: Option<CommandRefusal>,
 }
 
 impl Answer {

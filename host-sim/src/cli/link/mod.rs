@@ -7,7 +7,7 @@ use super::Failure;
 use super::remote::{named, open};
 use amp::config::Config;
 use amp::fixed::Weight;
-use amp::goal::{Goal, KeepError, Name};
+use amp::goal::{Goal, Name, SaveGoalError};
 use amp::wire::ToMind;
 use amp::wire::message::{Clock, Flash, FromMind, GoalBy, ModeReport, Order};
 use clap::{Args, Subcommand, ValueEnum};
@@ -237,7 +237,7 @@ impl Task {
 /// A name to keep a goal under.
 fn name(text: &str) -> Result<Name, BadInput> {
     let name = Name::new(text);
-    name.ok_or_else(|| BadInput::new(format!("\"{text}\": {}", KeepError::Name)))
+    name.ok_or_else(|| BadInput::new(format!("\"{text}\": {}", SaveGoalError::Name)))
 }
 
 /// A behavior's goal, for the ranges of the preset `default`, or a file's.

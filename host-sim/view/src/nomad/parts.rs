@@ -4,7 +4,7 @@ use super::{Doing, WatchedNomad};
 use crate::seen::{meters, millimeters, plan_seen, pose_seen, ring, xy};
 use crate::snapshot::{Counts, Now, Part, Ring, Scene, Short, Showable, Snapshot, Xy};
 use crate::source::Source as _;
-use amp::config::Choice;
+use amp::config::PlannerKind;
 use amp::controller::Decision;
 use amp::planner::difference;
 use amp::units::Displacement;
@@ -63,7 +63,7 @@ impl WatchedNomad {
             turret: "held".to_owned(),
             moves: start.explore_moves,
             mind: self.mind.name.clone(),
-            recalls: config.planning.choice == Choice::Recall,
+            recalls: config.planning.planner == PlannerKind::Recall,
             abilities: self.abilities(),
             behaviors: names.map(about).collect(),
             worlds: Vec::new(),
@@ -101,7 +101,7 @@ impl WatchedNomad {
             resumes: self.doing == Doing::Stopped && self.interrupted != Doing::Idle,
             done: Short(done),
             ranges_m: self.reins.ranges_m().map(|range| range.map(Short)),
-            on: std::array::from_fn(|sensor| self.config.believed.contains(sensor)),
+            on: std::array::from_fn(|sensor| self.config.enabled.contains(sensor)),
             situation: ring(&situation),
             changed: self.changed(),
             plan,

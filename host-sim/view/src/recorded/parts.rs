@@ -4,7 +4,7 @@ use super::Recorded;
 use crate::seen::{meters, millimeters, plan_seen, pose_seen, ring, xy};
 use crate::snapshot::{Counts, Now, Part, Ring, Scene, Short, Showable, Snapshot, Xy};
 use crate::source::Source as _;
-use amp::config::Choice;
+use amp::config::PlannerKind;
 use amp::controller::{Decision, Mode};
 use amp::fixed::Weight;
 use amp::planner::difference;
@@ -71,7 +71,7 @@ impl Recorded {
             turret: setup.turret.clone(),
             moves: setup.explore_moves,
             mind: "from the log".to_owned(),
-            recalls: config.planning.choice == Choice::Recall,
+            recalls: config.planning.planner == PlannerKind::Recall,
             abilities: self.abilities(),
             behaviors: Behavior::NAMES.iter().map(about).collect(),
             worlds: vec![setup.world.clone()],

@@ -4,7 +4,7 @@ use super::{Doing, Simulator};
 use crate::seen::{meters, millimeters, plan_seen, pose_seen, ring, shape_seen, xy};
 use crate::snapshot::{Counts, Now, Part, Ring, Scene, Short, Showable, Snapshot, Xy};
 use crate::source::Source as _;
-use amp::config::Choice;
+use amp::config::PlannerKind;
 use amp::planner::difference;
 use amp::units::Displacement;
 use arena::robot::COLLISION_RADIUS_M;
@@ -167,7 +167,7 @@ fn scene(simulator: &Simulator) -> Scene {
         turret: setup.turret.name().to_owned(),
         moves: setup.explore_moves,
         mind: simulator.mind.inner().name(),
-        recalls: config.planning.choice == Choice::Recall,
+        recalls: config.planning.planner == PlannerKind::Recall,
         abilities: simulator.abilities(),
         behaviors: Behavior::NAMES.iter().map(|name| about(name)).collect(),
         worlds,

@@ -1,7 +1,7 @@
 //! What is learned on the way, move by move.
 
 use super::*;
-use crate::config::{Choice, Online, Taught};
+use crate::config::{LearnFrom, Online, PlannerKind};
 use crate::fixed::Weight32;
 
 #[test]
@@ -32,7 +32,7 @@ fn without_online_learning_the_maps_stay() {
 fn rates_of_online_learning_fall_as_one_over_n_and_begin_anew_with_new_maps() {
     let mut bench = Bench::ready(Config::recommended());
     let state = &mut bench.state;
-    assert_eq!(state.lessons, 0);
+    assert_eq!(state.updates, 0);
     let mut halvings = 0;
     for lesson in 1..=70_000_u32 {
         let now = state.halvings();
@@ -47,14 +47,14 @@ fn rates_of_online_learning_fall_as_one_over_n_and_begin_anew_with_new_maps() {
     }
     assert_eq!(halvings, 5);
     bench.send(Event::Command(Command::Learn));
-    assert_eq!(bench.state.lessons, 0);
+    assert_eq!(bench.state.updates, 0);
 }
 
 #[test]
 fn a_map_that_has_learned_long_moves_less() {
-    let moved = |lessons| {
+    let moved = |updates| {
         let mut bench = Bench::ready(Config::recommended());
-        bench.state.lessons = lessons;
+        bench.state.updates = updates;
         bench.send(Event::Command(Command::Seek(Goal::free_of_obstacles())));
         bench.step();
         let before = bench.state.situations().code().to_vec();
@@ -70,8 +70,8 @@ fn a_map_that_has_learned_long_moves_less() {
     assert!((old / young - 1.0 / 32.0).abs() < 0.005, "{old} of {young}");
 }
 
-/// What one move teaches while the robot seeks: a robot that gets half as far as it was to, its maps before and after, and the
-/// neuron it asked.
+/// What one move teaches while the robot seeks: a robot that gets half as far as it was to, its
+/// maps before and after, and the neuron it asked.
 fn taught_by_half_a_move(change: impl Fn(&mut Config<16>)) -> (Robot, Robot, Motion, usize) {
     taught(change, |asked| asked.with_length(asked.length_mm() / 2))
 }
@@ -129,7 +129,7 @@ fn each_move_teaches_the_winners_alone_or_their_neighbors_as_well() {
     };
     assert!(towards(0.5, &before, &after, actions[0]));
     let (before, after, _, _) =
-        taught_by_half_a_move(|config| config.learning.taught = Taught::Commanded);
+        taught_by_half_a_move(|config| config.learning.learn_from = LearnFrom::Commanded);
     let [_, actions] = changed(&before, &after);
     assert!(towards(1.0, &before, &after, actions[0]));
     let shared = |config: &mut Config<16>| {
@@ -159,7 +159,8 @@ fn each_move_teaches_the_winners_alone_or_their_neighbors_as_well() {
     assert_ne!(changed(&before, &after)[1], [asked]);
 }
 
-/// What the one neuron that learned from a move was taught of action and change: it went a fiftieth of the way there.
+/// What the one neuron that learned from a move was taught of action and change: it went a fiftieth
+/// of the way there.
 fn lesson(before: &Robot, after: &Robot) -> ([f64; 2], [f64; 16]) {
     let [_, winners] = changed(before, after);
     assert_eq!(winners.len(), 1);
@@ -185,7 +186,8 @@ fn turned(action: [f64; 2], motion: Motion) -> u16 {
     taught.minus(motion.displacement.bearing()).as_turns()
 }
 
-/// One step ahead, moves are taught turned by a random number of ring places, change and action alike.
+/// One step ahead, moves are taught turned by a random number of ring places, change and action
+/// alike.
 #[test]
 fn what_is_learned_on_the_way_is_turned_with_the_ring() {
     let (before, after, motion, _) =
@@ -213,14 +215,14 @@ fn what_is_learned_on_the_way_is_turned_with_the_ring() {
 #[cfg_attr(miri, ignore = "four robots made ready: minutes")]
 fn what_is_learned_on_the_way_is_not_turned_where_that_would_be_another_ring() {
     let changes: [fn(&mut Config<16>); 4] = [
-        |config| config.learning.turned = false,
-        |config| config.believed = Mask::ALL.without(11),
+        |config| config.learning.augment_rotations = false,
+        |config| config.enabled = Mask::ALL.without(11),
         // The first transducer need not look ahead.
         |config| {
             config.robot.symmetric = false;
             config.robot.directions.rotate_left(4);
         },
-        |config| config.planning.choice = Choice::Recall,
+        |config| config.planning.planner = PlannerKind::Recall,
     ];
     for change in changes {
         let (before, after, motion, _) = taught_by_half_a_move(|config| {

@@ -191,7 +191,8 @@ fn echoes_from_before_the_motions_end_do_not_complete_a_ring() {
     assert!(bench.says(Some(1_500), 300)[15].motion.is_some());
 }
 
-/// The robot was elsewhere when they were heard, or something newer is known: the shield does not learn of them either.
+/// The robot was elsewhere when they were heard, or something newer is known: the shield does not
+/// learn of them either.
 #[test]
 fn echoes_that_are_not_used_do_not_reach_the_shield() {
     let (mut bench, motion) = Bench::moving();
@@ -250,7 +251,7 @@ fn what_comes_nearer_does_not_put_the_deadline_off_for_ever() {
 #[test]
 fn what_a_transducer_hears_that_is_not_believed_is_no_echo() {
     let mut bench = Bench::new(Config {
-        believed: Mask::ALL.without(4),
+        enabled: Mask::ALL.without(4),
         ..Config::recommended()
     });
     bench.send(Event::Command(Command::Explore { moves: 9, seed: 3 }));
@@ -270,10 +271,8 @@ fn what_a_transducer_hears_that_is_not_believed_is_no_echo() {
 #[test]
 fn three_rings_without_any_echo_stop_the_robot() {
     let silent = |open_space: bool| {
-        let mut bench = Bench::new(Config {
-            open_space,
-            ..Config::recommended()
-        });
+        let mut bench = Bench::new(Config::recommended());
+        bench.state.expect_open_space(open_space);
         bench.send(Event::Command(Command::Explore { moves: 9, seed: 3 }));
         let mut moves = 0;
         for _ in 0..8 {
@@ -353,7 +352,8 @@ fn a_clock_that_is_set_back_lets_the_ring_begin_anew() {
     assert!(bench.is_stopped(StopReason::Overdue));
 }
 
-/// The detector is part of the robot: through the documented function alone a dead transducer is disabled.
+/// The detector is part of the robot: through the documented function alone a dead transducer is
+/// disabled.
 #[test]
 fn the_controller_disables_a_dead_transducer_and_says_so() {
     let mut bench = Bench::new(Config::recommended());
@@ -369,13 +369,13 @@ fn the_controller_disables_a_dead_transducer_and_says_so() {
         // It looks at another place.
         bench.report(bench.time, 0, 300, Progress::Moving);
     }
-    let disabled = crate::faults::Verdict {
+    let disabled = crate::faults::SensorVerdict {
         sensor: 6,
-        fault: Some(crate::faults::Fault::Unheard),
+        fault: Some(crate::faults::SensorFault::Unheard),
     };
     assert!(verdicts.contains(&disabled), "{verdicts:?}");
     assert_eq!(bench.state.enabled(&bench.config), Mask::ALL.without(6));
-    assert_eq!(bench.config.believed, Mask::ALL);
+    assert_eq!(bench.config.enabled, Mask::ALL);
     bench.state.trust(Mask::ALL);
     assert_eq!(bench.state.enabled(&bench.config), Mask::ALL);
 }

@@ -33,7 +33,7 @@ fn a_shortened_motion_is_the_same_one_slower_and_never_longer() {
 #[test]
 fn what_a_disabled_transducer_hears_is_nothing_to_the_shield() {
     let mut bench = Bench::new(Config::recommended());
-    bench.config.believed = Mask::ALL.without(3);
+    bench.config.enabled = Mask::ALL.without(3);
     bench.ring();
     let before = bench.state.shield.clone();
     for (sensor, is_used) in [(3, false), (4, true)] {
@@ -43,7 +43,8 @@ fn what_a_disabled_transducer_hears_is_nothing_to_the_shield() {
     }
 }
 
-/// From one place a thing in the gap between two lobes is not heard; where the robot's first way leads there, it touches.
+/// From one place a thing in the gap between two lobes is not heard; where the robot's first way
+/// leads there, it touches.
 #[test]
 fn the_first_move_is_a_short_one_across_the_way() {
     let across = |bench: &mut Bench, turns: u16| {
@@ -64,7 +65,8 @@ fn the_first_move_is_a_short_one_across_the_way() {
     let (turns, distance_mm) = across(&mut bench, 3_000).expect("a step aside");
     assert!((15_900..16_900).contains(&turns.unsigned_abs()), "{turns}");
     assert_eq!(distance_mm, 80);
-    // Against a wall on the left: to the right, and in a corner of a narrow corridor along the way at once.
+    // Against a wall on the left: to the right, and in a corner of a narrow corridor along the way
+    // at once.
     bench.y = 1_650;
     bench.state.shield.forget();
     bench.ring();
@@ -76,7 +78,8 @@ fn the_first_move_is_a_short_one_across_the_way() {
         "nothing is known without a shield"
     );
     bench.config = Config::recommended();
-    // Once 70 mm of way lie behind it, the robot knows a second view; after ten minutes of silence it was carried.
+    // Once 70 mm of way lie behind it, the robot knows a second view; after ten minutes of silence
+    // it was carried.
     bench
         .state
         .shield
@@ -95,7 +98,8 @@ fn the_first_move_is_a_short_one_across_the_way() {
     assert!(across(&mut bench, 0).is_some());
 }
 
-/// Something straight ahead, and on either side or both: where more than half of the way is left the robot keeps it.
+/// Something straight ahead, and on either side or both: where more than half of the way is left
+/// the robot keeps it.
 #[test]
 fn who_finds_a_way_closed_takes_a_detour() {
     let config = Config::recommended();
@@ -124,7 +128,8 @@ fn who_finds_a_way_closed_takes_a_detour() {
     assert_eq!(taken(&all).0, 0);
 }
 
-/// Two phantom echoes: what is free between them lies between 251° and 266°, and the robot's actions are 22.5° apart.
+/// Two phantom echoes: what is free between them lies between 251° and 266°, and the robot's
+/// actions are 22.5° apart.
 #[test]
 fn who_finds_all_ways_closed_tries_others_until_one_is_free() {
     let mut bench = Bench::ready(Config::recommended());

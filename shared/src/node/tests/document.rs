@@ -2,9 +2,9 @@
 
 use super::*;
 use crate::controller::supervise::{SILENT_RINGS, SLACK_MS};
-use crate::goal::MAX_KEPT;
+use crate::goal::MAX_NAMED_GOALS;
 use crate::link::offset::{SLOT_MS, SLOTS};
-use crate::node::kept;
+use crate::node::reply_cache;
 use crate::wire::frame::MAX_FRAME;
 use crate::wire::message::{MAX_ECHOES, MAX_PIECE};
 use crate::wire::tests::document::{DOCUMENT, check_block};
@@ -34,8 +34,8 @@ fn documented_constants_are_those_of_the_program() {
         format!("{MAX_PIECE}bytes"),
         format!("{MAX_ECHOES}echoes"),
         format!("{MAX_CONFIG}bytes"),
-        format!("{}bytes", kept::MOST),
-        format!("{MAX_KEPT}goals"),
+        format!("{}bytes", reply_cache::MAX_BYTES),
+        format!("{MAX_NAMED_GOALS}goals"),
         format!("{SILENCE_MS}ms"),
         format!("{MOTION_TTL_MS}ms"),
         format!("{RENEWAL_MS}ms"),
@@ -53,12 +53,15 @@ fn documented_constants_are_those_of_the_program() {
         format!("has at most {MAX_FRAME} bytes"),
         format!("of more than {MAX_PIECE} bytes"),
         format!("of more than {MAX_ECHOES} echoes"),
-        format!("keeps {} bytes of its latest answer", kept::MOST),
+        format!(
+            "keeps {} bytes of its latest answer",
+            reply_cache::MAX_BYTES
+        ),
         format!("at least every {SILENCE_MS} ms"),
         format!("time to live of {MOTION_TTL_MS} ms"),
         format!("under way every {RENEWAL_MS} ms"),
         format!("÷ speed + {SLACK_MS} ms"),
-        format!("at most {MAX_KEPT}\ngoals"),
+        format!("at most {MAX_NAMED_GOALS}\ngoals"),
     ];
     for sentence in sentences {
         assert!(DOCUMENT.contains(&sentence), "{sentence}");

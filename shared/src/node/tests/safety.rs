@@ -304,7 +304,8 @@ fn the_device_stops_the_robot_and_ends_a_motion() {
     assert!(motion(&rig.ring(900)).is_some());
 }
 
-/// Such values would put the deadlines off for ever; whether silence is free space is said by the hello alone.
+/// Such values would put the deadlines off for ever; whether silence is free space is said by the
+/// hello alone.
 #[test]
 fn a_configuration_that_nobody_could_supervise_is_refused() {
     let write = |change: &dyn Fn(&mut Config<16>)| {
@@ -323,7 +324,7 @@ fn a_configuration_that_nobody_could_supervise_is_refused() {
                 last: number + 1 == pieces.len(),
             }));
         }
-        (refused, rig.node.config().open_space)
+        (refused, rig.node.state().expects_open_space())
     };
     assert_eq!(write(&|config| config.open_space = true), (None, false));
     let robots: [&dyn Fn(&mut Config<16>); 5] = [

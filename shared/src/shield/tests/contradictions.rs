@@ -15,7 +15,8 @@ fn ring(shield: &mut Shield<16>, config: &Config<16>, thing: Option<(usize, u16)
 /// Nearer to a bound than this either answer is right, mm: sines and roundings.
 const SLACK: f64 = 8.0;
 
-/// What a cone along x from the origin, by an echo of this range, makes of a point; `None` where some millimeters decide.
+/// What a cone along x from the origin, by an echo of this range, makes of a point; `None` where
+/// some millimeters decide.
 fn is_contradicted((along, aside): (f64, f64), range: f64, arc_range: f64) -> Option<bool> {
     let inside_by = |slack: f64| {
         let distance = along + aside.abs() / 4.0;
@@ -40,7 +41,7 @@ proptest! {
         face in (-250_i16..250, -250_i16..250), turn in -10_000_i16..10_000,
         range in 154_u16..1_400, heard in 154_u16..2_000,
     ) {
-        let shielding = Shielding::nomad200();
+        let shielding = ShieldConfig::nomad200();
         let lobe = Lobe::of(shielding.half_lobe);
         let ahead = Bearing::ZERO.direction();
         let cone = Cone::new(mm(0, 0), ahead, echo(Some(Range::from_mm(heard)), 1));
@@ -104,7 +105,8 @@ fn time_alone_opens_no_way() {
     }
 }
 
-/// Echoes may come late: what was heard after them is not contradicted, and a time that goes back is no long silence.
+/// Echoes may come late: what was heard after them is not contradicted, and a time that goes back
+/// is no long silence.
 #[test]
 fn an_echo_contradicts_nothing_newer() {
     let config = Config::recommended();
@@ -156,7 +158,8 @@ fn a_cone_is_the_same_by_its_axis_and_by_its_face() {
     assert!(!is_same(&heard_from(mm(231, 2), ahead.x_q14, 0)));
 }
 
-/// A corner 19° beside the axis of transducer 0, 0.17 m from its face, stands in no lobe. It was heard before the ring turned.
+/// A corner 19° beside the axis of transducer 0, 0.17 m from its face, stands in no lobe. It was
+/// heard before the ring turned.
 #[test]
 fn a_turn_of_the_ring_contradicts_nothing_that_left_its_lobe() {
     let config = Config::recommended();
@@ -253,8 +256,9 @@ fn who_looks_from_another_side_contradicts_nothing() {
     assert!(after(5) > 272);
 }
 
-/// Transducer 4 heard its shortest range. From elsewhere 5 looks past its face, and what it hears may be where the arc is.
-/// So the arc stays: the way along it is free, and the one towards it ends.
+/// Transducer 4 heard its shortest range. From elsewhere 5 looks past its face, and what it hears
+/// may be where the arc is. So the arc stays: the way along it is free, and the one towards it
+/// ends.
 #[test]
 fn the_place_before_an_arc_is_looked_through_on_its_own() {
     let config = Config::recommended();
@@ -270,8 +274,8 @@ fn the_place_before_an_arc_is_looked_through_on_its_own() {
     assert!(towards < 100, "{towards}");
 }
 
-/// A reading below the shortest range keeps its arc there. An echo from little beyond contradicts nothing, though it comes from
-/// far beyond the reading.
+/// A reading below the shortest range keeps its arc there. An echo from little beyond contradicts
+/// nothing, though it comes from far beyond the reading.
 #[test]
 fn a_reading_below_the_shortest_range_counts_as_that() {
     let config = Config::recommended();
@@ -280,7 +284,8 @@ fn a_reading_below_the_shortest_range_counts_as_that() {
     for time in [6, 7] {
         ring(&mut shield, &config, Some((4, 250)), time);
     }
-    // The face is at 311, the arc 153 farther, the robot's body and margin reach 359: 105, less roundings.
+    // The face is at 311, the arc 153 farther, the robot's body and margin reach 359: 105, less
+    // roundings.
     let (free, _) = way(&shield, &config, mm(0, 240), 8);
     assert!((101..=105).contains(&free), "{free}");
 }

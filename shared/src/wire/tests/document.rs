@@ -6,7 +6,7 @@ use crate::fixed::{Gain, Mask, ONE_BITS};
 use crate::node::MOTION_TTL_MS;
 use crate::parameters::{Parameter, Unit};
 use crate::scan::Echo;
-use crate::shield::{ARCS_PER_SENSOR, Shield, Shielding};
+use crate::shield::{ARCS_PER_SENSOR, Shield, ShieldConfig};
 use crate::som::{Decay, Schedule};
 use crate::units::{Bearing, Displacement, Millis, Range};
 use crate::wire::PROTOCOL;
@@ -22,7 +22,8 @@ pub(crate) static DOCUMENT: LazyLock<String> =
 const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/PROTOCOL.md");
 const GRAMMAR: &str = include_str!("../schema.txt");
 
-/// Compares a block of the document, by its language, with what it should hold; `UPDATE_GOLDEN=1` writes it anew.
+/// Compares a block of the document, by its language, with what it should hold; `UPDATE_GOLDEN=1`
+/// writes it anew.
 pub(crate) fn check_block(language: &str, wanted: &str) {
     // Several blocks of one file may be written at once.
     static FILE: Mutex<()> = Mutex::new(());
@@ -194,7 +195,8 @@ fn every_number_has_its_unit() {
     }
 }
 
-/// Least and greatest value of a type of integers, or of the integers in an option or an array; `None` for other types.
+/// Least and greatest value of a type of integers, or of the integers in an option or an array;
+/// `None` for other types.
 fn whole(kind: &str) -> Option<(i128, i128)> {
     let inner = kind.strip_prefix("option<").or(kind.strip_prefix('['));
     let inner = inner.unwrap_or(kind).split(['>', ';']).next();
@@ -300,7 +302,8 @@ fn a_field_that_a_parameter_sets_has_its_unit_and_range() {
         };
         let spec = parameter.spec();
         let (least, greatest) = match spec.unit {
-            // All 32 of them: as a number the mask is signed in one place and unsigned in the other.
+            // All 32 of them: as a number the mask is signed in one place and unsigned in the
+            // other.
             Unit::Bits => (0, u32::MAX.into()),
             _ => (spec.least.into(), spec.greatest.into()),
         };
@@ -364,7 +367,8 @@ fn ranges_end_where_the_program_says() {
         ("MindHello.build", 0, 127),
         // Older than a time to live of 0, and half of the clock's range at most.
         ("Refusal.Expired.age_ms", 1, i32::MAX.into()),
-        // Without deceleration there is no speed from which the robot stops; of the others 0 counts as 1.
+        // Without deceleration there is no speed from which the robot stops; of the others 0 counts
+        // as 1.
         ("RobotSpec.braking_mm_s2", 1, u16::MAX.into()),
         ("Exploration.draws", 1, u8::MAX.into()),
         ("Learning.slice", 1, 16),
@@ -387,8 +391,8 @@ fn ranges_end_where_the_program_says() {
     }
 }
 
-/// With the greatest margin and the longest step, the shield's squares stay within 32 bits and displacements within 16 up to
-/// the documented end and no farther.
+/// With the greatest margin and the longest step, the shield's squares stay within 32 bits and
+/// displacements within 16 up to the documented end and no farther.
 #[test]
 fn ranges_end_where_numbers_do() {
     let most = |parameter: Parameter| i128::from(parameter.spec().greatest);
@@ -430,9 +434,9 @@ fn what_lies_beyond_a_range_counts_as_its_end() {
 /// How far to the left a robot may go that hears something ahead with lobes of this half opening.
 fn way_beside_an_echo(half_lobe: u16) -> u16 {
     let mut config = Config::recommended();
-    config.shield = Some(Shielding {
+    config.shield = Some(ShieldConfig {
         half_lobe: Bearing::from_turns(half_lobe),
-        ..Shielding::nomad200()
+        ..ShieldConfig::nomad200()
     });
     let at = Millis::from_ms(0);
     let mut shield = Shield::<16>::new();

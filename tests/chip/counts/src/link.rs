@@ -104,9 +104,9 @@ impl LinkedBase {
             clock: Clock::Host,
             open_space: false,
         }));
-        base.teach(episode, Part::Situations, controller::Part::Situations);
-        base.teach(episode, Part::Changes, controller::Part::Changes);
-        base.teach(episode, Part::Actions, controller::Part::Actions);
+        base.upload(episode, Part::Situations, controller::StatePart::Situations);
+        base.upload(episode, Part::Changes, controller::StatePart::Changes);
+        base.upload(episode, Part::Actions, controller::StatePart::Actions);
         for order in [Order::Goal(GoalBy::Avoid), Order::Seek] {
             let (at_ms, ttl_ms) = (base.time, 500);
             base.send(&ToMind::Command {
@@ -121,7 +121,7 @@ impl LinkedBase {
     }
 
     /// Uploads a part of the episode's state to the node.
-    fn teach(&mut self, episode: &CountedEpisode<'_>, part: Part, of: controller::Part) {
+    fn upload(&mut self, episode: &CountedEpisode<'_>, part: Part, of: controller::StatePart) {
         let mut offset = 0;
         loop {
             let mut piece = [0; MAX_PIECE];

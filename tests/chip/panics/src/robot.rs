@@ -5,7 +5,7 @@ use crate::maps::grid;
 use crate::{any, bytes, format_text, sink};
 use amp::action_map::ActionMap;
 use amp::config::Config;
-use amp::controller::{self, Command, Event, NomadState, Part, Progress, StopReason};
+use amp::controller::{self, Command, Event, NomadState, StatePart, Progress, StopReason};
 use amp::goal::{Component, Goal};
 use amp::memory::{Memory, Sample};
 use amp::parameters::Parameter;
@@ -138,7 +138,7 @@ fn events() {
 
 fn parts() {
     let mut state = any(NomadState::new(grid()));
-    let part = any(Part::Situations);
+    let part = any(StatePart::Situations);
     let mut room = any([0; 160]);
     sink(state.part_len(part));
     sink(state.read_part(part, any(1), any(&mut room[..])));

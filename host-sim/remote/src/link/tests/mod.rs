@@ -2,7 +2,7 @@
 
 use super::*;
 use amp::config::Config;
-use amp::controller::{Command, Event, Outputs, Progress, Refusal as Refused, StopReason};
+use amp::controller::{Command, CommandRefusal as Refused, Event, Outputs, Progress, StopReason};
 use amp::parameters::{Parameter, ParameterError};
 use amp::units::{Bearing, Displacement, Millis, Range};
 use amp::wire::message::{Clock, Order, Part, Refusal};
@@ -87,7 +87,7 @@ fn the_literal_preset_and_a_ring_with_gaps_do_the_same_too() {
     let mut literal = setup(SonarModel::Harsh, 40, 40);
     (literal.config, literal.turret) = (Config::touzet(), TurretMode::Follow);
     let mut gaps = setup(SonarModel::Ideal, 100, 100);
-    settings::apply(&mut gaps.config, &["mask=3+14+15", "epochs=3"]).unwrap();
+    settings::apply(&mut gaps.config, &["disabled-sensors=3+14+15", "epochs=3"]).unwrap();
     for setup in [literal, gaps] {
         let remote = there(&mut local(), &world, &setup).unwrap();
         assert_same(&remote, &here(&world, &setup));

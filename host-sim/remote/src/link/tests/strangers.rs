@@ -102,7 +102,7 @@ fn robot_of_eight() -> Config<8> {
     let sixteen = Config::recommended();
     Config {
         robot: RobotSpec::miniature(),
-        believed: sixteen.believed,
+        enabled: sixteen.enabled,
         encoding: sixteen.encoding,
         exploration: sixteen.exploration,
         action_code: sixteen.action_code,

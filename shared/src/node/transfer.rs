@@ -1,4 +1,4 @@
-//! Configuration, maps and memory in pieces, and their checksums.
+//! Transfer of configuration, maps and memory in pieces, and their checksums.
 
 use super::{FrameSink, MAX_CONFIG, Node};
 use crate::config::Config;
@@ -11,9 +11,10 @@ use heapless::Vec;
 impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     Node<SENSORS, NEURONS, SAMPLES>
 {
-    /// Not a part of every request's stack: its buffers are the largest.
+    /// Answers with a piece of a part.
+    // Apart, so that its large buffers add nothing to the stack of every request.
     #[inline(never)]
-    pub(super) fn read_piece(
+    pub(super) fn read_part(
         &mut self,
         part: Part,
         offset: u16,
@@ -22,7 +23,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     ) {
         let mut bytes = Vec::<u8, MAX_PIECE>::new();
         let start = usize::from(offset);
-        let total = match known(part) {
+        let total = match controller_part(part) {
             Some(part) => {
                 let mut buffer = [0; MAX_PIECE];
                 let count = self.state.read_part(part, start, &mut buffer);
@@ -37,24 +38,25 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
                 whole.len()
             }
         };
-        let said = FromMind::Piece {
+        let piece = FromMind::Piece {
             part,
             offset,
             total: total as u16,
             bytes,
         };
-        self.say(said, now, out);
+        self.send(piece, now, out);
     }
 
-    pub(super) fn write_piece(
+    /// Takes a piece of a part; a configuration takes effect with its last piece.
+    pub(super) fn write_part(
         &mut self,
         part: Part,
         offset: u16,
         bytes: &[u8],
         last: bool,
     ) -> Result<(), Refusal> {
-        self.standing()?;
-        if let Some(part) = known(part) {
+        self.require_standing()?;
+        if let Some(part) = controller_part(part) {
             let written = self.state.write_part(part, usize::from(offset), bytes);
             return written.map_err(Refusal::Piece);
         }
@@ -67,13 +69,7 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
         }
         if last {
             let config = Config::from_bytes(&self.staged).ok_or(Refusal::Config)?;
-            // That is said by the hello.
-            let open_space = self.config.open_space;
-            self.config = Config {
-                open_space,
-                ..config
-            };
-            self.state.trust(self.config.believed);
+            self.replace_config(config);
         }
         Ok(())
     }
@@ -83,16 +79,16 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
     }
 
     pub(super) fn maps_crc(&self) -> u32 {
-        use controller::Part::{Actions, Changes, Situations};
+        use controller::StatePart::{Actions, Changes, Situations};
         self.crc_of(&[Situations, Changes, Actions])
     }
 
     pub(super) fn memory_crc(&self) -> u32 {
-        self.crc_of(&[controller::Part::Memory])
+        self.crc_of(&[controller::StatePart::Memory])
     }
 
     #[inline(never)]
-    fn crc_of(&self, parts: &[controller::Part]) -> u32 {
+    fn crc_of(&self, parts: &[controller::StatePart]) -> u32 {
         let mut digest = Checksum::new();
         for &part in parts {
             let mut offset = 0;
@@ -111,12 +107,12 @@ impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
 }
 
 /// The controller's part; `None` for the configuration, which is the node's.
-const fn known(part: Part) -> Option<controller::Part> {
+const fn controller_part(part: Part) -> Option<controller::StatePart> {
     match part {
         Part::Config => None,
-        Part::Situations => Some(controller::Part::Situations),
-        Part::Changes => Some(controller::Part::Changes),
-        Part::Actions => Some(controller::Part::Actions),
-        Part::Memory => Some(controller::Part::Memory),
+        Part::Situations => Some(controller::StatePart::Situations),
+        Part::Changes => Some(controller::StatePart::Changes),
+        Part::Actions => Some(controller::StatePart::Actions),
+        Part::Memory => Some(controller::StatePart::Memory),
     }
 }

@@ -1,11 +1,11 @@
-//! Goals kept under names.
+//! Goals saved under names.
 
 use super::Goal;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-/// Most goals kept.
-pub const MAX_KEPT: usize = 8;
+/// Most named goals.
+pub const MAX_NAMED_GOALS: usize = 8;
 
 /// Most bytes of a name.
 const MAX_NAME: usize = 12;
@@ -15,7 +15,7 @@ const MAX_NAME: usize = 12;
 pub struct Name([u8; MAX_NAME]);
 
 impl Name {
-    /// No name: stands for the goal that is pursued, wherever a name stands beside a goal.
+    /// No name: stands for the goal that is pursued, wherever a goal has a name.
     pub const NONE: Self = Self([0; MAX_NAME]);
 
     /// The name, if it may be one.
@@ -33,7 +33,7 @@ impl Name {
 
     /// Whether goals may be kept under it; whatever bytes the link brought.
     #[must_use]
-    pub fn is_valid(&self) -> bool {
+    fn is_valid(&self) -> bool {
         let text = self.as_bytes();
         let rest = self.0.get(text.len()..).unwrap_or(&[]);
         !text.is_empty()
@@ -63,23 +63,23 @@ impl Name {
 
 /// A goal and its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct KeptGoal<const SENSORS: usize> {
+pub struct NamedGoal<const SENSORS: usize> {
     /// Its name.
     pub name: Name,
     /// The goal.
     pub goal: Goal<SENSORS>,
 }
 
-/// Why a goal was not kept.
+/// Why a goal was not saved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum KeepError {
-    /// The name is none.
+pub enum SaveGoalError {
+    /// The name is not valid.
     Name,
-    /// As many goals are kept as can be.
+    /// There is no room for another goal.
     Full,
 }
 
-impl core::fmt::Display for KeepError {
+impl core::fmt::Display for SaveGoalError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
             Self::Name => "a name has 1 to 12 printable characters without blanks",
@@ -88,39 +88,39 @@ impl core::fmt::Display for KeepError {
     }
 }
 
-impl core::error::Error for KeepError {}
+impl core::error::Error for SaveGoalError {}
 
-/// At most [`MAX_KEPT`] goals by name, in the order they came.
+/// At most [`MAX_NAMED_GOALS`] goals by name, in the order they came.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct KeptGoals<const SENSORS: usize> {
-    goals: Vec<KeptGoal<SENSORS>, MAX_KEPT>,
+pub struct NamedGoals<const SENSORS: usize> {
+    goals: Vec<NamedGoal<SENSORS>, MAX_NAMED_GOALS>,
 }
 
-impl<const SENSORS: usize> KeptGoals<SENSORS> {
+impl<const SENSORS: usize> NamedGoals<SENSORS> {
     /// No goals. All zeros, as a [`Node`](crate::node::Node) has to be before it starts.
     #[must_use]
     pub const fn new() -> Self {
         Self { goals: Vec::new() }
     }
 
-    /// Keeps a goal in place of the one that had its name, if one had.
+    /// Saves a goal; it replaces the one of the same name.
     ///
     /// # Errors
-    /// [`KeepError`].
-    pub fn keep(&mut self, kept: KeptGoal<SENSORS>) -> Result<(), KeepError> {
+    /// [`SaveGoalError`].
+    pub fn save(&mut self, kept: NamedGoal<SENSORS>) -> Result<(), SaveGoalError> {
         if !kept.name.is_valid() {
-            return Err(KeepError::Name);
+            return Err(SaveGoalError::Name);
         }
         let mut goals = self.goals.iter_mut();
         if let Some(place) = goals.find(|goal| goal.name == kept.name) {
             *place = kept;
             return Ok(());
         }
-        self.goals.push(kept).map_err(|_| KeepError::Full)
+        self.goals.push(kept).map_err(|_| SaveGoalError::Full)
     }
 
-    /// Forgets the goal of this name; false if there is none.
-    pub fn drop(&mut self, name: Name) -> bool {
+    /// Deletes the goal of this name; false if there is none.
+    pub fn delete(&mut self, name: Name) -> bool {
         let before = self.goals.len();
         self.goals.retain(|goal| goal.name != name);
         self.goals.len() < before
@@ -135,7 +135,7 @@ impl<const SENSORS: usize> KeptGoals<SENSORS> {
 
     /// All of them.
     #[must_use]
-    pub fn as_slice(&self) -> &[KeptGoal<SENSORS>] {
+    pub fn as_slice(&self) -> &[NamedGoal<SENSORS>] {
         &self.goals
     }
 
@@ -150,12 +150,12 @@ mod tests {
     use super::*;
     use crate::goal::Component;
 
-    fn kept(name: &str, weight: u8) -> KeptGoal<4> {
+    fn kept(name: &str, weight: u8) -> NamedGoal<4> {
         let component = Component {
             weight,
             ..Component::ANY
         };
-        KeptGoal {
+        NamedGoal {
             name: Name::new(name).unwrap(),
             goal: Goal::of([component; 4]),
         }
@@ -163,7 +163,7 @@ mod tests {
 
     #[test]
     fn refusals_say_what_a_name_may_be() {
-        let words = [KeepError::Name, KeepError::Full].map(|error| std::format!("{error}"));
+        let words = [SaveGoalError::Name, SaveGoalError::Full].map(|error| std::format!("{error}"));
         assert!(words[0].contains("1 to 12 printable") && words[1].contains("as many"));
         assert_eq!(Name::from_bytes([0xff; 12]).as_str(), "", "no text");
     }
@@ -181,16 +181,16 @@ mod tests {
 
     #[test]
     fn a_name_has_one_goal_and_there_are_eight() {
-        let mut goals = KeptGoals::new();
+        let mut goals = NamedGoals::new();
         for name in ["a", "b", "c", "d", "e", "f", "g", "h"] {
-            goals.keep(kept(name, 1)).unwrap();
+            goals.save(kept(name, 1)).unwrap();
         }
-        assert_eq!(goals.keep(kept("i", 1)), Err(KeepError::Full));
-        goals.keep(kept("c", 2)).unwrap();
+        assert_eq!(goals.save(kept("i", 1)), Err(SaveGoalError::Full));
+        goals.save(kept("c", 2)).unwrap();
         let c = kept("c", 2);
         assert_eq!(goals.find(c.name), Some(&c.goal));
-        assert!(goals.drop(c.name) && !goals.drop(c.name));
-        goals.keep(kept("i", 3)).unwrap();
+        assert!(goals.delete(c.name) && !goals.delete(c.name));
+        goals.save(kept("i", 3)).unwrap();
         let names: std::vec::Vec<_> = goals.as_slice().iter().map(|kept| kept.name.0[0]).collect();
         assert_eq!(names, *b"abdefghi");
     }

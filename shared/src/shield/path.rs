@@ -1,14 +1,15 @@
-//! How far the robot may go along a way before it comes near to what was heard.
+//! The straight path of a motion: how far the robot may follow it before an arc comes within the
+//! margin.
 
-use super::Shielding;
-use super::arc::{Arc, BEFORE, Lobe, Seen, magnitude, nearest_mm};
+use super::ShieldConfig;
+use super::arc::{Arc, ArcView, BEFORE, Lobe, magnitude, nearest_mm};
 use crate::config::Config;
 use crate::fixed::{Mask, isqrt_u32};
 use crate::units::{Direction, Displacement, Millis, Range};
 
-/// The way ahead.
-pub(super) struct Way<'a> {
-    pub(super) shielding: &'a Shielding,
+/// The straight path of a motion.
+pub(super) struct StraightPath<'a> {
+    pub(super) limits: &'a ShieldConfig,
     /// In the shield's frame.
     pub(super) direction: Direction,
     /// In the ring's.
@@ -19,10 +20,10 @@ pub(super) struct Way<'a> {
     pub(super) now: Millis,
 }
 
-impl<'a> Way<'a> {
+impl<'a> StraightPath<'a> {
     pub(super) fn new<const SENSORS: usize>(
         config: &Config<SENSORS>,
-        shielding: &'a Shielding,
+        limits: &'a ShieldConfig,
         lobe: &'a Lobe,
         wanted: Displacement,
         length: i32,
@@ -34,17 +35,18 @@ impl<'a> Way<'a> {
             y_q14: unit(wanted.dy_mm),
         };
         Self {
-            shielding,
+            limits,
             direction,
             in_ring: direction,
             lobe,
-            reach_mm: i32::from(config.robot.body_radius_mm) + i32::from(shielding.margin_mm),
+            reach_mm: i32::from(config.robot.body_radius_mm) + i32::from(limits.margin_mm),
             now,
         }
     }
 
-    /// Whether the way leads along the gap of a transducer that is not believed: a post there stays unheard all the way. It
-    /// reaches to 30° from its axis, somewhat beyond those of the neighbors of 16: the robot is wider than the gap.
+    /// Whether the path leads through the sector of a disabled transducer, where a post stays
+    /// unheard. The sector reaches to 30° from its axis, beyond those of the neighbors in a ring of
+    /// 16: the robot is wider than the gap.
     pub(super) fn is_blind<const SENSORS: usize>(
         &self,
         config: &Config<SENSORS>,
@@ -65,7 +67,8 @@ impl<'a> Way<'a> {
         self.in_ring.along(x, y) > COS_45_Q14
     }
 
-    /// Distance until the body would come within the margin of any of these arcs; `limit` where it would not before that.
+    /// Distance until the body would come within the margin of any of these arcs; `limit` where it
+    /// would not before that.
     pub(super) fn until_any<'b>(&self, arcs: impl Iterator<Item = &'b Arc>, limit: i32) -> i32 {
         let far_mm = limit.saturating_add(self.reach_mm);
         arcs.fold(limit, |limit, arc| self.until(arc, far_mm, limit))
@@ -79,18 +82,18 @@ impl<'a> Way<'a> {
         let (x, y) = arc.face_mm();
         let range_mm = self.range_now(range, arc.at);
         // As short as the shortest range it may be anywhere between there and the face.
-        let least_mm = i32::from(self.shielding.least_range_mm);
-        // Most are far off.
+        let least_mm = i32::from(self.limits.least_range_mm);
+        // A quick test: most arcs are far away.
         if nearest_mm((x, y), range_mm) > far_mm && range_mm > least_mm {
             return limit;
         }
         if self.leaves_behind((x, y), arc.axis) {
             return limit;
         }
-        let seen = Seen::along(self.direction, (x, y), arc.axis, range_mm.max(least_mm));
+        let seen = ArcView::along(self.direction, (x, y), arc.axis, range_mm.max(least_mm));
         let mut distance = limit;
         if range_mm <= least_mm && arc.stands(BEFORE) {
-            let before = seen.on_axis(self.shielding.before_mm());
+            let before = seen.on_axis(self.limits.before_mm());
             distance = self.until_point(before, distance);
         }
         let bounds = seen.bounds(self.lobe);
@@ -118,7 +121,7 @@ impl<'a> Way<'a> {
 
     /// A range less what something may have come nearer since.
     fn range_now(&self, range: Range, at: Millis) -> i32 {
-        let approach = u32::from(self.shielding.approach_mm_s);
+        let approach = u32::from(self.limits.approach_mm_s);
         if approach == 0 {
             return range.as_mm().into();
         }
@@ -130,7 +133,8 @@ impl<'a> Way<'a> {
         )
     }
 
-    /// Distance until the body would come within the margin of a point along the way and aside of it.
+    /// Distance until the body would come within the margin of a point along the way and aside of
+    /// it.
     pub(super) fn until_point(&self, (along, aside): (i32, i32), limit: i32) -> i32 {
         let reach = self.reach_mm;
         let beyond = along.wrapping_sub(limit);
@@ -141,7 +145,7 @@ impl<'a> Way<'a> {
             .wrapping_mul(reach)
             .wrapping_sub(aside.wrapping_mul(aside))
             .max(0);
-        // Most points lie beyond the limit: that is seen without a root.
+        // A quick test without a root: most points lie beyond the limit.
         if beyond >= 0 && beyond.wrapping_mul(beyond) >= squared {
             return limit;
         }

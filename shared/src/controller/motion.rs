@@ -1,0 +1,177 @@
+//! Echoes and odometry: what the robot hears and how far it has moved, and the motion that both may
+//! shorten.
+
+use super::tracked::Tracked;
+use super::{Motion, Outputs, Progress, State, patience_ms};
+use crate::config::Config;
+use crate::scan::{Aligned, Echo};
+use crate::units::{Bearing, Displacement, Millis};
+
+/// A motion under way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Pending<const SENSORS: usize> {
+    pub(super) before: Aligned<SENSORS>,
+    pub(super) commanded: Displacement,
+    /// Executed so far, in the ring's frame at the decision.
+    pub(super) executed: Displacement,
+    /// Still to go.
+    pub(super) remaining: Tracked,
+    /// How far the ring has turned since the decision.
+    pub(super) turned: Bearing,
+    pub(super) speed_mm_s: u16,
+}
+
+impl<const SENSORS: usize> Pending<SENSORS> {
+    /// Less than half of it was carried out.
+    pub(super) fn was_cut(&self) -> bool {
+        let half = u32::from(self.commanded.length_mm() / 2);
+        self.executed.is_shorter_than(half)
+    }
+
+    /// The base has overrun its target: braking takes some distance.
+    fn was_overrun(&self) -> bool {
+        let left = self.remaining.now().rotated(self.turned.direction());
+        left.opposes(self.commanded)
+    }
+}
+
+impl<const SENSORS: usize, const NEURONS: usize, const SAMPLES: usize>
+    State<SENSORS, NEURONS, SAMPLES>
+{
+    /// Takes an echo: shield and fault detector hear it, and a complete ring becomes a decision.
+    pub(super) fn echo(
+        &mut self,
+        config: &Config<SENSORS>,
+        sensor: u8,
+        echo: Echo,
+    ) -> Outputs<SENSORS> {
+        let age_ms = self.now.since(echo.at);
+        if age_ms > patience_ms(config) {
+            return stale(age_ms);
+        }
+        // Heard at another place, or older than a known echo.
+        if !self.moving && echo.at.is_before(self.waiting_since) {
+            return stale(age_ms);
+        }
+        let index = usize::from(sensor);
+        if (self.scan.heard_at(index)).is_some_and(|heard| echo.at.is_before(heard)) {
+            return stale(age_ms);
+        }
+        if self.enabled(config).contains(index) {
+            self.shield.hear(config, index, echo);
+            self.heard_any |= echo.range.is_some();
+        }
+        let verdict = self.detector.update(config, sensor, echo.range);
+        self.scan.hear(index, echo);
+        let mut outputs = if self.moving {
+            self.guard(config, index, echo.at)
+        } else if self.scan.is_complete(self.enabled(config)) {
+            self.decide(config, echo.at)
+        } else {
+            Outputs::none()
+        };
+        outputs.verdict = verdict;
+        outputs
+    }
+
+    /// Shortens the motion under way where the newest echo asks for it.
+    fn guard(&mut self, config: &Config<SENSORS>, sensor: usize, now: Millis) -> Outputs<SENSORS> {
+        let Some(pending) = &mut self.pending else {
+            return Outputs::none();
+        };
+        let remaining = pending.remaining.now();
+        let enabled = self.detector.enabled(config);
+        let Some(allowed) = self.shield.shorten(config, enabled, remaining, now, sensor) else {
+            return Outputs::none();
+        };
+        // A base that has overrun its target stands; it does not return.
+        let left_mm = if pending.was_overrun() {
+            0
+        } else {
+            allowed.distance_mm
+        };
+        let shorter = remaining.with_length(left_mm);
+        pending.remaining = Tracked::new(shorter);
+        let faster = Motion {
+            id: self.motion_id,
+            displacement: shorter,
+            speed_mm_s: pending.speed_mm_s,
+        };
+        pending.speed_mm_s = allowed.speed_mm_s.min(pending.speed_mm_s);
+        let motion = Motion {
+            speed_mm_s: pending.speed_mm_s,
+            ..faster
+        };
+        // Only by the time that the lower speed adds: an approaching obstacle must not postpone the
+        // deadline without end.
+        let slower_ms = motion.longest_ms().saturating_sub(faster.longest_ms());
+        self.deadline = self.deadline.plus_ms(slower_ms);
+        Outputs {
+            motion: Some(motion),
+            ..Outputs::none()
+        }
+    }
+
+    /// Takes a report of the base.
+    #[inline(never)]
+    pub(super) fn odometry(
+        &mut self,
+        config: &Config<SENSORS>,
+        at: Millis,
+        motion: u16,
+        moved: Displacement,
+        turned: Bearing,
+        progress: Progress,
+    ) {
+        if progress == Progress::Touched {
+            self.detector.touched(config, moved);
+        }
+        self.detector.moved(config, moved, turned);
+        self.shield.moved(moved, turned);
+        self.course.turn(turned);
+        let Some(pending) = &mut self.pending else {
+            return;
+        };
+        let since_decision = if pending.turned == Bearing::ZERO {
+            moved
+        } else {
+            moved.rotated(pending.turned.direction())
+        };
+        pending.executed = pending.executed.plus(since_decision);
+        pending.remaining.go(moved, turned);
+        pending.turned = pending.turned.plus(turned);
+        if motion != self.motion_id || !self.moving {
+            return;
+        }
+        match progress {
+            Progress::Moving => {}
+            Progress::Steering => self.allow_steering(config, at),
+            Progress::Ended | Progress::Touched => {
+                self.moving = false;
+                self.await_ring(at);
+            }
+        }
+    }
+
+    /// From now on every transducer has to be heard again.
+    pub(super) fn await_ring(&mut self, at: Millis) {
+        self.scan.renew();
+        self.waiting_since = at;
+    }
+
+    /// The order to stand.
+    pub(super) const fn standing(&self) -> Motion {
+        Motion {
+            id: self.motion_id,
+            displacement: Displacement::ZERO,
+            speed_mm_s: 0,
+        }
+    }
+}
+
+fn stale<const SENSORS: usize>(age_ms: u32) -> Outputs<SENSORS> {
+    Outputs {
+        stale_ms: Some(age_ms),
+        ..Outputs::none()
+    }
+}
