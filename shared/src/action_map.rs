@@ -59,21 +59,25 @@ impl<const SENSORS: usize> Products<SENSORS> {
         changes: [[0; 2]; SENSORS],
     };
 
-    /// Adds a neuron's part, or takes it away.
+    /// Adds the part of a neuron as it is, and takes away its part as it was.
     #[inline(never)]
-    fn count(&mut self, action: &[Weight32; 2], change: &[Weight32; SENSORS], sign: i32) {
+    fn replace(
+        &mut self,
+        (old_action, old_change): (&[Weight32; 2], &[Weight32; SENSORS]),
+        (action, change): (&[Weight32; 2], &[Weight32; SENSORS]),
+    ) {
         let bits = |part: &Weight32| i32::from(to_weight16(*part).to_bits());
-        let [x, y] = action;
-        let (x, y) = (bits(x), bits(y));
-        let (signed_x, signed_y) = (x.wrapping_mul(sign), y.wrapping_mul(sign));
+        let ([x0, y0], [x, y]) = (old_action, action);
+        let (x0, y0, x, y) = (bits(x0), bits(y0), bits(x), bits(y));
         let [xx, xy, yy] = &mut self.plane;
-        *xx = xx.wrapping_add(signed_x.wrapping_mul(x));
-        *xy = xy.wrapping_add(signed_x.wrapping_mul(y));
-        *yy = yy.wrapping_add(signed_y.wrapping_mul(y));
-        for ([along_x, along_y], change) in self.changes.iter_mut().zip(change) {
-            let change = i32::from(to_weight16(*change).to_bits());
-            *along_x = along_x.wrapping_add(signed_x.wrapping_mul(change));
-            *along_y = along_y.wrapping_add(signed_y.wrapping_mul(change));
+        *xx = xx.wrapping_add(x * x).wrapping_sub(x0 * x0);
+        *xy = xy.wrapping_add(x * y).wrapping_sub(x0 * y0);
+        *yy = yy.wrapping_add(y * y).wrapping_sub(y0 * y0);
+        let changes = old_change.iter().zip(change);
+        for ([along_x, along_y], (c0, c)) in self.changes.iter_mut().zip(changes) {
+            let (c0, c) = (bits(c0), bits(c));
+            *along_x = along_x.wrapping_add(x * c).wrapping_sub(x0 * c0);
+            *along_y = along_y.wrapping_add(y * c).wrapping_sub(y0 * c0);
         }
     }
 }
@@ -145,12 +149,13 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         (self.changes).joint_bmu(change, *mask, &self.actions, action, weight)
     }
 
-    /// Sums the products unless they are known; maps of more than 31 neurons do without.
+    /// Sums the products unless they are known; maps of more than 31 neurons have none.
     pub(crate) fn keep_products(&mut self) {
         if self.products.is_none() && NEURONS <= 31 {
             let products = self.products.insert(Products::NONE);
-            for (action, change) in self.actions.code().iter().zip(self.changes.code()) {
-                products.count(action, change, 1);
+            let nothing = (&[Weight32::ZERO; 2], &[Weight32::ZERO; SENSORS]);
+            for pair in self.actions.code().iter().zip(self.changes.code()) {
+                products.replace(nothing, pair);
             }
         }
     }
@@ -160,24 +165,21 @@ impl<const NEURONS: usize, const SENSORS: usize> ActionMap<NEURONS, SENSORS> {
         self.products.as_ref()
     }
 
-    fn count_products(&mut self, neuron: usize, sign: i32) {
-        let code = (
-            self.actions.code().get(neuron),
-            self.changes.code().get(neuron),
-        );
-        if let (Some(products), (Some(action), Some(change))) = (&mut self.products, code) {
-            products.count(action, change, sign);
-        }
-    }
-
     /// Moves `bmu` and its neighbors towards an effect; the products follow where the BMU moves alone.
     pub fn update(&mut self, bmu: usize, effect: &Effect<SENSORS>, update: &Update) {
         if !update.is_alone() {
             self.forget_products();
         }
-        self.count_products(bmu, -1);
+        let code = (self.actions.code().get(bmu), self.changes.code().get(bmu));
+        let (Some(_), (Some(old_action), Some(old_change))) = (&self.products, code) else {
+            return self.pull(bmu, effect, update);
+        };
+        let (old_action, old_change) = (*old_action, *old_change);
         self.pull(bmu, effect, update);
-        self.count_products(bmu, 1);
+        let code = (self.actions.code().get(bmu), self.changes.code().get(bmu));
+        if let (Some(products), (Some(action), Some(change))) = (&mut self.products, code) {
+            products.replace((&old_action, &old_change), (action, change));
+        }
     }
 
     /// The products are unknown until they are summed again.

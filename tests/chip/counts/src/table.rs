@@ -44,7 +44,7 @@ fn print_maps(watch: &Stopwatch, episode: &CountedEpisode<'_>) {
     let [by_kernels, portable] = maps::searches(watch, episode);
     row("best-matching unit, 16 × 16, by kernels", by_kernels, 500);
     row("best-matching unit, 16 × 16, portable", portable, 3_200);
-    row("recall of an action", maps::recalls(watch, episode), 8_200);
+    row("recall of an action", maps::recalls(watch, episode), 11_420);
     let [[situation, action], [near_situation, near_action]] = maps::updates(watch, episode);
     row("situation map learns, winner alone", situation, 170);
     row(
@@ -52,11 +52,11 @@ fn print_maps(watch: &Stopwatch, episode: &CountedEpisode<'_>) {
         near_situation,
         450,
     );
-    row("action map learns, winner alone", action, 225);
+    row("action map learns, winner alone", action, 640);
     row(
         "action map learns, winner and 4 neighbors",
         near_action,
-        675,
+        780,
     );
 }
 
@@ -84,7 +84,7 @@ fn print_episode(episode: &CountedEpisode<'_>) {
         counts.four_steps,
         DECISION,
     );
-    row("tick of learning", counts.tick, 11_800);
+    row("tick of learning", counts.tick, 12_590);
     let mut learning = InstructionStats::default();
     learning.add(counts.tick.sum());
     row(

@@ -5,7 +5,7 @@ use crate::maps::grid;
 use crate::{any, bytes, format_text, sink};
 use amp::action_map::ActionMap;
 use amp::config::Config;
-use amp::controller::{self, Command, Event, NomadState, StatePart, Progress, StopReason};
+use amp::controller::{self, Command, Event, NomadState, Progress, StatePart, StopReason};
 use amp::goal::{Component, Goal};
 use amp::memory::{Memory, Sample};
 use amp::parameters::Parameter;
