@@ -1,6 +1,6 @@
 //! An angle together with its unit vector.
 
-use crate::world::Point;
+use crate::geometry::Point;
 
 /// An angle in the plane, rad, whose sine and cosine are worked out when asked for, once.
 #[derive(Debug, Clone, Copy, PartialEq)]

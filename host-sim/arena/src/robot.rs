@@ -26,11 +26,7 @@ use chassis::{Chassis, Line, share_of};
 pub use motion::{Executed, Motion};
 use servo::{Ramp, STRIDE, Way, sense, slow};
 
-/// Radius of the disc that touches things, m (the Nomad 200 in ThinkingCap's robot file).
-pub const COLLISION_RADIUS_M: f64 = 0.269;
-
-/// Bumper switches around the base, evenly spaced, number 0 in front, counted to the left.
-pub const BUMPERS: u32 = 20;
+pub use crate::nomad::{BUMPERS, COLLISION_RADIUS_M};
 
 /// Longest time step of the timed motion, s.
 const MAX_STEP_S: f64 = 0.010;

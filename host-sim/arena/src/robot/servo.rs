@@ -4,7 +4,7 @@
 //! [`Ramp::stride`] takes some steps of that kind at once; [`Ramp::approach`] takes any.
 
 use super::NEGLIGIBLE;
-use crate::world::{max, min};
+use crate::geometry::{max, min};
 
 /// Steps taken at once: those of 40 ms.
 pub(super) const STRIDE: usize = 4;

@@ -9,14 +9,12 @@
 use core::f64::consts::PI;
 
 use super::SonarConfig;
-use crate::world::{Fan, Hit, LobeView, Point, Rays, Surface, World};
-
-/// How much farther is looked when nothing answered.
-const FARTHER: f64 = 2.0;
+use crate::caster::{Fan, Hit, LobeView, Rays, Surface};
+use crate::world::{Point, World};
 
 /// Scratch memory and precomputed directions.
 #[derive(Debug, Clone)]
-pub(super) struct Hearing {
+pub(crate) struct Hearing {
     fan: Fan,
     cos_half_angle: f64,
     cos_max_incidence: f64,
@@ -30,7 +28,7 @@ pub(super) struct Hearing {
 }
 
 impl Hearing {
-    pub(super) fn new(config: &SonarConfig, half_angle: f64) -> Self {
+    pub(crate) fn new(config: &SonarConfig, half_angle: f64) -> Self {
         let max_incidence = config.max_incidence_rad.clamp(0.0, PI / 2.0);
         Self {
             fan: Fan::new(config.fan_rays.max(2), half_angle),
@@ -44,33 +42,23 @@ impl Hearing {
         }
     }
 
-    /// Range of the first echo after the blanking, m, of what the lobe was aimed at; where about `expected` m is a guess
-    /// that decides no more than how soon it is found.
-    pub(super) fn first_echo(
+    /// Range of the first echo after the blanking, m, of what the lobe was aimed at.
+    pub(crate) fn first_echo(
         &mut self,
         world: &World,
         lobe: &mut LobeView,
         config: &SonarConfig,
-        expected: f64,
     ) -> Option<f64> {
+        self.aim_at_promising(lobe);
         if config.blanking_m > 0.0 || config.bounces > 0 || !self.fan.is_narrow() {
             return self.first_by_rays(world, lobe, config);
         }
-        let mut far = expected;
-        loop {
-            lobe.look(far);
-            self.aim_at_promising(lobe);
-            let (least_cos, facing) = (self.cos_max_incidence, self.least_facing);
-            let answer = lobe.nearest_answer(&self.fan, &self.promising, least_cos, facing);
-            let answer = Some(answer).filter(|answer| *answer <= config.max_range_m);
-            let answer = answer.unwrap_or(f64::INFINITY);
-            let corner = lobe.nearest_corner(0.0, answer.min(config.max_range_m));
-            let first = answer.min(corner.unwrap_or(f64::INFINITY));
-            if lobe.is_settled(first) {
-                return (first < f64::INFINITY).then_some(first);
-            }
-            far *= FARTHER;
-        }
+        let (least_cos, facing) = (self.cos_max_incidence, self.least_facing);
+        let answer = lobe.nearest_answer(&self.fan, &self.promising, least_cos, facing);
+        let most = answer.min(config.max_range_m);
+        let corner = lobe.nearest_corner(0.0, most).unwrap_or(f64::INFINITY);
+        let first = answer.min(corner);
+        (first <= config.max_range_m).then_some(first)
     }
 
     /// The same by all rays.
@@ -81,13 +69,11 @@ impl Hearing {
         lobe: &mut LobeView,
         config: &SonarConfig,
     ) -> Option<f64> {
-        lobe.look(config.max_range_m);
         let mut first = Nearest {
             least: config.blanking_m,
             most: config.max_range_m,
             range: None,
         };
-        self.aim_at_promising(lobe);
         self.hear_rays(lobe, config, &mut first);
         self.follow(world, lobe, config.bounces, &mut first);
         if let Some(corner) = lobe.nearest_corner(first.least, first.range.unwrap_or(first.most)) {
@@ -123,7 +109,7 @@ impl Hearing {
 
     /// Lets the rays of the fan go on as mirrored by the faces they meet too obliquely, up to `bounces` times.
     fn follow(&self, world: &World, lobe: &LobeView, bounces: usize, first: &mut Nearest) {
-        let tip = lobe.lobe().tip();
+        let tip = lobe.lobe().tip;
         let met = self.rays.ways().iter().zip(self.rays.cos_incidences());
         for (ray, (&length, &cos)) in met.enumerate().take(self.fan.count()) {
             if cos >= self.cos_max_incidence {

@@ -12,9 +12,10 @@
 
 use core::f64::consts::TAU;
 
+use crate::caster::{ConeShape, Lobe, LobeView};
 use crate::direction::Direction;
 use crate::noise::{Deviate, Noise};
-use crate::world::{ConeShape, Lobe, LobeView, Point, Pose, Standing, View, World};
+use crate::world::{LastWorld, Point, Pose, World};
 
 mod config;
 mod fault;
@@ -22,14 +23,14 @@ mod hearing;
 
 pub use config::{SonarConfig, SonarModel};
 pub use fault::{FaultKind, TransducerFault};
+pub(crate) use hearing::Hearing;
 
 /// Length of an inch, m.
 pub const M_PER_INCH: f64 = 0.0254;
 
 const INCHES_PER_M: f64 = 1.0 / M_PER_INCH;
 
-/// Distance of the transducers' faces from the robot's center, m.
-pub const FACE_RADIUS_M: f64 = 0.2305;
+pub use crate::nomad::FACE_RADIUS_M;
 
 /// The largest reading, in: what a transducer that hears nothing reports.
 pub const MAX_READING_IN: u8 = 255;
@@ -43,9 +44,6 @@ pub const FIRING_SLOT_S: f64 = 0.040;
 
 /// Time in which a whole ring of 16 fires, s.
 pub const RING_PERIOD_S: f64 = 0.640;
-
-/// How much farther than its last echo a transducer looks first for the next one, m.
-const EXPECTED_M: f64 = 0.2;
 
 /// Speed of sound at 20 °C, m/s.
 pub const SOUND_M_S: f64 = 343.2;
@@ -120,12 +118,12 @@ pub struct Ring {
     /// Axis of each transducer, relative to the turret's heading.
     axes: Vec<Point>,
     cone: ConeShape,
-    view: View,
-    lobe: LobeView,
-    hearing: hearing::Hearing,
+    /// What each transducer can meet.
+    lobes: Vec<LobeView>,
+    hearing: Hearing,
     /// The least reading, in.
     least_in: f64,
-    standing: Standing,
+    world: LastWorld,
     heading: Direction,
     /// What each transducer heard last.
     echoes: Vec<FirstEcho>,
@@ -159,11 +157,10 @@ impl Ring {
         Self {
             axes: bearings.map(Point::unit).collect(),
             cone: ConeShape::new(half_angle),
-            view: View::default(),
-            lobe: LobeView::default(),
-            hearing: hearing::Hearing::new(&config, half_angle),
+            lobes: vec![LobeView::default(); geometry.count],
+            hearing: Hearing::new(&config, half_angle),
             least_in: whole_inches(config.min_range_m),
-            standing: Standing::default(),
+            world: LastWorld::default(),
             heading: Direction::new(0.0),
             echoes: vec![FirstEcho::default(); geometry.count],
             dead: config.one_dead.then(|| noise.index(geometry.count)),
@@ -227,11 +224,10 @@ impl Ring {
     /// far as `out` reaches. `None` beyond the greatest range.
     pub fn scan(&mut self, world: &World, pose: &Pose, out: &mut [Option<f64>]) {
         let (offset, reach) = (self.geometry.face_radius_m, self.config.max_range_m);
-        self.view.build(world, pose.position, offset, reach);
+        let view = world.view(pose.position, offset, reach);
         let heading = self.look_along(pose.heading);
         for (axis, out) in self.axes.iter().zip(out) {
-            let axis = axis.turned(heading);
-            let range = self.view.nearest_in_cone(axis, offset, self.cone);
+            let range = view.nearest_in_cone(axis.turned(heading), self.cone);
             *out = (range <= reach).then_some(range);
         }
     }
@@ -263,8 +259,8 @@ impl Ring {
         if self.model == SonarModel::Ideal {
             let axis = axis.turned(self.look_along(pose.heading));
             let (offset, reach) = (self.geometry.face_radius_m, self.config.max_range_m);
-            self.view.build(world, pose.position, offset, reach);
-            let range = self.view.nearest_in_cone(axis, offset, self.cone);
+            let view = world.view(pose.position, offset, reach);
+            let range = view.nearest_in_cone(axis, self.cone);
             return (range <= reach).then_some(range);
         }
         let echo = self.echo(world, pose, sensor, axis);
@@ -280,37 +276,23 @@ impl Ring {
 
     /// The first echo a transducer hears; a robot that has not moved hears the same again.
     fn echo(&mut self, world: &World, pose: &Pose, sensor: usize, axis: Point) -> Option<f64> {
-        if !self.standing.remains(world) {
+        if !self.world.is_same(world) {
             self.echoes.iter_mut().for_each(|echo| echo.from = None);
         }
         let last = self.echoes.get(sensor)?;
         if last.from.as_ref() == Some(pose) {
             return last.range_m;
         }
-        self.echo_from_here(world, pose, sensor, axis, last.range_m)
-    }
-
-    /// The same from another place than before, where it was heard from `last_m`.
-    #[inline(never)]
-    fn echo_from_here(
-        &mut self,
-        world: &World,
-        pose: &Pose,
-        sensor: usize,
-        axis: Point,
-        last_m: Option<f64>,
-    ) -> Option<f64> {
+        let axis = axis.turned(self.look_along(pose.heading));
         let lobe = Lobe {
-            middle: pose.position,
-            offset_m: self.geometry.face_radius_m,
-            axis: axis.turned(self.look_along(pose.heading)),
+            tip: pose.position + axis * self.geometry.face_radius_m,
+            axis,
             cone: self.cone,
             reach_m: self.config.max_range_m,
         };
-        let expected = last_m.map_or(lobe.reach_m, |range| range + EXPECTED_M);
-        let view = self.lobe.for_eye(sensor);
-        view.aim(world, &lobe);
-        let range_m = self.hearing.first_echo(world, view, &self.config, expected);
+        let view = self.lobes.get_mut(sensor)?;
+        world.aim(view, &lobe);
+        let range_m = self.hearing.first_echo(world, view, &self.config);
         if let Some(echo) = self.echoes.get_mut(sensor) {
             *echo = FirstEcho {
                 from: Some(*pose),
@@ -393,7 +375,5 @@ pub fn reading_in(range: Option<f64>) -> u8 {
     inches.clamp(0.0, f64::from(MAX_READING_IN)) as u8
 }
 
-#[cfg(test)]
-mod oracle;
 #[cfg(test)]
 mod tests;
