@@ -7,7 +7,6 @@ mod caster;
 mod direction;
 mod geometry;
 pub mod loaders;
-pub use loaders::rooms;
 pub mod noise;
 mod nomad;
 #[cfg(test)]

@@ -10,7 +10,6 @@ use files::error::BadInput;
 
 pub use crate::caster::{ConeShape, Hit, Surface, Sweep, TOUCH_SLACK_M, View};
 pub use crate::geometry::{Point, Pose, wrap_angle};
-pub use crate::loaders::{WorldSource, barn, parse_worlds};
 pub use crate::shapes::Shape;
 
 /// Largest coordinate a world may use, m.
