@@ -31,8 +31,8 @@ pub enum Shape {
         /// Its radius, positive.
         radius: f64,
     },
-    /// One straight piece of the outline of a solid, free on its left (occupancy maps). The pieces of a
-    /// world together close.
+    /// One straight piece of the outline of a solid, free on its left (occupancy maps). The pieces
+    /// of a world together close.
     Outline {
         /// Where the piece begins.
         from: Point,
@@ -87,8 +87,8 @@ impl Shape {
         }
     }
 
-    /// Calls `visit` with every corner, edge and free end: where an echo comes from whatever the angle.
-    /// A joint of two pieces in line is none.
+    /// Calls `visit` with every corner, edge and free end: where an echo comes from whatever the
+    /// angle. A joint of two pieces in line is none.
     pub(crate) fn for_each_corner(&self, mut visit: impl FnMut(Point)) {
         match self {
             Self::Wall { points } => wall_corners(points, visit),
@@ -114,8 +114,8 @@ impl Shape {
         }
     }
 
-    /// What is wrong with this shape, if anything: sizes below [`MIN_SIZE_M`], coordinates that are not
-    /// finite or lie beyond `limit_m`.
+    /// What is wrong with this shape, if anything: sizes below [`MIN_SIZE_M`], coordinates that are
+    /// not finite or lie beyond `limit_m`.
     pub(crate) fn defect(&self, limit_m: f64) -> Option<String> {
         let sized = |what: &str, value: f64| {
             let sound = (MIN_SIZE_M..=limit_m).contains(&value);

@@ -1,14 +1,13 @@
 //! The nearest answer to a fan of rays, found by few of them.
 //!
-//! Of all rays that meet one face, those nearest to its normal are the shortest. So each face, the nearest first, is tried
-//! by single rays from its normal outwards, on either side up to the first that is short enough and meets nothing before;
-//! faces that lie farther than the best answer are left alone. The answer is the one that all rays together would have
-//! found, to the bit.
+//! Of all rays that meet one face, those nearest to its normal are the shortest. Each face, the
+//! nearest first, is tried by single rays from its normal outwards. Faces beyond the best answer
+//! are skipped. All rays together give the same bits.
 
 use super::rays::{Rays, SeenCircle, SeenFace};
 use crate::geometry::{Point, clamp};
 
-/// How much farther than an answer things are still looked at, m: far above any rounding.
+/// How much beyond an answer things are still looked at, m: far above any rounding.
 const SLACK_M: f64 = 1e-3;
 
 /// Rays at equal angles on either side of an axis.
@@ -50,15 +49,15 @@ impl Fan {
         self.count
     }
 
-    /// Whether [`LobeView::nearest_answer`](super::LobeView::nearest_answer) can tell the places of its rays well enough:
-    /// up to a quarter of their distance.
+    /// Whether [`NearestAnswer`] can compute the places of its rays well enough: up to a quarter of
+    /// their distance.
     #[must_use]
     pub fn is_narrow(&self) -> bool {
         self.half_angle <= 0.5 && self.rays_per_rad <= 300.0
     }
 
-    /// Which ray, counted with fractions, has the direction `across` to the left for `along` ahead; a little more than
-    /// the outermost for any direction beyond.
+    /// Which ray, counted with fractions, has the direction `across` to the left for `along` ahead;
+    /// a little more than the outermost for any direction beyond.
     fn place(&self, along: f64, across: f64) -> f64 {
         let most = self.most_tan;
         let tan = if along > 0.0 {
@@ -73,7 +72,8 @@ impl Fan {
 }
 
 impl SeenFace {
-    /// Whether a ray from the tip meets the face, and the cosine of the angle between it and the face's normal.
+    /// Whether a ray from the tip meets the face, and the cosine of the angle between it and the
+    /// face's normal.
     #[inline]
     fn met_by(&self, ray: Point) -> (bool, f64) {
         let cos = ray.cross(self.u);
@@ -106,7 +106,8 @@ pub(super) struct Things<'a> {
 }
 
 impl Things<'_> {
-    /// Whether a ray meets anything before `way` m; at `way` itself, what comes before `number` in the world's list.
+    /// Whether a ray meets anything before `way` m; at `way` itself, what comes before `number` in
+    /// the world's list.
     #[inline]
     pub fn hide(&self, ray: Point, way: f64, number: f64) -> bool {
         let most = (way + SLACK_M) * (way + SLACK_M);
@@ -215,8 +216,8 @@ impl NearestAnswer<'_> {
         }
     }
 
-    /// Takes a face's answer to a ray if it is the best so far. Returns whether rays farther from the face's normal
-    /// cannot be better.
+    /// Takes a face's answer to a ray if it is the best so far. Returns whether rays farther from
+    /// the face's normal cannot be better.
     fn try_face(&mut self, face: &SeenFace, ray: Point) -> bool {
         if ray.cross(face.u) < self.least_cos {
             return true;

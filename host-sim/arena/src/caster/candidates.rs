@@ -1,11 +1,11 @@
 //! What may lie in a lobe, found once for all tips near one place.
 //!
-//! It is the caster's only memory. Most transducers keep their direction while the robot moves on by
-//! millimeters; without it a whole step takes more than twice as long. No answer depends on it.
+//! It is the caster's only memory. Most transducers keep their direction while the robot moves on
+//! by millimeters; without it a whole step takes more than twice as long. No answer depends on it.
 
 use std::sync::Arc;
 
-use super::lobe::Lobe;
+use super::lobe::SonarLobe;
 use crate::geometry::{Point, max, min};
 use crate::surfaces::{Circle, Face, FaceBlock, LANES, SLACK_M, Surfaces};
 
@@ -19,7 +19,7 @@ const MARGIN_M: f64 = ROOM_M + SLACK_M;
 #[derive(Debug, Clone, Default)]
 pub(super) struct Candidates {
     of: Option<Arc<Surfaces>>,
-    lobe: Lobe,
+    lobe: SonarLobe,
     pub faces: Vec<Face>,
     pub circles: Vec<Circle>,
     pub corners: Vec<Point>,
@@ -27,7 +27,7 @@ pub(super) struct Candidates {
 
 impl Candidates {
     /// Holds everything that may lie in `lobe` afterwards.
-    pub fn prepare(&mut self, surfaces: &Arc<Surfaces>, lobe: &Lobe) {
+    pub fn prepare(&mut self, surfaces: &Arc<Surfaces>, lobe: &SonarLobe) {
         if !self.serve(surfaces, lobe) {
             self.find(surfaces, lobe);
             self.of = Some(Arc::clone(surfaces));
@@ -36,10 +36,10 @@ impl Candidates {
     }
 
     /// Whether they serve a lobe.
-    fn serve(&self, surfaces: &Arc<Surfaces>, lobe: &Lobe) -> bool {
+    fn serve(&self, surfaces: &Arc<Surfaces>, lobe: &SonarLobe) -> bool {
         let known = self.of.as_ref();
         let moved = lobe.tip - self.lobe.tip;
-        let shifted = Lobe {
+        let shifted = SonarLobe {
             tip: self.lobe.tip,
             ..*lobe
         };
@@ -48,9 +48,9 @@ impl Candidates {
             && moved.dot(moved) <= ROOM_M * ROOM_M
     }
 
-    fn find(&mut self, surfaces: &Surfaces, lobe: &Lobe) {
+    fn find(&mut self, surfaces: &Surfaces, lobe: &SonarLobe) {
         let (tip, far) = (lobe.tip, lobe.reach_m + MARGIN_M);
-        let edges = Edges::of(lobe);
+        let edges = LobeEdges::of(lobe);
         self.faces.clear();
         surfaces.faces_near(tip, far, |block| {
             let held = edges.may_hold(block);
@@ -69,15 +69,15 @@ impl Candidates {
 }
 
 /// The edges of all lobes whose tips lie within [`ROOM_M`] of one.
-struct Edges {
+struct LobeEdges {
     tip: Point,
     /// Unit vectors.
     left: Point,
     right: Point,
 }
 
-impl Edges {
-    fn of(lobe: &Lobe) -> Self {
+impl LobeEdges {
+    fn of(lobe: &SonarLobe) -> Self {
         let edge = |sin: f64| lobe.axis.turned(Point::new(lobe.cone.cos, sin));
         Self {
             tip: lobe.tip,

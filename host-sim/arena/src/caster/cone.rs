@@ -1,8 +1,8 @@
 //! What lies around one place, prepared for cone queries, and the cone query itself.
 //!
-//! A face at distance `q` along its normal starts `p` along it from the foot of the perpendicular. An
-//! edge of the cone meets its line at `q·tan` of the edge's angle to the normal. Of what lies between
-//! both edges, the point nearest to the foot is the nearest; no other surface can hide it.
+//! A face at distance `q` along its normal starts `p` along it from the foot of the perpendicular.
+//! An edge of the cone meets its line at `q·tan` of the edge's angle to the normal. Of what lies
+//! between both edges, the point nearest to the foot is the nearest; no other surface can hide it.
 
 use crate::geometry::{Point, clamp, max, min};
 use crate::surfaces::{Circle, FaceBlock, LANES, Surfaces};
@@ -17,7 +17,8 @@ const ROUNDING: f64 = 1e-5;
 /// A tangent past any face: where the edge of a cone runs parallel to a face or away from it.
 const BEYOND: f32 = 1e9;
 
-/// Faces as seen from the middle of a view, m. `n`, the normal towards the face, is `u` turned right.
+/// Faces as seen from the middle of a view, m. `n`, the normal towards the face, is `u` turned
+/// right.
 #[derive(Debug, Clone)]
 struct ViewBlock {
     ux: [f32; LANES],
@@ -47,7 +48,7 @@ impl ViewBlock {
 /// It is built once per place, in f64; the query runs once per cone, in f32 relative to the place:
 /// within 1 µm + 1 ppm.
 #[derive(Debug)]
-pub struct View {
+pub struct ConeView {
     offset_m: f64,
     reach_m: f64,
     /// From near to far.
@@ -72,7 +73,7 @@ impl ConeShape {
     }
 }
 
-impl View {
+impl ConeView {
     /// Looks around `middle`, for cones whose tips are `offset_m` from it and reach `reach_m` far.
     pub(super) fn new(
         surfaces: &Surfaces,
@@ -109,8 +110,8 @@ impl View {
         }
     }
 
-    /// Distance from the tip of a cone around the unit vector `axis`, offset along it, to the nearest
-    /// surface inside the cone, m; at least 1e9 if there is none.
+    /// Distance from the tip of a cone around the unit vector `axis`, offset along it, to the
+    /// nearest surface inside the cone, m; at least 1e9 if there is none.
     #[must_use]
     pub fn nearest_in_cone(&self, axis: Point, cone: ConeShape) -> f64 {
         let faces = self.nearest_face(axis, cone).sqrt();
@@ -198,7 +199,7 @@ struct Tip {
 }
 
 impl Tip {
-    /// Takes of each place the lesser: the best so far, or the squared distance of the face in the block, m².
+    /// Lowers each of the best squared distances to that of the block's face in the same lane, m².
     #[inline]
     fn meet(&self, block: &ViewBlock, best: &mut [f32; LANES]) {
         let ([cx, cy], offset, [sin, cos]) = (self.axis, self.offset, self.cone);
@@ -224,7 +225,7 @@ impl Tip {
     }
 }
 
-/// Whether one of the squared distances is that of something nearer than `least` m, or there can be nothing beyond.
+/// Whether one of the squared distances lies below that of `least` m.
 #[inline]
 fn is_found(squared: &[f32; LANES], least: f64) -> bool {
     if least <= 0.0 {
@@ -246,8 +247,8 @@ fn max32(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-/// Distance from the tip of a cone to the nearest point of a circle inside it, m. The nearest direction
-/// is the one to the circle's middle, or the edge of the cone next to it.
+/// Distance from the tip of a cone to the nearest point of a circle inside it, m. The nearest
+/// direction is the one to the circle's middle, or the edge of the cone next to it.
 pub(crate) fn circle_in_cone(center: Point, radius: f64, axis: Point, cone: ConeShape) -> f64 {
     let (along, across) = (axis.dot(center), axis.cross(center).abs());
     // Angle from the axis within the half angle, by the sine of the difference.

@@ -1,7 +1,7 @@
 //! What the sound of one transducer can meet: the faces, circles and corners in its lobe.
 //!
-//! Rays meet them in two ways: all rays at once ([`LobeView::meet`]), or only as many as determine the
-//! nearest answer ([`LobeView::nearest_answer`]).
+//! Rays meet them in two ways: all rays at once ([`LobeView::meet`]), or only as many as determine
+//! the nearest answer ([`LobeView::nearest_answer`]).
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ const CORNER_SLACK_M: f64 = 1e-6;
 
 /// A lobe: the cone in which a transducer hears.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Lobe {
+pub(crate) struct SonarLobe {
     /// Where its tip is.
     pub tip: Point,
     /// A unit vector.
@@ -31,12 +31,12 @@ pub(crate) struct Lobe {
     pub reach_m: f64,
 }
 
-/// What one lobe can meet. It can be aimed again and again; a transducer that moves little and keeps
-/// its direction is aimed fast.
+/// What one lobe can meet. It can be aimed again and again; a transducer that moves little and
+/// keeps its direction is aimed fast.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct LobeView {
     candidates: Candidates,
-    lobe: Lobe,
+    lobe: SonarLobe,
     /// From near to far.
     faces: Vec<SeenFace>,
     circles: Vec<SeenCircle>,
@@ -46,7 +46,7 @@ pub(crate) struct LobeView {
 
 impl LobeView {
     /// Collects what lies inside a lobe and shows its front.
-    pub(super) fn aim(&mut self, surfaces: &Arc<Surfaces>, posts: &[Circle], lobe: &Lobe) {
+    pub(super) fn aim(&mut self, surfaces: &Arc<Surfaces>, posts: &[Circle], lobe: &SonarLobe) {
         self.candidates.prepare(surfaces, lobe);
         self.lobe = *lobe;
         self.faces.clear();
@@ -66,7 +66,7 @@ impl LobeView {
     /// The corners in the lobe that are from `least` to `most` m from its tip, hidden or not: where
     /// they are, relative to the tip, and how far.
     pub fn corners(&mut self, least: f64, most: f64) -> &mut [(Point, f64)] {
-        let Lobe {
+        let SonarLobe {
             tip, axis, cone, ..
         } = self.lobe;
         self.corners.clear();
@@ -84,7 +84,7 @@ impl LobeView {
         &mut self.corners
     }
 
-    /// How far the nearest corner is that is from `least` to `most` m from the tip and that nothing hides, m.
+    /// Distance of the nearest corner that nothing hides, from `least` to `most` m from the tip, m.
     pub fn nearest_corner(&mut self, least: f64, most: f64) -> Option<f64> {
         let axis = self.lobe.axis;
         let corners = self.corners(least, most);
@@ -104,11 +104,12 @@ impl LobeView {
         shown.map(|(_, range)| *range)
     }
 
-    /// Length, m, of the shortest of the rays of a [narrow](Fan::is_narrow) fan along the lobe's axis, as wide as the
-    /// lobe, and of those at the [places most likely to answer](LobeView::promising) in the lobe, that meets a circle, or
-    /// a face with a cosine of at least `least_cos`, before anything else; infinite if none does. `least_facing` is the
-    /// least cosine between the axis and a normal that any ray of the lobe meets so. The answer holds as far as it
-    /// [is settled](LobeView::is_settled); `others` are the directions of [`LobeView::promising`] in the lobe.
+    /// Length of the shortest ray that answers, m; infinite if none does.
+    ///
+    /// The rays are those of a [narrow](Fan::is_narrow) fan as wide as the lobe, and `others`: the
+    /// directions of [`LobeView::promising`] in the lobe. A ray answers if it first meets a circle,
+    /// or a face with a cosine of at least `least_cos`. A face whose normal has a cosine below
+    /// `least_facing` to the axis answers no ray of the lobe.
     #[must_use]
     pub fn nearest_answer(
         &self,
@@ -135,11 +136,12 @@ impl LobeView {
 
     /// The lobe aimed at.
     #[must_use]
-    pub fn lobe(&self) -> &Lobe {
+    pub fn lobe(&self) -> &SonarLobe {
         &self.lobe
     }
 
-    /// Lets the rays, which must not leave the lobe, meet what lies in it up to `far` m from its tip, and perhaps more.
+    /// Intersects rays, which must not leave the lobe, with what lies in it up to `far` m from its
+    /// tip, and perhaps more.
     pub fn meet(&self, rays: &mut Rays, far: f64) {
         let most = (far + SLACK_M) * (far + SLACK_M);
         for face in self.faces.iter().filter(|face| face.near <= most) {
@@ -150,8 +152,9 @@ impl LobeView {
         }
     }
 
-    /// Unit vectors from the tip towards the places most likely to answer: the foot of the perpendicular
-    /// on each face that has one, and the middle of each circle. They may lie outside the lobe.
+    /// Unit vectors from the tip towards the places most likely to answer: the foot of the
+    /// perpendicular on each face that has one, and the middle of each circle. They may lie outside
+    /// the lobe.
     pub fn promising(&self) -> impl Iterator<Item = Point> + '_ {
         let feet = self.faces.iter();
         let feet = feet.filter(|face| face.has_foot());
@@ -163,7 +166,7 @@ impl LobeView {
         feet.chain(middles)
     }
 
-    /// Unit vector from a face of the lobe, by its number, at right angles to it; `None` for what is no such face.
+    /// Unit normal of a face of the lobe, by its number; `None` if there is no such face.
     #[must_use]
     pub fn normal(&self, number: f64) -> Option<Point> {
         let face = self.faces.iter().find(|face| face.number == number);
@@ -171,7 +174,7 @@ impl LobeView {
     }
 }
 
-impl Lobe {
+impl SonarLobe {
     /// A circle as it is seen, if any part of it lies in the lobe.
     fn see_circle(&self, circle: &Circle) -> Option<SeenCircle> {
         let center = circle.center - self.tip;

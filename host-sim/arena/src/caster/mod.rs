@@ -20,8 +20,8 @@ mod sweep;
 mod tests;
 
 pub(crate) use answer::Fan;
-pub use cone::{ConeShape, View};
-pub(crate) use lobe::{Lobe, LobeView};
+pub use cone::{ConeShape, ConeView};
+pub(crate) use lobe::{LobeView, SonarLobe};
 pub use ray::{Hit, Surface};
 pub(crate) use rays::Rays;
 pub use sweep::{Sweep, TOUCH_SLACK_M};
@@ -79,12 +79,12 @@ impl Caster {
     }
 
     /// What cones around one place can meet: see [`World::view`](crate::world::World::view).
-    pub fn view(&self, middle: Point, offset_m: f64, reach_m: f64) -> View {
-        View::new(&self.still, &self.posts, middle, offset_m, reach_m)
+    pub fn view(&self, middle: Point, offset_m: f64, reach_m: f64) -> ConeView {
+        ConeView::new(&self.still, &self.posts, middle, offset_m, reach_m)
     }
 
     /// Aims a view at a lobe: what the sound of one transducer can meet.
-    pub fn aim(&self, view: &mut LobeView, lobe: &Lobe) {
+    pub fn aim(&self, view: &mut LobeView, lobe: &SonarLobe) {
         view.aim(&self.still, &self.posts, lobe);
     }
 

@@ -1,7 +1,7 @@
 //! Single rays: what a thin beam of sound meets first, and at which angle. Exact, in f64.
 
 use crate::geometry::{Point, max, min};
-use crate::surfaces::{Boxes, Circle, FIRST_CIRCLE, FaceBlock, LANES, Search, Surfaces};
+use crate::surfaces::{Boxes, Circle, FIRST_CIRCLE, FaceBlock, LANES, Surfaces, TreeSearch};
 
 /// A ray that starts on a surface, give or take rounding, does not meet it, m.
 const SELF_M: f64 = 1e-9;
@@ -99,14 +99,14 @@ impl FirstFace<'_> {
     }
 }
 
-/// The order of faces met at the same distance: by the remainder of the number by [`LANES`], then by
-/// the number.
+/// The order of faces met at the same distance: by the remainder of the number by [`LANES`], then
+/// by the number.
 fn rank(number: f64) -> (usize, usize) {
     let number = number as usize;
     (number % LANES, number)
 }
 
-impl Search for FirstFace<'_> {
+impl TreeSearch for FirstFace<'_> {
     fn wants(&self, boxes: &Boxes) -> [bool; LANES] {
         boxes.met_by_ray(self.origin, self.direction, self.best)
     }
@@ -165,7 +165,7 @@ impl FirstCircle<'_> {
     }
 }
 
-impl Search for FirstCircle<'_> {
+impl TreeSearch for FirstCircle<'_> {
     fn wants(&self, boxes: &Boxes) -> [bool; LANES] {
         boxes.met_by_ray(self.origin, self.direction, self.best)
     }

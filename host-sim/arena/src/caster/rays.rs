@@ -63,7 +63,8 @@ impl Rays {
         self.count += 1;
     }
 
-    /// These rays turned left by the angle whose unit vector is `direction`, none of which has met anything.
+    /// These rays turned left by the angle whose unit vector is `direction`, none of which has met
+    /// anything.
     pub fn turned_into(&self, direction: Point, out: &mut Self) {
         let rays = || self.x.iter().zip(&self.y);
         out.x.clear();
@@ -75,7 +76,7 @@ impl Rays {
         out.begin(self.count);
     }
 
-    /// So many rays, of as many places as there are, begin anew.
+    /// Resets what the rays have met; `count` of the places are rays.
     fn begin(&mut self, count: usize) {
         let places = self.x.len();
         self.count = count;
@@ -87,20 +88,21 @@ impl Rays {
         self.number.resize(places, f64::NEG_INFINITY);
     }
 
-    /// Length of each ray, m: infinite while it has met nothing, and where the list is only filled up.
+    /// Length of each ray, m: infinite while it has met nothing, and for padding.
     #[must_use]
     pub fn ways(&self) -> &[f64] {
         &self.way
     }
 
-    /// Cosine of the angle between each ray and the normal of the face it met; 1 for a circle, 0 for nothing.
+    /// Cosine of the angle between each ray and the normal of the face it met; 1 for a circle, 0
+    /// for nothing.
     #[must_use]
     pub fn cos_incidences(&self) -> &[f64] {
         &self.cos_incidence
     }
 
-    /// Number of the thing each ray met: a face's or, higher than those, a circle's place in the world's list; −∞ for
-    /// nothing.
+    /// Number of the surface each ray met: a face's or, higher than those, a circle's place in the
+    /// world's list; −∞ for nothing.
     #[must_use]
     pub fn numbers(&self) -> &[f64] {
         &self.number
@@ -113,7 +115,7 @@ impl Rays {
         Point::new(at(&self.x), at(&self.y))
     }
 
-    /// Holds a face against every ray.
+    /// Intersects every ray with a face.
     pub(super) fn meet_face(&mut self, face: &SeenFace) {
         let [ux, uy, p, q] = [face.u.x, face.u.y, face.p, face.q].map(f64x4::splat);
         let end = f64x4::splat(face.p + face.length);
@@ -127,7 +129,7 @@ impl Rays {
         });
     }
 
-    /// Holds a circle against every ray.
+    /// Intersects every ray with a circle.
     pub(super) fn meet_circle(&mut self, circle: &SeenCircle) {
         let [cx, cy] = [circle.center.x, circle.center.y].map(f64x4::splat);
         let squared = f64x4::splat(circle.radius * circle.radius);
@@ -141,8 +143,9 @@ impl Rays {
         });
     }
 
-    /// Holds thing `number` against every ray, four at a time: `met` says which of them meet it, how far off, and how. Of
-    /// two things met at the same distance, the one first in the world's list counts.
+    /// Intersects every ray with surface `number`, four at a time: `met` computes which of them
+    /// meet it, how far, and the cosine. Of two surfaces met at the same distance, the first in the
+    /// world's list counts.
     #[inline(always)]
     fn meet(&mut self, number: f64, met: impl Fn(f64x4, f64x4) -> Option<(f64x4, f64x4, f64x4)>) {
         let number = f64x4::splat(number);

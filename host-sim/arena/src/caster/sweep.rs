@@ -1,14 +1,15 @@
 //! A disc that moves straight until it touches something.
 //!
-//! The distance from a moving point to a straight piece or a disc is a convex function of the way, so
-//! the first touch has a closed form: a ray against a capsule, or against a circle. The nearest
+//! The distance from a moving point to a straight piece or a disc is a convex function of the way,
+//! so the first touch has a closed form: a ray against a capsule, or against a circle. The nearest
 //! surface is searched first; only a path that comes near enough pays for the closed form.
 
 use crate::geometry::{Point, clamp, max, min};
 use crate::surfaces::{Circle, Distance, Face, FaceBlock, LANES, SLACK_M, Surfaces};
 
 /// How far a disc may sink into a surface before it counts as touching, m. It stops at distance
-/// zero, so a disc at rest against a wall may leave it or slide along it, and rounding does no harm.
+/// zero, so a disc at rest against a wall may leave it or slide along it, and rounding does no
+/// harm.
 pub const TOUCH_SLACK_M: f64 = 1e-6;
 
 /// What a moving disc met.
@@ -76,7 +77,8 @@ impl Path {
         (depth >= 0.0 && way >= 0.0).then_some(way)
     }
 
-    /// Whether a disc of `radius` m on this path touches something whose least distance from the path is `nearest` m.
+    /// Whether a disc of `radius` m on this path touches a surface whose least distance from the
+    /// path is `nearest` m.
     pub fn is_touched_at(&self, nearest: f64, radius: f64) -> bool {
         nearest < radius - TOUCH_SLACK_M
     }
@@ -188,8 +190,8 @@ fn first_touch(surfaces: &Surfaces, posts: &[Circle], path: &Path, radius: f64) 
     first
 }
 
-/// Squared distance between a path and a face, m²: two pieces that do not cross are nearest at one of
-/// their four ends. Without a branch, so that a loop over a block becomes vector instructions.
+/// Squared distance between a path and a face, m²: two pieces that do not cross are nearest at one
+/// of their four ends. Without a branch, so that a loop over a block becomes vector instructions.
 #[inline(always)]
 fn gap_squared(path: &Path, a: Point, u: Point, length: f64) -> f64 {
     let (e, reach, d) = (path.direction, path.length, a - path.start);

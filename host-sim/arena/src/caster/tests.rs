@@ -36,7 +36,8 @@ fn post(x: f64, y: f64, radius: f64) -> Shape {
     }
 }
 
-/// A random room with some turned boxes, posts and thin walls added, and places where the robot fits.
+/// A random room with some turned boxes, posts and thin walls added, and places where the robot
+/// fits.
 fn cluttered(seed: u64) -> (World, Vec<Point>) {
     let mut noise = Noise::new(1000 + seed);
     let mut shapes = World::random(seed).shapes().to_vec();
@@ -85,8 +86,9 @@ fn ray(world: &World, from: Point, direction: Point) -> f64 {
     nearest
 }
 
-/// Nearest thing in a cone by brute force: rays 0.025° apart, and two past each corner and one to the
-/// middle of each circle, where a fan alone would be a millimeter off. What is left is of second order.
+/// Nearest surface in a cone by brute force: rays 0.025° apart, and two past each corner and one to
+/// the middle of each circle, where a fan alone would be a millimeter off. What is left is of
+/// second order.
 fn dense_cone(world: &World, tip: Point, bearing: f64, half: f64) -> f64 {
     let fan = (0..=1000).map(|ray| bearing + half * (f64::from(ray) / 500.0 - 1.0));
     let (mut corners, mut middles) = (Vec::new(), Vec::new());
@@ -194,21 +196,21 @@ fn the_back_of_a_solid_is_never_seen_and_a_thin_wall_is_from_both_sides() {
 #[test]
 fn a_lobe_view_used_again_forgets_what_it_saw() {
     let near = world(vec![wall(&[(1.0, -1.0), (1.0, 1.0)])]);
-    let west = Lobe {
+    let west = SonarLobe {
         tip: Point::default(),
         axis: Point::new(-1.0, 0.0),
         cone: ConeShape::new(0.2),
         reach_m: REACH_M,
     };
     let mut view = LobeView::default();
-    let mut ask = |world: &World, lobe: &Lobe| {
+    let mut ask = |world: &World, lobe: &SonarLobe| {
         world.aim(&mut view, lobe);
         let mut rays = Rays::default();
         rays.push(lobe.axis);
         view.meet(&mut rays, REACH_M);
         rays.ways()[0]
     };
-    let east = Lobe {
+    let east = SonarLobe {
         axis: Point::new(1.0, 0.0),
         ..west
     };
@@ -340,7 +342,7 @@ fn rays_meet_the_nearest_front() {
     let cone = ConeShape::new(0.3);
     for (i, &place) in places.iter().enumerate() {
         let axis = Point::unit(i as f64);
-        let aimed = Lobe {
+        let aimed = SonarLobe {
             tip: place,
             axis,
             cone,

@@ -1,12 +1,8 @@
 //! Worlds of the BARN benchmark: fields of cylinders between two side walls.
 //!
-//! D. Perille, A. Truong, X. Xiao, P. Stone, *Benchmarking metric ground navigation*, IEEE International Symposium on
-//! Safety, Security, and Rescue Robotics, 2020, 116–121: 300 worlds grown by a cellular automaton on cells of 0.15 m, each
-//! filled cell a cylinder of radius 0.075 m. They are read as published, `world_N.world` (Gazebo's SDF), from a file or a
-//! folder of them, or from a table of filled cells with the heading `world,ix,iy`, where cell (ix, iy) has its center at
-//! x = −0.075 m − 0.15 m · ix, y = 0.075 m + 0.15 m · iy.
-//!
-//! Start and goal are those of the BARN Challenge: from (−2, 3) m along y, to (−2, 13) m.
+//! D. Perille et al., *Benchmarking metric ground navigation*, SSRR 2020, 116–121: 300 worlds. They
+//! are read as published, `world_N.world` (Gazebo's SDF), or from a table `world,ix,iy` of filled
+//! cells. Start and goal are those of the BARN Challenge: from (−2, 3) m along y, to (−2, 13) m.
 
 use std::f64::consts::FRAC_PI_2;
 use std::ops::RangeInclusive;
@@ -38,8 +34,8 @@ pub struct BarnSource {
     pub number: u32,
 }
 
-/// The worlds at `path` whose numbers lie in `wanted` (all for `None`), by number. A range may name worlds that are not
-/// there, as long as one is.
+/// The worlds at `path` whose numbers lie in `wanted` (all for `None`), by number. A range may name
+/// worlds that are not there, as long as one is.
 ///
 /// # Errors
 /// A path that cannot be read or holds no such world; a table with a bad row.
@@ -144,6 +140,8 @@ impl std::fmt::Display for BarnSource {
     }
 }
 
+/// Filled cell (ix, iy) of the table: centered at x = −0.075 m − 0.15 m · ix, y = 0.075 m + 0.15 m
+/// · iy.
 fn cylinder([ix, iy]: [u16; 2]) -> Shape {
     let along = |index: u16| CELL_M * (f64::from(index) + 0.5);
     Shape::Circle {

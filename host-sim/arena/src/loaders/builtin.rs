@@ -25,8 +25,8 @@ impl World {
         }
     }
 
-    /// The arena of the paper's Fig. 5 (Touzet 2006): a room with walls and smaller obstacles; the robot
-    /// starts in the center and moves to the right.
+    /// The arena of the paper's Fig. 5 (Touzet 2006): a room with walls and smaller obstacles; the
+    /// robot starts in the center and moves to the right.
     ///
     /// # Errors
     /// None in practice: the text is part of the program, and tested.

@@ -10,6 +10,7 @@ use files::error::BadInput;
 pub mod barn;
 mod builtin;
 mod graymap;
+mod image;
 pub(crate) mod occupancy;
 mod pgm;
 mod random;
@@ -38,8 +39,8 @@ impl World {
         }
     }
 
-    /// Reads the text of a TOML world file; `source` names it in errors, and names the world if it has
-    /// no `name` of its own.
+    /// Reads the text of a TOML world file; `source` names it in errors, and names the world if it
+    /// has no `name` of its own.
     ///
     /// # Errors
     /// Like [`World::load`].

@@ -2,7 +2,7 @@
 
 /// What a map says about one of its cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Cell {
+pub(crate) enum OccupancyCell {
     Free,
     Occupied,
     Unknown,
@@ -14,18 +14,18 @@ pub(crate) struct Occupancy {
     pub width: usize,
     pub height: usize,
     /// Row by row from below.
-    pub cells: Vec<Cell>,
+    pub cells: Vec<OccupancyCell>,
 }
 
 /// A grid point: columns from the left, rows from below.
 pub(crate) type GridPoint = (usize, usize);
 
 impl Occupancy {
-    fn cell(&self, column: usize, row: usize) -> Cell {
+    fn cell(&self, column: usize, row: usize) -> OccupancyCell {
         if column < self.width && row < self.height {
             self.cells[row * self.width + column]
         } else {
-            Cell::Unknown
+            OccupancyCell::Unknown
         }
     }
 
@@ -34,11 +34,11 @@ impl Occupancy {
         let (Some(column), Some(row)) = (column.checked_sub(1), row.checked_sub(1)) else {
             return false;
         };
-        self.cell(column, row) == Cell::Occupied
+        self.cell(column, row) == OccupancyCell::Occupied
     }
 
-    /// The outlines of the occupied cells as the longest straight pieces, each with the free side on
-    /// its left. Unknown counts as free: only what was seen to be there is there.
+    /// The outlines of the occupied cells as the longest straight pieces, each with the free side
+    /// on its left. Unknown counts as free: only what was seen to be there is there.
     pub fn outlines(&self) -> Vec<(GridPoint, GridPoint)> {
         let mut pieces = Vec::new();
         for row in 0..=self.height {
@@ -68,9 +68,9 @@ impl Occupancy {
         pieces
     }
 
-    /// The free cell to start from: among those at least `clearance` cells from anything occupied, the
-    /// one nearest to the middle of the free area; if there is none, the one with most room. `None` when
-    /// no cell is free.
+    /// The free cell to start from: among those at least `clearance` cells from anything occupied,
+    /// the one nearest to the middle of the free area; if there is none, the one with most room.
+    /// `None` when no cell is free.
     pub fn start(&self, clearance: u8) -> Option<GridPoint> {
         let middle = self.middle_of_free()?;
         let clearance = usize::from(clearance);
@@ -78,7 +78,7 @@ impl Occupancy {
         let columns = self.column_distances(reach);
         let mut best: Option<(GridPoint, usize, usize)> = None;
         for row in 0..self.height {
-            for column in (0..self.width).filter(|&c| self.cell(c, row) == Cell::Free) {
+            for column in (0..self.width).filter(|&c| self.cell(c, row) == OccupancyCell::Free) {
                 let room = self.squared_room(&columns, column, row, reach);
                 let room = room.min(clearance * clearance);
                 let away =
@@ -101,7 +101,7 @@ impl Occupancy {
             .cells
             .iter()
             .enumerate()
-            .filter(|&(_, &cell)| cell == Cell::Free)
+            .filter(|&(_, &cell)| cell == OccupancyCell::Free)
         {
             let (column, row) = (index % self.width, index / self.width);
             let (left, right, low, high) = bounds.unwrap_or((column, column, row, row));
@@ -125,7 +125,7 @@ impl Occupancy {
             for row in rows {
                 let index = row * self.width + column;
                 distance = match self.cells[index] {
-                    Cell::Occupied => 0,
+                    OccupancyCell::Occupied => 0,
                     _ => (distance + 1).min(reach),
                 };
                 distances[index] = distances[index].min(distance);
@@ -169,9 +169,9 @@ mod tests {
     fn map(rows: &[&str]) -> Occupancy {
         let cells = rows.iter().rev().flat_map(|row| {
             row.chars().map(|c| match c {
-                '#' => Cell::Occupied,
-                '.' => Cell::Free,
-                _ => Cell::Unknown,
+                '#' => OccupancyCell::Occupied,
+                '.' => OccupancyCell::Free,
+                _ => OccupancyCell::Unknown,
             })
         });
         Occupancy {
@@ -215,7 +215,7 @@ mod tests {
         // The middle is the cell right of the block; with two cells of room it moves away from it.
         assert_eq!(room.start(1), Some((4, 3)));
         let (column, row) = room.start(2).unwrap();
-        assert!(room.cell(column, row) == Cell::Free && column >= 5);
+        assert!(room.cell(column, row) == OccupancyCell::Free && column >= 5);
         // More room than there is: the roomiest cell.
         assert!(room.start(50).is_some());
         assert_eq!(map(&["##", "?#"]).start(1), None);

@@ -15,8 +15,8 @@ const BOX_HALF_M: (f64, f64) = (0.15, 0.5);
 const FREE_RADIUS_M: f64 = 1.0;
 
 impl World {
-    /// A room of 8 m × 8 m around the origin with 12 boxes parallel to its walls, which may overlap; the
-    /// robot starts at the center and looks along x. Named `random:SEED`.
+    /// A room of 8 m × 8 m around the origin with 12 boxes parallel to its walls, which may
+    /// overlap; the robot starts at the center and looks along x. Named `random:SEED`.
     #[must_use]
     pub fn random(seed: u64) -> Self {
         let mut noise = Noise::new(seed);

@@ -1,4 +1,5 @@
-//! Worlds made from a seed for the behaviors' scenes; all can be crossed by a robot that keeps its distance.
+//! Worlds made from a seed for the scenes of the behaviors; a robot that keeps its distance can
+//! cross all.
 
 use crate::noise::Noise;
 use crate::world::{Point, Pose, Shape, World};
@@ -38,7 +39,8 @@ pub fn plain(seed: u64) -> World {
     world("plain", seed, Point::default(), vec![rectangle(half)])
 }
 
-/// 8 m × 8 m with five boxes of 0.5 … 1.2 m: half of them turned and free, half against the walls, 1.8 m apart.
+/// 8 m × 8 m with five boxes of 0.5 … 1.2 m: half of them turned and free, half against the walls,
+/// 1.8 m apart.
 #[must_use]
 pub fn boxes(seed: u64) -> World {
     let mut noise = Noise::new(seed);
@@ -109,7 +111,8 @@ pub fn small(seed: u64) -> World {
     world("small", seed, start, vec![rectangle(Point::new(2.0, 2.0))])
 }
 
-/// 8 m × 8 m with six boxes of 0.3 … 1 m anywhere; the start anywhere at least 0.5 m from everything.
+/// 8 m × 8 m with six boxes of 0.3 … 1 m anywhere; the start anywhere at least 0.5 m from
+/// everything.
 #[must_use]
 pub fn six_boxes(seed: u64) -> World {
     let mut noise = Noise::new(seed);
@@ -160,7 +163,8 @@ pub fn one_obstacle(seed: u64) -> World {
     world("one-obstacle", seed, Point::default(), vec![room, obstacle])
 }
 
-/// A hall of 8 m × 6 m with a room in one corner, whose exit is 1.5 … 1.9 m wide; the start in the hall.
+/// A hall of 8 m × 6 m with a room in one corner, whose exit is 1.5 … 1.9 m wide; the start in the
+/// hall.
 #[must_use]
 pub fn with_exit(seed: u64) -> World {
     let mut noise = Noise::new(seed);

@@ -1,18 +1,16 @@
-//! Maps of the ROS `map_server`: a YAML file that names a PGM or PNG image, its resolution and its place.
+//! Maps of the ROS `map_server`: a YAML file that names an image, its resolution and its place.
 //!
-//! A pixel's occupancy is `(white − v) / white`, or `v / white` when `negate` is set. Above
-//! `occupied_thresh` the cell is occupied, below `free_thresh` free, in between unknown; unknown cells
-//! do not stop sound or robot. The map's lower left corner lies at `origin` = [x, y, yaw].
-//!
-//! Maps carry no start: the robot starts where it has at least 0.5 m of room, as near as possible to the
-//! middle of the free area, or where it has most room; its turret looks along x.
+//! Cells between the thresholds are unknown and stop neither sound nor robot. Maps carry no start:
+//! the robot starts where it has 0.5 m of room, as near as possible to the middle of the free area,
+//! or where it has most room.
 
 use std::path::Path;
 
 use serde::Deserialize;
 
-use super::graymap::{self, Graymap};
-use super::occupancy::{Cell, Occupancy};
+use super::graymap::Graymap;
+use super::image;
+use super::occupancy::{Occupancy, OccupancyCell};
 use crate::geometry::{Point, Pose};
 use crate::shapes::Shape;
 use crate::world::{MAX_COORDINATE_M, MAX_SHAPES, World};
@@ -58,7 +56,7 @@ pub(super) fn load(path: &Path) -> Result<World, BadInput> {
     let text = files::read_text(path, MAX_INPUT_BYTES)?;
     let info = parse_info(&text).map_err(|what| BadInput::file(path, what))?;
     let image_path = path.parent().unwrap_or(Path::new("")).join(&info.image);
-    let image = graymap::parse(&files::read(&image_path, MAX_INPUT_BYTES)?)
+    let image = image::parse(&files::read(&image_path, MAX_INPUT_BYTES)?)
         .map_err(|what| BadInput::file(&image_path, what))?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     build(&name, &info, &image).map_err(|error| BadInput::file(path, error))
@@ -119,17 +117,19 @@ fn check(info: &MapInfo, mode: &str) -> Result<(), String> {
     Ok(())
 }
 
+/// A pixel's occupancy is `(white − v) / white`, or `v / white` when `negate` is set. Above
+/// `occupied_thresh` the cell is occupied, below `free_thresh` free, in between unknown.
 fn classify(image: &Graymap, info: &MapInfo) -> Occupancy {
     let white = f64::from(image.max_value);
     let cell = |&pixel: &u16| {
         let lit = f64::from(pixel) / white;
         let occupancy = if info.negate { lit } else { 1.0 - lit };
         if occupancy > info.occupied_above {
-            Cell::Occupied
+            OccupancyCell::Occupied
         } else if occupancy < info.free_below {
-            Cell::Free
+            OccupancyCell::Free
         } else {
-            Cell::Unknown
+            OccupancyCell::Unknown
         }
     };
     let rows = image.pixels.chunks_exact(image.width).rev();

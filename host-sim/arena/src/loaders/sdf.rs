@@ -1,7 +1,7 @@
 //! Bodies of a Gazebo world file (SDF): what its models collide with, from above.
 //!
-//! Cylinders and boxes that stand upright; planes (the ground) are left out. Other shapes, and files that include models
-//! from elsewhere, are refused: a world without some of its bodies would be another world.
+//! It reads upright cylinders and boxes and leaves out planes (the ground). It refuses other shapes
+//! and files that include models: a world without some of its bodies would be another world.
 
 use std::path::Path;
 
@@ -26,7 +26,7 @@ pub(super) fn load(path: &Path) -> Result<Vec<Shape>, BadInput> {
 fn parse(source: &str, text: &str) -> Result<Vec<Shape>, BadInput> {
     let document =
         Document::parse(text).map_err(|error| BadInput::new(format!("{source}: {error}")))?;
-    let file = File {
+    let file = SdfFile {
         source,
         document: &document,
     };
@@ -62,12 +62,12 @@ fn child<'a, 'i>(node: Node<'a, 'i>, tag: &'static str) -> Option<Node<'a, 'i>> 
     children(node, tag).next()
 }
 
-struct File<'a, 'i> {
+struct SdfFile<'a, 'i> {
     source: &'a str,
     document: &'a Document<'i>,
 }
 
-impl File<'_, '_> {
+impl SdfFile<'_, '_> {
     fn error(&self, node: Node<'_, '_>, what: &str) -> BadInput {
         let line = self.document.text_pos_at(node.range().start).row;
         BadInput::line(self.source, line as usize, what)

@@ -51,8 +51,9 @@ impl std::fmt::Display for WorldSource {
 }
 
 /// The worlds `text` names, in order: a built-in name, `random:SEED`, `random:A..=B`, a folder (its
-/// `.toml`, `.yaml` and `.yml` files by name) or a file. A file called like a built-in world is reached
-/// as `./NAME`. `barn:FILE#N` and `barn:FILE#A..=B` are worlds of the BARN benchmark (see [`barn`]).
+/// `.toml`, `.yaml` and `.yml` files by name) or a file. A file called like a built-in world is
+/// reached as `./NAME`. `barn:FILE#N` and `barn:FILE#A..=B` are worlds of the BARN benchmark (see
+/// [`barn`]).
 ///
 /// # Errors
 /// When `text` names nothing known, a range is empty or too long, or a folder holds no world.

@@ -1,23 +1,7 @@
-//! The TOML world file.
+//! The TOML world file: `[[wall]]`, `[[box]]` and `[[circle]]` in meters and degrees.
 //!
-//! ```toml
-//! name = "corridor"
-//! [start]
-//! position_m = [0.0, 0.0]
-//! heading_deg = 0.0
-//! [[wall]]
-//! points_m = [[-3.0, -2.0], [5.0, -2.0], [5.0, 2.0]]
-//! [[box]]
-//! center_m = [1.0, 0.5]
-//! size_m = [0.4, 0.4]
-//! angle_deg = 0.0
-//! [[circle]]
-//! center_m = [2.0, -1.0]
-//! radius_m = 0.3
-//! ```
-//!
-//! Meters and degrees. At least one `wall`, `box` or `circle`; everything else has a default: the file's
-//! name, the origin, angle 0. A key that is not listed here is an error, with its line.
+//! At least one of them is needed; everything else has a default: the file's name, the origin,
+//! angle 0. An unknown key is an error, with its line. Examples stand in `host-sim/worlds`.
 
 use core::ops::Range;
 use std::path::Path;

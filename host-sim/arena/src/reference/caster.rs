@@ -2,7 +2,7 @@
 
 use super::Reference;
 use super::worlds::worlds;
-use crate::caster::{ConeShape, Lobe, LobeView, Rays, Surface};
+use crate::caster::{ConeShape, LobeView, Rays, SonarLobe, Surface};
 use crate::geometry::Point;
 use crate::noise::Noise;
 use core::f64::consts::TAU;
@@ -105,7 +105,7 @@ fn rays_have_the_bits_of_the_reference() {
         for (i, place) in places.into_iter().enumerate() {
             let bearing = std::f64::consts::FRAC_PI_8 * i as f64;
             let axis = Point::unit(bearing);
-            let aimed = Lobe {
+            let aimed = SonarLobe {
                 tip: place + axis * 0.2305,
                 axis,
                 cone,

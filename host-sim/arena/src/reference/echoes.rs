@@ -2,7 +2,7 @@
 
 use super::worlds::worlds;
 use super::{Met, Reference, ReferenceLobe};
-use crate::caster::{ConeShape, Lobe, LobeView};
+use crate::caster::{ConeShape, LobeView, SonarLobe};
 use crate::geometry::{Point, Pose};
 use crate::noise::Noise;
 use crate::nomad::FACE_RADIUS_M;
@@ -91,8 +91,8 @@ impl Echoes<'_> {
     }
 }
 
-fn lobe_at(middle: Point, axis: Point, config: &SonarConfig) -> Lobe {
-    Lobe {
+fn lobe_at(middle: Point, axis: Point, config: &SonarConfig) -> SonarLobe {
+    SonarLobe {
         tip: middle + axis * FACE_RADIUS_M,
         axis,
         cone: ConeShape::new(config.half_angle_rad),
@@ -146,8 +146,8 @@ fn echoes_have_the_bits_of_the_reference() {
     assert!(counts[0] > 100 && counts[1] > 4_000, "{counts:?}");
 }
 
-/// A wall that bends too little for a corner, its bend nearest, and another wall behind it: the sound that is sent towards
-/// the hidden wall finds the bend better than the fan does.
+/// A wall that bends too little for a corner, its bend nearest, and another wall behind it: a ray
+/// towards the hidden wall finds the bend better than the fan does.
 #[test]
 fn hidden_walls_guide_rays_as_in_the_reference() {
     let (config, axis) = (SonarModel::Nomad.config(), Point::new(1.0, 0.0));

@@ -103,7 +103,7 @@ impl Reference {
         }
     }
 
-    /// As [`View`](crate::caster::View), in f32 beyond the choice of what may answer.
+    /// As [`ConeView`](crate::caster::ConeView), in f32 beyond the choice of what may answer.
     pub(crate) fn nearest_in_cone(
         &self,
         middle: Point,

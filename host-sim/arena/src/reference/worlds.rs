@@ -1,13 +1,14 @@
 //! Worlds of every kind, for comparisons with the reference model.
 
 use crate::geometry::{Point, Pose};
-use crate::loaders::occupancy::{Cell, Occupancy};
+use crate::loaders::occupancy::{Occupancy, OccupancyCell};
 use crate::noise::Noise;
 use crate::shapes::Shape;
 use crate::world::World;
 
-/// Worlds of every kind and size, by number: cluttered rooms, maps of cells (many pieces of one line, many shared ends),
-/// rows of many rooms, fields of posts, crowds of small boxes. With places in and about them, some on lines and corners.
+/// Worlds of every kind and size, by number: cluttered rooms, maps of cells (many pieces of one
+/// line, many shared ends), rows of many rooms, fields of posts, crowds of small boxes. With places
+/// in and about them, some on lines and corners.
 pub(crate) fn worlds(seed: u64) -> (World, Vec<Point>) {
     let mut noise = Noise::new(seed);
     let mut shapes = Vec::new();
@@ -37,9 +38,9 @@ pub(crate) fn worlds(seed: u64) -> (World, Vec<Point>) {
 fn cells(noise: &mut Noise, shapes: &mut Vec<Shape>) -> f64 {
     let cells = (0..32 * 32).map(|_| {
         if noise.chance(0.12) {
-            Cell::Occupied
+            OccupancyCell::Occupied
         } else {
-            Cell::Free
+            OccupancyCell::Free
         }
     });
     let map = Occupancy {
@@ -95,7 +96,8 @@ fn posts(noise: &mut Noise, shapes: &mut Vec<Shape>) -> f64 {
     15.0
 }
 
-/// A room full of small boxes, which may overlap; a share of them stands askew, or has a circle beside it.
+/// A room full of small boxes, which may overlap; a share of them stands askew, or has a circle
+/// beside it.
 fn crowd(noise: &mut Noise, shapes: &mut Vec<Shape>, share: f64) -> f64 {
     shapes.extend(World::random(1).shapes().iter().take(1).cloned());
     for _ in 0..400 {

@@ -2,9 +2,10 @@
 
 use core::f64::consts::TAU;
 
-use super::servo::{Stride, Way};
-use super::{BUMPERS, COLLISION_RADIUS_M, Executed};
+use super::motion::Executed;
+use super::servo::{ServoStride, TravelLeft};
 use crate::noise::Noise;
+use crate::nomad::{BUMPERS, COLLISION_RADIUS_M};
 use crate::world::{LastWorld, Point, Pose, Sweep, World};
 
 /// Far above any rounding, m.
@@ -20,7 +21,7 @@ pub(super) struct Chassis {
     front: f64,
     /// Complex factor from odometry to truth.
     slip: Point,
-    /// Gaps of so much or more are not wanted, m.
+    /// Gaps of this size or more are not wanted, m.
     gaps_below_m: Option<f64>,
     free: Option<FreeDisc>,
     world: LastWorld,
@@ -47,15 +48,16 @@ impl FreeDisc {
 
 /// A way along the wheels towards a goal, as the odometry has it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Line {
+pub(super) struct RollingWay {
     pub(super) goal: Point,
     /// Unit vector towards the goal.
     pub(super) wheels: Point,
     pub(super) odometry: Point,
 }
 
-impl Way for Line {
-    /// Each coordinate nears the goal's or passes it, so neither product grows, and neither does their sum.
+impl TravelLeft for RollingWay {
+    /// Each coordinate nears the goal's or passes it, so neither product grows, and neither does
+    /// their sum.
     fn left(&self) -> f64 {
         (self.goal - self.odometry).dot(self.wheels)
     }
@@ -91,15 +93,15 @@ impl Chassis {
         sweep
     }
 
-    /// From now on gaps of so much or more, m, are not wanted.
+    /// From now on gaps of `gap_m` m or more are not wanted.
     pub(super) fn tell_gaps_below(&mut self, gap_m: f64) {
         self.gaps_below_m = Some(gap_m);
     }
 
     /// Whether nothing is touched and no gap is wanted between these places.
     ///
-    /// The distance to the nearest surface changes by no more than the way gone (J. C. Hart, *Sphere
-    /// tracing*, The Visual Computer 12, 1996), so one look holds for a whole disc.
+    /// The distance to the nearest surface changes by no more than the way gone (J. C. Hart,
+    /// *Sphere tracing*, The Visual Computer 12, 1996), so one look holds for a whole disc.
     #[inline]
     fn passes_freely(&mut self, world: &World, places: [Point; 2]) -> bool {
         let Some(wanted) = self.gaps_below_m else {
@@ -119,14 +121,15 @@ impl Chassis {
         })
     }
 
-    /// Draws what the wheels will slip from now on: of the way (as a share) and of the direction (rad).
+    /// Draws the slip of the wheels from now on: of the way (as a share) and of the direction
+    /// (rad).
     pub(super) fn slip(&mut self, deviation: f64, noise: &mut Noise) {
         let share = 1.0 + deviation * noise.normal();
         self.slip = Point::unit(deviation * noise.normal()) * share;
     }
 
-    /// Rolls `way` m along the unit vector `wheels`, as the odometry counts, up to the first touch. Returns how far it got,
-    /// in m of odometry.
+    /// Rolls `way` m along the unit vector `wheels`, as the odometry counts, up to the first touch.
+    /// Returns how far it got, in m of odometry.
     pub(super) fn roll(
         &mut self,
         way: f64,
@@ -152,11 +155,12 @@ impl Chassis {
         way * share
     }
 
-    /// Takes a stride along a line, as [`Chassis::roll`] its steps, if nothing can be near; does nothing if something may.
+    /// Takes a whole stride along a line if no surface is near, with the results of
+    /// [`Chassis::roll`] for each step; otherwise does nothing. Returns whether it did.
     #[inline]
     pub(super) fn take(
         &mut self,
-        stride: &Stride<Line>,
+        stride: &ServoStride<RollingWay>,
         world: &World,
         done: &mut Executed,
     ) -> bool {
@@ -178,7 +182,7 @@ impl Chassis {
         true
     }
 
-    /// Tells the gap where it stands, if none was told on the way.
+    /// Reports the gap where it stands, if none was reported on the way.
     #[inline]
     pub(super) fn tell_gap(&mut self, world: &World, done: &mut Executed) {
         let at = self.position;

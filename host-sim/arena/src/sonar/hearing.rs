@@ -1,14 +1,12 @@
 //! What one Polaroid transducer can hear from where it is.
 //!
-//! A fan of rays over the lobe, and one ray at each place most likely to answer, find what the transducer
-//! can see; what is hidden is met by no ray. A flat face answers where the sound meets it near its normal,
-//! and is a mirror otherwise. A circle answers wherever it is met. A corner or edge answers from its tip, at
-//! any angle. Each thing answers once, with its nearest answering point (Leonard and Durrant-Whyte's
-//! regions of constant depth come out of that).
+//! Rays over the lobe and towards likely places find what the transducer can see. A flat face
+//! answers near its normal and is a mirror otherwise; circles and corners answer at any angle. Each
+//! answers once, at its nearest point (regions of constant depth, Leonard and Durrant-Whyte).
 
 use core::f64::consts::PI;
 
-use super::SonarConfig;
+use super::config::SonarConfig;
 use crate::caster::{Fan, Hit, LobeView, Rays, Surface};
 use crate::world::{Point, World};
 
@@ -69,7 +67,7 @@ impl Hearing {
         lobe: &mut LobeView,
         config: &SonarConfig,
     ) -> Option<f64> {
-        let mut first = Nearest {
+        let mut first = FirstInRange {
             least: config.blanking_m,
             most: config.max_range_m,
             range: None,
@@ -92,9 +90,9 @@ impl Hearing {
         }
     }
 
-    /// Lets every ray meet what it meets first, and offers the nearest answer of each surface: what answers too early
-    /// answers no more.
-    fn hear_rays(&mut self, lobe: &LobeView, config: &SonarConfig, first: &mut Nearest) {
+    /// Casts every ray and offers the nearest answer of each surface: one that answers too early
+    /// does not answer again.
+    fn hear_rays(&mut self, lobe: &LobeView, config: &SonarConfig, first: &mut FirstInRange) {
         let axis = lobe.lobe().axis;
         self.fan.rays().turned_into(axis, &mut self.rays);
         for &direction in &self.promising {
@@ -107,8 +105,8 @@ impl Hearing {
             .for_each(|&(_, range)| first.offer(range));
     }
 
-    /// Lets the rays of the fan go on as mirrored by the faces they meet too obliquely, up to `bounces` times.
-    fn follow(&self, world: &World, lobe: &LobeView, bounces: usize, first: &mut Nearest) {
+    /// Follows the rays of the fan that faces mirror, up to `bounces` times.
+    fn follow(&self, world: &World, lobe: &LobeView, bounces: usize, first: &mut FirstInRange) {
         let tip = lobe.lobe().tip;
         let met = self.rays.ways().iter().zip(self.rays.cos_incidences());
         for (ray, (&length, &cos)) in met.enumerate().take(self.fan.count()) {
@@ -159,13 +157,13 @@ impl Hearing {
 }
 
 /// The least range offered that lies within limits.
-struct Nearest {
+struct FirstInRange {
     least: f64,
     most: f64,
     range: Option<f64>,
 }
 
-impl Nearest {
+impl FirstInRange {
     fn offer(&mut self, range: f64) {
         if self.wants(range) {
             self.range = Some(range);

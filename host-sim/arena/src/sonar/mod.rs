@@ -1,39 +1,29 @@
 //! The ring of Polaroid sonars: where the transducers sit, when they fire, and what they return.
 //!
-//! Three models, by name ([`SonarModel`]), each a set of numbers anyone may change ([`SonarConfig`]):
-//!
-//! * *ideal*: the exact distance from the transducer's face to the nearest point of any surface in its cone;
-//! * *nomad*: a flat face answers only near its normal, corners and posts always; readings are noisy whole
-//!   inches, some are missed, some are random;
-//! * *harsh*: blind up close, more misses, reverberation of the ping before, mirrored paths, one dead sonar.
-//!
-//! A reading is a range in meters, or `None` when the ring reports 255 in: nothing heard, or nothing
-//! nearer than that; the byte cannot tell the two apart.
+//! Three models ([`SonarModel`]), each a set of numbers ([`SonarConfig`]): *ideal* is exact,
+//! *nomad* is a ring in good order, *harsh* a bad day. A reading is a range in meters, or `None`
+//! when the ring reports 255 in: nothing heard, or nothing nearer than that.
 
 use core::f64::consts::TAU;
 
-use crate::caster::{ConeShape, Lobe, LobeView};
-use crate::direction::Direction;
+use crate::caster::{ConeShape, LobeView, SonarLobe};
+use crate::direction::CachedDirection;
 use crate::noise::{Deviate, Noise};
 use crate::world::{LastWorld, Point, Pose, World};
 
 mod config;
 mod fault;
 mod hearing;
+mod inches;
 
 pub use config::{SonarConfig, SonarModel};
+use fault::ActiveFaults;
 pub use fault::{FaultKind, TransducerFault};
 pub(crate) use hearing::Hearing;
-
-/// Length of an inch, m.
-pub const M_PER_INCH: f64 = 0.0254;
-
-const INCHES_PER_M: f64 = 1.0 / M_PER_INCH;
+use inches::{INCHES_PER_M, whole_inches};
+pub use inches::{M_PER_INCH, MAX_READING_IN, reading_in};
 
 pub use crate::nomad::FACE_RADIUS_M;
-
-/// The largest reading, in: what a transducer that hears nothing reports.
-pub const MAX_READING_IN: u8 = 255;
 
 /// The Nomad drivers' firing order: front first, then from side to side (CARMEN, MissionLab).
 pub const FIRING_ORDER: [usize; 16] = [0, 2, 15, 1, 14, 3, 13, 4, 12, 5, 11, 6, 10, 7, 9, 8];
@@ -74,8 +64,8 @@ impl RingGeometry {
         TAU * sensor as f64 / self.count.max(1) as f64
     }
 
-    /// The order in which the transducers fire: the Nomad's for 16, else front first, then alternating
-    /// sides.
+    /// The order in which the transducers fire: the Nomad's for 16, else front first, then
+    /// alternating sides.
     #[must_use]
     pub fn firing_order(&self) -> Vec<usize> {
         if self.count == FIRING_ORDER.len() {
@@ -109,7 +99,7 @@ struct FirstEcho {
     range_m: Option<f64>,
 }
 
-/// A ring of transducers on a turret. Owns its scratch memory, so a scan allocates nothing once warm.
+/// A ring of transducers on a turret.
 #[derive(Debug, Clone)]
 pub struct Ring {
     geometry: RingGeometry,
@@ -124,11 +114,11 @@ pub struct Ring {
     /// The least reading, in.
     least_in: f64,
     world: LastWorld,
-    heading: Direction,
+    heading: CachedDirection,
     /// What each transducer heard last.
     echoes: Vec<FirstEcho>,
     dead: Option<usize>,
-    faults: fault::Faults,
+    faults: ActiveFaults,
     earlier: Option<EarlierPing>,
 }
 
@@ -140,7 +130,8 @@ impl Ring {
     }
 
     /// A ring with its own geometry and numbers; `model` says whether readings are exact
-    /// ([`SonarModel::Ideal`]) or what a transducer hears. Numbers outside their range are brought into it.
+    /// ([`SonarModel::Ideal`]) or what a transducer hears. Numbers outside their range are brought
+    /// into it.
     #[must_use]
     pub fn with_config(
         model: SonarModel,
@@ -161,10 +152,10 @@ impl Ring {
             hearing: Hearing::new(&config, half_angle),
             least_in: whole_inches(config.min_range_m),
             world: LastWorld::default(),
-            heading: Direction::new(0.0),
+            heading: CachedDirection::new(0.0),
             echoes: vec![FirstEcho::default(); geometry.count],
             dead: config.one_dead.then(|| noise.index(geometry.count)),
-            faults: fault::Faults::default(),
+            faults: ActiveFaults::default(),
             earlier: None,
             geometry,
             config,
@@ -175,7 +166,7 @@ impl Ring {
     /// The same ring with these faults.
     #[must_use]
     pub fn with_faults(mut self, faults: &[TransducerFault]) -> Self {
-        self.faults = fault::Faults::new(faults);
+        self.faults = ActiveFaults::new(faults);
         self
     }
 
@@ -203,7 +194,7 @@ impl Ring {
         self.dead
     }
 
-    /// What all transducers say at once, whatever the model: the exact ranges, m, but for faults.
+    /// The exact ranges of all transducers at once, m, whatever the model, changed by the faults.
     pub fn scan_with_faults(
         &mut self,
         world: &World,
@@ -220,8 +211,8 @@ impl Ring {
         }
     }
 
-    /// The exact ranges, m, of all transducers at once, whatever the model: `out[i]` for transducer i, as
-    /// far as `out` reaches. `None` beyond the greatest range.
+    /// The exact ranges, m, of all transducers at once, whatever the model: `out[i]` for transducer
+    /// i, as far as `out` reaches. `None` beyond the greatest range.
     pub fn scan(&mut self, world: &World, pose: &Pose, out: &mut [Option<f64>]) {
         let (offset, reach) = (self.geometry.face_radius_m, self.config.max_range_m);
         let view = world.view(pose.position, offset, reach);
@@ -232,8 +223,8 @@ impl Ring {
         }
     }
 
-    /// Fires one transducer at `time_s` from where the robot is then. A `sensor` the ring does not have
-    /// hears nothing.
+    /// Fires one transducer at `time_s` from where the robot is then. A `sensor` the ring does not
+    /// have hears nothing.
     pub fn ping(
         &mut self,
         world: &World,
@@ -274,7 +265,7 @@ impl Ring {
         self.as_reported(heard, noise)
     }
 
-    /// The first echo a transducer hears; a robot that has not moved hears the same again.
+    /// The first echo a transducer hears: the last one, if neither robot nor world have moved.
     fn echo(&mut self, world: &World, pose: &Pose, sensor: usize, axis: Point) -> Option<f64> {
         if !self.world.is_same(world) {
             self.echoes.iter_mut().for_each(|echo| echo.from = None);
@@ -284,7 +275,7 @@ impl Ring {
             return last.range_m;
         }
         let axis = axis.turned(self.look_along(pose.heading));
-        let lobe = Lobe {
+        let lobe = SonarLobe {
             tip: pose.position + axis * self.geometry.face_radius_m,
             axis,
             cone: self.cone,
@@ -302,14 +293,14 @@ impl Ring {
         range_m
     }
 
-    /// The unit vector along a heading, rad: worked out anew only where it is another one.
+    /// The unit vector along a heading, rad, computed only when the heading changes.
     fn look_along(&mut self, heading: f64) -> Point {
         self.heading.set(heading);
         self.heading.unit()
     }
 
-    /// The echo, or the reverberation of the ping before if that comes earlier. Sound that goes to and
-    /// fro between the robot and what answered arrives again and again, one echo's time apart.
+    /// The echo, or the reverberation of the ping before if that comes earlier. Sound that goes to
+    /// and fro between the robot and what answered arrives again and again, one echo's time apart.
     fn with_crosstalk(&self, echo: Option<f64>, time_s: f64, noise: &mut Noise) -> Option<f64> {
         let loud = noise.chance(self.config.crosstalk);
         let Some(earlier) = self.earlier.filter(|_| loud) else {
@@ -327,7 +318,7 @@ impl Ring {
         }
     }
 
-    /// What the ring reports of what a transducer heard: misses, nonsense, noise, whole inches.
+    /// The reading for what a transducer heard: misses, random readings, noise, whole inches.
     fn as_reported(&self, heard: Option<f64>, noise: &mut Noise) -> Option<f64> {
         let config = &self.config;
         if noise.chance(config.missed) {
@@ -345,12 +336,8 @@ impl Ring {
     }
 }
 
-fn whole_inches(range_m: f64) -> f64 {
-    libm::rint(range_m / M_PER_INCH)
-}
-
-/// A range with a deviate of its deviation, to whole inches: where about how much the deviate is settles them, it is not
-/// worked out.
+/// A range plus a deviate times its standard deviation, in whole inches. The exact deviate is
+/// computed only where the approximate one does not determine the inches.
 #[inline]
 fn noisy_inches(range_m: f64, sigma_m: f64, deviate: Deviate) -> f64 {
     /// Far above any rounding.
@@ -365,14 +352,6 @@ fn noisy_inches(range_m: f64, sigma_m: f64, deviate: Deviate) -> f64 {
     } else {
         whole_inches(range_m + deviate.exact() * sigma_m)
     }
-}
-
-/// The byte the Nomad's ring reports for a range in meters: whole inches, 255 for `None`.
-#[must_use]
-pub fn reading_in(range: Option<f64>) -> u8 {
-    let inches = range.map_or(f64::INFINITY, |range| libm::rint(range / M_PER_INCH));
-    // In range by the clamp; a NaN becomes 0.
-    inches.clamp(0.0, f64::from(MAX_READING_IN)) as u8
 }
 
 #[cfg(test)]

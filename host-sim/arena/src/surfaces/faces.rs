@@ -55,8 +55,8 @@ pub(crate) fn list_faces(shapes: &[Shape]) -> Vec<Face> {
     faces
 }
 
-/// [`LANES`] faces, one array per quantity, m, so that the compiler turns a loop over them into vector
-/// instructions. The last block of a list is filled up with faces far away.
+/// [`LANES`] faces, one array per quantity, m, so that the compiler turns a loop over them into
+/// vector instructions. The last block of a list is filled up with faces far away.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct FaceBlock {
     pub ax: [f64; LANES],

@@ -1,6 +1,7 @@
 //! All surfaces of a world that stand still, each kind in blocks with a tree of boxes over them.
 //!
-//! It finds what lies near a place, and which surface is nearest. It knows nothing of rays and cones.
+//! It finds what lies near a place, and which surface is nearest. It knows nothing of rays and
+//! cones.
 
 use crate::geometry::{Point, min};
 use crate::shapes::Shape;
@@ -12,8 +13,8 @@ mod tree;
 pub(crate) use circle::{Circle, FIRST_CIRCLE, list_circles};
 pub(crate) use faces::{Face, FaceBlock, list_faces};
 
-use tree::{Bounds, Near, Nearest, Tree};
-pub(crate) use tree::{Boxes, LANES, SLACK_M, Search};
+use tree::{Bounds, NearSearch, NearestSearch, Tree};
+pub(crate) use tree::{Boxes, LANES, SLACK_M, TreeSearch};
 
 /// The faces, circles and corners of a world that do not move.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,13 +62,15 @@ impl Surfaces {
     /// Calls `look` with every block of faces that may come within `reach` m of `place`.
     pub fn faces_near(&self, place: Point, reach: f64, mut look: impl FnMut(&FaceBlock)) {
         let look = |block: usize| look(self.face_block(block));
-        self.face_tree.search(&mut Near { place, reach, look });
+        self.face_tree
+            .search(&mut NearSearch { place, reach, look });
     }
 
     /// Calls `look` with every circle that may come within `reach` m of `place`, and others.
     pub fn circles_near(&self, place: Point, reach: f64, mut look: impl FnMut(&Circle)) {
         let look = |block: usize| self.circle_block(block).iter().for_each(&mut look);
-        self.circle_tree.search(&mut Near { place, reach, look });
+        self.circle_tree
+            .search(&mut NearSearch { place, reach, look });
     }
 
     /// Calls `look` with every corner that may come within `reach` m of `place`, and others.
@@ -76,13 +79,14 @@ impl Surfaces {
             let corners = block_of(&self.corners, block);
             corners.iter().for_each(|corner| look(*corner));
         };
-        self.corner_tree.search(&mut Near { place, reach, look });
+        self.corner_tree
+            .search(&mut NearSearch { place, reach, look });
     }
 
     /// Least distance of any surface from something that lies within `extent_m` of `place`, m;
     /// infinite if there is no surface.
     pub fn nearest(&self, place: Point, extent_m: f64, distance: &impl Distance) -> f64 {
-        let of_faces = Nearest {
+        let of_faces = NearestSearch {
             place,
             extent_m,
             best: f64::INFINITY,
@@ -94,7 +98,7 @@ impl Surfaces {
                 least(distance.to_faces(block)).sqrt()
             },
         };
-        let of_circles = Nearest {
+        let of_circles = NearestSearch {
             place,
             extent_m,
             best: of_faces.search(&self.face_tree),
@@ -108,12 +112,12 @@ impl Surfaces {
     }
 
     /// Runs a search over the faces; it gets numbers of [blocks](Surfaces::face_block).
-    pub fn search_faces(&self, search: &mut impl Search) {
+    pub fn search_faces(&self, search: &mut impl TreeSearch) {
         self.face_tree.search(search);
     }
 
     /// Runs a search over the circles; it gets numbers of [blocks](Surfaces::circle_block).
-    pub fn search_circles(&self, search: &mut impl Search) {
+    pub fn search_circles(&self, search: &mut impl TreeSearch) {
         self.circle_tree.search(search);
     }
 

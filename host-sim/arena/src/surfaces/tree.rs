@@ -1,8 +1,8 @@
 //! A tree of boxes over the things of a world: a query about one place looks at what is near only.
 //!
-//! Things stand in the order of a curve that fills the plane (Morton 1966) and are cut into blocks of
-//! [`LANES`]. Each block has a box around it, [`LANES`] boxes have one around them, and so on. A search
-//! skips blocks that cannot matter; no answer depends on the tree.
+//! Things stand in the order of a curve that fills the plane (Morton 1966) and are cut into blocks
+//! of [`LANES`]. Each block has a box around it, [`LANES`] boxes have one around them, and so on. A
+//! search skips blocks that cannot matter; no answer depends on the tree.
 
 use crate::geometry::{Point, max, min};
 
@@ -49,8 +49,8 @@ impl Boxes {
         squared
     }
 
-    /// Whether a ray from `origin` along the unit vector `direction` meets each box within `reach` m,
-    /// or nearly.
+    /// Whether a ray from `origin` along the unit vector `direction` meets each box within `reach`
+    /// m, or nearly.
     #[inline]
     pub fn met_by_ray(&self, origin: Point, direction: Point, reach: f64) -> [bool; LANES] {
         let mut met = [false; LANES];
@@ -144,7 +144,7 @@ pub(super) fn sort<T>(things: &mut [T], bounds: impl Fn(&T) -> Bounds) {
 }
 
 /// A query that runs through a tree.
-pub(crate) trait Search {
+pub(crate) trait TreeSearch {
     /// Which of these boxes may hold something that matters.
     fn wants(&self, boxes: &Boxes) -> [bool; LANES];
 
@@ -155,7 +155,8 @@ pub(crate) trait Search {
 /// The boxes, from those around blocks to those around everything.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Tree {
-    /// Box j of row i of a level lies around row `LANES * i + j` of the level before it; of the first, around that block.
+    /// Box j of row i of a level lies around row `LANES * i + j` of the level below; of the lowest
+    /// level, around that block.
     levels: Vec<Vec<Boxes>>,
 }
 
@@ -187,13 +188,13 @@ impl Tree {
     }
 
     /// Calls `look` for every block that the search wants, in the order of the list.
-    pub fn search(&self, search: &mut impl Search) {
+    pub fn search(&self, search: &mut impl TreeSearch) {
         if let Some(top) = self.levels.len().checked_sub(1) {
             self.descend(top, 0, search);
         }
     }
 
-    fn descend(&self, level: usize, row: usize, search: &mut impl Search) {
+    fn descend(&self, level: usize, row: usize, search: &mut impl TreeSearch) {
         let Some(boxes) = self.levels.get(level).and_then(|level| level.get(row)) else {
             return;
         };
@@ -221,13 +222,13 @@ impl Tree {
 }
 
 /// Looks at every block that may come within `reach` m of `place`.
-pub(super) struct Near<F> {
+pub(super) struct NearSearch<F> {
     pub place: Point,
     pub reach: f64,
     pub look: F,
 }
 
-impl<F: FnMut(usize)> Search for Near<F> {
+impl<F: FnMut(usize)> TreeSearch for NearSearch<F> {
     fn wants(&self, boxes: &Boxes) -> [bool; LANES] {
         boxes.near(self.place, self.reach)
     }
@@ -238,7 +239,7 @@ impl<F: FnMut(usize)> Search for Near<F> {
 }
 
 /// Finds the least distance of the things from something that lies within `extent_m` of `place`.
-pub(super) struct Nearest<F> {
+pub(super) struct NearestSearch<F> {
     pub place: Point,
     pub extent_m: f64,
     /// The least distance so far, m.
@@ -248,7 +249,7 @@ pub(super) struct Nearest<F> {
     pub measure: F,
 }
 
-impl<F: Fn(usize, f64) -> f64> Nearest<F> {
+impl<F: Fn(usize, f64) -> f64> NearestSearch<F> {
     /// How far from `place` something better can lie, m.
     fn reach(&self) -> f64 {
         self.best + self.extent_m + SLACK_M
@@ -264,7 +265,7 @@ impl<F: Fn(usize, f64) -> f64> Nearest<F> {
     }
 }
 
-impl<F: Fn(usize, f64) -> f64> Search for Nearest<F> {
+impl<F: Fn(usize, f64) -> f64> TreeSearch for NearestSearch<F> {
     fn wants(&self, boxes: &Boxes) -> [bool; LANES] {
         boxes.near(self.place, self.reach())
     }

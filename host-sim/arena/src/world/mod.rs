@@ -3,12 +3,12 @@
 //! All worlds are flat: straight pieces and circles, meters and radians. Queries go to the caster.
 //! Where worlds come from is no matter of this module: see [`loaders`](crate::loaders).
 
-use crate::caster::{Caster, Lobe, LobeView};
+use crate::caster::{Caster, LobeView, SonarLobe};
 use crate::nomad::COLLISION_RADIUS_M;
 use crate::shapes::point_defect;
 use files::error::BadInput;
 
-pub use crate::caster::{ConeShape, Hit, Surface, Sweep, TOUCH_SLACK_M, View};
+pub use crate::caster::{ConeShape, ConeView, Hit, Surface, Sweep, TOUCH_SLACK_M};
 pub use crate::geometry::{Point, Pose, wrap_angle};
 pub use crate::shapes::Shape;
 
@@ -18,7 +18,8 @@ pub const MAX_COORDINATE_M: f64 = 1e5;
 /// Most shapes a world may have.
 pub const MAX_SHAPES: usize = 1_000_000;
 
-/// Everything that stands around the robot, and where the robot starts. Clones share what stands still.
+/// Everything that stands around the robot, and where the robot starts. Clones share what stands
+/// still.
 #[derive(Debug, Clone, PartialEq)]
 pub struct World {
     name: String,
@@ -105,7 +106,8 @@ impl World {
         self
     }
 
-    /// This world with another shape in the place of shape `index`; the start is not looked at again.
+    /// This world with another shape in the place of shape `index`; the start is not looked at
+    /// again.
     ///
     /// # Errors
     /// When there is no such shape, or the new one is impossible.
@@ -188,8 +190,9 @@ impl World {
         self.caster.clearance(point)
     }
 
-    /// Moves a disc of `radius` m straight `from` one point towards another; it stops at its first touch.
-    /// Sinking further into a surface it already touches counts at once; leaving it does not.
+    /// Moves a disc of `radius` m straight `from` one point towards another; it stops at its first
+    /// touch. Sinking further into a surface it already touches counts at once; leaving it does
+    /// not.
     #[must_use]
     pub fn sweep(&self, from: Point, to: Point, radius: f64) -> Sweep {
         self.caster.sweep(from, to, radius)
@@ -202,15 +205,15 @@ impl World {
         self.caster.cast(origin, direction)
     }
 
-    /// What cones can meet whose tips lie `offset_m` from `middle`, along their axes, and which reach
-    /// `reach_m` from there.
+    /// What cones can meet whose tips lie `offset_m` from `middle`, along their axes, and which
+    /// reach `reach_m` from there.
     #[must_use]
-    pub fn view(&self, middle: Point, offset_m: f64, reach_m: f64) -> View {
+    pub fn view(&self, middle: Point, offset_m: f64, reach_m: f64) -> ConeView {
         self.caster.view(middle, offset_m, reach_m)
     }
 
     /// Aims a view at a lobe: what the sound of one transducer can meet.
-    pub(crate) fn aim(&self, view: &mut LobeView, lobe: &Lobe) {
+    pub(crate) fn aim(&self, view: &mut LobeView, lobe: &SonarLobe) {
         self.caster.aim(view, lobe);
     }
 

@@ -9,7 +9,7 @@ use amp::goal::Goal;
 use amp::som::Grid;
 use amp::units::{Bearing, Displacement, Millis, Range};
 use arena::robot::TurretMode;
-use arena::world::{ConeShape, Point, Pose, View, World, wrap_angle};
+use arena::world::{ConeShape, ConeView, Point, Pose, World, wrap_angle};
 use std::f64::consts::TAU;
 
 /// Random moves the memory holds: the paper's.
@@ -143,7 +143,7 @@ impl<'w, const SENSORS: usize> AnyRing<'w, SENSORS> {
         turn
     }
 
-    fn range(&self, sensor: usize, view: &View) -> Option<Range> {
+    fn range(&self, sensor: usize, view: &ConeView) -> Option<Range> {
         let direction = self.config.robot.directions.get(sensor)?;
         let axis = Point::new(f64::from(direction.x_q14), f64::from(direction.y_q14));
         let axis = (axis * (1.0 / axis.length().max(1.0))).turned(Point::unit(self.pose.heading));
