@@ -4,17 +4,14 @@
 //! nearest first, is tried by single rays from its normal outwards. Faces beyond the best answer
 //! are skipped. All rays together give the same bits.
 
-use super::rays::{Rays, SeenCircle, SeenFace};
+use super::seen::{SLACK_M, SeenCircle, SeenFace, Things};
 use crate::geometry::{Point, clamp};
-
-/// How much beyond an answer things are still looked at, m: far above any rounding.
-const SLACK_M: f64 = 1e-3;
 
 /// Rays at equal angles on either side of an axis.
 #[derive(Debug, Clone)]
 pub(crate) struct Fan {
-    rays: Rays,
-    count: usize,
+    /// Unit vectors, relative to the axis.
+    directions: Vec<Point>,
     rays_per_rad: f64,
     /// Tangent of an angle a little beyond the outermost rays.
     most_tan: f64,
@@ -26,27 +23,19 @@ impl Fan {
     #[must_use]
     pub fn new(count: usize, half_angle: f64) -> Self {
         let step = 2.0 * half_angle / (count - 1) as f64;
-        let mut rays = Rays::default();
-        (0..count).for_each(|i| rays.push(Point::unit(step * i as f64 - half_angle)));
+        let direction = |i: usize| Point::unit(step * i as f64 - half_angle);
         Self {
-            rays,
-            count,
+            directions: (0..count).map(direction).collect(),
             rays_per_rad: 1.0 / step,
             most_tan: libm::tan(half_angle) * 1.02,
             half_angle,
         }
     }
 
-    /// The rays, relative to the axis.
+    /// The rays as unit vectors, relative to the axis.
     #[must_use]
-    pub fn rays(&self) -> &Rays {
-        &self.rays
-    }
-
-    /// How many rays there are.
-    #[must_use]
-    pub fn count(&self) -> usize {
-        self.count
+    pub fn directions(&self) -> &[Point] {
+        &self.directions
     }
 
     /// Whether [`NearestAnswer`] can compute the places of its rays well enough: up to a quarter of
@@ -68,63 +57,6 @@ impl Fan {
         let squared = tan * tan;
         let angle = tan * (1.0 - squared * (1.0 / 3.0 - squared * (0.2 - squared * (1.0 / 7.0))));
         (angle + self.half_angle) * self.rays_per_rad
-    }
-}
-
-impl SeenFace {
-    /// Whether a ray from the tip meets the face, and the cosine of the angle between it and the
-    /// face's normal.
-    #[inline]
-    fn met_by(&self, ray: Point) -> (bool, f64) {
-        let cos = ray.cross(self.u);
-        let along = self.q * ray.dot(self.u);
-        let end = self.p + self.length;
-        let met = (cos > 0.0) & (along >= self.p * cos) & (along <= end * cos);
-        (met, cos)
-    }
-}
-
-impl SeenCircle {
-    /// Length of a ray from the tip to the circle, m, if it meets it.
-    #[inline]
-    fn met_by(&self, ray: Point) -> Option<f64> {
-        let across = ray.cross(self.center);
-        let depth = self.radius * self.radius - across * across;
-        if depth < 0.0 {
-            return None;
-        }
-        let way = ray.dot(self.center) - depth.sqrt();
-        (way > 0.0).then_some(way)
-    }
-}
-
-/// All that a lobe holds; faces from near to far.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Things<'a> {
-    pub faces: &'a [SeenFace],
-    pub circles: &'a [SeenCircle],
-}
-
-impl Things<'_> {
-    /// Whether a ray meets anything before `way` m; at `way` itself, what comes before `number` in
-    /// the world's list.
-    #[inline]
-    pub fn hide(&self, ray: Point, way: f64, number: f64) -> bool {
-        let most = (way + SLACK_M) * (way + SLACK_M);
-        let before = |other: f64, its: f64| other < way || (other == way && its < number);
-        for face in self.faces {
-            if face.near > most {
-                break;
-            }
-            let (met, cos) = face.met_by(ray);
-            if met && before(face.q / cos, face.number) {
-                return true;
-            }
-        }
-        self.circles.iter().any(|circle| {
-            let met = circle.met_by(ray).filter(|_| circle.near <= most);
-            met.is_some_and(|other| before(other, circle.number))
-        })
     }
 }
 
@@ -165,10 +97,6 @@ impl NearestAnswer<'_> {
         near > most * most
     }
 
-    fn ray(&self, index: usize) -> Point {
-        self.fan.rays.direction(index).turned(self.axis)
-    }
-
     fn ask_face(&mut self, face: &SeenFace) {
         let (axis_u, axis_n) = (self.axis.dot(face.u), self.axis.cross(face.u));
         if axis_n < self.least_facing {
@@ -198,8 +126,9 @@ impl NearestAnswer<'_> {
     /// Asks a face by the rays to the left from `first` on, away from its normal.
     fn ask_left(&mut self, face: &SeenFace, first: usize) {
         let end = face.p + face.length;
-        for index in first..self.fan.count {
-            let ray = self.ray(index);
+        let fan = self.fan.directions();
+        for direction in fan.get(first..).unwrap_or(&[]) {
+            let ray = direction.turned(self.axis);
             if face.q * ray.dot(face.u) > end * ray.cross(face.u) || self.try_face(face, ray) {
                 break;
             }
@@ -208,8 +137,9 @@ impl NearestAnswer<'_> {
 
     /// Asks a face by the rays to the right of `left`, away from its normal.
     fn ask_right(&mut self, face: &SeenFace, left: usize) {
-        for index in (0..left.min(self.fan.count)).rev() {
-            let ray = self.ray(index);
+        let fan = self.fan.directions();
+        for direction in fan.iter().take(left).rev() {
+            let ray = direction.turned(self.axis);
             if face.q * ray.dot(face.u) < face.p * ray.cross(face.u) || self.try_face(face, ray) {
                 break;
             }
@@ -241,8 +171,8 @@ impl NearestAnswer<'_> {
         for &ray in self.others {
             self.try_circle(circle, ray);
         }
-        for index in 0..self.fan.count {
-            self.try_circle(circle, self.ray(index));
+        for direction in self.fan.directions() {
+            self.try_circle(circle, direction.turned(self.axis));
         }
     }
 

@@ -1,19 +1,16 @@
 //! What the sound of one transducer can meet: the faces, circles and corners in its lobe.
 //!
-//! Rays meet them in two ways: all rays at once ([`LobeView::meet`]), or only as many as determine
-//! the nearest answer ([`LobeView::nearest_answer`]).
+//! Single rays meet them ([`LobeView::cast`]), or only as many of a fan as determine its nearest
+//! answer ([`LobeView::nearest_answer`]).
 
 use std::sync::Arc;
 
-use super::answer::{Fan, NearestAnswer, Things};
+use super::answer::{Fan, NearestAnswer};
 use super::candidates::Candidates;
 use super::cone::{ConeShape, circle_in_cone};
-use super::rays::{Rays, SeenCircle, SeenFace};
+use super::seen::{LobeHit, SLACK_M, SeenCircle, SeenFace, Things};
 use crate::geometry::{Point, max, min};
 use crate::surfaces::{Circle, Face, Surfaces};
-
-/// How much beyond an answer things are still looked at, m: far above any rounding.
-const SLACK_M: f64 = 1e-3;
 
 /// How much nearer than a corner a ray may end and still be said to reach it, m.
 const CORNER_SLACK_M: f64 = 1e-6;
@@ -89,10 +86,7 @@ impl LobeView {
         let axis = self.lobe.axis;
         let corners = self.corners(least, most);
         corners.sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
-        let things = Things {
-            faces: &self.faces,
-            circles: &self.circles,
-        };
+        let things = self.things();
         let shown = self.corners.iter().find(|&&(corner, range)| {
             let towards = if range > 0.0 {
                 corner * (1.0 / range)
@@ -119,10 +113,7 @@ impl LobeView {
         least_facing: f64,
     ) -> f64 {
         let mut search = NearestAnswer {
-            things: Things {
-                faces: &self.faces,
-                circles: &self.circles,
-            },
+            things: self.things(),
             fan,
             axis: self.lobe.axis,
             others,
@@ -140,15 +131,16 @@ impl LobeView {
         &self.lobe
     }
 
-    /// Intersects rays, which must not leave the lobe, with what lies in it up to `far` m from its
-    /// tip, and perhaps more.
-    pub fn meet(&self, rays: &mut Rays, far: f64) {
-        let most = (far + SLACK_M) * (far + SLACK_M);
-        for face in self.faces.iter().filter(|face| face.near <= most) {
-            rays.meet_face(face);
-        }
-        for circle in self.circles.iter().filter(|circle| circle.near <= most) {
-            rays.meet_circle(circle);
+    /// What a ray along the unit vector `ray`, which must not leave the lobe, meets first.
+    #[must_use]
+    pub fn cast(&self, ray: Point) -> Option<LobeHit> {
+        self.things().cast(ray)
+    }
+
+    fn things(&self) -> Things<'_> {
+        Things {
+            faces: &self.faces,
+            circles: &self.circles,
         }
     }
 
@@ -164,13 +156,6 @@ impl LobeView {
             circle.center * (1.0 / length)
         });
         feet.chain(middles)
-    }
-
-    /// Unit normal of a face of the lobe, by its number; `None` if there is no such face.
-    #[must_use]
-    pub fn normal(&self, number: f64) -> Option<Point> {
-        let face = self.faces.iter().find(|face| face.number == number);
-        face.map(|face| Point::new(-face.u.y, face.u.x))
     }
 }
 

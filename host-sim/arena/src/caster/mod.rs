@@ -14,7 +14,7 @@ mod candidates;
 mod cone;
 mod lobe;
 mod ray;
-mod rays;
+mod seen;
 mod sweep;
 #[cfg(test)]
 mod tests;
@@ -23,7 +23,7 @@ pub(crate) use answer::Fan;
 pub use cone::{ConeShape, ConeView};
 pub(crate) use lobe::{LobeView, SonarLobe};
 pub use ray::{Hit, Surface};
-pub(crate) use rays::Rays;
+pub(crate) use seen::LobeHit;
 pub use sweep::{Sweep, TOUCH_SLACK_M};
 #[cfg(test)]
 pub(crate) use {

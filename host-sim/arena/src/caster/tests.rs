@@ -205,10 +205,8 @@ fn a_lobe_view_used_again_forgets_what_it_saw() {
     let mut view = LobeView::default();
     let mut ask = |world: &World, lobe: &SonarLobe| {
         world.aim(&mut view, lobe);
-        let mut rays = Rays::default();
-        rays.push(lobe.axis);
-        view.meet(&mut rays, REACH_M);
-        rays.ways()[0]
+        view.cast(lobe.axis)
+            .map_or(f64::INFINITY, |hit| hit.distance_m)
     };
     let east = SonarLobe {
         axis: Point::new(1.0, 0.0),
@@ -358,10 +356,8 @@ fn rays_meet_the_nearest_front() {
                 "{hit:?} {expected}"
             );
             assert!((-hit.normal.dot(direction) - hit.cos_incidence).abs() < 1e-12);
-            let mut rays = Rays::default();
-            rays.push(direction);
-            lobe.meet(&mut rays, 20.0);
-            assert!((rays.ways()[0] - expected).abs() < 1e-9);
+            let hit = lobe.cast(direction).unwrap();
+            assert!((hit.distance_m - expected).abs() < 1e-9);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Reference;
 use super::worlds::worlds;
-use crate::caster::{ConeShape, LobeView, Rays, SonarLobe, Surface};
+use crate::caster::{ConeShape, LobeView, SonarLobe, Surface};
 use crate::geometry::Point;
 use crate::noise::Noise;
 use core::f64::consts::TAU;
@@ -117,22 +117,13 @@ fn rays_have_the_bits_of_the_reference() {
             directions.retain(|direction| direction.dot(axis) >= libm::cos(0.26));
             let turns = (-10..=10).map(|ray| Point::unit(bearing + 0.025 * f64::from(ray)));
             directions.extend(turns);
-            let mut rays = Rays::default();
-            directions
-                .iter()
-                .for_each(|direction| rays.push(*direction));
-            lobe.meet(&mut rays, f64::INFINITY);
-            for (index, &direction) in directions.iter().enumerate() {
-                let found = (
-                    rays.ways()[index],
-                    rays.numbers()[index],
-                    rays.cos_incidences()[index],
-                );
+            for &direction in &directions {
+                let found = lobe
+                    .cast(direction)
+                    .map(|hit| (hit.distance_m, hit.number, hit.cos_incidence));
                 let hit = expected.cast(direction);
-                let hit = hit.map_or((f64::INFINITY, -f64::INFINITY, 0.0), |hit| {
-                    met += 1;
-                    (hit.way, hit.number, hit.cos_incidence)
-                });
+                let hit = hit.map(|hit| (hit.way, hit.number, hit.cos_incidence));
+                met += u32::from(hit.is_some());
                 assert_eq!(found, hit, "{seed} {place:?} {direction:?}");
                 let whole = world.cast(place, direction);
                 let number = whole.map(|hit| match hit.surface {

@@ -7,7 +7,7 @@
 use core::f64::consts::PI;
 
 use super::config::SonarConfig;
-use crate::caster::{Fan, Hit, LobeView, Rays, Surface};
+use crate::caster::{Fan, Hit, LobeHit, LobeView, Surface};
 use crate::world::{Point, World};
 
 /// Scratch memory and precomputed directions.
@@ -19,10 +19,9 @@ pub(crate) struct Hearing {
     /// Cosine of the angle between axis and normal beyond which a face answers no ray of the lobe.
     least_facing: f64,
     promising: Vec<Point>,
-    /// The fan and the promising directions.
-    rays: Rays,
-    /// Number and nearest answer, m, of each surface met.
-    answers: Vec<(f64, f64)>,
+    /// Rays of the fan and what they met first.
+    fan_hits: Vec<(Point, LobeHit)>,
+    answers: Answers,
 }
 
 impl Hearing {
@@ -35,8 +34,8 @@ impl Hearing {
             // Less by far more than any rounding.
             least_facing: libm::cos((half_angle + max_incidence).min(PI)) - 1e-6,
             promising: Vec::new(),
-            rays: Rays::default(),
-            answers: Vec::new(),
+            fan_hits: Vec::new(),
+            answers: Answers::default(),
         }
     }
 
@@ -72,7 +71,7 @@ impl Hearing {
             most: config.max_range_m,
             range: None,
         };
-        self.hear_rays(lobe, config, &mut first);
+        self.hear_rays(lobe, &mut first);
         self.follow(world, lobe, config.bounces, &mut first);
         if let Some(corner) = lobe.nearest_corner(first.least, first.range.unwrap_or(first.most)) {
             first.offer(corner);
@@ -92,33 +91,39 @@ impl Hearing {
 
     /// Casts every ray and offers the nearest answer of each surface: one that answers too early
     /// does not answer again.
-    fn hear_rays(&mut self, lobe: &LobeView, config: &SonarConfig, first: &mut FirstInRange) {
+    fn hear_rays(&mut self, lobe: &LobeView, first: &mut FirstInRange) {
         let axis = lobe.lobe().axis;
-        self.fan.rays().turned_into(axis, &mut self.rays);
-        for &direction in &self.promising {
-            self.rays.push(direction);
+        self.fan_hits.clear();
+        self.answers.clear();
+        for direction in self.fan.directions() {
+            let ray = direction.turned(axis);
+            if let Some(hit) = lobe.cast(ray) {
+                self.fan_hits.push((ray, hit));
+                self.answers.add(&hit, self.cos_max_incidence);
+            }
         }
-        lobe.meet(&mut self.rays, config.max_range_m);
-        self.note_answers();
-        self.answers
-            .iter()
-            .for_each(|&(_, range)| first.offer(range));
+        for &ray in &self.promising {
+            if let Some(hit) = lobe.cast(ray) {
+                self.answers.add(&hit, self.cos_max_incidence);
+            }
+        }
+        for &(_, range) in &self.answers.nearest {
+            first.offer(range);
+        }
     }
 
     /// Follows the rays of the fan that faces mirror, up to `bounces` times.
     fn follow(&self, world: &World, lobe: &LobeView, bounces: usize, first: &mut FirstInRange) {
         let tip = lobe.lobe().tip;
-        let met = self.rays.ways().iter().zip(self.rays.cos_incidences());
-        for (ray, (&length, &cos)) in met.enumerate().take(self.fan.count()) {
-            if cos >= self.cos_max_incidence {
-                continue;
-            }
-            let number = self.rays.numbers().get(ray);
-            let Some(mut normal) = number.and_then(|&number| lobe.normal(number)) else {
+        for (ray, hit) in &self.fan_hits {
+            let Some(mut normal) = hit.normal else {
                 continue;
             };
-            let (mut at, mut direction) = (tip, self.rays.direction(ray));
-            let (mut last_way, mut way) = (length, length);
+            if hit.cos_incidence >= self.cos_max_incidence {
+                continue;
+            }
+            let (mut at, mut direction) = (tip, *ray);
+            let (mut last_way, mut way) = (hit.distance_m, hit.distance_m);
             for _ in 0..bounces {
                 at = at + direction * last_way;
                 direction = direction - normal * (2.0 * direction.dot(normal));
@@ -138,20 +143,29 @@ impl Hearing {
     fn answers_from(&self, hit: &Hit) -> bool {
         matches!(hit.surface, Surface::Circle(_)) || hit.cos_incidence >= self.cos_max_incidence
     }
+}
 
-    /// Keeps the nearest answer of each surface.
-    fn note_answers(&mut self) {
-        self.answers.clear();
-        let least_cos = self.cos_max_incidence;
-        let met = self.rays.ways().iter().zip(self.rays.cos_incidences());
-        for ((&way, &cos), &number) in met.zip(self.rays.numbers()) {
-            if cos < least_cos {
-                continue;
-            }
-            match self.answers.iter_mut().find(|(known, _)| *known == number) {
-                Some((_, nearest)) => *nearest = nearest.min(way),
-                None => self.answers.push((number, way)),
-            }
+/// The nearest answer of each surface.
+#[derive(Debug, Clone, Default)]
+struct Answers {
+    /// Number of the surface, and how far, m.
+    nearest: Vec<(f64, f64)>,
+}
+
+impl Answers {
+    fn clear(&mut self) {
+        self.nearest.clear();
+    }
+
+    /// Adds a hit if it answers: if its cosine is at least `least_cos`.
+    fn add(&mut self, hit: &LobeHit, least_cos: f64) {
+        if hit.cos_incidence < least_cos {
+            return;
+        }
+        let mut known = self.nearest.iter_mut();
+        match known.find(|(number, _)| *number == hit.number) {
+            Some((_, nearest)) => *nearest = nearest.min(hit.distance_m),
+            None => self.nearest.push((hit.number, hit.distance_m)),
         }
     }
 }
