@@ -1,15 +1,15 @@
 //! An angle together with its unit vector.
 
-use crate::world::Point;
+use crate::geometry::Point;
 
 /// An angle in the plane, rad, whose sine and cosine are worked out when asked for, once.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Direction {
+pub(crate) struct CachedDirection {
     angle: f64,
     unit: Option<Point>,
 }
 
-impl Direction {
+impl CachedDirection {
     pub(crate) fn new(angle: f64) -> Self {
         Self { angle, unit: None }
     }

@@ -85,7 +85,8 @@ impl Deviate {
     }
 }
 
-/// ln `x` within 2e-6, for a normal `x` > 0: interpolated at the nodes of Chebyshev over one octave.
+/// ln `x` within 2e-6, for a normal `x` > 0: interpolated at the nodes of Chebyshev over one
+/// octave.
 #[inline]
 fn about_ln(x: f64) -> f64 {
     const MANTISSA: u64 = (1 << 52) - 1;

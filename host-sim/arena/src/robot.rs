@@ -1,109 +1,41 @@
 //! The base of a Nomad 200: three wheels that roll and steer together, and a turret of its own.
 //!
-//! Two ways to move it. [`Base::move_exactly`] puts it where the command says, or where it touches
-//! something: instant and without noise. [`Base::command`] and [`Base::advance`] move it as the machine
-//! does: steer first, then roll, each with limited speed and acceleration, and with slip. [`Axes`] has the three
-//! motors at their own commands instead.
-//!
-//! Steering turns the wheels alone: the base keeps its bearing in the world, and its bumpers with it. The
-//! turret carries the ring. *Held*, it keeps its bearing too; *follow*, it turns with the wheels.
+//! [`Base::move_exactly`] moves it at once and without noise; [`Base::command`] and
+//! [`Base::advance`] as the machine does, with limited speed and acceleration and with slip.
+//! Steering turns the wheels alone. The turret with the ring keeps its bearing (*held*) or turns
+//! with the wheels (*follow*).
 
-use core::f64::consts::{FRAC_PI_2, PI};
-use core::str::FromStr;
+use core::f64::consts::PI;
 
-use crate::direction::Direction;
+use crate::direction::CachedDirection;
 use crate::noise::Noise;
 use crate::world::{Point, Pose, World, wrap_angle};
-use files::error::BadInput;
 
 mod axes;
 mod chassis;
+mod limits;
 mod motion;
 mod servo;
+mod steering;
+mod time_steps;
 
 pub use axes::{Axes, Axis, AxisLimits};
-use chassis::{Chassis, Line, share_of};
-pub use motion::{Executed, Motion};
-use servo::{Ramp, STRIDE, Way, sense, slow};
+use chassis::{Chassis, RollingWay, share_of};
+use limits::NEGLIGIBLE;
+pub use limits::{BaseLimits, TurretMode};
+pub use motion::{BaseMotion, Executed};
+use servo::{Ramp, STEPS_PER_STRIDE, TravelLeft, sense, slow};
+use steering::{SteeringWay, angle_to_turn, is_wrapped};
+use time_steps::TimeSteps;
 
-/// Radius of the disc that touches things, m (the Nomad 200 in ThinkingCap's robot file).
-pub const COLLISION_RADIUS_M: f64 = 0.269;
+pub use crate::nomad::{BUMPERS, COLLISION_RADIUS_M};
 
-/// Bumper switches around the base, evenly spaced, number 0 in front, counted to the left.
-pub const BUMPERS: u32 = 20;
-
-/// Longest time step of the timed motion, s.
-const MAX_STEP_S: f64 = 0.010;
-
-/// Way and angle that count as none: far below what the Nomad can measure (m, rad).
-const NEGLIGIBLE: f64 = 1e-9;
-
-/// A new goal this near to the line on which the wheels already roll is reached without stopping, rad.
+/// A new goal this near to the line on which the wheels already roll is reached without stopping,
+/// rad.
 const SAME_DIRECTION_RAD: f64 = PI / 180.0;
 
-/// A way told again in whole millimeters leads so far beside or before where it led, m.
+/// A displacement repeated in whole millimeters may differ by this, m.
 const ROUNDING_M: f64 = 2e-3;
-
-/// What the motors can do, and how well.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BaseLimits {
-    /// Greatest speed, m/s: 20 in/s, the limit in the Nomad's own software.
-    pub speed_m_s: f64,
-    /// Acceleration and deceleration, m/s²: 30 in/s².
-    pub acceleration_m_s2: f64,
-    /// Greatest rate of steering and turret, rad/s: 45 °/s.
-    pub turn_rate_rad_s: f64,
-    /// Acceleration of steering and turret, rad/s²: 30 °/s².
-    pub turn_acceleration_rad_s2: f64,
-    /// Standard deviation of way (as a share) and direction (rad) of a timed motion, drawn once per
-    /// command: what the wheels slip, unseen by the odometry.
-    pub slip: f64,
-}
-
-impl Default for BaseLimits {
-    fn default() -> Self {
-        Self {
-            speed_m_s: 0.508,
-            acceleration_m_s2: 0.762,
-            turn_rate_rad_s: PI / 4.0,
-            turn_acceleration_rad_s2: PI / 6.0,
-            slip: 0.02,
-        }
-    }
-}
-
-/// What the turret does while the base steers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum TurretMode {
-    /// It keeps its bearing in the world.
-    #[default]
-    Held,
-    /// It turns with the wheels, which then always roll forward.
-    Follow,
-}
-
-impl TurretMode {
-    /// Its name.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Held => "held",
-            Self::Follow => "follow",
-        }
-    }
-}
-
-impl FromStr for TurretMode {
-    type Err = BadInput;
-
-    fn from_str(text: &str) -> Result<Self, BadInput> {
-        match text {
-            "held" => Ok(Self::Held),
-            "follow" => Ok(Self::Follow),
-            _ => Err(BadInput::unknown("turret mode", text, &["held", "follow"])),
-        }
-    }
-}
 
 /// What the wheels are doing.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -117,66 +49,21 @@ enum Drive {
     Roll(Point),
 }
 
-/// A time cut into equal steps.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Pace {
-    whole_s: f64,
-    steps: u32,
-    step_s: f64,
-}
-
-impl Pace {
-    fn of(whole_s: f64) -> Self {
-        let steps = libm::ceil(whole_s / MAX_STEP_S).clamp(1.0, 1e7) as u32;
-        Self {
-            whole_s,
-            steps,
-            step_s: whole_s.max(0.0) / f64::from(steps),
-        }
-    }
-}
-
-/// The wheels on their way to a bearing, mirrored if need be so that their angle grows.
-#[derive(Debug, Clone, Copy)]
-struct Turn {
-    bearing: f64,
-    /// The half turns that the bearing is farther away than the end.
-    halves: f64,
-    wheels: f64,
-}
-
-impl Way for Turn {
-    /// As [`Base::to_turn`] where as many half turns are off: to take them off is exact, one by one or at once. They never
-    /// grow in number, so if they are the same at both ends of a stride they are so in between.
-    fn left(&self) -> f64 {
-        self.bearing - self.wheels - self.halves
-    }
-
-    fn go(&mut self, way: f64) {
-        self.wheels += way;
-    }
-}
-
-/// Whether an angle is in [−π, π).
-fn is_wrapped(angle: f64) -> bool {
-    wrap_angle(angle) == angle
-}
-
 /// The base: where it is, where its wheels and its turret point, and what it is doing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Base {
     limits: BaseLimits,
     turret: TurretMode,
     chassis: Chassis,
-    steering: Direction,
-    ring: Direction,
+    steering: CachedDirection,
+    ring: CachedDirection,
     drive: Drive,
     speed_limit: f64,
     /// Along the wheels; negative in reverse.
     speed: f64,
     turn_rate: f64,
     /// Of the last time that passed.
-    pace: Pace,
+    time_steps: TimeSteps,
 }
 
 impl Base {
@@ -187,13 +74,13 @@ impl Base {
             limits,
             turret,
             chassis: Chassis::new(pose),
-            steering: Direction::new(pose.heading),
-            ring: Direction::new(pose.heading),
+            steering: CachedDirection::new(pose.heading),
+            ring: CachedDirection::new(pose.heading),
             drive: Drive::Still,
             speed_limit: limits.speed_m_s,
             speed: 0.0,
             turn_rate: 0.0,
-            pace: Pace::of(0.0),
+            time_steps: TimeSteps::of(0.0),
         }
     }
 
@@ -234,13 +121,14 @@ impl Base {
         self.drive != Drive::Still
     }
 
-    /// Whether the base brakes or turns its wheels before it rolls to its goal, or they still turn though it is told to stand.
+    /// Whether the base brakes or turns its wheels before it rolls to its goal, or its wheels still
+    /// turn after a stop.
     #[must_use]
     pub fn is_steering(&self) -> bool {
         matches!(self.drive, Drive::Brake(Some(_)) | Drive::Steer(..)) || self.turn_rate != 0.0
     }
 
-    /// From now on gaps between disc and surfaces of so much or more, m, need not be told: they may be told as infinite.
+    /// Gaps between disc and surfaces of `gap_m` m or more may be reported as infinite from now on.
     pub fn tell_gaps_below(&mut self, gap_m: f64) {
         self.chassis.tell_gaps_below(gap_m);
     }
@@ -268,7 +156,7 @@ impl Base {
         }
     }
 
-    /// Lets the wheels, and a following turret, point along a displacement in the ring frame at once.
+    /// Points the wheels, and a following turret, along a displacement in the ring frame at once.
     fn point_wheels(&mut self, displacement: Point) {
         let bearing = displacement.angle();
         self.steering.set(wrap_angle(self.ring.angle() + bearing));
@@ -277,11 +165,14 @@ impl Base {
         }
     }
 
-    /// Starts a timed motion; it replaces the present one. A displacement of zero brakes to a stop. A base
-    /// that already rolls towards the new goal keeps rolling (it may pass beside it by 1° of the way left and 2 mm), or stops for
-    /// good where it cannot stop before it; wheels that turn at rest go on turning, to the new bearing; otherwise it stops first.
-    /// Slip is drawn from `noise`.
-    pub fn command(&mut self, motion: Motion, noise: &mut Noise) {
+    /// Starts a timed motion, which replaces the present one. Slip is drawn from `noise`.
+    ///
+    /// * A displacement of zero brakes to a stop.
+    /// * A base that already rolls towards the new goal keeps rolling; it may pass the goal by 1° of the
+    ///   way left and 2 mm. Where it cannot stop before the goal, it stops for good.
+    /// * Wheels that turn at rest keep turning, to the new bearing.
+    /// * Otherwise the base stops first.
+    pub fn command(&mut self, motion: BaseMotion, noise: &mut Noise) {
         self.chassis.slip(self.limits.slip, noise);
         let asked = Point::new(motion.dx_m, motion.dy_m);
         let finite = asked.x.is_finite() && asked.y.is_finite() && motion.speed_m_s.is_finite();
@@ -309,16 +200,16 @@ impl Base {
         (self.speed != 0.0 && ahead > -ROUNDING_M && !aside).then_some(ahead)
     }
 
-    /// Lets `dt_s` seconds pass.
+    /// Advances the time by `dt_s` seconds.
     pub fn advance(&mut self, dt_s: f64, world: &World) -> Executed {
         let mut done = Executed::nothing_yet();
-        if dt_s != self.pace.whole_s {
-            self.pace = Pace::of(dt_s);
+        if dt_s != self.time_steps.whole_s {
+            self.time_steps = TimeSteps::of(dt_s);
         }
-        let (mut steps, step_s) = (self.pace.steps, self.pace.step_s);
+        let (mut steps, step_s) = (self.time_steps.steps, self.time_steps.step_s);
         while steps > 0 && self.is_moving() {
-            steps -= if steps >= STRIDE as u32 && self.stride(step_s, world, &mut done) {
-                STRIDE as u32
+            steps -= if steps >= STEPS_PER_STRIDE as u32 && self.stride(step_s, world, &mut done) {
+                STEPS_PER_STRIDE as u32
             } else {
                 self.step(step_s, world, &mut done);
                 1
@@ -369,10 +260,11 @@ impl Base {
         Ramp::new(limits.turn_rate_rad_s, limits.turn_acceleration_rad_s2, dt)
     }
 
-    /// Rolls a stride, mirrored if need be so that it goes forward: signs change nothing in how numbers are rounded.
+    /// Rolls a stride, mirrored if it leads backward: a sign does not change how numbers are
+    /// rounded.
     fn stride_rolling(&mut self, goal: Point, dt: f64, world: &World, done: &mut Executed) -> bool {
         let wheels = self.steering.unit();
-        let mut line = Line {
+        let mut line = RollingWay {
             goal,
             wheels,
             odometry: self.chassis.odometry,
@@ -394,7 +286,7 @@ impl Base {
         true
     }
 
-    /// Slows wheels and steering down; once both rest, goes on to the goal.
+    /// Slows wheels and steering down; once both rest, heads for the goal.
     fn brake(&mut self, goal: Option<Point>, dt: f64, world: &World, done: &mut Executed) {
         let (turned, rate) = slow(self.turn_rate, self.limits.turn_acceleration_rad_s2, dt);
         self.turn_rate = rate;
@@ -416,7 +308,7 @@ impl Base {
 
     /// Turns the wheels at rest.
     fn steer(&mut self, goal: Point, bearing: f64, dt: f64) {
-        let left = self.to_turn(bearing, self.steering.angle());
+        let left = angle_to_turn(self.turret, bearing, self.steering.angle());
         let (turned, turn_rate) = self.turning(dt).approach(left, self.turn_rate);
         self.turn_rate = turn_rate;
         self.turn(turned);
@@ -425,23 +317,12 @@ impl Base {
         }
     }
 
-    /// The angle to turn the wheels by, so that they point along a bearing: straight towards it, or straight away from it
-    /// where that is the shorter turn and the turret does not follow.
-    fn to_turn(&self, bearing: f64, wheels: f64) -> f64 {
-        let left = wrap_angle(bearing - wheels);
-        if self.turret == TurretMode::Held && left.abs() > FRAC_PI_2 {
-            left - if left > 0.0 { PI } else { -PI }
-        } else {
-            left
-        }
-    }
-
-    /// Turns the wheels by a stride, mirrored likewise, unless an angle is wrapped on the way.
+    /// Turns the wheels by a stride, mirrored likewise, unless an angle wraps on the way.
     fn stride_steering(&mut self, bearing: f64, dt: f64) -> bool {
         let wheels = self.steering.angle();
-        let left = self.to_turn(bearing, wheels);
+        let left = angle_to_turn(self.turret, bearing, wheels);
         let sign = sense(self.turn_rate, left);
-        let turn = Turn {
+        let turn = SteeringWay {
             bearing: bearing * sign,
             halves: (bearing - wheels - left) * sign,
             wheels: wheels * sign,
@@ -450,7 +331,7 @@ impl Base {
             return false;
         };
         let end = stride.end.wheels * sign;
-        let same = self.to_turn(bearing, end) == stride.end.left() * sign;
+        let same = angle_to_turn(self.turret, bearing, end) == stride.end.left() * sign;
         if !(same && is_wrapped(wheels) && is_wrapped(end)) {
             return false;
         }

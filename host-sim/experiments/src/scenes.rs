@@ -1,6 +1,6 @@
 //! The behaviors' scenes: where each is tried, what is measured and what is asked.
 
-use arena::rooms;
+use arena::loaders::rooms;
 use arena::sonar::SonarModel;
 use arena::world::{Point, World};
 use sim::episode::Report;

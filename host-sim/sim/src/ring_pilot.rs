@@ -307,8 +307,8 @@ mod tests {
     use amp::controller::{Command, StatePart};
     use amp::goal::{Goal, Side};
     use amp::som::Grid;
+    use arena::loaders::rooms::small;
     use arena::robot::TurretMode;
-    use arena::rooms::small;
     use arena::sonar::SonarModel;
 
     /// Whatever was asked of the mind is asked of the policy.

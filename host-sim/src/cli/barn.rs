@@ -3,7 +3,7 @@
 use super::output::{bar, prepare};
 use super::run::{Preset, SonarChoice, Switch};
 use super::{Failure, table};
-use arena::world::barn::{range, sources};
+use arena::loaders::barn::{range, sources};
 use arena::world::{Point, World};
 use clap::Args;
 use experiments::barn::{
@@ -181,7 +181,7 @@ fn drive(
     rules: &Rules,
     methods: &[Method],
     lengths: Option<&BTreeMap<u32, f64>>,
-    source: &arena::world::barn::BarnSource,
+    source: &arena::loaders::barn::BarnSource,
 ) -> Result<Course, BadInput> {
     let world = source.load()?;
     let number = source.number;

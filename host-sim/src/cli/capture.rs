@@ -2,8 +2,9 @@
 
 use super::Failure;
 use super::run::{Preset, SonarChoice};
+use arena::loaders::parse_worlds;
 use arena::robot::COLLISION_RADIUS_M;
-use arena::world::{MAX_COORDINATE_M, Point, Pose, World, parse_worlds};
+use arena::world::{MAX_COORDINATE_M, Point, Pose, World};
 use clap::Args;
 use files::error::BadInput;
 use sim::episode::perceive;

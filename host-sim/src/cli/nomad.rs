@@ -2,7 +2,8 @@
 
 use super::Failure;
 use super::run::SonarChoice;
-use arena::world::{World, parse_worlds};
+use arena::loaders::parse_worlds;
+use arena::world::World;
 use clap::{Args, Subcommand, ValueEnum};
 use files::error::BadInput;
 use nomad200::{Line, Protocol, Server, Simulated};

@@ -5,7 +5,7 @@ use amp::units::Displacement;
 use amp::wire::message::{MotionOrder, ToMind};
 use amp::{controller::Progress, units::Bearing};
 use arena::noise::Noise;
-use arena::robot::{Base, BaseLimits, Motion, TurretMode};
+use arena::robot::{Base, BaseLimits, BaseMotion, TurretMode};
 use arena::world::{Point, World};
 
 /// Time between two looks at the motors, ms.
@@ -70,21 +70,21 @@ impl<'a> Wheels<'a> {
 
     /// Rolls where an order leads, with so many meters to its millimeter.
     fn set_off(&mut self, order: MotionOrder, scale: f64) {
-        self.command(Motion {
+        self.command(BaseMotion {
             dx_m: f64::from(order.dx_mm) * scale,
             dy_m: f64::from(order.dy_mm) * scale,
             speed_m_s: f64::from(order.speed_mm_s) / 1e3,
         });
     }
 
-    fn command(&mut self, motion: Motion) {
+    fn command(&mut self, motion: BaseMotion) {
         self.base.command(motion, &mut self.noise);
     }
 
     /// A millisecond.
     pub(super) fn pass(&mut self, now_ms: u64) {
         if self.under_way && now_ms >= self.until_ms {
-            self.command(Motion::default());
+            self.command(BaseMotion::default());
             self.under_way = false;
         }
         if now_ms.is_multiple_of(STRIDE_MS) {

@@ -1,12 +1,14 @@
 //! The base at its motors: translation, steering and turret, each with its own command.
 //!
-//! This is the machine as its own software drives it: the axes run together, so the robot rolls in arcs while it steers,
-//! and the turret is turned only by its own motor. Each axis is a servo with a speed for moves, an acceleration, and one
-//! of three tasks: hold, run at a velocity, go to a position.
+//! The axes run together: the robot rolls in arcs while it steers, and only its own motor turns the
+//! turret. Each axis is a servo with a speed, an acceleration, and one of three tasks: hold, run at
+//! a velocity, go to a position.
 
 use super::chassis::Chassis;
+use super::limits::{BaseLimits, NEGLIGIBLE};
+use super::motion::Executed;
 use super::servo::{Ramp, slow};
-use super::{BaseLimits, Executed, MAX_STEP_S};
+use super::time_steps::TimeSteps;
 use crate::noise::Noise;
 use crate::world::{Point, Pose, World, wrap_angle};
 
@@ -52,7 +54,7 @@ impl AxisLimits {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Task {
+enum ServoTask {
     Hold,
     Run(f64),
     GoTo(f64),
@@ -65,7 +67,7 @@ struct Servo {
     set: AxisLimits,
     at: f64,
     rate: f64,
-    task: Task,
+    task: ServoTask,
 }
 
 impl Servo {
@@ -75,28 +77,29 @@ impl Servo {
             set: limits,
             at: 0.0,
             rate: 0.0,
-            task: Task::Hold,
+            task: ServoTask::Hold,
         }
     }
 
     fn is_active(&self) -> bool {
-        self.rate != 0.0 || matches!(self.task, Task::GoTo(_) | Task::Run(_))
+        self.rate != 0.0 || matches!(self.task, ServoTask::GoTo(_) | ServoTask::Run(_))
     }
 
-    /// One time step: how far it wants to go. Its rate is that after the step, its position is not.
+    /// One time step: how far the axis should go. Its rate is that after the step, its position is
+    /// not.
     fn step(&mut self, dt: f64) -> f64 {
         let a = self.set.acceleration;
         let (moved, rate) = match self.task {
-            Task::Hold => slow(self.rate, a, dt),
-            Task::Run(wanted) => {
+            ServoTask::Hold => slow(self.rate, a, dt),
+            ServoTask::Run(wanted) => {
                 let next = wanted.clamp(self.rate - a * dt, self.rate + a * dt);
                 ((self.rate + next) / 2.0 * dt, next)
             }
-            Task::GoTo(goal) => {
+            ServoTask::GoTo(goal) => {
                 let left = goal - self.at;
                 let (moved, rate) = Ramp::new(self.set.speed, a, dt).approach(left, self.rate);
-                if rate == 0.0 && (left - moved).abs() <= super::NEGLIGIBLE {
-                    self.task = Task::Hold;
+                if rate == 0.0 && (left - moved).abs() <= NEGLIGIBLE {
+                    self.task = ServoTask::Hold;
                 }
                 (moved, rate)
             }
@@ -107,7 +110,7 @@ impl Servo {
 
     fn stop_dead(&mut self) {
         self.rate = 0.0;
-        self.task = Task::Hold;
+        self.task = ServoTask::Hold;
     }
 }
 
@@ -181,7 +184,8 @@ impl Axes {
         servo.set.speed = speed.clamp(0.0, servo.limits.speed);
     }
 
-    /// Sets the acceleration, at most the limit. Without any, an axis could never stop: 0 stands for the limit.
+    /// Sets the acceleration, at most the limit. Without any, an axis could never stop: 0 stands
+    /// for the limit.
     pub fn set_acceleration(&mut self, axis: Axis, acceleration: f64) {
         let servo = &mut self.servos[axis as usize];
         servo.set.acceleration = if acceleration > 0.0 {
@@ -191,25 +195,26 @@ impl Axes {
         };
     }
 
-    /// From now on the wheels do not roll any more: their motor runs on against them and gets nowhere.
+    /// From now on the wheels do not roll: their motor runs against them without effect.
     pub fn block_wheels(&mut self) {
         self.blocked = true;
     }
 
     /// Brakes to rest and holds.
     pub fn hold(&mut self, axis: Axis) {
-        self.servos[axis as usize].task = Task::Hold;
+        self.servos[axis as usize].task = ServoTask::Hold;
     }
 
-    /// Runs at a velocity, at most the limit. What the wheels slip is drawn from `noise` when they begin to roll.
+    /// Runs at a velocity, at most the limit. What the wheels slip is drawn from `noise` when they
+    /// begin to roll.
     pub fn run(&mut self, axis: Axis, velocity: f64, noise: &mut Noise) {
         self.begin(axis, noise);
         let servo = &mut self.servos[axis as usize];
         let most = servo.limits.speed;
         servo.task = if velocity == 0.0 {
-            Task::Hold
+            ServoTask::Hold
         } else {
-            Task::Run(velocity.clamp(-most, most))
+            ServoTask::Run(velocity.clamp(-most, most))
         };
     }
 
@@ -218,9 +223,9 @@ impl Axes {
         self.begin(axis, noise);
         let servo = &mut self.servos[axis as usize];
         servo.task = if servo.set.speed > 0.0 {
-            Task::GoTo(goal)
+            ServoTask::GoTo(goal)
         } else {
-            Task::Hold
+            ServoTask::Hold
         };
     }
 
@@ -230,15 +235,14 @@ impl Axes {
         }
     }
 
-    /// Lets `dt_s` seconds pass. Returns what the base did, and the way rolled as the odometry counts it, as a
-    /// displacement in the frame in which steering 0 is along x.
+    /// Advances the time by `dt_s` seconds. Returns what the base did, and the way rolled as the
+    /// odometry counts it: a displacement in the frame in which steering 0 is along x.
     pub fn advance(&mut self, dt_s: f64, world: &World) -> (Executed, Point) {
         let mut done = Executed::nothing_yet();
         let mut counted = Point::default();
-        let steps = libm::ceil(dt_s / MAX_STEP_S).clamp(1.0, 1e7) as u32;
-        let step_s = dt_s.max(0.0) / f64::from(steps);
-        for _ in 0..steps {
-            counted = counted + self.step(step_s, world, &mut done);
+        let time = TimeSteps::of(dt_s);
+        for _ in 0..time.steps {
+            counted = counted + self.step(time.step_s, world, &mut done);
         }
         self.chassis.tell_gap(world, &mut done);
         done.moving = Axis::ALL.into_iter().any(|axis| self.is_active(axis));

@@ -2,10 +2,14 @@
 
 use core::f64::consts::TAU;
 
-use super::servo::{Stride, Way};
-use super::{BUMPERS, COLLISION_RADIUS_M, Executed};
+use super::motion::Executed;
+use super::servo::{ServoStride, TravelLeft};
 use crate::noise::Noise;
-use crate::world::{Clearing, Point, Pose, Sweep, World};
+use crate::nomad::{BUMPERS, COLLISION_RADIUS_M};
+use crate::world::{LastWorld, Point, Pose, Sweep, World};
+
+/// Far above any rounding, m.
+const SLACK_M: f64 = 1e-6;
 
 /// A disc that rolls along its wheels.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,20 +21,43 @@ pub(super) struct Chassis {
     front: f64,
     /// Complex factor from odometry to truth.
     slip: Point,
-    clearing: Clearing,
+    /// Gaps of this size or more are not wanted, m.
+    gaps_below_m: Option<f64>,
+    free: Option<FreeDisc>,
+    world: LastWorld,
+}
+
+/// A disc in which no surface lies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct FreeDisc {
+    center: Point,
+    radius_m: f64,
+}
+
+impl FreeDisc {
+    /// Whether each of these places lies at least `margin_m` inside.
+    fn holds(&self, places: [Point; 2], margin_m: f64) -> bool {
+        let room = self.radius_m - margin_m;
+        let inside = |place: Point| {
+            let offset = place - self.center;
+            offset.dot(offset) <= room * room
+        };
+        room > 0.0 && places.into_iter().all(inside)
+    }
 }
 
 /// A way along the wheels towards a goal, as the odometry has it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Line {
+pub(super) struct RollingWay {
     pub(super) goal: Point,
     /// Unit vector towards the goal.
     pub(super) wheels: Point,
     pub(super) odometry: Point,
 }
 
-impl Way for Line {
-    /// Each coordinate nears the goal's or passes it, so neither product grows, and neither does their sum.
+impl TravelLeft for RollingWay {
+    /// Each coordinate nears the goal's or passes it, so neither product grows, and neither does
+    /// their sum.
     fn left(&self) -> f64 {
         (self.goal - self.odometry).dot(self.wheels)
     }
@@ -48,29 +75,61 @@ impl Chassis {
             odometry: pose.position,
             front: pose.heading,
             slip: Point::new(1.0, 0.0),
-            clearing: Clearing::default(),
+            gaps_below_m: None,
+            free: None,
+            world: LastWorld::default(),
         }
     }
 
     /// Moves straight by `way`, the truth, up to the first touch.
     pub(super) fn sweep(&mut self, way: Point, world: &World) -> Sweep {
         let (from, to) = (self.position, self.position + way);
-        self.clearing.sweep(world, from, to, COLLISION_RADIUS_M)
+        let sweep = world.sweep(from, to, COLLISION_RADIUS_M);
+        self.world.is_same(world);
+        self.free = (sweep.min_clearance_m > 0.0).then_some(FreeDisc {
+            center: to,
+            radius_m: COLLISION_RADIUS_M + sweep.min_clearance_m,
+        });
+        sweep
     }
 
-    /// Gaps from here on need not be told, m.
+    /// From now on gaps of `gap_m` m or more are not wanted.
     pub(super) fn tell_gaps_below(&mut self, gap_m: f64) {
-        self.clearing.tell_below(gap_m);
+        self.gaps_below_m = Some(gap_m);
     }
 
-    /// Draws what the wheels will slip from now on: of the way (as a share) and of the direction (rad).
+    /// Whether nothing is touched and no gap is wanted between these places.
+    ///
+    /// The distance to the nearest surface changes by no more than the way gone (J. C. Hart,
+    /// *Sphere tracing*, The Visual Computer 12, 1996), so one look holds for a whole disc.
+    #[inline]
+    fn passes_freely(&mut self, world: &World, places: [Point; 2]) -> bool {
+        let Some(wanted) = self.gaps_below_m else {
+            return false;
+        };
+        let margin = COLLISION_RADIUS_M + wanted.max(0.0) + SLACK_M;
+        let same = self.world.is_same(world);
+        let holds = |free: FreeDisc| same && free.holds(places, margin);
+        self.free.is_some_and(holds) || self.find_free(world, places[0]).holds(places, margin)
+    }
+
+    fn find_free(&mut self, world: &World, center: Point) -> FreeDisc {
+        let here = world.sweep(center, center, 0.0);
+        *self.free.insert(FreeDisc {
+            center,
+            radius_m: here.min_clearance_m,
+        })
+    }
+
+    /// Draws the slip of the wheels from now on: of the way (as a share) and of the direction
+    /// (rad).
     pub(super) fn slip(&mut self, deviation: f64, noise: &mut Noise) {
         let share = 1.0 + deviation * noise.normal();
         self.slip = Point::unit(deviation * noise.normal()) * share;
     }
 
-    /// Rolls `way` m along the unit vector `wheels`, as the odometry counts, up to the first touch. Returns how far it got,
-    /// in m of odometry.
+    /// Rolls `way` m along the unit vector `wheels`, as the odometry counts, up to the first touch.
+    /// Returns how far it got, in m of odometry.
     pub(super) fn roll(
         &mut self,
         way: f64,
@@ -96,11 +155,12 @@ impl Chassis {
         way * share
     }
 
-    /// Takes a stride along a line, as [`Chassis::roll`] its steps, if nothing can be near; does nothing if something may.
+    /// Takes a whole stride along a line if no surface is near, with the results of
+    /// [`Chassis::roll`] for each step; otherwise does nothing. Returns whether it did.
     #[inline]
     pub(super) fn take(
         &mut self,
-        stride: &Stride<Line>,
+        stride: &ServoStride<RollingWay>,
         world: &World,
         done: &mut Executed,
     ) -> bool {
@@ -111,8 +171,7 @@ impl Chassis {
             to = to + (stride.end.wheels * way).turned(self.slip);
             to - before
         });
-        let clearing = &mut self.clearing;
-        if !clearing.is_far_on_look(world, from, to, COLLISION_RADIUS_M) {
+        if !self.passes_freely(world, [from, to]) {
             return false;
         }
         self.position = to;
@@ -123,15 +182,12 @@ impl Chassis {
         true
     }
 
-    /// Tells the gap where it stands, if none was told on the way.
+    /// Reports the gap where it stands, if none was reported on the way.
     #[inline]
     pub(super) fn tell_gap(&mut self, world: &World, done: &mut Executed) {
         let at = self.position;
-        if done.min_clearance_m == f64::INFINITY
-            && !self.clearing.is_far(world, at, at, COLLISION_RADIUS_M)
-        {
-            let clearance = self.clearing.clearance(world, at);
-            done.min_clearance_m = (clearance - COLLISION_RADIUS_M).max(0.0);
+        if done.min_clearance_m == f64::INFINITY && !self.passes_freely(world, [at, at]) {
+            done.min_clearance_m = (world.clearance(at) - COLLISION_RADIUS_M).max(0.0);
         }
     }
 
@@ -155,3 +211,6 @@ pub(super) fn share_of(sweep: &Sweep, length: f64) -> f64 {
         1.0
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -2,7 +2,7 @@
 
 /// A displacement to carry out, in the ring frame of the moment it is given.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Motion {
+pub struct BaseMotion {
     /// Along sonar 0, m.
     pub dx_m: f64,
     /// To the left of it, m.
@@ -22,13 +22,13 @@ pub struct Executed {
     pub moving: bool,
     /// Length of the way traveled, m.
     pub traveled_m: f64,
-    /// Least gap between the disc and any surface along the way, m; perhaps infinite where
-    /// [nobody asked](super::Base::tell_gaps_below).
+    /// Least gap between the disc and any surface along the way, m; perhaps infinite where it is
+    /// [not wanted](super::Base::tell_gaps_below).
     pub min_clearance_m: f64,
 }
 
 impl Executed {
-    /// Nothing, and no gap told.
+    /// Nothing, and no gap reported.
     pub(super) fn nothing_yet() -> Self {
         Self {
             touched: false,

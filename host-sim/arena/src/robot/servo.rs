@@ -1,13 +1,13 @@
 //! Position servos with limited velocity and acceleration, one time step at a time.
 //!
-//! Most of the time a servo is either far from its goal, so that nothing but its limits matter, or brakes towards it.
-//! [`Ramp::stride`] takes some steps of that kind at once; [`Ramp::approach`] takes any.
+//! Mostly a servo is either far from its goal, so that only its limits matter, or brakes towards
+//! it. [`Ramp::stride`] takes four such steps at once; [`Ramp::approach`] takes one of any kind.
 
-use super::NEGLIGIBLE;
-use crate::world::{max, min};
+use super::limits::NEGLIGIBLE;
+use crate::geometry::{max, min};
 
 /// Steps taken at once: those of 40 ms.
-pub(super) const STRIDE: usize = 4;
+pub(super) const STEPS_PER_STRIDE: usize = 4;
 
 /// What exceeds a square by this factor has a root that is greater, whatever the rounding.
 const FAR: f64 = 1.0 + 1e-9;
@@ -25,19 +25,19 @@ pub(super) struct Ramp {
     half_dt: f64,
 }
 
-/// A way along which a servo goes: positive while it has not come to its goal.
-pub(super) trait Way: Copy {
-    /// What is left of it. Going on makes it no longer, rounded or not.
+/// A way along which a servo goes: positive while the goal is ahead.
+pub(super) trait TravelLeft: Copy {
+    /// What is left of it. It never grows by going, rounded or not.
     fn left(&self) -> f64;
 
-    /// Goes on.
+    /// Goes `way` along it.
     fn go(&mut self, way: f64);
 }
 
 /// Some steps: how far each goes, where they end, and the velocity there.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Stride<W> {
-    pub(super) ways: [f64; STRIDE],
+pub(super) struct ServoStride<W> {
+    pub(super) ways: [f64; STEPS_PER_STRIDE],
     pub(super) end: W,
     pub(super) velocity: f64,
 }
@@ -54,9 +54,9 @@ impl Ramp {
         }
     }
 
-    /// One time step towards rest at `left`: returns how far it goes and the velocity after it. Neither the
-    /// limit nor the acceleration is exceeded, and the end is met exactly: on the braking curve v² = 2·a·left
-    /// each step stays on it.
+    /// One time step towards rest at `left`: returns how far it goes and the velocity after it.
+    /// Neither the limit nor the acceleration is exceeded, and the end is met exactly: on the
+    /// braking curve v² = 2·a·left each step stays on it.
     pub(super) fn approach(&self, left: f64, velocity: f64) -> (f64, f64) {
         let sign = sign(left);
         let (left, v) = (left * sign, velocity * sign);
@@ -67,10 +67,10 @@ impl Ramp {
         (self.way(v, next) * sign, next * sign)
     }
 
-    /// Takes a whole stride. `None` where one of its steps may end at the goal or turn back, or begins slow; they are to be
-    /// taken one by one.
+    /// Takes a whole stride. `None` where one of its steps may end at the goal or turn back, or
+    /// begins slow; they are to be taken one by one.
     #[inline]
-    pub(super) fn stride<W: Way>(&self, way: W, velocity: f64) -> Option<Stride<W>> {
+    pub(super) fn stride<W: TravelLeft>(&self, way: W, velocity: f64) -> Option<ServoStride<W>> {
         if self.is_free(way.left(), velocity)
             && let Some(stride) = self.stride_freely(way, velocity)
         {
@@ -79,12 +79,17 @@ impl Ramp {
         self.stride_by_root(way, velocity)
     }
 
-    /// A stride that only the limits govern, from a velocity within them. With every step the velocity grows and the way
-    /// left shrinks, neither strictly, and what is compared of them with either; rounding keeps the order. If the last step
-    /// is free and does not end at the goal, that is so of all.
+    /// A stride that only the limits govern, from a velocity within them. With every step the
+    /// velocity grows and the way left shrinks, neither strictly, and what is compared of them with
+    /// either; rounding keeps the order. If the last step is free and does not end at the goal,
+    /// that is so of all.
     #[inline]
-    fn stride_freely<W: Way>(&self, mut end: W, mut velocity: f64) -> Option<Stride<W>> {
-        let mut ways = [0.0; STRIDE];
+    fn stride_freely<W: TravelLeft>(
+        &self,
+        mut end: W,
+        mut velocity: f64,
+    ) -> Option<ServoStride<W>> {
+        let mut ways = [0.0; STEPS_PER_STRIDE];
         let mut last = (end.left(), velocity);
         for way in &mut ways {
             last = (end.left(), velocity);
@@ -94,7 +99,7 @@ impl Ramp {
         }
         let (left, v) = last;
         let free = self.is_free(left, v) && left > self.stopping(v) + NEGLIGIBLE;
-        free.then_some(Stride {
+        free.then_some(ServoStride {
             ways,
             end,
             velocity,
@@ -103,8 +108,12 @@ impl Ramp {
 
     /// A stride of steps too fast to end at the goal.
     #[inline]
-    fn stride_by_root<W: Way>(&self, mut end: W, mut velocity: f64) -> Option<Stride<W>> {
-        let mut ways = [0.0; STRIDE];
+    fn stride_by_root<W: TravelLeft>(
+        &self,
+        mut end: W,
+        mut velocity: f64,
+    ) -> Option<ServoStride<W>> {
+        let mut ways = [0.0; STEPS_PER_STRIDE];
         for way in &mut ways {
             let (left, v) = (end.left(), velocity);
             if !(left > 0.0 && v > self.change) {
@@ -114,14 +123,15 @@ impl Ramp {
             *way = self.way(v, velocity);
             end.go(*way);
         }
-        Some(Stride {
+        Some(ServoStride {
             ways,
             end,
             velocity,
         })
     }
 
-    /// Whether a step forward is governed by the limits alone: [`Ramp::by_root`] would say [`Ramp::fastest`].
+    /// Whether only the limits govern a step forward: [`Ramp::by_root`] would return
+    /// [`Ramp::fastest`].
     #[inline]
     fn is_free(&self, left: f64, v: f64) -> bool {
         let most = self.fastest(v) + self.half;
@@ -147,7 +157,8 @@ impl Ramp {
         }
     }
 
-    /// Square of the velocity from which the rest of the way is braked, and half a step's change more.
+    /// Square of the velocity from which the rest of the way is braked, and half a step's change
+    /// more.
     #[inline]
     fn squared(&self, left: f64, v: f64) -> f64 {
         self.half * self.half + self.double_a * max(left - v * self.half_dt, 0.0)
@@ -199,7 +210,7 @@ mod tests {
     #[derive(Debug, Clone, Copy, PartialEq)]
     struct Left(f64);
 
-    impl Way for Left {
+    impl TravelLeft for Left {
         fn left(&self) -> f64 {
             self.0
         }
@@ -261,7 +272,7 @@ mod tests {
                 next = faster;
                 way
             });
-            let steps = Stride {
+            let steps = ServoStride {
                 ways,
                 end,
                 velocity: next,

@@ -1,5 +1,6 @@
 use super::*;
 use crate::world::Shape;
+use core::f64::consts::FRAC_PI_2;
 
 fn hall() -> World {
     let corners = [
@@ -31,7 +32,7 @@ fn base(turret: TurretMode) -> Base {
 
 fn go(base: &mut Base, dx_m: f64, dy_m: f64) {
     base.command(
-        Motion {
+        BaseMotion {
             dx_m,
             dy_m,
             speed_m_s: 1.0,
@@ -158,7 +159,8 @@ fn a_timed_move_ends_at_rest_at_the_commanded_place() {
     }
 }
 
-/// 1 m straight ahead: up to 0.508 m/s and down again takes 0.508 / 0.762 s each and 0.339 m together.
+/// 1 m straight ahead: up to 0.508 m/s and down again takes 0.508 / 0.762 s each and 0.339 m
+/// together.
 #[test]
 fn a_straight_meter_takes_its_time() {
     let mut base = base(TurretMode::Held);
@@ -176,7 +178,7 @@ fn zero_brakes_within_v_squared_over_2a() {
     base.advance(2.0, &hall());
     let (speed, before) = (base.speed_m_s(), base.pose().position);
     assert_eq!(speed, 0.508);
-    base.command(Motion::default(), &mut Noise::new(1));
+    base.command(BaseMotion::default(), &mut Noise::new(1));
     let (time, sum) = run(&mut base, &hall(), 0.01);
     let way = base.pose().position.distance(before);
     assert!(
@@ -215,7 +217,7 @@ fn a_new_direction_waits_until_the_base_stands() {
         base.advance(0.01, &hall());
     }
     run(&mut base, &hall(), 0.01);
-    // The goal is meant from where the base was when it was told.
+    // The goal is relative to where the base was when the command came.
     assert!(base.pose().position.distance(at + Point::new(0.0, 0.5)) < 1e-8);
 }
 
@@ -225,7 +227,7 @@ fn the_wheels_stop_turning_when_told_to() {
     go(&mut base, 0.0, 1.0);
     base.advance(0.5, &hall());
     assert!(base.turn_rate > 0.2);
-    base.command(Motion::default(), &mut Noise::new(1));
+    base.command(BaseMotion::default(), &mut Noise::new(1));
     let turning = base.pose().heading;
     let (time, sum) = run(&mut base, &hall(), 0.01);
     assert_eq!((base.turn_rate, sum.traveled_m), (0.0, 0.0));
@@ -241,7 +243,8 @@ fn the_wheels_stop_turning_when_told_to() {
     assert!(base.pose().position.distance(goal) < 1e-8);
 }
 
-/// A half turn of the Nomad's wheels takes 5.5 s: 4 s at 45 °/s, and 1.5 s to reach that and to brake.
+/// A half turn of the Nomad's wheels takes 5.5 s: 4 s at 45 °/s, and 1.5 s to reach that and to
+/// brake.
 #[test]
 fn wheels_that_turn_go_on_turning_when_the_way_is_shortened() {
     let mut base = base(TurretMode::Follow);
@@ -308,7 +311,7 @@ fn slip_moves_the_truth_and_not_the_odometry() {
     for _ in 0..runs {
         let mut base = Base::new(Pose::default(), BaseLimits::default(), TurretMode::Held);
         base.command(
-            Motion {
+            BaseMotion {
                 dx_m: 1.0,
                 dy_m: 0.0,
                 speed_m_s: 1.0,
@@ -339,7 +342,7 @@ fn commands_that_are_no_motion_brake() {
     ] {
         let mut base = base(TurretMode::Held);
         base.command(
-            Motion {
+            BaseMotion {
                 dx_m,
                 dy_m: 0.0,
                 speed_m_s,
@@ -371,15 +374,15 @@ fn splitting_the_time_changes_nothing_that_matters() {
     );
 }
 
-/// In a hall with posts: what 40 ms bring about, at once or in four steps, is the same to the bit, but that gaps that need
-/// not be told may not be.
+/// In a hall with posts: 40 ms at once and in four steps give the same bits, except for gaps that
+/// are not wanted.
 #[test]
 fn strides_are_their_steps() {
     let mut noise = Noise::new(5);
     let world = World::random(3);
     let (mut strides, mut touches) = (0, 0);
     for turret in [TurretMode::Held, TurretMode::Follow] {
-        // A heading beyond one turn is told as it was given.
+        // A heading beyond one turn is reported as it was given.
         let start = Pose::new(world.start().position, 4.0);
         let mut whole = Base::new(start, BaseLimits::default(), turret);
         let mut least = f64::INFINITY;
@@ -415,9 +418,9 @@ fn strides_are_their_steps() {
 }
 
 /// Longer ones and shorter ones, slower ones and faster ones.
-fn any_motion(noise: &mut Noise) -> Motion {
+fn any_motion(noise: &mut Noise) -> BaseMotion {
     let mut way = || noise.uniform_in(-1.0, 1.0).powi(3);
-    Motion {
+    BaseMotion {
         dx_m: way(),
         dy_m: way(),
         speed_m_s: noise.uniform_in(0.001, 0.7),
@@ -426,7 +429,7 @@ fn any_motion(noise: &mut Noise) -> Motion {
 
 fn step_by_step(base: &mut Base, world: &World) -> Executed {
     let mut done = Executed::nothing_yet();
-    for _ in 0..STRIDE {
+    for _ in 0..STEPS_PER_STRIDE {
         base.step(0.01, world, &mut done);
     }
     base.chassis.tell_gap(world, &mut done);

@@ -3,7 +3,7 @@
 use core::f64::consts::PI;
 use core::str::FromStr;
 
-use super::{M_PER_INCH, MAX_READING_IN};
+use super::inches::{M_PER_INCH, MAX_READING_IN};
 use files::error::BadInput;
 
 /// Which of the three ready-made models.
@@ -59,13 +59,13 @@ impl FromStr for SonarModel {
 /// Every number of a sonar model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SonarConfig {
-    /// Half the opening of cone or lobe, rad. Polaroid transducers are usually given ±15°; ±12.5° leaves
-    /// no gap between 16 of them.
+    /// Half the opening of cone or lobe, rad. Polaroid transducers are usually given ±15°; ±12.5°
+    /// leaves no gap between 16 of them.
     pub half_angle_rad: f64,
     /// Greatest range, m: 255 in.
     pub max_range_m: f64,
-    /// Greatest angle between sound and a flat face's normal at which it answers, rad. Smooth walls are
-    /// mirrors beyond 22.5° (Webots) to 28° (ThinkingCap's Nomad).
+    /// Greatest angle between sound and a flat face's normal at which it answers, rad. Smooth walls
+    /// are mirrors beyond 22.5° (Webots) to 28° (ThinkingCap's Nomad).
     pub max_incidence_rad: f64,
     /// Rays in the fan over the lobe, at least 2; 31 are 1° apart.
     pub fan_rays: usize,
@@ -75,16 +75,18 @@ pub struct SonarConfig {
     pub sigma_share: f64,
     /// Probability that an echo is not heard.
     pub missed: f64,
-    /// Probability of a reading that means nothing, uniform from 6 to 255 in (0.5 % in CARMEN's simulator).
+    /// Probability of a reading that means nothing, uniform from 6 to 255 in (0.5 % in CARMEN's
+    /// simulator).
     pub random: f64,
     /// Least reading, m: 6 in in the data sheet.
     pub min_range_m: f64,
-    /// Echoes from nearer than this are lost, m. 17 in is what the module's internal blanking of 2.38 ms
-    /// makes of it.
+    /// Echoes from nearer than this are lost, m. 17 in is what the module's internal blanking of
+    /// 2.38 ms makes of it.
     pub blanking_m: f64,
     /// Mirrored paths followed, reflections per ray.
     pub bounces: usize,
-    /// Probability that the reverberation of an earlier ping is loud enough to be taken for an echo.
+    /// Probability that the reverberation of an earlier ping is loud enough to be taken for an
+    /// echo.
     pub crosstalk: f64,
     /// How many times sound may go to and fro before it is too weak to reverberate.
     pub reverberations: u32,

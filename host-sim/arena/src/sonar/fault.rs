@@ -1,14 +1,14 @@
 //! What may be wrong with a single transducer.
 //!
-//! A fault changes what the ring reports of one transducer, after everything its model does to the reading; exchanged cables
-//! change which transducer is asked, before the ping. A fault that remembers something keeps it in its own entry of
-//! [`Faults`]. Without a fault nothing is drawn from the noise.
+//! A fault changes what the ring reports of one transducer, after its model; exchanged cables
+//! change which transducer fires. A fault that remembers something keeps it in its own entry of
+//! [`ActiveFaults`]. Without a fault nothing is drawn from the noise.
 
 use core::fmt;
 use core::str::FromStr;
 use std::collections::VecDeque;
 
-use super::{M_PER_INCH, MAX_READING_IN};
+use super::inches::{M_PER_INCH, MAX_READING_IN};
 use crate::noise::Noise;
 use files::error::BadInput;
 
@@ -31,8 +31,8 @@ pub enum FaultKind {
     Delayed(usize),
     /// With this probability it hears nothing.
     Intermittent(f64),
-    /// With this probability it takes the echo of the transducer that fired before it for its own, where that one came
-    /// sooner.
+    /// With this probability it takes the echo of the transducer that fired before it for its own,
+    /// where that one came sooner.
     Crosstalk(f64),
     /// Its cable and that of this transducer are exchanged.
     Swapped(usize),
@@ -82,8 +82,8 @@ impl FaultKind {
         }
     }
 
-    /// What a transducer reports that in good order would have reported `range`, when the one before it heard `earlier`.
-    /// `memory` is its own, the newest last.
+    /// What a transducer reports that in good order would have reported `range`, when the one
+    /// before it heard `earlier`. `memory` is its own, the newest last.
     fn reported(
         self,
         range: Option<f64>,
@@ -200,13 +200,13 @@ impl FromStr for TransducerFault {
 
 /// All that is wrong with a ring.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Faults {
+pub(super) struct ActiveFaults {
     faults: Vec<(TransducerFault, VecDeque<Option<f64>>)>,
     /// What the transducer that fired last has heard.
     earlier: Option<f64>,
 }
 
-impl Faults {
+impl ActiveFaults {
     pub(super) fn new(faults: &[TransducerFault]) -> Self {
         Self {
             faults: faults
@@ -301,7 +301,7 @@ mod tests {
 
     /// A ring of two readings after another: those of transducer 2, then those of transducer 3.
     fn said(text: &str, heard: &[Option<f64>]) -> Vec<Option<f64>> {
-        let (mut noise, mut faults) = (Noise::new(1), Faults::new(&[fault(text)]));
+        let (mut noise, mut faults) = (Noise::new(1), ActiveFaults::new(&[fault(text)]));
         let each = heard.iter().map(|range| {
             let earlier = faults.reported(2, Some(1.0), &mut noise);
             assert_eq!(earlier, Some(1.0), "{text}: another one is in good order");
@@ -354,7 +354,7 @@ mod tests {
 
     #[test]
     fn exchanged_cables_exchange_both() {
-        let faults = Faults::new(&[fault("swapped:3:7")]);
+        let faults = ActiveFaults::new(&[fault("swapped:3:7")]);
         let asked = [2, 3, 4, 7].map(|sensor| faults.asked(sensor));
         assert_eq!(asked, [2, 7, 4, 3]);
         assert_eq!(FaultKind::Swapped(8).turned(10), FaultKind::Swapped(2));

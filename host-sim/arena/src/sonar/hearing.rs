@@ -1,36 +1,31 @@
 //! What one Polaroid transducer can hear from where it is.
 //!
-//! A fan of rays over the lobe, and one ray at each place most likely to answer, find what the transducer
-//! can see; what is hidden is met by no ray. A flat face answers where the sound meets it near its normal,
-//! and is a mirror otherwise. A circle answers wherever it is met. A corner or edge answers from its tip, at
-//! any angle. Each thing answers once, with its nearest answering point (Leonard and Durrant-Whyte's
-//! regions of constant depth come out of that).
+//! Rays over the lobe and towards likely places find what the transducer can see. A flat face
+//! answers near its normal and is a mirror otherwise; circles and corners answer at any angle. Each
+//! answers once, at its nearest point (regions of constant depth, Leonard and Durrant-Whyte).
 
 use core::f64::consts::PI;
 
-use super::SonarConfig;
-use crate::world::{Fan, Hit, LobeView, Point, Rays, Surface, World};
-
-/// How much farther is looked when nothing answered.
-const FARTHER: f64 = 2.0;
+use super::config::SonarConfig;
+use crate::caster::{Fan, Hit, LobeHit, LobeView, Surface};
+use crate::world::{Point, World};
 
 /// Scratch memory and precomputed directions.
 #[derive(Debug, Clone)]
-pub(super) struct Hearing {
+pub(crate) struct Hearing {
     fan: Fan,
     cos_half_angle: f64,
     cos_max_incidence: f64,
     /// Cosine of the angle between axis and normal beyond which a face answers no ray of the lobe.
     least_facing: f64,
     promising: Vec<Point>,
-    /// The fan and the promising directions.
-    rays: Rays,
-    /// Number and nearest answer, m, of each surface met.
-    answers: Vec<(f64, f64)>,
+    /// Rays of the fan and what they met first.
+    fan_hits: Vec<(Point, LobeHit)>,
+    answers: Answers,
 }
 
 impl Hearing {
-    pub(super) fn new(config: &SonarConfig, half_angle: f64) -> Self {
+    pub(crate) fn new(config: &SonarConfig, half_angle: f64) -> Self {
         let max_incidence = config.max_incidence_rad.clamp(0.0, PI / 2.0);
         Self {
             fan: Fan::new(config.fan_rays.max(2), half_angle),
@@ -39,38 +34,28 @@ impl Hearing {
             // Less by far more than any rounding.
             least_facing: libm::cos((half_angle + max_incidence).min(PI)) - 1e-6,
             promising: Vec::new(),
-            rays: Rays::default(),
-            answers: Vec::new(),
+            fan_hits: Vec::new(),
+            answers: Answers::default(),
         }
     }
 
-    /// Range of the first echo after the blanking, m, of what the lobe was aimed at; where about `expected` m is a guess
-    /// that decides no more than how soon it is found.
-    pub(super) fn first_echo(
+    /// Range of the first echo after the blanking, m, of what the lobe was aimed at.
+    pub(crate) fn first_echo(
         &mut self,
         world: &World,
         lobe: &mut LobeView,
         config: &SonarConfig,
-        expected: f64,
     ) -> Option<f64> {
+        self.aim_at_promising(lobe);
         if config.blanking_m > 0.0 || config.bounces > 0 || !self.fan.is_narrow() {
             return self.first_by_rays(world, lobe, config);
         }
-        let mut far = expected;
-        loop {
-            lobe.look(far);
-            self.aim_at_promising(lobe);
-            let (least_cos, facing) = (self.cos_max_incidence, self.least_facing);
-            let answer = lobe.nearest_answer(&self.fan, &self.promising, least_cos, facing);
-            let answer = Some(answer).filter(|answer| *answer <= config.max_range_m);
-            let answer = answer.unwrap_or(f64::INFINITY);
-            let corner = lobe.nearest_corner(0.0, answer.min(config.max_range_m));
-            let first = answer.min(corner.unwrap_or(f64::INFINITY));
-            if lobe.is_settled(first) {
-                return (first < f64::INFINITY).then_some(first);
-            }
-            far *= FARTHER;
-        }
+        let (least_cos, facing) = (self.cos_max_incidence, self.least_facing);
+        let answer = lobe.nearest_answer(&self.fan, &self.promising, least_cos, facing);
+        let most = answer.min(config.max_range_m);
+        let corner = lobe.nearest_corner(0.0, most).unwrap_or(f64::INFINITY);
+        let first = answer.min(corner);
+        (first <= config.max_range_m).then_some(first)
     }
 
     /// The same by all rays.
@@ -81,14 +66,12 @@ impl Hearing {
         lobe: &mut LobeView,
         config: &SonarConfig,
     ) -> Option<f64> {
-        lobe.look(config.max_range_m);
-        let mut first = Nearest {
+        let mut first = FirstInRange {
             least: config.blanking_m,
             most: config.max_range_m,
             range: None,
         };
-        self.aim_at_promising(lobe);
-        self.hear_rays(lobe, config, &mut first);
+        self.hear_rays(lobe, &mut first);
         self.follow(world, lobe, config.bounces, &mut first);
         if let Some(corner) = lobe.nearest_corner(first.least, first.range.unwrap_or(first.most)) {
             first.offer(corner);
@@ -106,35 +89,41 @@ impl Hearing {
         }
     }
 
-    /// Lets every ray meet what it meets first, and offers the nearest answer of each surface: what answers too early
-    /// answers no more.
-    fn hear_rays(&mut self, lobe: &LobeView, config: &SonarConfig, first: &mut Nearest) {
+    /// Casts every ray and offers the nearest answer of each surface: one that answers too early
+    /// does not answer again.
+    fn hear_rays(&mut self, lobe: &LobeView, first: &mut FirstInRange) {
         let axis = lobe.lobe().axis;
-        self.fan.rays().turned_into(axis, &mut self.rays);
-        for &direction in &self.promising {
-            self.rays.push(direction);
+        self.fan_hits.clear();
+        self.answers.clear();
+        for direction in self.fan.directions() {
+            let ray = direction.turned(axis);
+            if let Some(hit) = lobe.cast(ray) {
+                self.fan_hits.push((ray, hit));
+                self.answers.add(&hit, self.cos_max_incidence);
+            }
         }
-        lobe.meet(&mut self.rays, config.max_range_m);
-        self.note_answers();
-        self.answers
-            .iter()
-            .for_each(|&(_, range)| first.offer(range));
+        for &ray in &self.promising {
+            if let Some(hit) = lobe.cast(ray) {
+                self.answers.add(&hit, self.cos_max_incidence);
+            }
+        }
+        for &(_, range) in &self.answers.nearest {
+            first.offer(range);
+        }
     }
 
-    /// Lets the rays of the fan go on as mirrored by the faces they meet too obliquely, up to `bounces` times.
-    fn follow(&self, world: &World, lobe: &LobeView, bounces: usize, first: &mut Nearest) {
-        let tip = lobe.lobe().tip();
-        let met = self.rays.ways().iter().zip(self.rays.cos_incidences());
-        for (ray, (&length, &cos)) in met.enumerate().take(self.fan.count()) {
-            if cos >= self.cos_max_incidence {
-                continue;
-            }
-            let number = self.rays.numbers().get(ray);
-            let Some(mut normal) = number.and_then(|&number| lobe.normal(number)) else {
+    /// Follows the rays of the fan that faces mirror, up to `bounces` times.
+    fn follow(&self, world: &World, lobe: &LobeView, bounces: usize, first: &mut FirstInRange) {
+        let tip = lobe.lobe().tip;
+        for (ray, hit) in &self.fan_hits {
+            let Some(mut normal) = hit.normal else {
                 continue;
             };
-            let (mut at, mut direction) = (tip, self.rays.direction(ray));
-            let (mut last_way, mut way) = (length, length);
+            if hit.cos_incidence >= self.cos_max_incidence {
+                continue;
+            }
+            let (mut at, mut direction) = (tip, *ray);
+            let (mut last_way, mut way) = (hit.distance_m, hit.distance_m);
             for _ in 0..bounces {
                 at = at + direction * last_way;
                 direction = direction - normal * (2.0 * direction.dot(normal));
@@ -154,32 +143,41 @@ impl Hearing {
     fn answers_from(&self, hit: &Hit) -> bool {
         matches!(hit.surface, Surface::Circle(_)) || hit.cos_incidence >= self.cos_max_incidence
     }
+}
 
-    /// Keeps the nearest answer of each surface.
-    fn note_answers(&mut self) {
-        self.answers.clear();
-        let least_cos = self.cos_max_incidence;
-        let met = self.rays.ways().iter().zip(self.rays.cos_incidences());
-        for ((&way, &cos), &number) in met.zip(self.rays.numbers()) {
-            if cos < least_cos {
-                continue;
-            }
-            match self.answers.iter_mut().find(|(known, _)| *known == number) {
-                Some((_, nearest)) => *nearest = nearest.min(way),
-                None => self.answers.push((number, way)),
-            }
+/// The nearest answer of each surface.
+#[derive(Debug, Clone, Default)]
+struct Answers {
+    /// Number of the surface, and how far, m.
+    nearest: Vec<(f64, f64)>,
+}
+
+impl Answers {
+    fn clear(&mut self) {
+        self.nearest.clear();
+    }
+
+    /// Adds a hit if it answers: if its cosine is at least `least_cos`.
+    fn add(&mut self, hit: &LobeHit, least_cos: f64) {
+        if hit.cos_incidence < least_cos {
+            return;
+        }
+        let mut known = self.nearest.iter_mut();
+        match known.find(|(number, _)| *number == hit.number) {
+            Some((_, nearest)) => *nearest = nearest.min(hit.distance_m),
+            None => self.nearest.push((hit.number, hit.distance_m)),
         }
     }
 }
 
 /// The least range offered that lies within limits.
-struct Nearest {
+struct FirstInRange {
     least: f64,
     most: f64,
     range: Option<f64>,
 }
 
-impl Nearest {
+impl FirstInRange {
     fn offer(&mut self, range: f64) {
         if self.wants(range) {
             self.range = Some(range);

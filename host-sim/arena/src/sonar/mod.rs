@@ -1,38 +1,29 @@
 //! The ring of Polaroid sonars: where the transducers sit, when they fire, and what they return.
 //!
-//! Three models, by name ([`SonarModel`]), each a set of numbers anyone may change ([`SonarConfig`]):
-//!
-//! * *ideal*: the exact distance from the transducer's face to the nearest point of any surface in its cone;
-//! * *nomad*: a flat face answers only near its normal, corners and posts always; readings are noisy whole
-//!   inches, some are missed, some are random;
-//! * *harsh*: blind up close, more misses, reverberation of the ping before, mirrored paths, one dead sonar.
-//!
-//! A reading is a range in meters, or `None` when the ring reports 255 in: nothing heard, or nothing
-//! nearer than that; the byte cannot tell the two apart.
+//! Three models ([`SonarModel`]), each a set of numbers ([`SonarConfig`]): *ideal* is exact,
+//! *nomad* is a ring in good order, *harsh* a bad day. A reading is a range in meters, or `None`
+//! when the ring reports 255 in: nothing heard, or nothing nearer than that.
 
 use core::f64::consts::TAU;
 
-use crate::direction::Direction;
+use crate::caster::{ConeShape, LobeView, SonarLobe};
+use crate::direction::CachedDirection;
 use crate::noise::{Deviate, Noise};
-use crate::world::{ConeShape, Lobe, LobeView, Point, Pose, Standing, View, World};
+use crate::world::{LastWorld, Point, Pose, World};
 
 mod config;
 mod fault;
 mod hearing;
+mod inches;
 
 pub use config::{SonarConfig, SonarModel};
+use fault::ActiveFaults;
 pub use fault::{FaultKind, TransducerFault};
+pub(crate) use hearing::Hearing;
+use inches::{INCHES_PER_M, whole_inches};
+pub use inches::{M_PER_INCH, MAX_READING_IN, reading_in};
 
-/// Length of an inch, m.
-pub const M_PER_INCH: f64 = 0.0254;
-
-const INCHES_PER_M: f64 = 1.0 / M_PER_INCH;
-
-/// Distance of the transducers' faces from the robot's center, m.
-pub const FACE_RADIUS_M: f64 = 0.2305;
-
-/// The largest reading, in: what a transducer that hears nothing reports.
-pub const MAX_READING_IN: u8 = 255;
+pub use crate::nomad::FACE_RADIUS_M;
 
 /// The Nomad drivers' firing order: front first, then from side to side (CARMEN, MissionLab).
 pub const FIRING_ORDER: [usize; 16] = [0, 2, 15, 1, 14, 3, 13, 4, 12, 5, 11, 6, 10, 7, 9, 8];
@@ -43,9 +34,6 @@ pub const FIRING_SLOT_S: f64 = 0.040;
 
 /// Time in which a whole ring of 16 fires, s.
 pub const RING_PERIOD_S: f64 = 0.640;
-
-/// How much farther than its last echo a transducer looks first for the next one, m.
-const EXPECTED_M: f64 = 0.2;
 
 /// Speed of sound at 20 °C, m/s.
 pub const SOUND_M_S: f64 = 343.2;
@@ -76,8 +64,8 @@ impl RingGeometry {
         TAU * sensor as f64 / self.count.max(1) as f64
     }
 
-    /// The order in which the transducers fire: the Nomad's for 16, else front first, then alternating
-    /// sides.
+    /// The order in which the transducers fire: the Nomad's for 16, else front first, then
+    /// alternating sides.
     #[must_use]
     pub fn firing_order(&self) -> Vec<usize> {
         if self.count == FIRING_ORDER.len() {
@@ -111,7 +99,7 @@ struct FirstEcho {
     range_m: Option<f64>,
 }
 
-/// A ring of transducers on a turret. Owns its scratch memory, so a scan allocates nothing once warm.
+/// A ring of transducers on a turret.
 #[derive(Debug, Clone)]
 pub struct Ring {
     geometry: RingGeometry,
@@ -120,17 +108,17 @@ pub struct Ring {
     /// Axis of each transducer, relative to the turret's heading.
     axes: Vec<Point>,
     cone: ConeShape,
-    view: View,
-    lobe: LobeView,
-    hearing: hearing::Hearing,
+    /// What each transducer can meet.
+    lobes: Vec<LobeView>,
+    hearing: Hearing,
     /// The least reading, in.
     least_in: f64,
-    standing: Standing,
-    heading: Direction,
+    world: LastWorld,
+    heading: CachedDirection,
     /// What each transducer heard last.
     echoes: Vec<FirstEcho>,
     dead: Option<usize>,
-    faults: fault::Faults,
+    faults: ActiveFaults,
     earlier: Option<EarlierPing>,
 }
 
@@ -142,7 +130,8 @@ impl Ring {
     }
 
     /// A ring with its own geometry and numbers; `model` says whether readings are exact
-    /// ([`SonarModel::Ideal`]) or what a transducer hears. Numbers outside their range are brought into it.
+    /// ([`SonarModel::Ideal`]) or what a transducer hears. Numbers outside their range are brought
+    /// into it.
     #[must_use]
     pub fn with_config(
         model: SonarModel,
@@ -159,15 +148,14 @@ impl Ring {
         Self {
             axes: bearings.map(Point::unit).collect(),
             cone: ConeShape::new(half_angle),
-            view: View::default(),
-            lobe: LobeView::default(),
-            hearing: hearing::Hearing::new(&config, half_angle),
+            lobes: vec![LobeView::default(); geometry.count],
+            hearing: Hearing::new(&config, half_angle),
             least_in: whole_inches(config.min_range_m),
-            standing: Standing::default(),
-            heading: Direction::new(0.0),
+            world: LastWorld::default(),
+            heading: CachedDirection::new(0.0),
             echoes: vec![FirstEcho::default(); geometry.count],
             dead: config.one_dead.then(|| noise.index(geometry.count)),
-            faults: fault::Faults::default(),
+            faults: ActiveFaults::default(),
             earlier: None,
             geometry,
             config,
@@ -178,7 +166,7 @@ impl Ring {
     /// The same ring with these faults.
     #[must_use]
     pub fn with_faults(mut self, faults: &[TransducerFault]) -> Self {
-        self.faults = fault::Faults::new(faults);
+        self.faults = ActiveFaults::new(faults);
         self
     }
 
@@ -206,7 +194,7 @@ impl Ring {
         self.dead
     }
 
-    /// What all transducers say at once, whatever the model: the exact ranges, m, but for faults.
+    /// The exact ranges of all transducers at once, m, whatever the model, changed by the faults.
     pub fn scan_with_faults(
         &mut self,
         world: &World,
@@ -223,21 +211,20 @@ impl Ring {
         }
     }
 
-    /// The exact ranges, m, of all transducers at once, whatever the model: `out[i]` for transducer i, as
-    /// far as `out` reaches. `None` beyond the greatest range.
+    /// The exact ranges, m, of all transducers at once, whatever the model: `out[i]` for transducer
+    /// i, as far as `out` reaches. `None` beyond the greatest range.
     pub fn scan(&mut self, world: &World, pose: &Pose, out: &mut [Option<f64>]) {
         let (offset, reach) = (self.geometry.face_radius_m, self.config.max_range_m);
-        self.view.build(world, pose.position, offset, reach);
+        let view = world.view(pose.position, offset, reach);
         let heading = self.look_along(pose.heading);
         for (axis, out) in self.axes.iter().zip(out) {
-            let axis = axis.turned(heading);
-            let range = self.view.nearest_in_cone(axis, offset, self.cone);
+            let range = view.nearest_in_cone(axis.turned(heading), self.cone);
             *out = (range <= reach).then_some(range);
         }
     }
 
-    /// Fires one transducer at `time_s` from where the robot is then. A `sensor` the ring does not have
-    /// hears nothing.
+    /// Fires one transducer at `time_s` from where the robot is then. A `sensor` the ring does not
+    /// have hears nothing.
     pub fn ping(
         &mut self,
         world: &World,
@@ -263,8 +250,8 @@ impl Ring {
         if self.model == SonarModel::Ideal {
             let axis = axis.turned(self.look_along(pose.heading));
             let (offset, reach) = (self.geometry.face_radius_m, self.config.max_range_m);
-            self.view.build(world, pose.position, offset, reach);
-            let range = self.view.nearest_in_cone(axis, offset, self.cone);
+            let view = world.view(pose.position, offset, reach);
+            let range = view.nearest_in_cone(axis, self.cone);
             return (range <= reach).then_some(range);
         }
         let echo = self.echo(world, pose, sensor, axis);
@@ -278,39 +265,25 @@ impl Ring {
         self.as_reported(heard, noise)
     }
 
-    /// The first echo a transducer hears; a robot that has not moved hears the same again.
+    /// The first echo a transducer hears: the last one, if neither robot nor world have moved.
     fn echo(&mut self, world: &World, pose: &Pose, sensor: usize, axis: Point) -> Option<f64> {
-        if !self.standing.remains(world) {
+        if !self.world.is_same(world) {
             self.echoes.iter_mut().for_each(|echo| echo.from = None);
         }
         let last = self.echoes.get(sensor)?;
         if last.from.as_ref() == Some(pose) {
             return last.range_m;
         }
-        self.echo_from_here(world, pose, sensor, axis, last.range_m)
-    }
-
-    /// The same from another place than before, where it was heard from `last_m`.
-    #[inline(never)]
-    fn echo_from_here(
-        &mut self,
-        world: &World,
-        pose: &Pose,
-        sensor: usize,
-        axis: Point,
-        last_m: Option<f64>,
-    ) -> Option<f64> {
-        let lobe = Lobe {
-            middle: pose.position,
-            offset_m: self.geometry.face_radius_m,
-            axis: axis.turned(self.look_along(pose.heading)),
+        let axis = axis.turned(self.look_along(pose.heading));
+        let lobe = SonarLobe {
+            tip: pose.position + axis * self.geometry.face_radius_m,
+            axis,
             cone: self.cone,
             reach_m: self.config.max_range_m,
         };
-        let expected = last_m.map_or(lobe.reach_m, |range| range + EXPECTED_M);
-        let view = self.lobe.for_eye(sensor);
-        view.aim(world, &lobe);
-        let range_m = self.hearing.first_echo(world, view, &self.config, expected);
+        let view = self.lobes.get_mut(sensor)?;
+        world.aim(view, &lobe);
+        let range_m = self.hearing.first_echo(world, view, &self.config);
         if let Some(echo) = self.echoes.get_mut(sensor) {
             *echo = FirstEcho {
                 from: Some(*pose),
@@ -320,14 +293,14 @@ impl Ring {
         range_m
     }
 
-    /// The unit vector along a heading, rad: worked out anew only where it is another one.
+    /// The unit vector along a heading, rad, computed only when the heading changes.
     fn look_along(&mut self, heading: f64) -> Point {
         self.heading.set(heading);
         self.heading.unit()
     }
 
-    /// The echo, or the reverberation of the ping before if that comes earlier. Sound that goes to and
-    /// fro between the robot and what answered arrives again and again, one echo's time apart.
+    /// The echo, or the reverberation of the ping before if that comes earlier. Sound that goes to
+    /// and fro between the robot and what answered arrives again and again, one echo's time apart.
     fn with_crosstalk(&self, echo: Option<f64>, time_s: f64, noise: &mut Noise) -> Option<f64> {
         let loud = noise.chance(self.config.crosstalk);
         let Some(earlier) = self.earlier.filter(|_| loud) else {
@@ -345,7 +318,7 @@ impl Ring {
         }
     }
 
-    /// What the ring reports of what a transducer heard: misses, nonsense, noise, whole inches.
+    /// The reading for what a transducer heard: misses, random readings, noise, whole inches.
     fn as_reported(&self, heard: Option<f64>, noise: &mut Noise) -> Option<f64> {
         let config = &self.config;
         if noise.chance(config.missed) {
@@ -363,12 +336,8 @@ impl Ring {
     }
 }
 
-fn whole_inches(range_m: f64) -> f64 {
-    libm::rint(range_m / M_PER_INCH)
-}
-
-/// A range with a deviate of its deviation, to whole inches: where about how much the deviate is settles them, it is not
-/// worked out.
+/// A range plus a deviate times its standard deviation, in whole inches. The exact deviate is
+/// computed only where the approximate one does not determine the inches.
 #[inline]
 fn noisy_inches(range_m: f64, sigma_m: f64, deviate: Deviate) -> f64 {
     /// Far above any rounding.
@@ -385,15 +354,5 @@ fn noisy_inches(range_m: f64, sigma_m: f64, deviate: Deviate) -> f64 {
     }
 }
 
-/// The byte the Nomad's ring reports for a range in meters: whole inches, 255 for `None`.
-#[must_use]
-pub fn reading_in(range: Option<f64>) -> u8 {
-    let inches = range.map_or(f64::INFINITY, |range| libm::rint(range / M_PER_INCH));
-    // In range by the clamp; a NaN becomes 0.
-    inches.clamp(0.0, f64::from(MAX_READING_IN)) as u8
-}
-
-#[cfg(test)]
-mod oracle;
 #[cfg(test)]
 mod tests;

@@ -21,7 +21,8 @@ fn post(x: f64, y: f64, radius: f64) -> Shape {
     }
 }
 
-/// A wall at 2 m whose normal points `degrees` away from the axis of sonar 0, `half` m to either side.
+/// A wall at 2 m whose normal points `degrees` away from the axis of sonar 0, `half` m to either
+/// side.
 fn oblique(degrees: f64, half: f64) -> Shape {
     let along = Point::unit((90.0 + degrees) * PI / 180.0);
     let (a, b) = (along * -half, along * half);
@@ -250,8 +251,8 @@ fn a_blanked_echo_gives_way_to_the_next_one() {
 
 #[test]
 fn a_mirror_shows_what_is_round_the_corner() {
-    // A face at 45°, wider than the lobe, turns sonar 0's beam to the right, on to a wall 3 m away that it
-    // meets head on.
+    // A face at 45°, wider than the lobe, turns sonar 0's beam to the right, on to a wall 3 m away
+    // that it meets head on.
     let world = world(vec![oblique(45.0, 1.2), wall(&[(-1.0, -3.0), (5.0, -3.0)])]);
     assert_eq!(ping(&world, quiet(SonarModel::Nomad)), MAX_READING_IN);
     let way = 2.0 - 0.2305 + 3.0;

@@ -1,64 +1,16 @@
-//! The world: what stands around the robot, and the three questions the simulator asks about it.
+//! The world: what stands around the robot, and where the robot starts.
 //!
-//! * [`World::sweep`]: a disc moves straight; how far does it get, and how near does it come to anything?
-//! * [`View::nearest_in_cone`]: how far is the nearest surface inside a cone?
-//! * [`LobeView`] and [`World::cast`]: what do single rays of sound meet, and under what angle?
-//!
-//! Each looks only at what is near, by a tree of boxes, from near to far and no farther than something could change the
-//! answer, and what it found is used again while the robot stays near; no answer depends on any of that.
-//!
-//! Worlds come from files ([`World::load`]), from a seed ([`World::random`]) or are built in
-//! ([`World::builtin`]). All are flat: straight pieces and circles, meters and radians.
+//! All worlds are flat: straight pieces and circles, meters and radians. Queries go to the caster.
+//! Where worlds come from is no matter of this module: see [`loaders`](crate::loaders).
 
-use std::path::Path;
-use std::sync::Arc;
-
-use crate::robot::COLLISION_RADIUS_M;
+use crate::caster::{Caster, LobeView, SonarLobe};
+use crate::nomad::COLLISION_RADIUS_M;
+use crate::shapes::point_defect;
 use files::error::BadInput;
 
-mod answer;
-pub mod barn;
-mod builtin;
-mod clearing;
-mod eye;
-mod faces;
-mod feet;
-mod geometry;
-mod graymap;
-mod lobe;
-mod nearby;
-mod neighborhoods;
-mod occupancy;
-mod outline;
-mod pgm;
-mod random;
-mod ray;
-mod rays;
-mod ros_map;
-mod sdf;
-mod shapes;
-mod spec;
-mod steady;
-mod surfaces;
-mod surroundings;
-mod sweep;
-mod toml_file;
-mod tree;
-mod view;
-
-pub use answer::Fan;
-pub use clearing::Clearing;
-pub(crate) use faces::{max, min};
-pub use geometry::{Point, Pose, wrap_angle};
-pub use lobe::{Lobe, LobeView};
-pub use ray::{Hit, Surface};
-pub use rays::Rays;
-pub use shapes::Shape;
-pub use spec::{WorldSource, parse_worlds};
-pub use sweep::{Sweep, TOUCH_SLACK_M};
-pub use view::{ConeShape, View};
-
-use surfaces::{Circle, FIRST_CIRCLE, Surfaces};
+pub use crate::caster::{ConeShape, ConeView, Hit, Surface, Sweep, TOUCH_SLACK_M};
+pub use crate::geometry::{Point, Pose, wrap_angle};
+pub use crate::shapes::Shape;
 
 /// Largest coordinate a world may use, m.
 pub const MAX_COORDINATE_M: f64 = 1e5;
@@ -66,16 +18,15 @@ pub const MAX_COORDINATE_M: f64 = 1e5;
 /// Most shapes a world may have.
 pub const MAX_SHAPES: usize = 1_000_000;
 
-/// Everything that stands around the robot, and where the robot starts. Clones share what stands still.
+/// Everything that stands around the robot, and where the robot starts. Clones share what stands
+/// still.
 #[derive(Debug, Clone, PartialEq)]
 pub struct World {
     name: String,
     start: Pose,
     goal: Option<Point>,
     shapes: Vec<Shape>,
-    surfaces: Arc<Surfaces>,
-    /// Posts that come and go, after the circles that stand still.
-    posts: Vec<Circle>,
+    caster: Caster,
     bounds: (Point, Point),
 }
 
@@ -113,15 +64,15 @@ impl World {
         if let Some(defect) = shapes.iter().find_map(|s| s.defect(MAX_COORDINATE_M)) {
             return Err(BadInput::new(defect));
         }
-        let world = Self::prepared(name.into(), start, shapes);
+        let world = Self::unchecked(name.into(), start, shapes);
         world.check_start(radius_m)?;
         Ok(world)
     }
 
-    fn prepared(name: String, start: Pose, shapes: Vec<Shape>) -> Self {
+    /// The same without any check.
+    pub(crate) fn unchecked(name: String, start: Pose, shapes: Vec<Shape>) -> Self {
         Self {
-            surfaces: Arc::new(Surfaces::of(&shapes)),
-            posts: Vec::new(),
+            caster: Caster::new(&shapes),
             bounds: bounds_of(&shapes),
             name,
             start,
@@ -134,22 +85,16 @@ impl World {
     #[must_use]
     pub fn with_post(&self, center: Point, radius: f64) -> Self {
         let mut world = self.clone();
-        let circles = self.surfaces.circles.len() + self.posts.len();
         world.shapes.push(Shape::Circle { center, radius });
-        world.posts.push(Circle {
-            center,
-            radius,
-            number: FIRST_CIRCLE + circles as f64,
-        });
+        world.caster.add_post(center, radius);
         world
     }
 
-    /// Puts the post added last elsewhere, if there is one.
+    /// Moves the post added last, if there is one.
     pub fn move_post(&mut self, to: Point) {
-        if let (Some(post), Some(Shape::Circle { center, .. })) =
-            (self.posts.last_mut(), self.shapes.last_mut())
+        if let (true, Some(Shape::Circle { center, .. })) =
+            (self.caster.move_post(to), self.shapes.last_mut())
         {
-            post.center = to;
             *center = to;
         }
     }
@@ -161,7 +106,8 @@ impl World {
         self
     }
 
-    /// This world with another shape in the place of shape `index`; the start is not looked at again.
+    /// This world with another shape in the place of shape `index`; the start is not looked at
+    /// again.
     ///
     /// # Errors
     /// When there is no such shape, or the new one is impossible.
@@ -176,13 +122,13 @@ impl World {
         }
         Ok(Self {
             goal: self.goal,
-            ..Self::prepared(self.name.clone(), self.start, shapes)
+            ..Self::unchecked(self.name.clone(), self.start, shapes)
         })
     }
 
     fn check_start(&self, radius_m: f64) -> Result<(), BadInput> {
         let at = self.start.position;
-        if let Some(defect) = shapes::point_defect(at, MAX_COORDINATE_M) {
+        if let Some(defect) = point_defect(at, MAX_COORDINATE_M) {
             return Err(BadInput::new(format!("the start: {defect}")));
         }
         if !self.start.heading.is_finite() {
@@ -197,31 +143,6 @@ impl World {
              from its center, its radius is {radius_m} m",
             at.x, at.y
         )))
-    }
-
-    /// Reads a world from a `.toml` world file or a ROS map_server `.yaml` or `.yml` file.
-    ///
-    /// # Errors
-    /// When the file is missing, is not what its extension says, or describes an impossible world.
-    pub fn load(path: &Path) -> Result<Self, BadInput> {
-        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
-        match extension.to_ascii_lowercase().as_str() {
-            "toml" => toml_file::load(path),
-            "yaml" | "yml" => ros_map::load(path),
-            _ => Err(BadInput::file(
-                path,
-                "a world is a .toml world file or a .yaml map of the ROS map_server",
-            )),
-        }
-    }
-
-    /// Reads the text of a TOML world file; `source` names it in errors, and names the world if it has
-    /// no `name` of its own.
-    ///
-    /// # Errors
-    /// Like [`World::load`].
-    pub fn from_toml(text: &str, source: &str) -> Result<Self, BadInput> {
-        toml_file::parse(text, source, source)
     }
 
     /// What the world is called.
@@ -266,10 +187,34 @@ impl World {
     /// Distance from `point` to the nearest surface, m, never negative. See [`World::is_inside`].
     #[must_use]
     pub fn clearance(&self, point: Point) -> f64 {
-        let still = self.surfaces.distance(point);
-        self.posts
-            .iter()
-            .fold(still, |nearest, post| nearest.min(post.distance(point)))
+        self.caster.clearance(point)
+    }
+
+    /// Moves a disc of `radius` m straight `from` one point towards another; it stops at its first
+    /// touch. Sinking further into a surface it already touches counts at once; leaving it does
+    /// not.
+    #[must_use]
+    pub fn sweep(&self, from: Point, to: Point, radius: f64) -> Sweep {
+        self.caster.sweep(from, to, radius)
+    }
+
+    /// The first thing a ray from `origin` along the unit vector `direction` meets. The surface it
+    /// starts on, if it does, is not met.
+    #[must_use]
+    pub fn cast(&self, origin: Point, direction: Point) -> Option<Hit> {
+        self.caster.cast(origin, direction)
+    }
+
+    /// What cones can meet whose tips lie `offset_m` from `middle`, along their axes, and which
+    /// reach `reach_m` from there.
+    #[must_use]
+    pub fn view(&self, middle: Point, offset_m: f64, reach_m: f64) -> ConeView {
+        self.caster.view(middle, offset_m, reach_m)
+    }
+
+    /// Aims a view at a lobe: what the sound of one transducer can meet.
+    pub(crate) fn aim(&self, view: &mut LobeView, lobe: &SonarLobe) {
+        self.caster.aim(view, lobe);
     }
 
     /// Whether `point` lies in the body of a box, a circle or an occupied part of a map.
@@ -292,22 +237,19 @@ impl World {
     }
 }
 
-/// What stands still in a world, kept to know it again.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Standing(Option<Arc<Surfaces>>);
+/// The world of the last query, to recognize it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct LastWorld(Option<Caster>);
 
-impl Standing {
-    /// Whether a world is the one kept and nothing in it moves; from now on it is the one.
-    pub(crate) fn remains(&mut self, world: &World) -> bool {
-        let surfaces = &world.surfaces;
-        let same = self
-            .0
-            .as_ref()
-            .is_some_and(|kept| Arc::ptr_eq(kept, surfaces));
-        if !same {
-            self.0 = Some(Arc::clone(surfaces));
+impl LastWorld {
+    /// Whether `world` is the last one and nothing in it moves; from now on it is the last one.
+    pub(crate) fn is_same(&mut self, world: &World) -> bool {
+        let same = |last: &Caster| last.is_same_still(&world.caster);
+        if self.0.as_ref().is_some_and(same) {
+            return true;
         }
-        same && world.posts.is_empty()
+        self.0 = Some(world.caster.clone());
+        false
     }
 }
 
@@ -330,7 +272,5 @@ fn bounds_of(shapes: &[Shape]) -> (Point, Point) {
     (low, high)
 }
 
-#[cfg(test)]
-pub(crate) mod naive;
 #[cfg(test)]
 mod tests;

@@ -1,6 +1,6 @@
 //! The BARN benchmark: through a field of cylinders to a place 10 m ahead, `host-sim barn`.
 //!
-//! D. Perille et al., *Benchmarking metric ground navigation*, 2020 (the worlds, see [`barn`](arena::world::barn)); X. Xiao et
+//! D. Perille et al., *Benchmarking metric ground navigation*, 2020 (the worlds, see [`barn`](arena::loaders::barn)); X. Xiao et
 //! al., *Autonomous ground navigation in highly constrained spaces: lessons learned from the BARN Challenge at ICRA 2022*,
 //! IEEE Robotics & Automation Magazine 29(4), 2022, 148–156 (rules and score). A run succeeds when the robot's center comes
 //! within 1 m of the goal in 100 s without touching anything. Its score is [`score`].

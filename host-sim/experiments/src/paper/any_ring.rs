@@ -9,7 +9,7 @@ use amp::goal::Goal;
 use amp::som::Grid;
 use amp::units::{Bearing, Displacement, Millis, Range};
 use arena::robot::TurretMode;
-use arena::world::{ConeShape, Point, Pose, View, World, wrap_angle};
+use arena::world::{ConeShape, ConeView, Point, Pose, World, wrap_angle};
 use std::f64::consts::TAU;
 
 /// Random moves the memory holds: the paper's.
@@ -32,7 +32,6 @@ pub struct AnyRing<'w, const SENSORS: usize> {
     turret: TurretMode,
     sight: Sight,
     pose: Pose,
-    view: View,
     time_ms: u32,
 }
 
@@ -70,7 +69,6 @@ impl<'w, const SENSORS: usize> AnyRing<'w, SENSORS> {
             turret,
             sight,
             pose: world.start(),
-            view: View::default(),
             time_ms: 0,
         }
     }
@@ -126,15 +124,14 @@ impl<'w, const SENSORS: usize> AnyRing<'w, SENSORS> {
             .wrapping_add(u32::from(self.config.robot.ring_period_ms));
         let face_m = f64::from(self.config.robot.face_radius_mm) / 1e3;
         let reach_m = self.sight.reach_m;
-        self.view
-            .build(self.world, self.pose.position, face_m, reach_m);
+        let view = self.world.view(self.pose.position, face_m, reach_m);
         let mut turn = Turn {
             decision: None,
             touched: false,
             mode_changed: false,
         };
         for sensor in 0..SENSORS {
-            let range = self.range(sensor, face_m);
+            let range = self.range(sensor, &view);
             let sensor = sensor as u8;
             let outputs = self.send(Event::Echo { sensor, range });
             turn.decision = turn.decision.or(outputs.decision);
@@ -146,12 +143,12 @@ impl<'w, const SENSORS: usize> AnyRing<'w, SENSORS> {
         turn
     }
 
-    fn range(&mut self, sensor: usize, face_m: f64) -> Option<Range> {
+    fn range(&self, sensor: usize, view: &ConeView) -> Option<Range> {
         let direction = self.config.robot.directions.get(sensor)?;
         let axis = Point::new(f64::from(direction.x_q14), f64::from(direction.y_q14));
         let axis = (axis * (1.0 / axis.length().max(1.0))).turned(Point::unit(self.pose.heading));
         let cone = ConeShape::new(self.sight.half_angle_rad);
-        let range = self.view.nearest_in_cone(axis, face_m, cone);
+        let range = view.nearest_in_cone(axis, cone);
         // A range beyond 65 m is no range; the cast saturates.
         (range <= self.sight.reach_m).then(|| Range::from_mm((range * 1e3) as u16))
     }

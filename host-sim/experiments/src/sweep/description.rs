@@ -27,7 +27,7 @@ mod choice_value;
 
 use super::plan::Vocabulary;
 use super::points::{Points, Row};
-use arena::world::{WorldSource, parse_worlds};
+use arena::loaders::{WorldSource, parse_worlds};
 use choice_value::{ChoiceTable, ChoiceValue};
 use files::error::{BadInput, suggestion};
 use files::read_text;

@@ -5,7 +5,7 @@ use super::description::Description;
 use super::identity::Hasher;
 use super::points::Assignment;
 use super::results::Header;
-use arena::world::WorldSource;
+use arena::loaders::WorldSource;
 use files::error::BadInput;
 use sim::episode::{Report, Setup};
 

@@ -10,9 +10,7 @@ use crate::pilot::{HeardEcho, Pilot};
 use amp::controller::{Decision, Event, Motion, Outputs, Progress, StopReason};
 use amp::units::{Bearing, Displacement, Millis, Range};
 use arena::noise::Noise;
-use arena::robot::{
-    Base, BaseLimits, COLLISION_RADIUS_M, Executed, Motion as BaseMotion, TurretMode,
-};
+use arena::robot::{Base, BaseLimits, BaseMotion, COLLISION_RADIUS_M, Executed, TurretMode};
 use arena::sonar::{FIRING_ORDER, FIRING_SLOT_S, RING_PERIOD_S, Ring, SonarModel, TransducerFault};
 use arena::world::{Point, Pose, World};
 use std::borrow::Cow;

@@ -3,7 +3,7 @@
 use super::tally::Metrics;
 use crate::scenes::{Behavior, WALL_RANGE_M};
 use arena::sonar::FACE_RADIUS_M;
-use arena::world::{ConeShape, Point, Shape, View, World};
+use arena::world::{ConeShape, Point, Shape, World};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
 
 /// At the nest means within this distance, m.
@@ -20,7 +20,6 @@ const STILL_M: f64 = 0.01;
 /// What is measured of one phase.
 #[derive(Debug)]
 pub(super) struct Measure {
-    view: View,
     from: Option<Point>,
     heading: Option<f64>,
     errors: f64,
@@ -40,7 +39,6 @@ pub(super) struct Measure {
 impl Measure {
     pub(super) fn new(world: &World, nest: Point) -> Self {
         Self {
-            view: View::default(),
             from: None,
             heading: None,
             errors: 0.0,
@@ -87,8 +85,8 @@ impl Measure {
     fn wall(&mut self, world: &World, side: f64) {
         // A half plane but for one degree, where the cone query has its limit.
         let half = ConeShape::new(FRAC_PI_2 - 0.0175);
-        self.view.build(world, self.at, 0.0, 20.0);
-        let nearest = self.view.nearest_in_cone(Point::unit(side), 0.0, half);
+        let view = world.view(self.at, 0.0, 20.0);
+        let nearest = view.nearest_in_cone(Point::unit(side), half);
         self.errors += (nearest.min(20.0) - FACE_RADIUS_M - WALL_RANGE_M).abs();
         self.steps += 1;
     }

@@ -42,7 +42,8 @@ fn a_velocity_is_reached_by_the_acceleration_and_held() {
     assert!(!axes.is_active(Axis::Translation));
 }
 
-/// At v and ω together the wheels describe a circle of radius v/ω, and come back to where they were.
+/// At v and ω together the wheels describe a circle of radius v/ω, and come back to where they
+/// were.
 #[test]
 fn rolling_and_steering_together_is_a_circle() {
     let (mut axes, world, mut noise) = (axes(), wall(90.0), Noise::new(1));

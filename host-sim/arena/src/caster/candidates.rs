@@ -1,0 +1,108 @@
+//! What may lie in a lobe, found once for all tips near one place.
+//!
+//! It is the caster's only memory. Most transducers keep their direction while the robot moves on
+//! by millimeters; without it a whole step takes more than twice as long. No answer depends on it.
+
+use std::sync::Arc;
+
+use super::lobe::SonarLobe;
+use crate::geometry::{Point, max, min};
+use crate::surfaces::{Circle, Face, FaceBlock, LANES, SLACK_M, Surfaces};
+
+/// Tips within this distance of the place share their candidates, m.
+const ROOM_M: f64 = 0.7;
+
+/// The same, and far more than any rounding, m.
+const MARGIN_M: f64 = ROOM_M + SLACK_M;
+
+/// The surfaces that may lie in a lobe like the one prepared for.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Candidates {
+    of: Option<Arc<Surfaces>>,
+    lobe: SonarLobe,
+    pub faces: Vec<Face>,
+    pub circles: Vec<Circle>,
+    pub corners: Vec<Point>,
+}
+
+impl Candidates {
+    /// Holds everything that may lie in `lobe` afterwards.
+    pub fn prepare(&mut self, surfaces: &Arc<Surfaces>, lobe: &SonarLobe) {
+        if !self.serve(surfaces, lobe) {
+            self.find(surfaces, lobe);
+            self.of = Some(Arc::clone(surfaces));
+            self.lobe = *lobe;
+        }
+    }
+
+    /// Whether they serve a lobe.
+    fn serve(&self, surfaces: &Arc<Surfaces>, lobe: &SonarLobe) -> bool {
+        let known = self.of.as_ref();
+        let moved = lobe.tip - self.lobe.tip;
+        let shifted = SonarLobe {
+            tip: self.lobe.tip,
+            ..*lobe
+        };
+        known.is_some_and(|known| Arc::ptr_eq(known, surfaces))
+            && shifted == self.lobe
+            && moved.dot(moved) <= ROOM_M * ROOM_M
+    }
+
+    fn find(&mut self, surfaces: &Surfaces, lobe: &SonarLobe) {
+        let (tip, far) = (lobe.tip, lobe.reach_m + MARGIN_M);
+        let edges = LobeEdges::of(lobe);
+        self.faces.clear();
+        surfaces.faces_near(tip, far, |block| {
+            let held = edges.may_hold(block);
+            let lanes = (0..LANES).filter(|&lane| held[lane]);
+            self.faces.extend(lanes.map(|lane| block.face(lane)));
+        });
+        self.circles.clear();
+        surfaces.circles_near(tip, far, |circle| self.circles.push(*circle));
+        self.corners.clear();
+        surfaces.corners_near(tip, far, |corner| {
+            if edges.may_hold_corner(corner) {
+                self.corners.push(corner);
+            }
+        });
+    }
+}
+
+/// The edges of all lobes whose tips lie within [`ROOM_M`] of one.
+struct LobeEdges {
+    tip: Point,
+    /// Unit vectors.
+    left: Point,
+    right: Point,
+}
+
+impl LobeEdges {
+    fn of(lobe: &SonarLobe) -> Self {
+        let edge = |sin: f64| lobe.axis.turned(Point::new(lobe.cone.cos, sin));
+        Self {
+            tip: lobe.tip,
+            left: edge(lobe.cone.sin),
+            right: edge(-lobe.cone.sin),
+        }
+    }
+
+    /// Which faces of a block may show their front to a tip and lie in its lobe. A shift of the tip
+    /// shifts the edges by no more.
+    fn may_hold(&self, block: &FaceBlock) -> [bool; LANES] {
+        let mut held = [false; LANES];
+        for (i, held) in held.iter_mut().enumerate() {
+            let begin = Point::new(block.ax[i], block.ay[i]) - self.tip;
+            let side = Point::new(block.ux[i], block.uy[i]);
+            let end = begin + side * block.length[i];
+            let left = min(self.left.cross(begin), self.left.cross(end));
+            let right = max(self.right.cross(begin), self.right.cross(end));
+            *held = (begin.cross(side) >= -MARGIN_M) & (left <= MARGIN_M) & (right >= -MARGIN_M);
+        }
+        held
+    }
+
+    fn may_hold_corner(&self, corner: Point) -> bool {
+        let corner = corner - self.tip;
+        self.left.cross(corner) <= MARGIN_M && self.right.cross(corner) >= -MARGIN_M
+    }
+}

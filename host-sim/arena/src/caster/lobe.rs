@@ -1,0 +1,215 @@
+//! What the sound of one transducer can meet: the faces, circles and corners in its lobe.
+//!
+//! Single rays meet them ([`LobeView::cast`]), or only as many of a fan as determine its nearest
+//! answer ([`LobeView::nearest_answer`]).
+
+use std::sync::Arc;
+
+use super::answer::{Fan, NearestAnswer};
+use super::candidates::Candidates;
+use super::cone::{ConeShape, circle_in_cone};
+use super::seen::{LobeHit, SLACK_M, SeenCircle, SeenFace, Things};
+use crate::geometry::{Point, max, min};
+use crate::surfaces::{Circle, Face, Surfaces};
+
+/// How much nearer than a corner a ray may end and still be said to reach it, m.
+const CORNER_SLACK_M: f64 = 1e-6;
+
+/// A lobe: the cone in which a transducer hears.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct SonarLobe {
+    /// Where its tip is.
+    pub tip: Point,
+    /// A unit vector.
+    pub axis: Point,
+    /// How wide it is.
+    pub cone: ConeShape,
+    /// How far it reaches from its tip, m.
+    pub reach_m: f64,
+}
+
+/// What one lobe can meet. It can be aimed again and again; a transducer that moves little and
+/// keeps its direction is aimed fast.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct LobeView {
+    candidates: Candidates,
+    lobe: SonarLobe,
+    /// From near to far.
+    faces: Vec<SeenFace>,
+    circles: Vec<SeenCircle>,
+    /// Relative to the tip, and how far, m.
+    corners: Vec<(Point, f64)>,
+}
+
+impl LobeView {
+    /// Collects what lies inside a lobe and shows its front.
+    pub(super) fn aim(&mut self, surfaces: &Arc<Surfaces>, posts: &[Circle], lobe: &SonarLobe) {
+        self.candidates.prepare(surfaces, lobe);
+        self.lobe = *lobe;
+        self.faces.clear();
+        for face in &self.candidates.faces {
+            if let Some(seen) = lobe.see(face) {
+                self.faces.push(seen);
+            }
+        }
+        self.faces
+            .sort_unstable_by(|a, b| a.near.total_cmp(&b.near));
+        self.circles.clear();
+        for circle in self.candidates.circles.iter().chain(posts) {
+            self.circles.extend(lobe.see_circle(circle));
+        }
+    }
+
+    /// The corners in the lobe that are from `least` to `most` m from its tip, hidden or not: where
+    /// they are, relative to the tip, and how far.
+    pub fn corners(&mut self, least: f64, most: f64) -> &mut [(Point, f64)] {
+        let SonarLobe {
+            tip, axis, cone, ..
+        } = self.lobe;
+        self.corners.clear();
+        for &corner in &self.candidates.corners {
+            let corner = corner - tip;
+            let (along, across) = (axis.dot(corner), axis.cross(corner).abs());
+            if along > most + SLACK_M || across * cone.cos > along * cone.sin {
+                continue;
+            }
+            let range = corner.length();
+            if range >= least && range <= most {
+                self.corners.push((corner, range));
+            }
+        }
+        &mut self.corners
+    }
+
+    /// Distance of the nearest corner that nothing hides, from `least` to `most` m from the tip, m.
+    pub fn nearest_corner(&mut self, least: f64, most: f64) -> Option<f64> {
+        let axis = self.lobe.axis;
+        let corners = self.corners(least, most);
+        corners.sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
+        let things = self.things();
+        let shown = self.corners.iter().find(|&&(corner, range)| {
+            let towards = if range > 0.0 {
+                corner * (1.0 / range)
+            } else {
+                axis
+            };
+            !things.hide(towards, range - CORNER_SLACK_M, f64::NEG_INFINITY)
+        });
+        shown.map(|(_, range)| *range)
+    }
+
+    /// Length of the shortest ray that answers, m; infinite if none does.
+    ///
+    /// The rays are those of a [narrow](Fan::is_narrow) fan as wide as the lobe, and `others`: the
+    /// directions of [`LobeView::promising`] in the lobe. A ray answers if it first meets a circle,
+    /// or a face with a cosine of at least `least_cos`. A face whose normal has a cosine below
+    /// `least_facing` to the axis answers no ray of the lobe.
+    #[must_use]
+    pub fn nearest_answer(
+        &self,
+        fan: &Fan,
+        others: &[Point],
+        least_cos: f64,
+        least_facing: f64,
+    ) -> f64 {
+        let mut search = NearestAnswer {
+            things: self.things(),
+            fan,
+            axis: self.lobe.axis,
+            others,
+            least_cos,
+            least_facing,
+            best: f64::INFINITY,
+        };
+        search.run();
+        search.best
+    }
+
+    /// The lobe aimed at.
+    #[must_use]
+    pub fn lobe(&self) -> &SonarLobe {
+        &self.lobe
+    }
+
+    /// What a ray along the unit vector `ray`, which must not leave the lobe, meets first.
+    #[must_use]
+    pub fn cast(&self, ray: Point) -> Option<LobeHit> {
+        self.things().cast(ray)
+    }
+
+    fn things(&self) -> Things<'_> {
+        Things {
+            faces: &self.faces,
+            circles: &self.circles,
+        }
+    }
+
+    /// Unit vectors from the tip towards the places most likely to answer: the foot of the
+    /// perpendicular on each face that has one, and the middle of each circle. They may lie outside
+    /// the lobe.
+    pub fn promising(&self) -> impl Iterator<Item = Point> + '_ {
+        let feet = self.faces.iter();
+        let feet = feet.filter(|face| face.has_foot());
+        let feet = feet.map(|face| Point::new(face.u.y, -face.u.x));
+        let middles = self.circles.iter().map(|circle| {
+            let length = circle.center.length();
+            circle.center * (1.0 / length)
+        });
+        feet.chain(middles)
+    }
+}
+
+impl SonarLobe {
+    /// A circle as it is seen, if any part of it lies in the lobe.
+    fn see_circle(&self, circle: &Circle) -> Option<SeenCircle> {
+        let center = circle.center - self.tip;
+        let near = circle_in_cone(center, circle.radius, self.axis, self.cone);
+        (near <= self.reach_m).then_some(SeenCircle {
+            center,
+            radius: circle.radius,
+            number: circle.number,
+            near: near * near,
+        })
+    }
+
+    /// A face as it is seen, if any part of it lies in the lobe.
+    #[inline]
+    fn see(&self, face: &Face) -> Option<SeenFace> {
+        let ConeShape { sin, cos } = self.cone;
+        let far = self.reach_m;
+        let offset = face.a - self.tip;
+        let (p, q) = (offset.dot(face.u), offset.cross(face.u));
+        if q <= 0.0 || q * q > far * far {
+            return None;
+        }
+        let (axis_u, axis_n) = (self.axis.dot(face.u), self.axis.cross(face.u));
+        let (left_n, left_u) = (axis_n * cos - axis_u * sin, axis_u * cos + axis_n * sin);
+        let (right_n, right_u) = (axis_n * cos + axis_u * sin, axis_u * cos - axis_n * sin);
+        let (met_left, met_right) = (left_n > 0.0, right_n > 0.0);
+        if !(met_left || met_right) {
+            return None;
+        }
+        // An edge of the cone that runs away from the face bounds nothing.
+        let left = if met_left {
+            q * left_u / left_n
+        } else {
+            f64::INFINITY
+        };
+        let right = if met_right {
+            q * right_u / right_n
+        } else {
+            f64::NEG_INFINITY
+        };
+        let (from, to) = (max(p, right), min(p + face.length, left));
+        let nearest = max(from, min(to, 0.0));
+        let near = nearest * nearest + q * q;
+        (from <= to && near <= far * far).then_some(SeenFace {
+            u: face.u,
+            p,
+            q,
+            length: face.length,
+            number: face.number,
+            near,
+        })
+    }
+}

@@ -1,0 +1,147 @@
+//! Faces and circles as seen from the tip of a lobe, and what a ray from there meets first.
+
+use crate::geometry::Point;
+
+/// How much beyond a ray's end things are still looked at, m: far above any rounding.
+pub(super) const SLACK_M: f64 = 1e-3;
+
+/// A face as seen from the tip of a lobe.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SeenFace {
+    /// Unit vector along the face.
+    pub u: Point,
+    /// Where it starts along `u`, from the foot of the perpendicular from the tip, m.
+    pub p: f64,
+    /// Distance of its line from the tip, m.
+    pub q: f64,
+    pub length: f64,
+    pub number: f64,
+    /// Squared distance of the nearest point within the lobe, m².
+    pub near: f64,
+}
+
+impl SeenFace {
+    /// Whether the foot of the perpendicular from the tip lies on it.
+    pub fn has_foot(&self) -> bool {
+        self.p <= 0.0 && self.p + self.length >= 0.0
+    }
+
+    /// Whether a ray from the tip meets the face, and the cosine of the angle between it and the
+    /// face's normal.
+    #[inline]
+    pub fn met_by(&self, ray: Point) -> (bool, f64) {
+        let cos = ray.cross(self.u);
+        let along = self.q * ray.dot(self.u);
+        let end = self.p + self.length;
+        let met = (cos > 0.0) & (along >= self.p * cos) & (along <= end * cos);
+        (met, cos)
+    }
+}
+
+/// A circle as seen from the tip of a lobe.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SeenCircle {
+    pub center: Point,
+    pub radius: f64,
+    pub number: f64,
+    pub near: f64,
+}
+
+impl SeenCircle {
+    /// Length of a ray from the tip to the circle, m, if it meets it.
+    #[inline]
+    pub fn met_by(&self, ray: Point) -> Option<f64> {
+        let across = ray.cross(self.center);
+        let depth = self.radius * self.radius - across * across;
+        if depth < 0.0 {
+            return None;
+        }
+        let way = ray.dot(self.center) - depth.sqrt();
+        (way > 0.0).then_some(way)
+    }
+}
+
+/// What a ray in a lobe meets first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct LobeHit {
+    /// Length of the ray, m.
+    pub distance_m: f64,
+    /// Cosine of the angle between the ray and the normal of a face; 1 for a circle.
+    pub cos_incidence: f64,
+    /// Number of the surface: a face's or, higher than those, a circle's.
+    pub number: f64,
+    /// Unit vector at right angles to a face, towards its front; `None` for a circle.
+    pub normal: Option<Point>,
+}
+
+impl LobeHit {
+    /// Whether a surface at `distance_m` comes before this one. Of two at the same distance the first in
+    /// the world's list does.
+    fn comes_after(&self, distance_m: f64, number: f64) -> bool {
+        let same = distance_m == self.distance_m;
+        distance_m < self.distance_m || (same && number < self.number)
+    }
+}
+
+/// All that a lobe holds; faces from near to far.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Things<'a> {
+    pub faces: &'a [SeenFace],
+    pub circles: &'a [SeenCircle],
+}
+
+impl Things<'_> {
+    /// What a ray meets first.
+    pub fn cast(&self, ray: Point) -> Option<LobeHit> {
+        let mut first: Option<LobeHit> = None;
+        let mut offer = |hit: LobeHit| {
+            let comes_first = |first: LobeHit| first.comes_after(hit.distance_m, hit.number);
+            if first.is_none_or(comes_first) {
+                first = Some(hit);
+            }
+        };
+        for face in self.faces {
+            let (met, cos) = face.met_by(ray);
+            if met {
+                offer(LobeHit {
+                    distance_m: face.q / cos,
+                    cos_incidence: cos,
+                    number: face.number,
+                    normal: Some(Point::new(-face.u.y, face.u.x)),
+                });
+            }
+        }
+        for circle in self.circles {
+            if let Some(distance_m) = circle.met_by(ray) {
+                offer(LobeHit {
+                    distance_m,
+                    cos_incidence: 1.0,
+                    number: circle.number,
+                    normal: None,
+                });
+            }
+        }
+        first
+    }
+
+    /// Whether a ray meets anything before `way` m; at `way` itself, what comes before `number` in
+    /// the world's list.
+    #[inline]
+    pub fn hide(&self, ray: Point, way: f64, number: f64) -> bool {
+        let most = (way + SLACK_M) * (way + SLACK_M);
+        let before = |other: f64, its: f64| other < way || (other == way && its < number);
+        for face in self.faces {
+            if face.near > most {
+                break;
+            }
+            let (met, cos) = face.met_by(ray);
+            if met && before(face.q / cos, face.number) {
+                return true;
+            }
+        }
+        self.circles.iter().any(|circle| {
+            let met = circle.met_by(ray).filter(|_| circle.near <= most);
+            met.is_some_and(|other| before(other, circle.number))
+        })
+    }
+}

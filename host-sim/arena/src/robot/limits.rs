@@ -1,0 +1,70 @@
+//! What the motors of a base can do, and what its turret does while it steers.
+
+use core::f64::consts::PI;
+use core::str::FromStr;
+
+use files::error::BadInput;
+
+/// Distances and angles below this count as none (m, rad): the Nomad cannot measure them.
+pub(super) const NEGLIGIBLE: f64 = 1e-9;
+
+/// What the motors can do, and how well.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BaseLimits {
+    /// Greatest speed, m/s: 20 in/s, the limit in the Nomad's own software.
+    pub speed_m_s: f64,
+    /// Acceleration and deceleration, m/s²: 30 in/s².
+    pub acceleration_m_s2: f64,
+    /// Greatest rate of steering and turret, rad/s: 45 °/s.
+    pub turn_rate_rad_s: f64,
+    /// Acceleration of steering and turret, rad/s²: 30 °/s².
+    pub turn_acceleration_rad_s2: f64,
+    /// Standard deviation of way (as a share) and direction (rad) of a timed motion, drawn once per
+    /// command: what the wheels slip, unseen by the odometry.
+    pub slip: f64,
+}
+
+impl Default for BaseLimits {
+    fn default() -> Self {
+        Self {
+            speed_m_s: 0.508,
+            acceleration_m_s2: 0.762,
+            turn_rate_rad_s: PI / 4.0,
+            turn_acceleration_rad_s2: PI / 6.0,
+            slip: 0.02,
+        }
+    }
+}
+
+/// What the turret does while the base steers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TurretMode {
+    /// It keeps its bearing in the world.
+    #[default]
+    Held,
+    /// It turns with the wheels, which then always roll forward.
+    Follow,
+}
+
+impl TurretMode {
+    /// Its name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Held => "held",
+            Self::Follow => "follow",
+        }
+    }
+}
+
+impl FromStr for TurretMode {
+    type Err = BadInput;
+
+    fn from_str(text: &str) -> Result<Self, BadInput> {
+        match text {
+            "held" => Ok(Self::Held),
+            "follow" => Ok(Self::Follow),
+            _ => Err(BadInput::unknown("turret mode", text, &["held", "follow"])),
+        }
+    }
+}
