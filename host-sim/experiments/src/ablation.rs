@@ -1,5 +1,6 @@
-//! What each open choice is worth: the recommended preset with one choice changed at a time, the
-//! literal preset, and the hand-written yardstick, over the same random rooms.
+//! Ablation: the preset `default` with one option changed at a time, over the same random rooms.
+//!
+//! Also measures the preset `touzet` and the hand-written reference (Braitenberg).
 
 use sim::braitenberg::{Braitenberg, Tuning};
 
@@ -15,47 +16,47 @@ use sim::ring_pilot::RingPilot;
 use sim::scenes::Behavior;
 use sim::settings;
 
-/// One row: a preset with some choices changed.
+/// One row: a preset with some options changed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variant {
-    /// What is changed, in words or as `--set` takes it.
+    /// What differs from the preset, in words or in the form of `--set`.
     pub name: String,
-    /// Who drives.
+    /// What drives the robot.
     pub driver: Driver,
 }
 
-/// Who drives.
+/// What drives the robot.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Driver {
-    /// The mind with this configuration.
+    /// The controller with this configuration.
     Mind(Box<Config<16>>, TurretMode),
-    /// The hand-written yardstick.
+    /// The hand-written reference.
     Braitenberg,
 }
 
 /// Rooms, steps and sonars of a measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trial {
-    /// First room's seed.
+    /// Seed of the first room.
     pub first: u64,
-    /// How many rooms.
+    /// Number of rooms.
     pub rooms: u32,
     /// Random moves.
     pub explore_moves: u16,
     /// Steps in each room.
     pub steps: u32,
-    /// Seed of the first room's episode; each further room has the next one.
+    /// Seed of the first room's episode; each further room uses the next seed.
     pub seed: u64,
-    /// What the sonars return.
+    /// Sonar model.
     pub sonar: SonarModel,
 }
 
 /// Means over the rooms.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Figures {
-    /// Rooms in which nothing was touched while seeking.
+    /// Rooms without contact while seeking.
     pub clean: u32,
-    /// Rooms in which nothing was touched while exploring.
+    /// Rooms without contact while exploring.
     pub clean_exploring: u32,
     /// Contacts per room.
     pub contacts: f64,
@@ -63,13 +64,13 @@ pub struct Figures {
     pub distance_m: f64,
     /// Area swept, square meters.
     pub coverage_m2: f64,
-    /// Share of the steps in which the goal held.
+    /// Share of the steps in which the goal is met.
     pub goal_share: f64,
-    /// Steps shortened by the shield.
+    /// Number of steps that the shield shortens.
     pub shield_stops: f64,
 }
 
-/// Choices changed one at a time from the preset `default`.
+/// Options changed one at a time from the preset `default`.
 const CHANGES: [&str; 39] = [
     "choose=neurons",
     "choose=recall",
@@ -112,7 +113,7 @@ const CHANGES: [&str; 39] = [
     "inhibition=0",
 ];
 
-/// Choices of the paper's four steps, changed one at a time from the preset `probe`.
+/// Options of the paper's four steps, changed one at a time from the preset `probe`.
 const PROBE_CHANGES: [&str; 12] = [
     "intermediate=hops",
     "intermediate=goal",
@@ -128,7 +129,7 @@ const PROBE_CHANGES: [&str; 12] = [
     "inhibition=0",
 ];
 
-/// Choices that matter to the behaviors beside avoidance.
+/// Options that matter to the behaviors other than avoidance.
 const BEHAVIOR_CHANGES: [&str; 13] = [
     "choose=neurons",
     "choose=recall",
@@ -148,7 +149,7 @@ const BEHAVIOR_CHANGES: [&str; 13] = [
 /// The rows of the ablation table, in order.
 ///
 /// # Errors
-/// When a change is not a setting; a test holds that none is wrong.
+/// When a change is not a valid setting; a test checks all of them.
 pub fn variants() -> Result<Vec<Variant>, BadInput> {
     let (held, follow) = (TurretMode::Held, TurretMode::Follow);
     let (default, probe, touzet) = (Config::recommended, Config::probing, Config::touzet);
@@ -179,7 +180,7 @@ pub fn variants() -> Result<Vec<Variant>, BadInput> {
 /// The rows of the table over the behaviors, in order; without the shield.
 ///
 /// # Errors
-/// When a change is not a setting; a test holds that none is wrong.
+/// When a change is not a valid setting; a test checks all of them.
 pub fn behavior_variants() -> Result<Vec<Variant>, BadInput> {
     let (held, follow) = (TurretMode::Held, TurretMode::Follow);
     let default = Config::recommended;
@@ -217,7 +218,7 @@ fn changed(mut config: Config<16>, change: &str, name: &str) -> Result<Variant, 
     Ok(mind_of(name, bare(config), TurretMode::Held))
 }
 
-/// Measures one variant over all rooms, on all cores; sums are made in the rooms' order.
+/// Measures one variant over all rooms, on all cores. Sums are taken in the order of the rooms.
 ///
 /// # Errors
 /// When an episode fails.

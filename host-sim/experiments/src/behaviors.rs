@@ -13,7 +13,7 @@ use sim::goal_file::GoalFile;
 use sim::scenes::Behavior;
 use sim::statistics::{Mean, bootstrap};
 
-/// How much is measured, and with what.
+/// Size and conditions of the measurement.
 #[derive(Debug, Clone)]
 pub struct Trial {
     /// Number of the first world.
@@ -22,33 +22,34 @@ pub struct Trial {
     pub worlds: u32,
     /// Seeds per world.
     pub seeds: u32,
-    /// Random moves in each.
+    /// Random moves before each behavior.
     pub explore_moves: u16,
-    /// Name of the preset the open choices came from.
+    /// Name of the preset behind `config`.
     pub preset: &'static str,
-    /// The mind's open choices.
+    /// The controller's configuration.
     pub config: Config<16>,
-    /// What the ring does while the base steers.
+    /// Motion of the turret while the base steers.
     pub turret: TurretMode,
-    /// What the sonars return, unless the scene has its own.
+    /// Sonar model, unless the scene has its own.
     pub sonar: SonarModel,
 }
 
-/// What came of a scene.
+/// Result of a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outcome {
     /// The measure.
     pub value: Mean,
     /// Steps with contact, %.
     pub contacts_percent: f64,
-    /// Episodes.
+    /// Number of episodes.
     pub episodes: usize,
 }
 
-/// Something of every seed in every world.
+/// A value per seed in every world: `[world][seed]`.
 pub type BySeed<T> = Vec<Vec<T>>;
 
-/// Runs `one` for all seeds in all worlds of a scene, on all cores; the seeds in a world count from 1 000 times its number.
+/// Runs `one` for all seeds in all worlds of a scene, on all cores. Seeds of world n begin at 1000
+/// n.
 ///
 /// # Errors
 /// When an episode fails.
@@ -107,7 +108,7 @@ pub fn first(scene: &Scene, trial: &Trial) -> Result<Episode, Failure> {
     run(&world, &setup, |_, _, _| {})
 }
 
-/// A seed of world `number`, which has a thousand of its own.
+/// Seed number `seed` of world `number`; each world has a range of 1000.
 fn seed_of(number: u64, seed: u64) -> u64 {
     number.wrapping_mul(1_000).wrapping_add(seed)
 }
@@ -133,7 +134,7 @@ fn setup(scene: &Scene, trial: &Trial, world: &World, seed: u64) -> Setup {
     }
 }
 
-/// A situation shown to the robot: what an exact ring hears at a free place drawn by `seed`.
+/// A demonstrated situation: what an exact ring reports at a free position drawn by `seed`.
 fn show(world: &World, config: &Config<16>, seed: u64) -> Behavior {
     let mut noise = Noise::new(seed);
     let start = world.start();

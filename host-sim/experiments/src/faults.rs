@@ -1,4 +1,4 @@
-//! What a transducer that is out of order does to the robot, and how soon the robot notices.
+//! Effect of a faulty transducer on the robot, and the time until its detection.
 
 use amp::config::Config;
 use amp::controller::{Event, Outputs, Progress};
@@ -13,55 +13,57 @@ use sim::failure::Failure;
 use sim::pilot::{HeardEcho, InspectableController, Mind, Pilot, SimState};
 use sim::scenes::Behavior;
 
-/// What is the same for every episode.
+/// What all episodes share.
 #[derive(Debug, Clone)]
 pub struct Trial {
-    /// Random rooms, at least 1.
+    /// Number of random rooms, at least 1.
     pub rooms: u32,
-    /// Seed of the first room; each episode has its room's.
+    /// Seed of the first room; each episode uses the seed of its room.
     pub first: u64,
     /// Random moves before the behavior.
     pub explore_moves: u16,
     /// Steps of obstacle avoidance.
     pub steps: u32,
-    /// What the sonars return, but for the fault.
+    /// Sonar model, apart from the fault.
     pub sonar: SonarModel,
-    /// What the ring does while the base steers.
+    /// Motion of the turret while the base steers.
     pub turret: TurretMode,
-    /// The mind's open choices.
+    /// The controller's configuration.
     pub config: Config<16>,
-    /// Name of the preset they came from.
+    /// Name of the preset behind `config`.
     pub preset: &'static str,
 }
 
 /// The faults that have a name, as [`Course::false_alarms`] counts them.
 pub const FAULTS: [Fault; 4] = [Fault::Dead, Fault::Stuck, Fault::Short, Fault::Jumping];
 
-/// What came of one episode.
+/// Result of one episode.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Course {
-    /// Moves that touched something while the faulty transducer was believed (all of them, where there is none).
+    /// Moves with contact while the faulty transducer was enabled (all of them without a fault).
     pub contacts_before: u32,
-    /// Moves that touched something while it was not.
+    /// Moves with contact while it was disabled.
     pub contacts_after: u32,
-    /// Moves, random ones included, until it was no longer believed.
+    /// Moves, including random ones, until it was disabled.
     pub noticed: Option<u32>,
-    /// Moves until its fault had a name: as before, but for [`Fault::Unheard`].
+    /// Moves until a fault other than [`Fault::Unheard`] was reported.
     pub named: Option<u32>,
-    /// Times it was believed again.
+    /// Number of times it was enabled again.
     pub returns: u32,
-    /// Times a transducer in good order was disbelieved, by fault: [`FAULTS`]; but not because it had never been heard.
+    /// Number of times an intact transducer was disabled, by fault: [`FAULTS`] (all except
+    /// [`Fault::Unheard`]).
     pub false_alarms: [u32; 4],
-    /// Times a transducer in good order was not believed because it had never been heard.
+    /// Number of times an intact transducer was disabled because it had never reported an echo.
     pub unheard: u32,
     /// Area swept, m².
     pub coverage_m2: f64,
-    /// Way traveled, m.
+    /// Distance traveled, m.
     pub distance_m: f64,
 }
 
-/// Lets the same fault befall each of the 16 transducers in turn in every room; without a fault, each room once. The
-/// courses come by transducer, then by room; `done` is called after each.
+/// Applies the same fault to each of the 16 transducers in turn in every room; without a fault,
+/// drives each room once. Results are ordered by transducer, then room. `done` is called after
+/// each.
 ///
 /// # Errors
 /// When an episode fails.
@@ -123,15 +125,15 @@ fn course(fault: Option<TransducerFault>, room: u64, trial: &Trial) -> Result<Co
     })
 }
 
-/// A mind, and what happens to it.
+/// A controller and the events that reach it.
 struct Witness {
     mind: Mind,
     faulty: Option<u8>,
     course: Course,
     moves: u32,
-    /// Verdicts dealt with.
+    /// Number of verdicts already processed.
     seen: usize,
-    /// This move has touched something already.
+    /// The current move already has a contact.
     touched: bool,
 }
 

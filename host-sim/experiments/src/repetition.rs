@@ -1,5 +1,5 @@
-//! Improvement by mere repetition: the same behavior again and again from one memory, the maps going on to learn or
-//! frozen.
+//! Improvement by repetition: repeats one behavior with the same memory, with learning or frozen
+//! maps.
 
 use super::behaviors::{BySeed, Trial, each};
 use super::scenes::Scene;
@@ -10,13 +10,13 @@ use sim::statistics::{Mean, bootstrap};
 /// Repetitions of one behavior.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
-    /// The measure at each repetition, while the maps learn.
+    /// The measure at each repetition, with online learning.
     pub learning: Vec<Mean>,
     /// The same with frozen maps.
     pub frozen: Vec<Mean>,
-    /// Learning less frozen over the last half, paired by episode.
+    /// Learning minus frozen over the last half, paired by episode.
     pub difference: Mean,
-    /// The last half less the first repetition while learning, paired by episode.
+    /// Last half minus first repetition with online learning, paired by episode.
     pub gain: Mean,
 }
 
@@ -51,7 +51,7 @@ pub fn measure(
     })
 }
 
-/// By world, seed and repetition.
+/// The measure by world, seed and repetition.
 fn values(
     scene: &Scene,
     trial: &Trial,

@@ -1,31 +1,32 @@
-//! The behaviors' scenes: where each is tried, what is measured and what is asked.
+//! The scenes of the behaviors: worlds, measure and required value.
 
 use arena::rooms;
 use arena::sonar::SonarModel;
 use arena::world::{Point, World};
 use sim::episode::Report;
 
-/// A behavior, its worlds and what it is to reach.
+/// A behavior, its worlds and its required value.
 pub struct Scene {
-    /// The behavior's name; `seek` is to find a place whose situation was shown.
+    /// Name of the behavior; in a `seek` scene the robot finds the place of a demonstrated
+    /// situation.
     pub behavior: &'static str,
-    /// What the worlds are.
+    /// Description of the worlds.
     pub place: &'static str,
-    /// Decisions.
+    /// Number of decisions.
     pub steps: u32,
-    /// What the measure is.
+    /// Description of the measure.
     pub measure: &'static str,
-    /// What is asked of it; empty = nothing.
+    /// Required value; empty = none.
     pub asked: &'static str,
-    /// Sonars that belong to the scene, whatever else is measured with.
+    /// Sonar model of the scene; overrides that of the measurement.
     pub sonar: Option<SonarModel>,
-    /// Where the robot is set down after exploring, by the episode's seed; `None` = where its behavior says.
+    /// Start position after exploring, by the episode's seed; `None` = the behavior's default.
     pub set_down: Option<fn(u64) -> Point>,
     make: fn(u64) -> World,
     value: fn(&Report) -> f64,
 }
 
-/// All scenes, in the table's order.
+/// All scenes, in the order of the table.
 pub static SCENES: &[Scene] = &[
     Scene::new("avoid", "12 boxes", World::random).asks(clean, "clean rooms", "≥ 0.995"),
     Scene::new("avoid", "12 boxes", World::random).asks(area, "area m²", "≥ 18.8"),
@@ -121,13 +122,13 @@ impl Scene {
         self
     }
 
-    /// The scene's measure of an episode.
+    /// The scene's measure for an episode.
     #[must_use]
     pub fn value(&self, report: &Report) -> f64 {
         (self.value)(report)
     }
 
-    /// The scene's world number `index`.
+    /// World number `index` of the scene.
     #[must_use]
     pub fn world(&self, index: u64) -> World {
         (self.make)(index)
@@ -140,7 +141,7 @@ impl Scene {
     }
 }
 
-/// The scenes whose behavior contains a text; all without one.
+/// The scenes whose behavior contains `text`; all scenes without it.
 #[must_use]
 pub fn scenes_named(text: Option<&str>) -> Vec<&'static Scene> {
     let named = |scene: &&Scene| text.is_none_or(|text| scene.behavior.contains(text));

@@ -1,25 +1,27 @@
-//! The shortest way of a disc through a world, by one who sees it all: the yardstick of a run's time.
+//! The shortest path of a disc through a known world: the reference for a run's time.
 
 use arena::world::{Point, World};
 use files::error::BadInput;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Side of a cell of the search, m.
+/// Side of a cell of the search grid, m.
 const CELL_M: f64 = 0.05;
-/// How far around everything is searched, m.
+/// Margin of the search grid around all shapes, m.
 const RIM_M: f64 = 1.0;
-/// Cells a search may have.
+/// Largest number of cells.
 const MAX_CELLS: usize = 4_000_000;
-/// Cost of a step to a cell beside and to one across a corner.
+/// Cost of a step to a direct and to a diagonal neighbor.
 const COSTS: [u32; 2] = [1_000, 1_414];
 
-/// The way of a disc of `radius` m from `start` to `goal`: A* over cells of 5 cm whose centers the disc may take, eight
-/// neighbors each, then pulled taut (the shortest chain of straight free lines between its cells). `None` where there is
-/// none. The way that is shortest over cells need not lie on the side that is shortest in truth: a few centimeters.
+/// The path of a disc of `radius` m from `start` to `goal`; `None` if there is none.
+///
+/// A* over the free cells of 5 cm with eight neighbors, then shortened to the shortest chain of
+/// free straight lines between its cells. The result may pass an obstacle on the wrong side where
+/// both sides differ by a few centimeters.
 ///
 /// # Errors
-/// A world too large to be searched.
+/// When the world is too large for the search.
 pub fn route(
     world: &World,
     start: Point,
@@ -43,7 +45,7 @@ pub fn route(
     Ok(Some(taut(world, &way, radius)))
 }
 
-/// Length of a way, m.
+/// Length of a path, m.
 #[must_use]
 pub fn length(way: &[Point]) -> f64 {
     way.windows(2).map(|ends| ends[0].distance(ends[1])).sum()
@@ -82,7 +84,7 @@ impl Grid {
         index(away.y, self.rows) * self.columns + index(away.x, self.columns)
     }
 
-    /// The cells around one, and the cost to get there.
+    /// The neighbors of a cell, each with the cost of the step.
     fn around_cell(&self, cell: usize) -> impl Iterator<Item = (usize, u32)> {
         let (column, row) = (
             (cell % self.columns) as isize,
@@ -98,7 +100,7 @@ impl Grid {
         })
     }
 
-    /// Cost to `goal` if nothing were in the way.
+    /// Lower bound of the cost to `goal`: the cost without obstacles.
     fn left(&self, cell: usize, goal: usize) -> u32 {
         let across = (cell % self.columns).abs_diff(goal % self.columns);
         let up = (cell / self.columns).abs_diff(goal / self.columns);
@@ -133,11 +135,11 @@ fn search(grid: &Grid, free: &[bool], start: usize, goal: usize) -> Option<Vec<u
     None
 }
 
-/// The shortest chain of straight free lines between points of a way, from its first to its last.
+/// The shortest chain of free straight lines between points of a path, from first to last.
 fn taut(world: &World, way: &[Point], radius: f64) -> Vec<Point> {
     let mut best = vec![(0.0, 0); way.len()];
     for (to, place) in way.iter().enumerate().skip(1) {
-        // The one before is always seen: the search came that way.
+        // The previous point is always visible: the search came from there.
         let mut found = (best[to - 1].0 + way[to - 1].distance(*place), to - 1);
         for from in (0..to - 1).rev() {
             let length = best[from].0 + way[from].distance(*place);
@@ -179,7 +181,8 @@ mod tests {
             .unwrap()
             .unwrap();
         assert_eq!(way, [Point::default(), goal]);
-        // By hand: two tangents to the circle of 0.25 m around the wall's end at (2, 1), and the arc between them.
+        // Calculated by hand: two tangents to the circle of 0.25 m around the wall's end at (2, 1),
+        // and the arc between them.
         let blocked = world(vec![far, wall(&[(2.0, -5.0), (2.0, 1.0)])]);
         let way = route(&blocked, Point::default(), goal, 0.25)
             .unwrap()

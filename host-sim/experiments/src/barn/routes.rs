@@ -1,4 +1,4 @@
-//! Ways of several drivers through worlds side by side.
+//! Draws the paths of several methods through several worlds side by side.
 
 use crate::barn::End;
 use arena::robot::COLLISION_RADIUS_M;
@@ -12,25 +12,26 @@ use plots::draw::svg::{Anchor, Font, Svg, fill, filled, num, stroke};
 
 /// Panels in a row.
 const COLUMNS: usize = 4;
-/// Height of the row that explains the lines, px.
+/// Height of the legend, px.
 const KEY: f64 = 26.0;
-/// Height of a panel's name, px.
+/// Height of a panel's title, px.
 const NAME: f64 = 26.0;
 
-/// One world with the ways driven in it.
+/// One world with the paths driven in it.
 #[derive(Debug, Clone)]
 pub struct RoutePanel {
     /// The world; its start and goal are marked.
     pub world: World,
-    /// The shortest way; empty = there is none.
+    /// The shortest path; empty = there is none.
     pub shortest: Vec<Point>,
-    /// By driver, where it has been.
+    /// Positions of the robot, by method.
     pub ways: Vec<Vec<Point>>,
-    /// By driver, how it ended.
+    /// How the run ended, by method.
     pub marks: Vec<End>,
 }
 
-/// Draws the worlds as small multiples, a line for each driver: a dot at its end, a cross where it touched something.
+/// Draws the worlds as small multiples with one line per method: a dot marks its end, a cross a
+/// contact.
 ///
 /// Returns an SVG document.
 #[must_use]
@@ -70,7 +71,7 @@ fn key(svg: &mut Svg, drivers: &[&str]) {
     }
 }
 
-/// What a panel shows: the world, its start and its goal with the circle around it.
+/// Extent of a panel: the world, its start and its goal with the circle around it.
 fn extent(panel: &RoutePanel) -> [Point; 2] {
     let [mut low, mut high] = scene::extent(&panel.world);
     let goal = panel.world.goal().into_iter();

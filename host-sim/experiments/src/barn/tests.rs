@@ -1,4 +1,4 @@
-//! The benchmark's rules and what they say of simple fields.
+//! The benchmark's rules, and runs in simple fields.
 
 use super::*;
 use arena::world::{Pose, Shape};
@@ -34,7 +34,8 @@ fn field(posts: &[(f64, f64)]) -> World {
 
 #[test]
 fn scores_are_those_of_the_challenge() {
-    // 12 m at 2 m/s are 6 s: 24 s and less score a quarter, 48 s and more an eighth, 30 s are five times 6 s.
+    // 12 m at 2 m/s are 6 s: 24 s and less score a quarter, 48 s and more an eighth, 30 s are five
+    // times 6 s.
     for (time_s, expected) in [
         (10.0, 0.25),
         (24.0, 0.25),
@@ -80,7 +81,7 @@ fn a_post_in_the_way_is_passed_by_the_maps_and_touched_by_who_does_not_listen() 
     assert_eq!(maps.end, End::Reached);
     let straight = |shield| run(&world, Method::Straight, &rules(shield), 0).unwrap();
     assert_eq!(straight(false).end, End::Touched);
-    // The shield's detours lead round it.
+    // The shield's detours lead around it.
     assert_eq!(straight(true).end, End::Reached);
 }
 

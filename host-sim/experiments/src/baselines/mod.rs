@@ -1,5 +1,7 @@
-//! What the mind is compared with: other methods on the same robot, with the same sonars, the same shield and the same
-//! budget of moves. A rule is a [`Policy`](sim::ring_pilot::Policy); [`RingPilot`](sim::ring_pilot::RingPilot) makes it a driver; a [`Learner`] becomes a rule as a [`Trainee`].
+//! Baselines: other methods with the same robot, sonars, shield and number of moves.
+//!
+//! A rule is a [`Policy`](sim::ring_pilot::Policy), which [`RingPilot`](sim::ring_pilot::RingPilot)
+//! drives. A [`Learner`] becomes a policy as a [`Trainee`].
 
 mod certainty_grid;
 pub mod learning;

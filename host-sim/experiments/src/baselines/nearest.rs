@@ -1,30 +1,28 @@
-//! The lazy memory without maps: the move that is to bring the goal situation is that of the nearest sample.
+//! Baseline: the lazy memory without maps; the nearest sample supplies the move.
 //!
-//! What the paper's maps have to be better than (C. Touzet, *Modeling and simulation of elementary robot behaviors using
-//! associative memories*, International Journal of Advanced Robotic Systems 3(2), 2006, section 2.2, argues that the samples
-//! alone are too few). The same random moves and the same goal as the mind's: nothing nearer than a distance; when the
-//! goal holds the course is kept. Either the nearest *change* of situation is looked for, or the nearest *pair* of
-//! (situation, situation afterwards). As for the mind's maps every sample counts turned by each of the ring's places as
-//! well, where that is asked for.
+//! C. Touzet, *Modeling and simulation of elementary robot behaviors using associative memories*,
+//! International Journal of Advanced Robotic Systems 3(2), 2006, section 2.2, argues that samples
+//! alone are too few. Same random moves and goal as the controller.
 
 use super::learning::{Experience, Learner, Reward, Schooling, Values};
 use super::turned::Ring;
 use arena::noise::Noise;
 use arena::world::Point;
 
-/// What of a sample has to be near.
+/// Which part of a sample is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Key {
-    /// The direction of its change of situation, to that of the change wanted.
+    /// The direction of its change of situation with the wanted change.
     Change,
-    /// Its situations before and afterwards, to the present one and the one wanted.
+    /// Its situations before and after with the present and the wanted situation.
     Pair,
 }
 
-/// What is farther than this is not perceived, m.
+/// Far limit: obstacles beyond it are not perceived, m.
 pub const FAR_M: f64 = 1.5;
 
-/// Random moves only, and the course is kept while the goal holds; what is farther than this counts as nothing. The reward is not used.
+/// Random moves only, without reward; the heading is kept while the goal is met. `far_m`: far
+/// limit.
 #[must_use]
 pub const fn schooling(tuning: &Tuning, far_m: f64) -> Schooling {
     Schooling {
@@ -42,26 +40,26 @@ pub const fn schooling(tuning: &Tuning, far_m: f64) -> Schooling {
     }
 }
 
-/// The method's constants; the default values were searched for in rooms that nothing is compared in.
+/// The method's constants; the defaults were tuned in rooms that no comparison uses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tuning {
-    /// What has to be near.
+    /// Which part of a sample is compared.
     pub key: Key,
-    /// The goal holds when no value is above this.
+    /// The goal is met when no value exceeds this.
     pub goal: f64,
-    /// Each sample counts turned by so many of the ring's places, 1 or 16.
+    /// Each sample counts in this many rotations of the ring: 1 or 16.
     pub turns: usize,
 }
 
 impl Tuning {
-    /// By the direction of the change.
+    /// Compares the direction of the change.
     pub const CHANGE: Self = Self {
         key: Key::Change,
         goal: 0.6,
         turns: 16,
     };
 
-    /// By the pair of situations.
+    /// Compares the pair of situations.
     pub const PAIR: Self = Self {
         key: Key::Pair,
         goal: 0.2,
@@ -69,19 +67,19 @@ impl Tuning {
     };
 }
 
-/// The samples as they were.
+/// The stored samples.
 #[derive(Debug, Clone)]
 pub struct Nearest {
     tuning: Tuning,
     samples: Vec<Sample>,
 }
 
-/// What of an experience is looked up.
+/// The compared parts of an experience.
 #[derive(Debug, Clone)]
 struct Sample {
     before: Ring,
     after: Ring,
-    /// Change of situation, brought to length 1; 0 where nothing changed.
+    /// Change of situation, normalized to length 1; 0 where nothing changed.
     change: Ring,
     moved: Point,
 }
@@ -96,7 +94,7 @@ impl Nearest {
         }
     }
 
-    /// How far a sample turned by `places` is from what is wanted.
+    /// Distance of a sample, rotated by `places`, from the wanted one.
     fn mismatch(&self, now: &Values, wanted: &Values, sample: &Sample, places: usize) -> f64 {
         match self.tuning.key {
             Key::Pair => {
@@ -125,7 +123,7 @@ impl Learner for Nearest {
                 }
             }
         }
-        // Moves are made with whole steps, as the mind's are.
+        // Moves are whole steps, as those of the controller.
         let length = best.1.length();
         if length > 1e-3 {
             best.1 * (1.0 / length)
@@ -138,7 +136,7 @@ impl Learner for Nearest {
         let Experience { before, after, .. } = experience;
         let change: Values = std::array::from_fn(|i| after[i] - before[i]);
         let length = change.iter().map(|part| part * part).sum::<f64>().sqrt();
-        // A sample that changed nothing points nowhere.
+        // A sample without change has no direction.
         let scale = if length > 1e-6 { 1.0 / length } else { 0.0 };
         self.samples.push(Sample {
             before: Ring::new(before),
@@ -154,7 +152,7 @@ impl Learner for Nearest {
     }
 
     fn bytes(&self) -> usize {
-        // Two situations and a displacement; the rest is kept for speed only.
+        // Two situations and a displacement; the other fields are caches.
         self.samples.len() * (2 * size_of::<Values>() + size_of::<Point>())
     }
 }
@@ -170,7 +168,7 @@ mod tests {
         values
     }
 
-    /// Towards what sensor 0 perceives, and away from it.
+    /// Toward what sensor 0 perceives, and away from it.
     fn taught(key: Key, turns: usize) -> Nearest {
         let mut nearest = Nearest::new(Tuning {
             key,

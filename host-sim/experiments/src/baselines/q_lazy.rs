@@ -1,32 +1,23 @@
-//! Lazy Q-learning: the moves are remembered as they were, values are worked out from the memory, no map is made.
+//! Baseline: lazy Q-learning; stores the moves and computes values from the memory, without a map.
 //!
-//! J. Sheppard, S. Salzberg, *A teaching strategy for memory-based control*, Artificial Intelligence Review 11, 1997,
-//! 343–370; for one robot C. Touzet, *Distributed lazy Q-learning for cooperative mobile robots*, International Journal of
-//! Advanced Robotic Systems 1(1), 2004. Only the abstracts were at hand; our reading: all moves are random; then the memory
-//! is swept until nothing changes,
-//!
-//! ```text
-//! Q_i ← r_i + γ max Q̂(s'_i, a)        Q̂(s, a) = mean of the k nearest Q_i, weighted by 1/(d² + ε)
-//! d² = |s − s_i|² + λ² |a − a_i|²
-//! ```
-//!
-//! and the robot takes the action of greatest Q̂ of the 16 along its transducers' axes. As for the mind's maps every
-//! sample counts turned by each of the ring's places as well, where that is asked for.
+//! J. Sheppard, S. Salzberg, Artificial Intelligence Review 11, 1997, 343–370; C. Touzet,
+//! International Journal of Advanced Robotic Systems 1(1), 2004. From the abstracts: all moves are
+//! random, then the memory is swept until no value changes. See [`QLazy`].
 
 use super::learning::{Experience, Learner, Reward, Schooling, Values, best_of, headings};
 use super::turned::Ring;
 use arena::noise::Noise;
 use arena::world::Point;
 
-/// Most neighbors a value is a mean of.
+/// Largest number of neighbors in a mean.
 const MAX_NEIGHBORS: usize = 8;
-/// Sweeps of the memory at most, and the change at which they end.
+/// Largest number of sweeps, and the change at which they end.
 const SWEEPS: u32 = 500;
 const SETTLED: f64 = 1e-3;
-/// ε: how near is as near as can be.
+/// ε: limits the weight of a neighbor at distance 0.
 const NEAR: f64 = 1e-3;
 
-/// How it is taught; searched for likewise.
+/// How it is trained; tuned as the constants.
 pub const SCHOOLING: Schooling = Schooling {
     far_m: 1.5,
     reward: Reward {
@@ -41,16 +32,16 @@ pub const SCHOOLING: Schooling = Schooling {
     learns_on: false,
 };
 
-/// The learner's constants; the default values were searched for in rooms that nothing is compared in.
+/// The learner's constants; the defaults were tuned in rooms that no comparison uses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tuning {
     /// k, 1 … 8.
     pub neighbors: usize,
     /// γ, 0 … below 1.
     pub discount: f64,
-    /// λ, the weight of an action beside the situation's components.
+    /// λ, the weight of an action relative to the situation's components.
     pub action_weight: f64,
-    /// Each sample counts turned by so many of the ring's places, 1 or 16.
+    /// Each sample counts in this many rotations of the ring: 1 or 16.
     pub turns: usize,
 }
 
@@ -66,16 +57,23 @@ impl Default for Tuning {
 }
 
 /// A memory of moves and their values.
+///
+/// ```text
+/// Q_i ← r_i + γ max Q̂(s'_i, a)        Q̂(s, a) = mean of the k nearest Q_i, weighted by 1/(d² + ε)
+/// d² = |s − s_i|² + λ² |a − a_i|²
+/// ```
+///
+/// The robot takes the action with the greatest Q̂ among the 16 transducer axes.
 #[derive(Debug, Clone)]
 pub struct QLazy {
     tuning: Tuning,
     memory: Vec<Experience>,
-    /// The situations before each of them, for the search.
+    /// The situation before each move, for the search.
     before: Vec<Ring>,
     values: Vec<f64>,
 }
 
-/// The nearest samples found so far: squared distance and index, the nearest first.
+/// The nearest samples found so far: squared distance and index, nearest first.
 #[derive(Debug, Clone, Copy)]
 struct Nearest {
     found: [(f64, usize); MAX_NEIGHBORS],
@@ -90,12 +88,12 @@ impl Nearest {
         }
     }
 
-    /// Nothing farther than this is taken any more.
+    /// Samples farther than this are not accepted.
     fn limit(&self) -> f64 {
         self.found.get(self.wanted - 1).map_or(0.0, |last| last.0)
     }
 
-    /// Takes a sample if it is near enough; whether it is.
+    /// Inserts a sample if it is near enough; returns whether it was.
     fn offer(&mut self, distance: f64, index: usize) -> bool {
         if distance >= self.limit() {
             return false;
@@ -109,7 +107,7 @@ impl Nearest {
         true
     }
 
-    /// The weighted mean of their values; 0 where there is none.
+    /// The weighted mean of the values; 0 without samples.
     fn mean(&self, values: &[f64]) -> f64 {
         let (mut sum, mut weights) = (0.0, 0.0);
         for (distance, index) in self.found.iter().take(self.wanted) {
@@ -135,7 +133,7 @@ impl QLazy {
         }
     }
 
-    /// For each of the 16 actions, the samples nearest to it in this situation.
+    /// For each of the 16 actions, the nearest samples in this situation.
     fn neighbors(&self, situation: &Values) -> [Nearest; 16] {
         let actions = headings();
         let weight = self.tuning.action_weight * self.tuning.action_weight;
@@ -177,7 +175,7 @@ impl Learner for QLazy {
         self.values.push(experience.reward);
     }
 
-    /// The samples are random ones: whatever it thinks, it does not act on it before the sweeps.
+    /// Samples are random: values do not exist before the sweeps.
     fn variation(&self, _: &Values, _: Point, noise: &mut Noise) -> Option<Point> {
         let way = Point::unit(noise.uniform_in(0.0, std::f64::consts::TAU));
         Some(way * noise.uniform())
@@ -237,7 +235,7 @@ mod tests {
             action_weight: 0.1,
             turns: 1,
         });
-        // Three places in a row, a reward at the third, and back to the first.
+        // Three situations in a row with a reward at the third, and back to the first.
         for experience in [
             moved(0, 3, 0.0, 4),
             moved(4, 3, 0.0, 8),
@@ -260,7 +258,7 @@ mod tests {
             action_weight: 1.0,
             turns: 16,
         });
-        // Every direction was tried in one place; one of them was good.
+        // Every direction was tried in one situation; one of them was good.
         for heading in 0..16 {
             let reward = if heading == 8 { 1.0 } else { -1.0 };
             lazy.learn(&moved(0, heading, reward, 4));

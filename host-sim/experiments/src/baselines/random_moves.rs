@@ -1,16 +1,16 @@
-//! Random moves for ever: bearing and length uniform, as in the mind's exploration. What any method has to be better than.
+//! Baseline: random moves without end, as in the controller's exploration.
 
 use arena::noise::Noise;
 use arena::world::Point;
 use sim::ring_pilot::{Perceived, Policy, STEP_M};
 use std::f64::consts::TAU;
 
-/// A robot that moves at random.
+/// A robot that moves at random; bearing and length are uniform.
 #[derive(Debug, Clone)]
 pub struct RandomMoves(Noise);
 
 impl RandomMoves {
-    /// One whose moves are fixed by `seed`.
+    /// A robot whose moves are fixed by `seed`.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         Self(Noise::new(seed))

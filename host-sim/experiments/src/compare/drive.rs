@@ -1,4 +1,5 @@
-//! One method in one world with one seed: it learns, is set down at the start again, and is measured.
+//! Drives one method in one world with one seed: it learns, restarts at the world's start, is
+//! measured.
 
 use super::method::{Constants, MOVES, Method};
 use super::watch::{Seen, Watched};
@@ -23,49 +24,49 @@ use std::f64::consts::TAU;
 /// How a method is measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Conditions {
-    /// Decisions that are measured, after learning.
+    /// Measured decisions, after learning.
     pub steps: u32,
-    /// What the sonars return.
+    /// Sonar model.
     pub sonar: SonarModel,
-    /// The shield limits every motion, while learning too.
+    /// The shield limits every motion, including those of learning.
     pub shield: bool,
-    /// Look at the machine's clock.
+    /// Measures wall time.
     pub timed: bool,
 }
 
-/// What came of one method with one budget, world and seed.
+/// Result of one method with one budget, world and seed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outcome {
     /// Contacts while learning.
     pub learning_contacts: u32,
-    /// Steps with contact, of those measured.
+    /// Measured steps with contact.
     pub contacts: u32,
-    /// Way traveled, m.
+    /// Distance traveled, m.
     pub distance_m: f64,
     /// Area swept, m².
     pub coverage_m2: f64,
-    /// Least gap to any surface, m.
+    /// Smallest gap to any surface, m.
     pub clearance_m: f64,
-    /// Bytes of what it has learned or remembers.
+    /// Bytes of the learned state.
     pub bytes: usize,
-    /// What was seen of its decisions.
+    /// Observation of its decisions.
     pub seen: Seen,
 }
 
-/// A method about to be measured.
+/// A method with its constants and budgets.
 pub struct Candidate<'a> {
     /// The method.
     pub method: Method,
     /// Its constants.
     pub constants: &'a Constants,
-    /// Learning moves after which it is measured, rising; those of [`Method::budgets`].
+    /// Numbers of learning moves after which it is measured, rising; those of [`Method::budgets`].
     pub budgets: &'a [u32],
 }
 
-/// Measures a method after each of its budgets of learning moves; the longer trainings go on from the shorter ones.
+/// Measures a method after each of its budgets; a longer training continues the shorter one.
 ///
 /// # Errors
-/// When the mind refuses a command or falls silent.
+/// When the controller refuses a command or does not answer.
 pub fn drive(
     candidate: &Candidate<'_>,
     world: &World,
@@ -111,7 +112,7 @@ pub fn drive(
     }
 }
 
-/// A world, a seed and how it is measured there.
+/// A world, a seed and the conditions.
 struct Place<'a> {
     world: &'a World,
     seeds: Seeds,
@@ -119,7 +120,7 @@ struct Place<'a> {
 }
 
 impl Place<'_> {
-    /// The course with which a driver begins that has none of its own.
+    /// First heading of a driver that has none of its own.
     fn course(&self) -> f64 {
         Noise::new(self.seeds.exploration).uniform_in(0.0, TAU)
     }
@@ -134,7 +135,7 @@ impl Place<'_> {
         RingPilot::new(policy, shield.filter(|_| self.conditions.shield))
     }
 
-    /// Measures a policy as it is.
+    /// Measures a policy without training.
     fn measured<P: Policy>(&self, policy: P, learning_contacts: u32) -> Result<Outcome, Failure> {
         let mut watched = Watched::new(self.pilot(policy), self.conditions.timed);
         let tally = drive_pilot(self.world, &mut watched, self.body(), self.conditions.steps)?;
@@ -153,8 +154,8 @@ impl Place<'_> {
         Ok(vec![self.measured(policy, 0)?])
     }
 
-    /// Teaches a learner in this world and measures it after each budget. Nothing is reset in between: after a contact the
-    /// robot stays where it is.
+    /// Trains a learner in this world and measures it after each budget. Nothing is reset in
+    /// between: after a contact the robot stays where it is.
     fn taught<L: Learner>(
         &self,
         learner: L,
@@ -202,7 +203,7 @@ impl Place<'_> {
             seed,
             sonar: self.conditions.sonar,
             turret,
-            // All methods are measured from the world's start.
+            // Every method is measured from the world's start.
             set_down: Some(self.world.start().position),
             faults: Vec::new(),
             record: false,

@@ -1,4 +1,4 @@
-//! The methods that are compared, their names and their constants.
+//! The compared methods, their names and their constants.
 
 use crate::baselines::{
     learning::Schooling, nearest, potential_field, q_lazy, q_som, q_table, q_two_soms, vfh_plus,
@@ -11,17 +11,17 @@ use std::str::FromStr;
 /// A method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
-    /// Random moves for ever.
+    /// Random moves without end.
     Random,
-    /// The hand-written yardstick.
+    /// The hand-written reference.
     Braitenberg,
-    /// Khatib's forces.
+    /// Khatib's potential field.
     PotentialField,
-    /// Ulrich and Borenstein's histogram.
+    /// VFH+ of Ulrich and Borenstein.
     VfhPlus,
-    /// The sample with the nearest change, no maps.
+    /// The sample with the nearest change, without maps.
     NearestChange,
-    /// The sample with the nearest pair of situations, no maps.
+    /// The sample with the nearest pair of situations, without maps.
     NearestPair,
     /// Lazy Q-learning.
     QLazy,
@@ -31,16 +31,16 @@ pub enum Method {
     QSom,
     /// Q-learning between two maps.
     QTwoSoms,
-    /// The mind, preset `default`.
+    /// The controller with the preset `default`.
     Default,
-    /// The mind, preset `probe`.
+    /// The controller with the preset `probe`.
     Probe,
-    /// The mind, preset `touzet`.
+    /// The controller with the preset `touzet`.
     Touzet,
 }
 
 impl Method {
-    /// All of them, in the tables' order.
+    /// All methods, in the order of the tables.
     pub const ALL: [Self; 13] = [
         Self::Default,
         Self::Probe,
@@ -57,7 +57,7 @@ impl Method {
         Self::QTwoSoms,
     ];
 
-    /// Its name on the command line and in tables.
+    /// Name on the command line and in tables.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -77,14 +77,16 @@ impl Method {
         }
     }
 
-    /// Whether it learns by reward, move by move, so that more moves may make it better.
+    /// Whether it learns by reward, move by move: more moves may improve it.
     #[must_use]
     pub const fn goes_on_learning(self) -> bool {
         matches!(self, Self::QTable | Self::QSom | Self::QTwoSoms)
     }
 
-    /// The budgets of learning moves it is measured with, of those asked for: all of them where more moves may make it
-    /// better; the mind's 100 for what learns from a memory (lazy Q-learning also 200); none for what does not learn.
+    /// Numbers of learning moves with which the method is measured, from those in `asked`.
+    ///
+    /// All of them for learners by reward; the controller's 100 for methods with a memory (lazy
+    /// Q-learning also 200); 0 for methods that do not learn.
     #[must_use]
     pub fn budgets(self, asked: &[u32]) -> Vec<u32> {
         match self {
@@ -96,7 +98,7 @@ impl Method {
     }
 }
 
-/// Random moves of the mind and of the methods with a lazy memory.
+/// Random moves of the controller and of the methods with a lazy memory.
 pub const MOVES: u32 = 100;
 
 impl FromStr for Method {
@@ -108,10 +110,10 @@ impl FromStr for Method {
     }
 }
 
-/// The constants of all methods; those of [`Constants::of`] are what the search found.
+/// The constants of all methods; [`Constants::of`] returns those that the search found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Constants {
-    /// Of the yardstick.
+    /// Of the hand-written reference.
     pub braitenberg: braitenberg::Tuning,
     /// Of the potential field.
     pub potential_field: potential_field::Tuning,
@@ -119,7 +121,7 @@ pub struct Constants {
     pub vfh_plus: vfh_plus::Tuning,
     /// Of the nearest change, and its far limit in m.
     pub nearest_change: (nearest::Tuning, f64),
-    /// Of the nearest pair, and its far limit in m.
+    /// Of the nearest change, and its far limit in m.
     pub nearest_pair: (nearest::Tuning, f64),
     /// Of lazy Q-learning.
     pub q_lazy: (q_lazy::Tuning, Schooling),
@@ -132,7 +134,7 @@ pub struct Constants {
 }
 
 impl Constants {
-    /// Those for robots with the mind's shield, or without one.
+    /// The constants found with or without the shield.
     #[must_use]
     pub fn of(shield: bool) -> Self {
         Self {

@@ -1,5 +1,6 @@
-//! The mind against other methods: the same robot, sonars, worlds, seeds and budgets of moves; means with intervals,
-//! differences from the preset `default` paired by world and seed.
+//! Comparison with other methods: the same robot, sonars, worlds, seeds and numbers of moves.
+//!
+//! Prints means with intervals, and differences from the preset `default` paired by world and seed.
 
 mod drive;
 mod method;
@@ -16,38 +17,39 @@ use arena::world::World;
 use rayon::prelude::*;
 use sim::failure::Failure;
 
-/// What is compared where.
+/// What is compared.
 #[derive(Debug, Clone)]
 pub struct Plan {
     /// The worlds.
     pub worlds: Vec<World>,
-    /// Seed of the first episode in each world; each further one has the next.
+    /// Seed of the first episode in each world; each further episode uses the next seed.
     pub first_seed: u64,
     /// Episodes in each world.
     pub seeds: u32,
-    /// Methods, in the tables' order.
+    /// Methods, in the order of the tables.
     pub methods: Vec<Method>,
-    /// Budgets of those that go on learning, rising.
+    /// Learning moves of the methods that learn by reward, rising.
     pub moves: Vec<u32>,
-    /// Shield off, on, or both one after the other; the rest is the same for all.
+    /// Shield off, on, or both one after the other; everything else is equal.
     pub conditions: Vec<Conditions>,
 }
 
 impl Plan {
-    /// How many (world, seed, method, conditions) there are: how often `done` will be called.
+    /// Number of (world, seed, method, conditions): how often `done` is called.
     #[must_use]
     pub fn len(&self) -> usize {
         self.worlds.len() * self.seeds as usize * self.methods.len() * self.conditions.len()
     }
 
-    /// Whether nothing is to be measured.
+    /// Whether there is nothing to measure.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 }
 
-/// Measures everything, on all cores; the rows come by condition, method and budget. `done` is called after each episode.
+/// Measures everything on all cores; rows are ordered by condition, method and budget. `done` is
+/// called after each episode.
 ///
 /// # Errors
 /// When an episode fails.

@@ -1,10 +1,11 @@
-//! One line of the comparison: its figures, and its differences from another line.
+//! One row of the comparison: its figures, and its differences from another row.
 
 use super::drive::Outcome;
 use super::method::Method;
 use sim::statistics::{Mean, bootstrap, bootstrap_of};
 
-/// One method with one budget of learning moves, with or without the shield, in all worlds with all seeds.
+/// One method with one number of learning moves, with or without the shield, over all worlds and
+/// seeds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
     /// The method.
@@ -22,35 +23,35 @@ pub struct Row {
 pub struct Figures {
     /// Contacts while learning.
     pub learning_contacts: Mean,
-    /// Steps with contact per 100 m: all contacts over all way.
+    /// Steps with contact per 100 m: sum of contacts over sum of distances.
     pub contacts_per_100_m: Mean,
     /// Steps with contact, %.
     pub contact_percent: Mean,
     /// Episodes without any contact, %.
     pub clean_percent: Mean,
-    /// Way, m.
+    /// Distance traveled, m.
     pub distance_m: Mean,
     /// Area swept, m².
     pub coverage_m2: Mean,
-    /// Least gap of an episode, m.
+    /// Smallest gap of an episode, m.
     pub clearance_m: Mean,
-    /// From where something is nearer than 0.6 m until nothing is, s; an episode's end counts as one. `None` where nothing
-    /// ever was.
+    /// Time from an obstacle nearer than 0.6 m until none is, s; an episode's end counts as one.
+    /// `None` without such an obstacle.
     pub to_goal_s: Option<Mean>,
-    /// Bytes of what was learned or is remembered.
+    /// Bytes of the learned state.
     pub bytes: f64,
-    /// Wall time per decision, µs; 0 unless it was timed.
+    /// Wall time per decision, µs; 0 unless it was measured.
     pub decision_us: f64,
 }
 
-/// A row less another one, paired by world and seed: means with their 95 % intervals.
+/// One row minus another, paired by world and seed: means with their 95 % intervals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Differences {
     /// Of contacts per 100 m.
     pub contacts_per_100_m: Mean,
     /// Of clean episodes, %.
     pub clean_percent: Mean,
-    /// Of the way, m.
+    /// Of the distance traveled, m.
     pub distance_m: Mean,
     /// Of the area swept, m².
     pub coverage_m2: Mean,
@@ -65,7 +66,7 @@ fn contacts(outcome: &Outcome) -> f64 {
     100.0 * f64::from(outcome.contacts)
 }
 
-/// A robot that never moved has not touched anything either.
+/// A robot that never moves has a ratio of 0.
 fn ratio(sum: f64, way: f64) -> f64 {
     if way > 0.0 { sum / way } else { 0.0 }
 }
@@ -85,7 +86,7 @@ impl Row {
         self.outcomes.iter().flatten().map(value).sum()
     }
 
-    /// Its figures.
+    /// The figures of this row.
     #[must_use]
     pub fn figures(&self) -> Figures {
         let way = self.columns(|outcome| [contacts(outcome), outcome.distance_m]);
@@ -112,7 +113,7 @@ impl Row {
         }
     }
 
-    /// This row less `other`.
+    /// This row minus `other`.
     #[must_use]
     pub fn less(&self, other: &Self) -> Differences {
         let pairs: Vec<Vec<(Outcome, Outcome)>> = self
@@ -190,7 +191,7 @@ mod tests {
     #[test]
     fn differences_are_paired() {
         let less = row(3, 50.0).less(&row(1, 25.0));
-        // 3 less 2 contacts per 100 m; every pair differs by just as much in the way.
+        // 3 minus 2 contacts per 100 m; the distance of every pair differs by the same amount.
         assert!((less.contacts_per_100_m.mean - 1.0).abs() < 1e-9);
         assert_eq!(less.distance_m.interval, [25.0, 25.0]);
         assert_eq!(less.clean_percent.mean, 0.0);

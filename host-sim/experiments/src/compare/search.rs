@@ -1,5 +1,6 @@
-//! The search for the methods' constants: one after the other each is tried with every value of its range, the best is
-//! kept, and all of them once more. It is made in rooms that nothing is compared in.
+//! Coordinate search for the methods' constants, in rooms that no comparison uses.
+//!
+//! Tries each value of one constant after another, keeps the best, and repeats the round.
 
 use super::drive::{Candidate, Conditions, Outcome, drive};
 use super::method::{Constants, Method};
@@ -11,13 +12,13 @@ use sim::failure::Failure;
 pub struct Knob {
     /// Its name.
     pub name: &'static str,
-    /// Values tried.
+    /// Values to try.
     pub range: &'static [f64],
     get: fn(&Constants) -> f64,
     set: fn(&mut Constants, f64),
 }
 
-/// Shorthand: the place of a number inside the constants.
+/// Defines a constant: accessor and values.
 macro_rules! knob {
     ($name:literal, $range:expr, $($place:tt)+) => {
         Knob {
@@ -41,7 +42,7 @@ macro_rules! whole {
     };
 }
 
-/// As [`knob!`], for what is done (1) or not (0).
+/// As [`knob!`], for a switch: on (1) or off (0).
 macro_rules! switch {
     ($name:literal, $($place:tt)+) => {
         Knob {
@@ -53,10 +54,10 @@ macro_rules! switch {
     };
 }
 
-/// Below 0: the course is never kept.
+/// Below 0: the heading is never kept.
 const FREE: [f64; 4] = [-1.0, 0.0, 0.2, 0.4];
 
-/// The constants of how a learner by reward is taught.
+/// The constants of a learner's training.
 macro_rules! schooling {
     ($method:ident) => {
         [
@@ -177,8 +178,8 @@ static Q_TWO_SOMS: [Knob; 6] = [
 ];
 static Q_TWO_SOMS_SCHOOLING: [Knob; 9] = schooling!(q_two_soms);
 
-/// The constants of a method that are searched for: its own, and those of how it is taught. None for the mind, whose open
-/// choices have an ablation of their own, and for random moves.
+/// The constants to search for: those of the method and of its training. None for random moves and
+/// for the controller, which has an ablation.
 #[must_use]
 pub fn knobs(method: Method) -> Vec<&'static Knob> {
     let (own, schooling): (&[Knob], &[Knob]) = match method {
@@ -196,26 +197,27 @@ pub fn knobs(method: Method) -> Vec<&'static Knob> {
     own.iter().chain(schooling).collect()
 }
 
-/// First room of the search.
+/// Seed of the first room of the search.
 pub const FIRST_ROOM: u64 = 20_001;
 /// Rounds over all constants.
 pub const ROUNDS: usize = 2;
 
-/// What is searched with.
+/// Conditions of the search.
 #[derive(Debug, Clone)]
 pub struct Search {
     /// The method.
     pub method: Method,
-    /// Learning moves of those that go on learning.
+    /// Learning moves of the methods that learn by reward.
     pub moves: u32,
-    /// Rooms, from [`FIRST_ROOM`] on.
+    /// Number of rooms, beginning at [`FIRST_ROOM`].
     pub rooms: u32,
-    /// How it is measured.
+    /// Conditions of the measurement.
     pub conditions: Conditions,
 }
 
 impl Search {
-    /// What a method is worth with these constants: mean area swept in m², divided by 1 + contacts per 100 m.
+    /// Score of a method with these constants: mean area swept in m², divided by 1 + contacts per
+    /// 100 m.
     ///
     /// # Errors
     /// When an episode fails.
@@ -239,7 +241,8 @@ impl Search {
         Ok(area / f64::from(self.rooms.max(1)) / (1.0 + 100.0 * contacts / f64::max(way, 1.0)))
     }
 
-    /// Searches; `tried` hears of every constant that was settled: its name, its value and the score reached.
+    /// Runs the search. Calls `tried` for every constant that is settled: its name, its value and
+    /// the score reached.
     ///
     /// # Errors
     /// When an episode fails.
@@ -271,7 +274,7 @@ impl Search {
 mod tests {
     use super::*;
 
-    /// What is documented as found has to be what is used: every default lies in its range.
+    /// The documented constants must be those in use: every default lies in its range.
     #[test]
     fn every_default_is_one_of_the_values_tried() {
         let constants = Constants::of(false);

@@ -1,4 +1,4 @@
-//! Looks over a driver's shoulder: how long it takes until nothing is near again, and how long it thinks.
+//! Observes a driver: time until no obstacle is near again, and wall time per decision.
 
 use amp::controller::{Command, Event, Outputs};
 use amp::units::{Millis, Range};
@@ -6,37 +6,37 @@ use sim::failure::Failure;
 use sim::pilot::{InspectableController, Pilot, SimState};
 use std::time::{Duration, Instant};
 
-/// The goal situation of obstacle avoidance for every method: nothing heard nearer than this, mm from the faces (what the
-/// preset `default` asks for).
+/// Goal of obstacle avoidance for every method: no echo nearer than this, mm from the faces (as the
+/// preset `default`).
 const CLEAR_MM: u16 = 600;
 
-/// What was seen of a driver.
+/// Observation of a driver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Seen {
-    /// Times that something came near.
+    /// Number of times an obstacle came near.
     pub losses: u32,
-    /// Time in which something was near, ms.
+    /// Time with an obstacle near, ms.
     pub lost_ms: u64,
-    /// Decisions.
+    /// Number of decisions.
     pub decisions: u32,
-    /// Wall time spent inside the driver; zero unless it is timed.
+    /// Wall time spent in the driver; zero unless it is measured.
     pub thought: Duration,
 }
 
-/// A driver that is watched.
+/// A driver with its observation.
 #[derive(Debug)]
 pub struct Watched<P> {
     driver: P,
     timed: bool,
     ranges: [Option<Range>; 16],
-    /// Something was near at the last decision, which was then.
+    /// An obstacle was near at the last decision.
     lost: bool,
     last: Millis,
     seen: Seen,
 }
 
 impl<P> Watched<P> {
-    /// Watches `driver`; with a clock in hand if `timed`.
+    /// Observes `driver`; measures its wall time if `timed`.
     pub fn new(driver: P, timed: bool) -> Self {
         Self {
             driver,
@@ -48,12 +48,12 @@ impl<P> Watched<P> {
         }
     }
 
-    /// The driver.
+    /// The observed driver.
     pub fn driver(&self) -> &P {
         &self.driver
     }
 
-    /// What was seen since it was last given a goal.
+    /// The observation since the driver's last goal.
     pub fn seen(&self) -> Seen {
         self.seen
     }
@@ -121,7 +121,7 @@ mod tests {
     #[test]
     fn the_time_until_nothing_is_near_is_counted_from_decision_to_decision() {
         let mut watched = Watched::new(RingPilot::new(Stand, None), false);
-        // Something is near at 2 s, 3 s and 5 s; 600 mm away is far enough.
+        // An obstacle is near at 2 s, 3 s and 5 s; 600 mm is far enough.
         let nearest = [600, 599, 300, 700, 100, 900];
         for (second, mm) in (1..).zip(nearest) {
             let at = Millis::from_ms(second * 1_000);

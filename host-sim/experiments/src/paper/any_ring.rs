@@ -1,7 +1,8 @@
-//! A robot with any ring of transducers around the same mind: exact sensors, exact motion.
+//! A simulated robot with any ring of transducers, exact sensors and exact motion.
 //!
-//! The [episodes](sim::episode) drive a Nomad 200. Here body and ring come from the mind's own
-//! [`RobotSpec`](amp::robot::RobotSpec), so that the paper's miniature robot and rings of 8 or 24 run the very same crate.
+//! [Episodes](sim::episode) drive a Nomad 200. Here body and ring come from the controller's
+//! [`RobotSpec`](amp::robot::RobotSpec): the same crate drives the miniature robot and rings of 8
+//! or 24.
 
 use amp::config::Config;
 use amp::controller::{Command, Decision, Event, Mode, Motion, Outputs, Progress, State, handle};
@@ -12,15 +13,15 @@ use arena::robot::TurretMode;
 use arena::world::{ConeShape, Point, Pose, View, World, wrap_angle};
 use std::f64::consts::TAU;
 
-/// Random moves the memory holds: the paper's.
+/// Random moves in the memory, as in the paper.
 pub const MOVES: u16 = 100;
 
-/// What a transducer perceives.
+/// Sensor model of a transducer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sight {
     /// Half the opening of its cone, rad.
     pub half_angle_rad: f64,
-    /// Greatest range from its face, m.
+    /// Longest range from its face, m.
     pub reach_m: f64,
 }
 
@@ -36,18 +37,18 @@ pub struct AnyRing<'w, const SENSORS: usize> {
     time_ms: u32,
 }
 
-/// What was counted while it drove.
+/// Counts while it drives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Count {
-    /// Decisions carried out.
+    /// Executed decisions.
     pub steps: u32,
-    /// Of them, those that touched something.
+    /// Steps with contact.
     pub contacts: u32,
-    /// Of them, those decided while the goal held.
+    /// Steps decided while the goal was met.
     pub goal_steps: u32,
 }
 
-/// A ring and the motion it brought about.
+/// A ring and the motion that followed it.
 struct Turn<const SENSORS: usize> {
     decision: Option<Decision<SENSORS>>,
     touched: bool,
@@ -55,7 +56,7 @@ struct Turn<const SENSORS: usize> {
 }
 
 impl<'w, const SENSORS: usize> AnyRing<'w, SENSORS> {
-    /// A robot at the world's start that knows nothing yet.
+    /// An untrained robot at the world's start.
     #[must_use]
     pub fn new(
         config: Config<SENSORS>,
@@ -75,13 +76,13 @@ impl<'w, const SENSORS: usize> AnyRing<'w, SENSORS> {
         }
     }
 
-    /// What it knows.
+    /// The controller's state.
     #[must_use]
     pub fn state(&self) -> &State<SENSORS, 16, { MOVES as usize }> {
         &self.state
     }
 
-    /// Makes the random moves and both maps; each place where it stood is told.
+    /// Makes the random moves and learns both maps. Calls `stood` with each pose at rest.
     pub fn explore_and_learn(&mut self, seed: u64, mut stood: impl FnMut(Pose)) -> Count {
         let _ = self.send(Event::Command(Command::Explore { moves: MOVES, seed }));
         let mut count = Count::default();
@@ -152,11 +153,11 @@ impl<'w, const SENSORS: usize> AnyRing<'w, SENSORS> {
         let axis = (axis * (1.0 / axis.length().max(1.0))).turned(Point::unit(self.pose.heading));
         let cone = ConeShape::new(self.sight.half_angle_rad);
         let range = self.view.nearest_in_cone(axis, face_m, cone);
-        // A range beyond 65 m is no range; the cast saturates.
+        // The cast saturates: a range beyond 65 m counts as 65 m.
         (range <= self.sight.reach_m).then(|| Range::from_mm((range * 1e3) as u16))
     }
 
-    /// Moves straight up to the first touch and reports it; returns whether it touched.
+    /// Moves straight up to the first contact and reports it; returns whether there was one.
     fn carry_out(&mut self, motion: Motion) -> bool {
         let Displacement { dx_mm, dy_mm } = motion.displacement;
         let asked = Point::new(f64::from(dx_mm), f64::from(dy_mm)) * 1e-3;

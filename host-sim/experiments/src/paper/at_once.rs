@@ -1,4 +1,4 @@
-//! Another behavior at once: what a change of goal does to memory, maps and the very next decision.
+//! Effect of a change of goal on memory, maps and the very next decision.
 
 use super::Reading;
 use super::rooms::setup;
@@ -13,21 +13,21 @@ use sim::failure::Failure;
 use sim::pilot::{InspectableController, Mind, Pilot, SimState};
 use sim::scenes::Behavior;
 
-/// Decisions from one question to the next: every 50th.
+/// A goal is changed at every 50th decision.
 const EVERY: usize = 50;
 /// Decisions of an episode.
 const STEPS: u32 = 500;
 /// The transducer that completes an exact ring.
 const LAST: u8 = 15;
 
-/// Changes of goal that were tried.
+/// Results of the changes of goal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct AtOnce {
-    /// How many.
+    /// Number of changes.
     pub tried: u32,
-    /// After how many memory and both maps were the same, to the bit.
+    /// Changes after which memory and both maps were identical, to the bit.
     pub unchanged: u32,
-    /// After how many the next decision, from the same echoes, was another action.
+    /// Changes after which the next decision, from the same echoes, was another action.
     pub other_action: u32,
 }
 
@@ -41,11 +41,11 @@ impl AtOnce {
     }
 }
 
-/// Asks, while a robot avoids, what it would do next if it were given each of these goals now.
+/// While a robot avoids, finds what it would do next with each of these goals.
 struct Asked {
     mind: Mind,
     goals: Vec<Behavior>,
-    /// What was perceived before the first move.
+    /// Situation before the first move.
     nest: Option<Situation<16>>,
     decisions: usize,
     answers: Vec<AtOnce>,
@@ -96,7 +96,7 @@ impl InspectableController for Asked {
     }
 }
 
-/// What a change to each of `names` does, over rooms in order.
+/// Effect of a change to each of `names`, over rooms in order.
 ///
 /// # Errors
 /// When an episode fails.

@@ -1,4 +1,4 @@
-//! What the maps and the memory know: recall by a part of the content, samples alike, discreteness where it is needed.
+//! Measures what maps and memory recall: actions from changes, samples like the present, map error.
 
 use super::watch::{Seen, change, length};
 use amp::action_map::Probe;
@@ -12,12 +12,12 @@ use sim::pilot::SimState;
 /// Recall of actions from changes that were not learned.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Recalled {
-    /// Angle between the displacement recalled and the one that brought the change, degrees in [0, 180], move by move.
+    /// Angle between the recalled and the true displacement, degrees in [0, 180], by move.
     pub errors_deg: Vec<f64>,
 }
 
 impl Recalled {
-    /// Probes the action map of `state` with the changes of another memory's moves.
+    /// Probes the action map of `state` with the changes in another memory.
     #[must_use]
     pub fn of(state: &SimState, others: &SimState, config: &Config<16>) -> Self {
         let probe = Probe {
@@ -46,8 +46,8 @@ impl Recalled {
     }
 }
 
-/// Samples in the memory that are like the present situation: nearer to it than a move changes a situation on the average.
-/// Every tenth situation of an episode is looked at.
+/// Number of samples that resemble the present situation: nearer than the mean change of a move.
+/// Looks at every tenth situation of an episode.
 #[must_use]
 pub fn samples_alike(state: &SimState, seen: &[Seen]) -> Vec<usize> {
     let samples: Vec<_> = state
@@ -67,21 +67,21 @@ pub fn samples_alike(state: &SimState, seen: &[Seen]) -> Vec<usize> {
     seen.iter().step_by(10).map(alike).collect()
 }
 
-/// A situation map before and after it went on learning, judged by what was perceived later on.
+/// A situation map before and after online learning, evaluated on later situations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Discreteness {
-    /// Mean distance of situations to their code vectors, with the map as the random moves made it.
+    /// Mean quantization error of the map after the random moves.
     pub error_before: f64,
-    /// The same with the map as the behavior made it.
+    /// The same for the map after the behavior.
     pub error_after: f64,
-    /// Neurons that answer, before.
+    /// Number of neurons that win a situation, before.
     pub used_before: usize,
-    /// Neurons that answer, after.
+    /// Number of neurons that win a situation, after.
     pub used_after: usize,
 }
 
 impl Discreteness {
-    /// Judges both maps by the same situations.
+    /// Evaluates both maps on the same situations.
     #[must_use]
     pub fn of(before: &SimState, after: &SimState, seen: &[Seen]) -> Self {
         let situations: Vec<_> = seen.iter().map(|seen| seen.situation).collect();
@@ -120,7 +120,7 @@ mod tests {
         };
         let own = Recalled::of(&learned, &learned, &reading.config);
         assert!(own.errors_deg.len() >= 90);
-        // Chance would be 90° off on the average.
+        // The mean error of a random answer is 90°.
         let mean = own.errors_deg.iter().sum::<f64>() / own.errors_deg.len() as f64;
         assert!(mean < 80.0, "{mean}");
         assert!(
@@ -128,7 +128,7 @@ mod tests {
                 .iter()
                 .all(|error| (0.0..=180.0).contains(error))
         );
-        // Put back to where a sample began, the robot finds at least that sample.
+        // At the start of a sample the robot finds at least that sample.
         let mut there = watched.seen.first().copied().expect("a decision");
         there.situation = from_bytes(&learned.memory().samples()[7].before).0;
         assert!(samples_alike(&learned, &[there])[0] >= 1);

@@ -1,4 +1,4 @@
-//! All measurements, from one seed.
+//! Runs all measurements for the paper's claims from one seed.
 
 use super::any_ring::{AnyRing, Count, MOVES, Sight};
 use super::at_once::{self, AtOnce};
@@ -26,51 +26,51 @@ use sim::failure::Failure;
 use sim::recording::Recording;
 use sim::scenes::Behavior;
 
-/// Random moves with which avoidance is tried.
+/// Numbers of random moves for the measurement of avoidance.
 pub const FEWER_MOVES: [u16; 5] = [10, 25, 50, 100, 200];
 
-/// Moves after which Q-learners are measured.
+/// Numbers of moves after which Q-learners are measured.
 pub const LEARNING_MOVES: [u32; 4] = [100, 200, 1_000, 5_000];
 
-/// How much is measured.
+/// Size of the measurements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Size {
-    /// Random rooms in which every decision is watched.
+    /// Random rooms in which every decision is observed.
     pub rooms: u32,
-    /// Worlds of each behavior.
+    /// Worlds per behavior.
     pub worlds: u32,
-    /// Seeds per world of the behaviors and repetitions.
+    /// Seeds per world, for behaviors and repetitions.
     pub seeds: u32,
-    /// Chains of each kind, miniature robots, and episodes in the arena.
+    /// Chains of each kind, miniature robots, and episodes in the arena of Fig. 5.
     pub draws: u32,
     /// Repetitions of each behavior, at least 2.
     pub times: u32,
-    /// Seed of everything.
+    /// Base seed of all measurements.
     pub seed: u64,
 }
 
-/// What hears of the progress.
+/// Receives the progress.
 pub trait Watcher: Sync {
-    /// A part begins that has so many pieces.
+    /// A part begins that consists of `pieces` pieces.
     fn begin(&self, part: &'static str, pieces: u64);
     /// One piece is done.
     fn done(&self);
 }
 
-/// A behavior's scene and what came of it by each reading.
+/// A behavior's scene and its result by reading.
 pub type Reached = (&'static Scene, [Outcome; 3]);
 
-/// Everything that was measured.
+/// All measurements.
 pub struct Measured {
-    /// How much.
+    /// Size of the measurements.
     pub size: Size,
-    /// Of each cloud (uniform, clusters, uneven) the chain that is drawn and those of the other seeds.
+    /// For each cloud (uniform, clusters, uneven): the drawn chain, then those of the other seeds.
     pub chains: [Vec<Chain>; 3],
-    /// The miniature robot that is drawn and those of the other seeds.
+    /// The drawn miniature robot, then those of the other seeds.
     pub miniatures: Vec<Miniature>,
-    /// A decision of `probe` and one of `touzet`.
+    /// A decision of `probe` and a decision of `touzet`.
     pub decisions: [DecisionFigure; 2],
-    /// An episode in the arena after Fig. 5 by each of them.
+    /// An episode of each of them in the arena of Fig. 5.
     pub episodes: [Recording; 2],
     /// Gaps to walls and to small obstacles in that arena, by reading and seed.
     pub arena: [Vec<Gaps>; 3],
@@ -78,26 +78,27 @@ pub struct Measured {
     pub rooms: [Vec<Room>; 3],
     /// Changes of goal by reading and behavior, in the order of [`Behavior::NAMES`].
     pub at_once: [Vec<AtOnce>; 3],
-    /// Avoidance after fewer and more random moves, by [`FEWER_MOVES`], `default` and `probe`.
+    /// Avoidance by number of random moves ([`FEWER_MOVES`]), for `default` and `probe`.
     pub moves: Vec<[Figures; 2]>,
-    /// Behaviors by scene.
+    /// Behaviors, by scene.
     pub behaviors: Vec<Reached>,
-    /// Repetitions by scene, `default`.
+    /// Repetitions, by scene, for `default`.
     pub repetitions: Vec<(&'static Scene, Curve)>,
-    /// Avoidance by rings of 8, 16 and 24 transducers: clean rooms and steps with contact, `default`.
+    /// Avoidance by rings of 8, 16 and 24 transducers, for `default`: clean rooms and steps with
+    /// contact.
     pub rings: Vec<(usize, Vec<Count>)>,
-    /// Avoidance with a ring that turns with the heading, `default`.
+    /// Avoidance with a ring that turns with the heading, for `default`.
     pub following: Figures,
-    /// Avoidance by the presets and by Q-learners after [`LEARNING_MOVES`].
+    /// Avoidance of the presets and of Q-learners after [`LEARNING_MOVES`].
     pub compared: Vec<Row>,
 }
 
-/// Why not everything was measured.
+/// Why a measurement failed.
 #[derive(Debug)]
 pub enum Unmeasured {
     /// An episode failed.
     Episode(Failure),
-    /// A world could not be made.
+    /// A world could not be built.
     World(BadInput),
 }
 
@@ -124,7 +125,7 @@ impl From<BadInput> for Unmeasured {
     }
 }
 
-/// Measures everything; results are put together in a fixed order whatever the number of threads.
+/// Runs all measurements. Results are combined in a fixed order, whatever the number of threads.
 ///
 /// # Errors
 /// When an episode fails.
@@ -226,7 +227,7 @@ fn arena(size: Size, readings: &[Reading; 3]) -> Result<[Vec<Gaps>; 3], Unmeasur
     Ok(gaps?)
 }
 
-/// A measurement of avoidance in half of the rooms.
+/// Conditions for avoidance in half of the rooms.
 fn trial(size: Size, explore_moves: u16) -> ablation::Trial {
     ablation::Trial {
         first: 1,
@@ -314,7 +315,7 @@ fn reached(
     readings: &[Reading; 3],
     watcher: &impl Watcher,
 ) -> Result<Vec<Reached>, Failure> {
-    // Avoidance has rooms of its own, and a way is no success.
+    // Avoidance is measured in other rooms, and a distance is no success.
     let asked: Vec<_> = scenes()
         .filter(|scene| scene.behavior != "avoid" && scene.measure != "way m")
         .collect();
@@ -334,7 +335,7 @@ fn repetitions(
     reading: &Reading,
     watcher: &impl Watcher,
 ) -> Result<Vec<(&'static Scene, Curve)>, Failure> {
-    // What is perfect from the first time on cannot improve; a chain repeats its parts already.
+    // A perfect first result cannot improve; a chain already repeats its parts.
     let asked: Vec<_> = scenes()
         .filter(|scene| {
             let settled = ["clean rooms", "way m"].contains(&scene.measure);
@@ -364,7 +365,8 @@ fn rings(size: Size, reading: &Reading, watcher: &impl Watcher) -> Vec<(usize, V
     ]
 }
 
-/// Avoidance in half of the rooms by a Nomad with another ring, whose cones together leave no gap: ±200° by their number.
+/// Avoidance in half of the rooms by a Nomad with another ring. The cones leave no gap: ±200°
+/// divided by the number of sensors.
 fn ring<const SENSORS: usize>(size: Size, reading: &Reading) -> Vec<Count> {
     let nomad = RobotSpec::nomad200();
     let robot = RobotSpec {

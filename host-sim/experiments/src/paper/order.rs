@@ -1,32 +1,33 @@
-//! How orderly a map is: are situations that are alike coded by neurons that are neighbors?
+//! Topology of a map: do neighboring neurons code similar situations?
 
 use amp::fixed::{Weight, Weight32};
 use amp::som::{Grid, Som};
 use arena::noise::Noise;
 
-/// Shufflings of a map's code vectors with which its order is compared.
+/// Number of random permutations of the code vectors with which a map is compared.
 pub const SHUFFLINGS: usize = 999;
 
-/// The order of a map.
+/// Topology measures of a map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Order {
-    /// Mean distance of the code vectors of two direct neighbors (1 = a whole sensor's scale).
+    /// Mean distance between the code vectors of direct neighbors (1 = the whole scale of a
+    /// sensor).
     pub neighbors: f64,
-    /// The same of two neurons that are not.
+    /// The same for neurons that are not direct neighbors.
     pub others: f64,
-    /// Share of samples whose best two neurons are not direct neighbors.
+    /// Share of samples whose two best neurons are not direct neighbors.
     pub topographic_error: f64,
-    /// Correlation (Pearson) of grid steps and distance of the code vectors over all pairs of neurons.
+    /// Pearson correlation of grid distance and code vector distance, over all pairs of neurons.
     pub correlation: f64,
-    /// Shufflings of the same code vectors, of [`SHUFFLINGS`], whose neighbors are as near or nearer.
+    /// Permutations, of [`SHUFFLINGS`], whose neighbors are as near or nearer.
     pub as_good_by_chance: usize,
-    /// Standard deviation of the samples won by a neuron over their mean.
+    /// Standard deviation of the samples per neuron, divided by their mean.
     pub hit_spread: f64,
     /// Neurons that win no sample.
     pub idle: usize,
 }
 
-/// The order of `map`, judged by `samples`; the shufflings are drawn by `seed`.
+/// Measures `map` with `samples`; `seed` draws the permutations.
 #[must_use]
 pub fn order_of<const NEURONS: usize, const DIMS: usize>(
     map: &Som<NEURONS, DIMS>,
@@ -71,7 +72,8 @@ pub fn order_of<const NEURONS: usize, const DIMS: usize>(
     }
 }
 
-/// Mean distances between neighbors and between the others when neuron `k` has the code vector of `places[k]`.
+/// Mean distances of neighbors and of other pairs when neuron `k` has the code vector of
+/// `places[k]`.
 fn means(
     grid: Grid,
     neurons: usize,
@@ -90,7 +92,7 @@ fn means(
     (mean(sums[0]), mean(sums[1]))
 }
 
-/// Pearson's correlation of pairs; 0 where either side does not vary.
+/// Pearson correlation of pairs; 0 if either side is constant.
 #[must_use]
 pub fn pearson(pairs: &[[f64; 2]]) -> f64 {
     let count = pairs.len().max(1) as f64;

@@ -1,4 +1,4 @@
-//! Avoidance in many random rooms by the maps alone, each decision watched: what most rows of the table are made of.
+//! Avoidance in many random rooms by the maps alone: the source of most rows of the claims.
 
 use super::gaps::Gaps;
 use super::knowing::{Discreteness, Recalled, samples_alike};
@@ -17,31 +17,31 @@ use sim::failure::Failure;
 use sim::pilot::SimState;
 use sim::scenes::Behavior;
 
-/// Added to an episode's seed for random moves that its maps have not learned.
+/// Added to an episode's seed: draws random moves that its maps have not learned.
 const OTHER_MOVES: u64 = 1_000_000;
 
-/// What was found in one room.
+/// Results of one room.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Room {
-    /// The episode's figures.
+    /// Metrics of the episode.
     pub report: Report,
-    /// What became of its plans.
+    /// Outcome of its plans.
     pub plans: Plans,
-    /// Ways over the situation map as the random moves made it.
+    /// Paths over the situation map after the random moves.
     pub ways: Ways,
-    /// The order of that map.
+    /// Topology of that map.
     pub order: Order,
-    /// Gaps to what was passed.
+    /// Gaps to passed surfaces.
     pub gaps: Gaps,
     /// Recall of moves that were not learned.
     pub recalled: Recalled,
-    /// Samples like the present situation.
+    /// Number of samples like the present situation.
     pub alike: Vec<usize>,
-    /// What going on to learn did to the situation map.
+    /// Effect of online learning on the situation map.
     pub discreteness: Option<Discreteness>,
 }
 
-/// An episode's setup in a room of its own seed, without the shield.
+/// Setup of an episode without the shield; `seed` also draws the room.
 #[must_use]
 pub fn setup(reading: &Reading, behavior: Behavior, seed: u64, steps: u32) -> Setup {
     Setup {
@@ -59,7 +59,8 @@ pub fn setup(reading: &Reading, behavior: Behavior, seed: u64, steps: u32) -> Se
     }
 }
 
-/// All rooms of one reading in order, on all cores; `done` is called after each.
+/// Measures all rooms of one reading, on all cores; results are in order. `done` is called after
+/// each.
 ///
 /// # Errors
 /// When an episode fails.
@@ -105,7 +106,8 @@ fn one(reading: &Reading, world: &World, seed: u64) -> Result<Room, Failure> {
     })
 }
 
-/// The situations the map has learned from: where every sample counts turned by each ring step, all of those.
+/// The situations from which the map has learned, in all rotations if the configuration learns
+/// those.
 fn lessons(state: &SimState, reading: &Reading) -> Vec<Situation<16>> {
     let turns = if reading.config.learning.turned {
         16
@@ -121,7 +123,7 @@ fn lessons(state: &SimState, reading: &Reading) -> Vec<Situation<16>> {
         .collect()
 }
 
-/// What a mind knows after other random moves in the same room.
+/// State of a controller after other random moves in the same room.
 fn other_moves(setup: &Setup, world: &World) -> Result<Box<SimState>, Failure> {
     let other = Setup {
         seed: setup.seed.wrapping_add(OTHER_MOVES),

@@ -1,4 +1,4 @@
-//! One decision from the samples to the action, with its real values (Fig. 3 of the paper).
+//! Draws one decision from the samples to the action, with its values (Fig. 3 of the paper).
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
@@ -26,9 +26,11 @@ fn ring() -> Vec<f64> {
     (0..16).map(|i| f64::from(i) * PI / 8.0).collect()
 }
 
-/// Draws the flow of the paper's Fig. 3 for one decision: (A) samples, (B) and (C) what the two maps learn, the maps with
-/// the neurons that took part, (D) present situation, (E) goal, (F) intermediate situation, (G) the change wanted, the
-/// action, and all values as figures.
+/// Draws the flow of the paper's Fig. 3 for one decision.
+///
+/// (A) samples, (B) and (C) what the two maps learn, the maps with the neurons involved, (D)
+/// present situation, (E) goal, (F) subgoal, (G) wanted change, the action, and all values as
+/// numbers.
 ///
 /// Returns an SVG document.
 #[must_use]
@@ -145,7 +147,7 @@ fn bases(svg: &mut Svg, shown: &DecisionFigure, ring: &[f64]) {
     }
 }
 
-/// Both maps with the neurons that took part.
+/// Both maps with the neurons of the decision.
 fn maps(svg: &mut Svg, shown: &DecisionFigure, ring: &[f64]) {
     let [_, first, second] = COLUMNS;
     let [goal, present, aim, answer] = shown.neurons;

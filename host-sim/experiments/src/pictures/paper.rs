@@ -1,4 +1,5 @@
-//! All figures of the paper made anew in a folder, with a page that shows and explains them beside the table of claims.
+//! Writes all figures of the paper into a folder, with a page that explains them and lists the
+//! claims.
 
 use std::path::{Path, PathBuf};
 
@@ -13,14 +14,14 @@ use plots::demo::PNG_SCALE;
 use plots::page::Figure;
 use plots::{path, png, sequence};
 
-/// Writes every figure as SVG and PNG, and `index.html` with them and the claims, into `dir`, which must be there.
+/// Writes every figure as SVG and PNG, and `index.html` with the claims, into the existing folder
+/// `dir`.
 ///
-/// Each file appears under its name only when it is complete. Returns the files in the order they were written,
-/// `index.html` last.
+/// A file appears under its name only when it is complete. Returns the files in the order of
+/// writing, `index.html` last.
 ///
 /// # Errors
-///
-/// The first file that could not be written; those before it stay.
+/// The first file that cannot be written; earlier files stay.
 pub fn write(
     dir: &Path,
     measured: &Measured,

@@ -1,4 +1,4 @@
-//! The page of the paper made anew: its figures, and the table of its claims.
+//! The HTML page with the paper's figures and the table of its claims.
 
 use std::fmt::Write as _;
 
@@ -7,7 +7,8 @@ use crate::paper::claims::{Claim, Verdict};
 use plots::draw::svg::escape;
 use plots::page::{CLOSING, Figure, commands, opening, picture};
 
-/// The HTML page. Refers to the picture files by name only; light and dark, phone and paper.
+/// Builds the page. It refers to the picture files by name only; it supports dark mode, small
+/// screens and print.
 #[must_use]
 pub fn paper_html(
     title: &str,
@@ -39,7 +40,7 @@ const fn class(verdict: Verdict) -> &'static str {
     }
 }
 
-/// How many claims hold.
+/// Number of claims by verdict.
 fn count(html: &mut String, claims: &[Claim]) {
     html.push_str("<ul class=\"count\">\n");
     for verdict in Verdict::ALL {

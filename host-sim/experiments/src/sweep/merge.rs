@@ -1,4 +1,4 @@
-//! The results of shards as those of the whole sweep.
+//! Merges the results of shards into those of the whole sweep.
 
 use super::results::{Header, number_of, read_row};
 use files::error::BadInput;
@@ -9,7 +9,7 @@ use std::fs::File;
 use std::io::{BufReader, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
 
-/// Results of shards that were found to be one whole sweep.
+/// Result files of shards that form one whole sweep.
 #[derive(Debug)]
 pub struct Merged {
     header: Header,
@@ -24,11 +24,11 @@ struct Part {
     row: Vec<u8>,
 }
 
-/// Looks whether the files hold every episode of one sweep just once.
+/// Checks that the files hold every episode of one sweep exactly once.
 ///
 /// # Errors
-/// A file that cannot be read, is no results file or is still being written; results of different sweeps; a torn row; an episode
-/// that is missing or there twice.
+/// A file that cannot be read, is no results file or is still being written; results of different
+/// sweeps; a torn row; a missing or duplicate episode.
 pub fn merge(paths: &[PathBuf]) -> Result<Merged, BadInput> {
     let mut found: Option<(Header, &Path)> = None;
     let mut parts = Vec::new();
@@ -57,16 +57,16 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged, BadInput> {
 }
 
 impl Merged {
-    /// The head of the whole sweep's results.
+    /// The header of the whole sweep's results.
     #[must_use]
     pub fn header(&self) -> &Header {
         &self.header
     }
 
-    /// Hands on all rows in the order of their numbers.
+    /// Passes all rows to `sink` in the order of their numbers.
     ///
     /// # Errors
-    /// The first of `sink`; a file that has changed since it was looked at.
+    /// The first error of `sink`; a file that has changed since the check.
     pub fn rows<E: From<BadInput>>(
         &mut self,
         sink: &mut impl FnMut(&[u8]) -> Result<(), E>,
@@ -171,7 +171,7 @@ impl Part {
             .map_err(|error| unreadable(&self.path, &error))
     }
 
-    /// Reads the next row; its number, or `None` at the file's end.
+    /// Reads the next row; returns its number, or `None` at the end of the file.
     fn advance(&mut self, last: Option<u64>) -> Result<Option<u64>, BadInput> {
         let whole = read_row(&mut self.input, &mut self.row);
         if !whole.map_err(|error| unreadable(&self.path, &error))? {

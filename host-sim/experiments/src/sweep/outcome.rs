@@ -1,26 +1,26 @@
-//! What the episodes of a sweep came to, by the values of each choice: all other choices together.
+//! Results of a sweep's episodes, grouped by the values of one option over all others.
 
 use super::table::{Table, Texts};
 use sim::statistics::{Mean, bootstrap, wilson};
 use std::collections::BTreeMap;
 
-/// Most values of a choice that are told apart.
+/// Largest number of values of an option that are distinguished.
 const MAX_VALUES: usize = 40;
-/// What stands where a point leaves a choice to the preset.
+/// Text of an option that a point does not set.
 const UNSET: &str = "unset";
 
-/// A choice that is not the same in all episodes.
+/// An option that differs between episodes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SweptChoice {
     /// Its key.
     pub key: String,
-    /// Its values: numbers rising, texts as they come.
+    /// Its values: numbers ascending, then texts in order of appearance.
     pub values: Vec<String>,
-    /// By row: a place in `values`.
+    /// By row: index into `values`.
     pub of_row: Vec<usize>,
 }
 
-/// The choices that vary, and the world if it does. Then the keys left out for too many values.
+/// The options that vary, and the world if it does; then the keys omitted for too many values.
 #[must_use]
 pub fn swept_choices(table: &Table) -> (Vec<SweptChoice>, Vec<String>) {
     let world = table.texts("world").map(|texts| ("world", texts));
@@ -41,7 +41,7 @@ fn swept((key, texts): (&str, &Texts)) -> SweptChoice {
     let number = |text: &str| text.parse::<f64>().unwrap_or(f64::INFINITY);
     let mut order: Vec<_> = (0..texts.distinct.len()).collect();
     let text = |index: usize| texts.distinct.get(index).map_or("", String::as_str);
-    // Stable: texts keep their order, behind the numbers.
+    // A stable sort: texts keep their order, after the numbers.
     order.sort_by(|&a, &b| number(text(a)).total_cmp(&number(text(b))));
     let value = |&index: &usize| match text(index) {
         "" => UNSET.to_owned(),
@@ -55,21 +55,21 @@ fn swept((key, texts): (&str, &Texts)) -> SweptChoice {
     }
 }
 
-/// What some episodes came to.
+/// Result of a group of episodes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SweepOutcome {
-    /// How many episodes.
+    /// Number of episodes.
     pub episodes: usize,
-    /// Share of those without contact while seeking, with its interval by Wilson's score.
+    /// Share of episodes without contact while seeking, with Wilson's interval.
     pub clean: Mean,
-    /// The behavior's own measure, its interval by the bootstrap over worlds and seeds.
+    /// The behavior's own measure, with a bootstrap interval over worlds and seeds.
     pub success: Mean,
-    /// Mean way, meters.
+    /// Mean distance traveled, meters.
     pub distance_m: f64,
 }
 
 impl SweepOutcome {
-    /// Of the rows that `wanted` takes; `None` if it takes none.
+    /// Result of the rows that `wanted` accepts; `None` without such rows.
     #[must_use]
     pub fn of(table: &Table, wanted: impl Fn(usize) -> bool) -> Option<Self> {
         let rows: Vec<_> = (0..table.rows()).filter(|&row| wanted(row)).collect();

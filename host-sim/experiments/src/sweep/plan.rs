@@ -1,4 +1,4 @@
-//! The episodes of a sweep by number.
+//! The numbered episodes of a sweep.
 
 use super::CHOICE_PREFIX;
 use super::description::Description;
@@ -9,31 +9,31 @@ use arena::world::WorldSource;
 use files::error::BadInput;
 use sim::episode::{Report, Setup};
 
-/// What a point's keys mean. The command line knows its flags; a sweep only hands them on.
+/// Meaning of a point's keys. The command line defines its flags; a sweep only passes them on.
 #[derive(Debug, Clone)]
 pub struct Vocabulary {
-    /// Keys beside those of [`settings`](sim::settings).
+    /// Keys other than those of [`settings`](sim::settings).
     pub flags: Vec<String>,
-    /// Whether a key takes a value.
+    /// Checks that a key accepts a value.
     pub check: fn(&str, &str) -> Result<(), BadInput>,
-    /// An episode's setup from keys and values, with behavior `avoid` and seed 1.
+    /// Builds an episode's setup from keys and values, with behavior `avoid` and seed 1.
     pub setup: fn(&[Assignment]) -> Result<Setup, BadInput>,
 }
 
-/// What an episode is, by the places of its parts in the description.
+/// An episode as indices into the description.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Place {
-    /// Point.
+    /// Index of the point.
     pub point: u64,
-    /// Behavior.
+    /// Index of the behavior.
     pub behavior: usize,
-    /// World.
+    /// Index of the world.
     pub world: usize,
-    /// Seed.
+    /// Index of the seed.
     pub seed: usize,
 }
 
-/// A sweep that is known to be sound: every point makes a setup, every world file loads.
+/// A checked sweep: every point makes a setup, every world file loads.
 #[derive(Debug, Clone)]
 pub struct Plan {
     description: Description,
@@ -42,10 +42,10 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Looks at every point, and at every world that comes from a file.
+    /// Checks every point, and every world that is a file.
     ///
     /// # Errors
-    /// The first point whose choices do not go together, the first world that cannot be loaded, too many episodes.
+    /// The first invalid point, the first world that cannot be loaded, or too many episodes.
     pub fn new(description: Description, vocabulary: Vocabulary) -> Result<Self, BadInput> {
         let Description {
             name,
@@ -102,25 +102,25 @@ impl Plan {
         })
     }
 
-    /// What the sweep's file says.
+    /// The sweep's description.
     #[must_use]
     pub fn description(&self) -> &Description {
         &self.description
     }
 
-    /// The head of its results.
+    /// The header of its results.
     #[must_use]
     pub fn header(&self) -> &Header {
         &self.header
     }
 
-    /// Number of its episodes.
+    /// Number of episodes.
     #[must_use]
     pub fn episodes(&self) -> u64 {
         self.header.episodes()
     }
 
-    /// What episode `number` is.
+    /// The indices of episode `number`.
     #[must_use]
     pub fn place(&self, number: u64) -> Place {
         let mut rest = number;
@@ -141,10 +141,10 @@ impl Plan {
         }
     }
 
-    /// The setup of the episodes at a place, but for their seed.
+    /// The setup of the episodes at these indices, apart from the seed.
     ///
     /// # Errors
-    /// None for a place of this plan: they were all looked at.
+    /// None for indices of this plan: they are all checked.
     pub fn setup(&self, place: Place) -> Result<Setup, BadInput> {
         let setup = (self.vocabulary.setup)(&self.description.points.choices(place.point))?;
         let behavior = self.description.behaviors.get(place.behavior).cloned();

@@ -1,4 +1,4 @@
-//! Does a shard's episodes.
+//! Runs the episodes of a shard and appends their results.
 
 use super::in_order::in_order;
 use super::plan::{Place, Plan};
@@ -12,21 +12,23 @@ use sim::pilot::Mind;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
-/// How far a shard is, in episodes.
+/// Progress of a shard, in episodes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Progress {
-    /// In the file already when the program began.
+    /// Episodes in the file at the start of the program.
     pub before: u64,
-    /// In the file now.
+    /// Episodes in the file now.
     pub done: u64,
-    /// To be done altogether.
+    /// All episodes of the shard.
     pub all: u64,
 }
 
-/// Adds the rows of a shard that are not yet in the file at `path`; tells `progress` at the beginning and after each row.
+/// Appends the missing rows of a shard to the file at `path`; calls `progress` at the start and
+/// after each row.
 ///
 /// # Errors
-/// Those of [`ResultsFile`]; a world that cannot be loaded any more; an episode that fails. Rows written before stay.
+/// Those of [`ResultsFile`]; a world that no longer loads; an episode that fails. Earlier rows
+/// stay.
 pub fn run(
     plan: &Plan,
     shard: Shard,
@@ -59,13 +61,13 @@ pub fn run(
     Ok(now)
 }
 
-/// A world that is loaded by the first episode in it.
+/// A world, loaded by the first episode that needs it.
 struct Arena {
     source: WorldSource,
     world: OnceLock<Result<World, BadInput>>,
 }
 
-/// What episodes that follow each other share.
+/// What consecutive episodes share.
 #[derive(Clone)]
 struct Shared {
     place: Place,
@@ -74,7 +76,7 @@ struct Shared {
     arena: Arc<Arena>,
 }
 
-/// Makes jobs; keeps what the last one had, for the next one mostly needs the same.
+/// Creates jobs; reuses the data of the previous job where it is the same.
 struct Jobs<'p> {
     plan: &'p Plan,
     held: Option<Shared>,
@@ -129,7 +131,7 @@ impl Jobs<'_> {
 }
 
 impl Job {
-    /// Drives the episode; its row.
+    /// Runs the episode; returns its row.
     fn row(self) -> Result<Vec<u8>, BadInput> {
         let Self {
             number,

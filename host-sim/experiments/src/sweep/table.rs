@@ -1,4 +1,4 @@
-//! The results of a sweep, or of a part of it, as far as pictures need them.
+//! The columns of a sweep's results that pictures need.
 
 use super::CHOICE_PREFIX;
 use super::results::{Header, read_row};
@@ -8,9 +8,9 @@ use std::collections::HashMap;
 use std::io::BufReader;
 use std::path::Path;
 
-/// Columns of numbers that are read.
+/// Numeric columns that are read.
 const NUMBERS: [&str; 3] = ["contacts", "distance_m", "success"];
-/// Columns of texts that are read, beside those of the points' choices.
+/// Text columns that are read, in addition to the points' options.
 const TEXTS: [&str; 3] = ["world", "behavior", "success_unit"];
 
 /// Rows of results, by column.
@@ -28,18 +28,18 @@ enum Column {
     Skipped,
 }
 
-/// A column of texts: each different text once, and which of them each row has.
+/// A text column: each distinct text once, and an index per row.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Texts {
-    /// The texts, in the order of the rows they come in first.
+    /// The texts, in order of appearance.
     pub distinct: Vec<String>,
-    /// By row: a place in `distinct`.
+    /// By row: index into `distinct`.
     pub of_row: Vec<usize>,
     known: HashMap<String, usize>,
 }
 
 impl Table {
-    /// Reads a results file. A torn last row is left out.
+    /// Reads a results file. Skips a torn last row.
     ///
     /// # Errors
     /// When it cannot be read or is no results file.
@@ -59,7 +59,7 @@ impl Table {
         Ok(table)
     }
 
-    /// No rows yet.
+    /// A table without rows.
     pub(super) fn new(header: Header) -> Self {
         let column = |name: &str| {
             let column = if NUMBERS.contains(&name) {
@@ -78,7 +78,7 @@ impl Table {
         }
     }
 
-    /// A column that results have and these have not.
+    /// A column that results have and these lack.
     fn missing(&self) -> Option<&'static str> {
         let is_there = |name: &str| self.columns.iter().any(|(known, _)| known == name);
         NUMBERS
@@ -87,7 +87,7 @@ impl Table {
             .find(|name| !is_there(name))
     }
 
-    /// One more row.
+    /// Adds a row.
     pub(super) fn add(&mut self, fields: &[&str]) -> Result<(), String> {
         if fields.len() != self.columns.len() {
             let (found, wanted) = (fields.len(), self.columns.len());
@@ -114,14 +114,14 @@ impl Table {
         self.rows
     }
 
-    /// The head of the file.
+    /// The header of the file.
     #[must_use]
     pub fn header(&self) -> &Header {
         &self.header
     }
 
-    /// Keys and values of the points' choices; a value is empty where a point leaves it to the
-    /// preset.
+    /// Keys and values of the points' options; a value is empty where a point does not set the
+    /// option.
     pub fn choices(&self) -> impl Iterator<Item = (&str, &Texts)> {
         self.columns.iter().filter_map(|(name, column)| {
             let key = name.strip_prefix(CHOICE_PREFIX)?;
@@ -132,7 +132,7 @@ impl Table {
         })
     }
 
-    /// The numbers of a column, by row.
+    /// The values of a numeric column, by row.
     #[must_use]
     pub fn numbers(&self, name: &str) -> &[f64] {
         match self.column(name) {
@@ -141,7 +141,7 @@ impl Table {
         }
     }
 
-    /// A column of texts.
+    /// A text column.
     #[must_use]
     pub fn texts(&self, name: &str) -> Option<&Texts> {
         match self.column(name) {

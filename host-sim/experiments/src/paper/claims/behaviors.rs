@@ -1,4 +1,4 @@
-//! Sections 3 and 5.1: obstacle avoidance (Figs. 5 and 6), other behaviors at once, any robot.
+//! Claims of sections 3 and 5.1: obstacle avoidance (Figs. 5 and 6), other behaviors, any robot.
 
 use super::{Claim, PRESETS, Verdict, each, mean, percent, percents, reinforcement};
 use crate::behaviors::Outcome;
@@ -9,7 +9,7 @@ use crate::paper::measure::{FEWER_MOVES, Measured, Reached};
 use sim::scenes::Behavior;
 use sim::statistics::{Mean, bootstrap};
 
-/// The claims of these sections, in their order.
+/// The claims of these sections, in order.
 pub(super) fn claims(measured: &Measured) -> Vec<Claim> {
     let mut claims = vec![no_bumps(measured)];
     claims.push(reinforcement::similar_quality(measured));
@@ -153,7 +153,8 @@ fn at_once(measured: &Measured) -> Claim {
     .verdict(Verdict::of(&met))
 }
 
-/// Whether an outcome is what the scene asks ("≥ 0.80", "≤ 0.20"); without a figure, all of a share.
+/// Whether an outcome meets the scene's requirement ("≥ 0.80", "≤ 0.20"); without a number, a share
+/// must be 1.
 fn is_reached(asked: &str, outcome: &Outcome) -> bool {
     let number = |text: &str| text.trim().parse::<f64>().unwrap_or(f64::NAN);
     let value = outcome.value.mean;
@@ -199,7 +200,7 @@ fn asked(measured: &Measured, name: &str, section: &'static str, words: &'static
         .verdict(Verdict::of(&met))
 }
 
-/// Wall gap less obstacle gap, m, by room or seed.
+/// Wall gap minus obstacle gap, m, by room or seed.
 fn difference<'a>(gaps: impl Iterator<Item = &'a Gaps>) -> Mean {
     let pairs = gaps.filter_map(Gaps::means);
     let values: Vec<_> = pairs

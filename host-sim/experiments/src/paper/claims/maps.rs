@@ -1,4 +1,5 @@
-//! Sections 2.1 to 2.4: goals that are perceived, lazy memory, self-organizing maps (Figs. 1 and 2).
+//! Claims of sections 2.1 to 2.4: perceived goals, lazy memory, self-organizing maps (Figs. 1 and
+//! 2).
 
 use super::{Claim, PRESETS, Verdict, each, mean, median, percent, percents};
 use crate::paper::chain::{Chain, NEURONS, PROBES};
@@ -6,7 +7,7 @@ use crate::paper::measure::Measured;
 use crate::paper::order::{Order, SHUFFLINGS};
 use crate::paper::rooms::Room;
 
-/// The claims of these sections, in their order.
+/// The claims of these sections, in order.
 pub(super) fn claims(measured: &Measured) -> Vec<Claim> {
     let mut claims = vec![perceived(measured), similar_samples(measured)];
     claims.push(
@@ -33,7 +34,7 @@ pub(super) fn claims(measured: &Measured) -> Vec<Claim> {
     claims
 }
 
-/// A figure of each room by reading.
+/// A figure of each room, by reading.
 fn by_room(measured: &Measured, figure: impl Fn(&Room) -> f64) -> [f64; 3] {
     std::array::from_fn(|i| mean(measured.rooms[i].iter().map(&figure)))
 }
@@ -179,7 +180,7 @@ fn same_number(measured: &Measured) -> Claim {
     let [uniform, _, uneven] = &measured.chains;
     let of = |chains: &[Chain]| mean(chains.iter().map(|chain| spread(&chain.relative_hits())));
     let maps = by_room(measured, |room| room.order.hit_spread);
-    // Both maps of `default` and `probe` are the same.
+    // Both maps of `default` and `probe` are identical.
     let spreads = [of(uniform), of(uneven), maps[1], maps[2]];
     let names = [
         "uniform chain",

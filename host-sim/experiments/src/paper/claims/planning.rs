@@ -1,10 +1,10 @@
-//! Sections 2.4 and 2.5: the two maps together, from a goal to an action (Figs. 3 and 4).
+//! Claims of sections 2.4 and 2.5: the two maps together, from a goal to an action (Figs. 3 and 4).
 
 use super::{Claim, PRESETS, Verdict, each, mean, percent, percents};
 use crate::paper::measure::Measured;
 use crate::paper::plans::Plans;
 
-/// The claims of these sections, in their order.
+/// The claims of these sections, in order.
 pub(super) fn claims(measured: &Measured) -> Vec<Claim> {
     let plans = measured.rooms.each_ref().map(|rooms| {
         let all = rooms.iter().map(|room| room.plans);
@@ -25,7 +25,7 @@ fn decisions(plans: &[Plans], count: impl Fn(&Plans) -> u32) -> String {
     format!("{} decisions", counts.join(", "))
 }
 
-/// Of the readings that probe the action map with the change wanted.
+/// For the readings that probe the action map with the wanted change.
 fn brings_about([_, probe, touzet]: &[Plans; 3]) -> Claim {
     let plans = [*probe, *touzet];
     let shares = plans.map(|plans| {

@@ -1,4 +1,4 @@
-//! Section 3 beside reinforcement learning: how good, and after how many moves.
+//! Claims of section 3 about reinforcement learning: quality, and number of moves.
 
 use super::{Claim, Verdict, percents};
 use crate::compare::{Method, Row};
@@ -15,7 +15,7 @@ fn of(measured: &Measured, method: Method) -> impl Iterator<Item = &Row> {
     rows.filter(move |row| row.method == method)
 }
 
-/// What a method reaches by its learning moves: "q-table 77.0 / 89.0 % (2.10 / 0.50 contacts per 100 m)".
+/// Results of a method by learning moves: "q-table 77.0 / 89.0 % (2.10 / 0.50 contacts per 100 m)".
 fn by_moves(measured: &Measured, method: Method) -> String {
     let (clean, contacts): (Vec<_>, Vec<_>) = of(measured, method)
         .map(figures)
@@ -28,7 +28,7 @@ fn by_moves(measured: &Measured, method: Method) -> String {
     )
 }
 
-/// The cleanest that the learners are, at any number of moves that `counts`.
+/// Best share of clean episodes of any learner, over the numbers of moves that `counts` accepts.
 fn cleanest(measured: &Measured, counts: impl Fn(u32) -> bool) -> f64 {
     let learners = measured.compared.iter();
     let learners = learners.filter(|row| row.method.goes_on_learning() && counts(row.moves));

@@ -1,4 +1,4 @@
-//! Section 2.4 (and the abstract): a behavior improves by being repeated.
+//! Claims of section 2.4 (and the abstract): a behavior improves by repetition.
 
 use super::{Claim, Verdict};
 use crate::paper::measure::Measured;
@@ -37,9 +37,9 @@ pub(super) fn claims(measured: &Measured) -> [Claim; 2] {
     ]
 }
 
-/// A change of a scene's measure.
+/// A change of a scene's measure between repetitions.
 struct Change {
-    /// For the better (1), for the worse (−1), or neither for certain (0).
+    /// Better (1), worse (−1), or not significant (0).
     sign: i8,
     text: String,
 }
@@ -48,7 +48,7 @@ impl Change {
     fn of(scene: &Scene, change: Mean) -> Self {
         let [low, high] = change.interval;
         let up = i8::from(low > 0.0) - i8::from(high < 0.0);
-        // Of errors less is better.
+        // An error is better when it is smaller.
         let is_error = scene.measure.starts_with("error");
         Self {
             sign: if is_error { -up } else { up },

@@ -1,7 +1,7 @@
 use super::*;
 use sim::settings;
 
-/// Flags that take anything; settings as they are.
+/// Flags that accept any value; settings as they are.
 fn vocabulary() -> Vocabulary {
     Vocabulary {
         flags: ["steps", "preset"].map(str::to_owned).into(),

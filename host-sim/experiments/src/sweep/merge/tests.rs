@@ -94,7 +94,7 @@ fn gaps_doubles_and_strangers_are_refused_by_name() {
             "{words:?}: {error}"
         );
     }
-    // Nothing is left to put against episode 0 but itself.
+    // The only possible duplicate of episode 0 is itself.
     let error = merged(&[even.clone(), even.clone()]).expect_err("twice the same");
     assert!(error.contains("episode 0 is in "), "{error}");
 }
