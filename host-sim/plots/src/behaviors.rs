@@ -1,4 +1,4 @@
-//! Several behaviors side by side: one path each.
+//! Draws the paths of several behaviors side by side.
 
 use sim::recording::Recording;
 
@@ -12,17 +12,17 @@ use crate::draw::svg::{Font, Svg};
 const COLUMNS: usize = 3;
 /// Height of the captions of a row and the gap below them, px.
 const CAPTIONS: f64 = 74.0;
-/// Tallest panel, px.
+/// Height limit of a panel, px.
 const TALLEST: f64 = 250.0;
 
-/// One behavior to be shown.
+/// One behavior with its recording.
 #[derive(Debug, Clone)]
 pub struct Shown {
     /// Its name.
     pub name: String,
-    /// A line or two about it.
+    /// One or two lines about it.
     pub about: String,
-    /// What it did.
+    /// The recorded episode.
     pub recording: Recording,
 }
 

@@ -1,4 +1,4 @@
-//! Curves with their 95 % bands: measures over repetitions or budgets, several lines in each panel.
+//! Draws curves with 95 % bands: measures over repetitions or moves, several lines per panel.
 
 use sim::statistics::Mean;
 
@@ -8,43 +8,43 @@ use crate::draw::svg::{Anchor, Font, Svg, fill, stroke};
 
 /// Panels in a row.
 const COLUMNS: usize = 3;
-/// A panel's height with its captions, and that of its axes, px.
+/// Height of a panel with its captions, and of its axes, px.
 const HEIGHT: f64 = 214.0;
 const AXES: f64 = 138.0;
 
-/// Height of the names below the panels, where there are any, px.
+/// Height of the names below the panels, px.
 const NAMES: f64 = 30.0;
 
-/// The lines' colors, in their order.
+/// Colors of the lines, in order.
 const COLORS: [&str; 6] = [BLUE, ORANGE, GREEN, PURPLE, VERMILLION, INK];
 
-/// What holds for all panels.
+/// What all panels share.
 #[derive(Debug, Clone)]
 pub struct Key {
-    /// What the page shows, in a line.
+    /// One line about the page.
     pub subtitle: String,
-    /// What runs along the panels.
+    /// Name of the horizontal axis.
     pub along: String,
-    /// Places along the panels (counted from 0) that are labeled, and how.
+    /// Labeled positions on the horizontal axis (counted from 0), with their labels.
     pub ticks: Vec<(usize, String)>,
-    /// Names of the lines and whether they are dashed; none where the subtitle names them.
+    /// Names of the lines, and whether they are dashed; empty if the subtitle names them.
     pub names: Vec<(String, bool)>,
 }
 
-/// One panel: a measure by each line, the first drawn first.
+/// One panel: a measure by line; the first line is drawn first.
 #[derive(Debug, Clone)]
 pub struct Curves {
-    /// What it is about.
+    /// Title of the panel.
     pub title: String,
-    /// The measure.
+    /// Name of the measure.
     pub measure: String,
-    /// The measure cannot lie outside: neither does the axis reach farther.
+    /// Limits of the measure; the axis does not exceed them.
     pub within: [f64; 2],
-    /// The lines, all of one length.
+    /// The lines, all of equal length.
     pub lines: Vec<Vec<Mean>>,
 }
 
-/// Draws a panel for each measure, the lines in the colors blue, orange, green, purple, vermillion, black.
+/// Draws a panel per measure, with lines in blue, orange, green, purple, vermillion, black.
 ///
 /// Returns an SVG document.
 #[must_use]
@@ -110,7 +110,7 @@ fn panel(svg: &mut Svg, [left, top]: [f64; 2], side: f64, key: &Key, curves: &Cu
     }
 }
 
-/// Where values lie on the page.
+/// Maps values to page coordinates.
 struct Axes {
     area: [f64; 4],
     low: f64,
@@ -125,7 +125,7 @@ impl Axes {
         let low = ends.iter().copied().fold(f64::INFINITY, f64::min);
         let high = ends.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
-        // A curve that never moves lies in the middle.
+        // A constant curve lies in the middle.
         let [least, most] = curves.within;
         let longest = curves.lines.iter().map(Vec::len).max().unwrap_or(0);
         let rim = ((high - low) * 0.06).max(0.01);
@@ -160,7 +160,7 @@ impl Axes {
             let [x, _] = self.at(*place, self.low);
             svg.text([x, below], font.at(Anchor::Middle), label);
         }
-        // Between the labels of the two ends, or below many of them.
+        // Between the labels of both ends, or below them if there are many.
         let along = if key.ticks.len() > 2 {
             below + 14.0
         } else {

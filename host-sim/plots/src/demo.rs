@@ -1,4 +1,4 @@
-//! All pictures of one episode in a folder, with a page that shows and explains them.
+//! Writes all pictures of one episode into a folder, with a page that explains them.
 
 use files::error::BadInput;
 use files::{save, unwritable};
@@ -13,14 +13,15 @@ use super::{action_map, path, png, sequence, situation_map};
 /// Pixels per page unit of the bitmaps.
 pub const PNG_SCALE: f32 = 2.0;
 
-/// Writes every picture of an episode as SVG and PNG, and `index.html` with them, into `dir` (made if missing).
+/// Writes every picture of an episode as SVG and PNG, and `index.html` with them, into `dir`
+/// (created if missing).
 ///
-/// `summary` are (label, value) rows for the page, `next` commands to try next. Each file appears under its name only
-/// when it is complete. Returns the files in the order they were written, `index.html` last.
+/// `summary` has (label, value) rows for the page, `next` has commands to try next. A file appears
+/// under its name only when it is complete. Returns the files in the order of writing, `index.html`
+/// last.
 ///
 /// # Errors
-///
-/// The first file that could not be written; those before it stay.
+/// The first file that cannot be written; earlier files stay.
 pub fn write(
     dir: &Path,
     recording: &Recording,
@@ -59,7 +60,7 @@ pub fn write(
 
 type Picture = (&'static str, &'static str, &'static [&'static str], String);
 
-/// Name, title, caption and document of each picture, in the order a student should see them.
+/// Name, title, caption and document of each picture, in the recommended order.
 pub fn pictures(recording: &Recording) -> [Picture; 4] {
     let plan = recording
         .seeking

@@ -1,4 +1,4 @@
-//! A plausible episode for the tests of the pictures: a robot with 16 transducers that turns away from what is near.
+//! A synthetic episode for the tests of the pictures: a robot with 16 transducers avoids obstacles.
 
 use core::f64::consts::TAU;
 
@@ -107,7 +107,7 @@ pub fn recording() -> Recording {
     }
 }
 
-/// An episode in which nothing happened and nothing was learned.
+/// An episode without moves and without maps.
 pub fn empty() -> Recording {
     let none = MapRecord {
         grid: [0, 0],
@@ -125,7 +125,7 @@ pub fn empty() -> Recording {
     }
 }
 
-/// Fails unless `svg` is a picture that a browser shows.
+/// Fails unless `svg` is a well-formed SVG document.
 pub fn assert_well_formed(svg: &str) {
     super::png::check(svg).unwrap_or_else(|error| panic!("{error}\n{svg}"));
 }
@@ -147,7 +147,7 @@ impl Robot {
         (self.random >> 40) as f64 / f64::from(1 << 24)
     }
 
-    /// The distance to the first surface along a bearing, found by marching.
+    /// The distance to the first surface along a bearing, by ray marching.
     fn range(&self, bearing: f64) -> Option<f64> {
         let mut far = RADIUS_M;
         while far < 6.5 {
@@ -197,7 +197,7 @@ impl Robot {
     }
 }
 
-/// 400 decisions: straight on in the open, away from what is near otherwise.
+/// 400 decisions: straight in free space, else away from the nearest obstacle.
 fn seek(robot: &mut Robot, map: &MapRecord) -> Vec<Step> {
     let mut steps: Vec<Step> = Vec::new();
     let mut direction: f64 = 0.3;

@@ -1,12 +1,8 @@
-//! Pictures of what a robot did and what its maps learned, as SVG text drawn from recorded values only.
+//! Pictures of recorded episodes and maps, as SVG; [`png::render`] makes bitmaps of them.
 //!
-//! Every picture function takes plain records and returns one SVG document; [`png::render`] turns any of them into a
-//! bitmap with the bundled font. The same data give the same bytes on every machine: numbers are printed with fixed
-//! decimals, angles go through `libm`, nothing is iterated in hash order.
-//!
-//! Pictures are laid out for a page of 800 px: no text is smaller than 11 px there. Colors are the color-blind-safe
-//! ones of Okabe and Ito, with viridis and cividis for continuous values. World y points up the page; in rosettes the
-//! front of the ring points up and its left to the left.
+//! Same data, same bytes: fixed decimals, `libm` for angles, no hash order. Pages are 800 px wide,
+//! text is at least 11 px. Colors: Okabe and Ito, viridis and cividis. World y points up the page;
+//! in rosettes the ring's front points up and its left to the left.
 
 mod action_map;
 mod behaviors;

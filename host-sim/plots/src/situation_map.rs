@@ -1,4 +1,4 @@
-//! What each neuron of the situation map stands for (Fig. 2 of the paper).
+//! Draws the situation map: the code vector of each neuron (Fig. 2 of the paper).
 
 use sim::recording::{MapRecord, PlanRecord};
 
@@ -7,12 +7,12 @@ use crate::draw::layout::{Legend, TOP, Tiles, axis_end, heading, normalized, u_m
 use crate::draw::rosette::{Rosette, corner, tile};
 use crate::draw::svg::{Svg, fill, stroke};
 
-/// Neurons to point out on a map, by index from 0.
+/// Marked neurons of a map, by index from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct MapMarks {
-    /// The neuron that stands for the goal.
+    /// The goal neuron.
     pub goal: Option<usize>,
-    /// The neuron that stands for the present situation.
+    /// The neuron of the present situation.
     pub current: Option<usize>,
 }
 
@@ -25,8 +25,10 @@ impl From<&PlanRecord> for MapMarks {
     }
 }
 
-/// Draws a situation map: a rosette per neuron with one bar per transducer at its bearing (rad, front up the page),
-/// bar length = value, background = U-matrix, with labels N1, N2, …, hits and marks.
+/// Draws a situation map with a rosette per neuron over the U-matrix.
+///
+/// One bar per transducer at its bearing (rad, front up the page), bar length = value; with labels
+/// N1, N2, …, hits and marks.
 ///
 /// Works for any grid and any number of transducers. Returns an SVG document.
 #[must_use]

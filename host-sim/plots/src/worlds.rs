@@ -1,4 +1,4 @@
-//! Small pictures of worlds side by side.
+//! Draws small pictures of worlds side by side.
 
 use core::f64::consts::FRAC_PI_2;
 
@@ -15,8 +15,8 @@ const ROBOT_RADIUS_M: f64 = 0.23;
 /// Height of the captions of a row and the gap below them, px.
 const CAPTIONS: f64 = 62.0;
 
-/// Draws worlds as small multiples, each with its name and size in meters below, its start pose as an arrow, and a
-/// scale bar.
+/// Draws worlds as small multiples, with name and size in meters below, the start pose as an arrow,
+/// and a scale bar.
 ///
 /// Returns an SVG document.
 #[must_use]
@@ -50,13 +50,13 @@ pub fn worlds(title: &str, worlds: &[&World]) -> String {
     svg.finish(title, &subtitle)
 }
 
-/// Height of the tallest drawing of a row when each is at most `side` px wide and high.
+/// Height of the tallest drawing of a row if each is at most `side` px wide and high.
 fn tallest(row: &[&World], side: f64) -> f64 {
     let height = |world: &&World| View::new(scene::extent(world), [0.0, 0.0], [side, side]).size[1];
     row.iter().map(height).fold(0.0, f64::max)
 }
 
-/// One world in the middle of `room` px below `corner`, standing on its captions.
+/// One world centered in `room` px below `corner`, aligned with its captions.
 fn small(svg: &mut Svg, [x, y]: [f64; 2], [side, height]: [f64; 2], world: &World) {
     let corners = scene::extent(world);
     let [wide, tall] = View::new(corners, [x, y], [side, side]).size;
@@ -67,7 +67,7 @@ fn small(svg: &mut Svg, [x, y]: [f64; 2], [side, height]: [f64; 2], world: &Worl
     let at = view.at(start.position);
     let radius = (ROBOT_RADIUS_M * view.scale).max(3.5);
     svg.circle(at, radius, &filled("#ffffff", VERMILLION, 1.8));
-    // Bearings on the page count from straight up, headings from the x axis.
+    // Bearings on the page start at straight up, headings at the x axis.
     arrow(
         svg,
         at,
