@@ -1,4 +1,4 @@
-//! `host-sim ablation`: the worth of each open choice.
+//! `host-sim ablation`: the effect of each option, changed one at a time.
 
 use super::output::bar;
 use super::run::SonarChoice;
@@ -12,7 +12,7 @@ use experiments::scenes::{Scene, scenes_named};
 use files::error::BadInput;
 use std::io::Write;
 
-/// The `ablation` command's flags.
+/// Flags of the `ablation` command.
 #[derive(Debug, Clone, Args)]
 pub struct AblationArgs {
     /// Random rooms per row
@@ -24,16 +24,17 @@ pub struct AblationArgs {
     /// Steps per room
     #[arg(long, value_name = "STEPS", default_value_t = 1_000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     steps: u32,
-    /// Seed of the first room's episode; each further room has the next one
+    /// Seed of the first room's episode; each further room uses the next seed
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
-    /// What the sonars return
+    /// Sonar model
     #[arg(long, value_name = "MODEL", default_value = "ideal", value_enum)]
     sonar: SonarChoice,
     /// Only rows whose name contains this text
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
-    /// Measure every behavior instead, each in one scene without the shield; rooms = worlds, 5 seeds in each
+    /// Measure all behaviors instead, each in one scene without the shield; rooms = worlds, 5 seeds
+    /// in each
     #[arg(long, conflicts_with_all = ["seed", "steps"])]
     behaviors: bool,
     /// Print Markdown
@@ -52,7 +53,7 @@ const HEADS: [&str; 8] = [
     "shield stops",
 ];
 
-/// Scenes in the table over the behaviors.
+/// Scenes in the table of behaviors.
 const BEHAVIOR_SCENES: [(&str, &str); 7] = [
     ("avoid-right", "one obstacle"),
     ("wall-right", "plain room"),
@@ -69,7 +70,7 @@ const BEHAVIOR_SEEDS: u32 = 5;
 /// Measures and prints the table.
 ///
 /// # Errors
-/// When no row has the asked name, an episode fails, or the pipe is closed.
+/// When no row matches `--only`, an episode fails, or the pipe is closed.
 pub fn ablation(args: &AblationArgs, out: &mut impl Write) -> Result<(), Failure> {
     let mut chosen = if args.behaviors {
         behavior_variants()?

@@ -1,4 +1,4 @@
-//! `host-sim barn`: the BARN benchmark's table.
+//! `host-sim barn`: drives the worlds of the BARN benchmark and prints its table.
 
 use super::output::{bar, prepare};
 use super::run::{Preset, SonarChoice, Switch};
@@ -24,9 +24,9 @@ use std::io::Write;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-/// Worlds in a picture.
+/// Largest number of worlds in a picture.
 const SHOWN: usize = 8;
-/// Reference lengths of this column are taken.
+/// Column of `--lengths` with the reference lengths.
 const LENGTH: &str = "reference_path_length_m";
 
 /// Drives the worlds of the BARN benchmark and prints success and score
@@ -38,40 +38,42 @@ Examples:
   host-sim barn --file cells.csv --methods maps,vfh-plus --shield off --out out/barn
       worlds from a table of filled cells (heading world,ix,iy); what the methods do on their own; a picture")]
 pub struct BarnArgs {
-    /// Worlds: a folder of world_N.world files, one such file, or a table of filled cells with the heading world,ix,iy
+    /// Worlds: a folder of world_N.world files, one such file, or a table of filled cells with the
+    /// header world,ix,iy
     #[arg(long, value_name = "FILE|FOLDER")]
     file: PathBuf,
-    /// Worlds to drive, N or A..=B, as far as they are there [default: all]
+    /// Worlds to drive, N or A..=B; missing ones are skipped [default: all]
     #[arg(long, value_name = "RANGE", value_parser = range)]
     worlds: Option<RangeInclusive<u32>>,
-    /// Who drives [default: all]
+    /// Methods to drive by [default: all]
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_enum)]
     methods: Vec<Method>,
-    /// Table with the columns world and reference_path_length_m: lengths of the way to score by [default: computed]
+    /// Table with the columns world and reference_path_length_m: path lengths for the score
+    /// [default: computed]
     #[arg(long, value_name = "FILE")]
     lengths: Option<PathBuf>,
-    /// Seed of the first world; each further world has the next one
+    /// Seed of the first world; each further world uses the next seed
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
-    /// Random moves the maps learn from, in a random room
+    /// Random moves from which the maps learn, in a random room
     #[arg(long, value_name = "MOVES", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=i64::from(MAX_MOVES)))]
     explore: u16,
-    /// Let the sonars limit everybody's motion
+    /// Let the sonars limit the motion of all methods
     #[arg(long, value_name = "ON|OFF", default_value = "on", value_enum)]
     shield: Switch,
-    /// Distance the shield keeps between body and anything heard, m
+    /// Distance that the shield keeps between body and echoes, m
     #[arg(long, value_name = "M", default_value = "0.09", value_parser = margin)]
     margin: f64,
-    /// What the maps want to keep clear around the ring, m
+    /// Clearance around the ring in the maps' goal, m
     #[arg(long, value_name = "M", default_value_t = Tuning::default().clearance_m, value_parser = clearance)]
     clearance: f64,
-    /// What a step towards the goal weighs to the maps, in units of a squared deviation of 1
+    /// Weight of progress toward the goal for the maps, in units of a squared deviation of 1
     #[arg(long, value_name = "WEIGHT", default_value_t = Tuning::default().pull, value_parser = pull)]
     pull: f64,
-    /// What the sonars return
+    /// Sonar model
     #[arg(long, value_name = "MODEL", default_value = "ideal", value_enum)]
     sonar: SonarChoice,
-    /// Change one open choice of the maps (see `host-sim settings`); may be given several times
+    /// Change one option of the controller (see `host-sim settings`); may be given several times
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
     /// Print Markdown
@@ -80,7 +82,7 @@ pub struct BarnArgs {
     /// Print one JSON object per world and method instead of the table
     #[arg(long)]
     json: bool,
-    /// Write a picture of the first worlds with the ways driven into this folder
+    /// Write a picture of the first worlds with the driven paths into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -105,15 +107,15 @@ fn pull(text: &str) -> Result<f64, BadInput> {
     between(text, 0.0, 0.99)
 }
 
-/// A world, the shortest way through it and what the methods did there.
+/// A world, its shortest path and the runs of the methods.
 struct Course {
     world: World,
     number: u32,
-    /// The shortest way of the body.
+    /// The shortest path of the body.
     way: Option<Vec<Point>>,
-    /// The shortest way of the body and the shield's margin, m.
+    /// A path for the body plus the shield's margin exists.
     with_margin: bool,
-    /// Length to score by, m.
+    /// Path length for the score, m.
     length_m: f64,
     runs: Vec<Run>,
 }
@@ -121,7 +123,8 @@ struct Course {
 /// Drives the worlds and prints the table.
 ///
 /// # Errors
-/// Worlds that cannot be loaded, a flag that cannot be used, a folder that cannot be written, a closed pipe.
+/// Worlds that cannot be loaded, a flag that does not apply, a folder that cannot be written, a
+/// closed pipe.
 pub fn barn(args: &BarnArgs, out: &mut impl Write) -> Result<(), Failure> {
     let rules = rules(args)?;
     let methods = if args.methods.is_empty() {
@@ -190,7 +193,7 @@ fn drive(
         Some(lengths) => lengths.get(&number).copied().ok_or_else(|| {
             BadInput::new(format!("--lengths: there is no length for world {number}"))
         })?,
-        // A world without a way is failed by everybody: any length does.
+        // In a world without a path every run fails: the length does not matter.
         None => way.as_deref().map_or(1.0, length),
     };
     let run = |method: &Method| barn::run(&world, *method, rules, u64::from(number));
@@ -204,7 +207,7 @@ fn drive(
     })
 }
 
-/// Reads lengths of the ways by world.
+/// Reads path lengths by world.
 fn lengths(path: &Path) -> Result<BTreeMap<u32, f64>, BadInput> {
     let source = path.display().to_string();
     let text = read_text(path, MAX_INPUT_BYTES)?;
@@ -369,7 +372,7 @@ fn picture(
     quiet: bool,
     out: &mut impl Write,
 ) -> Result<(), Failure> {
-    // Spread over all the worlds: the later ones are the harder ones.
+    // Spread over all worlds: the later ones are harder.
     let count = courses.len().min(SHOWN);
     let spread = |place: usize| {
         courses.get(place * courses.len().saturating_sub(1) / count.saturating_sub(1).max(1))

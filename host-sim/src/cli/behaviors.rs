@@ -1,4 +1,4 @@
-//! `host-sim behaviors`: what each behavior does and reaches, by the maps alone and with the shield.
+//! `host-sim behaviors`: results of each behavior, without and with the shield.
 
 use super::output::{bar, prepare};
 use super::run::{Preset, SonarChoice};
@@ -13,25 +13,26 @@ use sim::scenes::Behavior;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// The `behaviors` command's flags.
+/// Flags of the `behaviors` command.
 #[derive(Debug, Clone, Args)]
 pub struct BehaviorsArgs {
-    /// Measure every scene, in so many worlds each [default: a short list, 3 worlds; with --seeds 10]
+    /// Measure every scene, in this many worlds [default: a short list, 3 worlds; with --seeds 10]
     #[arg(long, value_name = "WORLDS", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     worlds: Option<u32>,
-    /// Measure every scene, with so many seeds per world [default: a short list, 4 seeds; with --worlds 30]
+    /// Measure every scene, with this many seeds per world [default: a short list, 4 seeds; with
+    /// --worlds 30]
     #[arg(long, value_name = "SEEDS", value_parser = clap::value_parser!(u32).range(1..=999))]
     seeds: Option<u32>,
-    /// Number of the first world: each has its own rooms and seeds
+    /// Number of the first world; each has its own rooms and seeds
     #[arg(long, value_name = "NUMBER", default_value_t = 1)]
     first: u64,
-    /// The open choices of the method
+    /// Preset of the controller's options
     #[arg(long, value_name = "NAME", default_value = "default", value_enum)]
     preset: Preset,
-    /// Change one open choice (see `host-sim settings`); may be given several times
+    /// Change one option (see `host-sim settings`); may be given several times
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
-    /// What the sonars return
+    /// Sonar model
     #[arg(long, value_name = "MODEL", default_value = "ideal", value_enum)]
     sonar: SonarChoice,
     /// Only behaviors whose name contains this text
@@ -40,7 +41,7 @@ pub struct BehaviorsArgs {
     /// Print Markdown
     #[arg(long)]
     markdown: bool,
-    /// Write a picture of them all, and pictures and a page for each, into this folder
+    /// Write a picture of all behaviors, and pictures and a page for each, into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -70,10 +71,10 @@ const TABLE_HEADS: [&str; 8] = [
     "contact steps %",
 ];
 
-/// Measures and prints the list, or the whole table when its size is given.
+/// Measures and prints the list, or the whole table if its size is given.
 ///
 /// # Errors
-/// When no behavior has the asked name, an episode fails, or something cannot be written.
+/// When no behavior matches `--only`, an episode fails, or something cannot be written.
 pub fn behaviors(args: &BehaviorsArgs, out: &mut impl Write) -> Result<(), Failure> {
     let short = args.worlds.is_none() && args.seeds.is_none();
     let mut scenes = chosen(args.only.as_deref())?;
@@ -179,7 +180,8 @@ fn table_row(scene: &Scene, bare: &Outcome, shielded: &Outcome) -> Vec<String> {
     ]
 }
 
-/// The pictures of each scene's first episode in a folder of its name, and one of them all.
+/// Writes the pictures of each scene's first episode into a folder of its name, and one of all
+/// behaviors.
 fn pictures(
     scenes: &[&Scene],
     trial: &Trial,
@@ -221,7 +223,7 @@ fn pictures(
     )?)
 }
 
-/// A name for a folder.
+/// A valid name of a folder.
 fn tame(name: &str) -> String {
     let words = name.split(|c: char| !c.is_ascii_alphanumeric());
     let words: Vec<_> = words.filter(|word| !word.is_empty()).collect();

@@ -1,4 +1,4 @@
-//! `host-sim bridge`: a mind drives a Nomad 200 over the robot's own line.
+//! `host-sim bridge`: a controller drives a Nomad 200 over the robot's own protocol.
 
 use super::Failure;
 use super::output::bar;
@@ -22,14 +22,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Speed of the robot's serial port unless another is asked for, baud.
+/// Default speed of the robot's serial port, baud.
 const BAUD: u32 = 38_400;
 
-/// Sonars in one answer over a serial line: with the position of each reading, 16 would take it a sixth of a second.
+/// Sonars per answer over a serial line: 16 with their positions would take a sixth of a second.
 const SERIAL_SONARS: u32 = 4;
 
-/// Longest time of a real robot in one chunk of its log. With the second that a silent robot is waited for, a crash takes at
-/// most 2 s.
+/// Longest time in one chunk of a real robot's log. With the timeout of 1 s for a silent robot, a
+/// crash loses at most 2 s.
 const CHUNK_DURATION: Duration = Duration::from_secs(1);
 
 const EXAMPLES: &str = "\
@@ -41,30 +41,30 @@ Examples:
 The robot drives! It stops at Ctrl-C, at a bumper, when the mind or the line falls silent, and one second after this \
 program is gone.";
 
-/// The `bridge` command's flags.
+/// Flags of the `bridge` command.
 #[derive(Debug, Clone, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct BridgeArgs {
-    /// The robot: tcp:HOST:PORT or serial:PORT[@BAUD] (38400 unless said otherwise)
+    /// The robot: tcp:HOST:PORT or serial:PORT[@BAUD] (default 38400 baud)
     #[arg(long, value_name = "WHERE", value_parser = parsed::<Robot>)]
     nomad: Robot,
     #[command(flatten)]
     mind: MindArgs,
     #[command(flatten)]
     task: TaskArgs,
-    /// Decisions towards the goal
+    /// Decisions toward the goal
     #[arg(long, value_name = "STEPS", default_value_t = 1_000, value_parser = clap::value_parser!(u32).range(1..))]
     steps: u32,
     /// Print one JSON object instead of a table
     #[arg(long)]
     json: bool,
-    /// Write everything the mind is told and answers into a new FILE in the MCAP format, for `replay`, `view`, `log`
-    /// and other tools
+    /// Write all events and answers of the controller into a new FILE in the MCAP format, for
+    /// `replay`, `view`, `log` and other tools
     #[arg(long, value_name = "FILE")]
     log: Option<PathBuf>,
 }
 
-/// Where a robot is.
+/// Address of a robot.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Robot(Address);
 
@@ -95,10 +95,10 @@ impl FromStr for Robot {
 }
 
 impl Robot {
-    /// Opens the way to it.
+    /// Opens the connection.
     ///
     /// # Errors
-    /// When it cannot be reached or does not greet.
+    /// When the robot cannot be reached or sends no greeting.
     pub(super) fn open(&self) -> Result<Host, BadInput> {
         let at = |error| named(&self.0, &error);
         match &self.0 {
@@ -111,7 +111,7 @@ impl Robot {
         }
     }
 
-    /// Sonars to be asked for at once.
+    /// Number of sonars per request.
     pub(super) fn sonars_at_once(&self) -> u32 {
         match self.0 {
             Address::Serial { .. } => SERIAL_SONARS,
@@ -120,10 +120,10 @@ impl Robot {
     }
 }
 
-/// Drives, and prints what came of it, also when it ended early.
+/// Drives, and prints the result, also of an episode that ended early.
 ///
 /// # Errors
-/// A robot or a mind that cannot be reached or falls silent, an interruption, a closed pipe.
+/// A robot or controller that cannot be reached or stops answering, an interruption, a closed pipe.
 pub(super) fn bridge(args: &BridgeArgs, out: &mut impl Write) -> Result<(), Failure> {
     let task = &args.task;
     let plan = Plan {
@@ -151,10 +151,10 @@ pub(super) fn bridge(args: &BridgeArgs, out: &mut impl Write) -> Result<(), Fail
     Ok(written.map_err(BadInput::new)?)
 }
 
-/// The open choices for a robot whose turret is held.
+/// The configuration for a robot with a held turret.
 ///
 /// # Errors
-/// A preset whose ring turns with the heading; a setting that is unknown.
+/// A preset whose ring turns with the heading; an unknown setting.
 pub(super) fn held(task: &TaskArgs) -> Result<Config<16>, BadInput> {
     if task.preset == Preset::Touzet {
         return Err(BadInput::new(
@@ -164,7 +164,7 @@ pub(super) fn held(task: &TaskArgs) -> Result<Config<16>, BadInput> {
     task.config()
 }
 
-/// The mind of a robot, at its beginning.
+/// A robot's controller in its initial state.
 ///
 /// # Errors
 /// When it cannot be reached.
@@ -213,7 +213,7 @@ fn explain(args: &BridgeArgs, trouble: &Trouble) -> BadInput {
     }
 }
 
-/// A flag that Ctrl-C, a hang-up or a request to end raises.
+/// A flag that Ctrl-C, a hang-up or a termination signal sets.
 pub(super) fn watch() -> Result<Arc<AtomicBool>, BadInput> {
     let flag = Arc::new(AtomicBool::new(false));
     let raised = Arc::clone(&flag);

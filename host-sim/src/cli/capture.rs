@@ -1,4 +1,4 @@
-//! `host-sim capture`: what the robot perceives at a place, as a goal file.
+//! `host-sim capture`: writes the situation at a pose as a goal file.
 
 use super::Failure;
 use super::run::{Preset, SonarChoice};
@@ -13,26 +13,26 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// The `capture` command's flags.
+/// Flags of the `capture` command.
 #[derive(Debug, Clone, Args)]
 pub struct CaptureArgs {
     /// World, named as for `run`: a FILE, random:SEED, or a built-in name
     #[arg(long, value_name = "WORLD", default_value = "paper")]
     world: String,
-    /// Where the robot stands, meters, and where its ring looks, degrees [default: the world's start; without
-    /// DEG the start's bearing]
+    /// Position of the robot, meters, and bearing of its ring, degrees [default: the world's start;
+    /// without DEG the start's bearing]
     #[arg(long, value_name = "X,Y[,DEG]", value_parser = <At as FromStr>::from_str, allow_hyphen_values = true)]
     at: Option<At>,
-    /// What the sonars return
+    /// Sonar model
     #[arg(long, value_name = "MODEL", default_value = "ideal", value_enum)]
     sonar: SonarChoice,
-    /// Seed of their noise
+    /// Seed of the sonars' noise
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
-    /// The open choices of the method: the scale of nearness is one of them
+    /// Preset of the controller's options, which define the scale of the situation
     #[arg(long, value_name = "NAME", default_value = "default", value_enum)]
     preset: Preset,
-    /// Change one open choice (see `host-sim settings`); may be given several times
+    /// Change one option (see `host-sim settings`); may be given several times
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
     /// The file to write
@@ -40,7 +40,7 @@ pub struct CaptureArgs {
     out: PathBuf,
 }
 
-/// A place, and a bearing if one was given.
+/// A position, and a bearing if one is given.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct At {
     place: Point,
@@ -75,7 +75,8 @@ impl FromStr for At {
 /// Captures the situation and writes the file, completely or not at all.
 ///
 /// # Errors
-/// A world that cannot be loaded, a place where the robot does not fit, a file that cannot be written, a closed pipe.
+/// A world that cannot be loaded, a position where the robot does not fit, a file that cannot be
+/// written, a closed pipe.
 pub fn capture(args: &CaptureArgs, out: &mut impl Write) -> Result<(), Failure> {
     let mut config = args.preset.config();
     settings::apply(&mut config, &args.sets)?;

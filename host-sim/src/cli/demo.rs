@@ -1,4 +1,4 @@
-//! The demo: the paper's experiment with its pictures.
+//! `host-sim demo`: the paper's experiment with its pictures; the default command.
 
 use super::output::{bar, prepare};
 use super::run::Preset;
@@ -12,7 +12,7 @@ use sim::scenes::Behavior;
 use std::io::Write;
 use std::path::PathBuf;
 
-/// The `demo` command's flags.
+/// Flags of the `demo` command.
 #[derive(Debug, Clone, Args)]
 pub struct DemoArgs {
     /// Folder for the pictures and the page
@@ -34,7 +34,7 @@ impl Default for DemoArgs {
     }
 }
 
-/// Steps after exploring: about the length of the path in Fig. 5, several times over.
+/// Steps after exploring: several times the length of the path in Fig. 5.
 const STEPS: u32 = 300;
 
 const NEXT: [&str; 6] = [

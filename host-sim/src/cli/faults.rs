@@ -1,4 +1,4 @@
-//! `host-sim faults`: transducers out of order, noticed or not.
+//! `host-sim faults`: measures the effect and detection of faulty transducers.
 
 use super::output::bar;
 use super::run::{Preset, SonarChoice, Switch};
@@ -10,13 +10,13 @@ use files::error::BadInput;
 use sim::pilot::MAX_MOVES;
 use std::io::Write;
 
-/// The `faults` command's flags.
+/// Flags of the `faults` command.
 #[derive(Debug, Clone, Args)]
 pub struct FaultsArgs {
-    /// Random rooms, in each of which the fault befalls every one of the 16 sonars in turn
+    /// Random rooms; in each room the fault affects each of the 16 sonars in turn
     #[arg(long, value_name = "ROOMS", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     rooms: u32,
-    /// Seed of the first room: the limits of the detector were chosen in rooms below 1001
+    /// Seed of the first room; the detector's limits were tuned in rooms below 1001
     #[arg(long, value_name = "SEED", default_value_t = 1_001)]
     first: u64,
     /// Random moves before the behavior
@@ -25,20 +25,21 @@ pub struct FaultsArgs {
     /// Steps of obstacle avoidance
     #[arg(long, value_name = "STEPS", default_value_t = 300, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     steps: u32,
-    /// What the sonars in good order return
+    /// Model of the intact sonars
     #[arg(long, value_name = "MODEL", default_value = "nomad", value_enum)]
     sonar: SonarChoice,
-    /// Whether the robot looks for faults
+    /// Switch fault detection on or off
     #[arg(long, value_name = "ON|OFF", default_value = "on", value_enum)]
     detection: Switch,
-    /// These kinds of fault, as for `run --fault` without the sonar (swapped:N = with the sonar N places on), or none; may
-    /// be given several times [default: none, dead, stuck:2, scaled:0.5, jumping:1]
+    /// Kinds of fault as for `run --fault` without the sonar (swapped:N = with the sonar N places
+    /// on), or none; may be given several times [default: none, dead, stuck:2, scaled:0.5,
+    /// jumping:1]
     #[arg(long = "kind", value_name = "KIND")]
     kinds: Vec<String>,
-    /// The open choices of the method
+    /// Preset of the controller's options
     #[arg(long, value_name = "NAME", default_value = "default", value_enum)]
     preset: Preset,
-    /// Change one open choice (see `host-sim settings`); may be given several times
+    /// Change one option (see `host-sim settings`); may be given several times
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
     /// Print Markdown
@@ -46,7 +47,7 @@ pub struct FaultsArgs {
     markdown: bool,
 }
 
-/// What befalls the sonars where nothing else is asked for.
+/// Default kinds of fault.
 const KINDS: [&str; 5] = ["none", "dead", "stuck:2", "scaled:0.5", "jumping:1"];
 
 const HEADS: [&str; 12] = [
@@ -67,7 +68,7 @@ const HEADS: [&str; 12] = [
 /// Measures and prints the table.
 ///
 /// # Errors
-/// A kind or setting that does not exist; an episode that fails.
+/// An unknown kind or setting; an episode that fails.
 pub fn faults(args: &FaultsArgs, out: &mut impl Write) -> Result<(), Failure> {
     let trial = trial(args)?;
     let asked: Vec<_> = match args.kinds[..] {
@@ -158,7 +159,7 @@ fn row(name: &str, faulty: bool, courses: &[Course]) -> Vec<String> {
     ]
 }
 
-/// How often transducers in good order were taken for faulty ones, and for what.
+/// Number of intact transducers that were disabled, by reported fault.
 fn alarms(courses: &[Course]) -> String {
     let mut counts = [0; FAULTS.len()];
     for course in courses {
@@ -178,7 +179,8 @@ fn alarms(courses: &[Course]) -> String {
     }
 }
 
-/// The delay within which so many of a hundred episodes noticed the fault; *never* where fewer did at all.
+/// The delay within which `percent` percent of the episodes detected the fault; *never* if fewer
+/// did.
 fn quantile(delays: &[u32], episodes: usize, percent: usize) -> String {
     let rank = (episodes * percent).div_ceil(100).max(1);
     delays

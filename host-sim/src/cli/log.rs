@@ -1,4 +1,4 @@
-//! `host-sim log` and `host-sim replay`: what is in a log, and whether the mind does the same again.
+//! `host-sim log` and `host-sim replay`: prints a log's content, and verifies that it replays.
 
 use super::Failure;
 use super::output::bar;
@@ -8,26 +8,26 @@ use remote::log::{self, LogFile, Summary};
 use std::io::Write;
 use std::path::PathBuf;
 
-/// The `log` command's flags.
+/// Flags of the `log` command.
 #[derive(Debug, Clone, Args)]
 pub struct LogArgs {
-    /// The log, as written by `--log FILE.mcap` of `run`, `view` or `bridge`
+    /// The log, written by `--log FILE.mcap` of `run`, `view` or `bridge`
     #[arg(value_name = "FILE")]
     file: PathBuf,
 }
 
-/// The `replay` command's flags.
+/// Flags of the `replay` command.
 #[derive(Debug, Clone, Args)]
 pub struct ReplayArgs {
-    /// The log, as written by `--log FILE.mcap` of `run`, `view` or `bridge`
+    /// The log, written by `--log FILE.mcap` of `run`, `view` or `bridge`
     #[arg(value_name = "FILE")]
     file: PathBuf,
 }
 
-/// Prints what is in a log.
+/// Prints the content of a log.
 ///
 /// # Errors
-/// A file that is no log, a message that is not what it should be, a closed pipe.
+/// A file that is no log, an invalid message, a closed pipe.
 pub fn log(args: &LogArgs, out: &mut impl Write) -> Result<(), Failure> {
     let log = log::read(&args.file)?;
     let summary = Summary::of(&log)?;
@@ -76,7 +76,7 @@ fn rows(log: &LogFile, summary: &Summary) -> Vec<Vec<String>> {
         .collect()
 }
 
-/// Runs the mind of a log again and says whether every answer is the same.
+/// Replays a log's events and compares every answer with the recorded one.
 ///
 /// # Errors
 /// As [`log`]; an answer that differs.

@@ -1,8 +1,8 @@
-//! The command line: what a person types, and what comes back.
+//! The command line: parses arguments, runs commands, prints results.
 //!
-//! Results go to standard output, progress and times to standard error. Exit code 0: it ran; 1: what
-//! should be the same differs; 2: bad input, with one sentence that names the file, key or value. A reader that closes the pipe ends the
-//! program quietly.
+//! Results go to standard output, progress and times to standard error. Exit code 0: success; 1: a
+//! comparison differs; 2: bad input, with one sentence that names the file, key or value. A closed
+//! pipe ends the program quietly.
 
 mod ablation;
 mod barn;
@@ -36,7 +36,7 @@ use std::process::ExitCode;
 
 pub use run::{RunArgs, SonarChoice};
 
-/// What the program calls itself in its help.
+/// Description in the help.
 const ABOUT: &str =
     "A simulated Nomad 200 learns from 100 random moves and then does what its goal asks";
 
@@ -58,47 +58,48 @@ enum Command {
     Demo(demo::DemoArgs),
     /// Run episodes in any worlds: a table, or one JSON object per world
     Run(RunArgs),
-    /// Run many episodes: any choices × worlds × behaviors × seeds, in shards, resumed where they were cut off
+    /// Run many episodes: options × worlds × behaviors × seeds, in shards; resumes an interrupted
+    /// sweep
     Sweep(sweep::SweepArgs),
-    /// Put the results of a sweep's shards together, if nothing is missing or there twice
+    /// Merge the results of a sweep's shards, if none is missing or duplicate
     Merge(sweep::MergeArgs),
-    /// Draw what a sweep found: the outcome by the values of each choice
+    /// Draw the results of a sweep: the outcome by the values of each option
     Plot(sweep_plot::PlotArgs),
-    /// Talk to a mind on a chip: watch it, give it orders, read and write what it knows
+    /// Talk to a controller on a chip: print its messages, command it, read and write its state
     Link(link::LinkArgs),
-    /// Let a mind drive a Nomad 200, real or simulated, over the robot's own line
+    /// Drive a Nomad 200, real or simulated, over the robot's own protocol
     Bridge(bridge::BridgeArgs),
-    /// Be a simulated Nomad 200 to any program written for the robot
+    /// Simulate a Nomad 200 for any program written for the robot
     Nomad(nomad::NomadArgs),
     /// Train a self-organizing map on any CSV file and report its errors
     Som(datasets::som::SomArgs),
-    /// Learn both maps from a logged run of a real robot and ask them what it did
+    /// Learn both maps from a logged run of a real robot and test what they recall
     Learn(datasets::learn::LearnArgs),
     /// Drive the worlds of the BARN navigation benchmark: success and score
     Barn(barn::BarnArgs),
     /// List and draw worlds
     Worlds(worlds::WorldsArgs),
-    /// List the open choices of the method: the keys of --set, with the presets' values
+    /// List the options of the controller: the keys of --set, with the presets' values
     Settings,
-    /// Measure each open choice by changing it alone, over many random rooms
+    /// Measure the effect of each option, changed one at a time over many random rooms
     Ablation(ablation::AblationArgs),
-    /// List the behaviors with what they reach, measured: the maps alone, and with the shield
+    /// List the behaviors with measured results, without and with the shield
     Behaviors(behaviors::BehaviorsArgs),
-    /// Write down what the robot perceives at a place: a goal for `run --behavior seek:FILE` and `link goal FILE`
+    /// Write the situation at a pose: a goal for `run --behavior seek:FILE` and `link goal FILE`
     Capture(capture::CaptureArgs),
-    /// Measure whether a behavior improves by being repeated, against frozen maps
+    /// Measure whether a behavior improves by repetition, compared with frozen maps
     Repetition(repetition::RepetitionArgs),
-    /// Measure what a sonar out of order does, and how soon the robot ceases to believe it
+    /// Measure the effect of a faulty sonar, and the time until its detection
     Faults(faults::FaultsArgs),
-    /// Say what is in a log that `run --log FILE.mcap` wrote
+    /// Print the content of a log that `run --log FILE.mcap` wrote
     Log(log::LogArgs),
-    /// Run the mind of a log again: does it decide the same, bit for bit? (exit code 1 if not)
+    /// Replay a log: does the controller decide the same, bit for bit? (exit code 1 if not)
     Replay(log::ReplayArgs),
-    /// Make the paper's figures anew and measure its claims one by one
+    /// Redraw the paper's figures and measure its claims one by one
     Paper(paper::PaperArgs),
-    /// Compare the two maps with other methods: hand-written rules, lazy samples, Q-learning
+    /// Compare the controller with other methods: hand-written rules, lazy samples, Q-learning
     Compare(compare::CompareArgs),
-    /// Watch a robot think, and steer it, in a browser
+    /// Show a running robot in a browser, with its maps and decisions, and steer it
     View(view::ViewArgs),
     /// Print a completion script for a shell
     Completions {
@@ -107,14 +108,14 @@ enum Command {
     },
 }
 
-/// Why a command ended early.
+/// Why a command failed.
 #[derive(Debug)]
 pub enum Failure {
     /// The input was bad.
     Bad(BadInput),
     /// Standard output could not be written.
     Output(io::Error),
-    /// What should be the same is not.
+    /// A comparison found a difference.
     Differs(String),
 }
 
@@ -130,7 +131,7 @@ impl From<io::Error> for Failure {
     }
 }
 
-/// Runs the program with the arguments of this process.
+/// Runs the program with the arguments of the process.
 #[must_use]
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
@@ -147,7 +148,7 @@ pub fn main() -> ExitCode {
             ExitCode::FAILURE
         }
         Err(Failure::Bad(error)) => {
-            // What was printed before the trouble is complete lines: it may stay.
+            // Output before the error consists of complete lines: print it.
             let _ = out.flush();
             complain(&error.to_string())
         }

@@ -1,4 +1,4 @@
-//! `host-sim nomad`: the Nomad 200's own protocol.
+//! `host-sim nomad`: a simulated Nomad 200 that speaks the robot's own protocol.
 
 use super::Failure;
 use super::run::SonarChoice;
@@ -10,10 +10,10 @@ use remote::listen::check_reach;
 use std::io::Write;
 use std::net::{TcpListener, ToSocketAddrs as _};
 
-/// Where the robot's own server listens.
+/// Default address of the robot's own server.
 const DIRECT: &str = "127.0.0.1:65001";
 
-/// Where the original simulator's server listens.
+/// Default address of the original simulator's server.
 const NSERVER: &str = "127.0.0.1:7019";
 
 const EXAMPLES: &str = "\
@@ -26,7 +26,7 @@ Examples:
 
 Any program written for the robot (Nclient.h) finds a Nomad 200 there. docs/nomad.md has the protocol.";
 
-/// The `nomad` command's verbs.
+/// The `nomad` command.
 #[derive(Debug, Clone, Args)]
 pub(super) struct NomadArgs {
     #[command(subcommand)]
@@ -35,30 +35,32 @@ pub(super) struct NomadArgs {
 
 #[derive(Debug, Clone, Subcommand)]
 enum Verb {
-    /// Be a simulated Nomad 200 to whoever connects, until interrupted
+    /// Simulate a Nomad 200 for the programs that connect, until interrupted
     Serve(ServeArgs),
 }
 
-/// The flags of `nomad serve`.
+/// Flags of `nomad serve`.
 #[derive(Debug, Clone, Args)]
 #[command(after_help = EXAMPLES)]
 struct ServeArgs {
-    /// Address to listen at; port 0 takes any free one [default: 127.0.0.1:65001; 127.0.0.1:7019 as nserver]
+    /// Address to listen on; port 0 takes any free one [default: 127.0.0.1:65001; 127.0.0.1:7019 as
+    /// nserver]
     #[arg(long, value_name = "HOST:PORT")]
     listen: Option<String>,
-    /// Let others reach it: needed for any address but this machine's own
+    /// Accept other machines: required for any address but this machine's own
     #[arg(long)]
     allow_remote: bool,
-    /// Be at a serial port (a pseudo terminal) instead
+    /// Open a serial port (a pseudo terminal) instead
     #[arg(long, conflicts_with_all = ["listen", "protocol"])]
     pty: bool,
-    /// How to speak: as the robot (programs linked with Ndirect) or as the original simulator's server (with Nclient)
+    /// Protocol: the robot's own (programs linked with Ndirect) or the original simulator's (with
+    /// Nclient)
     #[arg(long, value_name = "NAME", default_value = "direct", value_enum)]
     protocol: Spoken,
     /// World: a .toml or ROS .yaml FILE, random:SEED, or a built-in name (see `host-sim worlds`)
     #[arg(long, value_name = "WORLD", default_value = "paper")]
     world: String,
-    /// What the sonars return
+    /// Sonar model
     #[arg(long, value_name = "MODEL", default_value = "nomad", value_enum)]
     sonar: SonarChoice,
     /// Times real time
@@ -67,7 +69,7 @@ struct ServeArgs {
     /// Seed of the noise of sonars and wheels
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
-    /// Block the wheels when they have rolled so far, m: to try what stops the robot then
+    /// Block the wheels after this distance, m: tests what stops the robot then
     #[arg(long, value_name = "WAY", hide = true)]
     blocked_after: Option<f64>,
 }
@@ -81,10 +83,10 @@ enum Spoken {
     Nserver,
 }
 
-/// Carries the verb out.
+/// Runs the subcommand.
 ///
 /// # Errors
-/// A world that cannot be loaded, an address that cannot be listened at, a closed pipe.
+/// A world that cannot be loaded, an address that cannot be bound, a closed pipe.
 pub(super) fn nomad(args: &NomadArgs, out: &mut impl Write) -> Result<(), Failure> {
     match &args.verb {
         Verb::Serve(args) => serve(args, out),
@@ -102,7 +104,7 @@ fn serve(args: &ServeArgs, out: &mut impl Write) -> Result<(), Failure> {
     }
 }
 
-/// The one world a robot can be in.
+/// Loads the single world of the robot.
 fn world(name: &str) -> Result<World, BadInput> {
     match &parse_worlds(name)?[..] {
         [source] => source.load(),
@@ -113,7 +115,7 @@ fn world(name: &str) -> Result<World, BadInput> {
     }
 }
 
-/// Says where the robot is, on one line, at once.
+/// Prints the robot's address on one line and flushes it.
 fn announce(out: &mut impl Write, place: impl std::fmt::Display) -> Result<(), Failure> {
     writeln!(out, "listening on {place}")?;
     Ok(out.flush()?)
@@ -141,7 +143,7 @@ fn serve_tcp(robot: Simulated, args: &ServeArgs, out: &mut impl Write) -> Result
     let mut server = Server::new(Line::new(robot, protocol), args.speed);
     announce(out, place)?;
     loop {
-        // Whoever is gone before the greeting is replaced by the next one.
+        // A client that leaves before the greeting is skipped.
         if let Ok(mut host) = server.accept(&listener) {
             let error = server.speak(&mut host);
             report(&server, &error);
@@ -163,7 +165,7 @@ fn serve_pty(_: Server, _: &mut impl Write) -> Result<(), Failure> {
     Err(BadInput::new("--pty: this system has no pseudo terminals").into())
 }
 
-/// What a host leaves behind.
+/// Prints statistics of a finished connection.
 fn report(server: &Server, error: &std::io::Error) {
     let robot = server.line().robot();
     let ledger = robot.ledger();

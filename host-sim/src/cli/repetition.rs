@@ -1,4 +1,4 @@
-//! `host-sim repetition`: does a behavior improve by being repeated?
+//! `host-sim repetition`: measures whether a behavior improves by repetition.
 
 use super::output::{bar, prepare};
 use super::run::{Preset, SonarChoice};
@@ -15,7 +15,7 @@ use sim::statistics::Mean;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// The `repetition` command's flags.
+/// Flags of the `repetition` command.
 #[derive(Debug, Clone, Args)]
 pub struct RepetitionArgs {
     /// Worlds per scene
@@ -27,19 +27,19 @@ pub struct RepetitionArgs {
     /// Repetitions
     #[arg(long, value_name = "TIMES", default_value_t = 8, value_parser = clap::value_parser!(u32).range(2..=1_000))]
     times: u32,
-    /// Random moves before the first: the fewer, the more is left to learn
+    /// Random moves before the first repetition: fewer leave more to learn
     #[arg(long, value_name = "MOVES", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=i64::from(MAX_MOVES)))]
     explore: u16,
-    /// Number of the first world: each has its own rooms and seeds
+    /// Number of the first world; each has its own rooms and seeds
     #[arg(long, value_name = "NUMBER", default_value_t = 1)]
     first: u64,
-    /// The open choices of the method
+    /// Preset of the controller's options
     #[arg(long, value_name = "NAME", default_value = "default", value_enum)]
     preset: Preset,
-    /// Change one open choice (see `host-sim settings`); may be given several times
+    /// Change one option (see `host-sim settings`); may be given several times
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
-    /// What the sonars return
+    /// Sonar model
     #[arg(long, value_name = "MODEL", default_value = "ideal", value_enum)]
     sonar: SonarChoice,
     /// Only behaviors whose name contains this text
@@ -67,7 +67,7 @@ const HEADS: [&str; 8] = [
 /// Measures and prints the table, without the shield.
 ///
 /// # Errors
-/// When no behavior has the asked name, an episode fails, or something cannot be written.
+/// When no behavior matches `--only`, an episode fails, or something cannot be written.
 pub fn repetition(args: &RepetitionArgs, out: &mut impl Write) -> Result<(), Failure> {
     let trial = trial(args)?;
     let scenes = chosen(args.only.as_deref())?;
@@ -121,7 +121,8 @@ fn trial(args: &RepetitionArgs) -> Result<Trial, BadInput> {
     })
 }
 
-/// A chain repeats its parts already; a scene with sonars of its own is there for them.
+/// The scenes for repetition. Skips chains, which already repeat their parts, and scenes with their
+/// own sonars.
 fn chosen(only: Option<&str>) -> Result<Vec<&'static Scene>, BadInput> {
     let mut scenes = scenes_named(only);
     scenes.retain(|scene| !scene.behavior.contains(',') && scene.sonar.is_none());

@@ -1,4 +1,4 @@
-//! `host-sim sweep` and `host-sim merge`: many episodes, in parts if need be.
+//! `host-sim sweep` and `host-sim merge`: many episodes, optionally in shards.
 
 use super::Failure;
 use super::output::{bar, pool};
@@ -14,29 +14,29 @@ use std::io::{IsTerminal as _, Write};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// The `sweep` command's flags.
+/// Flags of the `sweep` command.
 #[derive(Debug, Clone, Args)]
 pub struct SweepArgs {
-    /// What to do: a TOML file with worlds, behaviors, seeds and the choices to vary (docs/sweep.md)
+    /// A TOML file with worlds, behaviors, seeds and the options to vary (docs/sweep.md)
     #[arg(value_name = "SWEEP.toml")]
     file: PathBuf,
-    /// Results; a sweep that was cut off goes on where its file ends [default: out/sweep/NAME.csv, for a shard
-    /// out/sweep/NAME.I-of-N.csv]
+    /// Results file; an interrupted sweep resumes at its end [default: out/sweep/NAME.csv, for a
+    /// shard out/sweep/NAME.I-of-N.csv]
     #[arg(long, value_name = "FILE.csv")]
     out: Option<PathBuf>,
-    /// Do only the episodes whose number leaves I when divided by N [default: what SLURM_ARRAY_TASK_ID and
-    /// SLURM_ARRAY_TASK_COUNT say, or JOB_COMPLETION_INDEX and SWEEP_SHARDS; else all]
+    /// Run only the episodes whose number modulo N is I [default: SLURM_ARRAY_TASK_ID of
+    /// SLURM_ARRAY_TASK_COUNT, or JOB_COMPLETION_INDEX of SWEEP_SHARDS; else all]
     #[arg(long, value_name = "I/N", value_parser = parsed::<Shard>)]
     shard: Option<Shard>,
-    /// Look at everything and say how many episodes there are, but run none
+    /// Check everything and print the number of episodes, without running them
     #[arg(long)]
     dry_run: bool,
-    /// Worker threads [default: one per core]; the results do not depend on it
+    /// Worker threads [default: one per core]; they do not affect the results
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
 }
 
-/// The `merge` command's flags.
+/// Flags of the `merge` command.
 #[derive(Debug, Clone, Args)]
 pub struct MergeArgs {
     /// Results of all shards of one sweep, in any order
@@ -44,7 +44,7 @@ pub struct MergeArgs {
     files: Vec<PathBuf>,
 }
 
-/// A point's choices are read as `run` reads its flags, so that both mean the same.
+/// Parses a point's options with the flags of `run`, so that both mean the same.
 #[derive(Debug, Parser)]
 #[command(no_binary_name = true)]
 struct Point {
@@ -53,7 +53,7 @@ struct Point {
 }
 
 fn vocabulary() -> Vocabulary {
-    // What a sweep has lists of its own for, and the settings, which go by their keys.
+    // The description has its own lists for these; settings are given by their keys.
     let elsewhere = ["behavior", "seed", "set"];
     let setup = SetupArgs::augment_args(clap::Command::new("point"));
     let flags = setup.get_arguments().filter_map(|flag| flag.get_long());
@@ -90,7 +90,7 @@ fn of_point(choices: &[(String, String)]) -> Result<Setup, BadInput> {
     parsed.map_err(|error| sentence(&error))?.run.setup()
 }
 
-/// What the command line says of a flag, in one line.
+/// clap's message about a flag, in one line.
 fn sentence(error: &clap::Error) -> BadInput {
     let text = error.to_string();
     let lines = text
@@ -101,10 +101,11 @@ fn sentence(error: &clap::Error) -> BadInput {
     BadInput::new(text.trim_start_matches("error: "))
 }
 
-/// Runs what is missing of the sweep.
+/// Runs the missing episodes of the sweep.
 ///
 /// # Errors
-/// A description that is not sound, a results file that is not this sweep's or cannot be written, an episode that fails.
+/// An invalid description, a results file that belongs to another sweep or cannot be written, an
+/// episode that fails.
 pub fn sweep(args: &SweepArgs, out: &mut impl Write) -> Result<(), Failure> {
     let from = Shard::from_environment(|name| std::env::var(name).ok());
     let (shard, source) = match args.shard {
@@ -157,7 +158,7 @@ fn about(plan: &Plan, shard: Shard) -> String {
     )
 }
 
-/// How far it is, on standard error: a bar for who watches, a line a minute for a log.
+/// Progress on standard error: a bar in a terminal, a line per minute in a log.
 struct Reporter {
     bar: Option<indicatif::ProgressBar>,
     prefix: Option<String>,
@@ -208,10 +209,10 @@ impl Reporter {
     }
 }
 
-/// Prints the whole sweep's results.
+/// Prints the results of the whole sweep.
 ///
 /// # Errors
-/// Files that are not just one whole sweep; standard output that cannot be written.
+/// Files that do not form one whole sweep; standard output that cannot be written.
 pub fn merge(args: &MergeArgs, out: &mut impl Write) -> Result<(), Failure> {
     let mut merged = sweep::merge(&args.files)?;
     out.write_all(merged.header().text().as_bytes())?;

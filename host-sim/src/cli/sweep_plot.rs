@@ -1,4 +1,4 @@
-//! `host-sim plot`: what a sweep found, one picture for each choice.
+//! `host-sim plot`: draws the results of a sweep, one picture per option.
 
 use super::output::prepare;
 use super::{Failure, table};
@@ -12,10 +12,10 @@ use sim::statistics::Mean;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Behaviors that are drawn.
+/// Largest number of behaviors in a picture.
 const MAX_BEHAVIORS: usize = 8;
 
-/// The `plot` command's flags.
+/// Flags of the `plot` command.
 #[derive(Debug, Clone, Args)]
 pub struct PlotArgs {
     /// Results of `sweep` or `merge`, complete or not
@@ -68,7 +68,7 @@ pub fn plot(args: &PlotArgs, out: &mut impl Write) -> Result<(), Failure> {
     Ok(writeln!(out, "\nPictures: {}", page.display())?)
 }
 
-/// Writes a picture for each choice, as SVG and as PNG.
+/// Writes a picture for each option, as SVG and as PNG.
 fn draw(folder: &Path, title: &str, drawn: &[DrawnChoice<'_>]) -> Result<Vec<Figure>, BadInput> {
     let subtitle = format!("{title}: all other choices together; dot: mean, line: 95 % interval");
     let mut figures = Vec::new();
@@ -85,13 +85,13 @@ fn draw(folder: &Path, title: &str, drawn: &[DrawnChoice<'_>]) -> Result<Vec<Fig
     Ok(figures)
 }
 
-/// A choice, and what the episodes came to by its values.
+/// An option, and the outcomes by its values.
 type DrawnChoice<'c> = (&'c SweptChoice, Vec<BehaviorOutcomes>);
 
-/// A behavior, and what its episodes came to by the values of a choice.
+/// A behavior, and its outcomes by the values of an option.
 struct BehaviorOutcomes {
     name: String,
-    /// Unit of its own measure.
+    /// Unit of the behavior's own measure.
     unit: String,
     of_value: Vec<Option<SweepOutcome>>,
 }
@@ -151,7 +151,7 @@ fn text(drawn: &[DrawnChoice<'_>]) -> String {
     table::plain(&heads, &rows, &[3, 4, 5, 6])
 }
 
-/// As they stand in the table.
+/// The figures in the form of the table.
 fn figures_of(outcome: &SweepOutcome) -> [String; 4] {
     let with = |mean: Mean, digits: usize| {
         let ([low, high], mean) = (mean.interval, mean.mean);

@@ -1,4 +1,4 @@
-//! `host-sim worlds`: what there is to drive in.
+//! `host-sim worlds`: lists and draws worlds.
 
 use super::output::prepare;
 use super::run::sources;
@@ -9,10 +9,11 @@ use files::error::BadInput;
 use std::io::Write;
 use std::path::PathBuf;
 
-/// The `worlds` command's flags.
+/// Flags of the `worlds` command.
 #[derive(Debug, Clone, Args)]
 pub struct WorldsArgs {
-    /// Worlds to list and draw, named as for `run` [default: the built-in ones and three random rooms]
+    /// Worlds to list and draw, named as for `run` [default: the built-in ones and three random
+    /// rooms]
     #[arg(long = "world", value_name = "WORLD")]
     worlds: Vec<String>,
     /// Folder for the picture
@@ -20,7 +21,7 @@ pub struct WorldsArgs {
     out: PathBuf,
 }
 
-/// Most worlds in one picture.
+/// Largest number of worlds in one picture.
 const MOST: usize = 100;
 
 /// Lists the worlds and draws them.

@@ -1,4 +1,4 @@
-//! What `compare --out` leaves behind.
+//! Writes the files of `compare --out`.
 
 use super::picture::picture;
 use super::tables::{Line, Report};
@@ -10,7 +10,7 @@ use sim::statistics::Mean;
 use std::io::Write;
 use std::path::Path;
 
-/// Writes everything and says where.
+/// Writes all files and prints their names.
 ///
 /// # Errors
 /// When a file cannot be written or the pipe is closed.

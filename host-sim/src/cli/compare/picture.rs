@@ -1,16 +1,16 @@
-//! What goes on learning by its budgets of moves, beside the mind.
+//! Draws the learning curves of methods with several numbers of moves, next to the controller.
 
 use super::tables::{Line, Report};
 use experiments::compare::{Figures, MOVES, Method};
 use plots::{Curves, Key, curves};
 use sim::statistics::Mean;
 
-/// A figure that is drawn: its name, the most it can be, and how it is had.
+/// A measure in the picture: its name, its largest value, and its accessor.
 type Drawn = (&'static str, f64, fn(&Figures) -> Mean);
 
 const ANY: f64 = f64::INFINITY;
 
-/// Without the shield.
+/// Measures without the shield.
 const BARE: [Drawn; 3] = [
     ("steps with contact %", 100.0, |figures| {
         figures.contact_percent
@@ -19,14 +19,14 @@ const BARE: [Drawn; 3] = [
     ("coverage m²", ANY, |figures| figures.coverage_m2),
 ];
 
-/// With it: contacts are its business.
+/// Measures with the shield, which prevents contacts.
 const SHIELDED: [Drawn; 3] = [
     ("distance m", ANY, |figures| figures.distance_m),
     ("least clearance m", ANY, |figures| figures.clearance_m),
     ("coverage m²", ANY, |figures| figures.coverage_m2),
 ];
 
-/// An SVG document; `None` where nothing that goes on learning was compared.
+/// An SVG document; `None` if no method with several numbers of moves was compared.
 pub fn picture(report: &Report) -> Option<String> {
     let all = report.by_shield().next()?;
     let first = all.iter().find(|line| line.method.goes_on_learning())?;
@@ -65,7 +65,7 @@ fn budgets(lines: &[Line], method: Method) -> Vec<u32> {
     own.map(|line| line.moves).collect()
 }
 
-/// The panels of one condition, with so many places along them.
+/// The panels of one condition, each with `places` numbers of moves.
 fn panels(lines: &[Line], names: &[Method], places: usize) -> [Curves; 3] {
     let shield = lines.first().is_some_and(|line| line.shield);
     let (title, drawn) = if shield {
@@ -74,7 +74,7 @@ fn panels(lines: &[Line], names: &[Method], places: usize) -> [Curves; 3] {
         ("the methods alone", BARE)
     };
     drawn.map(|(measure, most, value)| {
-        // What has one budget only is a level to compare with.
+        // A method with a single number of moves is drawn as a level.
         let of_method = |method: &Method| {
             let own = lines.iter().filter(|line| line.method == *method);
             let means = own.map(|line| value(&line.figures));

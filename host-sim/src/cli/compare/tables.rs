@@ -1,4 +1,4 @@
-//! The comparison as tables.
+//! The tables of the comparison, as text and Markdown.
 
 use super::by_shield;
 use crate::cli::table::{markdown, plain};
@@ -16,11 +16,12 @@ pub struct Line {
     pub shield: bool,
     /// Its figures.
     pub figures: Figures,
-    /// Less the preset `default` under the same conditions; `None` for that itself, or where it is not compared.
+    /// Minus the preset `default` under the same conditions; `None` for that preset, or if it is
+    /// not compared.
     pub differences: Option<Differences>,
 }
 
-/// Everything that is printed and written.
+/// All rows of the output.
 pub struct Report {
     /// The rows, as measured.
     pub lines: Vec<Line>,
@@ -50,11 +51,11 @@ const DIFFERENCE_HEADS: [&str; 6] = [
 
 const RIGHT: [usize; 9] = [1, 2, 3, 4, 5, 6, 7, 8, 9];
 
-/// How a table is set: heads, rows, columns of numbers.
+/// Formats a table: heads, rows, numeric columns.
 type Set = fn(&[&str], &[Vec<String>], &[usize]) -> String;
 
 impl Report {
-    /// Works out all figures, on all cores.
+    /// Computes all figures, on all cores.
     pub fn of(rows: &[Row]) -> Self {
         let conditions: Vec<_> = by_shield(rows).collect();
         let with_base = |rows: &&[Row]| {
@@ -81,17 +82,17 @@ impl Report {
         }
     }
 
-    /// The lines by condition.
+    /// The rows by condition.
     pub fn by_shield(&self) -> impl Iterator<Item = &[Line]> {
         self.lines.chunk_by(|a, b| a.shield == b.shield)
     }
 
-    /// For a terminal.
+    /// The tables for a terminal.
     pub fn text(&self) -> String {
         self.set(plain, |title| format!("{title}\n\n"))
     }
 
-    /// For the documentation.
+    /// The tables as Markdown.
     pub fn markdown(&self) -> String {
         self.set(markdown, |title| format!("## {title}\n\n"))
     }
@@ -117,7 +118,7 @@ impl Report {
         text
     }
 
-    /// Wall time per decision.
+    /// Wall time per decision, as a table.
     pub fn times(&self) -> String {
         let cells = |line: &Line| {
             let shield = if line.shield { "on" } else { "off" };
@@ -134,7 +135,7 @@ impl Report {
     }
 }
 
-/// Mean and interval with as many decimals.
+/// Mean and interval with `digits` decimals.
 pub fn short(mean: &Mean, digits: usize) -> String {
     let [low, high] = mean.interval;
     format!("{:.digits$} [{low:.digits$}, {high:.digits$}]", mean.mean)
@@ -169,7 +170,7 @@ fn difference_cells(line: &Line) -> Option<Vec<String>> {
     ])
 }
 
-/// The search for constants, step by step.
+/// The steps of the search for constants, as a table.
 pub fn search(lines: &[(String, f64, f64)]) -> String {
     let cells = |(name, value, score): &(String, f64, f64)| {
         let value = if value.is_nan() {

@@ -1,4 +1,4 @@
-//! `host-sim learn`: what both maps make of a logged run.
+//! `host-sim learn`: learns both maps from a logged run and prints what they recall.
 
 mod pictures;
 
@@ -14,7 +14,7 @@ use std::io::Write;
 /// Learns the maps and prints what they recall.
 ///
 /// # Errors
-/// One sentence about a flag, the log or the folder for the results; a closed pipe.
+/// An invalid flag, log or output folder; a closed pipe.
 pub fn learn(args: &LearnArgs, out: &mut impl Write) -> Result<(), Failure> {
     let log = Log::load(&args.log, &args.columns())?;
     let task = Task::of(&log, &args.options())?;
@@ -50,7 +50,7 @@ pub fn learn(args: &LearnArgs, out: &mut impl Write) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Everything there is to tell.
+/// All results of the command.
 struct Told<'a> {
     args: &'a LearnArgs,
     log: &'a Log,
@@ -63,14 +63,14 @@ impl Told<'_> {
         self.task.classes.is_some()
     }
 
-    /// What each component of an action is called.
+    /// The names of an action's components.
     fn components(&self) -> &[String] {
         match &self.log.actions {
             Actions::Labels { names, .. } | Actions::Velocities { names, .. } => names,
         }
     }
 
-    /// The unit of distances between situations, of a distance of 1.
+    /// Distance between situations in the log's unit that corresponds to 1.
     fn span(&self) -> f64 {
         self.task.far - self.task.near
     }
@@ -200,7 +200,7 @@ impl Told<'_> {
         row
     }
 
-    /// What a curve shows: accuracy, or the error divided by that of the mean.
+    /// The value of a curve: accuracy, or the error divided by that of the mean.
     fn headline(&self, recalled: &Recalled) -> f64 {
         let accuracy = recalled.score.accuracy().map(|accuracy| accuracy.mean);
         accuracy.unwrap_or_else(|| self.beside_the_mean(recalled))

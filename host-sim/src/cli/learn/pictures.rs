@@ -1,4 +1,4 @@
-//! Pictures of what `host-sim learn` found, and the page that shows them.
+//! Pictures of the results of `host-sim learn`, and the page that shows them.
 
 use super::{Told, size};
 use crate::cli::Failure;
@@ -8,11 +8,11 @@ use plots::{Figure, LabeledMap};
 use sim::recording::MapRecord;
 use std::path::Path;
 
-/// Decimals of code vectors on file: finer than any range finder.
+/// Decimals of code vectors in files: finer than any range finder.
 const DECIMALS: usize = 6;
 
 impl Told<'_> {
-    /// Writes them all.
+    /// Writes all pictures.
     ///
     /// # Errors
     /// A folder that cannot be written.

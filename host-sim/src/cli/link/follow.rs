@@ -1,4 +1,4 @@
-//! Listening to a mind while keeping its link alive.
+//! Prints the messages of a remote controller while it keeps the link alive.
 
 use crate::cli::remote::named;
 use amp::wire::message::{Clock, FromMind};
@@ -10,16 +10,16 @@ use remote::link::{
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
 
-/// Time between two signs of life: a mind bears three times as long a silence.
+/// Time between two heartbeats, a third of the controller's timeout.
 const ALIVE: Duration = Duration::from_millis(100);
 
-/// Signs of life between two questions whether the mind is still there.
+/// Heartbeats between two checks that the controller still answers.
 const CHECK: u32 = 20;
 
-/// Time between two attempts to reach a mind that was lost.
+/// Time between two attempts to reconnect.
 const AGAIN: Duration = Duration::from_secs(1);
 
-/// Why listening ended.
+/// Why following ended.
 #[derive(Debug)]
 pub(super) enum Trouble {
     /// The link failed.
@@ -48,13 +48,13 @@ impl From<io::Error> for Trouble {
     }
 }
 
-/// Prints a report, at once.
+/// Prints a report and flushes it.
 pub(super) fn print(report: &Report<16>, out: &mut impl Write) -> io::Result<()> {
     writeln!(out, "{}", describe(report))?;
     out.flush()
 }
 
-/// Prints what the mind says until `until`, or until `over` says so.
+/// Prints the controller's messages until `until`, or until `over` returns true.
 pub(super) fn follow(
     session: &mut Session,
     until: Option<Instant>,
@@ -77,7 +77,7 @@ pub(super) fn follow(
             }
         }
         count = count.wrapping_add(1);
-        // Signs of life are not answered: a mind that is gone would never be missed.
+        // Heartbeats have no answer: without this request a lost controller would go unnoticed.
         if count.is_multiple_of(CHECK) && check(session, out, &mut over)? {
             return Ok(());
         }
@@ -103,7 +103,7 @@ fn check(
     Ok(is_over)
 }
 
-/// Prints what the mind says until `until`; reaches for it again when it is lost.
+/// Prints the controller's messages until `until`; reconnects when the link is lost.
 pub(super) fn monitor(
     session: &mut Session,
     address: &Address,

@@ -1,4 +1,4 @@
-//! `host-sim link`: talk to a mind on a chip.
+//! `host-sim link`: commands a controller on a chip and reads its state.
 
 mod follow;
 mod tables;
@@ -49,17 +49,17 @@ the far limit to 1 = something as near as the near limit; sonars it does not nam
   numbers = [15, 0, 1]
   at_most = 0.1";
 
-/// The `link` command's flags.
+/// Flags of the `link` command.
 #[derive(Debug, Clone, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct LinkArgs {
-    /// The mind: serial:PORT[@BAUD] (115200 unless said otherwise), tcp:HOST:PORT, or qemu
+    /// The controller: serial:PORT[@BAUD] (default 115200 baud), tcp:HOST:PORT, or qemu
     #[arg(long, value_name = "WHERE")]
     to: Address,
     /// Image for --to qemu [default: built from the project's sources]
     #[arg(long, value_name = "ELF")]
     firmware: Option<PathBuf>,
-    /// Show what the emulator says
+    /// Show the emulator's output
     #[arg(long)]
     verbose: bool,
     #[command(subcommand)]
@@ -68,81 +68,82 @@ pub struct LinkArgs {
 
 #[derive(Debug, Clone, Subcommand)]
 enum Verb {
-    /// Say who the mind is
+    /// Print the controller's version, sizes and capabilities
     Hello,
-    /// Watch what the mind says, one line per message, until interrupted
+    /// Print the controller's messages, one per line, until interrupted
     Monitor(Span),
-    /// Set the goal: perceived (what is heard now), a behavior by name, or a goal FILE
+    /// Set the goal: perceived (the present situation), a behavior by name, or a goal FILE
     Goal {
         /// perceived, avoid, avoid-right, wall-left, wall-right, follow, kept:NAME, or a TOML file
         goal: String,
     },
-    /// Make random moves and remember them
+    /// Make random moves and store them in the memory
     Explore {
-        /// How many
+        /// Number of moves
         moves: u16,
-        /// Seed of the mind's own randomness
+        /// Seed of the controller's random numbers
         #[arg(long, default_value_t = 1)]
         seed: u64,
         #[command(flatten)]
         span: Span,
     },
-    /// Make the maps from the remembered moves
+    /// Learn the maps from the memory
     Learn,
     /// Pursue the goal until interrupted
     Seek(Span),
-    /// Stand still
+    /// Stop moving
     Stop,
-    /// Go on with what a stop interrupted, until interrupted
+    /// Resume after a stop, until interrupted
     Resume(Span),
-    /// Show the parameters, or one of them, or set it
+    /// Print all parameters, print one of them, or set it
     Params {
-        /// Its name
+        /// Name of the parameter
         name: Option<String>,
         /// Its new value, in its unit
         #[arg(allow_negative_numbers = true)]
         value: Option<i32>,
     },
-    /// Save what the mind knows in its flash, recall what it saved last, or erase all it saved
+    /// Save the controller's state in its flash, recall the last saved state, or erase all saved
+    /// states
     Flash {
-        /// What to do
+        /// Action
         #[arg(value_enum)]
         action: FlashAction,
     },
-    /// Keep the present goal under a name (then: goal kept:NAME); flash save makes it last
+    /// Save the present goal under a name (then: goal kept:NAME); flash save makes it persistent
     Keep {
         /// 1 to 12 characters
         name: String,
     },
-    /// Forget the goal kept under a name
+    /// Delete the goal with a name
     Drop {
-        /// Its name
+        /// Name of the goal
         name: String,
     },
-    /// Show the names of the goals kept
+    /// Print the names of the saved goals
     Goals,
-    /// Show what the mind has counted since it started
+    /// Print the controller's counters since its start
     Counters,
-    /// Save configuration, maps, memory and goals to a file
+    /// Download configuration, maps, memory and goals to a file
     Pull {
         /// The file
         file: PathBuf,
     },
-    /// Replace configuration, maps, memory and goals by those of a file
+    /// Upload configuration, maps, memory and goals from a file
     Push {
-        /// A file that pull wrote, or `host-sim run --save`
+        /// A file written by pull or `host-sim run --save`
         file: PathBuf,
     },
 }
 
-/// What to do with the flash.
+/// Action on the flash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum FlashAction {
-    /// Configuration, maps, memory and goals, to be there after the next start
+    /// Save configuration, maps, memory and goals for the next start
     Save,
-    /// Replace them by what was saved last, as the next start does
+    /// Replace them by the last saved state, as the next start does
     Recall,
-    /// The mind keeps what it knows until it is switched off
+    /// Erase all saved states; the running controller keeps its state until it is switched off
     Erase,
 }
 
@@ -156,7 +157,7 @@ impl From<FlashAction> for Flash {
     }
 }
 
-/// How long to go on.
+/// Duration of a command.
 #[derive(Debug, Clone, Copy, Args)]
 struct Span {
     /// End after this time
@@ -178,16 +179,17 @@ impl Span {
     }
 }
 
-/// Carries the verb out.
+/// Runs the subcommand.
 ///
 /// # Errors
-/// Bad arguments, a mind that cannot be reached or refuses, files that cannot be read or written, a closed pipe.
+/// Invalid arguments, a controller that cannot be reached or refuses, files that cannot be read or
+/// written, a closed pipe.
 pub(super) fn link(args: &LinkArgs, out: &mut impl Write) -> Result<(), Failure> {
     let emulation = Emulation {
         firmware: args.firmware.clone(),
         verbose: args.verbose,
     };
-    // Whatever can be wrong without the mind is found before it is disturbed.
+    // Arguments are checked before the controller is contacted.
     let task = Task::prepare(&args.verb)?;
     let mut session = open(&args.to, &emulation, Clock::Device)?;
     let done = match &args.verb {
@@ -201,7 +203,7 @@ pub(super) fn link(args: &LinkArgs, out: &mut impl Write) -> Result<(), Failure>
     })
 }
 
-/// What a verb needs from this side.
+/// A subcommand with its checked arguments.
 enum Task {
     Nothing,
     Goal(GoalBy<16>),
@@ -234,13 +236,13 @@ impl Task {
     }
 }
 
-/// A name to keep a goal under.
+/// Parses the name of a saved goal.
 fn name(text: &str) -> Result<Name, BadInput> {
     let name = Name::new(text);
     name.ok_or_else(|| BadInput::new(format!("\"{text}\": {}", KeepError::Name)))
 }
 
-/// A behavior's goal, for the ranges of the preset `default`, or a file's.
+/// The goal of a behavior with the ranges of the preset `default`, or the goal of a file.
 fn goal_by_name(name: &str) -> Result<Goal<16>, BadInput> {
     let is_file = name.contains(['.', '/']) || Path::new(name).exists();
     if is_file {
@@ -296,7 +298,7 @@ fn perform(
     }
 }
 
-/// Asks once: what is done twice wears the flash.
+/// Sends once, without retries: a repeated write wears the flash.
 fn ask(session: &mut Session, message: &ToMind<16>, out: &mut impl Write) -> Result<(), Trouble> {
     let answer = session.request(message)?;
     if let Some(why) = answer.refusal {
@@ -316,7 +318,7 @@ fn order(session: &mut Session, order: Order<16>, out: &mut impl Write) -> Resul
     Ok(writeln!(out, "done")?)
 }
 
-/// Gives an order that makes the robot move, listening to its own sonars if it has any, and keeps the link alive.
+/// Sends a command that moves the robot, prints its sonars' messages, and keeps the link alive.
 fn drive(
     session: &mut Session,
     order: Order<16>,
@@ -325,7 +327,7 @@ fn drive(
 ) -> Result<(), Trouble> {
     if !session.use_own_ring()? {
         eprintln!(
-            "This mind has no sonars of its own and waits for echoes over the link; a simulated robot sends them: host-sim run --mind …"
+            "This controller has no sonars of its own and waits for echoes over the link; a simulated robot sends them: host-sim run --mind …"
         );
     }
     follow_order(session, order, span.end(), out)

@@ -1,4 +1,4 @@
-//! What a mind is, counts and may be told, as tables.
+//! Tables of a remote controller's properties, counters and parameters.
 
 use super::Trouble;
 use crate::cli::table::plain;
@@ -7,16 +7,16 @@ use files::error::BadInput;
 use remote::link::{Session, build, oscillator, reset};
 use std::io::Write;
 
-/// Which parameters, and a new value for the only one.
+/// The requested parameters; with a single one optionally its new value.
 pub(super) struct Wanted {
     parameters: Vec<Parameter>,
     value: Option<i32>,
 }
 
-/// Finds the parameters by name; all without one.
+/// Finds the parameters by name; all of them without a name.
 ///
 /// # Errors
-/// A name that is none, a value outside its range.
+/// An unknown name, a value outside its range.
 pub(super) fn wanted(name: Option<&str>, value: Option<i32>) -> Result<Wanted, BadInput> {
     let Some(name) = name else {
         let parameters = Parameter::ALL.to_vec();
@@ -101,7 +101,7 @@ pub(super) fn counters(session: &mut Session, out: &mut impl Write) -> Result<()
     Ok(out.write_all(plain(&["counter", "since the start"], &rows, &[1]).as_bytes())?)
 }
 
-/// Prints the mind's hello.
+/// Prints the controller's hello message.
 pub(super) fn hello(session: &Session, out: &mut impl Write) -> Result<(), Trouble> {
     let Some(hello) = session.hello() else {
         return Ok(());

@@ -1,4 +1,4 @@
-//! The verbs with a mind behind a socket.
+//! The subcommands with a controller behind a socket.
 
 use crate::cli::{Cli, Failure, execute};
 use amp::config::Config;
@@ -76,7 +76,7 @@ fn what_an_episode_taught_is_pulled_and_pushed() {
     host_sim(&one, "link --to MIND keep kept").unwrap();
     let pulled = host_sim(&one, &format!("link --to MIND pull {file}"));
     assert!(pulled.unwrap().contains("and 100 samples"));
-    // The mind in this process came to know the same.
+    // A controller in this process has the same state.
     let own = folder.path().join("own.mind");
     let line = format!(
         "run --world random:1 --steps 5 --json --save {}",
