@@ -1,11 +1,11 @@
-//! The emulated chip as something that stands on a table: it waits for whoever connects, and may be switched off and on.
+//! The emulated chip as a board behind a TCP socket, which can be switched off and on.
 
 use crate::chip::{PATIENCE, image};
 use std::net::{TcpListener, TcpStream};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// A chip behind a TCP socket, off when dropped.
+/// A chip behind a TCP socket; stopped when dropped.
 #[derive(Debug)]
 pub struct Board {
     host: String,
@@ -28,7 +28,7 @@ impl Board {
         board
     }
 
-    /// Where it is, as `HOST:PORT`.
+    /// Its address, as `HOST:PORT`.
     #[must_use]
     pub fn host(&self) -> &str {
         &self.host
@@ -58,10 +58,10 @@ impl Board {
         }
     }
 
-    /// Switches it off in the middle of whatever it does.
+    /// Switches it off at once.
     pub fn switch_off(&mut self) {
         if let Some(mut emulator) = self.emulator.take() {
-            // It may have ended by itself.
+            // It may have ended already.
             let _ = emulator.kill();
             let _ = emulator.wait();
         }

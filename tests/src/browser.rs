@@ -1,4 +1,4 @@
-//! A real browser without a window, driven over its DevTools protocol.
+//! A headless browser, driven over its DevTools protocol.
 
 use serde_json::{Value, json};
 use std::fs;
@@ -8,10 +8,10 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 use tungstenite::{Message, WebSocket};
 
-/// Longest wait for anything.
+/// Timeout of all waits.
 pub const PATIENCE: Duration = Duration::from_secs(30);
 
-/// A browser with one page. Gone when dropped.
+/// A browser with one page; stopped when dropped.
 pub struct Browser {
     child: Child,
     socket: WebSocket<TcpStream>,
@@ -23,7 +23,7 @@ pub struct Browser {
 }
 
 impl Browser {
-    /// Starts one and opens a page.
+    /// Starts a browser and opens a page.
     ///
     /// # Panics
     /// When there is no Chromium, or it does not start.
@@ -96,10 +96,10 @@ impl Browser {
         self.ask("Page.navigate", json!({"url": url}));
     }
 
-    /// Asks the browser for something.
+    /// Sends a command and returns its result.
     ///
     /// # Panics
-    /// When it refuses or falls silent.
+    /// When the browser refuses or does not answer.
     pub fn ask(&mut self, method: &str, params: Value) -> Value {
         self.asked += 1;
         let mut message = json!({"id": self.asked, "method": method, "params": params});
@@ -140,19 +140,19 @@ impl Browser {
         }
     }
 
-    /// Errors in the page and on its console so far.
+    /// Errors of the page and on its console so far.
     #[must_use]
     pub fn complaints(&self) -> &[String] {
         &self.complaints
     }
 
-    /// What the page has requested so far, but for sockets.
+    /// Requests of the page so far, except for sockets.
     #[must_use]
     pub fn requests(&self) -> &[String] {
         &self.requests
     }
 
-    /// Makes the page so large, in CSS pixels.
+    /// Sets the size of the page, in CSS pixels.
     pub fn resize(&mut self, width: u32, height: u32) {
         let mobile = width < 500;
         let size =
@@ -160,14 +160,14 @@ impl Browser {
         self.ask("Emulation.setDeviceMetricsOverride", size);
     }
 
-    /// Lets the system prefer dark colors, or light ones.
+    /// Sets the preferred color scheme.
     pub fn set_dark(&mut self, dark: bool) {
         let value = if dark { "dark" } else { "light" };
         let feature = json!({"name": "prefers-color-scheme", "value": value});
         self.ask("Emulation.setEmulatedMedia", json!({"features": [feature]}));
     }
 
-    /// The value of an expression in the page.
+    /// Evaluates an expression in the page.
     ///
     /// # Panics
     /// When it throws.
@@ -181,7 +181,8 @@ impl Browser {
         result["result"]["value"].take()
     }
 
-    /// Waits until an expression in the page is true. One that throws is not true yet: the page may still be loading.
+    /// Waits until an expression in the page is true. An expression that throws counts as false:
+    /// the page may still load.
     ///
     /// # Panics
     /// When it does not become true in time.
@@ -204,7 +205,7 @@ impl Browser {
         }
     }
 
-    /// The middle of an element on the page, scrolled into view.
+    /// The center of an element on the page, after scrolling it into view.
     ///
     /// # Panics
     /// When there is no such element.
@@ -222,13 +223,13 @@ impl Browser {
         self.ask("Input.dispatchMouseEvent", button);
     }
 
-    /// Presses the mouse where an element is.
+    /// Clicks an element.
     pub fn click(&mut self, selector: &str) {
         let at = self.middle(selector);
         self.drag(at, at);
     }
 
-    /// Presses the mouse at one place of the page and releases it at another.
+    /// Drags the mouse between two points of the page.
     pub fn drag(&mut self, from: [f64; 2], to: [f64; 2]) {
         self.mouse("mouseMoved", from);
         self.mouse("mousePressed", from);
@@ -252,10 +253,10 @@ impl Browser {
         }
     }
 
-    /// A picture of what the window shows: a PNG file.
+    /// A screenshot of the window, as PNG.
     ///
     /// # Panics
-    /// When it is none.
+    /// When the browser returns none.
     pub fn picture(&mut self) -> Vec<u8> {
         let shot = self.ask("Page.captureScreenshot", json!({"format": "png"}));
         let data = shot["data"].as_str().expect("a picture");

@@ -1,23 +1,23 @@
-//! `tests/defects.toml`: what is to be broken on purpose, and who has to notice.
+//! Reads `tests/defects.toml`: deliberate defects, each with the check that must fail.
 
 use crate::root;
 use remote::link::Machine;
 use serde::Deserialize;
 use std::path::PathBuf;
 
-/// What is to be broken, and who has to notice.
+/// A deliberate defect and its check.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Defect {
-    /// The defect in a few words.
+    /// Short description.
     pub what: String,
-    /// The file, from the top of the project.
+    /// The file, relative to the project's root.
     pub file: PathBuf,
-    /// What stands there exactly once.
+    /// Text that occurs exactly once in the file.
     pub find: String,
-    /// What takes its place.
+    /// Its replacement.
     pub replace: String,
-    /// The command that has to fail.
+    /// The command that must fail.
     pub check: String,
 }
 
@@ -27,7 +27,7 @@ struct List {
     defect: Vec<Defect>,
 }
 
-/// The whole list.
+/// Reads the whole list.
 ///
 /// # Errors
 /// When it cannot be read.
@@ -47,10 +47,10 @@ impl Defect {
         format!("| {} | `{}` | {answer} |", self.what, self.check)
     }
 
-    /// A file's text with the defect.
+    /// Inserts the defect into a file's text.
     ///
     /// # Errors
-    /// When the place is not there exactly once, or nothing would change.
+    /// When the text does not occur exactly once, or nothing would change.
     pub fn put_into(&self, text: &str) -> Result<String, String> {
         let (file, find) = (self.file.display(), &self.find);
         if find == &self.replace {
@@ -65,10 +65,10 @@ impl Defect {
     }
 }
 
-/// What has to be built before a check says anything: code that does not compile fails every check.
+/// The build commands of a check. Code that does not compile would fail every check.
 ///
 /// # Errors
-/// When nobody knows what such a check builds.
+/// When the builds of a check are unknown.
 pub fn builds(check: &str) -> Result<Vec<String>, String> {
     let mut commands = Vec::new();
     if check.starts_with("cargo test ") {
@@ -82,7 +82,7 @@ pub fn builds(check: &str) -> Result<Vec<String>, String> {
     } else {
         return Err(format!("`{check}`: it is not known what this builds"));
     }
-    // Some build images while they run.
+    // Some checks build images while they run.
     let machines: &[Machine] = if check.contains("chip_architectures") {
         &[
             Machine::OLIMEX_H405,
@@ -98,7 +98,7 @@ pub fn builds(check: &str) -> Result<Vec<String>, String> {
     Ok(commands)
 }
 
-/// Packages, programs and targets of the images that the checks in tests/chip look at.
+/// Packages, programs and targets of the images for the checks in tests/chip.
 const BOARDS: [[&str; 3]; 2] = [
     ["stm32f405", "olimex_h405", "thumbv7em-none-eabihf"],
     ["microbit", "microbit", "thumbv6m-none-eabi"],
@@ -108,7 +108,7 @@ fn board_image([package, program, target]: [&str; 3]) -> String {
     format!("cargo build --locked -p {package} --bin {program} --profile chip --target {target}")
 }
 
-/// Builds an image where the check will look for it.
+/// Builds an image at the place where the check expects it.
 fn image(machine: &Machine) -> String {
     let Machine {
         package,

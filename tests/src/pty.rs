@@ -1,4 +1,4 @@
-//! A mind at the other end of a pseudo terminal: a serial line as far as any program can see.
+//! A pseudo terminal with a controller at its other end: a serial line for any program.
 
 use nix::pty::openpty;
 use nix::sys::termios::{SetArg, cfmakeraw, tcgetattr, tcsetattr};
@@ -11,33 +11,33 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// What the line does to the bytes from the mind.
+/// Fault of the line from the controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Line {
-    /// Nothing.
+    /// No fault.
     Good,
-    /// Begins with the end of a frame whose beginning nobody heard, then is good.
+    /// Starts with the end of a frame, then is good.
     StartsInTheMiddle,
-    /// Runs at another speed: what arrives is something else.
+    /// Wrong baud rate: other bytes arrive.
     WrongSpeed,
-    /// Is pulled out after so many bytes.
+    /// Disconnected after this many bytes.
     PulledAfter(usize),
 }
 
-/// A serial line with a mind at its end.
+/// A serial line with a controller at its end.
 #[derive(Debug)]
 pub struct Pty {
     /// The device's path.
     pub path: PathBuf,
-    /// Keeps the device there while nobody has it open.
+    /// Keeps the device open between clients.
     _device: Option<OwnedFd>,
 }
 
 impl Pty {
-    /// A line to whatever listens at `host`.
+    /// A line to the server at `host`.
     ///
     /// # Panics
-    /// When there is no pseudo terminal or no listener.
+    /// When there is no pseudo terminal or no server.
     #[must_use]
     pub fn to(host: &str, line: Line) -> Self {
         let pair = openpty(None, None).expect("a pseudo terminal");
@@ -48,7 +48,8 @@ impl Pty {
         let mind = TcpStream::connect(host).expect("the mind");
         pump(File::from(pair.master), mind, line);
         let keeps = !matches!(line, Line::PulledAfter(_));
-        // A device that is to disappear must not be held here; the program opens it before its first byte comes.
+        // A device that must disappear is not held open here; the program opens it before its first
+        // byte.
         let device = keeps.then_some(pair.slave);
         Self {
             path,
@@ -57,7 +58,7 @@ impl Pty {
     }
 }
 
-/// Carries bytes both ways until one side is gone or the line is pulled out.
+/// Forwards bytes in both directions until one side closes or the line is disconnected.
 fn pump(device: File, mind: TcpStream, line: Line) {
     let carried = Arc::new(AtomicUsize::new(0));
     let (mut from_program, mut to_mind) = (
@@ -74,7 +75,7 @@ fn pump(device: File, mind: TcpStream, line: Line) {
                         break;
                     }
                 }
-                // Nobody has the device open yet.
+                // The device is not open yet.
                 Err(error) if error.raw_os_error() == Some(5) && !is_pulled(line, &seen) => {
                     std::thread::sleep(std::time::Duration::from_millis(5));
                 }
@@ -106,7 +107,7 @@ fn is_pulled(line: Line, carried: &AtomicUsize) -> bool {
     matches!(line, Line::PulledAfter(bytes) if carried.load(Ordering::Relaxed) >= bytes)
 }
 
-/// A line read at twice its speed makes two bytes of one, and neither is it.
+/// A line read at twice its baud rate makes two wrong bytes of one.
 fn garbled(bytes: &[u8], line: Line) -> Vec<u8> {
     if line != Line::WrongSpeed {
         return bytes.to_vec();

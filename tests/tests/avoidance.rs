@@ -1,4 +1,4 @@
-//! What the robot is for: it learns from 100 random moves and then drives without touching anything.
+//! The robot learns from 100 random moves and then drives without contact.
 
 use arena::sonar::SonarModel;
 use experiments::ablation::{Figures, Trial, measure, variants};

@@ -1,4 +1,4 @@
-//! A mind drives the simulated Nomad over the robot's own line, and either of them may be lost.
+//! A controller drives the simulated Nomad over the robot's own protocol; either side may fail.
 
 use amp::config::Config;
 use nomad200::Command;
@@ -13,8 +13,7 @@ use tests::chip::image;
 use tests::nomad::{Cut, Line, Robot, Running, stands};
 use tests::{Program, host_sim};
 
-/// So long a base takes to stand: it rolls at 0.508 m/s at most and brakes at 0.762 m/s², or its wheels turn at 45 °/s and brake at
-/// 30 °/s².
+/// Longest braking time of a base: from 0.508 m/s at 0.762 m/s², wheels from 45 °/s at 30 °/s².
 const BRAKING: Duration = Duration::from_millis(1_700);
 
 fn bridge(program: &Program, robot: &str, flags: &str) -> Running {
@@ -25,7 +24,7 @@ fn figures(stdout: &str) -> Value {
     serde_json::from_str(stdout).unwrap_or_else(|error| panic!("{stdout}: {error}"))
 }
 
-/// Runs to its end without anything touched, by the robot's bumpers and by what the world saw.
+/// Runs to the end without contact, by the robot's bumpers and by the world.
 fn drives_clean(program: &Program, robot: &mut Robot, at: &str, flags: &str, moves: [u64; 2]) {
     let mut driver = bridge(program, at, flags);
     let (code, stdout, stderr) = driver.end(Duration::from_secs(1_800));
@@ -45,7 +44,7 @@ fn drives_clean(program: &Program, robot: &mut Robot, at: &str, flags: &str, mov
     );
     let until = Instant::now() + Duration::from_secs(5);
     let mut seen = robot.program.messages();
-    // At a serial port nobody is seen to go.
+    // A serial port does not show a disconnection.
     while seen.is_empty() && at.starts_with("tcp") && Instant::now() < until {
         sleep(Duration::from_millis(10));
         seen = robot.program.messages();
@@ -67,7 +66,7 @@ fn a_mind_in_this_process_drives_a_robot_at_a_socket() {
         "--explore 40 --steps 100 --log drive.mcap",
         [40, 100],
     );
-    // The mind that drove drives the same once more.
+    // A replay makes the same decisions.
     let said = program.ok("replay drive.mcap");
     assert!(said.contains("every one identical"), "{said}");
     assert!(said.ends_with("complete\n"), "{said}");
@@ -89,8 +88,8 @@ fn a_mind_in_this_process_drives_a_robot_at_a_serial_port() {
     );
 }
 
-/// The whole chain: robot, its line, bridge, link, chip. At the robot's own speed: a faster one would be over the deadline of
-/// its motion before the chip has answered.
+/// The whole chain: robot, its protocol, bridge, link, chip. At the robot's own speed: a faster
+/// motion would expire before the chip's answer.
 #[test]
 fn the_firmware_in_an_emulated_chip_drives_a_robot() {
     let program = host_sim!();
@@ -101,7 +100,7 @@ fn the_firmware_in_an_emulated_chip_drives_a_robot() {
     drives_clean(&program, &mut robot, &at, &flags, [5, 5]);
 }
 
-/// Minutes: `tests/extra bridge` runs it.
+/// Takes minutes: run by `tests/extra bridge`.
 #[test]
 #[ignore = "takes minutes: tests/extra bridge"]
 fn the_firmware_drives_a_thousand_steps() {
@@ -113,21 +112,21 @@ fn the_firmware_drives_a_thousand_steps() {
     drives_clean(&program, &mut robot, &at, &flags, [100, 1_000]);
 }
 
-/// Waits until the robot has been driven for a while.
+/// Waits until the robot has moved for a while.
 fn under_way(robot: &mut Robot, driver: &mut Running) {
     sleep(Duration::from_secs(4));
     let (gone, said) = (robot.program.messages(), driver.messages());
     assert!(gone.is_empty() && said.is_empty(), "{gone:?} {said:?}");
 }
 
-/// To one who connects anew.
+/// Checked by a new client.
 fn assert_stands(robot: &Robot) {
     let mut host = robot.connect();
     let state = host.ask(&Command::GetState).expect("an answer");
     assert!(stands(state), "{state:?}");
 }
 
-/// At the robot's own speed: killed, the bridge leaves a base that its own time-out stops.
+/// At the robot's own speed: after a kill of the bridge the base stops by its own timeout.
 #[test]
 fn without_its_bridge_the_base_stops_by_itself() {
     let program = host_sim!();
@@ -137,7 +136,7 @@ fn without_its_bridge_the_base_stops_by_itself() {
     under_way(&mut robot, &mut driver);
     driver.kill();
     let killed = Instant::now();
-    // Whoever comes next does not ask before the time-out of a second is over: a question would be a sign of life.
+    // A request before the timeout of one second would reset it.
     sleep(Duration::from_secs(1) + BRAKING);
     let mut host = robot.connect();
     let state = host.ask(&Command::GetState).expect("an answer").clone();
@@ -183,7 +182,7 @@ fn without_its_robot_the_bridge_ends_and_so_does_the_mind() {
     assert_eq!(stderr.lines().count(), 1, "{stderr}");
 }
 
-/// The connection stays, but nothing comes over it any more: three questions, a second each.
+/// The connection stays open without data: three requests with a timeout of one second each.
 #[test]
 fn a_robot_that_falls_silent_ends_the_bridge_and_stops_by_itself() {
     let program = host_sim!();
@@ -205,7 +204,8 @@ fn a_robot_that_falls_silent_ends_the_bridge_and_stops_by_itself() {
     assert_stands(&robot);
 }
 
-/// From the last report of a way to the mind's last word, by the mind's clock, ms; its way, m.
+/// Time from the last odometry report to the controller's last message, by its clock, ms; the
+/// distance in that report, m.
 fn last_way(log: &Path) -> (u32, f64) {
     let log = read(log).expect("a log");
     let (mut moved_ms, mut said_ms, mut way_m) = (0, 0, 0.0);
@@ -231,8 +231,8 @@ fn last_way(log: &Path) -> (u32, f64) {
     (said_ms - moved_ms, way_m)
 }
 
-/// The motor runs against wheels that do not turn. A motion has to end twice its distance over its speed plus half a second
-/// after it began: at full speed at most 1.5 s.
+/// The motor runs against blocked wheels. A motion must end after twice its distance over its speed
+/// plus half a second: at full speed 1.5 s at most.
 #[test]
 fn blocked_wheels_stop_the_robot() {
     let program = host_sim!();
@@ -240,7 +240,7 @@ fn blocked_wheels_stop_the_robot() {
     let at = format!("tcp:{}", robot.place);
     let began = Instant::now();
     let mut driver = bridge(&program, &at, "--explore 100 --log blocked.mcap");
-    // Two moves take less than 10 s. A hundred rings, after which a mind counts as silent, would take 64 s.
+    // Two moves take less than 10 s. The timeout of a silent ring, a hundred rings, would be 64 s.
     let (code, stdout, stderr) = driver.end(Duration::from_secs(30));
     assert_eq!(code, Some(2), "{stdout}");
     assert_eq!(
@@ -248,19 +248,19 @@ fn blocked_wheels_stop_the_robot() {
         "host-sim: the robot stopped: its motion did not end in time: the wheels may be blocked\n"
     );
     assert!(began.elapsed() < Duration::from_secs(30));
-    // Counted by steps of a tenth of an inch along x and y.
+    // Summed up in steps of a tenth of an inch along x and y.
     let rolled_m = figures(&stdout)["distance_m"].as_f64();
     assert!(rolled_m > Some(0.19) && rolled_m < Some(0.3), "{stdout}");
     let (ms, way_m) = last_way(&program.folder().join("blocked.mcap"));
     assert!(ms < 1_600 && way_m > 0.19, "{ms} ms {way_m} m");
-    // And decides the same once more.
+    // A replay makes the same decisions.
     let said = program.ok("replay blocked.mcap");
     assert!(said.contains("every one identical"), "{said}");
     sleep(BRAKING);
     assert_stands(&robot);
 }
 
-/// The same with a mind that looks at the time itself.
+/// The same with a remote controller, which has its own clock.
 #[test]
 fn blocked_wheels_stop_the_robot_of_a_mind_elsewhere() {
     let program = host_sim!();
@@ -281,7 +281,7 @@ fn blocked_wheels_stop_the_robot_of_a_mind_elsewhere() {
     assert_stands(&robot);
 }
 
-/// A mind behind a socket that is switched off, or says nothing more while its socket stays.
+/// A controller behind a socket that is closed, or that stays open without data.
 #[test]
 fn without_its_mind_the_base_is_told_to_stand() {
     let program = host_sim!();
@@ -310,7 +310,8 @@ fn without_its_mind_the_base_is_told_to_stand() {
     }
 }
 
-/// The firmware panics while the robot drives: the chip is reset, and the bridge sees it by the next hello.
+/// The firmware panics while the robot moves: the chip resets, and the bridge detects it by the
+/// next hello.
 #[test]
 fn without_its_chip_the_base_is_told_to_stand() {
     let program = host_sim!();
@@ -354,7 +355,7 @@ fn what_is_not_there_is_named() {
         assert!(!output.stderr.contains("panicked"));
         output.stderr
     };
-    // Nobody listens at port 1.
+    // Port 1 has no server.
     assert!(refused("--nomad tcp:127.0.0.1:1").contains("tcp:127.0.0.1:1"));
     assert!(refused("--nomad serial:/dev/ttyNowhere7").contains("/dev/ttyNowhere7"));
     assert!(refused("--nomad qemu").contains("no address of a robot"));

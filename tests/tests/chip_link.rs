@@ -1,5 +1,4 @@
-//! `host-sim link` and a chip that has its own life: what it knows is carried away and back, its goal is set, it is switched
-//! off and on.
+//! `host-sim link` with a running chip: download and upload of its state, goals, power cycles.
 
 use amp::controller::{Command, Decision, Event, handle};
 use amp::goal::Goal;
@@ -16,8 +15,8 @@ use tests::board::Board;
 use tests::chip::{Chip, PATIENCE, SESSION};
 use tests::{Program, host_sim};
 
-/// What a literal robot makes of thirty moves: neither its configuration nor its maps are those of a chip that has just been
-/// switched on.
+/// State of a robot with the preset `touzet` after thirty moves: neither its configuration nor its
+/// maps are the defaults of the chip.
 const EPISODE: &str = "run --preset touzet --world random:4 --explore 30 --steps 5 --json --mind";
 
 const GOAL: &str = "[[sonar]]\nnumbers = [4]\nat_least = 0.6\nat_most = 0.8\n";
@@ -45,7 +44,7 @@ fn what_one_chip_has_learned_another_one_knows() {
     a_goal_file_is_what_the_chip_pursues(&program, &fresh, &knowledge);
 }
 
-/// Part of the test above, because a chip has to have learned for it.
+/// Part of the test above, because it needs a trained chip.
 fn a_goal_file_is_what_the_chip_pursues(program: &Program, board: &Board, mind: &Knowledge) {
     program.put("wall.toml", GOAL);
     assert_eq!(link(program, board, "goal wall.toml"), "done\n");
@@ -63,7 +62,7 @@ fn a_goal_file_is_what_the_chip_pursues(program: &Program, board: &Board, mind: 
     assert_ne!(theirs, Some(decided_here(mind, other)));
 }
 
-/// A room that is nearer to the left.
+/// A ring with nearer echoes on the left.
 fn heard(sensor: u8) -> Heard {
     Heard {
         sensor,
@@ -79,7 +78,7 @@ fn decision(said: &[Report<16>]) -> Option<Decision<16>> {
     })
 }
 
-/// The decision of the same mind on this machine.
+/// The decision of the same controller on this machine.
 fn decided_here(mind: &Knowledge, goal: Goal<16>) -> Decision<16> {
     let mut state = mind.state().clone();
     let now = Millis::from_ms(0);
@@ -119,7 +118,7 @@ fn monitor_finds_a_chip_again_that_was_switched_off() {
         chip.open(SESSION, Clock::Device);
         chip.counters().accepted
     };
-    // Long enough for it to be there, and to have the chip's only line for itself.
+    // Long enough to connect and to occupy the chip's only line.
     sleep(Duration::from_secs(1));
     board.switch_off();
     let lost = said.recv_timeout(PATIENCE).expect("a message");
@@ -130,7 +129,7 @@ fn monitor_finds_a_chip_again_that_was_switched_off() {
     board.switch_on();
     let found = said.recv_timeout(PATIENCE).expect("another message");
     assert_eq!(found, format!("{address}: the mind is there again"));
-    // It goes on: the chip hears its signs of life.
+    // It continues: the chip receives its heartbeats.
     sleep(Duration::from_secs(1));
     assert_eq!(monitor.try_wait().expect("its state"), None);
     monitor.kill().expect("it still runs");
@@ -139,7 +138,7 @@ fn monitor_finds_a_chip_again_that_was_switched_off() {
     assert_eq!(said.try_iter().next(), None);
 }
 
-/// The lines of a stream as they come.
+/// The lines of a stream as they arrive.
 fn lines(stream: impl std::io::Read + Send + 'static) -> Receiver<String> {
     let (sender, receiver) = channel();
     spawn(move || {

@@ -1,4 +1,4 @@
-//! A host in another language, written from PROTOCOL.md alone, drives the firmware in an emulated chip through an episode.
+//! A Python host, written from PROTOCOL.md alone, drives the firmware in an emulated chip.
 
 use amp::wire::SCHEMA;
 use std::io::ErrorKind;
@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use tests::board::Board;
 use tests::root;
 
-/// Time for the whole episode. It takes seconds on a free machine.
+/// Timeout of the whole episode. It takes seconds on an idle machine.
 const LIMIT: Duration = Duration::from_secs(300);
 const CLIENT: &str = "tests/python/client.py";
 

@@ -1,6 +1,6 @@
-//! The house rules that a reader relies on: who may know whom, how long a file may be, what each file is for.
+//! Rules of the layout: dependencies between crates, length of files, head of each file.
 //!
-//! `UPDATE_GOLDEN=1 cargo test -p tests --test layout` writes the table of files in docs/architecture.md anew.
+//! `UPDATE_GOLDEN=1 cargo test -p tests --test layout` rewrites the table in docs/architecture.md.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tests::root;
 
-/// Each package and the packages of this project that it may know, tests aside.
+/// Each package and the packages of this workspace that it may depend on, tests excluded.
 const MAY_KNOW: [(&str, &[&str]); 12] = [
     ("shared", &[]),
     ("firmware", &["amp"]),
@@ -47,7 +47,7 @@ const MAY_KNOW: [(&str, &[&str]); 12] = [
     ),
 ];
 
-/// Longest file, lines of production code, unless its head says why.
+/// Longest file in lines of production code.
 const MAX_LINES: usize = 400;
 
 /// Files that are still longer; none may grow.
@@ -69,7 +69,7 @@ const STILL_LONG: [(&str, usize); 15] = [
     ("host-sim/view/src/board.rs", 410),
 ];
 
-/// A table may lag behind by this share of a file's lines before it has to be written anew.
+/// The table must be rewritten when a file's length differs by more than this share.
 const STALE_SHARE: f64 = 0.2;
 
 /// One source file.
@@ -84,7 +84,7 @@ fn text(path: &Path) -> String {
     fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// Packages of this project that a manifest depends on, tests aside.
+/// Packages of this workspace that a manifest depends on, tests excluded.
 fn dependencies(folder: &str) -> Vec<String> {
     let manifest = text(&root().join(folder).join("Cargo.toml"));
     let manifest: toml::Table = manifest.parse().expect("a manifest");
@@ -136,7 +136,7 @@ fn the_list_of_crates_is_complete() {
     }
 }
 
-/// All source files of a folder, in order; tests and benchmarks are left out.
+/// All source files of a folder, in order, without tests and benchmarks.
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     let mut entries: Vec<_> = fs::read_dir(folder)
         .unwrap_or_else(|error| panic!("{}: {error}", folder.display()))
@@ -179,7 +179,7 @@ fn source(path: &Path) -> Source {
             .expect("inside the project")
             .to_string_lossy()
             .replace('\\', "/"),
-        // Links of rustdoc lead nowhere from a page.
+        // Links of rustdoc have no target on a page.
         purpose: paragraph[..end]
             .trim_end_matches([':', '.'])
             .replace("[`", "`")
@@ -224,7 +224,7 @@ fn every_file_says_what_it_is_for() {
     }
 }
 
-/// The table of files, a section for each package.
+/// The table of files, a section per package.
 fn table(files: &[Source]) -> String {
     let mut packages: BTreeMap<&str, Vec<&Source>> = BTreeMap::new();
     for file in files {

@@ -1,4 +1,4 @@
-//! Logs as a user meets them: written by `run --log`, replayed, summarized, cut off by a kill.
+//! Logs: written by `run --log`, replayed, summarized, cut off by a kill.
 
 use amp::config::Config;
 use remote::link::Served;
@@ -111,7 +111,7 @@ fn what_is_no_log_is_refused_in_one_sentence() {
     assert_eq!(kept, b"not a log");
 }
 
-/// Everything a person can do, in a log.
+/// A log with every command of a user.
 fn steered(viewed: &Viewed) {
     let mut steerer = viewed.steerer();
     let mut order = |order: serde_json::Value| {
@@ -224,7 +224,7 @@ fn the_log_of_a_mind_at_a_link_replays_here() {
         let off = json!({"do": "shield", "on": false});
         steerer.order(off).expect("it stands and is told");
     }
-    // What came of the last things it was told is not known.
+    // The effect of the last events is unknown.
     drop(served);
     let _ = steerer.order(json!({"do": "seek"}));
     assert_eq!(viewed.end(), Some(0));

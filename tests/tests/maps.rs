@@ -1,4 +1,4 @@
-//! Maps learned once serve any goal: a new one costs no move and no training.
+//! Maps that are learned once serve any goal: a new goal costs no move and no training.
 
 use amp::config::Config;
 use amp::controller::{self, Command, Decision, Event, Mode, Outputs};
@@ -14,7 +14,8 @@ use sim::episode::{Body, Seeds, perceive};
 use sim::pilot::{Pilot, SimState};
 use sim::scenes::Behavior;
 
-/// A mind and, from some moment on, its twin: it hears the same and is not obeyed.
+/// A controller and, from some moment on, a copy: it gets the same events, and its motions are
+/// ignored.
 struct Robot {
     config: Config<16>,
     mind: Box<SimState>,
@@ -40,7 +41,7 @@ impl Robot {
     }
 }
 
-/// Nothing near but something very near ahead: nearly the opposite of avoiding.
+/// Nothing near except for a very near obstacle ahead: almost the opposite of avoiding.
 fn touch_ahead(config: &Config<16>) -> Goal<16> {
     let mut goal = Goal::avoiding(config);
     for component in goal.components.iter_mut().take(4) {
@@ -75,8 +76,8 @@ fn educated<'w>(world: &'w World, steps: usize) -> (Robot, Body<'w>) {
     (robot, body)
 }
 
-/// How many of 20 next actions are other ones when the goal changes to that which `goal` makes, given the situation before
-/// the first move.
+/// Of 20 next actions, the number that differs when the goal changes to that of `goal`, given the
+/// situation before the first move.
 fn changed(goal: impl Fn(&Config<16>, &Situation<16>) -> Goal<16>) -> usize {
     let world = World::builtin("paper").expect("a built-in world");
     let mut other_actions = 0;
@@ -88,14 +89,14 @@ fn changed(goal: impl Fn(&Config<16>, &Situation<16>) -> Goal<16>) -> usize {
         let nest = perceive(&world, world.start(), SonarModel::Ideal, 1, encoding);
         let goal = goal(&robot.config, &nest);
         let outputs = robot.told(body.now(), Command::Seek(goal));
-        // No move, no forgetting, no learning ...
+        // No move, no change of memory or maps ...
         assert_eq!(outputs.motion, None);
         assert_eq!(*robot.mind.mode(), Mode::Seek { goal });
         assert_eq!(robot.mind.memory(), before.memory());
         assert_eq!(robot.mind.memory().samples().len(), 100);
         assert_eq!(robot.mind.situations(), before.situations());
         assert_eq!(robot.mind.actions(), before.actions());
-        // ... and the very next decision serves the new goal, from the same situation and the same maps.
+        // ... and the next decision serves the new goal, from the same situation and maps.
         let decision = body.advance(&mut robot).decision.expect("a decision");
         let twins = robot.twins_decision.expect("the twin decides, too");
         assert_eq!(decision.situation, twins.situation);

@@ -1,4 +1,4 @@
-//! A mind at a serial device: a pseudo terminal with the chip's code at its other end.
+//! A controller at a serial device: a pseudo terminal with the chip's code at its other end.
 
 use amp::config::Config;
 use remote::link::Served;

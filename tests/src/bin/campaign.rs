@@ -1,5 +1,7 @@
-//! Runs the campaigns of [`tests::campaign`]: figures to standard output, progress and times to standard error. Exit code 0: all
-//! was as it has to be; 1: it was not; 2: bad arguments.
+//! Runs the campaigns of [`tests::campaign`] and prints their figures.
+//!
+//! Progress and times go to standard error. Exit code 0: all requirements met; 1: one was not; 2:
+//! bad arguments.
 
 use amp::config::Config;
 use arena::sonar::SonarModel;
@@ -10,13 +12,13 @@ use std::process::ExitCode;
 use std::time::Instant;
 use tests::campaign::{Verdict, chip, clock, drift, frames, link, shield, silence};
 
-/// How much less is done with `--quick`.
+/// Divisor of the counts with `--quick`.
 const QUICK: u64 = 1_000;
 
 #[derive(Debug, Parser)]
 #[command(
     name = "campaign",
-    about = "Long random runs that try to break the mind, its link and its clock"
+    about = "Long random runs that try to break the controller, its link and its clock"
 )]
 struct Cli {
     #[command(subcommand)]
@@ -24,7 +26,7 @@ struct Cli {
     /// Seed of all randomness
     #[arg(long, global = true, default_value_t = 1)]
     seed: u64,
-    /// How many [default: see the verb]
+    /// Number of cases [default: see the subcommand]
     #[arg(long, global = true)]
     count: Option<u64>,
     /// A thousandth of the default
@@ -36,11 +38,11 @@ struct Cli {
 enum Verb {
     /// Damaged frames through the decoder [count: 1000000000]
     Frames,
-    /// Frames over a line that loses 30 %, repeats 10 % and reorders [count: 1000000]
+    /// Frames over a line that loses 30 %, duplicates 10 % and reorders [count: 1000000]
     Link,
-    /// Moments at which host, line or chip are gone [count: 100000 of each]
+    /// Host, line or chip fail while the robot moves [count: 100000 of each]
     Silence,
-    /// Episodes over the end of the 32-bit milliseconds [count: 1000]
+    /// Episodes across the overflow of the 32-bit milliseconds [count: 1000]
     Clock,
     /// Robots that drive for a day [count: 100]
     Drift {
@@ -56,7 +58,7 @@ enum Verb {
         /// Built-in worlds and rooms with thin walls instead of random rooms
         #[arg(long)]
         others: bool,
-        /// Change one open choice (see `host-sim settings`); may be given several times
+        /// Change one option (see `host-sim settings`); may be given several times
         #[arg(long = "set", value_name = "KEY=VALUE")]
         sets: Vec<String>,
     },
@@ -64,7 +66,7 @@ enum Verb {
     ChipFrames,
     /// Frames over a bad line to the firmware in an emulated chip [count: 1000]
     ChipLink,
-    /// Moments at which the host of an emulated chip falls silent [count: 100]
+    /// The host of an emulated chip goes silent while the robot moves [count: 100]
     ChipSilence,
 }
 
@@ -83,7 +85,7 @@ impl Verb {
         }
     }
 
-    /// What progress counts for each of `count`.
+    /// Number of progress steps for `count`.
     const fn steps(&self, count: u64) -> u64 {
         match self {
             Self::Silence => 4 * count,

@@ -1,8 +1,8 @@
-//! A bridge drives a Nomad, and its mind falls silent, or the bridge itself is gone: how long until the base stands?
+//! A bridge drives a Nomad and its controller or the bridge itself fails: time until the base
+//! stops.
 //!
-//! All of it is the code that drives a real robot: [`drive`], a mind at the end of a link, the robot's own line, and the
-//! simulated robot, which misses its host as the Nomad does. The bridge counts its mind's silence by this machine's clock, so
-//! robot and mind live by it too, and the figures are never quite the same again.
+//! Uses the code for a real robot: [`drive`], a controller behind a link, the robot's own protocol,
+//! the simulated robot. Timeouts run in real time, so results vary.
 
 use super::{Verdict, below, generator};
 use amp::config::Config;
@@ -19,27 +19,29 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// One of so many trials of a campaign is made with a bridge; at least so many, and so many at the same time.
+/// One in so many trials of a campaign uses a bridge; the least number of trials; trials in
+/// parallel.
 const SHARE: u64 = 1_000;
 const LEAST: u64 = 4;
 const AT_ONCE: usize = 8;
-/// So slow that even the first motion, of 80 mm, takes more than 8 s: whoever stops it is seen.
+/// So slow that even the first motion, of 80 mm, takes more than 8 s: a stop before its end is
+/// visible.
 const SPEED_MM_S: u16 = 10;
-/// The moment comes at most so long after the motors began to run, ms.
+/// Latest failure after the start of the motors, ms.
 const MAX_MS: usize = 4_000;
-/// From an order to stand to wheels that stand, if they were turning at 45 °/s, ms.
+/// Time to stop the wheels from 45 °/s, ms.
 const BRAKING_MS: u32 = 1_510;
-/// A base that does not begin to move, or goes on for so long, is not watched any longer, ms.
+/// Timeout of a trial, ms.
 const GIVE_UP_MS: u32 = 20_000;
-/// A wait is looked at so often.
+/// Poll interval.
 const STEP: Duration = Duration::from_millis(2);
 
-/// Who is gone.
+/// The component that fails.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Gone {
-    /// The mind says nothing more, and its link stays.
+    /// The controller sends nothing more; its link stays open.
     Mind,
-    /// The bridge, with its line.
+    /// The bridge and its line to the robot.
     Bridge,
 }
 
@@ -53,8 +55,10 @@ impl Gone {
         }
     }
 
-    /// Longest time until the motors are told to stand, ms: after 500 ms of a silent mind, and what a busy machine adds; by the
-    /// robot itself after a second, the shortest that its `conf_tm` knows.
+    /// Longest time until the stop command, ms.
+    ///
+    /// A silent controller: timeout of 500 ms plus the delays of a busy machine. The robot itself
+    /// stops after one second, the shortest value of its `conf_tm`.
     const fn most_ms(self) -> u32 {
         match self {
             Self::Mind => 900,
@@ -63,19 +67,20 @@ impl Gone {
     }
 }
 
-/// The robot, and what is seen of it.
+/// The robot and its observation.
 struct Scene {
     line: Line,
     began: Instant,
     lived_ms: u32,
-    /// So long the motors run before the moment, ms.
+    /// Time from the start of the motors to the failure, ms.
     after_ms: u32,
     ran_ms: u32,
     gone: Gone,
-    /// When somebody is gone, and how far the base had rolled.
+    /// Time of the failure, and the distance rolled until then.
     moment: Option<(u32, f64)>,
     decoder: Decoder,
-    /// From the moment to the first order to stand, to motors that stand, and the way until then.
+    /// Time from the failure to the first stop command and to the standstill, and the distance
+    /// rolled.
     told_ms: Option<u32>,
     stood: Option<(u32, f64)>,
     is_over: Arc<AtomicBool>,
@@ -105,14 +110,14 @@ impl Scene {
         self.gone == who && self.moment.is_some()
     }
 
-    /// Lives as long as this machine has.
+    /// Advances the robot's time to real time.
     fn live(&mut self) {
         while u128::from(self.lived_ms) < self.began.elapsed().as_millis() {
             self.pass();
         }
     }
 
-    /// A millisecond.
+    /// Advances by one millisecond.
     fn pass(&mut self) {
         self.line.advance(1);
         self.lived_ms += 1;
@@ -133,7 +138,7 @@ impl Scene {
         }
     }
 
-    /// The bridge says something.
+    /// Processes bytes of the bridge.
     fn hear(&mut self, bytes: &[u8]) {
         let mut packets = Vec::new();
         self.decoder.push(bytes, &mut packets);
@@ -169,7 +174,7 @@ impl Transport for ToRobot {
         loop {
             let mut scene = look(&self.0);
             scene.live();
-            // A bridge that is gone waits for nothing.
+            // A bridge that has failed waits for nothing.
             if scene.is_gone(Gone::Bridge) {
                 return Ok(0);
             }
@@ -185,7 +190,7 @@ impl Transport for ToRobot {
     }
 }
 
-/// The link to the mind.
+/// The link to the controller.
 struct ToMind {
     mind: Local,
     scene: Arc<Mutex<Scene>>,
@@ -221,7 +226,7 @@ impl Transport for ToMind {
     }
 }
 
-/// What came of a trial: times from the moment on, ms, and the way, mm.
+/// Result of a trial: times after the failure, ms, and distance, mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Stopped {
     told_ms: u32,
@@ -241,7 +246,7 @@ fn try_it(gone: Gone, seed: u64, trial: u64) -> Stopped {
         scene: Arc::clone(&scene),
         is_over: Arc::clone(&is_over),
     });
-    // Whoever asks the mind waits for longer than the base may move.
+    // The bridge must wait longer for an answer than the base may move.
     session.set_patience(Patience {
         attempt: Duration::from_millis(GIVE_UP_MS.into()),
         attempts: 1,
@@ -258,7 +263,7 @@ fn try_it(gone: Gone, seed: u64, trial: u64) -> Stopped {
     };
     let host = Host::new(ToRobot(Arc::clone(&scene)));
     let _ = drive(host, LoggedMind::new(mind, None), &plan, &is_over, |_| {});
-    // A robot whose bridge is gone needs no clock.
+    // Without a bridge the robot's time must not advance.
     let mut scene = look(&scene);
     while scene.stood.is_none() && scene.lived_ms < GIVE_UP_MS {
         scene.pass();
@@ -271,7 +276,7 @@ fn try_it(gone: Gone, seed: u64, trial: u64) -> Stopped {
     }
 }
 
-/// Makes some trials for a campaign of `count`, and says what came of them.
+/// Runs the trials for a campaign of `count`, and adds their figures to the verdict.
 pub(super) fn run(verdict: &mut Verdict, seed: u64, count: u64) {
     let count = (count / SHARE).max(LEAST);
     let mut rows = Vec::new();
@@ -312,7 +317,7 @@ fn judge(verdict: &mut Verdict, gone: Gone, all: &[Stopped]) -> [String; 5] {
     let stood_ms = most(|stopped| stopped.stood_ms);
     let told_ms = most(|stopped| stopped.told_ms);
     let way_mm = all.iter().map(|stopped| stopped.way_mm).fold(0.0, f64::max);
-    // The robot itself tells nobody that it stops.
+    // The robot reports no stop of its own.
     let is_told = gone == Gone::Bridge || told_ms <= gone.most_ms();
     verdict.require(is_told, format!("{name}: {told_ms} ms"));
     let is_soon = stood_ms <= gone.most_ms() + BRAKING_MS;

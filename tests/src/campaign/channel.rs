@@ -1,39 +1,39 @@
-//! A way on which frames get lost, come twice, overtake one another, and are held back for a while.
+//! A simulated channel that loses, duplicates, reorders and delays frames.
 
 use super::{below, generator, happens};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::collections::BinaryHeap;
 
-/// How bad a way is.
+/// Fault rates of a channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Badness {
-    /// Frames that get lost, percent.
+    /// Lost frames, percent.
     pub(super) lost: usize,
-    /// Frames that come twice, percent of those that come.
+    /// Duplicated frames, percent of those delivered.
     pub(super) twice: usize,
-    /// Least and most time on the way, ms.
+    /// Shortest and longest delay, ms.
     pub(super) delay_ms: [u64; 2],
-    /// Of a thousand frames so many find that the way stalls.
+    /// Frames in a thousand that start a stall.
     pub(super) stalls: usize,
-    /// Longest stall, ms: what is sent meanwhile comes at its end.
+    /// Longest stall, ms: frames sent during a stall arrive at its end.
     pub(super) stall_ms: u64,
 }
 
-/// A frame that has come.
+/// A delivered frame.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Come {
-    /// When.
+    /// Time of arrival.
     pub(super) at_ms: u64,
-    /// When it was sent.
+    /// Time of sending.
     pub(super) sent_ms: u64,
-    /// Its number among those sent, counted from 0.
+    /// Its number among the frames sent, from 0.
     pub(super) number: u64,
     /// The frame.
     pub(super) bytes: Vec<u8>,
 }
 
 impl Ord for Come {
-    /// The first to come is the greatest.
+    /// Reversed for a max-heap: the first to arrive is the greatest.
     fn cmp(&self, other: &Self) -> std::cmp::Ordering {
         (other.at_ms, other.number).cmp(&(self.at_ms, self.number))
     }
@@ -45,11 +45,11 @@ impl PartialOrd for Come {
     }
 }
 
-/// The way, and its book.
+/// A channel with its statistics.
 #[derive(Debug)]
 pub(super) struct Channel {
     badness: Badness,
-    /// The way stalls until then.
+    /// End of the current stall.
     stalled_until_ms: u64,
     random: Xoshiro256PlusPlus,
     under_way: BinaryHeap<Come>,
@@ -71,7 +71,7 @@ impl Channel {
         }
     }
 
-    /// Takes a frame; returns its number.
+    /// Sends a frame; returns its number.
     pub(super) fn send(&mut self, now_ms: u64, bytes: &[u8]) -> u64 {
         let number = self.sent;
         self.sent += 1;
@@ -98,7 +98,7 @@ impl Channel {
         number
     }
 
-    /// The next frame that has come by now.
+    /// The next frame that has arrived by now.
     pub(super) fn come(&mut self, now_ms: u64) -> Option<Come> {
         let due = self
             .under_way
@@ -107,7 +107,7 @@ impl Channel {
         due.then(|| self.under_way.pop()).flatten()
     }
 
-    /// Whether nothing is under way.
+    /// Whether no frame is in transit.
     pub(super) fn is_empty(&self) -> bool {
         self.under_way.is_empty()
     }
@@ -122,7 +122,7 @@ impl Channel {
         self.lost
     }
 
-    /// Frames that came, or will come, twice.
+    /// Frames duplicated.
     pub(super) const fn repeated(&self) -> u64 {
         self.repeated
     }

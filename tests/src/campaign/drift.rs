@@ -1,12 +1,7 @@
-//! A robot that drives for a day: does what it does, or what it knows, wander off?
+//! A robot drives for a day: do its behavior or its maps drift?
 //!
-//! Where a robot goes changes in a day though it learns nothing: it comes to ways that it goes again and again. So the mind of
-//! the day's end is set down where it was at the beginning, for one more hour, and that hour is compared with the first.
-//!
-//! Each seed is a random room of its own. The robot makes its 100 random moves and its maps, and then avoids obstacles for 24
-//! simulated hours with the shield on, learning all the while; at noon its clock comes to the end of its 32 bits. Looked at hour
-//! by hour: way, area swept, decisions, steps with a contact. After each hour what it knows has to be within bounds: values of
-//! situations from 0 to 1, changes from -1 to 1, the samples of the 100 moves as they were.
+//! Routes drift even with frozen maps. So the end-of-day maps drive from the start for one hour,
+//! which must match hour 1. Each hour: distance, area, decisions, contacts, bounds of the state.
 
 use super::clock::Shifted;
 use super::{Progress, Verdict, grouped};
@@ -29,21 +24,22 @@ use sim::statistics::{Mean, bootstrap};
 pub const COUNT: u64 = 100;
 /// Hours of a day.
 pub const HOURS: u32 = 24;
-/// The hours in the table, counted from 1; the clock ends between the twelfth and the thirteenth of 24.
+/// The hours in the table, from 1; the clock overflows between hours 12 and 13 of 24.
 const SHOWN: [usize; 8] = [1, 2, 3, 6, 12, 13, 18, 24];
-/// What the way of the hour after the day may differ from the first one's, as a share of it.
+/// Largest relative difference of the distance between the hour after the day and the first hour.
 const MAX_DRIFT: f64 = 0.05;
-/// The way of every robot in every hour is at least so long, m: a tenth of the mean. One that goes less has come to stand.
+/// Least distance of every robot in every hour, m: a tenth of the mean. A shorter one means a
+/// standstill.
 const LEAST_WAY_M: f64 = 36.0;
 
-/// A robot's hours, and one more from where it began.
+/// The hours of a robot, and one more from its start.
 struct Day {
     seed: u64,
     hours: Vec<Hour>,
     again: Hour,
 }
 
-/// An hour.
+/// Figures of an hour.
 #[derive(Debug, Clone, Copy, Default)]
 struct Hour {
     decisions: u64,
@@ -56,7 +52,7 @@ struct Hour {
 /// Lets `count` robots drive for `hours` hours.
 ///
 /// # Errors
-/// When a mind refuses to learn or decides nothing.
+/// When a controller refuses to learn or makes no decision.
 pub fn run(
     seed: u64,
     count: u64,
@@ -110,7 +106,7 @@ fn day(seed: u64, hours: u32, sonar: SonarModel, progress: Progress<'_>) -> Resu
     })
 }
 
-/// The robot at its start, in the mind's own time; it seeks what is free of obstacles.
+/// The robot at its start, by the controller's time, with avoidance as its goal.
 fn set_down<'w>(
     world: &'w World,
     setup: &Setup,
@@ -142,7 +138,7 @@ fn drive(
     let mut touched = false;
     while body.time_s() < until_s {
         let happened = body.advance(mind);
-        // The watch over the ring, as on the chip.
+        // The monitor of the ring, as on the chip.
         let _ = mind.handle(body.now(), Event::Tick);
         if happened.decision.is_some() {
             hour.decisions += 1;
@@ -258,7 +254,7 @@ fn row(days: &[Day], name: &str, of: impl Fn(&Day) -> Option<&Hour>) -> [String;
     ]
 }
 
-/// The relative change from the first hour to the one after the day, over robots.
+/// Relative change from the first hour to the hour after the day, over robots.
 fn change(days: &[Day], of: fn(&Hour) -> f64) -> Mean {
     let changes = days.iter().filter_map(|day| {
         let first = day.hours.first()?;

@@ -1,9 +1,8 @@
-//! Damaged frames through receiver and decoder: none may panic, and no more may be taken for messages than a sum of 32
-//! bits explains.
+//! Damaged frames through receiver and decoder: no panic, and no more accepted than a CRC-32
+//! explains.
 //!
-//! The frames are the examples of PROTOCOL.md, every message of both directions among them. A damaged one goes byte by byte
-//! through [`Receiver`], which makes several of it where a zero has come in, and each through [`unpack`]. *Wrongly accepted*
-//! is what passes the CRC and is none of the examples, whether a message comes of it or not.
+//! The frames are the examples of PROTOCOL.md, with every message. *Wrongly accepted*: it passes
+//! the CRC and is none of the examples.
 
 use super::mutate::Damage;
 use super::{Progress, Verdict, below, generator, grouped, parts};
@@ -15,12 +14,12 @@ use sim::statistics::{poisson_interval, poisson_tail};
 
 /// Frames of a full campaign.
 pub const COUNT: u64 = 1_000_000_000;
-/// Frames that one generator damages.
+/// Frames per random generator.
 const PART: u64 = 100_000;
-/// The document with a frame of every message.
+/// The document with an example of every message.
 const PROTOCOL: &str = include_str!("../../../shared/PROTOCOL.md");
 
-/// A sound frame, without its zero.
+/// A valid frame, without its delimiter.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Example {
     pub(super) bytes: Vec<u8>,
@@ -47,24 +46,24 @@ pub(super) fn examples() -> Vec<Example> {
     examples
 }
 
-/// What became of damaged frames.
+/// Counts of damaged frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 struct Metrics {
-    /// Damaged.
+    /// Frames sent.
     frames: u64,
-    /// As they were in spite of it.
+    /// Identical to the original after the damage.
     unharmed: u64,
-    /// Pieces between zeros.
+    /// Parts between delimiters.
     pieces: u64,
-    /// Of them: too long for the receiver.
+    /// Parts too long for the receiver.
     oversized: u64,
-    /// Of them: not COBS, or too short.
+    /// Parts that are not COBS, or too short.
     misshapen: u64,
-    /// Of them: sums that did not match.
+    /// Parts with a wrong checksum.
     wrong_sum: u64,
-    /// Of them: an example.
+    /// Parts that equal an example.
     sound: u64,
-    /// Of them: taken for something they are not.
+    /// Parts that were wrongly accepted.
     wrong: u64,
 }
 
@@ -81,7 +80,7 @@ impl Metrics {
         self
     }
 
-    /// Sums that were compared with those of other bytes.
+    /// Checksums that were compared with those of other bytes.
     const fn compared(&self) -> u64 {
         self.wrong_sum + self.wrong
     }
@@ -197,7 +196,7 @@ fn verdict(tallies: &Tallies, examples: usize) -> Verdict {
     verdict
 }
 
-/// Whether chance explains what was wrongly accepted.
+/// Checks whether chance explains the wrongly accepted parts.
 fn judge(verdict: &mut Verdict, sum: &Metrics) {
     let expected = sum.compared() as f64 / 4_294_967_296.0;
     let [low, high] = poisson_interval(sum.wrong);
@@ -228,7 +227,7 @@ mod tests {
         }
         let all = examples.len() as u64;
         assert_eq!((tally.pieces, tally.sound), (all, all));
-        // Without the examples to compare with each would be an error.
+        // Without the examples for comparison each would be an error.
         let example = &examples[0];
         receive(&example.bytes, example.to_mind, &[], &mut tally);
         assert_eq!(tally.wrong, 1);

@@ -1,9 +1,9 @@
-//! A line that loses, repeats, overtakes and holds back frames, between a host with a base and a mind.
+//! A line that loses, duplicates, reorders and delays frames, between a controller and a host with
+//! a base.
 //!
-//! The host sends a frame every 20 ms: rings, odometry, signs of life, and orders to seek, stop and go on, in no sensible
-//! order. Both ends judge what comes by [`amp::link`]: the mind in its [`Node`](amp::node::Node), the base by a [`Link`] of
-//! its own, which executes a motion only within its time to live. Beside them a book that knows everything, in 64-bit
-//! numbers without an end, says what should have come of each frame. Both clocks and both frame numbers run over their ends.
+//! The host sends rings, odometry, heartbeats and commands every 20 ms in random order. Both ends
+//! use [`amp::link`]. An omniscient bookkeeper with 64-bit numbers checks the result of each frame.
+//! Clocks and sequence numbers overflow.
 
 use super::bench::{Clocks, Ready, SESSION, coded, command, numbered, scan};
 use super::channel::{Badness, Channel, Come};
@@ -17,18 +17,18 @@ use amp::wire::message::{Clock, FromMind, GoalBy, MotionOrder, Order, Report, To
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
-/// Frames to the mind in a full campaign.
+/// Frames to the controller in a full campaign.
 pub const COUNT: u64 = 1_000_000;
 /// Frames over one line.
 const PART: u64 = 100_000;
 /// Time between two frames of the host, ms.
 const EVERY_MS: u64 = 20;
-/// Time between two ticks of the mind, ms.
+/// Time between two ticks of the controller, ms.
 const TICK_MS: u64 = 10;
 /// The base's speed, mm/s.
 const SPEED_MM_S: u64 = 500;
-/// The lines: of ten frames three are lost, and one comes twice; a fast frame overtakes two slow ones; every few seconds the
-/// line stalls, for up to 2 s.
+/// The lines: 30 % lost, 10 % duplicated, a fast frame overtakes two slow ones, and a stall of up
+/// to 2 s every few seconds.
 const BAD: Badness = Badness {
     lost: 30,
     twice: 10,
@@ -36,44 +36,44 @@ const BAD: Badness = Badness {
     stalls: 5,
     stall_ms: 2_000,
 };
-/// Truly older than this no motion may be executed: its time to live of 500 ms, and what the promptest frames take, ms.
+/// Greatest true age of an executed motion, ms: its time to live of 500 ms plus the minimum delay.
 const OLDEST_MS: u64 = 520;
-/// Both clocks come to their ends a few seconds after the mind has learned.
+/// Both clocks overflow a few seconds after the controller has learned.
 const CLOCKS: Clocks = Clocks {
     device: u32::MAX - 10_000,
     host: u32::MAX - 15_000,
 };
 
-/// What is counted.
+/// The bookkeeper's counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Book {
-    /// To the mind: sent, lost on the way, those that came twice, those that only came after a later one.
+    /// To the controller: sent, lost, duplicated, overtaken.
     sent: u64,
     lost: u64,
     repeated: u64,
     overtaken: u64,
-    /// What the mind counted, and what it should have.
+    /// Accepted by the controller: counted and expected.
     accepted: [u64; 2],
     replayed: [u64; 2],
     expired: [u64; 2],
-    /// Late, repeated or expired frames that changed what the mind knows.
+    /// Late, duplicated or expired frames that changed the controller's state.
     late_but_done: u64,
-    /// Times the mind thought the host was gone.
+    /// Times the controller reported the host as lost.
     losses: u64,
-    /// To the base: sent, and motions executed.
+    /// To the base: frames sent, motions executed.
     said: u64,
     pub(super) executed: u64,
-    /// Motions executed again, after a later one, or after their time.
+    /// Motions executed twice, after a later one, or after their time to live.
     pub(super) stale: u64,
-    /// Motions the base refused as late or repeated, by their numbers.
+    /// Motions that the base refused as late or duplicated, by sequence number.
     refused: u64,
-    /// Motions the base refused for their age.
+    /// Motions that the base refused for their age.
     pub(super) aged: u64,
-    /// Stops, whatever their numbers, that did not stop the mind.
+    /// Stops, whatever their sequence number, that did not stop the controller.
     stops_refused: u64,
-    /// Executed while the mind's stop was still on its way, or lost.
+    /// Motions executed while the controller's stop was in transit or lost.
     taken_back: u64,
-    /// Age of the oldest motion executed, ms.
+    /// Age of the oldest executed motion, ms.
     pub(super) oldest_ms: u64,
 }
 
@@ -107,7 +107,7 @@ impl Book {
     }
 }
 
-/// Sends `count` frames to minds.
+/// Sends `count` frames to controllers.
 #[must_use]
 pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
     let one = |(part, size)| {
@@ -128,24 +128,24 @@ struct Course {
     random: Xoshiro256PlusPlus,
     book: Book,
     size: u64,
-    /// What the book knows of the frames to the mind: whether they came, whether they were the latest when they came.
+    /// By frame to the controller: whether it arrived, and whether it was the latest on arrival.
     came: Vec<[bool; 2]>,
-    /// Number of the latest frame the mind should have accepted.
+    /// Sequence number of the latest frame that the controller should have accepted.
     latest: Option<u64>,
     delays: Delays,
 }
 
-/// The delays of the frames that were accepted: by the protocol's rule, of two in a row the greater one counts, for the rest of
-/// its ten seconds and fifty more.
+/// Delays of the accepted frames. By the protocol's rule, the greater of two consecutive delays
+/// counts, for the rest of its ten seconds and fifty more.
 #[derive(Debug)]
 struct Delays {
     latest_ms: u64,
-    /// Number of ten seconds, and delay.
+    /// Index of ten seconds, and delay.
     counted: Vec<(u64, u64)>,
 }
 
 impl Delays {
-    /// While the mind learned, frames took no time at all.
+    /// While the controller learned, frames had no delay.
     fn new() -> Self {
         Self {
             latest_ms: 0,
@@ -206,7 +206,7 @@ impl Course {
         self.book
     }
 
-    /// A millisecond.
+    /// Advances by one millisecond.
     fn pass(&mut self) {
         let now_ms = self.mind.now_ms;
         if now_ms.is_multiple_of(EVERY_MS) && self.to_mind.sent() < self.size {
@@ -224,7 +224,7 @@ impl Course {
             while self.mind.node.tick(now, &mut said) {}
         }
         while let Some(come) = self.to_base.come(now_ms) {
-            // Its clock is another one.
+            // The base has another clock.
             let here = CLOCKS.device(now_ms).as_ms().wrapping_add(123_456_789);
             let here = Millis::from_ms(here);
             self.base.hear(&come, now_ms, here, &mut self.book);
@@ -246,13 +246,13 @@ impl Course {
                     14..18 => Order::Stop,
                     _ => Order::Goal(GoalBy::Avoid),
                 };
-                // Some live no longer than a slow frame takes.
+                // Some times to live are shorter than a slow frame's delay.
                 command(at_ms, 20 + below(random, 60) as u16, order)
             }
         }
     }
 
-    /// Gives a frame to the mind, and holds what it does against what it should.
+    /// Delivers a frame to the controller, and compares the effect with the expected one.
     fn deliver(&mut self, come: &Come) {
         let is_new = self.latest.is_none_or(|latest| come.number > latest);
         let message = unpack::<ToMind<16>>(coded(&come.bytes)).map(|(_, message)| message);
@@ -290,7 +290,7 @@ fn count(came: &[[bool; 2]], is: impl Fn([bool; 2]) -> bool) -> u64 {
     came.iter().filter(|came| is(**came)).count() as u64
 }
 
-/// What the mind says goes on the line, and into the book.
+/// Sends the controller's frames over the line and records them.
 struct Said<'a> {
     now_ms: u64,
     line: &'a mut Channel,
@@ -311,23 +311,23 @@ impl FrameSink for Said<'_> {
     }
 }
 
-/// The base: its link, what it executes, and what the book knows of the frames to it.
+/// The base: its link, its motion, and the record of the frames to it.
 #[derive(Default)]
 pub(super) struct Base {
-    /// Truly older than this it may execute no motion, ms.
+    /// Greatest true age of an executed motion, ms.
     oldest_ms: u64,
     link: Option<Link>,
     order: Option<MotionOrder>,
-    /// When the order ends unless it is renewed, ms.
+    /// End of the motion unless it is renewed, ms.
     until_ms: u64,
-    /// Executed of the order and not yet reported, µm; all of it, µm.
+    /// Executed and not yet reported, µm; the whole motion, µm.
     unreported_um: u64,
     executed_um: u64,
-    /// Numbers of the frames on the line, without an end, by their order on it.
+    /// Sequence numbers of the frames sent, without overflow, in order.
     numbers: Vec<i64>,
-    /// The mind's latest stop.
+    /// The controller's latest stop.
     latest_stop: i64,
-    /// Number of the latest motion executed.
+    /// Sequence number of the latest executed motion.
     latest: Option<i64>,
 }
 
@@ -339,7 +339,7 @@ impl Base {
         }
     }
 
-    /// Has to be told every frame, in the order in which they are sent.
+    /// Must be called for every frame, in the order of sending.
     pub(super) fn is_on_its_way(&mut self, frame: &[u8]) {
         let Ok((header, report)) = unpack::<Report<16>>(coded(frame)) else {
             return;
@@ -354,7 +354,7 @@ impl Base {
         }
     }
 
-    /// Takes a frame, `here` by its own clock.
+    /// Processes a frame; `here` is its own time.
     pub(super) fn hear(&mut self, come: &Come, now_ms: u64, here: Millis, book: &mut Book) {
         let Ok((header, report)) = unpack::<Report<16>>(coded(&come.bytes)) else {
             return;
@@ -398,7 +398,7 @@ impl Base {
         self.until_ms = until_ms;
     }
 
-    /// A millisecond of motion.
+    /// Advances the motion by one millisecond.
     pub(super) fn go_on(&mut self, now_ms: u64) {
         if self.is_moving(now_ms) {
             self.executed_um += SPEED_MM_S;
@@ -413,7 +413,7 @@ impl Base {
         })
     }
 
-    /// What it has done since its last report.
+    /// Its motion since the last report.
     pub(super) fn report(&mut self, at_ms: u32) -> ToMind<16> {
         let order = self.order;
         let moved_mm = (self.unreported_um / 1_000) as u16;
@@ -436,7 +436,7 @@ const fn is_stop(order: MotionOrder) -> bool {
     order.dx_mm == 0 && order.dy_mm == 0
 }
 
-/// The link of a base that has just heard its first frame.
+/// The link of a base after its first frame.
 fn opened(first: Header) -> Link {
     let mut link = Link::new();
     let before = Header {

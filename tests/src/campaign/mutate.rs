@@ -1,32 +1,32 @@
-//! Ways in which a frame is damaged.
+//! Kinds of damage to a frame.
 
 use super::below;
 use rand_core::Rng as _;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// A way to damage a frame.
+/// A kind of damage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Damage {
     /// 1 to 3 bits flipped.
     FewBits,
     /// 4 to 8 bits flipped.
     ManyBits,
-    /// 2 to 8 neighboring bytes are noise.
+    /// 2 to 8 neighboring bytes replaced by noise.
     Burst,
-    /// A piece is missing: beginning, middle or end.
+    /// A part is missing: start, middle or end.
     Cut,
-    /// A piece comes twice.
+    /// A part is duplicated.
     Repeated,
-    /// Two pieces of the same length have changed places.
+    /// Two parts of equal length are swapped.
     Swapped,
-    /// The beginning of one frame and the end of another.
+    /// The start of one frame and the end of another.
     Spliced,
-    /// Nothing but noise.
+    /// Only noise.
     Noise,
 }
 
 impl Damage {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [Self; 8] = [
         Self::FewBits,
         Self::ManyBits,
@@ -38,7 +38,7 @@ impl Damage {
         Self::Noise,
     ];
 
-    /// In words.
+    /// Name in tables.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -53,7 +53,8 @@ impl Damage {
         }
     }
 
-    /// Damages a frame, given without its zero and at least two bytes long; it may come out as it was.
+    /// Damages a frame, given without its delimiter and at least two bytes long. The result may
+    /// equal the original.
     pub fn inflict(self, frame: &mut Vec<u8>, other: &[u8], random: &mut Xoshiro256PlusPlus) {
         match self {
             Self::FewBits => flip(frame, 1, 3, random),
@@ -90,7 +91,7 @@ impl Damage {
     }
 }
 
-/// Flips `least` to `most` bits, some of them perhaps twice.
+/// Flips `least` to `most` bits; the same bit may be flipped twice.
 fn flip(frame: &mut [u8], least: usize, most: usize, random: &mut Xoshiro256PlusPlus) {
     for _ in 0..least + below(random, most - least + 1) {
         let bit = below(random, 8 * frame.len());
@@ -106,7 +107,7 @@ fn noise(bytes: &mut [u8], random: &mut Xoshiro256PlusPlus) {
     }
 }
 
-/// Ends of a piece of 1 to `most` bytes of `length`.
+/// Ends of a part of 1 to `most` bytes of `length`.
 fn piece(length: usize, most: usize, random: &mut Xoshiro256PlusPlus) -> (usize, usize) {
     let size = 1 + below(random, most.min(length));
     let start = below(random, length - size + 1);
@@ -143,7 +144,7 @@ mod tests {
             }
             assert!(damaged > 150, "{damage:?}: {damaged}");
         }
-        // The shortest frame there may be.
+        // The shortest possible frame.
         for damage in Damage::ALL {
             damage.inflict(&mut vec![1, 2], &[3], &mut random);
         }

@@ -1,8 +1,8 @@
-//! With the shield on, the robot touches nothing by its own motion, and it does move: whoever stands touches nothing either.
+//! With the shield on, the robot touches nothing by its own motion, and it still moves.
 //!
-//! Every behavior drives with both sonar models and both turret modes. A *cell* is one such combination. Episodes go round the
-//! cells, each with the seed and the random room of its round. The random moves before the behavior count as well. Worlds of other
-//! kinds form a second set: the built-in ones and rooms with free-standing thin walls.
+//! A *cell* is one combination of behavior, sonar model and turret mode; episodes cycle through the
+//! cells, each round with its own seed and random room. Random moves count as well. A second set of
+//! worlds: the built-in ones and rooms with thin walls.
 
 use super::{Progress, Verdict, grouped};
 use amp::config::Config;
@@ -24,9 +24,11 @@ pub const CELLS: u64 = 32;
 pub const COUNT: u64 = 313 * CELLS;
 /// Decisions of an episode after its random moves.
 const STEPS: u32 = 1_000;
-/// An episode's way is at least so long, m, in the mean of all and in the mean of each cell of so many episodes. In 313 episodes
-/// per cell they were 193 m and, behind a leader with ideal sonars and a turret that follows, 8.6 m. There it stands in every
-/// seventh episode and goes 67 m in another, so the mean of a few says nothing.
+/// Least mean distance of an episode, m: over all, and in each cell with enough episodes.
+///
+/// In 313 episodes per cell the means were 193 m and, behind a leader with ideal sonars and a
+/// following turret, 8.6 m. There every seventh robot stands still and another drives 67 m, so the
+/// mean of a few is meaningless.
 const LEAST_MEAN_M: f64 = 50.0;
 const LEAST_CELL_M: f64 = 3.0;
 const ENOUGH: u64 = 100;
@@ -36,10 +38,10 @@ const CHAIN: &str = "avoid-right,wall-right,nest";
 const THIN_WALLS: usize = 10;
 /// Half of such a room, m.
 const HALF_M: f64 = 4.0;
-/// Room kept free around the start, m.
+/// Free space around the start, m.
 const FREE_M: f64 = 1.0;
 
-/// Worlds of a campaign.
+/// The set of worlds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Worlds {
     /// Rooms with 12 boxes.
@@ -48,7 +50,7 @@ pub enum Worlds {
     Others,
 }
 
-/// What came of one cell.
+/// Result of one cell.
 #[derive(Debug, Clone, Default)]
 struct Cell {
     episodes: u64,
@@ -64,7 +66,7 @@ struct Cell {
 /// Runs `count` episodes with this configuration of the robot.
 ///
 /// # Errors
-/// A controller that refuses a command or decides nothing; a built-in world that cannot be read.
+/// A controller that refuses a command or makes no decision; a built-in world that cannot be read.
 pub fn run(
     seed: u64,
     count: u64,
@@ -101,7 +103,7 @@ fn parts(number: u64) -> (usize, SonarModel, TurretMode) {
     ((cell / 4) as usize, sonar, turret)
 }
 
-/// Name of a behavior by its place in the table.
+/// Name of a behavior by its index in the table.
 fn name(behavior: usize) -> &'static str {
     let others = ["seek", CHAIN];
     let mut names = Behavior::NAMES.iter().chain(&others);
@@ -145,7 +147,7 @@ fn episode(world: &World, seed: u64, number: u64, config: &Config<16>) -> Result
     })
 }
 
-/// To a place elsewhere, by what is perceived there.
+/// A behavior that seeks another place by its situation.
 fn captured(world: &World, config: &Config<16>, seed: u64) -> Behavior {
     let start = world.start();
     let place = elsewhere(world, start.position, &mut Noise::new(seed));
@@ -283,7 +285,7 @@ mod tests {
         };
         assert!(verdict(&cells(ENOUGH, CELLS as usize)).broken.is_empty());
         assert_eq!(verdict(&cells(ENOUGH, 21)).broken.len(), 1);
-        // Too few to tell.
+        // Too few for a verdict.
         assert!(verdict(&cells(ENOUGH - 1, 21)).broken.is_empty());
         let stands = Cell {
             episodes: 1,

@@ -1,13 +1,9 @@
-//! Something is gone from one moment to the next while the base moves: how long until it is told to stand, or has been told
-//! nothing for too long?
+//! A component fails while the base moves: time until the base is stopped or its motion expires.
 //!
-//! The firmware's control task runs as on the chip: every 10 ms and when a frame has come. Bytes take 87 µs on a line of 115 200
-//! baud. The ring is heard echo by echo, every 40 ms; the base reports every 100 ms. The base is the simulated Nomad 200: it
-//! steers, accelerates, brakes, and obeys the times to live. The mind's orders are at most 250 mm long and would soon end by
-//! themselves, so from the moment on the base's order leads on and on: only a stop or a time to live ends it. The device's clock
-//! comes to its end of 32 bits during the trials.
-//!
-//! Beside these there are a few trials of the bridge that drives a real Nomad: see `bridged`.
+//! The firmware's control task runs every 10 ms and on each frame; echoes come every 40 ms, reports
+//! every 100 ms. The base is the simulated Nomad 200. After the failure its motion has no end: only
+//! a stop or its time to live ends it. The device's clock overflows. See `bridged` for trials with
+//! the bridge.
 
 use super::bench::{Clocks, Ready, SESSION, hello, scan};
 use super::bridged;
@@ -34,34 +30,34 @@ const ROUND_MS: u64 = 10;
 /// Between two echoes; between two reports of the base, ms.
 const ECHO_MS: u64 = 40;
 const REPORT_MS: u64 = 100;
-/// Bytes on the line per 100 ms: 115 200 baud, ten bits to a byte.
+/// Bytes per 100 ms: 115 200 baud, ten bits per byte.
 const BYTES: u32 = 1_152;
-/// Longest time from the motion's beginning to the moment, ms; to a host's return, ms.
+/// Longest time from the start of the motion to the failure, and from there to a host's return, ms.
 const MAX_MS: usize = 2_000;
 const RETURN_MS: usize = 1_000;
-/// A base that goes on for so long is not watched any longer, ms.
+/// Timeout of a trial, ms.
 const GIVE_UP_MS: u64 = 20_000;
-/// So long it is watched afterwards, ms.
+/// Observation time after the stop, ms.
 const WATCHED_MS: u64 = 1_500;
-/// From an order to stand, or the end of an order, a base at 508 mm/s brakes at 762 mm/s²: 667 ms and 169 mm. The wheels may
-/// still have to stop turning: at 45 °/s and 30 °/s² 1.5 s.
+/// Braking after a stop, from 508 mm/s at 762 mm/s²: 667 ms and 169 mm. Wheels that turn at 45 °/s
+/// stop after 1.5 s at 30 °/s².
 const BRAKING_MS: u64 = 1_510;
 const CLOCKS: Clocks = Clocks {
-    // Maps are made in 4.2 s.
+    // Learning the maps takes 4.2 s.
     device: u32::MAX - 5_500,
     host: 77_000,
 };
 
-/// What is gone.
+/// The component that fails.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Gone {
-    /// The host says nothing any more; the base still hears the mind.
+    /// The host sends nothing more; the base still receives the controller's frames.
     Host,
-    /// The line, both ways.
+    /// The line, in both directions.
     Line,
-    /// The host, which comes back within a second in a new session.
+    /// The host, which returns within a second in a new session.
     HostForAWhile,
-    /// The mind: its chip is reset.
+    /// The controller: its chip is reset.
     Mind,
 }
 
@@ -77,8 +73,8 @@ impl Gone {
         }
     }
 
-    /// Longest time until the base has been told to stand or its motion has expired, ms: a silence of 300 ms or a time to
-    /// live of 500 ms, a round of the control task and two frames on the line.
+    /// Longest time until the stop command or the end of the motion's time to live, ms: a timeout
+    /// of 300 ms or 500 ms, a cycle of the control task and two frames on the line.
     const fn most_ms(self) -> u64 {
         match self {
             Self::Host | Self::HostForAWhile => 320,
@@ -86,7 +82,7 @@ impl Gone {
         }
     }
 
-    /// Longest way from the moment on, mm: at 508 mm/s for that long, and 169 mm to brake.
+    /// Longest distance after the failure, mm: at 508 mm/s for that time, plus 169 mm of braking.
     const fn most_mm(self) -> f64 {
         match self {
             Self::Host | Self::HostForAWhile => 340.0,
@@ -95,22 +91,22 @@ impl Gone {
     }
 }
 
-/// What came of a trial.
+/// Result of a trial.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Stopped {
-    /// Until the base was told to stand, or its motion had ended or expired.
+    /// Time until the stop command, or until the motion ended or expired.
     after_ms: u64,
-    /// Until its wheels stood.
+    /// Time until the wheels stood still.
     stood_ms: u64,
-    /// Way from the moment on.
+    /// Distance after the failure.
     way_mm: f64,
     moved_again: bool,
 }
 
-/// Makes `count` trials of each kind.
+/// Runs `count` trials of each kind.
 ///
 /// # Panics
-/// When a mind that has learned does not set its base moving.
+/// When a trained controller does not move its base.
 #[must_use]
 pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
     let mut verdict = Verdict::default();
@@ -200,7 +196,7 @@ fn try_it(ready: &Ready, hall: &World, gone: Gone, seed: u64, trial: u64) -> Sto
     let control = Control::new(&mut node, consumer, FrameSink::new(to_send), &faults, None);
     let wheels = Wheels::new(hall, trial);
     let mut scene = Scene::new(ready, control, wheels, producer, outgoing);
-    // Somewhere between two rounds, echoes and reports.
+    // At a random time between cycles, echoes and reports.
     scene.now_ms += below(&mut random, 200) as u64;
     scene.set_off();
     for _ in 0..below(&mut random, MAX_MS) {
@@ -245,7 +241,8 @@ struct Scene<'a> {
     control: Control<'a>,
     incoming: Producer<'a, u8>,
     outgoing: Consumer<'a, u8>,
-    /// On the line to the chip, and the line's spare time both ways, hundredths of bytes.
+    /// Bytes on the line to the chip, and the line's capacity left in both directions, hundredths
+    /// of bytes.
     to_chip: VecDeque<u8>,
     credit: [u32; 2],
     receiver: Receiver,
@@ -285,7 +282,7 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// A whole ring, and the motion that comes of it.
+    /// Sends a whole ring and starts the motion that follows.
     fn set_off(&mut self) {
         self.say(|at_ms| scan(at_ms, 900));
         let until_ms = self.now_ms + 1_000;
@@ -323,7 +320,7 @@ impl<'a> Scene<'a> {
         self.to_chip.extend(packed(header, &message));
     }
 
-    /// A millisecond.
+    /// Advances by one millisecond.
     fn pass(&mut self) {
         self.now_ms += 1;
         if self.host_is_there {
@@ -354,7 +351,7 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// Moves what goes over the line in a millisecond; returns whether a frame has come to the chip.
+    /// Transfers the bytes of one millisecond; returns whether a frame has reached the chip.
     fn move_bytes(&mut self) -> bool {
         let mut look = false;
         let [to_chip, from_chip] = &mut self.credit;
@@ -364,7 +361,7 @@ impl<'a> Scene<'a> {
             && let Some(byte) = self.to_chip.pop_front()
         {
             *to_chip -= 100;
-            // A chip that is gone hears nothing.
+            // A failed chip receives nothing.
             if self.chip_is_there {
                 look |= byte == 0;
                 let _ = self.incoming.enqueue(byte);
@@ -409,7 +406,7 @@ mod tests {
             scene.pass();
             moving_ms += u64::from(scene.wheels.is_ordered());
         }
-        // The rest is spent waiting for whole rings.
+        // The remaining time is spent waiting for whole rings.
         assert!(moving_ms > 6_000, "{moving_ms} ms");
         assert!(scene.wheels.way_mm() > 700.0);
     }

@@ -1,10 +1,10 @@
-//! `tests/figures.toml`: which command prints which figure.
+//! Reads `tests/figures.toml`: commands, and the figures in their output.
 
 use regex::Regex;
 use serde::Deserialize;
 use std::path::Path;
 
-/// All that is measured, in the order of the page.
+/// All measurements, in the order of the page.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct List {
@@ -17,11 +17,11 @@ pub struct List {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Command {
-    /// The section its figures stand in.
+    /// Section of its figures.
     pub group: String,
-    /// For `sh -c`.
+    /// The command for `sh -c`.
     pub run: String,
-    /// The figures in what it prints.
+    /// The figures in its output.
     pub row: Vec<Row>,
 }
 
@@ -29,17 +29,17 @@ pub struct Command {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Row {
-    /// What it is; names the row.
+    /// Name of the row.
     pub what: String,
     /// A regular expression; its groups are the figure.
     pub find: String,
-    /// The figure as text, `$1` the first group and so on; `$1` alone if left out.
+    /// The figure as text, `$1` for the first group and so on; default `$1`.
     #[serde(default = "first_group")]
     pub show: String,
-    /// What was aimed at.
+    /// Target value.
     #[serde(default)]
     pub aim: String,
-    /// Of all that match, the one whose first group is the greatest number; else the first.
+    /// Of all matches, use the one whose first group is the greatest number; else the first.
     #[serde(default)]
     pub greatest: bool,
 }
@@ -49,7 +49,7 @@ fn first_group() -> String {
 }
 
 impl List {
-    /// Reads it; an error names the file and the line.
+    /// Reads the file; an error names the file and the line.
     pub fn read(path: &Path) -> Result<Self, String> {
         let failed = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
         let text = std::fs::read_to_string(path).map_err(|error| failed(&error))?;
@@ -58,7 +58,7 @@ impl List {
 }
 
 impl Command {
-    /// Whether one of the words is in its group or its command.
+    /// Whether its group or command contains one of the words.
     pub fn is_meant(&self, words: &[String]) -> bool {
         let has =
             |word: &String| self.group.contains(word.as_str()) || self.run.contains(word.as_str());
@@ -86,12 +86,12 @@ impl Row {
     }
 }
 
-/// What a text says, perhaps in groups of digits; no number if it is none.
+/// Parses a number with optional digit groups; NaN if it is none.
 fn number(text: &str) -> f64 {
     text.replace(' ', "").parse().unwrap_or(f64::NAN)
 }
 
-/// A whole number of five digits and more in groups of three; anything else as it is.
+/// Groups the digits of a whole number with at least five digits; other texts stay unchanged.
 fn grouped(text: &str) -> String {
     if text.len() < 5 || !text.bytes().all(|byte| byte.is_ascii_digit()) {
         return text.into();

@@ -1,13 +1,8 @@
-//! Writes `docs/FIGURES.md`: runs the commands of `tests/figures.toml`, finds each figure in what they print, and notes with it
-//! the day, the commit and the machine.
+//! Writes `docs/FIGURES.md`: runs the commands of `tests/figures.toml` and extracts each figure.
 //!
-//! ```sh
-//! cargo run -p tests --bin figures                 # everything: hours
-//! cargo run -p tests --bin figures -- chip "cargo bench"  # commands and groups that contain one of these words
-//! ```
-//!
-//! A row that is not measured again keeps what it had. The page is replaced after each command, so a run that is
-//! interrupted loses nothing.
+//! `cargo run -p tests --bin figures` measures everything (hours); arguments select commands and
+//! groups that contain one of these words: `figures -- chip "cargo bench"`. Other rows keep their
+//! value. The page is replaced after each command.
 
 mod list;
 mod measure;
@@ -36,7 +31,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// Measures what `words` choose (all, without words) and replaces the page.
+/// Measures what `words` select (everything without words) and replaces the page.
 fn write(root: &Path, words: &[String]) -> Result<(), String> {
     let list = List::read(&root.join("tests/figures.toml"))?;
     let page = root.join("docs/FIGURES.md");
@@ -69,7 +64,7 @@ fn write(root: &Path, words: &[String]) -> Result<(), String> {
     Ok(())
 }
 
-/// What belongs to rows that are still asked for, by the command that is asked for.
+/// The measured figures whose row and command are still in the list.
 fn kept(list: &List, measured: &BTreeMap<String, Measured>) -> BTreeMap<String, Measured> {
     let asked = |(what, found): &(&String, &Measured)| {
         let of = |row: &Row, run: &str| row.what == **what && run == found.command;
@@ -83,7 +78,7 @@ fn kept(list: &List, measured: &BTreeMap<String, Measured>) -> BTreeMap<String, 
         .collect()
 }
 
-/// Writes beside the page, then puts it in its place.
+/// Replaces the page atomically, by a temporary file.
 fn replace(page: &Path, text: &str) -> Result<(), String> {
     let beside = page.with_extension("md.new");
     let failed = |error| format!("{}: {error}", page.display());

@@ -1,4 +1,4 @@
-//! Running a command, and where and when that was.
+//! Runs a command and records machine, commit and date.
 
 use crate::page::Measured;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-/// What `run` prints on both its streams; an error if it fails.
+/// Output of `run` on both streams; an error if it fails.
 pub fn output(root: &Path, run: &str) -> Result<String, String> {
     let spinner = ProgressBar::new_spinner();
     if let Ok(style) = ProgressStyle::with_template("        {spinner} {elapsed}") {
@@ -38,7 +38,7 @@ pub fn output(root: &Path, run: &str) -> Result<String, String> {
     Ok(text(&output.stdout) + &text(&output.stderr))
 }
 
-/// Where and when something is measured.
+/// Machine, commit and date of a measurement.
 #[derive(Debug)]
 pub struct Place {
     day: String,
@@ -47,7 +47,7 @@ pub struct Place {
 }
 
 impl Place {
-    /// Today, this commit (`+` if the tree has changes that are not in it), this machine.
+    /// Today, the current commit (`+` with uncommitted changes), this machine.
     pub fn here(root: &Path) -> Result<Self, String> {
         let ask = |run: &str| output(root, run).map(|text| text.trim().to_string());
         let changed = !ask("git status --porcelain -- . ':!docs/FIGURES.md'")?.is_empty();
@@ -70,7 +70,7 @@ impl Place {
         })
     }
 
-    /// A figure that was found here and now.
+    /// A figure measured here and now.
     pub fn measured(&self, value: String, command: &str) -> Measured {
         Measured {
             value,

@@ -1,28 +1,29 @@
-//! The page: written from what was measured, and read back so that a row can outlast a run that does not measure it.
+//! Writes the page of figures, and reads it back: rows that are not measured again keep their
+//! value.
 
 use crate::list::List;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-/// A figure with all that is needed to find it again.
+/// A figure with its origin.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Measured {
-    /// With its unit.
+    /// Value with unit.
     pub value: String,
     /// YYYY-MM-DD.
     pub day: String,
-    /// Short hash; `+`: with changes that were not in it.
+    /// Short hash; `+` with uncommitted changes.
     pub commit: String,
     /// Processor, cores, compiler.
     pub machine: String,
-    /// What printed it.
+    /// The command that printed it.
     pub command: String,
 }
 
-/// All figures by what they are.
+/// All figures by name.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct Page {
-    /// Row's name to figure.
+    /// Figures by the name of their row.
     pub measured: BTreeMap<String, Measured>,
 }
 
@@ -35,7 +36,7 @@ const TABLE: &str = "| figure | value | aim | measured | commit | machine | comm
 const MACHINES: &str = "## Machines\n";
 
 impl Page {
-    /// As Markdown, in the order of `list`.
+    /// The page as Markdown, in the order of `list`.
     pub fn text(&self, list: &List) -> String {
         let mut machines: Vec<&str> = self.measured.values().map(|m| m.machine.as_str()).collect();
         machines.sort_unstable();
@@ -67,7 +68,7 @@ impl Page {
         text
     }
 
-    /// Reads what [`Page::text`] wrote; lines that are no row of it are passed over.
+    /// Reads the output of [`Page::text`]; skips all other lines.
     pub fn parse(text: &str) -> Self {
         let (rows, machines) = text.split_once(MACHINES).unwrap_or((text, ""));
         let machine = |line: &str| line.split_once(". ").map(|(_, name)| name.to_string());
