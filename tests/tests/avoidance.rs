@@ -31,16 +31,16 @@ fn the_shield_keeps_the_robot_from_every_contact() {
 #[test]
 fn the_maps_alone_avoid_obstacles_and_get_around() {
     let maps = figures("default", &IDEAL);
-    let yardstick = figures("Braitenberg (yardstick)", &IDEAL);
+    let reference = figures("Braitenberg (reference)", &IDEAL);
     assert!(maps.clean >= 98, "{maps:?}");
     assert!(maps.distance_m >= 60.0, "{maps:?}");
     assert!(
-        maps.distance_m >= 0.9 * yardstick.distance_m,
-        "{maps:?} {yardstick:?}"
+        maps.distance_m >= 0.9 * reference.distance_m,
+        "{maps:?} {reference:?}"
     );
     assert!(
-        maps.coverage_m2 >= 0.75 * yardstick.coverage_m2,
-        "{maps:?} {yardstick:?}"
+        maps.coverage_m2 >= 0.75 * reference.coverage_m2,
+        "{maps:?} {reference:?}"
     );
 }
 

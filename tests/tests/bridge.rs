@@ -274,7 +274,7 @@ fn blocked_wheels_stop_the_robot_of_a_mind_elsewhere() {
     assert_eq!(
         stderr,
         format!(
-            "host-sim: {to_mind}: the mind stopped: its motion did not end in time: the wheels may be blocked; the robot was told to stand\n"
+            "host-sim: {to_mind}: the mind stopped: its motion did not end in time: the wheels may be blocked; the robot was stopped\n"
         )
     );
     sleep(BRAKING);
@@ -301,7 +301,7 @@ fn without_its_mind_the_base_is_told_to_stand() {
         assert_eq!(code, Some(2), "{stdout}");
         assert!(
             stderr.starts_with(&format!("host-sim: {to_mind}: {why}"))
-                && stderr.ends_with("; the robot was told to stand\n"),
+                && stderr.ends_with("; the robot was stopped\n"),
             "{stderr}"
         );
         assert!(figures(&stdout)["distance_m"].as_f64() > Some(0.0));
@@ -329,7 +329,7 @@ fn without_its_chip_the_base_is_told_to_stand() {
     assert_eq!(
         stderr,
         format!(
-            "host-sim: {to_mind}: the mind has started anew (its program panicked); the robot was told to stand\n"
+            "host-sim: {to_mind}: the mind has started anew (its program panicked); the robot was stopped\n"
         )
     );
     assert!(

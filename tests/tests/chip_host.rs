@@ -52,7 +52,7 @@ fn the_chip_answers_questions() {
     let clocked = |line: &str| line.starts_with("clocked by") && line.contains("not told");
     assert!(hello.stdout.lines().any(clocked), "{}", hello.stdout);
     let counters = ask(&["counters"]);
-    let drift = |line: &str| line.starts_with("ms the clock here fell behind");
+    let drift = |line: &str| line.starts_with("ms that this clock fell behind");
     assert!(counters.stdout.lines().any(drift), "{}", counters.stdout);
     let speed = ask(&["params", "speed"]);
     assert!(speed.stdout.contains("508"), "{}", speed.stdout);

@@ -128,7 +128,7 @@ fn monitor_finds_a_chip_again_that_was_switched_off() {
     );
     board.switch_on();
     let found = said.recv_timeout(PATIENCE).expect("another message");
-    assert_eq!(found, format!("{address}: the mind is there again"));
+    assert_eq!(found, format!("{address}: reconnected"));
     // It continues: the chip receives its heartbeats.
     sleep(Duration::from_secs(1));
     assert_eq!(monitor.try_wait().expect("its state"), None);

@@ -155,7 +155,7 @@ pub fn variants() -> Result<Vec<Variant>, BadInput> {
     let (default, probe, touzet) = (Config::recommended, Config::probing, Config::touzet);
     let mut rows = vec![
         Variant {
-            name: "Braitenberg (yardstick)".to_owned(),
+            name: "Braitenberg (reference)".to_owned(),
             driver: Driver::Braitenberg,
         },
         mind_of("default, shield on", default(), held),

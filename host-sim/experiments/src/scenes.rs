@@ -46,7 +46,7 @@ pub static SCENES: &[Scene] = &[
         .asks(success, "reached", "≥ 0.80")
         .with_sonar(SonarModel::Nomad),
     Scene::new("nest", "six boxes", rooms::six_boxes).asks(success, "reached", "≥ 0.80"),
-    Scene::new("nest", "six boxes", rooms::six_boxes).asks(way, "way m", ""),
+    Scene::new("nest", "six boxes", rooms::six_boxes).asks(way, "distance m", ""),
     Scene::new("seek", "4 m × 4 m", rooms::small).asks(success, "reached", "≥ 0.98"),
     Scene::new("seek", "six boxes", rooms::six_boxes).asks(success, "reached", "≥ 0.80"),
     Scene::new("follow", "plain room", rooms::plain)

@@ -69,10 +69,10 @@ fn legend(
     legend.skip(136.0);
     let outward = format!("increase: an obstacle comes nearer; the outer circle is +{change:.2}");
     legend.entry(svg, &outward, |svg, at| bar(svg, at, -7.0, VERMILLION));
-    let inward = format!("decrease: it goes away; −{change:.2} is as long inwards");
+    let inward = format!("decrease: it moves away; −{change:.2} is as long inward");
     legend.entry(svg, &inward, |svg, at| bar(svg, at, 7.0, BLUE));
     let action = format!(
-        "the displacement that goes with it; the longest arrow is {:.1}\u{a0}cm",
+        "the displacement of the neuron; the longest arrow is {:.1}\u{a0}cm",
         100.0 * reach
     );
     legend.entry(svg, &action, |svg, [x, y]| {

@@ -38,7 +38,7 @@ pub fn behaviors(title: &str, shown: &[Shown]) -> String {
         View::new(corners, corner, room)
     };
     let mut svg = Svg::new(PAGE, TOP);
-    let subtitle = "S start · F end · N nest or place shown · L leader · purple: the random moves · color of the path: time";
+    let subtitle = "S start · F end · N nest or sought place · L leader · purple: the random moves · color of the path: time";
     heading(&mut svg, title, subtitle);
     let mut top = TOP;
     for row in shown.chunks(COLUMNS) {

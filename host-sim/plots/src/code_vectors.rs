@@ -74,7 +74,10 @@ fn legend(
 ) {
     let mut legend = Legend::right_of(tiles.width());
     legend.headline(svg, "One tile = one neuron");
-    legend.note(svg, "Bars: the components of its code vector, in order. Top right: how often the neuron answered.");
+    legend.note(
+        svg,
+        "Bars: the components of its code vector, in order. Top right: how often the neuron won.",
+    );
     let up = format!("from {} up to {}", decimal(base, 2), decimal(high, 2));
     legend.entry(svg, &up, |svg, [x, y]| {
         svg.rect([x - 5.0, y - 7.0, 10.0, 14.0], &fill(upwards(low, base)))

@@ -70,7 +70,7 @@ pub fn pictures(recording: &Recording) -> [Picture; 4] {
     let marks = plan.map(MapMarks::from).unwrap_or_default();
     let ring = &recording.bearings_rad;
     [
-        ("path", "The way through the world", PATH, path(recording)),
+        ("path", "The path through the world", PATH, path(recording)),
         (
             "situation-map",
             "What the robot has learned to recognize",
@@ -108,7 +108,7 @@ const SITUATION_MAP: &[&str] = &[
 const ACTION_MAP: &[&str] = &[
     "Each tile is one neuron of the action map: a change of situation and the displacement that brings it. Bars \
      outwards: something comes nearer there; bars inwards: it goes away; the arrow is the displacement.",
-    "Where learning went well, bars point outwards on the arrow's side and inwards behind it.",
+    "Where learning went well, bars point outward on the arrow's side and inward behind it.",
 ];
 const SEQUENCE: &[&str] = &[
     "A few decisions in a row. Looking one step ahead, the robot asks the action map what each direction would change, \

@@ -99,18 +99,18 @@ fn ring_legend(legend: &mut Legend, svg: &mut Svg, bearings: &[f64], full: f64) 
          1 would be as near as can be told."
     );
     legend.note(svg, &scale);
-    legend.note(svg, "Hits: how often the neuron answered.");
+    legend.note(svg, "Hits: how often the neuron won.");
     legend.skip(4.0);
 }
 
 fn marks_legend(legend: &mut Legend, svg: &mut Svg, marks: MapMarks) {
     if marks.goal.is_some() {
-        legend.entry(svg, "stands for the goal", |svg, [x, y]| {
+        legend.entry(svg, "goal neuron", |svg, [x, y]| {
             goal_frame(svg, [x - 12.0, y - 11.0, 24.0, 22.0]);
         });
     }
     if marks.current.is_some() {
-        legend.entry(svg, "recognized the last situation", |svg, at| {
+        legend.entry(svg, "neuron of the last situation", |svg, at| {
             svg.circle(at, 8.0, &fill(BLUE))
         });
     }

@@ -31,7 +31,7 @@ pub fn worlds(title: &str, worlds: &[&World]) -> String {
     let bottom: f64 = heights.iter().map(|height| height + CAPTIONS).sum();
     let mut svg = Svg::new(PAGE, TOP + bottom.max(30.0));
     let subtitle = format!(
-        "{} · arrow: where the robot starts and where its ring looks",
+        "{} · arrow: where the robot starts and the bearing of its ring",
         counted(worlds.len(), "world")
     );
     heading(&mut svg, title, &subtitle);

@@ -43,7 +43,7 @@ pub struct AblationArgs {
 }
 
 const HEADS: [&str; 8] = [
-    "choice",
+    "option",
     "clean rooms %",
     "clean exploring %",
     "contacts/room",
@@ -81,7 +81,7 @@ pub fn ablation(args: &AblationArgs, out: &mut impl Write) -> Result<(), Failure
         chosen.retain(|variant| variant.name.contains(text.as_str()));
         if chosen.is_empty() {
             return Err(
-                BadInput::new(format!("--only \"{text}\": no row has that in its name")).into(),
+                BadInput::new(format!("--only \"{text}\": no row has this in its name")).into(),
             );
         }
     }

@@ -269,7 +269,7 @@ fn tables(
     )?;
     writeln!(
         out,
-        "mean length of the shortest way, m           {:.3}",
+        "mean length of the shortest path, m          {:.3}",
         mean(&ways)
     )?;
     if args.lengths.is_some() {
@@ -385,7 +385,7 @@ fn picture(
     };
     let panels: Vec<_> = (0..count).filter_map(spread).map(panel).collect();
     let names: Vec<_> = methods.iter().map(|method| method.name()).collect();
-    let svg = routes("Ways through the BARN worlds", &names, &panels);
+    let svg = routes("Paths through the BARN worlds", &names, &panels);
     let path = save(dir, "barn.svg", svg.as_bytes())?;
     let png = plots::png::render(&svg, 2.0)
         .map_err(|error| BadInput::new(format!("barn.png: {error}")))?;

@@ -55,7 +55,7 @@ const LIST_HEADS: [&str; 6] = [
     "behavior",
     "what it does",
     "measured",
-    "asked",
+    "required",
     "maps alone",
     "with shield",
 ];
@@ -64,7 +64,7 @@ const TABLE_HEADS: [&str; 8] = [
     "behavior",
     "where",
     "measure",
-    "asked",
+    "required",
     "maps alone",
     "contact steps %",
     "with shield",
@@ -117,7 +117,7 @@ pub fn behaviors(args: &BehaviorsArgs, out: &mut impl Write) -> Result<(), Failu
         let (worlds, seeds) = WHOLE;
         writeln!(
             out,
-            "Every scene, measured well: host-sim behaviors --worlds {worlds} --seeds {seeds}"
+            "Every scene, with more episodes: host-sim behaviors --worlds {worlds} --seeds {seeds}"
         )?;
     }
     match &args.out {
@@ -131,7 +131,7 @@ fn chosen(only: Option<&str>) -> Result<Vec<&'static Scene>, BadInput> {
     let scenes = scenes_named(only);
     match (scenes.is_empty(), only) {
         (true, Some(text)) => Err(BadInput::new(format!(
-            "--only \"{text}\": no behavior has that in its name"
+            "--only \"{text}\": no behavior has this in its name"
         ))),
         _ => Ok(scenes),
     }

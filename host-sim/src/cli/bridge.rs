@@ -178,7 +178,7 @@ pub(super) fn mind(
     let mind = AnyMind::new(&config, args.place(task.explore)?)?;
     if let (replaced @ [_, ..], name) = (&*mind.replaced(), mind.name()) {
         eprintln!(
-            "{name}: the mind came with another {}: replaced for this run",
+            "{name}: the controller had another {}: replaced for this run",
             replaced.join(", another ")
         );
     }
@@ -207,7 +207,7 @@ fn explain(args: &BridgeArgs, trouble: &Trouble) -> BadInput {
     match (trouble, &args.mind.choice) {
         (Trouble::Robot(error), _) => BadInput::new(format!("{}: {error}", args.nomad.0)),
         (Trouble::Mind(failure), MindChoice::At(address)) => {
-            BadInput::new(format!("{address}: {failure}; the robot was told to stand"))
+            BadInput::new(format!("{address}: {failure}; the robot was stopped"))
         }
         _ => BadInput::new(trouble.to_string()),
     }
@@ -218,7 +218,7 @@ pub(super) fn watch() -> Result<Arc<AtomicBool>, BadInput> {
     let flag = Arc::new(AtomicBool::new(false));
     let raised = Arc::clone(&flag);
     ctrlc::set_handler(move || raised.store(true, Ordering::Relaxed))
-        .map_err(|error| BadInput::new(format!("Ctrl-C cannot be watched for: {error}")))?;
+        .map_err(|error| BadInput::new(format!("cannot handle Ctrl-C: {error}")))?;
     Ok(flag)
 }
 
@@ -243,7 +243,10 @@ fn print(args: &BridgeArgs, driven: &Driven, out: &mut impl Write) -> Result<(),
             "shortened by the shield",
             format!("{} steps", driven.shield_stops),
         ),
-        ("motions cut off, mind too slow", driven.expired.to_string()),
+        (
+            "motions cut off, controller too slow",
+            driven.expired.to_string(),
+        ),
         ("robot's time", format!("{:.0} s", driven.time_s)),
     ];
     let rows: Vec<_> = rows

@@ -53,15 +53,15 @@ const KINDS: [&str; 5] = ["none", "dead", "stuck:2", "scaled:0.5", "jumping:1"];
 const HEADS: [&str; 12] = [
     "fault",
     "episodes",
-    "noticed",
+    "detected",
     "median, moves",
     "95 %, moves",
-    "named",
-    "believed again",
+    "identified",
+    "enabled again",
     "false alarms",
-    "not heard yet",
-    "contacts, believed",
-    "contacts, not believed",
+    "never heard",
+    "contacts, enabled",
+    "contacts, disabled",
     "coverage, m²",
 ];
 

@@ -66,7 +66,7 @@ fn rows(log: &LogFile, summary: &Summary) -> Vec<Vec<String>> {
     let commands: Vec<_> = commands
         .map(|(s, what)| format!("{what} at {s:.1} s"))
         .collect();
-    rows.push(("told to", commands.join(", ")));
+    rows.push(("commands", commands.join(", ")));
     for (topic, count) in &summary.messages {
         rows.push((topic, format!("{count} messages")));
     }

@@ -37,8 +37,7 @@ use std::process::ExitCode;
 pub use run::{RunArgs, SonarChoice};
 
 /// Description in the help.
-const ABOUT: &str =
-    "A simulated Nomad 200 learns from 100 random moves and then does what its goal asks";
+const ABOUT: &str = "A simulated Nomad 200 learns from 100 random moves and then pursues any goal";
 
 const LONG_ABOUT: &str = "A simulated Nomad 200 with a ring of 16 sonars explores with 100 random moves, makes two \
 self-organizing maps of 16 neurons from them, and from then on pursues any goal situation. The mind is the same crate \

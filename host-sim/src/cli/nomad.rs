@@ -129,7 +129,7 @@ fn serve_tcp(robot: Simulated, args: &ServeArgs, out: &mut impl Write) -> Result
     let address = args.listen.as_deref().unwrap_or(usual);
     let refuse = |error: std::io::Error| BadInput::new(format!("--listen {address}: {error}"));
     let addresses: Vec<_> = address.to_socket_addrs().map_err(refuse)?.collect();
-    let risk = "whoever connects drives";
+    let risk = "any client can drive the robot";
     check_reach(address, &addresses, args.allow_remote, risk)?;
     let listener = TcpListener::bind(&addresses[..]).map_err(refuse)?;
     let place = listener.local_addr().map_err(refuse)?;
@@ -170,7 +170,7 @@ fn report(server: &Server, error: &std::io::Error) {
     let robot = server.line().robot();
     let ledger = robot.ledger();
     eprintln!(
-        "host gone ({error}): {:.1} m rolled and {} contacts so far, {:.1} s of the robot's time",
+        "host disconnected ({error}): {:.1} m rolled and {} contacts so far, {:.1} s of the robot's time",
         ledger.traveled_m,
         ledger.contacts,
         f64::from(robot.time_ms()) / 1e3

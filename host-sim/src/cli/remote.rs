@@ -132,7 +132,7 @@ impl Remote {
         // From the second episode on it has the state of the previous one.
         if std::mem::take(&mut self.first) && !replaced.is_empty() {
             eprintln!(
-                "{}: the mind came with another {}: replaced for this run",
+                "{}: the controller had another {}: replaced for this run",
                 self.address,
                 replaced.join(", another ")
             );

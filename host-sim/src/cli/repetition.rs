@@ -60,7 +60,7 @@ const HEADS: [&str; 8] = [
     "first",
     "last, learning",
     "last, frozen",
-    "learning less frozen, last half",
+    "learning minus frozen, last half",
     "differs",
 ];
 
@@ -128,7 +128,7 @@ fn chosen(only: Option<&str>) -> Result<Vec<&'static Scene>, BadInput> {
     scenes.retain(|scene| !scene.behavior.contains(',') && scene.sonar.is_none());
     match (scenes.is_empty(), only) {
         (true, Some(text)) => Err(BadInput::new(format!(
-            "--only \"{text}\": no behavior that is repeated has that in its name"
+            "--only \"{text}\": no behavior that is repeated has this in its name"
         ))),
         _ => Ok(scenes),
     }
@@ -152,7 +152,7 @@ fn row(scene: &Scene, curve: &Curve) -> Vec<String> {
 
 fn picture(dir: &Path, times: u32, panels: &[Curves], out: &mut impl Write) -> Result<(), Failure> {
     let key = Key {
-        subtitle: "Mean and 95 % interval by repetition · orange: the maps go on learning · blue: frozen maps".to_owned(),
+        subtitle: "Mean and 95 % interval by repetition · orange: the maps keep learning · blue: frozen maps".to_owned(),
         along: "repetition".to_owned(),
         ticks: vec![(0, "1".to_owned()), (times as usize - 1, times.to_string())],
         names: Vec::new(),

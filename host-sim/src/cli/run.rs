@@ -166,7 +166,7 @@ pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
         && (sources.len() > 1 || args.mind.choice != MindChoice::Host)
     {
         return Err(BadInput::new(format!(
-            "--save {}: only the mind in this process, of one world (a chip's: host-sim link … pull)",
+            "--save {}: only the controller in this process, of one world (a chip's: host-sim link … pull)",
             file.display()
         ))
         .into());

@@ -127,7 +127,7 @@ pub fn sweep(args: &SweepArgs, out: &mut impl Write) -> Result<(), Failure> {
     let done = sweep::run(&plan, shard, &path, &pool, |progress| report.tell(progress))?;
     report.end();
     eprintln!(
-        "{} episodes in {:.1} s, {} were there already",
+        "{} episodes in {:.1} s, {} already done",
         done.done - done.before,
         began.elapsed().as_secs_f64(),
         done.before

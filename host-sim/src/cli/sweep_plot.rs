@@ -50,7 +50,7 @@ pub fn plot(args: &PlotArgs, out: &mut impl Write) -> Result<(), Failure> {
         .collect();
     out.write_all(text(&drawn).as_bytes())?;
     for key in &left_out {
-        writeln!(out, "{key}: too many values to be told apart")?;
+        writeln!(out, "{key}: too many values to distinguish")?;
     }
     let identity = results.header().identity();
     let title = identity.trim_start_matches("host-sim ");
@@ -70,7 +70,7 @@ pub fn plot(args: &PlotArgs, out: &mut impl Write) -> Result<(), Failure> {
 
 /// Writes a picture for each option, as SVG and as PNG.
 fn draw(folder: &Path, title: &str, drawn: &[DrawnChoice<'_>]) -> Result<Vec<Figure>, BadInput> {
-    let subtitle = format!("{title}: all other choices together; dot: mean, line: 95 % interval");
+    let subtitle = format!("{title}: all other options together; dot: mean, line: 95 % interval");
     let mut figures = Vec::new();
     for (choice, found) in drawn {
         let figure = figure(&choice.key);
@@ -129,7 +129,7 @@ fn unit(names: &Texts, units: &Texts, behavior: usize) -> Option<String> {
 
 fn text(drawn: &[DrawnChoice<'_>]) -> String {
     let heads = [
-        "choice",
+        "option",
         "value",
         "behavior",
         "episodes",
@@ -172,7 +172,7 @@ fn percent(share: Mean) -> Mean {
     }
 }
 
-const CAPTION: &str = "Each value's episodes, all other choices together: the share without contact (interval by Wilson's score, \
+const CAPTION: &str = "Each value's episodes, all other options together: the share without contact (interval by Wilson's score, \
                        episodes taken as independent) and the behavior's own measure (interval by the bootstrap over worlds \
                        and seeds).";
 

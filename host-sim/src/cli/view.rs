@@ -174,7 +174,7 @@ fn start(args: &ViewArgs) -> Result<Start, BadInput> {
     let sources = sources(std::slice::from_ref(&args.world))?;
     let [source] = sources.as_slice() else {
         return Err(BadInput::new(format!(
-            "--world {}: one world can be watched at a time, not {}",
+            "--world {}: one world can be shown at a time, not {}",
             args.world,
             sources.len()
         )));

@@ -30,7 +30,7 @@ pub fn route(
 ) -> Result<Option<Vec<Point>>, BadInput> {
     let Some(grid) = Grid::around(world, start, goal) else {
         return Err(BadInput::new(format!(
-            "world {}: more than {MAX_CELLS} cells to search for a way",
+            "world {}: more than {MAX_CELLS} cells to search for a path",
             world.name()
         )));
     };

@@ -45,7 +45,7 @@ pub fn routes(title: &str, drivers: &[&str], panels: &[RoutePanel]) -> String {
         .collect();
     let height: f64 = heights.iter().map(|height| height + NAME).sum();
     let mut svg = Svg::new(PAGE, TOP + KEY + height + MARGIN);
-    let subtitle = "Dashed: the shortest way · dot: the end of a run · cross: contact · circle: 1 m around the goal";
+    let subtitle = "Dashed: the shortest path · dot: the end of a run · cross: contact · circle: 1 m around the goal";
     heading(&mut svg, title, subtitle);
     key(&mut svg, drivers);
     let mut top = TOP + KEY;

@@ -317,7 +317,7 @@ fn reached(
 ) -> Result<Vec<Reached>, Failure> {
     // Avoidance is measured in other rooms, and a distance is no success.
     let asked: Vec<_> = scenes()
-        .filter(|scene| scene.behavior != "avoid" && scene.measure != "way m")
+        .filter(|scene| scene.behavior != "avoid" && scene.measure != "distance m")
         .collect();
     let each = 3 * u64::from(size.worlds) * u64::from(size.seeds);
     watcher.begin("goals", asked.len() as u64 * each);
@@ -338,7 +338,7 @@ fn repetitions(
     // A perfect first result cannot improve; a chain already repeats its parts.
     let asked: Vec<_> = scenes()
         .filter(|scene| {
-            let settled = ["clean rooms", "way m"].contains(&scene.measure);
+            let settled = ["clean rooms", "distance m"].contains(&scene.measure);
             !settled && scene.place != "4 m × 4 m" && !scene.behavior.contains(',')
         })
         .collect();

@@ -23,7 +23,7 @@ const ABOVE: f64 = 0.35;
 #[must_use]
 pub fn chains(title: &str, chains: [&Chain; 2]) -> String {
     let mut svg = Svg::new(PAGE, TOP + SIDE + CAPTION);
-    let subtitle = "dots: points learned · circles: neurons · lines: neighbors in the chain · orange: a neuron where no point is";
+    let subtitle = "dots: points learned · circles: neurons · lines: neighbors in the chain · orange: a neuron outside the points";
     heading(&mut svg, title, subtitle);
     for (number, chain) in chains.into_iter().enumerate() {
         let left = MARGIN + number as f64 * (PAGE - 2.0 * MARGIN - SIDE);
@@ -100,7 +100,7 @@ fn caption(svg: &mut Svg, [x, y]: [f64; 2], letter: &str, chain: &Chain) {
         "each of {neurons} neurons wins {least:.2} to {most:.2} times 1/{neurons} of fresh points"
     );
     svg.text([x, y + 17.0], font, &share);
-    let void = format!("{} of them where no point is", chain.in_the_void);
+    let void = format!("{} of them outside the points", chain.in_the_void);
     svg.text([x, y + 33.0], font, &void);
 }
 

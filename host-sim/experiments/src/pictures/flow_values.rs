@@ -56,7 +56,7 @@ pub fn table(svg: &mut Svg, [x, y]: [f64; 2], shown: &DecisionFigure) {
 fn words(shown: &DecisionFigure) -> String {
     let [x, y] = shown.action_m.map(|m| decimal(100.0 * m, 1));
     let left_out = if shown.unmet_only {
-        " G leaves out the transducers that already are as the goal wants them."
+        " G leaves out the transducers that already meet the goal."
     } else {
         ""
     };

@@ -171,7 +171,7 @@ impl File<'_> {
     }
 
     fn empty(&self, key: &str, at: Range<usize>) -> BadInput {
-        let what = format!("{key} must be a list with something in it: [ … ]");
+        let what = format!("{key} must be a list with at least one entry: [ … ]");
         self.toml.error(at, what)
     }
 
@@ -260,7 +260,7 @@ impl File<'_> {
         for (index, (key, at, _)) in choices.iter().enumerate() {
             self.known(key, at)?;
             if choices.iter().take(index).any(|(other, ..)| other == key) {
-                let what = format!("\"{key}\" is there twice");
+                let what = format!("\"{key}\" occurs twice");
                 return Err(self.toml.error(at.clone(), what));
             }
         }
@@ -277,8 +277,7 @@ impl File<'_> {
         }
         let elsewhere = match key {
             "world" | "worlds" | "behavior" | "behaviors" | "seed" | "seeds" => {
-                ": worlds, behaviors and seeds are lists of their own at the top of the file"
-                    .to_owned()
+                ": worlds, behaviors and seeds are lists at the top of the file".to_owned()
             }
             _ => format!(
                 "{} (keys: {}, and those of `host-sim settings`)",

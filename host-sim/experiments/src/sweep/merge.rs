@@ -102,7 +102,7 @@ impl Merged {
             }
             Some(Reverse((number, index))) => {
                 let what = format!(
-                    "episode {number} is none of this sweep's {}",
+                    "episode {number} is not one of this sweep's {}",
                     self.header.episodes()
                 );
                 Err(BadInput::file(self.path(index), what).into())
@@ -178,7 +178,7 @@ impl Part {
             if self.row.is_empty() {
                 return Ok(None);
             }
-            let what = format!("{} is torn: let the sweep go on", place(last));
+            let what = format!("{} is torn: resume the sweep", place(last));
             return Err(BadInput::file(&self.path, what));
         }
         match (number_of(&self.row), last) {
@@ -187,7 +187,7 @@ impl Part {
                 Err(BadInput::file(&self.path, what))
             }
             (Some(number), Some(last)) if number <= last => {
-                let what = format!("episode {number} stands behind episode {last}");
+                let what = format!("episode {number} follows episode {last}");
                 Err(BadInput::file(&self.path, what))
             }
             (number, _) => Ok(number),
@@ -197,7 +197,7 @@ impl Part {
 
 fn place(last: Option<u64>) -> String {
     last.map_or("the first row".to_owned(), |last| {
-        format!("the row behind episode {last}")
+        format!("the row after episode {last}")
     })
 }
 

@@ -91,7 +91,7 @@ impl Table {
     pub(super) fn add(&mut self, fields: &[&str]) -> Result<(), String> {
         if fields.len() != self.columns.len() {
             let (found, wanted) = (fields.len(), self.columns.len());
-            return Err(format!("it has {found} fields, the head has {wanted}"));
+            return Err(format!("it has {found} fields, the header has {wanted}"));
         }
         for (field, (name, column)) in fields.iter().zip(&mut self.columns) {
             match column {

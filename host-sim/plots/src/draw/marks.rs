@@ -65,17 +65,13 @@ fn number(svg: &mut Svg, [x, y]: [f64; 2], number: usize) {
 /// Legend entries for the marks that are present.
 pub fn legend(legend: &mut Legend, svg: &mut Svg, recording: &Recording) {
     if recording.seeking.iter().any(|step| step.leader.is_some()) {
-        legend.entry(
-            svg,
-            "the robot that is followed; L: its end",
-            |svg, [x, y]| {
-                svg.line([x - 11.0, y], [x + 11.0, y], &leader_style());
-            },
-        );
+        legend.entry(svg, "the leading robot; L: its end", |svg, [x, y]| {
+            svg.line([x - 11.0, y], [x + 11.0, y], &leader_style());
+        });
     }
     if recording.goal_place.is_some() {
         let what = if recording.behavior.starts_with("seek") {
-            "the place that was shown"
+            "the sought place"
         } else {
             "the nest"
         };

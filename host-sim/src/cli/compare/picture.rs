@@ -48,7 +48,7 @@ pub fn picture(report: &Report) -> Option<String> {
         }
     };
     let key = Key {
-        subtitle: "Mean and 95 % interval after so many learning moves".to_owned(),
+        subtitle: "Mean and 95 % interval by number of learning moves".to_owned(),
         along: "learning moves".to_owned(),
         ticks: moves.iter().map(u32::to_string).enumerate().collect(),
         names: names.iter().map(name).collect(),

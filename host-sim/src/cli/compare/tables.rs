@@ -111,7 +111,7 @@ impl Report {
             text += &format!("{}\n", table(&HEADS, &rows, &RIGHT));
             let rows: Vec<_> = lines.iter().filter_map(difference_cells).collect();
             if !rows.is_empty() {
-                text += &head(&format!("{who}: less the preset `default`, paired"));
+                text += &head(&format!("{who}: minus the preset `default`, paired"));
                 text += &format!("{}\n", table(&DIFFERENCE_HEADS, &rows, &RIGHT[..5]));
             }
         }

@@ -147,11 +147,11 @@ impl Told<'_> {
     }
 
     fn recall<'r>(&self, all: impl Iterator<Item = &'r Recalled>) -> String {
-        let mut heads = vec!["recalled by", "asked with"];
+        let mut heads = vec!["recalled by", "probed with"];
         if self.named() {
             heads.extend(["right %", "[95 %]", "mean of classes %"]);
         } else {
-            heads.push("error beside the mean's");
+            heads.push("error relative to the mean's");
         }
         let classes: Vec<_> = self
             .components()

@@ -62,7 +62,7 @@ impl Told<'_> {
             };
             let svg = name(&format!("confusion_{}", recalled.method.key()), "svg");
             let [by, with] = recalled.method.words(true);
-            let title = format!("{by}, asked with the {with}, {}", size(map));
+            let title = format!("{by}, probed with the {with}, {}", size(map));
             figures.push(figure(&svg, &title, CONFUSION));
             files.push((svg, plots::confusion(&title, self.components(), confusion)));
         }
@@ -106,9 +106,9 @@ impl Told<'_> {
             levels.map(|recalled| (self.line_name(recalled.method), self.headline(recalled)));
         let sizes: Vec<_> = self.found.maps.iter().map(size).collect();
         let measure = if self.named() {
-            "share of the held-out actions recalled rightly"
+            "share of the held-out actions recalled correctly"
         } else {
-            "error beside that of the mean"
+            "error relative to that of the mean"
         };
         plots::sizes(
             "Recall by map size",

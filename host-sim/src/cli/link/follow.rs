@@ -98,7 +98,7 @@ fn check(
         }
     }
     if answer.missing > 0 {
-        eprintln!("{} reports were lost on the way", answer.missing);
+        eprintln!("{} reports were lost", answer.missing);
     }
     Ok(is_over)
 }
@@ -129,7 +129,7 @@ pub(super) fn monitor(
             }
             std::thread::sleep(AGAIN);
         }
-        eprintln!("{address}: the mind is there again");
+        eprintln!("{address}: reconnected");
     }
 }
 

@@ -250,7 +250,7 @@ fn goal_by_name(name: &str) -> Result<Goal<16>, BadInput> {
     }
     match name.parse()? {
         Behavior::Nest | Behavior::Chain(_) => Err(BadInput::new(format!(
-            "goal {name}: a mind on a chip takes one goal at a time; at the nest, `goal perceived` captures it"
+            "goal {name}: a controller on a chip takes one goal at a time; at the nest, `goal perceived` captures it"
         ))),
         behavior => Ok(behavior.goal(&Config::recommended(), &[Weight::ZERO; 16])),
     }
@@ -272,7 +272,7 @@ fn perform(
             let file = file.display();
             Ok(writeln!(
                 out,
-                "{file}: configuration, maps and {samples} samples are in the mind"
+                "{file}: configuration, maps and {samples} samples uploaded"
             )?)
         }
         (Verb::Pull { file }, _) => {

@@ -73,28 +73,28 @@ pub(super) fn counters(session: &mut Session, out: &mut impl Write) -> Result<()
     let c = session.counters()?;
     let rows = [
         ("frames accepted", c.accepted),
-        ("frames of no shape", c.misshapen),
+        ("malformed frames", c.misshapen),
         ("frames with a wrong CRC", c.damaged),
         ("frames without a known message", c.unknown),
         ("frames too long", c.oversized),
         ("frames of another session", c.strangers),
-        ("frames that came again or too late", c.replayed),
-        ("orders that came too late", c.expired),
+        ("duplicate or late frames", c.replayed),
+        ("commands that came too late", c.expired),
         ("requests refused", c.refused),
         ("frames sent", c.sent),
-        ("frames that found no room to be sent", c.dropped),
+        ("frames lost by a full send queue", c.dropped),
         ("times the link was lost", c.link_losses),
         ("echoes too old to be used", c.stale_echoes),
         ("bytes lost by the serial port", c.device.overruns),
         ("bytes lost by the receive queue", c.device.queue_losses),
-        ("most stack used, bytes", c.device.stack_peak_bytes),
+        ("peak stack use, bytes", c.device.stack_peak_bytes),
         ("control ticks", c.device.ticks),
         ("longest time between two, ms", c.device.longest_tick_ms),
-        ("spoilt firings of its ring", c.device.ring_faults),
+        ("invalid firings of its ring", c.device.ring_faults),
     ];
     let rows = rows.map(|(what, count)| vec![what.to_owned(), count.to_string()]);
     let drift = vec![
-        "ms the clock here fell behind".to_owned(),
+        "ms that this clock fell behind".to_owned(),
         c.clock_drift_ms.to_string(),
     ];
     let rows = [&rows[..], &[drift]].concat();
@@ -127,5 +127,5 @@ pub(super) fn hello(session: &Session, out: &mut impl Write) -> Result<(), Troub
         ),
     ];
     let rows = rows.map(|(what, value)| vec![what.to_owned(), value]);
-    Ok(out.write_all(plain(&["mind", ""], &rows, &[]).as_bytes())?)
+    Ok(out.write_all(plain(&["controller", ""], &rows, &[]).as_bytes())?)
 }

@@ -86,7 +86,7 @@ fn what_an_episode_taught_is_pulled_and_pushed() {
     let known = |path: &std::path::Path| Knowledge::load(path).unwrap().fingerprint();
     assert_eq!(known(&own), known(&folder.path().join("robot.mind")));
     let pushed = host_sim(&two, &format!("link --to MIND push {file}"));
-    assert!(pushed.unwrap().contains("100 samples are in the mind"));
+    assert!(pushed.unwrap().contains("100 samples uploaded"));
     let goals = host_sim(&two, "link --to MIND goals").unwrap();
     assert!(goals.contains("goal       kept"), "{goals}");
     let learned = host_sim(&two, "link --to MIND learn").unwrap();

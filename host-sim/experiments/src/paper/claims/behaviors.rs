@@ -142,7 +142,7 @@ fn at_once(measured: &Measured) -> Claim {
         "3",
         "the same 100 iterations can be used to generate another behavior instantaneously",
     )
-    .holds_if("memory and maps the same to the bit, and the very next action another one in ≥ 50 %")
+    .holds_if("memory and maps bit-identical, and another next action in ≥ 50 %")
     .measured(
         each(&PRESETS, &sums, text),
         format!(
@@ -233,7 +233,7 @@ fn wider_gaps(measured: &Measured) -> Claim {
         .map(|mean| mean.interval[0] > 0.0)
         .collect();
     Claim::new("Fig. 5", "avoids walls from a greater distance than the smaller obstacles")
-        .holds_if("least gap of a pass: wall less obstacle > 0 (95 % interval), in the arena and in random rooms")
+        .holds_if("smallest gap of a pass: wall minus obstacle > 0 (95 % interval), in the arena and in random rooms")
         .measured(
             format!(
                 "arena: {}; rooms: {}",
@@ -258,7 +258,7 @@ fn any_behavior(measured: &Measured) -> Claim {
         .first()
         .map_or(0, |(_, outcomes)| outcomes[0].episodes);
     Claim::new("5.1", "any behavior can be generated")
-        .holds_if("every behavior reaches what docs/behaviors.md asks of it, in every scene")
+        .holds_if("every behavior meets its requirement in docs/behaviors.md, in every scene")
         .measured(
             each(&PRESETS, &reached, |count| {
                 format!("{count} of {all} scenes")

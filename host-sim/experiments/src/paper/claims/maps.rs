@@ -12,7 +12,7 @@ pub(super) fn claims(measured: &Measured) -> Vec<Claim> {
     let mut claims = vec![perceived(measured), similar_samples(measured)];
     claims.push(
         Claim::new("2.2", "no guarantee that lazy learning leads to the goal").untestable(
-            "A guarantee cannot be measured; how rarely the memory knows the situation: see above.",
+            "A guarantee cannot be measured; for how rarely the memory knows the situation see above.",
         ),
     );
     claims.push(by_content(measured));
@@ -215,17 +215,22 @@ fn larger_fields(measured: &Measured) -> Claim {
         })
         .collect();
     let larger = ratios.iter().filter(|&&ratio| ratio > 1.0).count();
-    Claim::new("2.3", "where the input data are scarce: neurons with larger fields of attraction")
-        .holds_if("the sparse half's receptive fields are larger in ≥ 95 % of chains")
-        .measured(
-            format!(
-                "larger in {larger} of {}; {:.2} times on the average where points are 3 times as sparse",
-                ratios.len(),
-                mean(ratios.iter().copied())
-            ),
-            format!("{} chains", ratios.len()),
-        )
-        .verdict(Verdict::of(&[20 * larger >= 19 * ratios.len() && larger > 0]))
+    Claim::new(
+        "2.3",
+        "where the input data are scarce: neurons with larger fields of attraction",
+    )
+    .holds_if("the sparse half's receptive fields are larger in ≥ 95 % of chains")
+    .measured(
+        format!(
+            "larger in {larger} of {}; {:.2} times on average where points are 3 times as sparse",
+            ratios.len(),
+            mean(ratios.iter().copied())
+        ),
+        format!("{} chains", ratios.len()),
+    )
+    .verdict(Verdict::of(&[
+        20 * larger >= 19 * ratios.len() && larger > 0
+    ]))
 }
 
 fn continuous(measured: &Measured) -> Claim {
@@ -336,11 +341,11 @@ fn discreteness(measured: &Measured) -> Claim {
     });
     let text = |[finer, before, after, used, uses]: &[f64; 5]| {
         format!(
-            "error {before:.2} → {after:.2} (less in {finer:.0} % of rooms), answering neurons {used:.1} → {uses:.1}"
+            "error {before:.2} → {after:.2} (smaller in {finer:.0} % of rooms), answering neurons {used:.1} → {uses:.1}"
         )
     };
     Claim::new("2.4", "a greater discreteness in the areas of interest")
-        .holds_if("after 500 decisions the map's quantization error on the next 500 is less in ≥ 90 % of rooms")
+        .holds_if("after 500 decisions the map's quantization error on the next 500 is smaller in ≥ 90 % of rooms")
         .measured(each(&PRESETS, &figures, text), rooms(measured))
         .verdict(Verdict::of(&figures.map(|[finer, ..]| finer >= 90.0)))
 }

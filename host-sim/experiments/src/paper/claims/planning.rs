@@ -126,7 +126,7 @@ fn until_goal(plans: &[Plans; 3]) -> Claim {
         .zip(&soon)
         .map(|(plans, soon)| {
             let mean = f64::from(plans.reached_in) / f64::from(plans.reached.max(1));
-            format!("{soon:.1} % ({mean:.1} decisions on the average)")
+            format!("{soon:.1} % ({mean:.1} decisions on average)")
         })
         .collect();
     let counts: Vec<_> = plans.iter().map(|p| stretches(p).to_string()).collect();
@@ -134,7 +134,7 @@ fn until_goal(plans: &[Plans; 3]) -> Claim {
         "2.5 (3)",
         "repeated until the robot is in the desired goal situation",
     )
-    .holds_if("free of obstacles again within 10 decisions in ≥ 95 % of the stretches away from it")
+    .holds_if("free of obstacles again within 10 decisions in ≥ 95 % of the periods without it")
     .measured(
         each(&PRESETS, &texts, String::clone),
         format!("{} stretches", counts.join(", ")),

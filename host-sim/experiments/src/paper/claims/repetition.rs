@@ -31,7 +31,7 @@ pub(super) fn claims(measured: &Measured) -> [Claim; 2] {
             .measured(counted(&gains), sample.clone())
             .verdict(Verdict::of(&helped(&gains))),
         Claim::new("2.4", "learning occurs by the mere realization of the behavior")
-            .holds_if("maps that go on learning do better than frozen ones (last half, paired, 95 % interval), in every scene")
+            .holds_if("maps that keep learning do better than frozen ones (last half, paired, 95 % interval), in every scene")
             .measured(counted(&against_frozen), sample)
             .verdict(Verdict::of(&helped(&against_frozen))),
     ]

@@ -52,7 +52,7 @@ impl<'de> Visitor<'de> for ChoiceVisitor {
 
     fn visit_str<E: Error>(self, text: &str) -> Result<ChoiceValue, E> {
         match text {
-            "" => Err(E::custom("expected a text that is not empty")),
+            "" => Err(E::custom("expected a non-empty text")),
             text => Ok(ChoiceValue::Scalar(text.to_owned())),
         }
     }

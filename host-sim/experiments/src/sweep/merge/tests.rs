@@ -61,7 +61,7 @@ fn gaps_doubles_and_strangers_are_refused_by_name() {
         ),
         (
             part("last", &[1, 3, 5, 5], ""),
-            ["last: episode 5 stands behind", "episode 5"],
+            ["last: episode 5 follows", "episode 5"],
         ),
         (
             part("mixed", &[3, 1, 5], ""),
@@ -69,15 +69,15 @@ fn gaps_doubles_and_strangers_are_refused_by_name() {
         ),
         (
             part("more", &[1, 3, 5, 6], ""),
-            ["more: episode 6 is none of", "sweep's 6"],
+            ["more: episode 6 is not one of", "sweep's 6"],
         ),
         (
             part("torn", &[1, 3], "5,\"w\n"),
-            ["torn: the row behind episode 3", "is torn"],
+            ["torn: the row after episode 3", "is torn"],
         ),
         (
             part("bad", &[1, 3], "x,w\n"),
-            ["bad: the row behind episode 3", "not a row"],
+            ["bad: the row after episode 3", "not a row"],
         ),
         (
             file(&folder, "foreign", "t", &[1, 3, 5], ""),
