@@ -42,8 +42,8 @@ pub fn list() -> Result<Vec<Defect>, String> {
 impl Defect {
     /// The defect's row in the table.
     #[must_use]
-    pub fn row(&self, noticed: bool) -> String {
-        let answer = if noticed { "yes" } else { "**no**" };
+    pub fn row(&self, detected: bool) -> String {
+        let answer = if detected { "yes" } else { "**no**" };
         format!("| {} | `{}` | {answer} |", self.what, self.check)
     }
 

@@ -44,14 +44,14 @@ fn run(part: &str) -> Result<bool, String> {
             return Err(format!("`{check}` fails without any defect"));
         }
     }
-    println!("| defect | check | noticed |\n| --- | --- | --- |");
+    println!("| defect | check | detected |\n| --- | --- | --- |");
     let mut all = true;
     for defect in &defects {
         eprintln!("{}", defect.what);
         let tried = timed(|| with(copy, defect, || passes(copy, &target, &defect.check)));
-        let noticed = !tried.map_err(|why| format!("{}: {why}", defect.what))?;
-        all &= noticed;
-        println!("{}", defect.row(noticed));
+        let detected = !tried.map_err(|why| format!("{}: {why}", defect.what))?;
+        all &= detected;
+        println!("{}", defect.row(detected));
     }
     Ok(all)
 }
