@@ -236,7 +236,7 @@ impl Chip {
                 return found;
             }
         }
-        panic!("the chip has said nothing of the kind in {PATIENCE:?}");
+        panic!("the chip has sent no such report in {PATIENCE:?}");
     }
 
     /// The next report within `patience`.
@@ -266,7 +266,7 @@ impl Chip {
         for &byte in &self.left {
             taken += 1;
             if let Some(coded) = self.receiver.push(byte) {
-                found = Some(frame::unpack(coded).expect("a sound frame from the chip"));
+                found = Some(frame::unpack(coded).expect("a valid frame from the chip"));
                 break;
             }
         }

@@ -59,7 +59,7 @@ impl Defect {
         match text.matches(find.as_str()).count() {
             1 => Ok(text.replace(find.as_str(), &self.replace)),
             places => Err(format!(
-                "{file}: `{find}` stands there {places} times, not once"
+                "{file}: `{find}` occurs there {places} times, not once"
             )),
         }
     }
@@ -80,7 +80,7 @@ pub fn builds(check: &str) -> Result<Vec<String>, String> {
         commands.extend(BOARDS.map(board_image));
         return Ok(commands);
     } else {
-        return Err(format!("`{check}`: it is not known what this builds"));
+        return Err(format!("`{check}`: the builds of this check are unknown"));
     }
     // Some checks build images while they run.
     let machines: &[Machine] = if check.contains("chip_architectures") {

@@ -85,7 +85,7 @@ struct Said(Vec<Report<16>>);
 impl FrameSink for Said {
     fn send(&mut self, frame: &[u8]) -> bool {
         let coded = frame.split_last().map_or(frame, |(_, coded)| coded);
-        let (_, report) = unpack(coded).expect("a mind says sound frames");
+        let (_, report) = unpack(coded).expect("a controller sends valid frames");
         self.0.push(report);
         true
     }

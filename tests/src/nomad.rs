@@ -88,7 +88,7 @@ impl Running {
             if let Some(status) = self.child.try_wait().expect("its state") {
                 break status;
             }
-            assert!(Instant::now() < until, "it goes on: {:?}", self.messages());
+            assert!(Instant::now() < until, "it does not end: {:?}", self.messages());
             std::thread::sleep(Duration::from_millis(5));
         };
         let rest = |stream: &Receiver<String>| {

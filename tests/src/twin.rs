@@ -217,7 +217,7 @@ impl Twin {
             );
             assert!(
                 heard.len() <= self.awaited.len(),
-                "the chip says more: {:?}",
+                "the chip sends more: {:?}",
                 reports(&heard)
             );
             let expected: Vec<_> = self.awaited.drain(..heard.len()).collect();

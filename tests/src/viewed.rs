@@ -146,7 +146,7 @@ impl Viewed {
     /// When it is refused.
     #[must_use]
     pub fn viewer(&self) -> Viewer {
-        self.knock(&[]).expect("a viewer is let in")
+        self.knock(&[]).expect("a viewer is accepted")
     }
 
     /// A page opened with the token, before it steers.
@@ -163,7 +163,7 @@ impl Viewed {
     /// When it is refused.
     #[must_use]
     pub fn steerer(&self) -> Viewer {
-        let mut viewer = self.owner().expect("an owner is let in");
+        let mut viewer = self.owner().expect("an owner is accepted");
         let order = json!({"do": "steer", "token": self.token()});
         viewer.order(order).expect("the seat");
         viewer

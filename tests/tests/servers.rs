@@ -89,7 +89,7 @@ fn watchers_without_the_token_keep_no_owner_out() {
     assert_eq!(viewed.knock(&[]).err(), Some(503));
     let wrong = format!("/socket?token={}", "0".repeat(32));
     assert_eq!(viewed.knock_at(&wrong, &[]).err(), Some(503));
-    let mut owner = viewed.owner().expect("an owner is let in");
+    let mut owner = viewed.owner().expect("an owner is accepted");
     // It may stop the robot before it steers.
     owner.order(json!({"do": "stop"})).expect("it stops");
     let steer = json!({"do": "steer", "token": viewed.token()});

@@ -50,7 +50,7 @@ impl Gone {
 
     const fn name(self) -> &'static str {
         match self {
-            Self::Mind => "bridge whose mind falls silent",
+            Self::Mind => "bridge whose controller goes silent",
             Self::Bridge => "bridge gone",
         }
     }
@@ -299,14 +299,14 @@ pub(super) fn run(verdict: &mut Verdict, seed: u64, count: u64) {
         rows.push(judge(verdict, gone, &all));
     }
     verdict.say(format_args!(
-        "\n{count} moments each at which a bridge drives a Nomad at {SPEED_MM_S} mm/s, in real time\n"
+        "\n{count} failures each while a bridge drives a Nomad at {SPEED_MM_S} mm/s, in real time\n"
     ));
     let heads = [
-        "what is gone",
-        "told to stand, ms, most",
+        "failure",
+        "stop command, ms, most",
         "allowed",
         "wheels stand, most",
-        "way mm, most",
+        "distance mm, most",
     ];
     verdict.table(heads, &rows);
 }

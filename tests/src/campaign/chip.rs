@@ -156,12 +156,12 @@ fn judge(
             after.oversized - before.oversized,
         ),
         (
-            "sound, of another session",
+            "valid, of another session",
             expected.sound,
             sound(after) - sound(before),
         ),
         (
-            "accepted: our own questions",
+            "accepted: our own requests",
             asked,
             after.accepted - before.accepted,
         ),
@@ -430,7 +430,7 @@ impl<'a> BadLine<'a> {
                 after.accepted - before.accepted,
             ),
             (
-                "repeated or late",
+                "duplicate or late",
                 self.replayed,
                 after.replayed - before.replayed,
             ),
@@ -448,9 +448,9 @@ impl<'a> BadLine<'a> {
         let mut row = |what: &str, wanted: &str, number: u64| {
             rows.push([what.to_owned(), wanted.to_owned(), grouped(number)]);
         };
-        row("orders refused by the chip for their age", "", expired);
-        row("orders surely too old", "", self.late);
-        row("such orders not refused", "0", self.obeyed);
+        row("commands refused by the chip for their age", "", expired);
+        row("commands surely too old", "", self.late);
+        row("such commands not refused", "0", self.obeyed);
         row("motions executed", "", self.book.executed);
         row(
             "motions refused by the base for their age",
@@ -458,17 +458,17 @@ impl<'a> BadLine<'a> {
             self.book.aged,
         );
         row(
-            "age of the oldest one executed, ms",
+            "age of the oldest executed motion, ms",
             "",
             self.book.oldest_ms,
         );
-        row("stale ones executed", "0", self.book.stale);
+        row("stale motions executed", "0", self.book.stale);
         verdict.table(["what", "should be", "counted"], &rows);
         verdict.require(self.book.stale == 0, "a stale motion was executed");
-        verdict.require(self.obeyed == 0, "the chip obeyed an order of long ago");
+        verdict.require(self.obeyed == 0, "the chip executed an old command");
         let tried = [self.book.executed, self.book.aged, self.late];
         let is_enough = count < ENOUGH || !tried.contains(&0);
-        verdict.require(is_enough, "not everything was tried");
+        verdict.require(is_enough, "not everything was tested");
         verdict
     }
 }

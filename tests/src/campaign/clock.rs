@@ -144,13 +144,13 @@ fn verdict(all: &[Compared]) -> Verdict {
     let [same, wrapped] = [count(|one| one.same), count(|one| one.wrapped)];
     let mut verdict = Verdict::default();
     verdict.say(format_args!(
-        "{} episodes, {} decisions; over the clock's end: {}; the same, with maps, memory and figures: {}",
+        "{} episodes, {} decisions; across the clock's overflow: {}; identical, with maps, memory and figures: {}",
         grouped(episodes),
         grouped(all.iter().map(|one| one.decisions).sum()),
         grouped(wrapped),
         grouped(same)
     ));
     verdict.require(same == episodes, "an episode differs by another clock");
-    verdict.require(wrapped == episodes, "an episode ended before the clock did");
+    verdict.require(wrapped == episodes, "an episode ended before the clock's overflow");
     verdict
 }

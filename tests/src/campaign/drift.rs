@@ -195,8 +195,8 @@ fn verdict(days: &[Day], sonar: SonarModel) -> Verdict {
     let heads = [
         "hour",
         "decisions",
-        "way m, mean",
-        "way m, least",
+        "distance m, mean",
+        "distance m, least",
         "area m², mean",
         "steps with a contact",
     ];
@@ -214,18 +214,18 @@ fn verdict(days: &[Day], sonar: SonarModel) -> Verdict {
     let way = change(days, |hour| hour.distance_m);
     let area = change(days, |hour| hour.area_m2);
     verdict.say(format_args!(
-        "the hour after the day over the first, less 1: way {way}, area {area} (95 % intervals)"
+        "the hour after the day relative to the first, minus 1: distance {way}, area {area} (95 % intervals)"
     ));
     let [low, high] = way.interval;
     let stays = low > -MAX_DRIFT && high < MAX_DRIFT;
     verdict.require(
         stays,
-        "the way of the hour after the day is not that of the first",
+        "the distance of the hour after the day differs from that of the first",
     );
     for day in days {
         let mut hours = day.hours.iter().chain([&day.again]);
         if let Some(hour) = hours.position(|hour| hour.distance_m < LEAST_WAY_M) {
-            let what = format!("the robot of seed {} stands in hour {}", day.seed, hour + 1);
+            let what = format!("the robot of seed {} stands still in hour {}", day.seed, hour + 1);
             verdict.broken.push(what);
         }
     }
@@ -233,7 +233,7 @@ fn verdict(days: &[Day], sonar: SonarModel) -> Verdict {
         .iter()
         .flat_map(|day| &day.hours)
         .all(|hour| hour.in_bounds);
-    verdict.require(in_bounds, "what is known left its bounds");
+    verdict.require(in_bounds, "the state left its bounds");
     verdict
 }
 

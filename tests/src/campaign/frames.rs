@@ -178,13 +178,13 @@ fn verdict(tallies: &Tallies, examples: usize) -> Verdict {
     rows.push(row("all", &sum));
     let mut verdict = Verdict::default();
     verdict.say(format_args!(
-        "{} damaged frames, made of {examples} sound ones\n",
+        "{} damaged frames, made of {examples} valid ones\n",
         grouped(sum.frames)
     ));
     let heads = [
         "damage",
         "frames",
-        "as it was",
+        "unchanged",
         "pieces",
         "no COBS, or too long",
         "wrong CRC",
@@ -209,7 +209,7 @@ fn judge(verdict: &mut Verdict, sum: &Metrics) {
     ));
     verdict.require(tail >= 0.025, "more wrong frames than chance explains");
     let seen = sum.misshapen + sum.oversized + sum.compared() + sum.sound;
-    verdict.require(seen == sum.pieces, "a piece was not counted");
+    verdict.require(seen == sum.pieces, "a part was not counted");
 }
 
 #[cfg(test)]

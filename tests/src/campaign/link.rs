@@ -450,7 +450,7 @@ fn opened(first: Header) -> Link {
 fn verdict(book: &Book) -> Verdict {
     let mut verdict = Verdict::default();
     verdict.say(format_args!(
-        "{} frames to the mind and {} from it; {} % lost, {} % of the others twice, {} to {} ms on the way, {} in 1000 meet a stall of up to {} ms\n",
+        "{} frames to the controller and {} from it; {} % lost, {} % of the others duplicated, {} to {} ms in transit, {} in 1000 meet a stall of up to {} ms\n",
         grouped(book.sent),
         grouped(book.said),
         BAD.lost,
@@ -462,35 +462,35 @@ fn verdict(book: &Book) -> Verdict {
     ));
     let row = |what: &str, number| [what.to_owned(), grouped(number)];
     let rows = [
-        row("lost on the way to the mind", book.lost),
+        row("lost in transit to the controller", book.lost),
         row("overtaken by a later one", book.overtaken),
-        row("came twice", book.repeated),
-        row("accepted by the mind", book.accepted[0]),
-        row("repeated or late, by the mind's count", book.replayed[0]),
+        row("duplicated", book.repeated),
+        row("accepted by the controller", book.accepted[0]),
+        row("duplicate or late, by the controller's count", book.replayed[0]),
         row(
-            "orders past their time to live, by the mind's count",
+            "commands past their time to live, by the controller's count",
             book.expired[0],
         ),
         row(
-            "such frames that changed what the mind knows",
+            "such frames that changed the controller's state",
             book.late_but_done,
         ),
-        row("times the mind held the host for gone", book.losses),
+        row("times the controller reported the host as lost", book.losses),
         row("motions and renewals executed by the base", book.executed),
         row("refused by the base as late or repeated", book.refused),
         row("refused by the base for their age", book.aged),
-        row("stops that did not stop the mind", book.stops_refused),
-        row("**stale ones executed**", book.stale),
-        row("age of the oldest one executed, ms", book.oldest_ms),
+        row("stops that did not stop the controller", book.stops_refused),
+        row("**stale motions executed**", book.stale),
+        row("age of the oldest executed motion, ms", book.oldest_ms),
         row(
-            "executed though the mind's stop was on its way or lost",
+            "executed while the controller's stop was in transit or lost",
             book.taken_back,
         ),
     ];
     verdict.table(["what", "number"], &rows);
     let unaccepted = book.sent - book.accepted[0];
     verdict.say(format_args!(
-        "\nsent less accepted: {}; lost and overtaken, by the line's book: {}",
+        "\nsent minus accepted: {}; lost and overtaken, by the bookkeeper: {}",
         grouped(unaccepted),
         grouped(book.lost + book.overtaken)
     ));
@@ -506,10 +506,10 @@ fn verdict(book: &Book) -> Verdict {
         let broken = format!("{what}: {counted} counted, {right} were");
         verdict.require(counted == right, broken);
     }
-    verdict.require(book.late_but_done == 0, "a late frame was acted upon");
+    verdict.require(book.late_but_done == 0, "a late frame had an effect");
     verdict.require(book.stale == 0, "a stale motion was executed");
     verdict.require(book.stops_refused == 0, "a stop was refused");
     let enough = book.executed > 0 && book.replayed[1] > 0 && book.expired[1] > 0 && book.aged > 0;
-    verdict.require(enough, "nothing was tried");
+    verdict.require(enough, "nothing was tested");
     verdict
 }

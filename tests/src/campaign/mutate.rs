@@ -45,11 +45,11 @@ impl Damage {
             Self::FewBits => "1 to 3 bits flipped",
             Self::ManyBits => "4 to 8 bits flipped",
             Self::Burst => "2 to 8 bytes of noise in it",
-            Self::Cut => "a piece missing",
-            Self::Repeated => "a piece twice",
-            Self::Swapped => "two pieces changed places",
-            Self::Spliced => "beginning of one, end of another",
-            Self::Noise => "nothing but noise",
+            Self::Cut => "a part missing",
+            Self::Repeated => "a part duplicated",
+            Self::Swapped => "two parts swapped",
+            Self::Spliced => "start of one, end of another",
+            Self::Noise => "only noise",
         }
     }
 

@@ -66,9 +66,9 @@ impl Gone {
 
     const fn name(self) -> &'static str {
         match self {
-            Self::Host => "host silent, base still hears the mind",
-            Self::Line => "line cut both ways",
-            Self::HostForAWhile => "host starts anew within 1 s, in a new session",
+            Self::Host => "host silent, base still receives the controller",
+            Self::Line => "line cut in both directions",
+            Self::HostForAWhile => "host restarts within 1 s, in a new session",
             Self::Mind => "chip reset",
         }
     }
@@ -111,7 +111,7 @@ struct Stopped {
 pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
     let mut verdict = Verdict::default();
     verdict.say(format_args!(
-        "{} moments each at which the base moves; time from the moment until it is told to stand or its motion has ended, ms; time until its wheels stand, ms; way until then, mm\n",
+        "{} failures each while the base moves; time from the failure to the stop command or the end of its motion, ms; time until its wheels stand, ms; distance until then, mm\n",
         grouped(count)
     ));
     let hall = hall();
@@ -133,13 +133,13 @@ pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
         rows.push(judge(&mut verdict, gone, &all));
     }
     let heads = [
-        "what is gone",
+        "failure",
         "p50",
         "p99",
         "most",
         "allowed",
         "wheels stand, most",
-        "way mm, most",
+        "distance mm, most",
         "allowed",
         "moved again",
     ];

@@ -28,10 +28,10 @@ pub struct Page {
 }
 
 const HEAD: &str = "# Figures\n\n\
-    Written by `cargo run -p tests --bin figures`, which runs each command and finds its figures in what it prints. \
-    A figure that missed its aim stands here like the others. Instructions are exact and the same on every machine; \
-    times and what hangs on them hold for the machine named.\n";
-const TABLE: &str = "| figure | value | aim | measured | commit | machine | command |\n\
+    Written by `cargo run -p tests --bin figures`, which runs each command and extracts its figures from the output. \
+    Figures that miss their target are listed like the others. Instructions are exact and the same on every machine; \
+    times and derived figures are for the named machine.\n";
+const TABLE: &str = "| figure | value | target | measured | commit | machine | command |\n\
     | --- | ---: | ---: | --- | --- | --- | --- |\n";
 const MACHINES: &str = "## Machines\n";
 
