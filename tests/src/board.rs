@@ -7,12 +7,12 @@ use std::time::{Duration, Instant};
 
 /// A chip behind a TCP socket; stopped when dropped.
 #[derive(Debug)]
-pub struct Board {
+pub struct EmulatedBoard {
     host: String,
     emulator: Option<Child>,
 }
 
-impl Board {
+impl EmulatedBoard {
     /// A chip that has just been switched on.
     ///
     /// # Panics
@@ -68,7 +68,7 @@ impl Board {
     }
 }
 
-impl Drop for Board {
+impl Drop for EmulatedBoard {
     fn drop(&mut self) {
         self.switch_off();
     }

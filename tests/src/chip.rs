@@ -1,7 +1,7 @@
 //! The firmware in an emulated chip, and a peer that controls every byte to it.
 //!
 //! The image is the one a user builds for QEMU, in its own target folder. The emulator is a child
-//! process that ends with its [`Chip`].
+//! process that ends with its [`EmulatedChip`].
 
 use amp::wire::frame::{self, Header};
 use amp::wire::message::{
@@ -45,7 +45,7 @@ pub const fn dimensions() -> Dimensions {
 }
 
 /// An emulated chip with the firmware.
-pub struct Chip {
+pub struct EmulatedChip {
     line: Box<dyn Transport>,
     receiver: Receiver,
     /// Received and not yet decoded.
@@ -55,7 +55,7 @@ pub struct Chip {
     began: Instant,
 }
 
-impl Chip {
+impl EmulatedChip {
     /// Switches it on and waits for its hello.
     ///
     /// # Panics
@@ -287,9 +287,9 @@ pub fn packed(header: Header, message: &ToMind<16>) -> Vec<u8> {
 
 /// A sink that records everything a node on the host sends.
 #[derive(Debug, Default)]
-pub struct Recorded(pub Vec<u8>);
+pub struct RecordedBytes(pub Vec<u8>);
 
-impl amp::node::FrameSink for Recorded {
+impl amp::node::FrameSink for RecordedBytes {
     fn send(&mut self, frame: &[u8]) -> bool {
         self.0.extend_from_slice(frame);
         true

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 /// A deliberate defect and its check.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Defect {
+pub struct DeliberateDefect {
     /// Short description.
     pub what: String,
     /// The file, relative to the project's root.
@@ -23,23 +23,23 @@ pub struct Defect {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct List {
-    defect: Vec<Defect>,
+struct DefectList {
+    defect: Vec<DeliberateDefect>,
 }
 
 /// Reads the whole list.
 ///
 /// # Errors
 /// When it cannot be read.
-pub fn list() -> Result<Vec<Defect>, String> {
+pub fn list() -> Result<Vec<DeliberateDefect>, String> {
     let path = root().join("tests/defects.toml");
     let named = |error: &dyn std::fmt::Display| format!("tests/defects.toml: {error}");
     let text = std::fs::read_to_string(path).map_err(|error| named(&error))?;
-    let list: List = toml::from_str(&text).map_err(|error| named(&error))?;
+    let list: DefectList = toml::from_str(&text).map_err(|error| named(&error))?;
     Ok(list.defect)
 }
 
-impl Defect {
+impl DeliberateDefect {
     /// The defect's row in the table.
     #[must_use]
     pub fn row(&self, detected: bool) -> String {
@@ -128,7 +128,7 @@ mod tests {
 
     #[test]
     fn a_place_is_found_once_or_not_at_all() {
-        let defect = |find: &str, replace: &str| Defect {
+        let defect = |find: &str, replace: &str| DeliberateDefect {
             what: String::new(),
             file: "a.rs".into(),
             find: find.to_owned(),

@@ -80,9 +80,9 @@ pub fn content(bytes: &[u8]) {
 
 /// Messages of a node.
 #[derive(Default)]
-struct Said(Vec<Report<16>>);
+struct SentReports(Vec<Report<16>>);
 
-impl FrameSink for Said {
+impl FrameSink for SentReports {
     fn send(&mut self, frame: &[u8]) -> bool {
         let coded = frame.split_last().map_or(frame, |(_, coded)| coded);
         let (_, report) = unpack(coded).expect("a controller sends valid frames");
@@ -98,7 +98,7 @@ impl FrameSink for Said {
 /// When a stopped or idle robot gets a motion.
 pub fn session(bytes: &[u8]) {
     let mut node = Box::new(Node::<16, 16, 20>::new());
-    let mut said = Said::default();
+    let mut said = SentReports::default();
     let (mut now, mut seq) = (0_u32, 1);
     let grid = Grid::rectangle(4, 4);
     let start = Millis::from_ms(now);
@@ -147,7 +147,13 @@ pub fn session(bytes: &[u8]) {
     }
 }
 
-fn tell(node: &mut Node<16, 16, 20>, seq: u16, message: &ToMind<16>, now: u32, said: &mut Said) {
+fn tell(
+    node: &mut Node<16, 16, 20>,
+    seq: u16,
+    message: &ToMind<16>,
+    now: u32,
+    said: &mut SentReports,
+) {
     if let Ok(frame) = Frame::pack(Header { session: 1, seq }, message) {
         let (_, coded) = frame.as_bytes().split_last().expect("its zero");
         node.frame(Millis::from_ms(now), coded, said);

@@ -88,7 +88,11 @@ impl Running {
             if let Some(status) = self.child.try_wait().expect("its state") {
                 break status;
             }
-            assert!(Instant::now() < until, "it does not end: {:?}", self.messages());
+            assert!(
+                Instant::now() < until,
+                "it does not end: {:?}",
+                self.messages()
+            );
             std::thread::sleep(Duration::from_millis(5));
         };
         let rest = |stream: &Receiver<String>| {
@@ -126,14 +130,14 @@ fn lines(stream: impl Read + Send + 'static) -> Receiver<String> {
 
 /// A running simulated robot.
 #[derive(Debug)]
-pub struct Robot {
+pub struct ServedRobot {
     /// The program.
     pub program: Running,
     /// Its address: `HOST:PORT`, or a device.
     pub place: String,
 }
 
-impl Robot {
+impl ServedRobot {
     /// Starts it at a free port, with more flags.
     #[must_use]
     pub fn at_a_port(program: &Program, flags: &str) -> Self {
@@ -184,7 +188,7 @@ pub fn stands(state: &State) -> bool {
 /// Mode of a proxy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
-pub enum Line {
+pub enum ProxyMode {
     /// Forwards everything in both directions.
     Open,
     /// Discards everything.
@@ -195,7 +199,7 @@ pub enum Line {
 
 /// A TCP proxy that can be interrupted.
 #[derive(Debug)]
-pub struct Cut {
+pub struct Proxy {
     /// Its address, as `HOST:PORT`.
     pub place: String,
     line: Arc<AtomicU8>,
@@ -203,7 +207,7 @@ pub struct Cut {
     own: Arc<Mutex<Vec<u8>>>,
 }
 
-impl Cut {
+impl Proxy {
     /// A proxy to `host`, for the first client that connects.
     ///
     /// # Panics
@@ -212,7 +216,7 @@ impl Cut {
     pub fn to(host: &str) -> Self {
         let listener = TcpListener::bind(("127.0.0.1", 0)).expect("a socket");
         let place = listener.local_addr().expect("its address").to_string();
-        let line = Arc::new(AtomicU8::new(Line::Open as u8));
+        let line = Arc::new(AtomicU8::new(ProxyMode::Open as u8));
         let own = Arc::new(Mutex::new(Vec::new()));
         let nothing = Arc::default();
         let (cut, there, host) = (Arc::clone(&line), Arc::clone(&own), host.to_owned());
@@ -239,7 +243,7 @@ impl Cut {
     }
 
     /// Switches the mode.
-    pub fn switch(&self, line: Line) {
+    pub fn switch(&self, line: ProxyMode) {
         self.line.store(line as u8, Ordering::Relaxed);
     }
 }
@@ -256,12 +260,12 @@ fn carry(mut from: TcpStream, mut to: TcpStream, cut: &AtomicU8, own: &Mutex<Vec
             Err(_) => break,
         };
         let line = cut.load(Ordering::Relaxed);
-        if line == Line::Off as u8 {
+        if line == ProxyMode::Off as u8 {
             break;
         }
         let own = std::mem::take(&mut *own.lock().unwrap_or_else(PoisonError::into_inner));
         let said = [&buffer[..count], &own].concat();
-        if line == Line::Open as u8 && to.write_all(&said).is_err() {
+        if line == ProxyMode::Open as u8 && to.write_all(&said).is_err() {
             break;
         }
     }

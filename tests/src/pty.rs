@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Fault of the line from the controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Line {
+pub enum LineFault {
     /// No fault.
     Good,
     /// Starts with the end of a frame, then is good.
@@ -26,20 +26,20 @@ pub enum Line {
 
 /// A serial line with a controller at its end.
 #[derive(Debug)]
-pub struct Pty {
+pub struct FaultyPty {
     /// The device's path.
     pub path: PathBuf,
     /// Keeps the device open between clients.
     _device: Option<OwnedFd>,
 }
 
-impl Pty {
+impl FaultyPty {
     /// A line to the server at `host`.
     ///
     /// # Panics
     /// When there is no pseudo terminal or no server.
     #[must_use]
-    pub fn to(host: &str, line: Line) -> Self {
+    pub fn to(host: &str, line: LineFault) -> Self {
         let pair = openpty(None, None).expect("a pseudo terminal");
         let mut raw = tcgetattr(&pair.slave).expect("its settings");
         cfmakeraw(&mut raw);
@@ -47,7 +47,7 @@ impl Pty {
         let path = ttyname(&pair.slave).expect("its name");
         let mind = TcpStream::connect(host).expect("the mind");
         pump(File::from(pair.master), mind, line);
-        let keeps = !matches!(line, Line::PulledAfter(_));
+        let keeps = !matches!(line, LineFault::PulledAfter(_));
         // A device that must disappear is not held open here; the program opens it before its first
         // byte.
         let device = keeps.then_some(pair.slave);
@@ -59,7 +59,7 @@ impl Pty {
 }
 
 /// Forwards bytes in both directions until one side closes or the line is disconnected.
-fn pump(device: File, mind: TcpStream, line: Line) {
+fn pump(device: File, mind: TcpStream, line: LineFault) {
     let carried = Arc::new(AtomicUsize::new(0));
     let (mut from_program, mut to_mind) = (
         device.try_clone().expect("a second handle"),
@@ -86,7 +86,7 @@ fn pump(device: File, mind: TcpStream, line: Line) {
     });
     std::thread::spawn(move || {
         let (mut device, mut mind) = (device, mind);
-        if line == Line::StartsInTheMiddle {
+        if line == LineFault::StartsInTheMiddle {
             let _ = device.write_all(&[0x11, 0x22, 0x33, 0]);
         }
         let mut buffer = [0; 64];
@@ -103,13 +103,13 @@ fn pump(device: File, mind: TcpStream, line: Line) {
     });
 }
 
-fn is_pulled(line: Line, carried: &AtomicUsize) -> bool {
-    matches!(line, Line::PulledAfter(bytes) if carried.load(Ordering::Relaxed) >= bytes)
+fn is_pulled(line: LineFault, carried: &AtomicUsize) -> bool {
+    matches!(line, LineFault::PulledAfter(bytes) if carried.load(Ordering::Relaxed) >= bytes)
 }
 
 /// A line read at twice its baud rate makes two wrong bytes of one.
-fn garbled(bytes: &[u8], line: Line) -> Vec<u8> {
-    if line != Line::WrongSpeed {
+fn garbled(bytes: &[u8], line: LineFault) -> Vec<u8> {
+    if line != LineFault::WrongSpeed {
         return bytes.to_vec();
     }
     let halves = |byte: &u8| [byte & 0x0f | 0x80, byte >> 4 | 0xc0];

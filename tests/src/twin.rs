@@ -1,7 +1,7 @@
 //! The node on the host and the firmware in the emulated chip get the same frames and must send the
 //! same bytes.
 
-use crate::chip::{Chip, PATIENCE, Recorded, SESSION, dimensions, packed};
+use crate::chip::{EmulatedChip, PATIENCE, RecordedBytes, SESSION, dimensions, packed};
 use amp::controller::{Event, Outputs};
 use amp::node::NomadNode;
 use amp::units::Millis;
@@ -18,8 +18,8 @@ const ALIVE_MS: u32 = 250;
 const BEHIND: usize = 256;
 
 /// The node and the chip.
-pub struct Twin {
-    chip: Chip,
+pub struct NodeTwin {
+    chip: EmulatedChip,
     local: Box<NomadNode>,
     seq: u16,
     at_ms: u32,
@@ -33,11 +33,11 @@ pub struct Twin {
     echoes: heapless::Vec<Heard, 16>,
 }
 
-impl Twin {
+impl NodeTwin {
     /// A new chip and a new node.
     #[must_use]
     pub fn new(rings: bool) -> Self {
-        Self::with(Chip::start(), BEHIND, rings)
+        Self::with(EmulatedChip::start(), BEHIND, rings)
     }
 
     /// A chip that has just been started, and a new node. The chip may lag `behind` bytes behind.
@@ -45,7 +45,7 @@ impl Twin {
     /// # Panics
     /// When the chip does not answer.
     #[must_use]
-    pub fn with(chip: Chip, behind: usize, rings: bool) -> Self {
+    pub fn with(chip: EmulatedChip, behind: usize, rings: bool) -> Self {
         let mut twin = Self {
             chip,
             behind,
@@ -64,7 +64,7 @@ impl Twin {
             oscillator: hello.oscillator,
             ring: false,
         };
-        let mut said = Recorded::default();
+        let mut said = RecordedBytes::default();
         firmware::control::start(&mut twin.local, identity, Millis::from_ms(0), &mut said);
         // The chip has answered this hello; a second one makes both number as many frames.
         let message = ToMind::Hello(HostHello {
@@ -108,7 +108,7 @@ impl Twin {
     /// When they differ.
     pub fn learn(&mut self) {
         self.order(Order::Learn);
-        let mut said = Recorded::default();
+        let mut said = RecordedBytes::default();
         while self.local.tick(Millis::from_ms(0), &mut said) {}
         assert_eq!(
             reports(&said.0).last().map(|report| report.said.clone()),
@@ -184,7 +184,7 @@ impl Twin {
             },
             message,
         );
-        let mut said = Recorded::default();
+        let mut said = RecordedBytes::default();
         let (_, coded) = bytes.split_last().expect("a frame");
         self.local.frame(Millis::from_ms(0), coded, &mut said);
         let reports = reports(&said.0);
@@ -241,7 +241,7 @@ impl Twin {
     }
 }
 
-impl Pilot for Twin {
+impl Pilot for NodeTwin {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
         let at_ms = at.as_ms();
         let _ = self.pass(at_ms);

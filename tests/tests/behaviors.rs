@@ -6,8 +6,8 @@ use amp::units::{Displacement, Millis};
 use arena::robot::{COLLISION_RADIUS_M, TurretMode};
 use arena::sonar::SonarModel;
 use arena::world::World;
-use experiments::behaviors::{Trial, each};
-use experiments::scenes::{SCENES, Scene};
+use experiments::behaviors::{BehaviorTrial, each};
+use experiments::scenes::{BehaviorScene, SCENES};
 use serde_json::Value;
 use sim::episode::{Body, Report, run};
 use sim::pilot::Pilot;
@@ -99,7 +99,7 @@ fn the_list_names_every_behavior() {
 
 /// All episodes of a scene.
 fn reports(
-    scene: &Scene,
+    scene: &BehaviorScene,
     shield: bool,
     [worlds, seeds]: [u32; 2],
     explore_moves: u16,
@@ -108,7 +108,7 @@ fn reports(
     if !shield {
         config.shield = None;
     }
-    let trial = Trial {
+    let trial = BehaviorTrial {
         first: 101,
         worlds,
         seeds,
@@ -124,7 +124,7 @@ fn reports(
     reports.expect("every episode runs").concat()
 }
 
-fn scene(behavior: &str, place: &str) -> &'static Scene {
+fn scene(behavior: &str, place: &str) -> &'static BehaviorScene {
     let mut scenes = SCENES.iter();
     let found = scenes.find(|scene| scene.behavior == behavior && scene.place == place);
     found.unwrap_or_else(|| panic!("{behavior} in {place}"))
@@ -171,7 +171,7 @@ fn a_robot_that_knows_nothing_finds_no_nest() {
     config.learning.turned = false;
     config.planning.wander = None;
     config.online = None;
-    let trial = Trial {
+    let trial = BehaviorTrial {
         first: 101,
         worlds: 10,
         seeds: 5,

@@ -8,9 +8,9 @@ use serde_json::Value;
 use std::path::Path;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
-use tests::board::Board;
+use tests::board::EmulatedBoard;
 use tests::chip::image;
-use tests::nomad::{Cut, Line, Robot, Running, stands};
+use tests::nomad::{Proxy, ProxyMode, Running, ServedRobot, stands};
 use tests::{Program, host_sim};
 
 /// Longest braking time of a base: from 0.508 m/s at 0.762 m/s², wheels from 45 °/s at 30 °/s².
@@ -25,7 +25,13 @@ fn figures(stdout: &str) -> Value {
 }
 
 /// Runs to the end without contact, by the robot's bumpers and by the world.
-fn drives_clean(program: &Program, robot: &mut Robot, at: &str, flags: &str, moves: [u64; 2]) {
+fn drives_clean(
+    program: &Program,
+    robot: &mut ServedRobot,
+    at: &str,
+    flags: &str,
+    moves: [u64; 2],
+) {
     let mut driver = bridge(program, at, flags);
     let (code, stdout, stderr) = driver.end(Duration::from_secs(1_800));
     assert_eq!(code, Some(0), "{stderr}");
@@ -57,7 +63,7 @@ fn drives_clean(program: &Program, robot: &mut Robot, at: &str, flags: &str, mov
 #[test]
 fn a_mind_in_this_process_drives_a_robot_at_a_socket() {
     let program = host_sim!();
-    let mut robot = Robot::at_a_port(&program, "--speed 20");
+    let mut robot = ServedRobot::at_a_port(&program, "--speed 20");
     let at = format!("tcp:{}", robot.place);
     drives_clean(
         &program,
@@ -77,7 +83,7 @@ fn a_mind_in_this_process_drives_a_robot_at_a_socket() {
 #[test]
 fn a_mind_in_this_process_drives_a_robot_at_a_serial_port() {
     let program = host_sim!();
-    let mut robot = Robot::at_a_pty(&program, "--speed 20 --world room");
+    let mut robot = ServedRobot::at_a_pty(&program, "--speed 20 --world room");
     let at = format!("serial:{}@38400", robot.place);
     drives_clean(
         &program,
@@ -93,7 +99,7 @@ fn a_mind_in_this_process_drives_a_robot_at_a_serial_port() {
 #[test]
 fn the_firmware_in_an_emulated_chip_drives_a_robot() {
     let program = host_sim!();
-    let mut robot = Robot::at_a_port(&program, "--speed 1");
+    let mut robot = ServedRobot::at_a_port(&program, "--speed 1");
     let at = format!("tcp:{}", robot.place);
     let firmware = image().display();
     let flags = format!("--explore 5 --steps 5 --mind qemu --firmware {firmware}");
@@ -105,7 +111,7 @@ fn the_firmware_in_an_emulated_chip_drives_a_robot() {
 #[ignore = "takes minutes: tests/extra bridge"]
 fn the_firmware_drives_a_thousand_steps() {
     let program = host_sim!();
-    let mut robot = Robot::at_a_port(&program, "--speed 4");
+    let mut robot = ServedRobot::at_a_port(&program, "--speed 4");
     let at = format!("tcp:{}", robot.place);
     let firmware = image().display();
     let flags = format!("--explore 100 --steps 1000 --mind qemu --firmware {firmware}");
@@ -113,14 +119,14 @@ fn the_firmware_drives_a_thousand_steps() {
 }
 
 /// Waits until the robot has moved for a while.
-fn under_way(robot: &mut Robot, driver: &mut Running) {
+fn under_way(robot: &mut ServedRobot, driver: &mut Running) {
     sleep(Duration::from_secs(4));
     let (gone, said) = (robot.program.messages(), driver.messages());
     assert!(gone.is_empty() && said.is_empty(), "{gone:?} {said:?}");
 }
 
 /// Checked by a new client.
-fn assert_stands(robot: &Robot) {
+fn assert_stands(robot: &ServedRobot) {
     let mut host = robot.connect();
     let state = host.ask(&Command::GetState).expect("an answer");
     assert!(stands(state), "{state:?}");
@@ -130,7 +136,7 @@ fn assert_stands(robot: &Robot) {
 #[test]
 fn without_its_bridge_the_base_stops_by_itself() {
     let program = host_sim!();
-    let mut robot = Robot::at_a_port(&program, "--world room");
+    let mut robot = ServedRobot::at_a_port(&program, "--world room");
     let at = format!("tcp:{}", robot.place);
     let mut driver = bridge(&program, &at, "--explore 100");
     under_way(&mut robot, &mut driver);
@@ -147,7 +153,7 @@ fn without_its_bridge_the_base_stops_by_itself() {
 #[test]
 fn an_interrupted_bridge_tells_the_base_to_stand() {
     let program = host_sim!();
-    let mut robot = Robot::at_a_port(&program, "--world room");
+    let mut robot = ServedRobot::at_a_port(&program, "--world room");
     let at = format!("tcp:{}", robot.place);
     let mut driver = bridge(&program, &at, "--explore 100");
     under_way(&mut robot, &mut driver);
@@ -166,7 +172,7 @@ fn an_interrupted_bridge_tells_the_base_to_stand() {
 #[test]
 fn without_its_robot_the_bridge_ends_and_so_does_the_mind() {
     let program = host_sim!();
-    let mut robot = Robot::at_a_port(&program, "--world room");
+    let mut robot = ServedRobot::at_a_port(&program, "--world room");
     let at = format!("tcp:{}", robot.place);
     let mut driver = bridge(&program, &at, "--explore 100");
     under_way(&mut robot, &mut driver);
@@ -186,12 +192,12 @@ fn without_its_robot_the_bridge_ends_and_so_does_the_mind() {
 #[test]
 fn a_robot_that_falls_silent_ends_the_bridge_and_stops_by_itself() {
     let program = host_sim!();
-    let mut robot = Robot::at_a_port(&program, "--world room");
-    let line = Cut::to(&robot.place);
+    let mut robot = ServedRobot::at_a_port(&program, "--world room");
+    let line = Proxy::to(&robot.place);
     let at = format!("tcp:{}", line.place);
     let mut driver = bridge(&program, &at, "--explore 100");
     under_way(&mut robot, &mut driver);
-    line.switch(Line::Mute);
+    line.switch(ProxyMode::Mute);
     let (code, stdout, stderr) = driver.end(Duration::from_secs(7));
     assert_eq!(code, Some(2));
     assert!(
@@ -236,7 +242,7 @@ fn last_way(log: &Path) -> (u32, f64) {
 #[test]
 fn blocked_wheels_stop_the_robot() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "--world room --blocked-after 0.2");
+    let robot = ServedRobot::at_a_port(&program, "--world room --blocked-after 0.2");
     let at = format!("tcp:{}", robot.place);
     let began = Instant::now();
     let mut driver = bridge(&program, &at, "--explore 100 --log blocked.mcap");
@@ -264,7 +270,7 @@ fn blocked_wheels_stop_the_robot() {
 #[test]
 fn blocked_wheels_stop_the_robot_of_a_mind_elsewhere() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "--world room --blocked-after 0.2");
+    let robot = ServedRobot::at_a_port(&program, "--world room --blocked-after 0.2");
     let at = format!("tcp:{}", robot.place);
     let mind = Served::start(Config::recommended()).expect("a mind");
     let to_mind = format!("tcp:{}", mind.host());
@@ -286,13 +292,13 @@ fn blocked_wheels_stop_the_robot_of_a_mind_elsewhere() {
 fn without_its_mind_the_base_is_told_to_stand() {
     let program = host_sim!();
     for (lost, why) in [
-        (Line::Off, "the link broke"),
-        (Line::Mute, "no answer within 2 s"),
+        (ProxyMode::Off, "the link broke"),
+        (ProxyMode::Mute, "no answer within 2 s"),
     ] {
-        let mut robot = Robot::at_a_port(&program, "--world room");
+        let mut robot = ServedRobot::at_a_port(&program, "--world room");
         let at = format!("tcp:{}", robot.place);
         let mind = Served::start(Config::recommended()).expect("a mind");
-        let line = Cut::to(&mind.host());
+        let line = Proxy::to(&mind.host());
         let to_mind = format!("tcp:{}", line.place);
         let mut driver = bridge(&program, &at, &format!("--mind {to_mind}"));
         under_way(&mut robot, &mut driver);
@@ -315,10 +321,10 @@ fn without_its_mind_the_base_is_told_to_stand() {
 #[test]
 fn without_its_chip_the_base_is_told_to_stand() {
     let program = host_sim!();
-    let mut robot = Robot::at_a_port(&program, "--world room");
+    let mut robot = ServedRobot::at_a_port(&program, "--world room");
     let at = format!("tcp:{}", robot.place);
-    let board = Board::start();
-    let line = Cut::to(board.host());
+    let board = EmulatedBoard::start();
+    let line = Proxy::to(board.host());
     let to_mind = format!("tcp:{}", line.place);
     let mut driver = bridge(&program, &at, &format!("--mind {to_mind} --explore 100"));
     under_way(&mut robot, &mut driver);
@@ -359,7 +365,7 @@ fn what_is_not_there_is_named() {
     assert!(refused("--nomad tcp:127.0.0.1:1").contains("tcp:127.0.0.1:1"));
     assert!(refused("--nomad serial:/dev/ttyNowhere7").contains("/dev/ttyNowhere7"));
     assert!(refused("--nomad qemu").contains("no address of a robot"));
-    let robot = Robot::at_a_port(&program, "");
+    let robot = ServedRobot::at_a_port(&program, "");
     let at = format!("tcp:{}", robot.place);
     let lost = refused(&format!("--nomad {at} --mind tcp:127.0.0.1:1"));
     assert!(lost.contains("tcp:127.0.0.1:1 cannot be reached"), "{lost}");

@@ -2,11 +2,11 @@
 
 use amp::config::Config;
 use arena::sonar::SonarModel;
-use tests::campaign::{Verdict, clock, drift, frames, link, shield, silence};
+use tests::campaign::{CampaignVerdict, clock, drift, frames, link, shield, silence};
 
 const QUIETLY: &(dyn Fn(u64) + Sync) = &|_| {};
 
-fn all_is_well(verdict: &Verdict) {
+fn all_is_well(verdict: &CampaignVerdict) {
     println!("{}", verdict.text);
     assert_eq!(verdict.broken, [""; 0]);
 }

@@ -6,8 +6,8 @@ use arena::sonar::SonarModel;
 use arena::world::World;
 use remote::link::{Machine, build_image};
 use sim::episode::Body;
-use tests::chip::{Chip, SESSION};
-use tests::twin::Twin;
+use tests::chip::{EmulatedChip, SESSION};
+use tests::twin::NodeTwin;
 
 use amp::wire::message::{Clock, GoalBy, Order};
 
@@ -22,23 +22,23 @@ const MICROBIT_STACK_BYTES: u32 = 4_608;
 
 /// Result of an episode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Outcome {
+struct EpisodeResult {
     maps_crc: u32,
     memory_crc: u32,
 }
 
-fn start(machine: &Machine) -> Chip {
+fn start(machine: &Machine) -> EmulatedChip {
     let image = build_image(machine).unwrap_or_else(|error| panic!("{error}"));
-    Chip::start_on(machine, &image)
+    EmulatedChip::start_on(machine, &image)
 }
 
 /// Explores, learns, seeks; compares every byte with the node on the host. Also returns the peak of
 /// the stack.
-fn episode(machine: &Machine) -> (Outcome, u32) {
+fn episode(machine: &Machine) -> (EpisodeResult, u32) {
     let world = World::random(ROOM);
     let mut body = Body::new(&world, SonarModel::Ideal, TurretMode::Held, ROOM);
     // Without lag, because small chips have short queues.
-    let mut twin = Twin::with(start(machine), 0, true);
+    let mut twin = NodeTwin::with(start(machine), 0, true);
     twin.order(Order::Explore {
         moves: MOVES,
         seed: ROOM,
@@ -62,7 +62,7 @@ fn episode(machine: &Machine) -> (Outcome, u32) {
         "{}: {bytes} bytes the same; maps {maps_crc:08x}, memory {memory_crc:08x}; peak of the stack {stack_peak_bytes} bytes",
         machine.target
     );
-    let outcome = Outcome {
+    let outcome = EpisodeResult {
         maps_crc,
         memory_crc,
     };

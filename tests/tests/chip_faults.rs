@@ -9,7 +9,7 @@ use amp::wire::message::{
 use rand_core::{Rng as _, SeedableRng as _};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::time::{Duration, Instant};
-use tests::chip::{Chip, SESSION, dimensions, packed};
+use tests::chip::{EmulatedChip, SESSION, dimensions, packed};
 
 fn scan(at_ms: u32, sensors: usize, range_mm: u16) -> ToMind<16> {
     let echoes = (0..sensors).map(|sensor| Heard {
@@ -31,7 +31,7 @@ fn motion(said: &[Report<16>]) -> Option<MotionOrder> {
 }
 
 /// Reports that a motion was executed.
-fn carry_out(chip: &mut Chip, order: &MotionOrder) {
+fn carry_out(chip: &mut EmulatedChip, order: &MotionOrder) {
     chip.ask(&ToMind::Odometry {
         at_ms: chip.at_ms(),
         motion: order.id,
@@ -43,7 +43,7 @@ fn carry_out(chip: &mut Chip, order: &MotionOrder) {
 }
 
 /// A ring and, if a motion follows, the report that it was executed.
-fn round(chip: &mut Chip, range_mm: u16) -> Option<MotionOrder> {
+fn round(chip: &mut EmulatedChip, range_mm: u16) -> Option<MotionOrder> {
     let said = chip.ask(&scan(chip.at_ms(), 16, range_mm));
     let order = motion(&said)?;
     carry_out(chip, &order);
@@ -51,7 +51,7 @@ fn round(chip: &mut Chip, range_mm: u16) -> Option<MotionOrder> {
 }
 
 /// Explores and learns a little, then seeks.
-fn seeking(chip: &mut Chip) {
+fn seeking(chip: &mut EmulatedChip) {
     chip.order(Order::Explore { moves: 10, seed: 3 });
     let mut rounds = 0;
     while round(chip, 700 + 50 * (rounds % 9)).is_some() {
@@ -68,7 +68,7 @@ fn seeking(chip: &mut Chip) {
 }
 
 /// Waits for a stop; returns its time by the chip's clock, and the last motion before it.
-fn stopped(chip: &mut Chip, why: StopReason) -> (u32, Option<MotionOrder>) {
+fn stopped(chip: &mut EmulatedChip, why: StopReason) -> (u32, Option<MotionOrder>) {
     let mut last = None;
     chip.wait(|_, report| {
         if let FromMind::Motion(order) = report.said {
@@ -81,7 +81,7 @@ fn stopped(chip: &mut Chip, why: StopReason) -> (u32, Option<MotionOrder>) {
 
 #[test]
 fn a_silent_host_stops_the_motion_in_time() {
-    let mut chip = Chip::linked(Clock::Device);
+    let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
     let said = chip.ask(&scan(chip.at_ms(), 16, 900));
     let order = motion(&said).expect("a motion");
@@ -101,7 +101,7 @@ fn a_silent_host_stops_the_motion_in_time() {
 
 #[test]
 fn a_host_that_starts_anew_finds_the_robot_standing() {
-    let mut chip = Chip::linked(Clock::Device);
+    let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
     assert!(motion(&chip.ask(&scan(chip.at_ms(), 16, 900))).is_some());
     // The host vanishes and another one opens a session before the timeout.
@@ -129,14 +129,14 @@ fn a_host_that_starts_anew_finds_the_robot_standing() {
 
 #[test]
 fn a_ring_that_stays_incomplete_stops_a_robot_that_stands() {
-    let mut chip = Chip::linked(Clock::Device);
+    let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
     stops_without_five_transducers(&mut chip);
 }
 
 #[test]
 fn transducers_that_fall_silent_stop_a_robot_that_moves() {
-    let mut chip = Chip::linked(Clock::Device);
+    let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
     let order = motion(&chip.ask(&scan(chip.at_ms(), 16, 900))).expect("a motion");
     // Long enough not to be overdue before.
@@ -146,7 +146,7 @@ fn transducers_that_fall_silent_stop_a_robot_that_moves() {
 }
 
 /// Five transducers are silent; the host is fine.
-fn stops_without_five_transducers(chip: &mut Chip) {
+fn stops_without_five_transducers(chip: &mut EmulatedChip) {
     let began_ms = chip.ask(&ToMind::Counters).last().expect("done").device_ms;
     let until = Instant::now() + Duration::from_secs(5);
     let stopped_ms = loop {
@@ -170,7 +170,7 @@ fn stops_without_five_transducers(chip: &mut Chip) {
 /// A command with a time one minute ahead once made every later one expire.
 #[test]
 fn no_stop_is_refused_after_a_command_from_the_future() {
-    let mut chip = Chip::linked(Clock::Device);
+    let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
     let at_ms = chip.at_ms() + 60_000;
     chip.ask(&ToMind::Command {
@@ -211,7 +211,7 @@ fn no_stop_is_refused_after_a_command_from_the_future() {
 
 #[test]
 fn rings_from_long_ago_move_nothing() {
-    let mut chip = Chip::linked(Clock::Device);
+    let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
     for (old_ms, age_ms) in [(0, 5_000), (0, 65_535), (60_000, 0)] {
         let echoes = (0..16).map(|sensor| Heard {
@@ -232,7 +232,7 @@ fn rings_from_long_ago_move_nothing() {
 /// The base reports that it moves, and does not; then the ring becomes silent.
 #[test]
 fn blocked_wheels_and_silence_stop_the_robot() {
-    let mut chip = Chip::linked(Clock::Device);
+    let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
     let said = chip.ask(&scan(chip.at_ms(), 16, 900));
     let order = motion(&said).expect("a motion");
@@ -282,7 +282,7 @@ fn blocked_wheels_and_silence_stop_the_robot() {
 
 /// Kinds of damage, and the counter that each increases.
 #[derive(Default)]
-struct Expected {
+struct FloodCounters {
     damaged: u32,
     unshaped: u32,
     oversized: u32,
@@ -291,7 +291,7 @@ struct Expected {
 
 #[test]
 fn ten_thousand_bad_frames_are_counted_and_do_nothing() {
-    let mut chip = Chip::linked(Clock::Device);
+    let mut chip = EmulatedChip::linked(Clock::Device);
     let mut generator = Xoshiro256PlusPlus::seed_from_u64(5);
     let mut below = |bound: usize| (generator.next_u64() % bound as u64) as usize;
     let good = chip.packed(&ToMind::Read {
@@ -300,7 +300,7 @@ fn ten_thousand_bad_frames_are_counted_and_do_nothing() {
     });
     chip.raw(&good);
     chip.wait(|_, report| matches!(report.said, FromMind::Done { .. }).then_some(()));
-    let dangerous = |chip: &mut Chip| {
+    let dangerous = |chip: &mut EmulatedChip| {
         let order = Order::Explore { moves: 5, seed: 1 };
         let at_ms = chip.at_ms();
         chip.packed(&ToMind::Command {
@@ -310,7 +310,7 @@ fn ten_thousand_bad_frames_are_counted_and_do_nothing() {
         })
     };
     let before = chip.counters();
-    let mut expected = Expected::default();
+    let mut expected = FloodCounters::default();
     for number in 0..10_000 {
         let bytes = match number % 5 {
             // Bits flipped in a frame with a command to move. The delimiter stays, and no new one
@@ -389,7 +389,7 @@ fn ten_thousand_bad_frames_are_counted_and_do_nothing() {
 }
 
 /// The decoder's result for these bytes; other tests check the decoder itself.
-fn classify(bytes: &[u8], expected: &mut Expected) {
+fn classify(bytes: &[u8], expected: &mut FloodCounters) {
     let (_, coded) = bytes.split_last().expect("a frame");
     match amp::wire::frame::unpack::<ToMind<16>>(coded) {
         Ok(_) => panic!("a damaged frame was accepted: {coded:?}"),
@@ -400,7 +400,7 @@ fn classify(bytes: &[u8], expected: &mut Expected) {
 
 #[test]
 fn a_flood_does_not_keep_time_from_passing() {
-    let mut chip = Chip::linked(Clock::Device);
+    let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
     let before = chip.counters();
     let began = Instant::now();
@@ -435,7 +435,7 @@ fn a_flood_does_not_keep_time_from_passing() {
 
 #[test]
 fn another_protocol_is_refused_by_the_chip() {
-    let mut chip = Chip::start();
+    let mut chip = EmulatedChip::start();
     let mut theirs = dimensions();
     theirs.protocol += 1;
     chip.send(&ToMind::Hello(HostHello {
@@ -459,7 +459,7 @@ fn another_protocol_is_refused_by_the_chip() {
 
 #[test]
 fn crashes_are_reported_after_the_reset_and_nothing_moves() {
-    let mut chip = Chip::linked(Clock::Device);
+    let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
     assert!(motion(&chip.ask(&scan(chip.at_ms(), 16, 900))).is_some());
     for (word, cause) in [

@@ -9,7 +9,7 @@ use amp::wire::message::{
     Refusal, Report, ResetCause, ToMind,
 };
 use std::time::{Duration, Instant};
-use tests::chip::{Chip, PATIENCE, SESSION};
+use tests::chip::{EmulatedChip, PATIENCE, SESSION};
 
 fn said<T>(reports: &[Report<16>], pick: impl Fn(&FromMind<16>) -> Option<T>) -> Option<T> {
     reports.iter().find_map(|report| pick(&report.said))
@@ -24,7 +24,7 @@ fn refusal(reports: &[Report<16>]) -> Option<Refusal> {
 
 /// Sends a ring that differs by `number` and executes the motion that follows; by the host's clock,
 /// so that equal rounds send equal bytes.
-fn round(chip: &mut Chip, number: u32) -> Option<Decision<16>> {
+fn round(chip: &mut EmulatedChip, number: u32) -> Option<Decision<16>> {
     let at_ms = 1_000 + 200 * number;
     let echoes = (0..16_u8).map(|sensor| Heard {
         sensor,
@@ -56,7 +56,7 @@ fn round(chip: &mut Chip, number: u32) -> Option<Decision<16>> {
 }
 
 /// Seeks for some rounds in a new session, from the present state.
-fn seek(chip: &mut Chip, session: u16, goal: GoalBy<16>) -> Vec<Decision<16>> {
+fn seek(chip: &mut EmulatedChip, session: u16, goal: GoalBy<16>) -> Vec<Decision<16>> {
     chip.open(session, Clock::Host);
     for order in [Order::Goal(goal), Order::Seek] {
         let reports = chip.ask(&ToMind::Command {
@@ -74,7 +74,7 @@ fn sums(hello: &MindHello) -> [u32; 3] {
 }
 
 /// Crashes the chip; returns the hello of its next start.
-fn reset(chip: &mut Chip) -> MindHello {
+fn reset(chip: &mut EmulatedChip) -> MindHello {
     chip.raw(b"\0!panic\0");
     let hello = chip.wait(|header, report| match report.said {
         FromMind::Hello(hello) if header.session == 0 => Some(hello),
@@ -84,7 +84,7 @@ fn reset(chip: &mut Chip) -> MindHello {
     hello
 }
 
-fn flash(chip: &mut Chip, what: Flash) -> Vec<Report<16>> {
+fn flash(chip: &mut EmulatedChip, what: Flash) -> Vec<Report<16>> {
     let reports = chip.ask(&ToMind::Flash(what));
     println!(
         "{what:?}: {:?}",
@@ -98,7 +98,7 @@ fn flash(chip: &mut Chip, what: Flash) -> Vec<Report<16>> {
 
 #[test]
 fn what_was_learned_is_known_after_a_reset_and_sought_with_at_once() {
-    let mut chip = Chip::linked(Clock::Device);
+    let mut chip = EmulatedChip::linked(Clock::Device);
     let fresh = chip.open(SESSION + 1, Clock::Device);
     assert_eq!(
         refusal(&flash(&mut chip, Flash::Recall)),
@@ -155,7 +155,7 @@ fn what_was_learned_is_known_after_a_reset_and_sought_with_at_once() {
     assert_eq!(sums(&reset(&mut chip)), sums(&fresh));
 }
 
-fn learn(chip: &mut Chip) {
+fn learn(chip: &mut EmulatedChip) {
     chip.open(SESSION + 20, Clock::Host);
     let order = Order::Explore { moves: 20, seed: 3 };
     let command = |at_ms, order| ToMind::Command {

@@ -11,8 +11,8 @@ use std::process::Stdio;
 use std::sync::mpsc::{Receiver, channel};
 use std::thread::{sleep, spawn};
 use std::time::Duration;
-use tests::board::Board;
-use tests::chip::{Chip, PATIENCE, SESSION};
+use tests::board::EmulatedBoard;
+use tests::chip::{EmulatedChip, PATIENCE, SESSION};
 use tests::{Program, host_sim};
 
 /// State of a robot with the preset `touzet` after thirty moves: neither its configuration nor its
@@ -21,18 +21,18 @@ const EPISODE: &str = "run --preset touzet --world random:4 --explore 30 --steps
 
 const GOAL: &str = "[[sonar]]\nnumbers = [4]\nat_least = 0.6\nat_most = 0.8\n";
 
-fn link(program: &Program, board: &Board, verb: &str) -> String {
+fn link(program: &Program, board: &EmulatedBoard, verb: &str) -> String {
     program.ok(&format!("link --to tcp:{} {verb}", board.host()))
 }
 
 #[test]
 fn what_one_chip_has_learned_another_one_knows() {
     let program = host_sim!();
-    let taught = Board::start();
+    let taught = EmulatedBoard::start();
     let _ = program.ok(&format!("{EPISODE} tcp:{}", taught.host()));
     link(&program, &taught, "pull first.mind");
     drop(taught);
-    let fresh = Board::start();
+    let fresh = EmulatedBoard::start();
     link(&program, &fresh, "pull fresh.mind");
     link(&program, &fresh, "push first.mind");
     link(&program, &fresh, "pull second.mind");
@@ -45,10 +45,14 @@ fn what_one_chip_has_learned_another_one_knows() {
 }
 
 /// Part of the test above, because it needs a trained chip.
-fn a_goal_file_is_what_the_chip_pursues(program: &Program, board: &Board, mind: &Knowledge) {
+fn a_goal_file_is_what_the_chip_pursues(
+    program: &Program,
+    board: &EmulatedBoard,
+    mind: &Knowledge,
+) {
     program.put("wall.toml", GOAL);
     assert_eq!(link(program, board, "goal wall.toml"), "done\n");
-    let mut chip = Chip::at(board.host());
+    let mut chip = EmulatedChip::at(board.host());
     chip.open(SESSION, Clock::Host);
     chip.order(Order::Seek);
     let theirs = decision(&chip.ask(&ToMind::Scan {
@@ -104,7 +108,7 @@ fn decided_here(mind: &Knowledge, goal: Goal<16>) -> Decision<16> {
 #[test]
 fn monitor_finds_a_chip_again_that_was_switched_off() {
     let program = host_sim!();
-    let mut board = Board::start();
+    let mut board = EmulatedBoard::start();
     let address = format!("tcp:{}", board.host());
     let mut monitor = program.command(&["link", "--to", &address, "monitor"]);
     let mut monitor = monitor
@@ -113,8 +117,8 @@ fn monitor_finds_a_chip_again_that_was_switched_off() {
         .spawn()
         .expect("host-sim starts");
     let said = lines(monitor.stderr.take().expect("its messages"));
-    let accepted = |board: &Board| {
-        let mut chip = Chip::at(board.host());
+    let accepted = |board: &EmulatedBoard| {
+        let mut chip = EmulatedChip::at(board.host());
         chip.open(SESSION, Clock::Device);
         chip.counters().accepted
     };

@@ -9,7 +9,7 @@ use arena::robot::TurretMode;
 use arena::sonar::SonarModel;
 use arena::world::World;
 use sim::episode::Body;
-use tests::twin::Twin;
+use tests::twin::NodeTwin;
 
 /// The goal in each room: free space, both goals in the frame of travel, a sought place.
 fn goal(room: u64) -> GoalBy<16> {
@@ -28,7 +28,7 @@ fn goal(room: u64) -> GoalBy<16> {
 fn episode(room: u64, sonar: SonarModel, steps: usize) {
     let world = World::random(room);
     let mut body = Body::new(&world, sonar, TurretMode::Held, room);
-    let mut twin = Twin::new(sonar == SonarModel::Ideal);
+    let mut twin = NodeTwin::new(sonar == SonarModel::Ideal);
     twin.order(Order::Explore {
         moves: 100,
         seed: room,

@@ -66,7 +66,7 @@ fn good(program: &Program) -> [Good; 3] {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Damage {
+enum LogDamage {
     Flipped,
     Truncated,
     Duplicated,
@@ -77,17 +77,17 @@ fn below(random: &mut Xoshiro256PlusPlus, bound: usize) -> usize {
 }
 
 /// The log with a damage that depends on the number alone.
-fn damaged(good: &[Good; 3], number: u64) -> (&Good, Damage, Vec<u8>) {
+fn damaged(good: &[Good; 3], number: u64) -> (&Good, LogDamage, Vec<u8>) {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(number);
     let good = &good[below(&mut random, 3)];
     let mut bytes = good.bytes.clone();
     let damage = match below(&mut random, 10) {
-        0..6 => Damage::Flipped,
-        6..8 => Damage::Truncated,
-        _ => Damage::Duplicated,
+        0..6 => LogDamage::Flipped,
+        6..8 => LogDamage::Truncated,
+        _ => LogDamage::Duplicated,
     };
     match damage {
-        Damage::Flipped => {
+        LogDamage::Flipped => {
             let flips: BTreeSet<_> = (0..1 + below(&mut random, 3))
                 .map(|_| below(&mut random, 8 * good.bytes.len()))
                 .collect();
@@ -95,8 +95,8 @@ fn damaged(good: &[Good; 3], number: u64) -> (&Good, Damage, Vec<u8>) {
                 bytes[bit / 8] ^= 1 << (bit % 8);
             }
         }
-        Damage::Truncated => bytes.truncate(below(&mut random, good.bytes.len())),
-        Damage::Duplicated => {
+        LogDamage::Truncated => bytes.truncate(below(&mut random, good.bytes.len())),
+        LogDamage::Duplicated => {
             let start = below(&mut random, bytes.len());
             let length = 1 + below(&mut random, (bytes.len() - start).min(40_000));
             let piece = bytes[start..start + length].to_vec();
@@ -107,25 +107,25 @@ fn damaged(good: &[Good; 3], number: u64) -> (&Good, Damage, Vec<u8>) {
 }
 
 /// Whether a damaged log must be refused; `None` if both are correct.
-fn must_be_refused(good: &Good, damage: Damage) -> Option<bool> {
+fn must_be_refused(good: &Good, damage: LogDamage) -> Option<bool> {
     match (damage, good.ending) {
         // In a finished log every bit counts.
-        (Damage::Flipped | Damage::Duplicated, Ending::Complete) => Some(true),
+        (LogDamage::Flipped | LogDamage::Duplicated, Ending::Complete) => Some(true),
         // In an unfinished log, bits after the last whole chunk do not count.
-        (Damage::Flipped | Damage::Duplicated, Ending::Interrupted) => None,
-        (Damage::Truncated, _) => Some(false),
+        (LogDamage::Flipped | LogDamage::Duplicated, Ending::Interrupted) => None,
+        (LogDamage::Truncated, _) => Some(false),
     }
 }
 
 /// Checks the sentence about what cannot be played: damage with its place, or no whole part.
-fn check_sentence(sentence: &str, damage: Damage, length: usize) {
+fn check_sentence(sentence: &str, damage: LogDamage, length: usize) {
     assert_eq!(sentence.lines().count(), 1, "{sentence}");
     let (_, what) = sentence.split_once("damaged.mcap: ").expect(sentence);
     let place = what.strip_prefix("is damaged at byte ");
     let place = place.and_then(|rest| rest.split_once(": "));
     match place {
         Some((at, _)) => {
-            assert_ne!(damage, Damage::Truncated, "{sentence}");
+            assert_ne!(damage, LogDamage::Truncated, "{sentence}");
             assert!(at.parse::<usize>().expect(sentence) <= length, "{sentence}");
         }
         None => {

@@ -8,7 +8,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use remote::link::Knowledge;
 use sim::pilot::Mind;
 use std::fs;
-use tests::campaign::mutate::Damage;
+use tests::campaign::mutate::FrameDamage;
 use tests::hostile::{self, READERS};
 use tests::root;
 
@@ -127,7 +127,7 @@ fn damaged_inputs_are_refused_or_make_sense() {
             let other = &inputs[(number / 7) % inputs.len()];
             for _ in 0..1 + number % 3 {
                 if input.len() > 1 {
-                    let damage = Damage::ALL[number / 3 % (Damage::ALL.len() - 1)];
+                    let damage = FrameDamage::ALL[number / 3 % (FrameDamage::ALL.len() - 1)];
                     damage.inflict(&mut input, other, &mut random);
                 }
             }
@@ -153,13 +153,13 @@ fn damaged_maps_are_refused_or_make_sense() {
     hostile::map(&pgm, folder.path());
     hostile::map(&png, folder.path());
     for number in 0..DAMAGED {
-        let mut input = if (number / Damage::ALL.len()).is_multiple_of(4) {
+        let mut input = if (number / FrameDamage::ALL.len()).is_multiple_of(4) {
             &png
         } else {
             &pgm
         }
         .clone();
-        let damage = Damage::ALL[number % (Damage::ALL.len() - 1)];
+        let damage = FrameDamage::ALL[number % (FrameDamage::ALL.len() - 1)];
         // In the image's header and the YAML file, where damage matters.
         let mut head: Vec<_> = input.drain(..yaml.len() + 13).collect();
         damage.inflict(&mut head, yaml.as_bytes(), &mut random);

@@ -73,7 +73,7 @@ const STILL_LONG: [(&str, usize); 15] = [
 const STALE_SHARE: f64 = 0.2;
 
 /// One source file.
-struct Source {
+struct SourceFile {
     path: String,
     purpose: String,
     lines: usize,
@@ -157,7 +157,7 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-fn source(path: &Path) -> Source {
+fn source(path: &Path) -> SourceFile {
     let text = text(path);
     let is_head = |line: &&str| line.starts_with("//!");
     let head: Vec<&str> = text
@@ -173,7 +173,7 @@ fn source(path: &Path) -> Source {
     let paragraph = first.join(" ");
     let end = paragraph.find(". ").map_or(paragraph.len(), |at| at + 1);
     let production = text.find("\n#[cfg(test)]\nmod ").unwrap_or(text.len());
-    Source {
+    SourceFile {
         path: path
             .strip_prefix(root())
             .expect("inside the project")
@@ -189,7 +189,7 @@ fn source(path: &Path) -> Source {
     }
 }
 
-fn all() -> Vec<Source> {
+fn all() -> Vec<SourceFile> {
     let mut found = Vec::new();
     for folder in ["shared", "firmware", "host-sim"] {
         sources(&root().join(folder), &mut found);
@@ -225,8 +225,8 @@ fn every_file_says_what_it_is_for() {
 }
 
 /// The table of files, a section per package.
-fn table(files: &[Source]) -> String {
-    let mut packages: BTreeMap<&str, Vec<&Source>> = BTreeMap::new();
+fn table(files: &[SourceFile]) -> String {
+    let mut packages: BTreeMap<&str, Vec<&SourceFile>> = BTreeMap::new();
     for file in files {
         let package = file.path.split("/src").next().unwrap_or("");
         packages.entry(package).or_default().push(file);

@@ -16,14 +16,14 @@ use sim::scenes::Behavior;
 
 /// A controller and, from some moment on, a copy: it gets the same events, and its motions are
 /// ignored.
-struct Robot {
+struct TwinController {
     config: Config<16>,
     mind: Box<SimState>,
     twin: Option<Box<SimState>>,
     twins_decision: Option<Decision<16>>,
 }
 
-impl Pilot for Robot {
+impl Pilot for TwinController {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
         if let Some(twin) = &mut self.twin {
             let outputs = controller::handle(&self.config, twin, at, event);
@@ -33,7 +33,7 @@ impl Pilot for Robot {
     }
 }
 
-impl Robot {
+impl TwinController {
     fn told(&mut self, at: Millis, command: Command<16>) -> Outputs<16> {
         let outputs = controller::handle(&self.config, &mut self.mind, at, Event::Command(command));
         assert_eq!(outputs.refusal, None);
@@ -51,9 +51,9 @@ fn touch_ahead(config: &Config<16>) -> Goal<16> {
 }
 
 /// Explores, learns and avoids for `steps` steps in the world.
-fn educated<'w>(world: &'w World, steps: usize) -> (Robot, Body<'w>) {
+fn educated<'w>(world: &'w World, steps: usize) -> (TwinController, Body<'w>) {
     let seeds = Seeds::of(1);
-    let mut robot = Robot {
+    let mut robot = TwinController {
         config: Config::recommended(),
         mind: Box::new(SimState::new(Grid::rectangle(4, 4))),
         twin: None,

@@ -12,7 +12,7 @@ use std::net::TcpStream;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 use tests::host_sim;
-use tests::nomad::{Robot, stands};
+use tests::nomad::{ServedRobot, stands};
 
 fn ms(ms: u64) -> Duration {
     Duration::from_millis(ms)
@@ -68,13 +68,13 @@ fn session(host: &mut Host) {
 #[test]
 fn a_program_finds_its_robot_at_a_socket() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "--speed 20");
+    let robot = ServedRobot::at_a_port(&program, "--speed 20");
     let mut host = robot.connect();
     assert_eq!(*host.mask(), Mask::ALL);
     session(&mut host);
     // Space for at least a meter ahead of its front at the start.
     drop(host);
-    let robot = Robot::at_a_port(&program, "--sonar ideal --speed 20");
+    let robot = ServedRobot::at_a_port(&program, "--sonar ideal --speed 20");
     let mut host = robot.connect();
     sleep(ms(40));
     assert!(ask(&mut host, &Command::GetState).sonar[0] >= 40);
@@ -83,7 +83,7 @@ fn a_program_finds_its_robot_at_a_socket() {
 #[test]
 fn a_program_finds_its_robot_at_a_serial_port_of_any_speed() {
     let program = host_sim!();
-    let robot = Robot::at_a_pty(&program, "--speed 20");
+    let robot = ServedRobot::at_a_pty(&program, "--speed 20");
     for baud in [4_800, 38_400] {
         session(&mut robot.open(baud));
     }
@@ -92,7 +92,7 @@ fn a_program_finds_its_robot_at_a_serial_port_of_any_speed() {
 #[test]
 fn masks_hold_until_the_next_one_and_for_the_next_program() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "");
+    let robot = ServedRobot::at_a_port(&program, "");
     let mut host = robot.connect();
     let few = Mask {
         sonar: 0x8003,
@@ -114,7 +114,7 @@ fn masks_hold_until_the_next_one_and_for_the_next_program() {
 fn a_program_that_falls_silent_leaves_a_robot_that_stops() {
     let program = host_sim!();
     // At this speed, the robot's timeout of one second is 50 ms.
-    let robot = Robot::at_a_port(&program, "--speed 20 --world room");
+    let robot = ServedRobot::at_a_port(&program, "--speed 20 --world room");
     let mut host = robot.connect();
     ask(&mut host, &Command::ConfigureTimeout(1));
     ask(&mut host, &Command::Velocity([20, 0, 100]));
@@ -143,7 +143,7 @@ fn a_program_that_falls_silent_leaves_a_robot_that_stops() {
 #[test]
 fn a_program_that_is_killed_leaves_a_base_that_stops_when_its_time_is_out() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "--sonar ideal");
+    let robot = ServedRobot::at_a_port(&program, "--sonar ideal");
     let mut host = robot.connect();
     ask(&mut host, &Command::ConfigureTimeout(1));
     ask(&mut host, &Command::Velocity([100, 0, 0]));
@@ -162,7 +162,7 @@ fn a_program_that_is_killed_leaves_a_base_that_stops_when_its_time_is_out() {
 #[test]
 fn another_order_is_fired_at_once() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "--speed 20");
+    let robot = ServedRobot::at_a_port(&program, "--speed 20");
     let mut host = robot.connect();
     let mut order = [255; 16];
     order[..3].copy_from_slice(&[0, 1, 15]);
@@ -190,7 +190,7 @@ fn another_order_is_fired_at_once() {
 #[test]
 fn who_is_gone_makes_room_for_the_next_one() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "");
+    let robot = ServedRobot::at_a_port(&program, "");
     // In the middle of a packet.
     let mut first = TcpStream::connect(&robot.place).expect("a robot");
     first.write_all(&[1, 8, 0, 5, 100]).expect("half a packet");
@@ -215,7 +215,7 @@ fn who_is_gone_makes_room_for_the_next_one() {
 #[test]
 fn a_robot_answers_again_within_a_second_after_any_garbage() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "");
+    let robot = ServedRobot::at_a_port(&program, "");
     let garbage: [&[u8]; 4] = [
         &[0xff; 3_000],
         &[1, 200, 0, 5, 1, 2, 3],
@@ -248,7 +248,7 @@ fn a_robot_answers_again_within_a_second_after_any_garbage() {
 #[test]
 fn a_packet_may_come_byte_by_byte() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "");
+    let robot = ServedRobot::at_a_port(&program, "");
     let mut line = Tcp::open(&robot.place).expect("a robot");
     use remote::link::Transport as _;
     let mut host = Host::greeted(Tcp::open(&robot.place).expect("a queue"));
@@ -272,7 +272,7 @@ fn a_packet_may_come_byte_by_byte() {
 fn its_time_runs_as_fast_as_it_is_told() {
     let program = host_sim!();
     for speed in [1_u32, 20] {
-        let robot = Robot::at_a_port(&program, &format!("--speed {speed}"));
+        let robot = ServedRobot::at_a_port(&program, &format!("--speed {speed}"));
         let mut host = robot.connect();
         let asked = Instant::now();
         let before = ask(&mut host, &Command::GetState).time_ms;
@@ -294,7 +294,7 @@ fn its_time_runs_as_fast_as_it_is_told() {
 #[test]
 fn a_program_of_the_simulators_server_finds_the_same_robot() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "--protocol nserver --speed 20");
+    let robot = ServedRobot::at_a_port(&program, "--protocol nserver --speed 20");
     let mut line = TcpStream::connect(&robot.place).expect("a server");
     line.set_read_timeout(Some(PATIENCE)).expect("a time-out");
     let mut ask = |kind: u16, numbers: &[i32]| {

@@ -12,7 +12,7 @@ use std::io::{ErrorKind, Read as _, Write as _};
 use std::net::{TcpListener, TcpStream};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
-use tests::nomad::{PATIENCE, Robot, Running};
+use tests::nomad::{PATIENCE, Running, ServedRobot};
 use tests::viewed::{Viewed, Viewer};
 use tests::{host_sim, words};
 
@@ -139,7 +139,7 @@ fn stops_in_time(watcher: &mut Viewer, left: Instant) {
 #[test]
 fn a_robot_whose_steering_page_is_gone_stops() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "--speed 5 --world room");
+    let robot = ServedRobot::at_a_port(&program, "--speed 5 --world room");
     let flags = format!("--nomad tcp:{} --explore 1000", robot.place);
     let viewed = Viewed::start(&program, &flags);
     // Page closed.
@@ -200,7 +200,7 @@ fn a_board_whose_steering_page_is_gone_stops() {
 #[test]
 fn a_robot_may_be_left_alone_on_request() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "--speed 5 --world room");
+    let robot = ServedRobot::at_a_port(&program, "--speed 5 --world room");
     let flags = format!(
         "--nomad tcp:{} --explore 1000 --steering-timeout off",
         robot.place
@@ -237,7 +237,7 @@ fn timer(server: u16, client: u16) -> Option<(String, u64)> {
 #[test]
 fn a_program_that_vanishes_is_probed_for() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "");
+    let robot = ServedRobot::at_a_port(&program, "");
     let mut idle = TcpStream::connect(&robot.place).expect("a robot");
     idle.read_exact(&mut [0; 11]).expect("a greeting");
     let port = |address: std::io::Result<std::net::SocketAddr>| address.expect("a port").port();
@@ -319,7 +319,7 @@ fn stray_frames() -> Vec<u8> {
 #[test]
 fn a_peer_that_sends_sound_messages_without_end_is_given_up() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "--speed 5");
+    let robot = ServedRobot::at_a_port(&program, "--speed 5");
     let place = flood(&[], &stray_frames());
     for line in [
         format!("link --to tcp:{place} hello"),
@@ -345,7 +345,7 @@ fn a_peer_that_sends_sound_messages_without_end_is_given_up() {
 #[test]
 fn a_peer_that_sends_garbage_without_end_is_given_up() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "--speed 5");
+    let robot = ServedRobot::at_a_port(&program, "--speed 5");
     for bytes in [&[0x55; 997][..], &[0; 1_000], b"\x01\x02\x00\x07\x0a\x5c"] {
         let place = flood(&[], bytes);
         for line in [
@@ -390,7 +390,7 @@ fn longest_chunk_s(path: &std::path::Path) -> f64 {
 #[test]
 fn a_drive_that_is_killed_is_logged_but_for_two_seconds() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "--world room");
+    let robot = ServedRobot::at_a_port(&program, "--world room");
     let at = format!("tcp:{}", robot.place);
     let line = format!("bridge --nomad {at} --explore 100 --log drive.mcap");
     let mut bridge = Running::start(&program, &line);
@@ -411,7 +411,7 @@ fn a_drive_that_is_killed_is_logged_but_for_two_seconds() {
 
     // The same for the page.
     drop(robot);
-    let robot = Robot::at_a_port(&program, "--world room");
+    let robot = ServedRobot::at_a_port(&program, "--world room");
     let flags = format!("--nomad tcp:{} --log page.mcap", robot.place);
     let viewed = Viewed::start(&program, &flags);
     let (mut steerer, _) = exploring(&viewed);

@@ -312,7 +312,7 @@ fn pictures_are_drawn_of_a_sweeps_results() {
 }
 
 #[derive(Deserialize)]
-struct Job {
+struct IndexedJob {
     spec: JobSpec,
 }
 
@@ -352,7 +352,7 @@ struct Variable {
 #[test]
 fn the_manifests_shards_are_its_completions() {
     let text = fs::read_to_string(root().join("docs/sweep/job.yaml")).expect("the manifest");
-    let job: Job = serde_saphyr::from_str(&text).expect("a Job");
+    let job: IndexedJob = serde_saphyr::from_str(&text).expect("a Job");
     assert_eq!(job.spec.completion_mode, "Indexed");
     assert_eq!(job.spec.template.spec.restart_policy, "OnFailure");
     let container = &job.spec.template.spec.containers[0];

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use std::fs;
 use std::time::{Duration, Instant};
 use tests::browser::Browser;
-use tests::nomad::Robot;
+use tests::nomad::ServedRobot;
 use tests::viewed::{Viewed, is_idle};
 use tests::{host_sim, root};
 
@@ -268,7 +268,7 @@ fn recording_pictures(page: &mut Browser) {
 #[test]
 fn a_nomad_explores_learns_and_seeks_and_stops() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "--speed 20 --world room");
+    let robot = ServedRobot::at_a_port(&program, "--speed 20 --world room");
     let flags = format!("--nomad tcp:{} --explore 10 --log nomad.mcap", robot.place);
     let viewed = Viewed::start(&program, &flags);
     let mut steerer = viewed.steerer();

@@ -22,12 +22,12 @@ pub struct Variant {
     /// What differs from the preset, in words or in the form of `--set`.
     pub name: String,
     /// What drives the robot.
-    pub driver: Driver,
+    pub driver: VariantDriver,
 }
 
 /// What drives the robot.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Driver {
+pub enum VariantDriver {
     /// The controller with this configuration.
     Mind(Box<Config<16>>, TurretMode),
     /// The hand-written reference.
@@ -36,7 +36,7 @@ pub enum Driver {
 
 /// Rooms, steps and sonars of a measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Trial {
+pub struct AblationTrial {
     /// Seed of the first room.
     pub first: u64,
     /// Number of rooms.
@@ -53,7 +53,7 @@ pub struct Trial {
 
 /// Means over the rooms.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Figures {
+pub struct AblationFigures {
     /// Rooms without contact while seeking.
     pub clean: u32,
     /// Rooms without contact while exploring.
@@ -156,7 +156,7 @@ pub fn variants() -> Result<Vec<Variant>, BadInput> {
     let mut rows = vec![
         Variant {
             name: "Braitenberg (reference)".to_owned(),
-            driver: Driver::Braitenberg,
+            driver: VariantDriver::Braitenberg,
         },
         mind_of("default, shield on", default(), held),
         mind_of("default", bare(default()), held),
@@ -209,7 +209,7 @@ fn frozen(mut config: Config<16>) -> Config<16> {
 fn mind_of(name: &str, config: Config<16>, turret: TurretMode) -> Variant {
     Variant {
         name: name.to_owned(),
-        driver: Driver::Mind(Box::new(config), turret),
+        driver: VariantDriver::Mind(Box::new(config), turret),
     }
 }
 
@@ -222,40 +222,46 @@ fn changed(mut config: Config<16>, change: &str, name: &str) -> Result<Variant, 
 ///
 /// # Errors
 /// When an episode fails.
-pub fn measure(variant: &Variant, trial: &Trial) -> Result<Figures, Failure> {
+pub fn measure(variant: &Variant, trial: &AblationTrial) -> Result<AblationFigures, Failure> {
     let rooms: Result<Vec<_>, _> = (0..u64::from(trial.rooms))
         .into_par_iter()
         .map(|room| {
             let world = World::random(trial.first.wrapping_add(room));
             let seed = trial.seed.wrapping_add(room);
-            one(variant, &Trial { seed, ..*trial }, &world)
+            one(variant, &AblationTrial { seed, ..*trial }, &world)
         })
         .collect();
     let count = f64::from(trial.rooms.max(1));
-    Ok(rooms?.iter().fold(Figures::default(), |sum, room| Figures {
-        clean: sum.clean + room.clean,
-        clean_exploring: sum.clean_exploring + room.clean_exploring,
-        contacts: sum.contacts + room.contacts / count,
-        distance_m: sum.distance_m + room.distance_m / count,
-        coverage_m2: sum.coverage_m2 + room.coverage_m2 / count,
-        goal_share: sum.goal_share + room.goal_share / count,
-        shield_stops: sum.shield_stops + room.shield_stops / count,
-    }))
+    Ok(rooms?
+        .iter()
+        .fold(AblationFigures::default(), |sum, room| AblationFigures {
+            clean: sum.clean + room.clean,
+            clean_exploring: sum.clean_exploring + room.clean_exploring,
+            contacts: sum.contacts + room.contacts / count,
+            distance_m: sum.distance_m + room.distance_m / count,
+            coverage_m2: sum.coverage_m2 + room.coverage_m2 / count,
+            goal_share: sum.goal_share + room.goal_share / count,
+            shield_stops: sum.shield_stops + room.shield_stops / count,
+        }))
 }
 
-fn one(variant: &Variant, trial: &Trial, world: &World) -> Result<Figures, Failure> {
+fn one(
+    variant: &Variant,
+    trial: &AblationTrial,
+    world: &World,
+) -> Result<AblationFigures, Failure> {
     match &variant.driver {
-        Driver::Mind(config, turret) => mind(config, *turret, trial, world),
-        Driver::Braitenberg => braitenberg(trial, world),
+        VariantDriver::Mind(config, turret) => mind(config, *turret, trial, world),
+        VariantDriver::Braitenberg => braitenberg(trial, world),
     }
 }
 
 fn mind(
     config: &Config<16>,
     turret: TurretMode,
-    trial: &Trial,
+    trial: &AblationTrial,
     world: &World,
-) -> Result<Figures, Failure> {
+) -> Result<AblationFigures, Failure> {
     let setup = Setup {
         config: config.clone(),
         preset: String::new(),
@@ -270,7 +276,7 @@ fn mind(
         record: false,
     };
     let report = run(world, &setup, |_, _, _| {})?.report;
-    Ok(Figures {
+    Ok(AblationFigures {
         clean: u32::from(report.contacts == 0),
         clean_exploring: u32::from(report.explore_contacts == 0),
         contacts: f64::from(report.contacts),
@@ -281,7 +287,7 @@ fn mind(
     })
 }
 
-fn braitenberg(trial: &Trial, world: &World) -> Result<Figures, Failure> {
+fn braitenberg(trial: &AblationTrial, world: &World) -> Result<AblationFigures, Failure> {
     let body = Body::new(
         world,
         trial.sonar,
@@ -294,13 +300,13 @@ fn braitenberg(trial: &Trial, world: &World) -> Result<Figures, Failure> {
         body,
         trial.steps,
     )?;
-    Ok(Figures {
+    Ok(AblationFigures {
         clean: u32::from(tally.contacts == 0),
         clean_exploring: 1,
         contacts: f64::from(tally.contacts),
         distance_m: tally.distance_m,
         coverage_m2: tally.coverage_m2(),
-        ..Figures::default()
+        ..AblationFigures::default()
     })
 }
 

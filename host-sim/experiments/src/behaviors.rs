@@ -1,6 +1,6 @@
 //! Every behavior in its scenes: many seeds in many worlds, mean and 95 % interval.
 
-use super::scenes::Scene;
+use super::scenes::BehaviorScene;
 use amp::config::Config;
 use arena::noise::Noise;
 use arena::robot::TurretMode;
@@ -15,7 +15,7 @@ use sim::statistics::{Mean, bootstrap};
 
 /// Size and conditions of the measurement.
 #[derive(Debug, Clone)]
-pub struct Trial {
+pub struct BehaviorTrial {
     /// Number of the first world.
     pub first: u64,
     /// Worlds per scene.
@@ -36,7 +36,7 @@ pub struct Trial {
 
 /// Result of a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Outcome {
+pub struct SceneOutcome {
     /// The measure.
     pub value: Mean,
     /// Steps with contact, %.
@@ -54,8 +54,8 @@ pub type BySeed<T> = Vec<Vec<T>>;
 /// # Errors
 /// When an episode fails.
 pub fn each<T: Send>(
-    scene: &Scene,
-    trial: &Trial,
+    scene: &BehaviorScene,
+    trial: &BehaviorTrial,
     one: impl Fn(&World, &Setup) -> Result<T, Failure> + Sync,
 ) -> Result<BySeed<T>, Failure> {
     let worlds = (0..u64::from(trial.worlds)).into_par_iter();
@@ -74,10 +74,10 @@ pub fn each<T: Send>(
 /// # Errors
 /// When an episode fails.
 pub fn measure(
-    scene: &Scene,
-    trial: &Trial,
+    scene: &BehaviorScene,
+    trial: &BehaviorTrial,
     done: &(impl Fn() + Sync),
-) -> Result<Outcome, Failure> {
+) -> Result<SceneOutcome, Failure> {
     let worlds: BySeed<Report> = each(scene, trial, |world, setup| {
         let report = run(world, setup, |_, _, _| {})?.report;
         done();
@@ -90,7 +90,7 @@ pub fn measure(
     let all: Vec<_> = worlds.iter().flatten().collect();
     let steps: f64 = all.iter().map(|report| f64::from(report.steps)).sum();
     let contacts: f64 = all.iter().map(|report| f64::from(report.contacts)).sum();
-    Ok(Outcome {
+    Ok(SceneOutcome {
         value: bootstrap(&values),
         contacts_percent: 100.0 * contacts / steps.max(1.0),
         episodes: all.len(),
@@ -101,7 +101,7 @@ pub fn measure(
 ///
 /// # Errors
 /// When it fails.
-pub fn first(scene: &Scene, trial: &Trial) -> Result<Episode, Failure> {
+pub fn first(scene: &BehaviorScene, trial: &BehaviorTrial) -> Result<Episode, Failure> {
     let world = scene.world(trial.first);
     let mut setup = setup(scene, trial, &world, seed_of(trial.first, 0));
     setup.record = true;
@@ -114,7 +114,7 @@ fn seed_of(number: u64, seed: u64) -> u64 {
 }
 
 /// One episode in one of the scene's worlds.
-fn setup(scene: &Scene, trial: &Trial, world: &World, seed: u64) -> Setup {
+fn setup(scene: &BehaviorScene, trial: &BehaviorTrial, world: &World, seed: u64) -> Setup {
     let behavior = match scene.behavior {
         "seek" => show(world, &trial.config, seed),
         name => name.parse().unwrap_or(Behavior::Avoid),

@@ -15,7 +15,7 @@ use sim::scenes::Behavior;
 
 /// What all episodes share.
 #[derive(Debug, Clone)]
-pub struct Trial {
+pub struct FaultTrial {
     /// Number of random rooms, at least 1.
     pub rooms: u32,
     /// Seed of the first room; each episode uses the seed of its room.
@@ -34,12 +34,12 @@ pub struct Trial {
     pub preset: &'static str,
 }
 
-/// The faults that have a name, as [`Course::false_alarms`] counts them.
+/// The faults that have a name, as [`FaultEpisode::false_alarms`] counts them.
 pub const FAULTS: [Fault; 4] = [Fault::Dead, Fault::Stuck, Fault::Short, Fault::Jumping];
 
 /// Result of one episode.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Course {
+pub struct FaultEpisode {
     /// Moves with contact while the faulty transducer was enabled (all of them without a fault).
     pub contacts_before: u32,
     /// Moves with contact while it was disabled.
@@ -67,11 +67,11 @@ pub struct Course {
 ///
 /// # Errors
 /// When an episode fails.
-pub fn courses(
+pub fn fault_episodes(
     kind: Option<FaultKind>,
-    trial: &Trial,
+    trial: &FaultTrial,
     done: &(impl Fn() + Sync),
-) -> Result<Vec<Course>, Failure> {
+) -> Result<Vec<FaultEpisode>, Failure> {
     let faults: Vec<_> = match kind {
         Some(kind) => (0..16)
             .map(|sensor| {
@@ -86,15 +86,19 @@ pub fn courses(
         .iter()
         .flat_map(|fault| rooms.clone().map(move |room| (*fault, room)))
         .collect();
-    let courses = each.par_iter().map(|(fault, room)| {
+    let fault_episodes = each.par_iter().map(|(fault, room)| {
         let course = course(*fault, *room, trial);
         done();
         course
     });
-    courses.collect()
+    fault_episodes.collect()
 }
 
-fn course(fault: Option<TransducerFault>, room: u64, trial: &Trial) -> Result<Course, Failure> {
+fn course(
+    fault: Option<TransducerFault>,
+    room: u64,
+    trial: &FaultTrial,
+) -> Result<FaultEpisode, Failure> {
     let world = World::random(room);
     let setup = Setup {
         config: trial.config.clone(),
@@ -112,13 +116,13 @@ fn course(fault: Option<TransducerFault>, room: u64, trial: &Trial) -> Result<Co
     let mut witness = Witness {
         mind: Mind::new(setup.config.clone()),
         faulty: fault.map(|fault| fault.sensor as u8),
-        course: Course::default(),
+        course: FaultEpisode::default(),
         moves: 0,
         seen: 0,
         touched: false,
     };
     let report = run_with(&world, &setup, &mut witness, |_, _, _| {})?.report;
-    Ok(Course {
+    Ok(FaultEpisode {
         coverage_m2: report.coverage_m2,
         distance_m: report.distance_m,
         ..witness.course
@@ -129,7 +133,7 @@ fn course(fault: Option<TransducerFault>, room: u64, trial: &Trial) -> Result<Co
 struct Witness {
     mind: Mind,
     faulty: Option<u8>,
-    course: Course,
+    course: FaultEpisode,
     moves: u32,
     /// Number of verdicts already processed.
     seen: usize,

@@ -1,8 +1,8 @@
 //! Improvement by repetition: repeats one behavior with the same memory, with learning or frozen
 //! maps.
 
-use super::behaviors::{BySeed, Trial, each};
-use super::scenes::Scene;
+use super::behaviors::{BehaviorTrial, BySeed, each};
+use super::scenes::BehaviorScene;
 use sim::episode::repeat;
 use sim::failure::Failure;
 use sim::statistics::{Mean, bootstrap};
@@ -25,8 +25,8 @@ pub struct Curve {
 /// # Errors
 /// When an episode fails.
 pub fn measure(
-    scene: &Scene,
-    trial: &Trial,
+    scene: &BehaviorScene,
+    trial: &BehaviorTrial,
     times: u32,
     done: &(impl Fn() + Sync),
 ) -> Result<Curve, Failure> {
@@ -53,8 +53,8 @@ pub fn measure(
 
 /// The measure by world, seed and repetition.
 fn values(
-    scene: &Scene,
-    trial: &Trial,
+    scene: &BehaviorScene,
+    trial: &BehaviorTrial,
     times: u32,
     done: &(impl Fn() + Sync),
 ) -> Result<BySeed<Vec<f64>>, Failure> {

@@ -6,7 +6,7 @@ use arena::world::{Point, World};
 use sim::episode::Report;
 
 /// A behavior, its worlds and its required value.
-pub struct Scene {
+pub struct BehaviorScene {
     /// Name of the behavior; in a `seek` scene the robot finds the place of a demonstrated
     /// situation.
     pub behavior: &'static str,
@@ -27,35 +27,36 @@ pub struct Scene {
 }
 
 /// All scenes, in the order of the table.
-pub static SCENES: &[Scene] = &[
-    Scene::new("avoid", "12 boxes", World::random).asks(clean, "clean rooms", "≥ 0.995"),
-    Scene::new("avoid", "12 boxes", World::random).asks(area, "area m²", "≥ 18.8"),
-    Scene::new("avoid-right", "one obstacle", rooms::one_obstacle).asks(
+pub static SCENES: &[BehaviorScene] = &[
+    BehaviorScene::new("avoid", "12 boxes", World::random).asks(clean, "clean rooms", "≥ 0.995"),
+    BehaviorScene::new("avoid", "12 boxes", World::random).asks(area, "area m²", "≥ 18.8"),
+    BehaviorScene::new("avoid-right", "one obstacle", rooms::one_obstacle).asks(
         success,
         "passed on its left",
         "≥ 0.80",
     ),
-    Scene::new("wall-right", "plain room", rooms::plain).asks(success, "error m", "≤ 0.20"),
-    Scene::new("wall-right", "five boxes", rooms::boxes).asks(success, "error m", "≤ 0.20"),
-    Scene::new("wall-right", "corridor", rooms::corridor).asks(success, "error m", "≤ 0.20"),
-    Scene::new("wall-left", "plain room", rooms::plain).asks(success, "error m", "≤ 0.20"),
-    Scene::new("wall-left", "five boxes", rooms::boxes).asks(success, "error m", "≤ 0.20"),
-    Scene::new("wall-left", "corridor", rooms::corridor).asks(success, "error m", "≤ 0.20"),
-    Scene::new("nest", "4 m × 4 m", rooms::small).asks(success, "reached", "≥ 0.98"),
-    Scene::new("nest", "4 m × 4 m, noisy sonars", rooms::small)
+    BehaviorScene::new("wall-right", "plain room", rooms::plain).asks(success, "error m", "≤ 0.20"),
+    BehaviorScene::new("wall-right", "five boxes", rooms::boxes).asks(success, "error m", "≤ 0.20"),
+    BehaviorScene::new("wall-right", "corridor", rooms::corridor)
+        .asks(success, "error m", "≤ 0.20"),
+    BehaviorScene::new("wall-left", "plain room", rooms::plain).asks(success, "error m", "≤ 0.20"),
+    BehaviorScene::new("wall-left", "five boxes", rooms::boxes).asks(success, "error m", "≤ 0.20"),
+    BehaviorScene::new("wall-left", "corridor", rooms::corridor).asks(success, "error m", "≤ 0.20"),
+    BehaviorScene::new("nest", "4 m × 4 m", rooms::small).asks(success, "reached", "≥ 0.98"),
+    BehaviorScene::new("nest", "4 m × 4 m, noisy sonars", rooms::small)
         .asks(success, "reached", "≥ 0.80")
         .with_sonar(SonarModel::Nomad),
-    Scene::new("nest", "six boxes", rooms::six_boxes).asks(success, "reached", "≥ 0.80"),
-    Scene::new("nest", "six boxes", rooms::six_boxes).asks(way, "distance m", ""),
-    Scene::new("seek", "4 m × 4 m", rooms::small).asks(success, "reached", "≥ 0.98"),
-    Scene::new("seek", "six boxes", rooms::six_boxes).asks(success, "reached", "≥ 0.80"),
-    Scene::new("follow", "plain room", rooms::plain)
+    BehaviorScene::new("nest", "six boxes", rooms::six_boxes).asks(success, "reached", "≥ 0.80"),
+    BehaviorScene::new("nest", "six boxes", rooms::six_boxes).asks(way, "distance m", ""),
+    BehaviorScene::new("seek", "4 m × 4 m", rooms::small).asks(success, "reached", "≥ 0.98"),
+    BehaviorScene::new("seek", "six boxes", rooms::six_boxes).asks(success, "reached", "≥ 0.80"),
+    BehaviorScene::new("follow", "plain room", rooms::plain)
         .asks(success, "share of 300 s", "≥ 0.80")
         .lasting(400),
-    Scene::new("follow", "five boxes", rooms::boxes)
+    BehaviorScene::new("follow", "five boxes", rooms::boxes)
         .asks(success, "share of 300 s", "≥ 0.80")
         .lasting(400),
-    Scene::new(
+    BehaviorScene::new(
         "avoid-right,wall-right,nest",
         "room with an exit",
         rooms::with_exit,
@@ -80,7 +81,7 @@ fn way(report: &Report) -> f64 {
     report.distance_m
 }
 
-impl Scene {
+impl BehaviorScene {
     const fn new(behavior: &'static str, place: &'static str, make: fn(u64) -> World) -> Self {
         Self {
             behavior,
@@ -143,8 +144,8 @@ impl Scene {
 
 /// The scenes whose behavior contains `text`; all scenes without it.
 #[must_use]
-pub fn scenes_named(text: Option<&str>) -> Vec<&'static Scene> {
-    let named = |scene: &&Scene| text.is_none_or(|text| scene.behavior.contains(text));
+pub fn scenes_named(text: Option<&str>) -> Vec<&'static BehaviorScene> {
+    let named = |scene: &&BehaviorScene| text.is_none_or(|text| scene.behavior.contains(text));
     SCENES.iter().filter(named).collect()
 }
 

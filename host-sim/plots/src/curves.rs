@@ -20,7 +20,7 @@ const COLORS: [&str; 6] = [BLUE, ORANGE, GREEN, PURPLE, VERMILLION, INK];
 
 /// What all panels share.
 #[derive(Debug, Clone)]
-pub struct Key {
+pub struct CurveKey {
     /// One line about the page.
     pub subtitle: String,
     /// Name of the horizontal axis.
@@ -48,7 +48,7 @@ pub struct Curves {
 ///
 /// Returns an SVG document.
 #[must_use]
-pub fn curves(title: &str, key: &Key, panels: &[Curves]) -> String {
+pub fn curves(title: &str, key: &CurveKey, panels: &[Curves]) -> String {
     let rows = panels.len().div_ceil(COLUMNS).max(1);
     let below = TOP + rows as f64 * HEIGHT;
     let names = if key.names.is_empty() { 0.0 } else { NAMES };
@@ -74,7 +74,7 @@ fn color(line: usize) -> &'static str {
     COLORS.get(line % COLORS.len()).copied().unwrap_or(INK)
 }
 
-fn drawn(key: &Key, line: usize) -> String {
+fn drawn(key: &CurveKey, line: usize) -> String {
     let solid = stroke(color(line), 2.0);
     match key.names.get(line) {
         Some((_, true)) => format!(r#"{solid} stroke-dasharray="6 4""#),
@@ -82,7 +82,7 @@ fn drawn(key: &Key, line: usize) -> String {
     }
 }
 
-fn panel(svg: &mut Svg, [left, top]: [f64; 2], side: f64, key: &Key, curves: &Curves) {
+fn panel(svg: &mut Svg, [left, top]: [f64; 2], side: f64, key: &CurveKey, curves: &Curves) {
     let name = shortened(&curves.title, (side / 7.0) as usize);
     svg.text([left, top + 14.0], Font::new(12.5).bold(), &name);
     svg.text(
@@ -91,7 +91,7 @@ fn panel(svg: &mut Svg, [left, top]: [f64; 2], side: f64, key: &Key, curves: &Cu
         &curves.measure,
     );
     let area = [left + 42.0, top + 38.0, side - 62.0, AXES];
-    let axes = Axes::holding(area, curves);
+    let axes = CurveAxes::holding(area, curves);
     axes.draw(svg, key);
     for (line, means) in curves.lines.iter().enumerate() {
         let place = |end: usize| {
@@ -111,14 +111,14 @@ fn panel(svg: &mut Svg, [left, top]: [f64; 2], side: f64, key: &Key, curves: &Cu
 }
 
 /// Maps values to page coordinates.
-struct Axes {
+struct CurveAxes {
     area: [f64; 4],
     low: f64,
     high: f64,
     last: usize,
 }
 
-impl Axes {
+impl CurveAxes {
     fn holding(area: [f64; 4], curves: &Curves) -> Self {
         let all = curves.lines.iter().flatten();
         let ends: Vec<f64> = all.flat_map(|mean| mean.interval).collect();
@@ -146,7 +146,7 @@ impl Axes {
         ]
     }
 
-    fn draw(&self, svg: &mut Svg, key: &Key) {
+    fn draw(&self, svg: &mut Svg, key: &CurveKey) {
         let [left, top, width, height] = self.area;
         svg.rect([left, top, width, height], &stroke(PALE, 1.0));
         let font = Font::new(11.0).color(GRAY);
@@ -194,7 +194,7 @@ mod tests {
                 values.iter().copied().map(mean).collect(),
             ],
         };
-        let key = Key {
+        let key = CurveKey {
             subtitle: "Mean and 95 % interval".into(),
             along: "repetition".into(),
             ticks: vec![(0, "1".into()), (2, "3".into())],

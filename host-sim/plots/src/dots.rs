@@ -72,7 +72,7 @@ fn section(svg: &mut Svg, top: f64, section: &DotSection) {
         let left = MARGIN + LABELS + index as f64 * (width + GAP);
         let name = shortened(&panel.name, (width / 6.2) as usize);
         svg.text([left, top + 38.0], Font::new(12.0).color(GRAY), &name);
-        let axis = Axis::holding(panel, left, width);
+        let axis = DotAxis::holding(panel, left, width);
         axis.draw(svg, top + ABOVE, section.labels.len() as f64 * ROW);
         for (row, mean) in panel.means.iter().enumerate() {
             let Some(Mean { mean, interval }) = mean else {
@@ -87,14 +87,14 @@ fn section(svg: &mut Svg, top: f64, section: &DotSection) {
 }
 
 /// Maps values to page coordinates.
-struct Axis {
+struct DotAxis {
     left: f64,
     width: f64,
     low: f64,
     high: f64,
 }
 
-impl Axis {
+impl DotAxis {
     /// An axis with room for all intervals of a panel.
     fn holding(panel: &DotPanel, left: f64, width: f64) -> Self {
         let ends = panel.means.iter().flatten().flat_map(|mean| mean.interval);

@@ -72,7 +72,7 @@ pub fn world() -> World {
 
 /// A whole episode: 100 random moves, 400 decisions, two maps of 4 × 4 neurons.
 pub fn recording() -> Recording {
-    let mut robot = Robot {
+    let mut robot = FixtureRobot {
         world: world(),
         place: Point::new(4.0, 3.0),
         random: 7,
@@ -130,14 +130,14 @@ pub fn assert_well_formed(svg: &str) {
     super::png::check(svg).unwrap_or_else(|error| panic!("{error}\n{svg}"));
 }
 
-struct Robot {
+struct FixtureRobot {
     world: World,
     place: Point,
     random: u64,
     time: f64,
 }
 
-impl Robot {
+impl FixtureRobot {
     /// A number in [0, 1) from a linear congruential generator.
     fn chance(&mut self) -> f64 {
         self.random = self
@@ -198,7 +198,7 @@ impl Robot {
 }
 
 /// 400 decisions: straight in free space, else away from the nearest obstacle.
-fn seek(robot: &mut Robot, map: &MapRecord) -> Vec<Step> {
+fn seek(robot: &mut FixtureRobot, map: &MapRecord) -> Vec<Step> {
     let mut steps: Vec<Step> = Vec::new();
     let mut direction: f64 = 0.3;
     for _ in 0..400 {

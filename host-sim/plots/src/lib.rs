@@ -28,10 +28,10 @@ mod worlds;
 pub(crate) mod fixture;
 
 pub use action_map::action_map;
-pub use behaviors::{Shown, behaviors};
+pub use behaviors::{ShownBehavior, behaviors};
 pub use code_vectors::code_vectors;
 pub use confusion::confusion;
-pub use curves::{Curves, Key, curves};
+pub use curves::{CurveKey, Curves, curves};
 pub use dots::{DotPanel, DotSection, dot_plot};
 pub use labeled_map::{LabeledMap, labeled_map};
 pub use page::{Figure, index_html};

@@ -6,7 +6,7 @@ use sim::recording::{Recording, Step};
 use crate::draw::color::{self, GRAY, INK, OBSTACLE, ORANGE, PURPLE, VERMILLION};
 use crate::draw::layout::{Legend, MARGIN, PAGE, PLOT, TOP, counted, heading};
 use crate::draw::marks::{self, contact_mark};
-use crate::draw::scene::{self, View};
+use crate::draw::scene::{self, SceneView};
 use crate::draw::svg::{Anchor, Font, Svg, decimal, filled, num, stroke};
 
 /// Distance between two drawn bodies, m.
@@ -22,7 +22,7 @@ const SHADES: usize = 48;
 /// The world's x points right, its y up the page. Returns an SVG document.
 #[must_use]
 pub fn path(recording: &Recording) -> String {
-    let view = View::new(
+    let view = SceneView::new(
         scene::extent(&recording.world),
         [MARGIN, TOP],
         [PLOT, 640.0],
@@ -47,7 +47,7 @@ pub fn path(recording: &Recording) -> String {
 }
 
 /// The world with the path and all marks.
-pub(super) fn way(svg: &mut Svg, view: &View, recording: &Recording) {
+pub(super) fn way(svg: &mut Svg, view: &SceneView, recording: &Recording) {
     scene::obstacles(svg, view, &recording.world);
     exploration(svg, view, &recording.exploration);
     marks::leader(svg, view, recording);
@@ -72,7 +72,7 @@ fn count(steps: &[Step], condition: impl Fn(&Step) -> bool) -> usize {
     steps.iter().filter(|&step| condition(step)).count()
 }
 
-fn exploration(svg: &mut Svg, view: &View, steps: &[Step]) {
+fn exploration(svg: &mut Svg, view: &SceneView, steps: &[Step]) {
     let places: Vec<_> = scene::places(steps)
         .iter()
         .map(|&place| view.at(place))
@@ -82,7 +82,7 @@ fn exploration(svg: &mut Svg, view: &View, steps: &[Step]) {
     contacts(svg, view, steps, PURPLE);
 }
 
-fn seeking(svg: &mut Svg, view: &View, recording: &Recording) {
+fn seeking(svg: &mut Svg, view: &SceneView, recording: &Recording) {
     let places = scene::places(&recording.seeking);
     let last = places.len().saturating_sub(1);
     let shade = |i: usize| color::time(i as f64 / last.max(1) as f64);
@@ -127,7 +127,7 @@ fn footprints(places: &[Point], radius: f64) -> Vec<usize> {
 }
 
 /// Marks the ends of the motions that the shield shortened.
-fn shielded(svg: &mut Svg, view: &View, steps: &[Step]) {
+fn shielded(svg: &mut Svg, view: &SceneView, steps: &[Step]) {
     let ends = scene::places(steps).into_iter().skip(1);
     for (_, end) in steps
         .iter()
@@ -139,7 +139,7 @@ fn shielded(svg: &mut Svg, view: &View, steps: &[Step]) {
 }
 
 /// Marks the ends of the motions with contact.
-fn contacts(svg: &mut Svg, view: &View, steps: &[Step], color: &str) {
+fn contacts(svg: &mut Svg, view: &SceneView, steps: &[Step], color: &str) {
     let ends = scene::places(steps).into_iter().skip(1);
     for (_, end) in steps.iter().zip(ends).filter(|(step, _)| step.touched) {
         contact_mark(svg, view.at(end), color);
@@ -153,7 +153,7 @@ pub fn shield_mark(svg: &mut Svg, [x, y]: [f64; 2]) {
 }
 
 /// Start and end: the body with a letter inside, or beside it if both are at one position.
-fn ends(svg: &mut Svg, view: &View, [start, end]: [Point; 2], radius: f64) {
+fn ends(svg: &mut Svg, view: &SceneView, [start, end]: [Point; 2], radius: f64) {
     let apart = start.distance(end) > 1.5 * radius;
     let size = (radius * view.scale).max(4.0);
     for (place, letter, side, shade) in [(start, "S", -1.0, 0.0), (end, "F", 1.0, 1.0)] {
@@ -169,7 +169,7 @@ fn ends(svg: &mut Svg, view: &View, [start, end]: [Point; 2], radius: f64) {
     }
 }
 
-fn legend(svg: &mut Svg, view: &View, recording: &Recording) {
+fn legend(svg: &mut Svg, view: &SceneView, recording: &Recording) {
     let mut legend = Legend::right_of(PLOT.min(view.size[0]));
     let steps = &recording.seeking;
     let decisions = format!("{} (F)", steps.len());

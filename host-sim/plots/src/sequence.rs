@@ -10,7 +10,7 @@ use super::sequence_panels::{self as panels, AXES, Ends, HEIGHT, PITCH, Panel};
 use crate::draw::color::{self, BLUE, GRAY, INK, PALE, VALUE, VERMILLION};
 use crate::draw::layout::{Legend, MARGIN, PAGE, TOP, heading, shortened};
 use crate::draw::marks::contact_mark;
-use crate::draw::scene::{self, View};
+use crate::draw::scene::{self, SceneView};
 use crate::draw::stretch::{difference, telling};
 use crate::draw::svg::{Font, Svg, decimal, fill, filled, stroke};
 
@@ -112,7 +112,7 @@ fn surroundings(svg: &mut Svg, [x, y]: [f64; 2], recording: &Recording, shown: &
         .collect();
     // Room for the body and the perceived surroundings, within limits.
     let margin = recording.robot_radius_m + recording.far_m.clamp(0.3, 1.5);
-    let view = View::new(around(&places, margin), [x, y], [BOX, BOX]);
+    let view = SceneView::new(around(&places, margin), [x, y], [BOX, BOX]);
     let shade = |i: usize| color::time(i as f64 / (places.len() - 1).max(1) as f64);
     svg.clipped("surroundings", view.area(), |svg| {
         scene::obstacles(svg, &view, &recording.world);

@@ -31,7 +31,7 @@ pub fn sizes(
         .fold(0.0, f64::max);
     // Rounded to tenths, at least 1: shares and ratios are compared with 1.
     let top = libm::ceil(most.max(1.0) * 10.0 - 1e-9) / 10.0;
-    let axes = Axes {
+    let axes = SizeAxes {
         area,
         top,
         last: sizes.len().saturating_sub(1).max(1),
@@ -68,13 +68,13 @@ pub fn sizes(
 }
 
 /// Maps values to page coordinates.
-struct Axes {
+struct SizeAxes {
     area: [f64; 4],
     top: f64,
     last: usize,
 }
 
-impl Axes {
+impl SizeAxes {
     fn at(&self, size: usize, value: f64) -> [f64; 2] {
         let [left, top, width, height] = self.area;
         let share = (value / self.top).clamp(0.0, 1.0);

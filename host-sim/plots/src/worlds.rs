@@ -7,7 +7,7 @@ use arena::world::World;
 use crate::draw::color::{GRAY, VERMILLION};
 use crate::draw::layout::{MARGIN, PAGE, TOP, counted, heading, shortened};
 use crate::draw::rosette::arrow;
-use crate::draw::scene::{self, View};
+use crate::draw::scene::{self, SceneView};
 use crate::draw::svg::{Anchor, Font, Svg, decimal, filled};
 
 /// Radius of the drawn robot, m.
@@ -52,16 +52,17 @@ pub fn worlds(title: &str, worlds: &[&World]) -> String {
 
 /// Height of the tallest drawing of a row if each is at most `side` px wide and high.
 fn tallest(row: &[&World], side: f64) -> f64 {
-    let height = |world: &&World| View::new(scene::extent(world), [0.0, 0.0], [side, side]).size[1];
+    let height =
+        |world: &&World| SceneView::new(scene::extent(world), [0.0, 0.0], [side, side]).size[1];
     row.iter().map(height).fold(0.0, f64::max)
 }
 
 /// One world centered in `room` px below `corner`, aligned with its captions.
 fn small(svg: &mut Svg, [x, y]: [f64; 2], [side, height]: [f64; 2], world: &World) {
     let corners = scene::extent(world);
-    let [wide, tall] = View::new(corners, [x, y], [side, side]).size;
+    let [wide, tall] = SceneView::new(corners, [x, y], [side, side]).size;
     let corner = [x + (side - wide) / 2.0, y + height - tall];
-    let view = View::new(corners, corner, [side, side]);
+    let view = SceneView::new(corners, corner, [side, side]);
     scene::obstacles(svg, &view, world);
     let start = world.start();
     let at = view.at(start.position);

@@ -2,13 +2,13 @@
 
 use super::output::bar;
 use super::run::SonarChoice;
-use super::{Failure, table};
+use super::{CliError, table};
 use clap::Args;
 use experiments::ablation::{
-    Driver, Figures, Trial, Variant, behavior_variants, measure, variants,
+    AblationFigures, AblationTrial, Variant, VariantDriver, behavior_variants, measure, variants,
 };
 use experiments::behaviors;
-use experiments::scenes::{Scene, scenes_named};
+use experiments::scenes::{BehaviorScene, scenes_named};
 use files::error::BadInput;
 use std::io::Write;
 
@@ -71,7 +71,7 @@ const BEHAVIOR_SEEDS: u32 = 5;
 ///
 /// # Errors
 /// When no row matches `--only`, an episode fails, or the pipe is closed.
-pub fn ablation(args: &AblationArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub fn ablation(args: &AblationArgs, out: &mut impl Write) -> Result<(), CliError> {
     let mut chosen = if args.behaviors {
         behavior_variants()?
     } else {
@@ -118,7 +118,7 @@ fn avoidance_row(
     variant: &Variant,
     args: &AblationArgs,
 ) -> Result<Vec<String>, sim::failure::Failure> {
-    let trial = Trial {
+    let trial = AblationTrial {
         first: args.first,
         rooms: args.rooms,
         explore_moves: 100,
@@ -135,10 +135,10 @@ fn behavior_row(
     args: &AblationArgs,
 ) -> Result<Vec<String>, sim::failure::Failure> {
     let mut row = vec![variant.name.clone()];
-    let Driver::Mind(config, turret) = &variant.driver else {
+    let VariantDriver::Mind(config, turret) = &variant.driver else {
         return Ok(row);
     };
-    let trial = behaviors::Trial {
+    let trial = behaviors::BehaviorTrial {
         first: args.first,
         worlds: args.rooms,
         seeds: BEHAVIOR_SEEDS,
@@ -149,7 +149,7 @@ fn behavior_row(
         sonar: args.sonar.into(),
     };
     let listed = |(behavior, place)| {
-        let fits = |scene: &&&Scene| scene.behavior == behavior && scene.place == place;
+        let fits = |scene: &&&BehaviorScene| scene.behavior == behavior && scene.place == place;
         scenes_named(Some(behavior)).iter().find(fits).copied()
     };
     for scene in BEHAVIOR_SCENES.into_iter().filter_map(listed) {
@@ -159,7 +159,7 @@ fn behavior_row(
     Ok(row)
 }
 
-fn row(name: &str, figures: &Figures, rooms: f64) -> Vec<String> {
+fn row(name: &str, figures: &AblationFigures, rooms: f64) -> Vec<String> {
     vec![
         name.to_owned(),
         format!("{:.1}", 100.0 * f64::from(figures.clean) / rooms),

@@ -2,12 +2,12 @@
 
 use super::output::{bar, prepare};
 use super::run::{Preset, SonarChoice, Switch};
-use super::{Failure, table};
+use super::{CliError, table};
 use arena::world::barn::{range, sources};
 use arena::world::{Point, World};
 use clap::Args;
 use experiments::barn::{
-    self, CHALLENGE_M_S, End, Method, Rules, Run, Tuning, length, score, shortest,
+    self, BarnMethod, CHALLENGE_M_S, Rules, Run, RunEnd, SeekerTuning, length, score, shortest,
 };
 use experiments::barn::{RoutePanel, routes};
 use files::error::BadInput;
@@ -47,7 +47,7 @@ pub struct BarnArgs {
     worlds: Option<RangeInclusive<u32>>,
     /// Methods to drive by [default: all]
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_enum)]
-    methods: Vec<Method>,
+    methods: Vec<BarnMethod>,
     /// Table with the columns world and reference_path_length_m: path lengths for the score
     /// [default: computed]
     #[arg(long, value_name = "FILE")]
@@ -65,10 +65,10 @@ pub struct BarnArgs {
     #[arg(long, value_name = "M", default_value = "0.09", value_parser = margin)]
     margin: f64,
     /// Clearance around the ring in the maps' goal, m
-    #[arg(long, value_name = "M", default_value_t = Tuning::default().clearance_m, value_parser = clearance)]
+    #[arg(long, value_name = "M", default_value_t = SeekerTuning::default().clearance_m, value_parser = clearance)]
     clearance: f64,
     /// Weight of progress toward the goal for the maps, in units of a squared deviation of 1
-    #[arg(long, value_name = "WEIGHT", default_value_t = Tuning::default().pull, value_parser = pull)]
+    #[arg(long, value_name = "WEIGHT", default_value_t = SeekerTuning::default().pull, value_parser = pull)]
     pull: f64,
     /// Sonar model
     #[arg(long, value_name = "MODEL", default_value = "ideal", value_enum)]
@@ -108,7 +108,7 @@ fn pull(text: &str) -> Result<f64, BadInput> {
 }
 
 /// A world, its shortest path and the runs of the methods.
-struct Course {
+struct WorldRuns {
     world: World,
     number: u32,
     /// The shortest path of the body.
@@ -125,10 +125,10 @@ struct Course {
 /// # Errors
 /// Worlds that cannot be loaded, a flag that does not apply, a folder that cannot be written, a
 /// closed pipe.
-pub fn barn(args: &BarnArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub fn barn(args: &BarnArgs, out: &mut impl Write) -> Result<(), CliError> {
     let rules = rules(args)?;
     let methods = if args.methods.is_empty() {
-        Method::ALL.to_vec()
+        BarnMethod::ALL.to_vec()
     } else {
         args.methods.clone()
     };
@@ -172,7 +172,7 @@ fn rules(args: &BarnArgs) -> Result<Rules, BadInput> {
         sonar: args.sonar.into(),
         explore_moves: args.explore,
         seed: args.seed,
-        tuning: Tuning {
+        tuning: SeekerTuning {
             clearance_m: args.clearance,
             pull: args.pull,
         },
@@ -182,10 +182,10 @@ fn rules(args: &BarnArgs) -> Result<Rules, BadInput> {
 fn drive(
     args: &BarnArgs,
     rules: &Rules,
-    methods: &[Method],
+    methods: &[BarnMethod],
     lengths: Option<&BTreeMap<u32, f64>>,
     source: &arena::world::barn::BarnSource,
-) -> Result<Course, BadInput> {
+) -> Result<WorldRuns, BadInput> {
     let world = source.load()?;
     let number = source.number;
     let way = shortest(&world, 0.0)?;
@@ -196,8 +196,8 @@ fn drive(
         // In a world without a path every run fails: the length does not matter.
         None => way.as_deref().map_or(1.0, length),
     };
-    let run = |method: &Method| barn::run(&world, *method, rules, u64::from(number));
-    Ok(Course {
+    let run = |method: &BarnMethod| barn::run(&world, *method, rules, u64::from(number));
+    Ok(WorldRuns {
         number,
         with_margin: shortest(&world, args.margin)?.is_some(),
         runs: methods.iter().map(run).collect::<Result<_, _>>()?,
@@ -245,10 +245,10 @@ fn lengths(path: &Path) -> Result<BTreeMap<u32, f64>, BadInput> {
 
 fn tables(
     args: &BarnArgs,
-    courses: &[Course],
-    methods: &[Method],
+    courses: &[WorldRuns],
+    methods: &[BarnMethod],
     out: &mut impl Write,
-) -> Result<(), Failure> {
+) -> Result<(), CliError> {
     let count = courses.len();
     let passable = courses.iter().filter(|course| course.way.is_some()).count();
     let with_margin = courses.iter().filter(|course| course.with_margin).count();
@@ -310,12 +310,12 @@ fn settings_speed() -> f64 {
     f64::from(amp::robot::RobotSpec::nomad200().speed_mm_s) / 1e3
 }
 
-fn row(courses: &[Course], index: usize, method: Method) -> Vec<String> {
+fn row(courses: &[WorldRuns], index: usize, method: BarnMethod) -> Vec<String> {
     let runs: Vec<_> = courses
         .iter()
         .filter_map(|course| Some((course, course.runs.get(index)?)))
         .collect();
-    let share = |end: End| {
+    let share = |end: RunEnd| {
         let ended: Vec<Vec<f64>> = runs
             .iter()
             .map(|(_, run)| vec![100.0 * f64::from(u8::from(run.end == end))])
@@ -325,16 +325,17 @@ fn row(courses: &[Course], index: usize, method: Method) -> Vec<String> {
     let times: Vec<f64> = runs.iter().filter_map(|(_, run)| run.success_s()).collect();
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
     let scores = |speed: f64| {
-        let one = |(course, run): &(&Course, &Run)| score(run.success_s(), course.length_m, speed);
+        let one =
+            |(course, run): &(&WorldRuns, &Run)| score(run.success_s(), course.length_m, speed);
         mean(&runs.iter().map(one).collect::<Vec<_>>())
     };
-    let reached = share(End::Reached);
+    let reached = share(RunEnd::Reached);
     let [low, high] = reached.interval;
     vec![
         method.name().to_owned(),
         format!("{:.1} [{low:.1}, {high:.1}]", reached.mean),
-        format!("{:.1}", share(End::Touched).mean),
-        format!("{:.1}", share(End::TimedOut).mean),
+        format!("{:.1}", share(RunEnd::Touched).mean),
+        format!("{:.1}", share(RunEnd::TimedOut).mean),
         if times.is_empty() {
             "–".to_owned()
         } else {
@@ -345,15 +346,15 @@ fn row(courses: &[Course], index: usize, method: Method) -> Vec<String> {
     ]
 }
 
-fn objects(course: &Course, methods: &[Method]) -> Vec<serde_json::Value> {
-    let one = |(method, run): (&Method, &Run)| {
+fn objects(course: &WorldRuns, methods: &[BarnMethod]) -> Vec<serde_json::Value> {
+    let one = |(method, run): (&BarnMethod, &Run)| {
         json!({
             "world": course.number,
             "method": method.name(),
             "end": match run.end {
-                End::Reached => "reached",
-                End::Touched => "touched",
-                End::TimedOut => "timed out",
+                RunEnd::Reached => "reached",
+                RunEnd::Touched => "touched",
+                RunEnd::TimedOut => "timed out",
             },
             "time_s": (run.time_s * 1e3 + 0.5).floor() / 1e3,
             "way_m": (length(&run.places) * 1e3 + 0.5).floor() / 1e3,
@@ -367,17 +368,17 @@ fn objects(course: &Course, methods: &[Method]) -> Vec<serde_json::Value> {
 
 fn picture(
     dir: &Path,
-    courses: &[Course],
-    methods: &[Method],
+    courses: &[WorldRuns],
+    methods: &[BarnMethod],
     quiet: bool,
     out: &mut impl Write,
-) -> Result<(), Failure> {
+) -> Result<(), CliError> {
     // Spread over all worlds: the later ones are harder.
     let count = courses.len().min(SHOWN);
     let spread = |place: usize| {
         courses.get(place * courses.len().saturating_sub(1) / count.saturating_sub(1).max(1))
     };
-    let panel = |course: &'_ Course| RoutePanel {
+    let panel = |course: &'_ WorldRuns| RoutePanel {
         world: course.world.clone(),
         shortest: course.way.clone().unwrap_or_default(),
         ways: course.runs.iter().map(|run| run.places.clone()).collect(),

@@ -2,13 +2,13 @@
 
 use super::output::{bar, prepare};
 use super::run::{Preset, SonarChoice};
-use super::{Failure, summary, table};
+use super::{CliError, summary, table};
 use clap::Args;
-use experiments::behaviors::{Outcome, Trial, first, measure};
-use experiments::scenes::{Scene, scenes_named};
+use experiments::behaviors::{BehaviorTrial, SceneOutcome, first, measure};
+use experiments::scenes::{BehaviorScene, scenes_named};
 use files::error::BadInput;
 use files::save;
-use plots::Shown;
+use plots::ShownBehavior;
 use sim::scenes::Behavior;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -75,7 +75,7 @@ const TABLE_HEADS: [&str; 8] = [
 ///
 /// # Errors
 /// When no behavior matches `--only`, an episode fails, or something cannot be written.
-pub fn behaviors(args: &BehaviorsArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub fn behaviors(args: &BehaviorsArgs, out: &mut impl Write) -> Result<(), CliError> {
     let short = args.worlds.is_none() && args.seeds.is_none();
     let mut scenes = chosen(args.only.as_deref())?;
     if short {
@@ -89,7 +89,7 @@ pub fn behaviors(args: &BehaviorsArgs, out: &mut impl Write) -> Result<(), Failu
     let progress = bar(2 * each * scenes.len() as u64, "episodes");
     let mut rows = Vec::new();
     for scene in &scenes {
-        let measured = |trial: &Trial| {
+        let measured = |trial: &BehaviorTrial| {
             let outcome = measure(scene, trial, &|| progress.inc(1));
             outcome.map_err(|failure| BadInput::new(format!("{}: {failure}", scene.title())))
         };
@@ -127,7 +127,7 @@ pub fn behaviors(args: &BehaviorsArgs, out: &mut impl Write) -> Result<(), Failu
     }
 }
 
-fn chosen(only: Option<&str>) -> Result<Vec<&'static Scene>, BadInput> {
+fn chosen(only: Option<&str>) -> Result<Vec<&'static BehaviorScene>, BadInput> {
     let scenes = scenes_named(only);
     match (scenes.is_empty(), only) {
         (true, Some(text)) => Err(BadInput::new(format!(
@@ -138,10 +138,13 @@ fn chosen(only: Option<&str>) -> Result<Vec<&'static Scene>, BadInput> {
 }
 
 /// Without the shield, and with it.
-fn trials(args: &BehaviorsArgs, (worlds, seeds): (u32, u32)) -> Result<(Trial, Trial), BadInput> {
+fn trials(
+    args: &BehaviorsArgs,
+    (worlds, seeds): (u32, u32),
+) -> Result<(BehaviorTrial, BehaviorTrial), BadInput> {
     let mut config = args.preset.config();
     sim::settings::apply(&mut config, &args.sets)?;
-    let shielded = Trial {
+    let shielded = BehaviorTrial {
         worlds: args.worlds.unwrap_or(worlds),
         seeds: args.seeds.unwrap_or(seeds),
         first: args.first,
@@ -156,7 +159,7 @@ fn trials(args: &BehaviorsArgs, (worlds, seeds): (u32, u32)) -> Result<(Trial, T
     Ok((bare, shielded))
 }
 
-fn list_row(scene: &Scene, bare: &Outcome, shielded: &Outcome) -> Vec<String> {
+fn list_row(scene: &BehaviorScene, bare: &SceneOutcome, shielded: &SceneOutcome) -> Vec<String> {
     vec![
         scene.behavior.to_owned(),
         Behavior::about(scene.behavior).to_owned(),
@@ -167,7 +170,7 @@ fn list_row(scene: &Scene, bare: &Outcome, shielded: &Outcome) -> Vec<String> {
     ]
 }
 
-fn table_row(scene: &Scene, bare: &Outcome, shielded: &Outcome) -> Vec<String> {
+fn table_row(scene: &BehaviorScene, bare: &SceneOutcome, shielded: &SceneOutcome) -> Vec<String> {
     vec![
         scene.behavior.to_owned(),
         scene.place.to_owned(),
@@ -183,11 +186,11 @@ fn table_row(scene: &Scene, bare: &Outcome, shielded: &Outcome) -> Vec<String> {
 /// Writes the pictures of each scene's first episode into a folder of its name, and one of all
 /// behaviors.
 fn pictures(
-    scenes: &[&Scene],
-    trial: &Trial,
+    scenes: &[&BehaviorScene],
+    trial: &BehaviorTrial,
     dir: &Path,
     out: &mut impl Write,
-) -> Result<(), Failure> {
+) -> Result<(), CliError> {
     let mut scenes = scenes.to_vec();
     scenes.dedup_by_key(|scene| (scene.behavior, scene.place));
     let progress = bar(scenes.len() as u64, "pictures");
@@ -201,7 +204,7 @@ fn pictures(
         let folder = dir.join(tame(&scene.title()));
         let rows = summary::rows(&episode.report);
         plots::demo::write(&folder, &recording, &rows, &[])?;
-        shown.push(Shown {
+        shown.push(ShownBehavior {
             name: scene.behavior.to_owned(),
             about: format!("{}: {}", Behavior::about(scene.behavior), scene.place),
             recording,

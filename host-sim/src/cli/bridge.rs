@@ -1,6 +1,6 @@
 //! `host-sim bridge`: a controller drives a Nomad 200 over the robot's own protocol.
 
-use super::Failure;
+use super::CliError;
 use super::output::bar;
 use super::remote::{MindArgs, MindChoice, named};
 use super::run::Preset;
@@ -46,8 +46,8 @@ program is gone.";
 #[command(after_help = EXAMPLES)]
 pub(super) struct BridgeArgs {
     /// The robot: tcp:HOST:PORT or serial:PORT[@BAUD] (default 38400 baud)
-    #[arg(long, value_name = "WHERE", value_parser = parsed::<Robot>)]
-    nomad: Robot,
+    #[arg(long, value_name = "WHERE", value_parser = parsed::<RobotAddress>)]
+    nomad: RobotAddress,
     #[command(flatten)]
     mind: MindArgs,
     #[command(flatten)]
@@ -66,15 +66,15 @@ pub(super) struct BridgeArgs {
 
 /// Address of a robot.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Robot(Address);
+pub(super) struct RobotAddress(Address);
 
-impl fmt::Display for Robot {
+impl fmt::Display for RobotAddress {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.0.fmt(f)
     }
 }
 
-impl FromStr for Robot {
+impl FromStr for RobotAddress {
     type Err = BadInput;
 
     fn from_str(text: &str) -> Result<Self, BadInput> {
@@ -94,7 +94,7 @@ impl FromStr for Robot {
     }
 }
 
-impl Robot {
+impl RobotAddress {
     /// Opens the connection.
     ///
     /// # Errors
@@ -124,7 +124,7 @@ impl Robot {
 ///
 /// # Errors
 /// A robot or controller that cannot be reached or stops answering, an interruption, a closed pipe.
-pub(super) fn bridge(args: &BridgeArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub(super) fn bridge(args: &BridgeArgs, out: &mut impl Write) -> Result<(), CliError> {
     let task = &args.task;
     let plan = Plan {
         config: held(task)?,
@@ -169,7 +169,7 @@ pub(super) fn held(task: &TaskArgs) -> Result<Config<16>, BadInput> {
 /// # Errors
 /// When it cannot be reached.
 pub(super) fn mind(
-    robot: &Robot,
+    robot: &RobotAddress,
     task: &TaskArgs,
     args: &MindArgs,
     log: Option<&Path>,
@@ -222,7 +222,7 @@ pub(super) fn watch() -> Result<Arc<AtomicBool>, BadInput> {
     Ok(flag)
 }
 
-fn print(args: &BridgeArgs, driven: &Driven, out: &mut impl Write) -> Result<(), Failure> {
+fn print(args: &BridgeArgs, driven: &Driven, out: &mut impl Write) -> Result<(), CliError> {
     if args.json {
         serde_json::to_writer(&mut *out, driven).map_err(std::io::Error::from)?;
         return Ok(out.write_all(b"\n")?);
@@ -262,14 +262,14 @@ mod tests {
 
     #[test]
     fn a_robots_serial_port_has_its_own_speed() {
-        let baud = |text: &str| match text.parse::<Robot>().map(|robot| robot.0) {
+        let baud = |text: &str| match text.parse::<RobotAddress>().map(|robot| robot.0) {
             Ok(Address::Serial { baud, .. }) => Some(baud),
             _ => None,
         };
         assert_eq!(baud("serial:/dev/ttyS0"), Some(38_400));
         assert_eq!(baud("serial:/dev/ttyS0@9600"), Some(9_600));
         for text in ["qemu", "tcp:robot", "serial:", "robot:65001"] {
-            let error = text.parse::<Robot>().unwrap_err().to_string();
+            let error = text.parse::<RobotAddress>().unwrap_err().to_string();
             assert!(error.contains("no address of a robot"), "{error}");
         }
     }

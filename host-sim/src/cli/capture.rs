@@ -1,6 +1,6 @@
 //! `host-sim capture`: writes the situation at a pose as a goal file.
 
-use super::Failure;
+use super::CliError;
 use super::run::{Preset, SonarChoice};
 use arena::robot::COLLISION_RADIUS_M;
 use arena::world::{MAX_COORDINATE_M, Point, Pose, World, parse_worlds};
@@ -21,8 +21,8 @@ pub struct CaptureArgs {
     world: String,
     /// Position of the robot, meters, and bearing of its ring, degrees [default: the world's start;
     /// without DEG the start's bearing]
-    #[arg(long, value_name = "X,Y[,DEG]", value_parser = <At as FromStr>::from_str, allow_hyphen_values = true)]
-    at: Option<At>,
+    #[arg(long, value_name = "X,Y[,DEG]", value_parser = <CapturePose as FromStr>::from_str, allow_hyphen_values = true)]
+    at: Option<CapturePose>,
     /// Sonar model
     #[arg(long, value_name = "MODEL", default_value = "ideal", value_enum)]
     sonar: SonarChoice,
@@ -42,12 +42,12 @@ pub struct CaptureArgs {
 
 /// A position, and a bearing if one is given.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct At {
+struct CapturePose {
     place: Point,
     bearing: Option<f64>,
 }
 
-impl FromStr for At {
+impl FromStr for CapturePose {
     type Err = BadInput;
 
     fn from_str(text: &str) -> Result<Self, BadInput> {
@@ -77,7 +77,7 @@ impl FromStr for At {
 /// # Errors
 /// A world that cannot be loaded, a position where the robot does not fit, a file that cannot be
 /// written, a closed pipe.
-pub fn capture(args: &CaptureArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub fn capture(args: &CaptureArgs, out: &mut impl Write) -> Result<(), CliError> {
     let mut config = args.preset.config();
     settings::apply(&mut config, &args.sets)?;
     let world = only_world(&args.world)?;
@@ -113,9 +113,9 @@ fn only_world(name: &str) -> Result<World, BadInput> {
     }
 }
 
-fn pose(world: &World, at: Option<At>) -> Result<Pose, BadInput> {
+fn pose(world: &World, at: Option<CapturePose>) -> Result<Pose, BadInput> {
     let start = world.start();
-    let Some(At { place, bearing }) = at else {
+    let Some(CapturePose { place, bearing }) = at else {
         return Ok(start);
     };
     let (low, high) = world.bounds();
@@ -143,12 +143,12 @@ mod tests {
 
     #[test]
     fn places_are_read_or_refused_by_name() {
-        let at: At = "-1.5, 2,90".parse().unwrap();
+        let at: CapturePose = "-1.5, 2,90".parse().unwrap();
         assert_eq!(at.place, Point::new(-1.5, 2.0));
         assert!((at.bearing.unwrap() - core::f64::consts::FRAC_PI_2).abs() < 1e-12);
-        assert_eq!("1,2".parse::<At>().unwrap().bearing, None);
+        assert_eq!("1,2".parse::<CapturePose>().unwrap().bearing, None);
         for wrong in ["", "1", "1,2,3,4", "1,x", "nan,0", "1e9,0", "1;2"] {
-            let why = wrong.parse::<At>().unwrap_err().to_string();
+            let why = wrong.parse::<CapturePose>().unwrap_err().to_string();
             assert!(why.contains(&format!("\"{wrong}\"")), "{why}");
         }
     }

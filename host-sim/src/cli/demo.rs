@@ -2,7 +2,7 @@
 
 use super::output::{bar, prepare};
 use super::run::Preset;
-use super::{Failure, summary, table};
+use super::{CliError, summary, table};
 use arena::sonar::SonarModel;
 use arena::world::World;
 use clap::Args;
@@ -50,7 +50,7 @@ const NEXT: [&str; 6] = [
 ///
 /// # Errors
 /// When the folder cannot be written, or standard output is closed.
-pub fn demo(args: &DemoArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub fn demo(args: &DemoArgs, out: &mut impl Write) -> Result<(), CliError> {
     prepare(&args.out)?;
     let world = World::paper()?;
     let preset = Preset::Default;
@@ -92,7 +92,7 @@ fn print(
     out: &mut impl Write,
     rows: &[(String, String)],
     files: &[PathBuf],
-) -> Result<(), Failure> {
+) -> Result<(), CliError> {
     writeln!(
         out,
         "A Nomad 200 explored with 100 random moves, learned two maps of 16 neurons and avoided obstacles:\n"

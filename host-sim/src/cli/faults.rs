@@ -2,10 +2,10 @@
 
 use super::output::bar;
 use super::run::{Preset, SonarChoice, Switch};
-use super::{Failure, table};
+use super::{CliError, table};
 use arena::sonar::{FaultKind, TransducerFault};
 use clap::Args;
-use experiments::faults::{Course, FAULTS, Trial, courses};
+use experiments::faults::{FAULTS, FaultEpisode, FaultTrial, fault_episodes};
 use files::error::BadInput;
 use sim::pilot::MAX_MOVES;
 use std::io::Write;
@@ -69,7 +69,7 @@ const HEADS: [&str; 12] = [
 ///
 /// # Errors
 /// An unknown kind or setting; an episode that fails.
-pub fn faults(args: &FaultsArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub fn faults(args: &FaultsArgs, out: &mut impl Write) -> Result<(), CliError> {
     let trial = trial(args)?;
     let asked: Vec<_> = match args.kinds[..] {
         [] => KINDS.map(str::to_owned).to_vec(),
@@ -84,9 +84,9 @@ pub fn faults(args: &FaultsArgs, out: &mut impl Write) -> Result<(), Failure> {
     let progress = bar(episodes * u64::from(trial.rooms), "episodes");
     let mut rows = Vec::new();
     for (name, kind) in asked.iter().zip(kinds) {
-        let courses = courses(kind, &trial, &|| progress.inc(1))
+        let fault_episodes = fault_episodes(kind, &trial, &|| progress.inc(1))
             .map_err(|failure| BadInput::new(format!("{name}: {failure}")))?;
-        rows.push(row(name, kind.is_some(), &courses));
+        rows.push(row(name, kind.is_some(), &fault_episodes));
     }
     progress.finish_and_clear();
     let text = if args.markdown {
@@ -107,11 +107,11 @@ pub fn faults(args: &FaultsArgs, out: &mut impl Write) -> Result<(), Failure> {
     )?)
 }
 
-fn trial(args: &FaultsArgs) -> Result<Trial, BadInput> {
+fn trial(args: &FaultsArgs) -> Result<FaultTrial, BadInput> {
     let mut config = args.preset.config();
     config.fault_detection = args.detection == Switch::On;
     sim::settings::apply(&mut config, &args.sets)?;
-    Ok(Trial {
+    Ok(FaultTrial {
         rooms: args.rooms,
         first: args.first,
         explore_moves: args.explore,
@@ -136,12 +136,19 @@ fn kind(text: &str) -> Result<Option<FaultKind>, BadInput> {
     Ok(Some(fault.kind))
 }
 
-fn row(name: &str, faulty: bool, courses: &[Course]) -> Vec<String> {
-    let count = courses.len();
-    let sum = |value: fn(&Course) -> u32| courses.iter().map(value).sum::<u32>().to_string();
-    let mut delays: Vec<_> = courses.iter().filter_map(|course| course.noticed).collect();
+fn row(name: &str, faulty: bool, fault_episodes: &[FaultEpisode]) -> Vec<String> {
+    let count = fault_episodes.len();
+    let sum =
+        |value: fn(&FaultEpisode) -> u32| fault_episodes.iter().map(value).sum::<u32>().to_string();
+    let mut delays: Vec<_> = fault_episodes
+        .iter()
+        .filter_map(|course| course.noticed)
+        .collect();
     delays.sort_unstable();
-    let coverage = courses.iter().map(|course| course.coverage_m2).sum::<f64>();
+    let coverage = fault_episodes
+        .iter()
+        .map(|course| course.coverage_m2)
+        .sum::<f64>();
     let of_faulty = |text: String| if faulty { text } else { "–".to_owned() };
     vec![
         name.to_owned(),
@@ -151,7 +158,7 @@ fn row(name: &str, faulty: bool, courses: &[Course]) -> Vec<String> {
         of_faulty(quantile(&delays, count, 95)),
         of_faulty(sum(|course| course.named.is_some().into())),
         of_faulty(sum(|course| course.returns)),
-        alarms(courses),
+        alarms(fault_episodes),
         sum(|course| course.unheard),
         sum(|course| course.contacts_before),
         of_faulty(sum(|course| course.contacts_after)),
@@ -160,9 +167,9 @@ fn row(name: &str, faulty: bool, courses: &[Course]) -> Vec<String> {
 }
 
 /// Number of intact transducers that were disabled, by reported fault.
-fn alarms(courses: &[Course]) -> String {
+fn alarms(fault_episodes: &[FaultEpisode]) -> String {
     let mut counts = [0; FAULTS.len()];
-    for course in courses {
+    for course in fault_episodes {
         for (count, more) in counts.iter_mut().zip(course.false_alarms) {
             *count += more;
         }

@@ -1,6 +1,6 @@
 //! `host-sim log` and `host-sim replay`: prints a log's content, and verifies that it replays.
 
-use super::Failure;
+use super::CliError;
 use super::output::bar;
 use super::table::plain;
 use clap::Args;
@@ -28,7 +28,7 @@ pub struct ReplayArgs {
 ///
 /// # Errors
 /// A file that is no log, an invalid message, a closed pipe.
-pub fn log(args: &LogArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub fn log(args: &LogArgs, out: &mut impl Write) -> Result<(), CliError> {
     let log = log::read(&args.file)?;
     let summary = Summary::of(&log)?;
     out.write_all(plain(&["log", ""], &rows(&log, &summary), &[]).as_bytes())?;
@@ -80,7 +80,7 @@ fn rows(log: &LogFile, summary: &Summary) -> Vec<Vec<String>> {
 ///
 /// # Errors
 /// As [`log`]; an answer that differs.
-pub fn replay(args: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub fn replay(args: &ReplayArgs, out: &mut impl Write) -> Result<(), CliError> {
     let log = log::read(&args.file)?;
     let progress = bar(0, "replay");
     let end_ms = log
@@ -92,7 +92,7 @@ pub fn replay(args: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
     progress.finish_and_clear();
     let file = args.file.display();
     if let Some(difference) = &done.difference {
-        return Err(Failure::Differs(format!("{file}: {difference}")));
+        return Err(CliError::Differs(format!("{file}: {difference}")));
     }
     writeln!(
         out,

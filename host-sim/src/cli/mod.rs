@@ -48,11 +48,11 @@ arena of the paper's Fig. 5 and leaves its pictures in out/demo/.";
 #[command(name = "host-sim", version, about = ABOUT, long_about = LONG_ABOUT)]
 struct Cli {
     #[command(subcommand)]
-    command: Option<Command>,
+    command: Option<CliCommand>,
 }
 
 #[derive(Debug, Subcommand)]
-enum Command {
+enum CliCommand {
     /// Explore, learn and avoid in the paper's arena, with pictures in out/demo/ (the default)
     Demo(demo::DemoArgs),
     /// Run episodes in any worlds: a table, or one JSON object per world
@@ -109,7 +109,7 @@ enum Command {
 
 /// Why a command failed.
 #[derive(Debug)]
-pub enum Failure {
+pub enum CliError {
     /// The input was bad.
     Bad(BadInput),
     /// Standard output could not be written.
@@ -118,13 +118,13 @@ pub enum Failure {
     Differs(String),
 }
 
-impl From<BadInput> for Failure {
+impl From<BadInput> for CliError {
     fn from(error: BadInput) -> Self {
         Self::Bad(error)
     }
 }
 
-impl From<io::Error> for Failure {
+impl From<io::Error> for CliError {
     fn from(error: io::Error) -> Self {
         Self::Output(error)
     }
@@ -138,15 +138,15 @@ pub fn main() -> ExitCode {
     let done = execute(cli.command, &mut out).and_then(|()| Ok(out.flush()?));
     match done {
         Ok(()) => ExitCode::SUCCESS,
-        Err(Failure::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => {
+        Err(CliError::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => {
             ExitCode::SUCCESS
         }
-        Err(Failure::Output(error)) => complain(&format!("standard output: {error}")),
-        Err(Failure::Differs(sentence)) => {
+        Err(CliError::Output(error)) => complain(&format!("standard output: {error}")),
+        Err(CliError::Differs(sentence)) => {
             eprintln!("host-sim: {sentence}");
             ExitCode::FAILURE
         }
-        Err(Failure::Bad(error)) => {
+        Err(CliError::Bad(error)) => {
             // Output before the error consists of complete lines: print it.
             let _ = out.flush();
             complain(&error.to_string())
@@ -159,33 +159,33 @@ fn complain(sentence: &str) -> ExitCode {
     ExitCode::from(2)
 }
 
-fn execute(command: Option<Command>, out: &mut impl Write) -> Result<(), Failure> {
+fn execute(command: Option<CliCommand>, out: &mut impl Write) -> Result<(), CliError> {
     match command {
         None => demo::demo(&demo::DemoArgs::default(), out),
-        Some(Command::Demo(args)) => demo::demo(&args, out),
-        Some(Command::Run(args)) => run::run(&args, out),
-        Some(Command::Sweep(args)) => sweep::sweep(&args, out),
-        Some(Command::Merge(args)) => sweep::merge(&args, out),
-        Some(Command::Plot(args)) => sweep_plot::plot(&args, out),
-        Some(Command::Link(args)) => link::link(&args, out),
-        Some(Command::Bridge(args)) => bridge::bridge(&args, out),
-        Some(Command::Nomad(args)) => nomad::nomad(&args, out),
-        Some(Command::Som(args)) => run_som(&args, out),
-        Some(Command::Learn(args)) => learn::learn(&args, out),
-        Some(Command::Barn(args)) => barn::barn(&args, out),
-        Some(Command::Worlds(args)) => worlds::worlds(&args, out),
-        Some(Command::Settings) => settings(out),
-        Some(Command::Ablation(args)) => ablation::ablation(&args, out),
-        Some(Command::Behaviors(args)) => behaviors::behaviors(&args, out),
-        Some(Command::Capture(args)) => capture::capture(&args, out),
-        Some(Command::Repetition(args)) => repetition::repetition(&args, out),
-        Some(Command::Faults(args)) => faults::faults(&args, out),
-        Some(Command::Log(args)) => log::log(&args, out),
-        Some(Command::Replay(args)) => log::replay(&args, out),
-        Some(Command::Paper(args)) => paper::paper(&args, out),
-        Some(Command::Compare(args)) => compare::compare(&args, out),
-        Some(Command::View(args)) => view::view(&args, out),
-        Some(Command::Completions { shell }) => {
+        Some(CliCommand::Demo(args)) => demo::demo(&args, out),
+        Some(CliCommand::Run(args)) => run::run(&args, out),
+        Some(CliCommand::Sweep(args)) => sweep::sweep(&args, out),
+        Some(CliCommand::Merge(args)) => sweep::merge(&args, out),
+        Some(CliCommand::Plot(args)) => sweep_plot::plot(&args, out),
+        Some(CliCommand::Link(args)) => link::link(&args, out),
+        Some(CliCommand::Bridge(args)) => bridge::bridge(&args, out),
+        Some(CliCommand::Nomad(args)) => nomad::nomad(&args, out),
+        Some(CliCommand::Som(args)) => run_som(&args, out),
+        Some(CliCommand::Learn(args)) => learn::learn(&args, out),
+        Some(CliCommand::Barn(args)) => barn::barn(&args, out),
+        Some(CliCommand::Worlds(args)) => worlds::worlds(&args, out),
+        Some(CliCommand::Settings) => settings(out),
+        Some(CliCommand::Ablation(args)) => ablation::ablation(&args, out),
+        Some(CliCommand::Behaviors(args)) => behaviors::behaviors(&args, out),
+        Some(CliCommand::Capture(args)) => capture::capture(&args, out),
+        Some(CliCommand::Repetition(args)) => repetition::repetition(&args, out),
+        Some(CliCommand::Faults(args)) => faults::faults(&args, out),
+        Some(CliCommand::Log(args)) => log::log(&args, out),
+        Some(CliCommand::Replay(args)) => log::replay(&args, out),
+        Some(CliCommand::Paper(args)) => paper::paper(&args, out),
+        Some(CliCommand::Compare(args)) => compare::compare(&args, out),
+        Some(CliCommand::View(args)) => view::view(&args, out),
+        Some(CliCommand::Completions { shell }) => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "host-sim", &mut script);
             Ok(out.write_all(&script)?)
@@ -193,11 +193,11 @@ fn execute(command: Option<Command>, out: &mut impl Write) -> Result<(), Failure
     }
 }
 
-fn run_som(args: &datasets::som::SomArgs, out: &mut impl Write) -> Result<(), Failure> {
+fn run_som(args: &datasets::som::SomArgs, out: &mut impl Write) -> Result<(), CliError> {
     Ok(writeln!(out, "{}", datasets::som::run(args)?)?)
 }
 
-fn settings(out: &mut impl Write) -> Result<(), Failure> {
+fn settings(out: &mut impl Write) -> Result<(), CliError> {
     let presets = [
         run::Preset::Default,
         run::Preset::Probe,

@@ -1,6 +1,6 @@
 //! `host-sim nomad`: a simulated Nomad 200 that speaks the robot's own protocol.
 
-use super::Failure;
+use super::CliError;
 use super::run::SonarChoice;
 use arena::world::{World, parse_worlds};
 use clap::{Args, Subcommand, ValueEnum};
@@ -30,11 +30,11 @@ Any program written for the robot (Nclient.h) finds a Nomad 200 there. docs/noma
 #[derive(Debug, Clone, Args)]
 pub(super) struct NomadArgs {
     #[command(subcommand)]
-    verb: Verb,
+    verb: NomadVerb,
 }
 
 #[derive(Debug, Clone, Subcommand)]
-enum Verb {
+enum NomadVerb {
     /// Simulate a Nomad 200 for the programs that connect, until interrupted
     Serve(ServeArgs),
 }
@@ -87,13 +87,13 @@ enum Spoken {
 ///
 /// # Errors
 /// A world that cannot be loaded, an address that cannot be bound, a closed pipe.
-pub(super) fn nomad(args: &NomadArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub(super) fn nomad(args: &NomadArgs, out: &mut impl Write) -> Result<(), CliError> {
     match &args.verb {
-        Verb::Serve(args) => serve(args, out),
+        NomadVerb::Serve(args) => serve(args, out),
     }
 }
 
-fn serve(args: &ServeArgs, out: &mut impl Write) -> Result<(), Failure> {
+fn serve(args: &ServeArgs, out: &mut impl Write) -> Result<(), CliError> {
     let robot = Simulated::new(world(&args.world)?, args.sonar.into(), args.seed)
         .with_wheels_blocked_after(args.blocked_after.unwrap_or(f64::INFINITY));
     if args.pty {
@@ -116,12 +116,12 @@ fn world(name: &str) -> Result<World, BadInput> {
 }
 
 /// Prints the robot's address on one line and flushes it.
-fn announce(out: &mut impl Write, place: impl std::fmt::Display) -> Result<(), Failure> {
+fn announce(out: &mut impl Write, place: impl std::fmt::Display) -> Result<(), CliError> {
     writeln!(out, "listening on {place}")?;
     Ok(out.flush()?)
 }
 
-fn serve_tcp(robot: Simulated, args: &ServeArgs, out: &mut impl Write) -> Result<(), Failure> {
+fn serve_tcp(robot: Simulated, args: &ServeArgs, out: &mut impl Write) -> Result<(), CliError> {
     let usual = match args.protocol {
         Spoken::Direct => DIRECT,
         Spoken::Nserver => NSERVER,
@@ -152,7 +152,7 @@ fn serve_tcp(robot: Simulated, args: &ServeArgs, out: &mut impl Write) -> Result
 }
 
 #[cfg(unix)]
-fn serve_pty(mut server: Server, out: &mut impl Write) -> Result<(), Failure> {
+fn serve_pty(mut server: Server, out: &mut impl Write) -> Result<(), CliError> {
     let refuse = |error: std::io::Error| BadInput::new(format!("--pty: {error}"));
     let mut pty = nomad200::Pty::open().map_err(refuse)?;
     announce(out, pty.path().display())?;
@@ -161,7 +161,7 @@ fn serve_pty(mut server: Server, out: &mut impl Write) -> Result<(), Failure> {
 }
 
 #[cfg(not(unix))]
-fn serve_pty(_: Server, _: &mut impl Write) -> Result<(), Failure> {
+fn serve_pty(_: Server, _: &mut impl Write) -> Result<(), CliError> {
     Err(BadInput::new("--pty: this system has no pseudo terminals").into())
 }
 

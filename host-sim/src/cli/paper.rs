@@ -1,10 +1,10 @@
 //! `host-sim paper`: redraws the paper's figures and measures its claims one by one.
 
 use super::output::{bar, prepare};
-use super::{Failure, table};
+use super::{CliError, table};
 use clap::Args;
-use experiments::paper::claims::{Claim, Verdict, claims};
-use experiments::paper::measure::{Size, Watcher, measure};
+use experiments::paper::claims::{Claim, ClaimVerdict, claims};
+use experiments::paper::measure::{ProgressListener, Size, measure};
 use files::error::BadInput;
 use files::save;
 use indicatif::ProgressBar;
@@ -50,7 +50,7 @@ const NEXT: [&str; 5] = [
 /// A progress bar for each part of the measurement.
 struct Bars(ProgressBar);
 
-impl Watcher for Bars {
+impl ProgressListener for Bars {
     fn begin(&self, part: &'static str, pieces: u64) {
         self.0.set_prefix(part);
         self.0.set_length(pieces);
@@ -66,7 +66,7 @@ impl Watcher for Bars {
 ///
 /// # Errors
 /// When the folder cannot be written, an episode fails, or standard output is closed.
-pub fn paper(args: &PaperArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub fn paper(args: &PaperArgs, out: &mut impl Write) -> Result<(), CliError> {
     prepare(&args.out)?;
     let size = Size {
         rooms: args.rooms,
@@ -139,7 +139,7 @@ fn csv(rows: &[Vec<String>]) -> Result<Vec<u8>, BadInput> {
 }
 
 /// Prints the claims one below the other: six columns are too wide for a terminal.
-fn print(out: &mut impl Write, claims: &[Claim]) -> Result<(), Failure> {
+fn print(out: &mut impl Write, claims: &[Claim]) -> Result<(), CliError> {
     for claim in claims {
         writeln!(
             out,
@@ -158,7 +158,7 @@ fn print(out: &mut impl Write, claims: &[Claim]) -> Result<(), Failure> {
         };
         writeln!(out, "    {}{of}", claim.measured)?;
     }
-    let counts = Verdict::ALL.map(|verdict| {
+    let counts = ClaimVerdict::ALL.map(|verdict| {
         let count = claims
             .iter()
             .filter(|claim| claim.verdict == verdict)

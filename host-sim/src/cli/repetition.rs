@@ -2,14 +2,14 @@
 
 use super::output::{bar, prepare};
 use super::run::{Preset, SonarChoice};
-use super::{Failure, table};
+use super::{CliError, table};
 use clap::Args;
-use experiments::behaviors::Trial;
+use experiments::behaviors::BehaviorTrial;
 use experiments::repetition::{Curve, measure};
-use experiments::scenes::{Scene, scenes_named};
+use experiments::scenes::{BehaviorScene, scenes_named};
 use files::error::BadInput;
 use files::save;
-use plots::{Curves, Key};
+use plots::{CurveKey, Curves};
 use sim::pilot::MAX_MOVES;
 use sim::statistics::Mean;
 use std::io::Write;
@@ -68,7 +68,7 @@ const HEADS: [&str; 8] = [
 ///
 /// # Errors
 /// When no behavior matches `--only`, an episode fails, or something cannot be written.
-pub fn repetition(args: &RepetitionArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub fn repetition(args: &RepetitionArgs, out: &mut impl Write) -> Result<(), CliError> {
     let trial = trial(args)?;
     let scenes = chosen(args.only.as_deref())?;
     if let Some(dir) = &args.out {
@@ -105,11 +105,11 @@ pub fn repetition(args: &RepetitionArgs, out: &mut impl Write) -> Result<(), Fai
         .map_or(Ok(()), |dir| picture(dir, args.times, &panels, out))
 }
 
-fn trial(args: &RepetitionArgs) -> Result<Trial, BadInput> {
+fn trial(args: &RepetitionArgs) -> Result<BehaviorTrial, BadInput> {
     let mut config = args.preset.config();
     sim::settings::apply(&mut config, &args.sets)?;
     config.shield = None;
-    Ok(Trial {
+    Ok(BehaviorTrial {
         worlds: args.worlds,
         seeds: args.seeds,
         first: args.first,
@@ -123,7 +123,7 @@ fn trial(args: &RepetitionArgs) -> Result<Trial, BadInput> {
 
 /// The scenes for repetition. Skips chains, which already repeat their parts, and scenes with their
 /// own sonars.
-fn chosen(only: Option<&str>) -> Result<Vec<&'static Scene>, BadInput> {
+fn chosen(only: Option<&str>) -> Result<Vec<&'static BehaviorScene>, BadInput> {
     let mut scenes = scenes_named(only);
     scenes.retain(|scene| !scene.behavior.contains(',') && scene.sonar.is_none());
     match (scenes.is_empty(), only) {
@@ -134,7 +134,7 @@ fn chosen(only: Option<&str>) -> Result<Vec<&'static Scene>, BadInput> {
     }
 }
 
-fn row(scene: &Scene, curve: &Curve) -> Vec<String> {
+fn row(scene: &BehaviorScene, curve: &Curve) -> Vec<String> {
     let text = |mean: Option<&Mean>| mean.map(Mean::to_string).unwrap_or_default();
     let [low, high] = curve.difference.interval;
     let differs = if low > 0.0 || high < 0.0 { "yes" } else { "no" };
@@ -150,8 +150,13 @@ fn row(scene: &Scene, curve: &Curve) -> Vec<String> {
     ]
 }
 
-fn picture(dir: &Path, times: u32, panels: &[Curves], out: &mut impl Write) -> Result<(), Failure> {
-    let key = Key {
+fn picture(
+    dir: &Path,
+    times: u32,
+    panels: &[Curves],
+    out: &mut impl Write,
+) -> Result<(), CliError> {
+    let key = CurveKey {
         subtitle: "Mean and 95 % interval by repetition · orange: the maps keep learning · blue: frozen maps".to_owned(),
         along: "repetition".to_owned(),
         ticks: vec![(0, "1".to_owned()), (times as usize - 1, times.to_string())],

@@ -1,6 +1,6 @@
 //! `host-sim run`: runs episodes in any worlds and prints their metrics.
 
-use super::Failure;
+use super::CliError;
 use super::output::{bar, pool, prepare};
 use super::remote::{MindArgs, MindChoice, Remote};
 use super::setup::SetupArgs;
@@ -156,7 +156,7 @@ impl Preset {
 ///
 /// # Errors
 /// Bad input before the first episode; a world that cannot be loaded; a closed pipe.
-pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), CliError> {
     let setup = Setup {
         record: args.out.is_some(),
         ..args.setup()?
@@ -207,14 +207,14 @@ pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
 }
 
 /// Receives the metrics of each world, in order.
-type Print<'p> = &'p mut dyn FnMut(Report) -> Result<(), Failure>;
+type Print<'p> = &'p mut dyn FnMut(Report) -> Result<(), CliError>;
 
 fn in_parallel(
     args: &RunArgs,
     setup: &Setup,
     sources: &[WorldSource],
     print: Print<'_>,
-) -> Result<(), Failure> {
+) -> Result<(), CliError> {
     let pool = pool(args.threads)?;
     let progress = bar(sources.len() as u64, "worlds");
     for (number, chunk) in sources.chunks(CHUNK).enumerate() {
@@ -246,7 +246,7 @@ fn one_by_one(
     sources: &[WorldSource],
     mut remote: Remote,
     print: Print<'_>,
-) -> Result<(), Failure> {
+) -> Result<(), CliError> {
     let progress = bar(sources.len() as u64, "worlds");
     for (index, source) in sources.iter().enumerate() {
         let folder = folder(args, index, source, sources.len());
@@ -313,7 +313,7 @@ pub(super) fn drive(
     }
 }
 
-fn write_json(out: &mut impl Write, report: &Report) -> Result<(), Failure> {
+fn write_json(out: &mut impl Write, report: &Report) -> Result<(), CliError> {
     serde_json::to_writer(&mut *out, report).map_err(std::io::Error::from)?;
     Ok(out.write_all(b"\n")?)
 }

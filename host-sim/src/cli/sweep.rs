@@ -1,12 +1,12 @@
 //! `host-sim sweep` and `host-sim merge`: many episodes, optionally in shards.
 
-use super::Failure;
+use super::CliError;
 use super::output::{bar, pool};
 use super::run::RunArgs;
 use super::setup::{SetupArgs, parsed};
 use amp::config::Config;
 use clap::{Args, Parser};
-use experiments::sweep::{self, Description, Plan, Progress, Shard, Vocabulary};
+use experiments::sweep::{self, Description, Shard, SweepPlan, SweepProgress, Vocabulary};
 use files::error::BadInput;
 use sim::episode::Setup;
 use sim::settings::{self, SETTINGS};
@@ -47,7 +47,7 @@ pub struct MergeArgs {
 /// Parses a point's options with the flags of `run`, so that both mean the same.
 #[derive(Debug, Parser)]
 #[command(no_binary_name = true)]
-struct Point {
+struct PointArgs {
     #[command(flatten)]
     run: RunArgs,
 }
@@ -86,7 +86,7 @@ fn of_point(choices: &[(String, String)]) -> Result<Setup, BadInput> {
             format!("--{key}={value}")
         }
     };
-    let parsed = Point::try_parse_from(choices.iter().map(flag));
+    let parsed = PointArgs::try_parse_from(choices.iter().map(flag));
     parsed.map_err(|error| sentence(&error))?.run.setup()
 }
 
@@ -106,14 +106,14 @@ fn sentence(error: &clap::Error) -> BadInput {
 /// # Errors
 /// An invalid description, a results file that belongs to another sweep or cannot be written, an
 /// episode that fails.
-pub fn sweep(args: &SweepArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub fn sweep(args: &SweepArgs, out: &mut impl Write) -> Result<(), CliError> {
     let from = Shard::from_environment(|name| std::env::var(name).ok());
     let (shard, source) = match args.shard {
         Some(shard) => (shard, None),
         None => from?.map_or((Shard::WHOLE, None), |(shard, from)| (shard, Some(from))),
     };
     let vocabulary = vocabulary();
-    let plan = Plan::new(Description::load(&args.file, &vocabulary)?, vocabulary)?;
+    let plan = SweepPlan::new(Description::load(&args.file, &vocabulary)?, vocabulary)?;
     if args.dry_run {
         return Ok(writeln!(out, "{}", about(&plan, shard))?);
     }
@@ -135,7 +135,7 @@ pub fn sweep(args: &SweepArgs, out: &mut impl Write) -> Result<(), Failure> {
     Ok(writeln!(out, "{}: {} episodes", path.display(), done.all)?)
 }
 
-fn default_path(plan: &Plan, shard: Shard) -> PathBuf {
+fn default_path(plan: &SweepPlan, shard: Shard) -> PathBuf {
     let name = &plan.description().name;
     let part = if shard.is_whole() {
         String::new()
@@ -145,7 +145,7 @@ fn default_path(plan: &Plan, shard: Shard) -> PathBuf {
     PathBuf::from(format!("out/sweep/{name}{part}.csv"))
 }
 
-fn about(plan: &Plan, shard: Shard) -> String {
+fn about(plan: &SweepPlan, shard: Shard) -> String {
     let description = plan.description();
     format!(
         "{}\n{} points × {} behaviors × {} worlds × {} seeds; shard {shard} has {} episodes",
@@ -179,7 +179,7 @@ impl Reporter {
         }
     }
 
-    fn tell(&mut self, progress: Progress) {
+    fn tell(&mut self, progress: SweepProgress) {
         if std::io::stderr().is_terminal() {
             let bar = self.bar.get_or_insert_with(|| {
                 let bar = bar(progress.all, "episodes").with_position(progress.done);
@@ -213,8 +213,8 @@ impl Reporter {
 ///
 /// # Errors
 /// Files that do not form one whole sweep; standard output that cannot be written.
-pub fn merge(args: &MergeArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub fn merge(args: &MergeArgs, out: &mut impl Write) -> Result<(), CliError> {
     let mut merged = sweep::merge(&args.files)?;
     out.write_all(merged.header().text().as_bytes())?;
-    merged.rows(&mut |row| Ok::<_, Failure>(out.write_all(row)?))
+    merged.rows(&mut |row| Ok::<_, CliError>(out.write_all(row)?))
 }

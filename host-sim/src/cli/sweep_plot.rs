@@ -1,9 +1,9 @@
 //! `host-sim plot`: draws the results of a sweep, one picture per option.
 
 use super::output::prepare;
-use super::{Failure, table};
+use super::{CliError, table};
 use clap::Args;
-use experiments::sweep::{SweepOutcome, SweptChoice, Table, Texts, swept_choices};
+use experiments::sweep::{ResultsTable, SweepOutcome, SweptChoice, Texts, swept_choices};
 use files::error::BadInput;
 use files::save;
 use plots::{DotPanel, DotSection, Figure, dot_plot, index_html, png};
@@ -30,8 +30,8 @@ pub struct PlotArgs {
 ///
 /// # Errors
 /// A file that cannot be read or holds no episode, a folder that cannot be written.
-pub fn plot(args: &PlotArgs, out: &mut impl Write) -> Result<(), Failure> {
-    let results = Table::load(&args.file)?;
+pub fn plot(args: &PlotArgs, out: &mut impl Write) -> Result<(), CliError> {
+    let results = ResultsTable::load(&args.file)?;
     if results.rows() == 0 {
         return Err(BadInput::file(&args.file, "holds no episode").into());
     }
@@ -96,7 +96,7 @@ struct BehaviorOutcomes {
     of_value: Vec<Option<SweepOutcome>>,
 }
 
-fn by_behavior(results: &Table, choice: &SweptChoice) -> Vec<BehaviorOutcomes> {
+fn by_behavior(results: &ResultsTable, choice: &SweptChoice) -> Vec<BehaviorOutcomes> {
     let (Some(names), Some(units)) = (results.texts("behavior"), results.texts("success_unit"))
     else {
         return Vec::new();

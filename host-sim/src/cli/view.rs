@@ -1,7 +1,7 @@
 //! `host-sim view`: a web page that shows a running robot.
 
-use super::Failure;
-use super::bridge::{Robot, held, mind, watch};
+use super::CliError;
+use super::bridge::{RobotAddress, held, mind, watch};
 use super::remote::{MindArgs, named, open};
 use super::run::{Preset, sources};
 use super::setup::{SetupArgs, parsed};
@@ -46,9 +46,9 @@ pub struct ViewArgs {
     replay: Option<PathBuf>,
     /// Show a Nomad 200 instead of a simulation, over its own protocol: tcp:HOST:PORT or
     /// serial:PORT[@BAUD] (see `bridge`)
-    #[arg(long, value_name = "WHERE", value_parser = parsed::<Robot>,
+    #[arg(long, value_name = "WHERE", value_parser = parsed::<RobotAddress>,
         conflicts_with_all = ["world", "sonar", "turret", "speed"])]
-    nomad: Option<Robot>,
+    nomad: Option<RobotAddress>,
     /// Show a board with its own ring and base instead of a simulation: serial:PORT[@BAUD],
     /// tcp:HOST:PORT or qemu
     #[arg(long, value_name = "WHERE", value_parser = parsed::<Address>, conflicts_with_all = ["replay", "nomad", "world",
@@ -109,7 +109,7 @@ fn steering_timeout(text: &str) -> Result<SteeringTimeout, String> {
 ///
 /// # Errors
 /// Bad input, an address that cannot be bound, a controller that cannot be reached, a closed pipe.
-pub fn view(args: &ViewArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub fn view(args: &ViewArgs, out: &mut impl Write) -> Result<(), CliError> {
     let door = Door::open(args.listen, args.allow_remote)?;
     let source = source(args)?;
     let ended = watch()?;
@@ -142,7 +142,7 @@ fn board(args: &ViewArgs, address: &Address) -> Result<Box<dyn Source>, BadInput
     Ok(Box::new(board.map_err(|error| named(address, &error))?))
 }
 
-fn nomad(args: &ViewArgs, robot: &Robot) -> Result<Box<dyn Source>, BadInput> {
+fn nomad(args: &ViewArgs, robot: &RobotAddress) -> Result<Box<dyn Source>, BadInput> {
     let task = args.setup.task();
     let config = held(task)?;
     let host = robot.open()?;

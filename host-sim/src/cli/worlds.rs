@@ -2,7 +2,7 @@
 
 use super::output::prepare;
 use super::run::sources;
-use super::{Failure, table};
+use super::{CliError, table};
 use arena::world::World;
 use clap::Args;
 use files::error::BadInput;
@@ -28,7 +28,7 @@ const MOST: usize = 100;
 ///
 /// # Errors
 /// Worlds that cannot be loaded, a folder that cannot be written, a closed pipe.
-pub fn worlds(args: &WorldsArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub fn worlds(args: &WorldsArgs, out: &mut impl Write) -> Result<(), CliError> {
     let mut names = args.worlds.clone();
     if names.is_empty() {
         names = World::builtin_names()

@@ -10,7 +10,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use sim::settings;
 use std::process::ExitCode;
 use std::time::Instant;
-use tests::campaign::{Verdict, chip, clock, drift, frames, link, shield, silence};
+use tests::campaign::{CampaignVerdict, chip, clock, drift, frames, link, shield, silence};
 
 /// Divisor of the counts with `--quick`.
 const QUICK: u64 = 1_000;
@@ -20,9 +20,9 @@ const QUICK: u64 = 1_000;
     name = "campaign",
     about = "Long random runs that try to break the controller, its link and its clock"
 )]
-struct Cli {
+struct CampaignCli {
     #[command(subcommand)]
-    verb: Verb,
+    verb: CampaignVerb,
     /// Seed of all randomness
     #[arg(long, global = true, default_value_t = 1)]
     seed: u64,
@@ -35,7 +35,7 @@ struct Cli {
 }
 
 #[derive(Debug, Subcommand)]
-enum Verb {
+enum CampaignVerb {
     /// Damaged frames through the decoder [count: 1000000000]
     Frames,
     /// Frames over a line that loses 30 %, duplicates 10 % and reorders [count: 1000000]
@@ -70,7 +70,7 @@ enum Verb {
     ChipSilence,
 }
 
-impl Verb {
+impl CampaignVerb {
     const fn count(&self) -> u64 {
         match self {
             Self::Frames => frames::COUNT,
@@ -96,7 +96,7 @@ impl Verb {
 }
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = CampaignCli::parse();
     let whole = cli.verb.count();
     let quick = cli.quick.then_some((whole / QUICK).max(1));
     let count = cli.count.or(quick).unwrap_or(whole);
@@ -118,14 +118,18 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(cli: &Cli, count: u64, progress: &(dyn Fn(u64) + Sync)) -> Result<Verdict, String> {
+fn run(
+    cli: &CampaignCli,
+    count: u64,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<CampaignVerdict, String> {
     let seed = cli.seed;
     match &cli.verb {
-        Verb::Frames => Ok(frames::run(seed, count, progress)),
-        Verb::Link => Ok(link::run(seed, count, progress)),
-        Verb::Silence => Ok(silence::run(seed, count, progress)),
-        Verb::Clock => clock::run(seed, count, progress).map_err(|why| why.to_string()),
-        Verb::Drift { hours, ideal } => {
+        CampaignVerb::Frames => Ok(frames::run(seed, count, progress)),
+        CampaignVerb::Link => Ok(link::run(seed, count, progress)),
+        CampaignVerb::Silence => Ok(silence::run(seed, count, progress)),
+        CampaignVerb::Clock => clock::run(seed, count, progress).map_err(|why| why.to_string()),
+        CampaignVerb::Drift { hours, ideal } => {
             let sonar = if *ideal {
                 SonarModel::Ideal
             } else {
@@ -133,7 +137,7 @@ fn run(cli: &Cli, count: u64, progress: &(dyn Fn(u64) + Sync)) -> Result<Verdict
             };
             drift::run(seed, count, *hours, sonar, progress).map_err(|why| why.to_string())
         }
-        Verb::Shield { others, sets } => {
+        CampaignVerb::Shield { others, sets } => {
             let worlds = if *others {
                 shield::Worlds::Others
             } else {
@@ -143,13 +147,13 @@ fn run(cli: &Cli, count: u64, progress: &(dyn Fn(u64) + Sync)) -> Result<Verdict
             settings::apply(&mut config, sets).map_err(|why| why.to_string())?;
             shield::run(seed, count, worlds, &config, progress)
         }
-        Verb::ChipFrames => Ok(chip::frames(seed, count, progress)),
-        Verb::ChipLink => Ok(chip::link(seed, count, progress)),
-        Verb::ChipSilence => Ok(chip::silence(seed, count, progress)),
+        CampaignVerb::ChipFrames => Ok(chip::frames(seed, count, progress)),
+        CampaignVerb::ChipLink => Ok(chip::link(seed, count, progress)),
+        CampaignVerb::ChipSilence => Ok(chip::silence(seed, count, progress)),
     }
 }
 
-fn tell(verdict: &Verdict) -> ExitCode {
+fn tell(verdict: &CampaignVerdict) -> ExitCode {
     print!("{}", verdict.text);
     for broken in &verdict.broken {
         eprintln!("error: {broken}");

@@ -1,6 +1,6 @@
 //! Shared by the campaigns of the link: a controller that can seek, and frames for it.
 
-use crate::chip::{Recorded, dimensions, packed};
+use crate::chip::{RecordedBytes, dimensions, packed};
 use amp::config::Config;
 use amp::node::{Identity, NomadNode};
 use amp::som::Grid;
@@ -64,7 +64,7 @@ impl Ready {
         let now = clocks.device(0);
         let config = Config::recommended();
         let identity = Identity::default();
-        let mut said = Recorded::default();
+        let mut said = RecordedBytes::default();
         let grid = Grid::rectangle(4, 4);
         ready.node.start(&config, grid, identity, now, &mut said);
         ready.tell(&hello());
@@ -98,7 +98,7 @@ impl Ready {
     fn tell(&mut self, message: &ToMind<16>) -> Vec<Report<16>> {
         self.seq = self.seq.wrapping_add(1);
         let frame = numbered(self.seq, message);
-        let mut said = Recorded::default();
+        let mut said = RecordedBytes::default();
         let now = self.clocks.device(self.now_ms);
         self.node.frame(now, coded(&frame), &mut said);
         let reports = reports(&said.0);

@@ -4,7 +4,7 @@
 //! Uses the code for a real robot: [`drive`], a controller behind a link, the robot's own protocol,
 //! the simulated robot. Timeouts run in real time, so results vary.
 
-use super::{Verdict, below, generator};
+use super::{CampaignVerdict, below, generator};
 use amp::config::Config;
 use arena::sonar::SonarModel;
 use arena::world::{Point, Pose, Shape, World};
@@ -38,14 +38,14 @@ const STEP: Duration = Duration::from_millis(2);
 
 /// The component that fails.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Gone {
+enum BridgeFailure {
     /// The controller sends nothing more; its link stays open.
     Mind,
     /// The bridge and its line to the robot.
     Bridge,
 }
 
-impl Gone {
+impl BridgeFailure {
     const ALL: [Self; 2] = [Self::Mind, Self::Bridge];
 
     const fn name(self) -> &'static str {
@@ -68,14 +68,14 @@ impl Gone {
 }
 
 /// The robot and its observation.
-struct Scene {
+struct BridgeScene {
     line: Line,
     began: Instant,
     lived_ms: u32,
     /// Time from the start of the motors to the failure, ms.
     after_ms: u32,
     ran_ms: u32,
-    gone: Gone,
+    gone: BridgeFailure,
     /// Time of the failure, and the distance rolled until then.
     moment: Option<(u32, f64)>,
     decoder: Decoder,
@@ -86,8 +86,8 @@ struct Scene {
     is_over: Arc<AtomicBool>,
 }
 
-impl Scene {
-    fn new(gone: Gone, after_ms: u32, seed: u64) -> Self {
+impl BridgeScene {
+    fn new(gone: BridgeFailure, after_ms: u32, seed: u64) -> Self {
         let walls = Shape::room(Point::new(4.0, 4.0));
         let world = World::new("hall", Pose::default(), vec![walls]).expect("a world");
         let robot = Simulated::new(world, SonarModel::Ideal, seed);
@@ -106,7 +106,7 @@ impl Scene {
         }
     }
 
-    fn is_gone(&self, who: Gone) -> bool {
+    fn is_gone(&self, who: BridgeFailure) -> bool {
         self.gone == who && self.moment.is_some()
     }
 
@@ -152,18 +152,18 @@ impl Scene {
     }
 }
 
-fn look(scene: &Mutex<Scene>) -> MutexGuard<'_, Scene> {
+fn look(scene: &Mutex<BridgeScene>) -> MutexGuard<'_, BridgeScene> {
     scene.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The line to the robot.
-struct ToRobot(Arc<Mutex<Scene>>);
+struct RobotLink(Arc<Mutex<BridgeScene>>);
 
-impl Transport for ToRobot {
+impl Transport for RobotLink {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         let mut scene = look(&self.0);
         scene.live();
-        if !scene.is_gone(Gone::Bridge) {
+        if !scene.is_gone(BridgeFailure::Bridge) {
             scene.hear(bytes);
         }
         Ok(())
@@ -175,7 +175,7 @@ impl Transport for ToRobot {
             let mut scene = look(&self.0);
             scene.live();
             // A bridge that has failed waits for nothing.
-            if scene.is_gone(Gone::Bridge) {
+            if scene.is_gone(BridgeFailure::Bridge) {
                 return Ok(0);
             }
             let answer = scene.line.take();
@@ -191,19 +191,19 @@ impl Transport for ToRobot {
 }
 
 /// The link to the controller.
-struct ToMind {
+struct ControllerLink {
     mind: Local,
-    scene: Arc<Mutex<Scene>>,
+    scene: Arc<Mutex<BridgeScene>>,
     is_over: Arc<AtomicBool>,
 }
 
-impl ToMind {
+impl ControllerLink {
     fn is_mute(&self) -> bool {
-        look(&self.scene).is_gone(Gone::Mind)
+        look(&self.scene).is_gone(BridgeFailure::Mind)
     }
 }
 
-impl Transport for ToMind {
+impl Transport for ControllerLink {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         if self.is_mute() {
             return Ok(());
@@ -228,20 +228,20 @@ impl Transport for ToMind {
 
 /// Result of a trial: times after the failure, ms, and distance, mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Stopped {
+struct BridgeStop {
     told_ms: u32,
     stood_ms: u32,
     way_mm: f64,
 }
 
-fn try_it(gone: Gone, seed: u64, trial: u64) -> Stopped {
+fn try_it(gone: BridgeFailure, seed: u64, trial: u64) -> BridgeStop {
     let mut config = Config::recommended();
     config.robot.speed_mm_s = SPEED_MM_S;
     let after_ms = below(&mut generator(seed, trial), MAX_MS) as u32;
-    let scene = Scene::new(gone, after_ms, seed.wrapping_add(trial));
+    let scene = BridgeScene::new(gone, after_ms, seed.wrapping_add(trial));
     let is_over = Arc::clone(&scene.is_over);
     let scene = Arc::new(Mutex::new(scene));
-    let mut session = Session::new(ToMind {
+    let mut session = Session::new(ControllerLink {
         mind: Local::new(config.clone()),
         scene: Arc::clone(&scene),
         is_over: Arc::clone(&is_over),
@@ -261,7 +261,7 @@ fn try_it(gone: Gone, seed: u64, trial: u64) -> Stopped {
         seed: seed.wrapping_add(trial),
         sonars_at_once: 16,
     };
-    let host = Host::new(ToRobot(Arc::clone(&scene)));
+    let host = Host::new(RobotLink(Arc::clone(&scene)));
     let _ = drive(host, LoggedMind::new(mind, None), &plan, &is_over, |_| {});
     // Without a bridge the robot's time must not advance.
     let mut scene = look(&scene);
@@ -269,7 +269,7 @@ fn try_it(gone: Gone, seed: u64, trial: u64) -> Stopped {
         scene.pass();
     }
     let (stood_ms, way_m) = scene.stood.unwrap_or((GIVE_UP_MS, f64::INFINITY));
-    Stopped {
+    BridgeStop {
         told_ms: scene.told_ms.unwrap_or(stood_ms),
         stood_ms,
         way_mm: way_m * 1e3,
@@ -277,10 +277,10 @@ fn try_it(gone: Gone, seed: u64, trial: u64) -> Stopped {
 }
 
 /// Runs the trials for a campaign of `count`, and adds their figures to the verdict.
-pub(super) fn run(verdict: &mut Verdict, seed: u64, count: u64) {
+pub(super) fn run(verdict: &mut CampaignVerdict, seed: u64, count: u64) {
     let count = (count / SHARE).max(LEAST);
     let mut rows = Vec::new();
-    for (kind, gone) in (0..).zip(Gone::ALL) {
+    for (kind, gone) in (0..).zip(BridgeFailure::ALL) {
         let next = Mutex::new(0..count);
         let all = Mutex::new(Vec::new());
         std::thread::scope(|scope| {
@@ -311,20 +311,20 @@ pub(super) fn run(verdict: &mut Verdict, seed: u64, count: u64) {
     verdict.table(heads, &rows);
 }
 
-fn judge(verdict: &mut Verdict, gone: Gone, all: &[Stopped]) -> [String; 5] {
+fn judge(verdict: &mut CampaignVerdict, gone: BridgeFailure, all: &[BridgeStop]) -> [String; 5] {
     let name = gone.name();
-    let most = |of: fn(&Stopped) -> u32| all.iter().map(of).max().unwrap_or(0);
+    let most = |of: fn(&BridgeStop) -> u32| all.iter().map(of).max().unwrap_or(0);
     let stood_ms = most(|stopped| stopped.stood_ms);
     let told_ms = most(|stopped| stopped.told_ms);
     let way_mm = all.iter().map(|stopped| stopped.way_mm).fold(0.0, f64::max);
     // The robot reports no stop of its own.
-    let is_told = gone == Gone::Bridge || told_ms <= gone.most_ms();
+    let is_told = gone == BridgeFailure::Bridge || told_ms <= gone.most_ms();
     verdict.require(is_told, format!("{name}: {told_ms} ms"));
     let is_soon = stood_ms <= gone.most_ms() + BRAKING_MS;
     verdict.require(is_soon, format!("{name}: stood after {stood_ms} ms"));
     let told = match gone {
-        Gone::Mind => told_ms.to_string(),
-        Gone::Bridge => "–".to_owned(),
+        BridgeFailure::Mind => told_ms.to_string(),
+        BridgeFailure::Bridge => "–".to_owned(),
     };
     [
         name.to_owned(),
@@ -341,20 +341,23 @@ mod tests {
 
     #[test]
     fn one_base_that_goes_on_for_too_long_is_found() {
-        let stopped = |told_ms, stood_ms| Stopped {
+        let stopped = |told_ms, stood_ms| BridgeStop {
             told_ms,
             stood_ms,
             way_mm: 20.0,
         };
-        let broken = |gone, all: &[Stopped]| {
-            let mut verdict = Verdict::default();
+        let broken = |gone, all: &[BridgeStop]| {
+            let mut verdict = CampaignVerdict::default();
             let _ = judge(&mut verdict, gone, all);
             verdict.broken.len()
         };
-        assert_eq!(broken(Gone::Mind, &[stopped(900, 2_410)]), 0);
-        assert_eq!(broken(Gone::Mind, &[stopped(1, 2), stopped(901, 2_000)]), 1);
-        assert_eq!(broken(Gone::Mind, &[stopped(900, 2_411)]), 1);
-        assert_eq!(broken(Gone::Bridge, &[stopped(2_520, 2_520)]), 0);
-        assert_eq!(broken(Gone::Bridge, &[stopped(0, 2_521)]), 1);
+        assert_eq!(broken(BridgeFailure::Mind, &[stopped(900, 2_410)]), 0);
+        assert_eq!(
+            broken(BridgeFailure::Mind, &[stopped(1, 2), stopped(901, 2_000)]),
+            1
+        );
+        assert_eq!(broken(BridgeFailure::Mind, &[stopped(900, 2_411)]), 1);
+        assert_eq!(broken(BridgeFailure::Bridge, &[stopped(2_520, 2_520)]), 0);
+        assert_eq!(broken(BridgeFailure::Bridge, &[stopped(0, 2_521)]), 1);
     }
 }

@@ -47,7 +47,7 @@ impl PartialOrd for Come {
 
 /// A channel with its statistics.
 #[derive(Debug)]
-pub(super) struct Channel {
+pub(super) struct LossyChannel {
     badness: Badness,
     /// End of the current stall.
     stalled_until_ms: u64,
@@ -58,7 +58,7 @@ pub(super) struct Channel {
     repeated: u64,
 }
 
-impl Channel {
+impl LossyChannel {
     pub(super) fn new(badness: Badness, seed: u64, part: u64) -> Self {
         Self {
             badness,
@@ -141,7 +141,7 @@ mod tests {
             stalls: 0,
             stall_ms: 0,
         };
-        let mut channel = Channel::new(badness, 1, 0);
+        let mut channel = LossyChannel::new(badness, 1, 0);
         for now_ms in 0..10_000 {
             assert_eq!(channel.send(now_ms, &[1]), now_ms);
         }
@@ -170,7 +170,7 @@ mod tests {
             stalls: 5,
             stall_ms: 2_000,
         };
-        let mut channel = Channel::new(badness, 1, 0);
+        let mut channel = LossyChannel::new(badness, 1, 0);
         for number in 0..10_000 {
             channel.send(20 * number, &[1]);
         }

@@ -4,12 +4,12 @@
 //! The counts are a thousandth of those against the code on the host.
 
 use super::bench::{carried_out, command, motion, scan};
-use super::channel::{Badness, Channel};
+use super::channel::{Badness, LossyChannel};
 use super::frames::{Example, examples};
-use super::link::{Base, Book};
-use super::mutate::Damage;
-use super::{Progress, Verdict, below, generator, grouped};
-use crate::chip::{Chip, SESSION, packed};
+use super::link::{Bookkeeper, LinkBase};
+use super::mutate::FrameDamage;
+use super::{CampaignVerdict, Progress, below, generator, grouped};
+use crate::chip::{EmulatedChip, SESSION, packed};
 use amp::controller::{Progress as Way, StopReason};
 use amp::units::Millis;
 use amp::wire::frame::{FrameError, Header, unpack};
@@ -62,7 +62,7 @@ const LONGEST_MOVE_MS: usize = 700;
 
 /// Expected counters of the chip: what this machine's decoder does with the damaged frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-struct Expected {
+struct ExpectedCounters {
     misshapen: u32,
     damaged: u32,
     unknown: u32,
@@ -76,14 +76,14 @@ struct Expected {
 /// # Panics
 /// When there is no emulator, or the chip stops answering.
 #[must_use]
-pub fn frames(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
+pub fn frames(seed: u64, count: u64, progress: Progress<'_>) -> CampaignVerdict {
     let examples: Vec<_> = examples().into_iter().filter(|one| one.to_mind).collect();
     let mut random = generator(seed, 0);
-    let mut chip = Chip::linked(Clock::Device);
+    let mut chip = EmulatedChip::linked(Clock::Device);
     let before = chip.counters();
-    let (mut expected, mut asked, mut ahead) = (Expected::default(), 1, 0);
+    let (mut expected, mut asked, mut ahead) = (ExpectedCounters::default(), 1, 0);
     for _ in 0..count {
-        let damage = Damage::ALL[below(&mut random, Damage::ALL.len())];
+        let damage = FrameDamage::ALL[below(&mut random, FrameDamage::ALL.len())];
         let [one, other] = [(); 2].map(|()| &examples[below(&mut random, examples.len())]);
         let mut frame = one.bytes.clone();
         damage.inflict(&mut frame, &other.bytes, &mut random);
@@ -102,7 +102,7 @@ pub fn frames(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
 }
 
 /// Expectation for a valid frame of another session: unknown session or, for a hello, refused.
-fn expect(frame: &[u8], examples: &[Example], expected: &mut Expected) {
+fn expect(frame: &[u8], examples: &[Example], expected: &mut ExpectedCounters) {
     let mut receiver = Receiver::new();
     for &byte in frame {
         let Some(piece) = receiver.push(byte) else {
@@ -122,13 +122,13 @@ fn expect(frame: &[u8], examples: &[Example], expected: &mut Expected) {
 }
 
 fn judge(
-    expected: &Expected,
+    expected: &ExpectedCounters,
     count: u64,
     asked: u32,
     before: &Counters,
     after: &Counters,
-) -> Verdict {
-    let mut verdict = Verdict::default();
+) -> CampaignVerdict {
+    let mut verdict = CampaignVerdict::default();
     verdict.say(format_args!(
         "{} damaged frames to the chip\n",
         grouped(count)
@@ -180,7 +180,7 @@ fn judge(
 }
 
 /// Explores and learns a little, then seeks.
-fn seeking(chip: &mut Chip) {
+fn seeking(chip: &mut EmulatedChip) {
     chip.order(Order::Explore { moves: 10, seed: 3 });
     for round in 0..10 {
         let order = ring(chip, 700 + 50 * round).expect("a random move");
@@ -193,7 +193,7 @@ fn seeking(chip: &mut Chip) {
     chip.order(Order::Seek);
 }
 
-fn ring(chip: &mut Chip, range_mm: u16) -> Option<MotionOrder> {
+fn ring(chip: &mut EmulatedChip, range_mm: u16) -> Option<MotionOrder> {
     let scan = scan(chip.at_ms(), range_mm);
     motion(&chip.ask(&scan))
 }
@@ -203,8 +203,8 @@ fn ring(chip: &mut Chip, range_mm: u16) -> Option<MotionOrder> {
 /// # Panics
 /// When there is no emulator, or the chip stops answering.
 #[must_use]
-pub fn link(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
-    let mut chip = Chip::linked(Clock::Device);
+pub fn link(seed: u64, count: u64, progress: Progress<'_>) -> CampaignVerdict {
+    let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
     let before = chip.counters();
     let first = chip.send(&ToMind::Mode).wrapping_add(1);
@@ -261,18 +261,18 @@ struct Given {
 
 /// The host and base behind a bad line to the chip.
 struct BadLine<'a> {
-    chip: &'a mut Chip,
+    chip: &'a mut EmulatedChip,
     /// Sequence number of the first frame.
     first: u16,
     behind: Behind,
     /// Time of the chip and of the host at the start; the latest time since then.
     began_ms: [u32; 2],
     now_ms: u64,
-    there: Channel,
-    back: Channel,
+    there: LossyChannel,
+    back: LossyChannel,
     random: Xoshiro256PlusPlus,
-    base: Base,
-    book: Book,
+    base: LinkBase,
+    book: Bookkeeper,
     /// Time at which the line to the chip is free again.
     free_ms: u64,
     /// The latest frame that reached the chip; number of frames in order and out of order.
@@ -288,7 +288,7 @@ struct BadLine<'a> {
 
 impl<'a> BadLine<'a> {
     /// `device_ms` is the chip's reported time.
-    fn new(chip: &'a mut Chip, first: u16, device_ms: u32, seed: u64) -> Self {
+    fn new(chip: &'a mut EmulatedChip, first: u16, device_ms: u32, seed: u64) -> Self {
         let mut behind = Behind::default();
         let here_ms = chip.at_ms();
         behind.hear(here_ms, device_ms);
@@ -298,11 +298,11 @@ impl<'a> BadLine<'a> {
             behind,
             began_ms: [device_ms, here_ms],
             now_ms: 0,
-            there: Channel::new(TO_CHIP, seed, 0),
-            back: Channel::new(TO_BASE, seed, 1),
+            there: LossyChannel::new(TO_CHIP, seed, 0),
+            back: LossyChannel::new(TO_BASE, seed, 1),
             random: generator(seed, 2),
-            base: Base::new(OLDEST_MS),
-            book: Book::default(),
+            base: LinkBase::new(OLDEST_MS),
+            book: Bookkeeper::default(),
             free_ms: 0,
             latest: None,
             accepted: 0,
@@ -415,8 +415,8 @@ impl<'a> BadLine<'a> {
         }
     }
 
-    fn judge(&self, count: u64, before: &Counters, after: &Counters) -> Verdict {
-        let mut verdict = Verdict::default();
+    fn judge(&self, count: u64, before: &Counters, after: &Counters) -> CampaignVerdict {
+        let mut verdict = CampaignVerdict::default();
         verdict.say(format_args!(
             "{} frames to the chip, {} from it\n",
             grouped(count),
@@ -479,8 +479,8 @@ impl<'a> BadLine<'a> {
 /// # Panics
 /// When there is no emulator, or the chip does not stop, or for another reason.
 #[must_use]
-pub fn silence(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
-    let mut chip = Chip::linked(Clock::Device);
+pub fn silence(seed: u64, count: u64, progress: Progress<'_>) -> CampaignVerdict {
+    let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
     let mut random = generator(seed, 0);
     let mut times: Vec<_> = (0..count)
@@ -494,7 +494,7 @@ pub fn silence(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
         .collect();
     times.sort_unstable();
     let at = |share: usize| times.get((times.len().max(1) - 1) * share / 100).copied();
-    let mut verdict = Verdict::default();
+    let mut verdict = CampaignVerdict::default();
     let row = [50, 99, 100].map(|share| at(share).unwrap_or(0).to_string());
     verdict.say(format_args!(
         "{} moments; from the last frame heard to the stop, ms by the chip's clock\n",
@@ -508,7 +508,7 @@ pub fn silence(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
     verdict
 }
 
-fn stopped_after(chip: &mut Chip, moving_ms: u32) -> u32 {
+fn stopped_after(chip: &mut EmulatedChip, moving_ms: u32) -> u32 {
     let mut order = None;
     for range_mm in [900, 1_000, 1_100, 1_200] {
         order = order.or_else(|| ring(chip, range_mm));

@@ -2,7 +2,7 @@
 //!
 //! It is compared, decision by decision, with an episode that starts at 0.
 
-use super::{Progress, Verdict, below, generator, grouped};
+use super::{CampaignVerdict, Progress, below, generator, grouped};
 use amp::config::Config;
 use amp::controller::{Decision, Event, Outputs};
 use amp::units::Millis;
@@ -84,7 +84,7 @@ struct Compared {
 ///
 /// # Errors
 /// When a controller does not answer.
-pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> Result<Verdict, Failure> {
+pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> Result<CampaignVerdict, Failure> {
     let one = |number| {
         let compared = compare(seed, number);
         progress(1);
@@ -138,11 +138,11 @@ fn compare(seed: u64, number: u64) -> Result<Compared, Failure> {
     })
 }
 
-fn verdict(all: &[Compared]) -> Verdict {
+fn verdict(all: &[Compared]) -> CampaignVerdict {
     let count = |is: fn(&Compared) -> bool| all.iter().filter(|one| is(one)).count() as u64;
     let episodes = all.len() as u64;
     let [same, wrapped] = [count(|one| one.same), count(|one| one.wrapped)];
-    let mut verdict = Verdict::default();
+    let mut verdict = CampaignVerdict::default();
     verdict.say(format_args!(
         "{} episodes, {} decisions; across the clock's overflow: {}; identical, with maps, memory and figures: {}",
         grouped(episodes),
@@ -151,6 +151,9 @@ fn verdict(all: &[Compared]) -> Verdict {
         grouped(same)
     ));
     verdict.require(same == episodes, "an episode differs by another clock");
-    verdict.require(wrapped == episodes, "an episode ended before the clock's overflow");
+    verdict.require(
+        wrapped == episodes,
+        "an episode ended before the clock's overflow",
+    );
     verdict
 }

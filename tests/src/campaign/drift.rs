@@ -4,7 +4,7 @@
 //! which must match hour 1. Each hour: distance, area, decisions, contacts, bounds of the state.
 
 use super::clock::Shifted;
-use super::{Progress, Verdict, grouped};
+use super::{CampaignVerdict, Progress, grouped};
 use amp::config::Config;
 use amp::controller::{Command, Event, Mode};
 use amp::fixed::Weight;
@@ -59,7 +59,7 @@ pub fn run(
     hours: u32,
     sonar: SonarModel,
     progress: Progress<'_>,
-) -> Result<Verdict, Failure> {
+) -> Result<CampaignVerdict, Failure> {
     let one = |number| day(seed.wrapping_add(number), hours, sonar, progress);
     let days: Result<Vec<_>, _> = (0..count).into_par_iter().map(one).collect();
     Ok(verdict(&days?, sonar))
@@ -175,8 +175,8 @@ fn is_in_bounds(state: &SimState) -> bool {
     })
 }
 
-fn verdict(days: &[Day], sonar: SonarModel) -> Verdict {
-    let mut verdict = Verdict::default();
+fn verdict(days: &[Day], sonar: SonarModel) -> CampaignVerdict {
+    let mut verdict = CampaignVerdict::default();
     let hours = days.first().map_or(0, |day| day.hours.len());
     verdict.say(format_args!(
         "{} robots, {hours} simulated hours each, sonars {}\n",
@@ -225,7 +225,11 @@ fn verdict(days: &[Day], sonar: SonarModel) -> Verdict {
     for day in days {
         let mut hours = day.hours.iter().chain([&day.again]);
         if let Some(hour) = hours.position(|hour| hour.distance_m < LEAST_WAY_M) {
-            let what = format!("the robot of seed {} stands still in hour {}", day.seed, hour + 1);
+            let what = format!(
+                "the robot of seed {} stands still in hour {}",
+                day.seed,
+                hour + 1
+            );
             verdict.broken.push(what);
         }
     }

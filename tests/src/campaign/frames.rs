@@ -4,8 +4,8 @@
 //! The frames are the examples of PROTOCOL.md, with every message. *Wrongly accepted*: it passes
 //! the CRC and is none of the examples.
 
-use super::mutate::Damage;
-use super::{Progress, Verdict, below, generator, grouped, parts};
+use super::mutate::FrameDamage;
+use super::{CampaignVerdict, Progress, below, generator, grouped, parts};
 use amp::wire::frame::{FrameError, unpack};
 use amp::wire::{Receiver, Report, ToMind};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -48,7 +48,7 @@ pub(super) fn examples() -> Vec<Example> {
 
 /// Counts of damaged frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-struct Metrics {
+struct FrameCounts {
     /// Frames sent.
     frames: u64,
     /// Identical to the original after the damage.
@@ -67,7 +67,7 @@ struct Metrics {
     wrong: u64,
 }
 
-impl Metrics {
+impl FrameCounts {
     fn plus(mut self, other: &Self) -> Self {
         self.frames += other.frames;
         self.unharmed += other.unharmed;
@@ -86,11 +86,11 @@ impl Metrics {
     }
 }
 
-type Tallies = [Metrics; Damage::ALL.len()];
+type Tallies = [FrameCounts; FrameDamage::ALL.len()];
 
 /// Damages `count` frames.
 #[must_use]
-pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
+pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> CampaignVerdict {
     let examples = examples();
     let damaged = |(part, size): (u64, u64)| {
         let tallies = damage(&examples, &mut generator(seed, part), size);
@@ -111,11 +111,11 @@ fn damage(examples: &[Example], random: &mut Xoshiro256PlusPlus, count: u64) -> 
     let mut tallies = Tallies::default();
     let mut frame = Vec::with_capacity(1_024);
     for _ in 0..count {
-        let kind = below(random, Damage::ALL.len());
+        let kind = below(random, FrameDamage::ALL.len());
         let [one, other] = [(); 2].map(|()| &examples[below(random, examples.len())]);
         frame.clear();
         frame.extend_from_slice(&one.bytes);
-        Damage::ALL[kind].inflict(&mut frame, &other.bytes, random);
+        FrameDamage::ALL[kind].inflict(&mut frame, &other.bytes, random);
         let tally = &mut tallies[kind];
         tally.frames += 1;
         if frame == one.bytes {
@@ -127,7 +127,7 @@ fn damage(examples: &[Example], random: &mut Xoshiro256PlusPlus, count: u64) -> 
     tallies
 }
 
-fn receive(bytes: &[u8], to_mind: bool, examples: &[Example], tally: &mut Metrics) {
+fn receive(bytes: &[u8], to_mind: bool, examples: &[Example], tally: &mut FrameCounts) {
     let mut receiver = Receiver::new();
     for &byte in bytes.iter().chain(&[0]) {
         let Some(piece) = receiver.push(byte) else {
@@ -156,9 +156,11 @@ fn receive(bytes: &[u8], to_mind: bool, examples: &[Example], tally: &mut Metric
     tally.oversized += oversized;
 }
 
-fn verdict(tallies: &Tallies, examples: usize) -> Verdict {
-    let sum = tallies.iter().fold(Metrics::default(), Metrics::plus);
-    let row = |name: &str, tally: &Metrics| {
+fn verdict(tallies: &Tallies, examples: usize) -> CampaignVerdict {
+    let sum = tallies
+        .iter()
+        .fold(FrameCounts::default(), FrameCounts::plus);
+    let row = |name: &str, tally: &FrameCounts| {
         [
             name.to_owned(),
             grouped(tally.frames),
@@ -170,13 +172,13 @@ fn verdict(tallies: &Tallies, examples: usize) -> Verdict {
             grouped(tally.wrong),
         ]
     };
-    let mut rows: Vec<_> = Damage::ALL
+    let mut rows: Vec<_> = FrameDamage::ALL
         .iter()
         .zip(tallies)
         .map(|(damage, tally)| row(damage.name(), tally))
         .collect();
     rows.push(row("all", &sum));
-    let mut verdict = Verdict::default();
+    let mut verdict = CampaignVerdict::default();
     verdict.say(format_args!(
         "{} damaged frames, made of {examples} valid ones\n",
         grouped(sum.frames)
@@ -197,7 +199,7 @@ fn verdict(tallies: &Tallies, examples: usize) -> Verdict {
 }
 
 /// Checks whether chance explains the wrongly accepted parts.
-fn judge(verdict: &mut Verdict, sum: &Metrics) {
+fn judge(verdict: &mut CampaignVerdict, sum: &FrameCounts) {
     let expected = sum.compared() as f64 / 4_294_967_296.0;
     let [low, high] = poisson_interval(sum.wrong);
     let tail = poisson_tail(sum.wrong, expected);
@@ -221,7 +223,7 @@ mod tests {
         let examples = examples();
         assert!(examples.len() > 30);
         assert!(examples.iter().any(|example| !example.to_mind));
-        let mut tally = Metrics::default();
+        let mut tally = FrameCounts::default();
         for example in &examples {
             receive(&example.bytes, example.to_mind, &examples, &mut tally);
         }
@@ -235,19 +237,19 @@ mod tests {
 
     #[test]
     fn one_wrong_frame_in_few_is_more_than_chance() {
-        let few = Metrics {
+        let few = FrameCounts {
             pieces: 1_000,
             wrong_sum: 999,
             wrong: 1,
-            ..Metrics::default()
+            ..FrameCounts::default()
         };
-        let many = Metrics {
+        let many = FrameCounts {
             pieces: 4_000_000_000,
             wrong_sum: 3_999_999_999,
             ..few
         };
         let broken = |tally| {
-            let mut verdict = Verdict::default();
+            let mut verdict = CampaignVerdict::default();
             judge(&mut verdict, tally);
             verdict.broken.len()
         };

@@ -6,8 +6,8 @@
 //! Clocks and sequence numbers overflow.
 
 use super::bench::{Clocks, Ready, SESSION, coded, command, numbered, scan};
-use super::channel::{Badness, Channel, Come};
-use super::{Progress, Verdict, below, generator, grouped, parts};
+use super::channel::{Badness, Come, LossyChannel};
+use super::{CampaignVerdict, Progress, below, generator, grouped, parts};
 use amp::controller::{Mode, Progress as Way, StopReason};
 use amp::link::{Link, Verdict as Judged};
 use amp::node::FrameSink;
@@ -46,7 +46,7 @@ const CLOCKS: Clocks = Clocks {
 
 /// The bookkeeper's counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) struct Book {
+pub(super) struct Bookkeeper {
     /// To the controller: sent, lost, duplicated, overtaken.
     sent: u64,
     lost: u64,
@@ -77,7 +77,7 @@ pub(super) struct Book {
     pub(super) oldest_ms: u64,
 }
 
-impl Book {
+impl Bookkeeper {
     fn plus(mut self, other: &Self) -> Self {
         let pairs = [
             (&mut self.sent, other.sent),
@@ -109,24 +109,24 @@ impl Book {
 
 /// Sends `count` frames to controllers.
 #[must_use]
-pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
+pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> CampaignVerdict {
     let one = |(part, size)| {
-        let book = Course::new(seed, part, size).run();
+        let book = LinkRun::new(seed, part, size).run();
         progress(size);
         book
     };
     let books: Vec<_> = parts(count, PART).into_par_iter().map(one).collect();
-    verdict(&books.iter().fold(Book::default(), Book::plus))
+    verdict(&books.iter().fold(Bookkeeper::default(), Bookkeeper::plus))
 }
 
 /// One line with its two ends.
-struct Course {
+struct LinkRun {
     mind: Ready,
-    base: Base,
-    to_mind: Channel,
-    to_base: Channel,
+    base: LinkBase,
+    to_mind: LossyChannel,
+    to_base: LossyChannel,
     random: Xoshiro256PlusPlus,
-    book: Book,
+    book: Bookkeeper,
     size: u64,
     /// By frame to the controller: whether it arrived, and whether it was the latest on arrival.
     came: Vec<[bool; 2]>,
@@ -165,15 +165,15 @@ impl Delays {
     }
 }
 
-impl Course {
+impl LinkRun {
     fn new(seed: u64, part: u64, size: u64) -> Self {
         Self {
             mind: Ready::new(seed.wrapping_add(part), CLOCKS),
-            base: Base::new(OLDEST_MS),
-            to_mind: Channel::new(BAD, seed, 3 * part),
-            to_base: Channel::new(BAD, seed, 3 * part + 1),
+            base: LinkBase::new(OLDEST_MS),
+            to_mind: LossyChannel::new(BAD, seed, 3 * part),
+            to_base: LossyChannel::new(BAD, seed, 3 * part + 1),
             random: generator(seed, 3 * part + 2),
-            book: Book::default(),
+            book: Bookkeeper::default(),
             size,
             came: vec![[false; 2]; size as usize],
             latest: None,
@@ -181,7 +181,7 @@ impl Course {
         }
     }
 
-    fn run(mut self) -> Book {
+    fn run(mut self) -> Bookkeeper {
         let before = *self.mind.node.counters();
         while self.to_mind.sent() < self.size
             || !self.to_mind.is_empty()
@@ -220,7 +220,7 @@ impl Course {
         }
         if now_ms.is_multiple_of(TICK_MS) {
             let now = CLOCKS.device(now_ms);
-            let mut said = Said::new(now_ms, &mut self.to_base, &mut self.base);
+            let mut said = SentFrames::new(now_ms, &mut self.to_base, &mut self.base);
             while self.mind.node.tick(now, &mut said) {}
         }
         while let Some(come) = self.to_base.come(now_ms) {
@@ -275,7 +275,7 @@ impl Course {
             self.book.replayed[1] += 1;
         }
         let before = (!may_act).then(|| self.mind.node.state().clone());
-        let mut said = Said::new(come.at_ms, &mut self.to_base, &mut self.base);
+        let mut said = SentFrames::new(come.at_ms, &mut self.to_base, &mut self.base);
         let now = CLOCKS.device(come.at_ms);
         self.mind.node.frame(now, coded(&come.bytes), &mut said);
         let changed = before.is_some_and(|before| before != *self.mind.node.state());
@@ -291,19 +291,19 @@ fn count(came: &[[bool; 2]], is: impl Fn([bool; 2]) -> bool) -> u64 {
 }
 
 /// Sends the controller's frames over the line and records them.
-struct Said<'a> {
+struct SentFrames<'a> {
     now_ms: u64,
-    line: &'a mut Channel,
-    base: &'a mut Base,
+    line: &'a mut LossyChannel,
+    base: &'a mut LinkBase,
 }
 
-impl<'a> Said<'a> {
-    fn new(now_ms: u64, line: &'a mut Channel, base: &'a mut Base) -> Self {
+impl<'a> SentFrames<'a> {
+    fn new(now_ms: u64, line: &'a mut LossyChannel, base: &'a mut LinkBase) -> Self {
         Self { now_ms, line, base }
     }
 }
 
-impl FrameSink for Said<'_> {
+impl FrameSink for SentFrames<'_> {
     fn send(&mut self, frame: &[u8]) -> bool {
         self.line.send(self.now_ms, frame);
         self.base.is_on_its_way(frame);
@@ -313,7 +313,7 @@ impl FrameSink for Said<'_> {
 
 /// The base: its link, its motion, and the record of the frames to it.
 #[derive(Default)]
-pub(super) struct Base {
+pub(super) struct LinkBase {
     /// Greatest true age of an executed motion, ms.
     oldest_ms: u64,
     link: Option<Link>,
@@ -331,7 +331,7 @@ pub(super) struct Base {
     latest: Option<i64>,
 }
 
-impl Base {
+impl LinkBase {
     pub(super) fn new(oldest_ms: u64) -> Self {
         Self {
             oldest_ms,
@@ -355,7 +355,7 @@ impl Base {
     }
 
     /// Processes a frame; `here` is its own time.
-    pub(super) fn hear(&mut self, come: &Come, now_ms: u64, here: Millis, book: &mut Book) {
+    pub(super) fn hear(&mut self, come: &Come, now_ms: u64, here: Millis, book: &mut Bookkeeper) {
         let Ok((header, report)) = unpack::<Report<16>>(coded(&come.bytes)) else {
             return;
         };
@@ -447,8 +447,8 @@ fn opened(first: Header) -> Link {
     link
 }
 
-fn verdict(book: &Book) -> Verdict {
-    let mut verdict = Verdict::default();
+fn verdict(book: &Bookkeeper) -> CampaignVerdict {
+    let mut verdict = CampaignVerdict::default();
     verdict.say(format_args!(
         "{} frames to the controller and {} from it; {} % lost, {} % of the others duplicated, {} to {} ms in transit, {} in 1000 meet a stall of up to {} ms\n",
         grouped(book.sent),
@@ -466,7 +466,10 @@ fn verdict(book: &Book) -> Verdict {
         row("overtaken by a later one", book.overtaken),
         row("duplicated", book.repeated),
         row("accepted by the controller", book.accepted[0]),
-        row("duplicate or late, by the controller's count", book.replayed[0]),
+        row(
+            "duplicate or late, by the controller's count",
+            book.replayed[0],
+        ),
         row(
             "commands past their time to live, by the controller's count",
             book.expired[0],
@@ -475,7 +478,10 @@ fn verdict(book: &Book) -> Verdict {
             "such frames that changed the controller's state",
             book.late_but_done,
         ),
-        row("times the controller reported the host as lost", book.losses),
+        row(
+            "times the controller reported the host as lost",
+            book.losses,
+        ),
         row("motions and renewals executed by the base", book.executed),
         row("refused by the base as late or repeated", book.refused),
         row("refused by the base for their age", book.aged),

@@ -1,7 +1,7 @@
 //! Long randomized runs that try to break the controller, its link and its clock.
 //!
 //! The same seed gives the same figures on any number of threads. Each campaign returns a
-//! [`Verdict`]: its figures and the violated requirements.
+//! [`CampaignVerdict`]: its figures and the violated requirements.
 
 mod bench;
 mod bridged;
@@ -22,14 +22,14 @@ use std::fmt::Write as _;
 
 /// Result of a campaign.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Verdict {
+pub struct CampaignVerdict {
     /// The figures, as Markdown.
     pub text: String,
     /// Violated requirements; empty on success.
     pub broken: Vec<String>,
 }
 
-impl Verdict {
+impl CampaignVerdict {
     fn say(&mut self, line: impl std::fmt::Display) {
         let _ = writeln!(self.text, "{line}");
     }

@@ -6,7 +6,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 /// A kind of damage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Damage {
+pub enum FrameDamage {
     /// 1 to 3 bits flipped.
     FewBits,
     /// 4 to 8 bits flipped.
@@ -25,7 +25,7 @@ pub enum Damage {
     Noise,
 }
 
-impl Damage {
+impl FrameDamage {
     /// All kinds.
     pub const ALL: [Self; 8] = [
         Self::FewBits,
@@ -124,7 +124,7 @@ mod tests {
         let mut random = generator(1, 0);
         let whole: Vec<u8> = (1..=20).collect();
         let other: Vec<u8> = (101..=110).collect();
-        for damage in Damage::ALL {
+        for damage in FrameDamage::ALL {
             let mut damaged = 0;
             for _ in 0..200 {
                 let mut frame = whole.clone();
@@ -132,20 +132,20 @@ mod tests {
                 damaged += u32::from(frame != whole);
                 let length = frame.len();
                 match damage {
-                    Damage::Cut => assert!(length < 20),
-                    Damage::Repeated => assert!((21..=28).contains(&length)),
-                    Damage::Swapped => {
+                    FrameDamage::Cut => assert!(length < 20),
+                    FrameDamage::Repeated => assert!((21..=28).contains(&length)),
+                    FrameDamage::Swapped => {
                         frame.sort_unstable();
                         assert_eq!(frame, whole);
                     }
-                    Damage::Spliced => assert!((1..=30).contains(&length)),
+                    FrameDamage::Spliced => assert!((1..=30).contains(&length)),
                     _ => assert_eq!(length, 20),
                 }
             }
             assert!(damaged > 150, "{damage:?}: {damaged}");
         }
         // The shortest possible frame.
-        for damage in Damage::ALL {
+        for damage in FrameDamage::ALL {
             damage.inflict(&mut vec![1, 2], &[3], &mut random);
         }
     }

@@ -4,7 +4,7 @@
 //! cells, each round with its own seed and random room. Random moves count as well. A second set of
 //! worlds: the built-in ones and rooms with thin walls.
 
-use super::{Progress, Verdict, grouped};
+use super::{CampaignVerdict, Progress, grouped};
 use amp::config::Config;
 use arena::noise::Noise;
 use arena::robot::TurretMode;
@@ -52,7 +52,7 @@ pub enum Worlds {
 
 /// Result of one cell.
 #[derive(Debug, Clone, Default)]
-struct Cell {
+struct ShieldCell {
     episodes: u64,
     explore_contacts: u64,
     contacts: u64,
@@ -73,7 +73,7 @@ pub fn run(
     worlds: Worlds,
     config: &Config<16>,
     progress: Progress<'_>,
-) -> Result<Verdict, String> {
+) -> Result<CampaignVerdict, String> {
     let one = |number: u64| {
         let world =
             world(worlds, seed.wrapping_add(number / CELLS)).map_err(|why| why.to_string())?;
@@ -88,7 +88,7 @@ pub fn run(
         Ok((number, cell))
     };
     let all: Result<Vec<_>, String> = (0..count).into_par_iter().map(one).collect();
-    let mut cells = vec![Cell::default(); CELLS as usize];
+    let mut cells = vec![ShieldCell::default(); CELLS as usize];
     for (number, episode) in all? {
         cells[(number % CELLS) as usize].add(episode);
     }
@@ -110,7 +110,12 @@ fn name(behavior: usize) -> &'static str {
     names.nth(behavior).copied().unwrap_or(CHAIN)
 }
 
-fn episode(world: &World, seed: u64, number: u64, config: &Config<16>) -> Result<Cell, Failure> {
+fn episode(
+    world: &World,
+    seed: u64,
+    number: u64,
+    config: &Config<16>,
+) -> Result<ShieldCell, Failure> {
     let (behavior, sonar, turret) = parts(number);
     let seed = seed.wrapping_add(number / CELLS);
     let behavior = match name(behavior) {
@@ -132,7 +137,7 @@ fn episode(world: &World, seed: u64, number: u64, config: &Config<16>) -> Result
     };
     let report = run_episode(world, &setup, |_, _, _| {})?.report;
     let touched = report.contacts + report.explore_contacts > 0;
-    Ok(Cell {
+    Ok(ShieldCell {
         episodes: 1,
         explore_contacts: report.explore_contacts.into(),
         contacts: report.contacts.into(),
@@ -183,7 +188,7 @@ fn thin_walls(seed: u64) -> Result<World, BadInput> {
     World::new(format!("thin-walls:{seed}"), Pose::default(), shapes)
 }
 
-impl Cell {
+impl ShieldCell {
     fn add(&mut self, other: Self) {
         self.episodes += other.episodes;
         self.explore_contacts += other.explore_contacts;
@@ -218,8 +223,8 @@ impl Cell {
     }
 }
 
-fn verdict(cells: &[Cell]) -> Verdict {
-    let mut verdict = Verdict::default();
+fn verdict(cells: &[ShieldCell]) -> CampaignVerdict {
+    let mut verdict = CampaignVerdict::default();
     let heads = [
         "behavior",
         "sonar",
@@ -232,7 +237,7 @@ fn verdict(cells: &[Cell]) -> Verdict {
         "success",
         "least clearance m",
     ];
-    let mut all = Cell::default();
+    let mut all = ShieldCell::default();
     let mut rows = Vec::new();
     for (number, cell) in (0..).zip(cells).filter(|(_, cell)| cell.episodes > 0) {
         let (behavior, sonar, turret) = parts(number);
@@ -276,10 +281,10 @@ mod tests {
     fn a_robot_that_stands_is_found() {
         let cells = |episodes: u64, standing: usize| {
             let way = |cell| if cell == standing { 2.9 } else { 200.0 };
-            let cell = |cell| Cell {
+            let cell = |cell| ShieldCell {
                 episodes,
                 distance_m: way(cell) * episodes as f64,
-                ..Cell::default()
+                ..ShieldCell::default()
             };
             (0..CELLS as usize).map(cell).collect::<Vec<_>>()
         };
@@ -287,10 +292,10 @@ mod tests {
         assert_eq!(verdict(&cells(ENOUGH, 21)).broken.len(), 1);
         // Too few for a verdict.
         assert!(verdict(&cells(ENOUGH - 1, 21)).broken.is_empty());
-        let stands = Cell {
+        let stands = ShieldCell {
             episodes: 1,
             distance_m: 49.0,
-            ..Cell::default()
+            ..ShieldCell::default()
         };
         assert_eq!(verdict(&[stands]).broken.len(), 1);
     }

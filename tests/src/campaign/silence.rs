@@ -8,7 +8,7 @@
 use super::bench::{Clocks, Ready, SESSION, hello, scan};
 use super::bridged;
 use super::wheels::Wheels;
-use super::{Progress, Verdict, below, generator, grouped, parts};
+use super::{CampaignVerdict, Progress, below, generator, grouped, parts};
 use crate::chip::packed;
 use amp::wire::Receiver;
 use amp::wire::frame::{Header, unpack};
@@ -50,7 +50,7 @@ const CLOCKS: Clocks = Clocks {
 
 /// The component that fails.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Gone {
+enum FailedPart {
     /// The host sends nothing more; the base still receives the controller's frames.
     Host,
     /// The line, in both directions.
@@ -61,7 +61,7 @@ enum Gone {
     Mind,
 }
 
-impl Gone {
+impl FailedPart {
     const ALL: [Self; 4] = [Self::Host, Self::Line, Self::HostForAWhile, Self::Mind];
 
     const fn name(self) -> &'static str {
@@ -93,7 +93,7 @@ impl Gone {
 
 /// Result of a trial.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Stopped {
+struct SilenceStop {
     /// Time until the stop command, or until the motion ended or expired.
     after_ms: u64,
     /// Time until the wheels stood still.
@@ -108,15 +108,15 @@ struct Stopped {
 /// # Panics
 /// When a trained controller does not move its base.
 #[must_use]
-pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
-    let mut verdict = Verdict::default();
+pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> CampaignVerdict {
+    let mut verdict = CampaignVerdict::default();
     verdict.say(format_args!(
         "{} failures each while the base moves; time from the failure to the stop command or the end of its motion, ms; time until its wheels stand, ms; distance until then, mm\n",
         grouped(count)
     ));
     let hall = hall();
     let mut rows = Vec::new();
-    for (kind, gone) in (0..).zip(Gone::ALL) {
+    for (kind, gone) in (0..).zip(FailedPart::ALL) {
         let trials = |(part, size): (u64, u64)| {
             let ready = Ready::new(seed.wrapping_add(part), CLOCKS);
             let first = (kind * count) + part * PART;
@@ -154,7 +154,7 @@ fn hall() -> World {
     World::new("hall", Pose::default(), vec![walls]).expect("a world")
 }
 
-fn judge(verdict: &mut Verdict, gone: Gone, all: &[Stopped]) -> [String; 9] {
+fn judge(verdict: &mut CampaignVerdict, gone: FailedPart, all: &[SilenceStop]) -> [String; 9] {
     let mut times: Vec<_> = all.iter().map(|stopped| stopped.after_ms).collect();
     times.sort_unstable();
     let at = |share: usize| times.get((times.len().max(1) - 1) * share / 100).copied();
@@ -186,7 +186,7 @@ fn judge(verdict: &mut Verdict, gone: Gone, all: &[Stopped]) -> [String; 9] {
     ]
 }
 
-fn try_it(ready: &Ready, hall: &World, gone: Gone, seed: u64, trial: u64) -> Stopped {
+fn try_it(ready: &Ready, hall: &World, gone: FailedPart, seed: u64, trial: u64) -> SilenceStop {
     let mut random = generator(seed, trial);
     let mut node = ready.node.clone();
     let (mut received, mut to_send) = (Queue::<u8, 512>::new(), Queue::<u8, 2_048>::new());
@@ -195,7 +195,7 @@ fn try_it(ready: &Ready, hall: &World, gone: Gone, seed: u64, trial: u64) -> Sto
     let (to_send, outgoing) = to_send.split();
     let control = Control::new(&mut node, consumer, FrameSink::new(to_send), &faults, None);
     let wheels = Wheels::new(hall, trial);
-    let mut scene = Scene::new(ready, control, wheels, producer, outgoing);
+    let mut scene = SilenceScene::new(ready, control, wheels, producer, outgoing);
     // At a random time between cycles, echoes and reports.
     scene.now_ms += below(&mut random, 200) as u64;
     scene.set_off();
@@ -223,12 +223,12 @@ fn try_it(ready: &Ready, hall: &World, gone: Gone, seed: u64, trial: u64) -> Sto
             stood_ms = Some(passed_ms);
             stood_mm = scene.wheels.way_mm();
         }
-        if gone == Gone::HostForAWhile && scene.now_ms == returns_ms {
+        if gone == FailedPart::HostForAWhile && scene.now_ms == returns_ms {
             scene.comes_back();
         }
         scene.pass();
     }
-    Stopped {
+    SilenceStop {
         after_ms: after_ms.unwrap_or(u64::MAX),
         stood_ms: stood_ms.unwrap_or(u64::MAX),
         way_mm: scene.wheels.way_mm() - began_mm,
@@ -237,7 +237,7 @@ fn try_it(ready: &Ready, hall: &World, gone: Gone, seed: u64, trial: u64) -> Sto
 }
 
 /// A chip, a host and a base with a line between them.
-struct Scene<'a> {
+struct SilenceScene<'a> {
     control: Control<'a>,
     incoming: Producer<'a, u8>,
     outgoing: Consumer<'a, u8>,
@@ -256,7 +256,7 @@ struct Scene<'a> {
     wheels: Wheels<'a>,
 }
 
-impl<'a> Scene<'a> {
+impl<'a> SilenceScene<'a> {
     fn new(
         ready: &Ready,
         control: Control<'a>,
@@ -292,14 +292,14 @@ impl<'a> Scene<'a> {
         }
     }
 
-    fn is_gone(&mut self, gone: Gone) {
+    fn is_gone(&mut self, gone: FailedPart) {
         match gone {
-            Gone::Host | Gone::HostForAWhile => self.host_is_there = false,
-            Gone::Line => {
+            FailedPart::Host | FailedPart::HostForAWhile => self.host_is_there = false,
+            FailedPart::Line => {
                 (self.host_is_there, self.base_hears) = (false, false);
                 self.to_chip.clear();
             }
-            Gone::Mind => self.chip_is_there = false,
+            FailedPart::Mind => self.chip_is_there = false,
         }
     }
 
@@ -399,7 +399,7 @@ mod tests {
         let control = Control::new(&mut node, consumer, FrameSink::new(to_send), &faults, None);
         let hall = hall();
         let wheels = Wheels::new(&hall, 1);
-        let mut scene = Scene::new(&ready, control, wheels, producer, outgoing);
+        let mut scene = SilenceScene::new(&ready, control, wheels, producer, outgoing);
         scene.set_off();
         let mut moving_ms = 0;
         for _ in 0..20_000 {
@@ -413,24 +413,24 @@ mod tests {
 
     #[test]
     fn one_trial_that_takes_too_long_is_found() {
-        let slow = Stopped {
+        let slow = SilenceStop {
             after_ms: 321,
             stood_ms: 900,
             way_mm: 300.0,
             moved_again: false,
         };
-        let mut verdict = Verdict::default();
-        let _ = judge(&mut verdict, Gone::Line, &[slow]);
+        let mut verdict = CampaignVerdict::default();
+        let _ = judge(&mut verdict, FailedPart::Line, &[slow]);
         assert!(verdict.broken.is_empty());
-        let _ = judge(&mut verdict, Gone::Host, &[slow]);
+        let _ = judge(&mut verdict, FailedPart::Host, &[slow]);
         assert_eq!(verdict.broken.len(), 1);
-        let far = Stopped {
+        let far = SilenceStop {
             way_mm: 441.0,
             stood_ms: 2_031,
             after_ms: 521,
             ..slow
         };
-        let _ = judge(&mut verdict, Gone::Mind, &[far]);
+        let _ = judge(&mut verdict, FailedPart::Mind, &[far]);
         assert_eq!(verdict.broken.len(), 4);
     }
 }

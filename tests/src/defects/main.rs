@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::{Command, ExitCode, Output, Stdio};
 use std::time::Instant;
-use tests::defects::{Defect, builds, list};
+use tests::defects::{DeliberateDefect, builds, list};
 use tests::root;
 
 fn main() -> ExitCode {
@@ -67,7 +67,7 @@ fn timed<T>(action: impl FnOnce() -> T) -> T {
 /// Runs `action` while the copy has the defect.
 fn with<T>(
     copy: &Path,
-    defect: &Defect,
+    defect: &DeliberateDefect,
     action: impl FnOnce() -> Result<T, String>,
 ) -> Result<T, String> {
     let file = copy.join(&defect.file);

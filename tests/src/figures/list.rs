@@ -7,28 +7,28 @@ use std::path::Path;
 /// All measurements, in the order of the page.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct List {
+pub struct FigureList {
     /// Commands, in groups.
     #[serde(rename = "command")]
-    pub commands: Vec<Command>,
+    pub commands: Vec<MeasuredCommand>,
 }
 
 /// A shell command, run in the workspace's folder.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Command {
+pub struct MeasuredCommand {
     /// Section of its figures.
     pub group: String,
     /// The command for `sh -c`.
     pub run: String,
     /// The figures in its output.
-    pub row: Vec<Row>,
+    pub row: Vec<FigureRow>,
 }
 
 /// A figure.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Row {
+pub struct FigureRow {
     /// Name of the row.
     pub what: String,
     /// A regular expression; its groups are the figure.
@@ -48,7 +48,7 @@ fn first_group() -> String {
     "$1".into()
 }
 
-impl List {
+impl FigureList {
     /// Reads the file; an error names the file and the line.
     pub fn read(path: &Path) -> Result<Self, String> {
         let failed = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
@@ -57,7 +57,7 @@ impl List {
     }
 }
 
-impl Command {
+impl MeasuredCommand {
     /// Whether its group or command contains one of the words.
     pub fn is_meant(&self, words: &[String]) -> bool {
         let has =
@@ -66,7 +66,7 @@ impl Command {
     }
 }
 
-impl Row {
+impl FigureRow {
     /// The figure in `output`.
     pub fn value(&self, output: &str) -> Result<String, String> {
         let find = Regex::new(&self.find).map_err(|error| format!("{}: {error}", self.what))?;
@@ -112,8 +112,8 @@ fn grouped(text: &str) -> String {
 mod tests {
     use super::*;
 
-    fn row(find: &str) -> Row {
-        Row {
+    fn row(find: &str) -> FigureRow {
+        FigureRow {
             what: "steps".into(),
             find: find.into(),
             show: "$1".into(),
@@ -135,7 +135,7 @@ mod tests {
         let output = "peak 900\npeak 1200\npeak 1100";
         let row = row(r"peak (\d+)");
         assert_eq!(row.value(output), Ok("900".into()));
-        let row = Row {
+        let row = FigureRow {
             greatest: true,
             ..row
         };
@@ -145,7 +145,7 @@ mod tests {
     #[test]
     fn the_list_is_readable_and_names_each_row_once() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("figures.toml");
-        let list = List::read(&path).expect("it is there");
+        let list = FigureList::read(&path).expect("it is there");
         let rows: Vec<_> = list
             .commands
             .iter()

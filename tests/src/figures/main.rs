@@ -8,9 +8,9 @@ mod list;
 mod measure;
 mod page;
 
-use list::{List, Row};
-use measure::Place;
-use page::{Measured, Page};
+use list::{FigureList, FigureRow};
+use measure::MeasurementSite;
+use page::{MeasuredFigure, Page};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -33,7 +33,7 @@ fn root() -> PathBuf {
 
 /// Measures what `words` select (everything without words) and replaces the page.
 fn write(root: &Path, words: &[String]) -> Result<(), String> {
-    let list = List::read(&root.join("tests/figures.toml"))?;
+    let list = FigureList::read(&root.join("tests/figures.toml"))?;
     let page = root.join("docs/FIGURES.md");
     let old = std::fs::read_to_string(&page).unwrap_or_default();
     let mut measured = Page::parse(&old).measured;
@@ -44,7 +44,7 @@ fn write(root: &Path, words: &[String]) -> Result<(), String> {
             words.join(" or ")
         ));
     }
-    let place = Place::here(root)?;
+    let place = MeasurementSite::here(root)?;
     for (index, command) in chosen.iter().enumerate() {
         eprintln!("[{}/{}] {}", index + 1, chosen.len(), command.run);
         let output = measure::output(root, &command.run)?;
@@ -65,9 +65,12 @@ fn write(root: &Path, words: &[String]) -> Result<(), String> {
 }
 
 /// The measured figures whose row and command are still in the list.
-fn kept(list: &List, measured: &BTreeMap<String, Measured>) -> BTreeMap<String, Measured> {
-    let asked = |(what, found): &(&String, &Measured)| {
-        let of = |row: &Row, run: &str| row.what == **what && run == found.command;
+fn kept(
+    list: &FigureList,
+    measured: &BTreeMap<String, MeasuredFigure>,
+) -> BTreeMap<String, MeasuredFigure> {
+    let asked = |(what, found): &(&String, &MeasuredFigure)| {
+        let of = |row: &FigureRow, run: &str| row.what == **what && run == found.command;
         let commands = &list.commands;
         commands
             .iter()

@@ -1,6 +1,6 @@
 //! Runs a command and records machine, commit and date.
 
-use crate::page::Measured;
+use crate::page::MeasuredFigure;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -40,13 +40,13 @@ pub fn output(root: &Path, run: &str) -> Result<String, String> {
 
 /// Machine, commit and date of a measurement.
 #[derive(Debug)]
-pub struct Place {
+pub struct MeasurementSite {
     day: String,
     commit: String,
     machine: String,
 }
 
-impl Place {
+impl MeasurementSite {
     /// Today, the current commit (`+` with uncommitted changes), this machine.
     pub fn here(root: &Path) -> Result<Self, String> {
         let ask = |run: &str| output(root, run).map(|text| text.trim().to_string());
@@ -71,8 +71,8 @@ impl Place {
     }
 
     /// A figure measured here and now.
-    pub fn measured(&self, value: String, command: &str) -> Measured {
-        Measured {
+    pub fn measured(&self, value: String, command: &str) -> MeasuredFigure {
+        MeasuredFigure {
             value,
             day: self.day.clone(),
             commit: self.commit.clone(),

@@ -1,13 +1,13 @@
 //! Writes the page of figures, and reads it back: rows that are not measured again keep their
 //! value.
 
-use crate::list::List;
+use crate::list::FigureList;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 /// A figure with its origin.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Measured {
+pub struct MeasuredFigure {
     /// Value with unit.
     pub value: String,
     /// YYYY-MM-DD.
@@ -24,7 +24,7 @@ pub struct Measured {
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct Page {
     /// Figures by the name of their row.
-    pub measured: BTreeMap<String, Measured>,
+    pub measured: BTreeMap<String, MeasuredFigure>,
 }
 
 const HEAD: &str = "# Figures\n\n\
@@ -37,7 +37,7 @@ const MACHINES: &str = "## Machines\n";
 
 impl Page {
     /// The page as Markdown, in the order of `list`.
-    pub fn text(&self, list: &List) -> String {
+    pub fn text(&self, list: &FigureList) -> String {
         let mut machines: Vec<&str> = self.measured.values().map(|m| m.machine.as_str()).collect();
         machines.sort_unstable();
         machines.dedup();
@@ -81,7 +81,7 @@ impl Page {
     }
 }
 
-impl Measured {
+impl MeasuredFigure {
     fn line(&self, machines: &[&str], what: &str, aim: &str) -> String {
         let machine = machines.iter().position(|&name| name == self.machine);
         let machine = machine.map_or(0, |index| index + 1);
@@ -96,7 +96,7 @@ fn escaped(text: &str) -> String {
 }
 
 /// A row's cells; `None` for any other line.
-fn parsed(line: &str, machines: &[String]) -> Option<(String, Measured)> {
+fn parsed(line: &str, machines: &[String]) -> Option<(String, MeasuredFigure)> {
     let line = line.replace("\\|", "\u{0}");
     let line = line.strip_prefix("| ")?.strip_suffix(" |")?;
     let cells: Vec<_> = line
@@ -107,7 +107,7 @@ fn parsed(line: &str, machines: &[String]) -> Option<(String, Measured)> {
         return None;
     };
     let machine = machines.get(machine.parse::<usize>().ok()?.checked_sub(1)?)?;
-    let measured = Measured {
+    let measured = MeasuredFigure {
         value: value.clone(),
         day: day.clone(),
         commit: commit.clone(),
@@ -121,7 +121,7 @@ fn parsed(line: &str, machines: &[String]) -> Option<(String, Measured)> {
 mod tests {
     use super::*;
 
-    fn list() -> List {
+    fn list() -> FigureList {
         toml::from_str(
             r#"
             [[command]]
@@ -139,8 +139,8 @@ mod tests {
         .expect("a list")
     }
 
-    fn measured(value: &str, machine: &str) -> Measured {
-        Measured {
+    fn measured(value: &str, machine: &str) -> MeasuredFigure {
+        MeasuredFigure {
             value: value.into(),
             day: "2026-01-02".into(),
             commit: "abc+".into(),

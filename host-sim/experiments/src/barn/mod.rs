@@ -10,7 +10,7 @@ mod seeker;
 
 pub use route::{length, route};
 pub use routes::{RoutePanel, routes};
-pub use seeker::{Seeker, Tuning};
+pub use seeker::{Seeker, SeekerTuning};
 
 use crate::baselines::{PotentialField, VfhPlus, potential_field, vfh_plus};
 
@@ -49,7 +49,7 @@ pub fn score(time_s: Option<f64>, way_m: f64, speed_m_s: f64) -> f64 {
 
 /// What drives the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum Method {
+pub enum BarnMethod {
     /// The maps, given the goal's bearing
     Maps,
     /// The maps without the bearing: obstacle avoidance with the first heading toward the goal
@@ -62,7 +62,7 @@ pub enum Method {
     Straight,
 }
 
-impl Method {
+impl BarnMethod {
     /// All methods.
     pub const ALL: [Self; 5] = [
         Self::Maps,
@@ -97,12 +97,12 @@ pub struct Rules {
     /// Seed of the first world's run; each further world uses the next seed.
     pub seed: u64,
     /// Clearance and attraction of the maps.
-    pub tuning: Tuning,
+    pub tuning: SeekerTuning,
 }
 
 /// How a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum End {
+pub enum RunEnd {
     /// The robot reached the goal.
     Reached,
     /// The robot touched something.
@@ -115,7 +115,7 @@ pub enum End {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
     /// How it ended.
-    pub end: End,
+    pub end: RunEnd,
     /// When it ended, s after the start.
     pub time_s: f64,
     /// Positions of the robot, beginning at the start.
@@ -126,7 +126,7 @@ impl Run {
     /// Time of a run that reached the goal, s.
     #[must_use]
     pub fn success_s(&self) -> Option<f64> {
-        (self.end == End::Reached).then_some(self.time_s)
+        (self.end == RunEnd::Reached).then_some(self.time_s)
     }
 }
 
@@ -134,7 +134,7 @@ impl Run {
 ///
 /// # Errors
 /// When the world has no goal or the controller cannot learn.
-pub fn run(world: &World, method: Method, rules: &Rules, number: u64) -> Result<Run, BadInput> {
+pub fn run(world: &World, method: BarnMethod, rules: &Rules, number: u64) -> Result<Run, BadInput> {
     let goal = world
         .goal()
         .ok_or_else(|| BadInput::new(format!("world {}: it has no goal", world.name())))?;
@@ -150,17 +150,18 @@ pub fn run(world: &World, method: Method, rules: &Rules, number: u64) -> Result<
         taught.map_err(|failure| BadInput::new(format!("world {}: {failure}", world.name())))
     };
     Ok(match method {
-        Method::Maps => drive(goal, body, Homing::new(maps()?, shield, told)),
-        Method::MapsUntold => drive(goal, body, Homing::new(maps()?, shield, None)),
-        Method::VfhPlus => {
-            let policy = VfhPlus::new(vfh_plus::Tuning::of(shield.is_some()), course);
+        BarnMethod::Maps => drive(goal, body, Homing::new(maps()?, shield, told)),
+        BarnMethod::MapsUntold => drive(goal, body, Homing::new(maps()?, shield, None)),
+        BarnMethod::VfhPlus => {
+            let policy = VfhPlus::new(vfh_plus::VfhPlusTuning::of(shield.is_some()), course);
             drive(goal, body, Homing::new(policy, shield, told))
         }
-        Method::PotentialField => {
-            let policy = PotentialField::new(potential_field::Tuning::default(), course);
+        BarnMethod::PotentialField => {
+            let policy =
+                PotentialField::new(potential_field::PotentialFieldTuning::default(), course);
             drive(goal, body, Homing::new(policy, shield, told))
         }
-        Method::Straight => drive(goal, body, Homing::new(Straight(course), shield, told)),
+        BarnMethod::Straight => drive(goal, body, Homing::new(StraightLine(course), shield, told)),
     })
 }
 
@@ -202,13 +203,13 @@ fn drive<P: Steered>(goal: Point, mut body: Body<'_>, mut pilot: Homing<P>) -> R
         }
         places.push(moved.to);
         if moved.touched {
-            return ended(End::Touched, body.time_s(), places);
+            return ended(RunEnd::Touched, body.time_s(), places);
         }
         if moved.to.distance(goal) <= REACHED_M && body.time_s() <= LIMIT_S {
-            return ended(End::Reached, body.time_s(), places);
+            return ended(RunEnd::Reached, body.time_s(), places);
         }
     }
-    ended(End::TimedOut, LIMIT_S, places)
+    ended(RunEnd::TimedOut, LIMIT_S, places)
 }
 
 /// A policy that is steered toward a point, which it knows by dead reckoning.
@@ -238,15 +239,15 @@ impl<P: Steered> Pilot for Homing<P> {
 }
 
 /// Whole steps along one bearing, whatever the sonars report: measures the shield alone.
-struct Straight(f64);
+struct StraightLine(f64);
 
-impl Policy for Straight {
+impl Policy for StraightLine {
     fn decide(&mut self, perceived: &Perceived) -> Point {
         Point::unit(self.0).turned_back(Point::unit(perceived.pose.heading)) * STEP_M
     }
 }
 
-impl Steered for Straight {
+impl Steered for StraightLine {
     fn steer(&mut self, target: Option<f64>) {
         self.0 = target.unwrap_or(self.0);
     }

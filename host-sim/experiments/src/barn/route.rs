@@ -28,7 +28,7 @@ pub fn route(
     goal: Point,
     radius: f64,
 ) -> Result<Option<Vec<Point>>, BadInput> {
-    let Some(grid) = Grid::around(world, start, goal) else {
+    let Some(grid) = SearchGrid::around(world, start, goal) else {
         return Err(BadInput::new(format!(
             "world {}: more than {MAX_CELLS} cells to search for a path",
             world.name()
@@ -51,13 +51,13 @@ pub fn length(way: &[Point]) -> f64 {
     way.windows(2).map(|ends| ends[0].distance(ends[1])).sum()
 }
 
-struct Grid {
+struct SearchGrid {
     low: Point,
     columns: usize,
     rows: usize,
 }
 
-impl Grid {
+impl SearchGrid {
     fn around(world: &World, start: Point, goal: Point) -> Option<Self> {
         let (low, high) = world.bounds();
         let least = |a: f64, b: f64, c: f64| a.min(b).min(c) - RIM_M;
@@ -109,7 +109,7 @@ impl Grid {
     }
 }
 
-fn search(grid: &Grid, free: &[bool], start: usize, goal: usize) -> Option<Vec<usize>> {
+fn search(grid: &SearchGrid, free: &[bool], start: usize, goal: usize) -> Option<Vec<usize>> {
     let mut costs = vec![u32::MAX; free.len()];
     let mut from = vec![usize::MAX; free.len()];
     let mut open = BinaryHeap::from([Reverse((grid.left(start, goal), 0, start))]);

@@ -1,13 +1,13 @@
 //! Draws the paths of several methods through several worlds side by side.
 
-use crate::barn::End;
+use crate::barn::RunEnd;
 use arena::robot::COLLISION_RADIUS_M;
 use arena::world::{Point, World};
 
 use plots::draw::color::{self, GRAY, INK, VERMILLION};
 use plots::draw::layout::{MARGIN, PAGE, TOP, heading, shortened};
 use plots::draw::marks::contact_mark;
-use plots::draw::scene::{self, View};
+use plots::draw::scene::{self, SceneView};
 use plots::draw::svg::{Anchor, Font, Svg, fill, filled, num, stroke};
 
 /// Panels in a row.
@@ -27,7 +27,7 @@ pub struct RoutePanel {
     /// Positions of the robot, by method.
     pub ways: Vec<Vec<Point>>,
     /// How the run ended, by method.
-    pub marks: Vec<End>,
+    pub marks: Vec<RunEnd>,
 }
 
 /// Draws the worlds as small multiples with one line per method: a dot marks its end, a cross a
@@ -86,12 +86,12 @@ fn extent(panel: &RoutePanel) -> [Point; 2] {
 }
 
 fn tallest(row: &[RoutePanel], room: [f64; 2]) -> f64 {
-    let height = |panel: &RoutePanel| View::new(extent(panel), [0.0; 2], room).size[1];
+    let height = |panel: &RoutePanel| SceneView::new(extent(panel), [0.0; 2], room).size[1];
     row.iter().map(height).fold(0.0, f64::max)
 }
 
 fn draw(svg: &mut Svg, panel: &RoutePanel, corner: [f64; 2], room: [f64; 2]) {
-    let view = View::new(extent(panel), corner, room);
+    let view = SceneView::new(extent(panel), corner, room);
     scene::obstacles(svg, &view, &panel.world);
     if let Some(goal) = panel.world.goal() {
         svg.circle(view.at(goal), view.scale, &stroke(GRAY, 1.0));
@@ -107,8 +107,8 @@ fn draw(svg: &mut Svg, panel: &RoutePanel, corner: [f64; 2], room: [f64; 2]) {
     for (index, (way, mark)) in ends {
         let Some(&last) = way.last() else { continue };
         match mark {
-            End::Touched => contact_mark(svg, view.at(last), VERMILLION),
-            End::Reached | End::TimedOut => {
+            RunEnd::Touched => contact_mark(svg, view.at(last), VERMILLION),
+            RunEnd::Reached | RunEnd::TimedOut => {
                 svg.circle(
                     view.at(last),
                     3.6,
@@ -138,7 +138,7 @@ mod tests {
             world: World::random(1).with_goal(Point::new(7.0, 5.0)),
             shortest: way.clone(),
             ways: vec![way.clone(), way],
-            marks: vec![End::Reached, End::Touched],
+            marks: vec![RunEnd::Reached, RunEnd::Touched],
         };
         let picture = routes("ways", &["a", "<b>"], &vec![panel; 5]);
         assert_well_formed(&picture);

@@ -17,14 +17,14 @@ use sim::ring_pilot::{Perceived, Policy, Steered};
 
 /// Weights of the goal on the way.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tuning {
+pub struct SeekerTuning {
     /// Least distance to obstacles, m from the ring.
     pub clearance_m: f64,
     /// Weight of progress toward the goal, in units of a squared deviation of 1.
     pub pull: f64,
 }
 
-impl Default for Tuning {
+impl Default for SeekerTuning {
     fn default() -> Self {
         Self {
             // Tuned in 50 fields generated like those of the benchmark, none of them part of it.
@@ -51,7 +51,7 @@ impl Seeker {
     ///
     /// # Errors
     /// When the controller cannot return its state.
-    pub fn new(mut mind: Mind, tuning: Tuning, course: f64) -> Result<Self, Failure> {
+    pub fn new(mut mind: Mind, tuning: SeekerTuning, course: f64) -> Result<Self, Failure> {
         let config = mind.config().clone();
         let clearance = Range::from_mm((tuning.clearance_m * 1e3) as u16);
         let goal = Goal {

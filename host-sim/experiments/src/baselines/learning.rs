@@ -102,7 +102,7 @@ impl Reward {
 
 /// How a learner is trained.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Schooling {
+pub struct LearnerTraining {
     /// Far limit: obstacles beyond it are not perceived, m.
     pub far_m: f64,
     /// The reward.
@@ -123,9 +123,9 @@ pub struct Schooling {
 
 /// A policy that drives by a learner and trains it.
 #[derive(Debug, Clone)]
-pub struct Trainee<L> {
+pub struct LearnerDriver<L> {
     learner: L,
-    schooling: Schooling,
+    training: LearnerTraining,
     noise: Noise,
     exploring: bool,
     learning: bool,
@@ -137,13 +137,13 @@ pub struct Trainee<L> {
     course: Point,
 }
 
-impl<L: Learner> Trainee<L> {
+impl<L: Learner> LearnerDriver<L> {
     /// An untrained learner; `seed` fixes its exploration.
     #[must_use]
-    pub fn new(learner: L, schooling: Schooling, seed: u64) -> Self {
+    pub fn new(learner: L, training: LearnerTraining, seed: u64) -> Self {
         Self {
             learner,
-            schooling,
+            training,
             noise: Noise::new(seed),
             exploring: true,
             learning: true,
@@ -178,7 +178,7 @@ impl<L: Learner> Trainee<L> {
         let mut settled = self.clone();
         settled.learner.settle();
         settled.exploring = false;
-        settled.learning = self.schooling.learns_on;
+        settled.learning = self.training.learns_on;
         settled.before = None;
         settled.course = Point::unit(course);
         settled
@@ -186,7 +186,7 @@ impl<L: Learner> Trainee<L> {
 
     fn perceive(&self, perceived: &Perceived) -> Values {
         std::array::from_fn(|sensor| {
-            (1.0 - perceived.range_m(sensor) / self.schooling.far_m).max(0.0)
+            (1.0 - perceived.range_m(sensor) / self.training.far_m).max(0.0)
         })
     }
 
@@ -198,24 +198,24 @@ impl<L: Learner> Trainee<L> {
             moved: done.moved * steps,
             after: *after,
             reward: self
-                .schooling
+                .training
                 .reward
                 .of(before, done.wanted, after, done.touched),
         };
         self.moves += 1;
         self.contacts += u32::from(done.touched);
-        for turn in 0..self.schooling.turns {
+        for turn in 0..self.training.turns {
             self.learner
-                .learn(&experience.turned(turn * 16 / self.schooling.turns));
+                .learn(&experience.turned(turn * 16 / self.training.turns));
         }
     }
 
     fn explores(&mut self) -> bool {
-        let Schooling {
+        let LearnerTraining {
             explores_for,
             explores_least,
             ..
-        } = self.schooling;
+        } = self.training;
         let fading = libm::exp(-f64::from(self.moves) / explores_for);
         let share = explores_least + (1.0 - explores_least) * fading;
         self.exploring && self.noise.chance(share)
@@ -229,7 +229,7 @@ impl<L: Learner> Trainee<L> {
             varied.unwrap_or_else(|| Point::unit(self.noise.uniform_in(0.0, TAU)))
         } else if situation
             .iter()
-            .all(|value| *value <= self.schooling.free_below)
+            .all(|value| *value <= self.training.free_below)
         {
             self.course
         } else {
@@ -238,7 +238,7 @@ impl<L: Learner> Trainee<L> {
     }
 }
 
-impl<L: Learner> Policy for Trainee<L> {
+impl<L: Learner> Policy for LearnerDriver<L> {
     fn decide(&mut self, perceived: &Perceived) -> Point {
         let situation = self.perceive(perceived);
         if let (true, Some(before), Some(done)) = (self.learning, self.before, &perceived.last) {

@@ -4,14 +4,14 @@
 //! International Journal of Advanced Robotic Systems 3(2), 2006, section 2.2, argues that samples
 //! alone are too few. Same random moves and goal as the controller.
 
-use super::learning::{Experience, Learner, Reward, Schooling, Values};
-use super::turned::Ring;
+use super::learning::{Experience, Learner, LearnerTraining, Reward, Values};
+use super::rotation::RotatableRing;
 use arena::noise::Noise;
 use arena::world::Point;
 
 /// Which part of a sample is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Key {
+pub enum SampleKey {
     /// The direction of its change of situation with the wanted change.
     Change,
     /// Its situations before and after with the present and the wanted situation.
@@ -24,8 +24,8 @@ pub const FAR_M: f64 = 1.5;
 /// Random moves only, without reward; the heading is kept while the goal is met. `far_m`: far
 /// limit.
 #[must_use]
-pub const fn schooling(tuning: &Tuning, far_m: f64) -> Schooling {
-    Schooling {
+pub const fn training(tuning: &NearestTuning, far_m: f64) -> LearnerTraining {
+    LearnerTraining {
         far_m,
         reward: Reward {
             fallen: 0.0,
@@ -42,26 +42,26 @@ pub const fn schooling(tuning: &Tuning, far_m: f64) -> Schooling {
 
 /// The method's constants; the defaults were tuned in rooms that no comparison uses.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tuning {
+pub struct NearestTuning {
     /// Which part of a sample is compared.
-    pub key: Key,
+    pub key: SampleKey,
     /// The goal is met when no value exceeds this.
     pub goal: f64,
     /// Each sample counts in this many rotations of the ring: 1 or 16.
     pub turns: usize,
 }
 
-impl Tuning {
+impl NearestTuning {
     /// Compares the direction of the change.
     pub const CHANGE: Self = Self {
-        key: Key::Change,
+        key: SampleKey::Change,
         goal: 0.6,
         turns: 16,
     };
 
     /// Compares the pair of situations.
     pub const PAIR: Self = Self {
-        key: Key::Pair,
+        key: SampleKey::Pair,
         goal: 0.2,
         turns: 16,
     };
@@ -69,25 +69,25 @@ impl Tuning {
 
 /// The stored samples.
 #[derive(Debug, Clone)]
-pub struct Nearest {
-    tuning: Tuning,
-    samples: Vec<Sample>,
+pub struct NearestSample {
+    tuning: NearestTuning,
+    samples: Vec<StoredSample>,
 }
 
 /// The compared parts of an experience.
 #[derive(Debug, Clone)]
-struct Sample {
-    before: Ring,
-    after: Ring,
+struct StoredSample {
+    before: RotatableRing,
+    after: RotatableRing,
     /// Change of situation, normalized to length 1; 0 where nothing changed.
-    change: Ring,
+    change: RotatableRing,
     moved: Point,
 }
 
-impl Nearest {
+impl NearestSample {
     /// An empty memory.
     #[must_use]
-    pub fn new(tuning: Tuning) -> Self {
+    pub fn new(tuning: NearestTuning) -> Self {
         Self {
             tuning,
             samples: Vec::new(),
@@ -95,13 +95,13 @@ impl Nearest {
     }
 
     /// Distance of a sample, rotated by `places`, from the wanted one.
-    fn mismatch(&self, now: &Values, wanted: &Values, sample: &Sample, places: usize) -> f64 {
+    fn mismatch(&self, now: &Values, wanted: &Values, sample: &StoredSample, places: usize) -> f64 {
         match self.tuning.key {
-            Key::Pair => {
+            SampleKey::Pair => {
                 sample.before.squared_distance(now, places)
                     + sample.after.squared_distance(wanted, places)
             }
-            Key::Change => {
+            SampleKey::Change => {
                 let asked: Values = std::array::from_fn(|i| wanted[i] - now[i]);
                 -sample.change.product(&asked, places)
             }
@@ -109,7 +109,7 @@ impl Nearest {
     }
 }
 
-impl Learner for Nearest {
+impl Learner for NearestSample {
     fn best(&self, situation: &Values, course: Point) -> Point {
         let goal = self.tuning.goal;
         let wanted = situation.map(|value| value.min(goal));
@@ -138,10 +138,10 @@ impl Learner for Nearest {
         let length = change.iter().map(|part| part * part).sum::<f64>().sqrt();
         // A sample without change has no direction.
         let scale = if length > 1e-6 { 1.0 / length } else { 0.0 };
-        self.samples.push(Sample {
-            before: Ring::new(before),
-            after: Ring::new(after),
-            change: Ring::new(&change.map(|part| part * scale)),
+        self.samples.push(StoredSample {
+            before: RotatableRing::new(before),
+            after: RotatableRing::new(after),
+            change: RotatableRing::new(&change.map(|part| part * scale)),
             moved: experience.moved,
         });
     }
@@ -169,8 +169,8 @@ mod tests {
     }
 
     /// Toward what sensor 0 perceives, and away from it.
-    fn taught(key: Key, turns: usize) -> Nearest {
-        let mut nearest = Nearest::new(Tuning {
+    fn taught(key: SampleKey, turns: usize) -> NearestSample {
+        let mut nearest = NearestSample::new(NearestTuning {
             key,
             goal: 0.2,
             turns,
@@ -189,7 +189,7 @@ mod tests {
 
     #[test]
     fn the_sample_whose_change_is_wanted_is_repeated() {
-        for key in [Key::Change, Key::Pair] {
+        for key in [SampleKey::Change, SampleKey::Pair] {
             let plain = taught(key, 1);
             assert!(plain.best(&value(0, 0.8), axis(0)).distance(axis(8)) < 1e-9);
             let turned = taught(key, 16);

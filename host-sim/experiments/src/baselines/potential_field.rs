@@ -20,14 +20,14 @@ const BALANCE: f64 = 1e-6;
 
 /// The method's constants; the defaults were tuned in rooms that no comparison uses.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tuning {
+pub struct PotentialFieldTuning {
     /// ρ₀: obstacles beyond this distance do not repel, m from the edge of the body.
     pub reach_m: f64,
     /// η, m³ (the attraction is 1).
     pub strength: f64,
 }
 
-impl Default for Tuning {
+impl Default for PotentialFieldTuning {
     fn default() -> Self {
         Self {
             reach_m: 0.8,
@@ -39,7 +39,7 @@ impl Default for Tuning {
 /// A robot in a potential field.
 #[derive(Debug, Clone)]
 pub struct PotentialField {
-    tuning: Tuning,
+    tuning: PotentialFieldTuning,
     /// Bearing of the target, rad in the frame of the pose.
     target: Option<f64>,
     /// Direction of the last step, rad in the frame of the pose.
@@ -49,7 +49,7 @@ pub struct PotentialField {
 impl PotentialField {
     /// A robot that starts along `course` (rad from the ring's x axis) and has no target.
     #[must_use]
-    pub fn new(tuning: Tuning, course: f64) -> Self {
+    pub fn new(tuning: PotentialFieldTuning, course: f64) -> Self {
         Self {
             tuning,
             target: None,
@@ -99,7 +99,7 @@ mod tests {
     use arena::world::Pose;
     use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
-    const TUNING: Tuning = Tuning {
+    const TUNING: PotentialFieldTuning = PotentialFieldTuning {
         reach_m: 1.0,
         strength: 0.25,
     };

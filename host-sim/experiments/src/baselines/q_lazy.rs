@@ -4,8 +4,8 @@
 //! International Journal of Advanced Robotic Systems 1(1), 2004. From the abstracts: all moves are
 //! random, then the memory is swept until no value changes. See [`QLazy`].
 
-use super::learning::{Experience, Learner, Reward, Schooling, Values, best_of, headings};
-use super::turned::Ring;
+use super::learning::{Experience, Learner, LearnerTraining, Reward, Values, best_of, headings};
+use super::rotation::RotatableRing;
 use arena::noise::Noise;
 use arena::world::Point;
 
@@ -18,7 +18,7 @@ const SETTLED: f64 = 1e-3;
 const NEAR: f64 = 1e-3;
 
 /// How it is trained; tuned as the constants.
-pub const SCHOOLING: Schooling = Schooling {
+pub const TRAINING: LearnerTraining = LearnerTraining {
     far_m: 1.5,
     reward: Reward {
         fallen: 0.1,
@@ -34,7 +34,7 @@ pub const SCHOOLING: Schooling = Schooling {
 
 /// The learner's constants; the defaults were tuned in rooms that no comparison uses.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tuning {
+pub struct QLazyTuning {
     /// k, 1 … 8.
     pub neighbors: usize,
     /// γ, 0 … below 1.
@@ -45,7 +45,7 @@ pub struct Tuning {
     pub turns: usize,
 }
 
-impl Default for Tuning {
+impl Default for QLazyTuning {
     fn default() -> Self {
         Self {
             neighbors: 4,
@@ -66,21 +66,21 @@ impl Default for Tuning {
 /// The robot takes the action with the greatest Q̂ among the 16 transducer axes.
 #[derive(Debug, Clone)]
 pub struct QLazy {
-    tuning: Tuning,
+    tuning: QLazyTuning,
     memory: Vec<Experience>,
     /// The situation before each move, for the search.
-    before: Vec<Ring>,
+    before: Vec<RotatableRing>,
     values: Vec<f64>,
 }
 
 /// The nearest samples found so far: squared distance and index, nearest first.
 #[derive(Debug, Clone, Copy)]
-struct Nearest {
+struct NearestSamples {
     found: [(f64, usize); MAX_NEIGHBORS],
     wanted: usize,
 }
 
-impl Nearest {
+impl NearestSamples {
     fn new(wanted: usize) -> Self {
         Self {
             found: [(f64::INFINITY, 0); MAX_NEIGHBORS],
@@ -124,7 +124,7 @@ impl Nearest {
 impl QLazy {
     /// An empty memory.
     #[must_use]
-    pub fn new(tuning: Tuning) -> Self {
+    pub fn new(tuning: QLazyTuning) -> Self {
         Self {
             tuning,
             memory: Vec::new(),
@@ -134,10 +134,10 @@ impl QLazy {
     }
 
     /// For each of the 16 actions, the nearest samples in this situation.
-    fn neighbors(&self, situation: &Values) -> [Nearest; 16] {
+    fn neighbors(&self, situation: &Values) -> [NearestSamples; 16] {
         let actions = headings();
         let weight = self.tuning.action_weight * self.tuning.action_weight;
-        let mut nearest = [Nearest::new(self.tuning.neighbors); 16];
+        let mut nearest = [NearestSamples::new(self.tuning.neighbors); 16];
         let mut farthest = f64::INFINITY;
         for turn in 0..self.tuning.turns {
             let places = turn * 16 / self.tuning.turns;
@@ -154,7 +154,10 @@ impl QLazy {
                     changed |= nearest.offer(apart + weight * way.dot(way), index);
                 }
                 if changed {
-                    farthest = nearest.iter().map(Nearest::limit).fold(0.0, f64::max);
+                    farthest = nearest
+                        .iter()
+                        .map(NearestSamples::limit)
+                        .fold(0.0, f64::max);
                 }
             }
         }
@@ -171,7 +174,7 @@ impl Learner for QLazy {
 
     fn learn(&mut self, experience: &Experience) {
         self.memory.push(*experience);
-        self.before.push(Ring::new(&experience.before));
+        self.before.push(RotatableRing::new(&experience.before));
         self.values.push(experience.reward);
     }
 
@@ -229,7 +232,7 @@ mod tests {
 
     #[test]
     fn the_memory_is_swept_to_the_discounted_reward() {
-        let mut lazy = QLazy::new(Tuning {
+        let mut lazy = QLazy::new(QLazyTuning {
             neighbors: 1,
             discount: 0.9,
             action_weight: 0.1,
@@ -252,7 +255,7 @@ mod tests {
 
     #[test]
     fn what_was_good_is_done_again_also_turned() {
-        let mut lazy = QLazy::new(Tuning {
+        let mut lazy = QLazy::new(QLazyTuning {
             neighbors: 1,
             discount: 0.0,
             action_weight: 1.0,

@@ -4,7 +4,7 @@
 //! obstacle avoidance more than 40 times faster than plain Q-learning. See [`QSom`] for our
 //! reading.
 
-use super::learning::{Experience, Learner, Reward, Schooling, Values};
+use super::learning::{Experience, Learner, LearnerTraining, Reward, Values};
 use amp::fixed::{Mask, Weight};
 use amp::som::neighborhood::Update;
 use amp::som::{Grid, Neighborhood, Som};
@@ -16,7 +16,7 @@ const ACTION: usize = 16;
 const VALUE: usize = 18;
 
 /// How it is trained; tuned as the constants.
-pub const SCHOOLING: Schooling = Schooling {
+pub const TRAINING: LearnerTraining = LearnerTraining {
     far_m: 1.0,
     reward: Reward {
         fallen: 0.2,
@@ -32,7 +32,7 @@ pub const SCHOOLING: Schooling = Schooling {
 
 /// The learner's constants; the defaults were tuned in rooms that no comparison uses.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tuning {
+pub struct QSomTuning {
     /// α of the Q rule, 0 … 1.
     pub rate: f64,
     /// γ, 0 … below 1.
@@ -52,7 +52,7 @@ pub struct Tuning {
     pub value_weight: f64,
 }
 
-impl Default for Tuning {
+impl Default for QSomTuning {
     fn default() -> Self {
         Self {
             rate: 0.5,
@@ -74,7 +74,7 @@ impl Default for Tuning {
 /// (situation, action, Q + α (r + γ max Q' − Q)). Q is in units of 1/(1 − γ), which bounds it by 1.
 #[derive(Debug, Clone)]
 pub struct QSom {
-    tuning: Tuning,
+    tuning: QSomTuning,
     map: Som<NEURONS, DIMS>,
     learned: u32,
 }
@@ -82,7 +82,7 @@ pub struct QSom {
 impl QSom {
     /// An untrained map: each neuron has an action along another of the ring's directions.
     #[must_use]
-    pub fn new(tuning: Tuning) -> Self {
+    pub fn new(tuning: QSomTuning) -> Self {
         let nowhere = [0.0; 16];
         let row = |neuron: usize| vector(&tuning, &nowhere, sim::ring_pilot::axis(neuron), 0.0);
         Self {
@@ -111,7 +111,7 @@ impl QSom {
     }
 }
 
-fn vector(tuning: &Tuning, situation: &Values, action: Point, value: f64) -> [Weight; DIMS] {
+fn vector(tuning: &QSomTuning, situation: &Values, action: Point, value: f64) -> [Weight; DIMS] {
     std::array::from_fn(|index| {
         let component = match index {
             ACTION => action.x * tuning.action_weight,
@@ -139,7 +139,7 @@ impl Learner for QSom {
     }
 
     fn learn(&mut self, experience: &Experience) {
-        let Tuning { rate, discount, .. } = self.tuning;
+        let QSomTuning { rate, discount, .. } = self.tuning;
         let probe = vector(&self.tuning, &experience.before, experience.asked, 0.0);
         let winner = self.map.winner(&probe, Mask::ALL.without(VALUE));
         let most = self.value(self.answering(&experience.after));
@@ -165,7 +165,7 @@ mod tests {
     use super::*;
     use sim::ring_pilot::axis;
 
-    const TUNING: Tuning = Tuning {
+    const TUNING: QSomTuning = QSomTuning {
         rate: 1.0,
         discount: 0.5,
         pull: 1.0,

@@ -3,7 +3,7 @@
 //! States as in Touzet 1997: values thresholded to eight bits, here one per pair of neighboring
 //! sonars, so 256 situations. 16 actions: a whole step along each transducer's axis.
 
-use super::learning::{Experience, Learner, Reward, Schooling, Values, best_of, headings};
+use super::learning::{Experience, Learner, LearnerTraining, Reward, Values, best_of, headings};
 use arena::world::Point;
 use std::f64::consts::TAU;
 
@@ -11,7 +11,7 @@ const STATES: usize = 256;
 const ACTIONS: usize = 16;
 
 /// How it is trained; tuned as the constants.
-pub const SCHOOLING: Schooling = Schooling {
+pub const TRAINING: LearnerTraining = LearnerTraining {
     far_m: 0.6,
     reward: Reward {
         fallen: 0.4,
@@ -27,7 +27,7 @@ pub const SCHOOLING: Schooling = Schooling {
 
 /// The learner's constants; the defaults were tuned in rooms that no comparison uses.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tuning {
+pub struct QTableTuning {
     /// A bit is set when one of its two values exceeds this.
     pub threshold: f64,
     /// α, 0 … 1.
@@ -36,7 +36,7 @@ pub struct Tuning {
     pub discount: f64,
 }
 
-impl Default for Tuning {
+impl Default for QTableTuning {
     fn default() -> Self {
         Self {
             threshold: 0.2,
@@ -49,14 +49,14 @@ impl Default for Tuning {
 /// A table of Q values: `Q(s, a) ← Q(s, a) + α (r + γ max Q(s', ·) − Q(s, a))`.
 #[derive(Debug, Clone)]
 pub struct QTable {
-    tuning: Tuning,
+    tuning: QTableTuning,
     values: Vec<[f32; ACTIONS]>,
 }
 
 impl QTable {
     /// All zero.
     #[must_use]
-    pub fn new(tuning: Tuning) -> Self {
+    pub fn new(tuning: QTableTuning) -> Self {
         Self {
             tuning,
             values: vec![[0.0; ACTIONS]; STATES],
@@ -108,7 +108,7 @@ mod tests {
     use super::*;
     use sim::ring_pilot::axis;
 
-    const TUNING: Tuning = Tuning {
+    const TUNING: QTableTuning = QTableTuning {
         threshold: 0.5,
         rate: 0.5,
         discount: 0.9,

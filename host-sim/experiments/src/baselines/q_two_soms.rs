@@ -5,7 +5,7 @@
 //! learning rates fall; exploration is ε-greedy; k is the action neuron nearest to the tried
 //! action. See [`QTwoSoms`].
 
-use super::learning::{Experience, Learner, Reward, Schooling, Values, best_of};
+use super::learning::{Experience, Learner, LearnerTraining, Reward, Values, best_of};
 use amp::fixed::{Mask, Weight};
 use amp::som::neighborhood::Update;
 use amp::som::{Grid, Neighborhood, Som};
@@ -15,7 +15,7 @@ use arena::world::Point;
 const NEURONS: usize = 16;
 
 /// How it is trained; tuned as the constants.
-pub const SCHOOLING: Schooling = Schooling {
+pub const TRAINING: LearnerTraining = LearnerTraining {
     far_m: 0.6,
     reward: Reward {
         fallen: 0.2,
@@ -31,7 +31,7 @@ pub const SCHOOLING: Schooling = Schooling {
 
 /// The learner's constants; the defaults were tuned in rooms that no comparison uses.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tuning {
+pub struct QTwoSomsTuning {
     /// α of the Q rule, 0 … 1.
     pub rate: f64,
     /// γ, 0 … below 1.
@@ -47,7 +47,7 @@ pub struct Tuning {
     pub least: f64,
 }
 
-impl Default for Tuning {
+impl Default for QTwoSomsTuning {
     fn default() -> Self {
         Self {
             rate: 0.3,
@@ -71,7 +71,7 @@ impl Default for Tuning {
 /// ```
 #[derive(Debug, Clone)]
 pub struct QTwoSoms {
-    tuning: Tuning,
+    tuning: QTwoSomsTuning,
     situations: Som<NEURONS, 16>,
     actions: Som<NEURONS, 2>,
     values: [[f64; NEURONS]; NEURONS],
@@ -82,7 +82,7 @@ impl QTwoSoms {
     /// Untrained maps: each situation neuron has an obstacle before another transducer, each action
     /// neuron a step along another axis, both in the order of a path around the grid.
     #[must_use]
-    pub fn new(tuning: Tuning) -> Self {
+    pub fn new(tuning: QTwoSomsTuning) -> Self {
         let grid = Grid::rectangle(4, 4);
         let ahead = |neuron: usize| {
             std::array::from_fn(|sensor| {
@@ -192,7 +192,7 @@ mod tests {
 
     #[test]
     fn values_and_maps_follow_the_rule_by_hand() {
-        let tuning = Tuning {
+        let tuning = QTwoSomsTuning {
             rate: 0.5,
             discount: 0.9,
             pull: 0.5,

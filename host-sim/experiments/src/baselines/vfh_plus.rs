@@ -17,7 +17,7 @@ const SECTOR: f64 = TAU / SECTORS as f64;
 
 /// The method's constants; the defaults were tuned in rooms that no comparison uses.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tuning {
+pub struct VfhPlusTuning {
     /// Distance to keep from obstacles, m: each cell is enlarged by the robot's radius and this.
     pub safety_m: f64,
     /// A cell with one echo at this distance or nearer blocks a sector, m.
@@ -35,7 +35,7 @@ pub struct Tuning {
     pub turning_radius_m: f64,
 }
 
-impl Default for Tuning {
+impl Default for VfhPlusTuning {
     fn default() -> Self {
         Self {
             safety_m: 0.05,
@@ -49,7 +49,7 @@ impl Default for Tuning {
     }
 }
 
-impl Tuning {
+impl VfhPlusTuning {
     /// The constants found with or without the shield. The shield keeps its own margin, which makes
     /// narrower openings useless.
     #[must_use]
@@ -79,7 +79,7 @@ impl Tuning {
 ///   278–288.
 #[derive(Debug, Clone)]
 pub struct VfhPlus {
-    tuning: Tuning,
+    tuning: VfhPlusTuning,
     grid: CertaintyGrid,
     blocked: [bool; SECTORS],
     target: Option<f64>,
@@ -102,7 +102,7 @@ struct Obstacle {
 impl VfhPlus {
     /// A robot that starts along `course` (rad from the ring's x axis) and has no target.
     #[must_use]
-    pub fn new(tuning: Tuning, course: f64) -> Self {
+    pub fn new(tuning: VfhPlusTuning, course: f64) -> Self {
         Self {
             tuning,
             grid: CertaintyGrid::default(),
@@ -357,10 +357,10 @@ mod tests {
     #[test]
     fn between_the_thresholds_a_sector_stays_what_it_was() {
         let mut vfh = VfhPlus::new(
-            Tuning {
+            VfhPlusTuning {
                 blocked_m: 0.8,
                 free_m: 1.0,
-                ..Tuning::default()
+                ..VfhPlusTuning::default()
             },
             0.0,
         );
@@ -389,9 +389,9 @@ mod tests {
 
     #[test]
     fn the_cost_prefers_the_target_and_then_the_course() {
-        let tuning = Tuning {
+        let tuning = VfhPlusTuning {
             wide: 16,
-            ..Tuning::default()
+            ..VfhPlusTuning::default()
         };
         let mut vfh = VfhPlus::new(tuning, -0.3);
         let wide = blocking(66..79);
@@ -407,9 +407,9 @@ mod tests {
 
     #[test]
     fn what_cannot_be_turned_to_is_masked() {
-        let mut tuning = Tuning::default();
+        let mut tuning = VfhPlusTuning::default();
         let left = obstacle(1.0);
-        let free = |tuning: Tuning| {
+        let free = |tuning: VfhPlusTuning| {
             let vfh = VfhPlus::new(tuning, 0.0);
             let masked = vfh.masked(&[left]);
             move |angle: f64| !masked[sector_of(angle)]
@@ -427,7 +427,7 @@ mod tests {
     fn it_goes_where_it_is_steered_and_touches_nothing() {
         let world = World::random(20_001);
         let drive = |target: Option<f64>, steps: u32| {
-            let mut pilot = RingPilot::new(VfhPlus::new(Tuning::default(), 0.0), None);
+            let mut pilot = RingPilot::new(VfhPlus::new(VfhPlusTuning::default(), 0.0), None);
             pilot.policy_mut().steer(target);
             let body = Body::new(&world, SonarModel::Ideal, TurretMode::Held, 1);
             let tally = drive_pilot(&world, &mut pilot, body, steps).expect("it drives");

@@ -1,11 +1,11 @@
 //! Drives one method in one world with one seed: it learns, restarts at the world's start, is
 //! measured.
 
-use super::method::{Constants, MOVES, Method};
-use super::watch::{Seen, Watched};
+use super::method::{ComparedMethod, Constants, MOVES};
+use super::observer::{DriverObservation, ObservedDriver};
 use crate::baselines::{
-    Learner, Nearest, PotentialField, QLazy, QSom, QTable, QTwoSoms, RandomMoves, Trainee, VfhPlus,
-    learning::Schooling, nearest,
+    Learner, LearnerDriver, NearestSample, PotentialField, QLazy, QSom, QTable, QTwoSoms,
+    RandomMoves, VfhPlus, learning::LearnerTraining, nearest,
 };
 use amp::config::Config;
 use amp::controller::Part;
@@ -36,7 +36,7 @@ pub struct Conditions {
 
 /// Result of one method with one budget, world and seed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Outcome {
+pub struct MethodOutcome {
     /// Contacts while learning.
     pub learning_contacts: u32,
     /// Measured steps with contact.
@@ -50,16 +50,16 @@ pub struct Outcome {
     /// Bytes of the learned state.
     pub bytes: usize,
     /// Observation of its decisions.
-    pub seen: Seen,
+    pub seen: DriverObservation,
 }
 
 /// A method with its constants and budgets.
-pub struct Candidate<'a> {
+pub struct MethodUnderTest<'a> {
     /// The method.
-    pub method: Method,
+    pub method: ComparedMethod,
     /// Its constants.
     pub constants: &'a Constants,
-    /// Numbers of learning moves after which it is measured, rising; those of [`Method::budgets`].
+    /// Numbers of learning moves after which it is measured, rising; those of [`ComparedMethod::budgets`].
     pub budgets: &'a [u32],
 }
 
@@ -68,13 +68,13 @@ pub struct Candidate<'a> {
 /// # Errors
 /// When the controller refuses a command or does not answer.
 pub fn drive(
-    candidate: &Candidate<'_>,
+    candidate: &MethodUnderTest<'_>,
     world: &World,
     seed: u64,
     conditions: &Conditions,
-) -> Result<Vec<Outcome>, Failure> {
+) -> Result<Vec<MethodOutcome>, Failure> {
     let constants = candidate.constants;
-    let place = Place {
+    let place = MeasuredSite {
         world,
         seeds: Seeds::of(seed),
         conditions,
@@ -82,44 +82,46 @@ pub fn drive(
     let budgets = candidate.budgets;
     let course = place.course();
     match candidate.method {
-        Method::Random => place.fixed(RandomMoves::new(place.seeds.exploration)),
-        Method::Braitenberg => place.fixed(Braitenberg::towards(constants.braitenberg, course)),
-        Method::PotentialField => {
+        ComparedMethod::Random => place.fixed(RandomMoves::new(place.seeds.exploration)),
+        ComparedMethod::Braitenberg => {
+            place.fixed(Braitenberg::towards(constants.braitenberg, course))
+        }
+        ComparedMethod::PotentialField => {
             place.fixed(PotentialField::new(constants.potential_field, course))
         }
-        Method::VfhPlus => place.fixed(VfhPlus::new(constants.vfh_plus, course)),
-        Method::NearestChange => place.nearest(constants.nearest_change, budgets),
-        Method::NearestPair => place.nearest(constants.nearest_pair, budgets),
-        Method::QLazy => {
-            let (tuning, schooling) = constants.q_lazy;
-            place.taught(QLazy::new(tuning), schooling, budgets)
+        ComparedMethod::VfhPlus => place.fixed(VfhPlus::new(constants.vfh_plus, course)),
+        ComparedMethod::NearestChange => place.nearest(constants.nearest_change, budgets),
+        ComparedMethod::NearestPair => place.nearest(constants.nearest_pair, budgets),
+        ComparedMethod::QLazy => {
+            let (tuning, training) = constants.q_lazy;
+            place.taught(QLazy::new(tuning), training, budgets)
         }
-        Method::QTable => {
-            let (tuning, schooling) = constants.q_table;
-            place.taught(QTable::new(tuning), schooling, budgets)
+        ComparedMethod::QTable => {
+            let (tuning, training) = constants.q_table;
+            place.taught(QTable::new(tuning), training, budgets)
         }
-        Method::QSom => {
-            let (tuning, schooling) = constants.q_som;
-            place.taught(QSom::new(tuning), schooling, budgets)
+        ComparedMethod::QSom => {
+            let (tuning, training) = constants.q_som;
+            place.taught(QSom::new(tuning), training, budgets)
         }
-        Method::QTwoSoms => {
-            let (tuning, schooling) = constants.q_two_soms;
-            place.taught(QTwoSoms::new(tuning), schooling, budgets)
+        ComparedMethod::QTwoSoms => {
+            let (tuning, training) = constants.q_two_soms;
+            place.taught(QTwoSoms::new(tuning), training, budgets)
         }
-        Method::Default => place.mind(Config::recommended(), TurretMode::Held, seed),
-        Method::Probe => place.mind(Config::probing(), TurretMode::Held, seed),
-        Method::Touzet => place.mind(Config::touzet(), TurretMode::Follow, seed),
+        ComparedMethod::Default => place.mind(Config::recommended(), TurretMode::Held, seed),
+        ComparedMethod::Probe => place.mind(Config::probing(), TurretMode::Held, seed),
+        ComparedMethod::Touzet => place.mind(Config::touzet(), TurretMode::Follow, seed),
     }
 }
 
 /// A world, a seed and the conditions.
-struct Place<'a> {
+struct MeasuredSite<'a> {
     world: &'a World,
     seeds: Seeds,
     conditions: &'a Conditions,
 }
 
-impl Place<'_> {
+impl MeasuredSite<'_> {
     /// First heading of a driver that has none of its own.
     fn course(&self) -> f64 {
         Noise::new(self.seeds.exploration).uniform_in(0.0, TAU)
@@ -136,10 +138,14 @@ impl Place<'_> {
     }
 
     /// Measures a policy without training.
-    fn measured<P: Policy>(&self, policy: P, learning_contacts: u32) -> Result<Outcome, Failure> {
-        let mut watched = Watched::new(self.pilot(policy), self.conditions.timed);
+    fn measured<P: Policy>(
+        &self,
+        policy: P,
+        learning_contacts: u32,
+    ) -> Result<MethodOutcome, Failure> {
+        let mut watched = ObservedDriver::new(self.pilot(policy), self.conditions.timed);
         let tally = drive_pilot(self.world, &mut watched, self.body(), self.conditions.steps)?;
-        Ok(Outcome {
+        Ok(MethodOutcome {
             learning_contacts,
             contacts: tally.contacts,
             distance_m: tally.distance_m,
@@ -150,7 +156,7 @@ impl Place<'_> {
         })
     }
 
-    fn fixed<P: Policy>(&self, policy: P) -> Result<Vec<Outcome>, Failure> {
+    fn fixed<P: Policy>(&self, policy: P) -> Result<Vec<MethodOutcome>, Failure> {
         Ok(vec![self.measured(policy, 0)?])
     }
 
@@ -159,10 +165,10 @@ impl Place<'_> {
     fn taught<L: Learner>(
         &self,
         learner: L,
-        schooling: Schooling,
+        training: LearnerTraining,
         budgets: &[u32],
-    ) -> Result<Vec<Outcome>, Failure> {
-        let trainee = Trainee::new(learner, schooling, self.seeds.exploration);
+    ) -> Result<Vec<MethodOutcome>, Failure> {
+        let trainee = LearnerDriver::new(learner, training, self.seeds.exploration);
         let mut pilot = self.pilot(trainee);
         let mut body = self.body();
         let mut outcomes = Vec::new();
@@ -178,11 +184,11 @@ impl Place<'_> {
 
     fn nearest(
         &self,
-        (tuning, far_m): (nearest::Tuning, f64),
+        (tuning, far_m): (nearest::NearestTuning, f64),
         budgets: &[u32],
-    ) -> Result<Vec<Outcome>, Failure> {
-        let schooling = nearest::schooling(&tuning, far_m);
-        self.taught(Nearest::new(tuning), schooling, budgets)
+    ) -> Result<Vec<MethodOutcome>, Failure> {
+        let training = nearest::training(&tuning, far_m);
+        self.taught(NearestSample::new(tuning), training, budgets)
     }
 
     fn mind(
@@ -190,7 +196,7 @@ impl Place<'_> {
         mut config: Config<16>,
         turret: TurretMode,
         seed: u64,
-    ) -> Result<Vec<Outcome>, Failure> {
+    ) -> Result<Vec<MethodOutcome>, Failure> {
         if !self.conditions.shield {
             config.shield = None;
         }
@@ -208,11 +214,11 @@ impl Place<'_> {
             faults: Vec::new(),
             record: false,
         };
-        let mut watched = Watched::new(Mind::new(config), self.conditions.timed);
+        let mut watched = ObservedDriver::new(Mind::new(config), self.conditions.timed);
         let report = run_with(self.world, &setup, &mut watched, |_, _, _| {})?.report;
         let state = watched.driver().state();
         let parts = [Part::Situations, Part::Changes, Part::Actions, Part::Memory];
-        Ok(vec![Outcome {
+        Ok(vec![MethodOutcome {
             learning_contacts: report.explore_contacts,
             contacts: report.contacts,
             distance_m: report.distance_m,
@@ -235,8 +241,8 @@ mod tests {
         timed: false,
     };
 
-    fn outcomes(method: Method, budgets: &[u32], shield: bool) -> Vec<Outcome> {
-        let candidate = Candidate {
+    fn outcomes(method: ComparedMethod, budgets: &[u32], shield: bool) -> Vec<MethodOutcome> {
+        let candidate = MethodUnderTest {
             method,
             constants: &Constants::of(false),
             budgets,
@@ -250,7 +256,7 @@ mod tests {
 
     #[test]
     fn every_method_drives_and_touches_nothing_with_the_shield() {
-        for method in Method::ALL {
+        for method in ComparedMethod::ALL {
             let budgets = method.budgets(&[20, 40]);
             let outcomes = outcomes(method, &budgets, true);
             assert_eq!(outcomes.len(), budgets.len());
@@ -268,8 +274,8 @@ mod tests {
 
     #[test]
     fn a_long_training_goes_on_from_the_short_one() {
-        let alone = outcomes(Method::QTable, &[150], false);
-        let both = outcomes(Method::QTable, &[50, 150], false);
+        let alone = outcomes(ComparedMethod::QTable, &[150], false);
+        let both = outcomes(ComparedMethod::QTable, &[50, 150], false);
         assert_eq!(alone[0], both[1]);
         assert_ne!(both[0], both[1]);
     }

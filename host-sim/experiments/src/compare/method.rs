@@ -1,7 +1,8 @@
 //! The compared methods, their names and their constants.
 
 use crate::baselines::{
-    learning::Schooling, nearest, potential_field, q_lazy, q_som, q_table, q_two_soms, vfh_plus,
+    learning::LearnerTraining, nearest, potential_field, q_lazy, q_som, q_table, q_two_soms,
+    vfh_plus,
 };
 
 use files::error::BadInput;
@@ -10,7 +11,7 @@ use std::str::FromStr;
 
 /// A method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Method {
+pub enum ComparedMethod {
     /// Random moves without end.
     Random,
     /// The hand-written reference.
@@ -39,7 +40,7 @@ pub enum Method {
     Touzet,
 }
 
-impl Method {
+impl ComparedMethod {
     /// All methods, in the order of the tables.
     pub const ALL: [Self; 13] = [
         Self::Default,
@@ -101,7 +102,7 @@ impl Method {
 /// Random moves of the controller and of the methods with a lazy memory.
 pub const MOVES: u32 = 100;
 
-impl FromStr for Method {
+impl FromStr for ComparedMethod {
     type Err = BadInput;
 
     fn from_str(text: &str) -> Result<Self, BadInput> {
@@ -116,21 +117,21 @@ pub struct Constants {
     /// Of the hand-written reference.
     pub braitenberg: braitenberg::Tuning,
     /// Of the potential field.
-    pub potential_field: potential_field::Tuning,
+    pub potential_field: potential_field::PotentialFieldTuning,
     /// Of VFH+.
-    pub vfh_plus: vfh_plus::Tuning,
+    pub vfh_plus: vfh_plus::VfhPlusTuning,
     /// Of the nearest change, and its far limit in m.
-    pub nearest_change: (nearest::Tuning, f64),
+    pub nearest_change: (nearest::NearestTuning, f64),
     /// Of the nearest change, and its far limit in m.
-    pub nearest_pair: (nearest::Tuning, f64),
+    pub nearest_pair: (nearest::NearestTuning, f64),
     /// Of lazy Q-learning.
-    pub q_lazy: (q_lazy::Tuning, Schooling),
+    pub q_lazy: (q_lazy::QLazyTuning, LearnerTraining),
     /// Of Q-learning with a table.
-    pub q_table: (q_table::Tuning, Schooling),
+    pub q_table: (q_table::QTableTuning, LearnerTraining),
     /// Of Q-learning with one map.
-    pub q_som: (q_som::Tuning, Schooling),
+    pub q_som: (q_som::QSomTuning, LearnerTraining),
     /// Of Q-learning between two maps.
-    pub q_two_soms: (q_two_soms::Tuning, Schooling),
+    pub q_two_soms: (q_two_soms::QTwoSomsTuning, LearnerTraining),
 }
 
 impl Constants {
@@ -139,14 +140,14 @@ impl Constants {
     pub fn of(shield: bool) -> Self {
         Self {
             braitenberg: braitenberg::Tuning::default(),
-            potential_field: potential_field::Tuning::default(),
-            vfh_plus: vfh_plus::Tuning::of(shield),
-            nearest_change: (nearest::Tuning::CHANGE, nearest::FAR_M),
-            nearest_pair: (nearest::Tuning::PAIR, nearest::FAR_M),
-            q_lazy: (q_lazy::Tuning::default(), q_lazy::SCHOOLING),
-            q_table: (q_table::Tuning::default(), q_table::SCHOOLING),
-            q_som: (q_som::Tuning::default(), q_som::SCHOOLING),
-            q_two_soms: (q_two_soms::Tuning::default(), q_two_soms::SCHOOLING),
+            potential_field: potential_field::PotentialFieldTuning::default(),
+            vfh_plus: vfh_plus::VfhPlusTuning::of(shield),
+            nearest_change: (nearest::NearestTuning::CHANGE, nearest::FAR_M),
+            nearest_pair: (nearest::NearestTuning::PAIR, nearest::FAR_M),
+            q_lazy: (q_lazy::QLazyTuning::default(), q_lazy::TRAINING),
+            q_table: (q_table::QTableTuning::default(), q_table::TRAINING),
+            q_som: (q_som::QSomTuning::default(), q_som::TRAINING),
+            q_two_soms: (q_two_soms::QTwoSomsTuning::default(), q_two_soms::TRAINING),
         }
     }
 }
@@ -157,10 +158,12 @@ mod tests {
 
     #[test]
     fn names_are_taken_back_and_the_nearest_is_suggested() {
-        for method in Method::ALL {
+        for method in ComparedMethod::ALL {
             assert_eq!(method.name().parse(), Ok(method));
         }
-        let error = "q-tabel".parse::<Method>().expect_err("no such method");
+        let error = "q-tabel"
+            .parse::<ComparedMethod>()
+            .expect_err("no such method");
         assert!(error.to_string().contains("did you mean \"q-table\"?"));
     }
 }

@@ -1,26 +1,26 @@
 //! One row of the comparison: its figures, and its differences from another row.
 
-use super::drive::Outcome;
-use super::method::Method;
+use super::drive::MethodOutcome;
+use super::method::ComparedMethod;
 use sim::statistics::{Mean, bootstrap, bootstrap_of};
 
 /// One method with one number of learning moves, with or without the shield, over all worlds and
 /// seeds.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Row {
+pub struct ComparisonRow {
     /// The method.
-    pub method: Method,
+    pub method: ComparedMethod,
     /// Learning moves.
     pub moves: u32,
     /// With the shield.
     pub shield: bool,
     /// By world and seed.
-    pub outcomes: Vec<Vec<Outcome>>,
+    pub outcomes: Vec<Vec<MethodOutcome>>,
 }
 
 /// Means over worlds and seeds with their 95 % intervals.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Figures {
+pub struct MethodFigures {
     /// Contacts while learning.
     pub learning_contacts: Mean,
     /// Steps with contact per 100 m: sum of contacts over sum of distances.
@@ -58,11 +58,11 @@ pub struct Differences {
 }
 
 /// 100 for an episode without contact, else 0.
-fn clean(outcome: &Outcome) -> f64 {
+fn clean(outcome: &MethodOutcome) -> f64 {
     if outcome.contacts == 0 { 100.0 } else { 0.0 }
 }
 
-fn contacts(outcome: &Outcome) -> f64 {
+fn contacts(outcome: &MethodOutcome) -> f64 {
     100.0 * f64::from(outcome.contacts)
 }
 
@@ -71,24 +71,27 @@ fn ratio(sum: f64, way: f64) -> f64 {
     if way > 0.0 { sum / way } else { 0.0 }
 }
 
-impl Row {
-    fn columns<const N: usize>(&self, row: impl Fn(&Outcome) -> [f64; N]) -> Vec<Vec<[f64; N]>> {
-        let of_world = |world: &Vec<Outcome>| world.iter().map(&row).collect();
+impl ComparisonRow {
+    fn columns<const N: usize>(
+        &self,
+        row: impl Fn(&MethodOutcome) -> [f64; N],
+    ) -> Vec<Vec<[f64; N]>> {
+        let of_world = |world: &Vec<MethodOutcome>| world.iter().map(&row).collect();
         self.outcomes.iter().map(of_world).collect()
     }
 
-    fn mean(&self, value: impl Fn(&Outcome) -> f64) -> Mean {
-        let of_world = |world: &Vec<Outcome>| world.iter().map(&value).collect();
+    fn mean(&self, value: impl Fn(&MethodOutcome) -> f64) -> Mean {
+        let of_world = |world: &Vec<MethodOutcome>| world.iter().map(&value).collect();
         bootstrap(&self.outcomes.iter().map(of_world).collect::<Vec<_>>())
     }
 
-    fn sum(&self, value: impl Fn(&Outcome) -> f64) -> f64 {
+    fn sum(&self, value: impl Fn(&MethodOutcome) -> f64) -> f64 {
         self.outcomes.iter().flatten().map(value).sum()
     }
 
     /// The figures of this row.
     #[must_use]
-    pub fn figures(&self) -> Figures {
+    pub fn figures(&self) -> MethodFigures {
         let way = self.columns(|outcome| [contacts(outcome), outcome.distance_m]);
         let lost = self.columns(|outcome| {
             let seen = &outcome.seen;
@@ -97,7 +100,7 @@ impl Row {
         let count = self.sum(|_| 1.0).max(1.0);
         let thought = self.sum(|outcome| outcome.seen.thought.as_secs_f64() * 1e6);
         let decisions = self.sum(|outcome| f64::from(outcome.seen.decisions));
-        Figures {
+        MethodFigures {
             learning_contacts: self.mean(|outcome| f64::from(outcome.learning_contacts)),
             contacts_per_100_m: bootstrap_of(&way, |[sum, way], _| ratio(sum, way)),
             contact_percent: self
@@ -116,20 +119,20 @@ impl Row {
     /// This row minus `other`.
     #[must_use]
     pub fn less(&self, other: &Self) -> Differences {
-        let pairs: Vec<Vec<(Outcome, Outcome)>> = self
+        let pairs: Vec<Vec<(MethodOutcome, MethodOutcome)>> = self
             .outcomes
             .iter()
             .zip(&other.outcomes)
             .map(|(a, b)| a.iter().copied().zip(b.iter().copied()).collect())
             .collect();
-        let by_pair = |value: fn(&Outcome) -> f64| {
-            let of_world = |world: &Vec<(Outcome, Outcome)>| {
+        let by_pair = |value: fn(&MethodOutcome) -> f64| {
+            let of_world = |world: &Vec<(MethodOutcome, MethodOutcome)>| {
                 world.iter().map(|(a, b)| value(a) - value(b)).collect()
             };
             bootstrap(&pairs.iter().map(of_world).collect::<Vec<_>>())
         };
-        let ways = |world: &Vec<(Outcome, Outcome)>| {
-            let row = |(a, b): &(Outcome, Outcome)| {
+        let ways = |world: &Vec<(MethodOutcome, MethodOutcome)>| {
+            let row = |(a, b): &(MethodOutcome, MethodOutcome)| {
                 [contacts(a), a.distance_m, contacts(b), b.distance_m]
             };
             world.iter().map(row).collect()
@@ -148,30 +151,30 @@ impl Row {
 
 #[cfg(test)]
 mod tests {
-    use super::super::watch::Seen;
+    use super::super::observer::DriverObservation;
     use super::*;
 
-    fn row(contacts: u32, distance_m: f64) -> Row {
-        let outcome = Outcome {
+    fn row(contacts: u32, distance_m: f64) -> ComparisonRow {
+        let outcome = MethodOutcome {
             learning_contacts: 2,
             contacts,
             distance_m,
             coverage_m2: 10.0,
             clearance_m: 0.1,
             bytes: 64,
-            seen: Seen {
+            seen: DriverObservation {
                 losses: 2,
                 lost_ms: 3_000,
-                ..Seen::default()
+                ..DriverObservation::default()
             },
         };
-        let clean = Outcome {
+        let clean = MethodOutcome {
             contacts: 0,
-            seen: Seen::default(),
+            seen: DriverObservation::default(),
             ..outcome
         };
-        Row {
-            method: Method::Random,
+        ComparisonRow {
+            method: ComparedMethod::Random,
             moves: 0,
             shield: false,
             outcomes: vec![vec![outcome, clean]; 3],

@@ -49,7 +49,7 @@ pub struct Count {
 }
 
 /// A ring and the motion that followed it.
-struct Turn<const SENSORS: usize> {
+struct RingStep<const SENSORS: usize> {
     decision: Option<Decision<SENSORS>>,
     touched: bool,
     mode_changed: bool,
@@ -121,7 +121,7 @@ impl<'w, const SENSORS: usize> AnyRing<'w, SENSORS> {
         handle(&self.config, &mut self.state, now, event)
     }
 
-    fn turn(&mut self) -> Turn<SENSORS> {
+    fn turn(&mut self) -> RingStep<SENSORS> {
         self.time_ms = self
             .time_ms
             .wrapping_add(u32::from(self.config.robot.ring_period_ms));
@@ -129,7 +129,7 @@ impl<'w, const SENSORS: usize> AnyRing<'w, SENSORS> {
         let reach_m = self.sight.reach_m;
         self.view
             .build(self.world, self.pose.position, face_m, reach_m);
-        let mut turn = Turn {
+        let mut turn = RingStep {
             decision: None,
             touched: false,
             mode_changed: false,

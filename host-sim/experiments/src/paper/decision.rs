@@ -3,8 +3,8 @@
 //! The paper's decision aims at a neighbor, with an obstacle on the left. Here: the decision with
 //! the largest difference between left and right, in the first episode that has such a decision.
 
-use super::watch::{Seen, Watched};
-use super::{Reading, rooms};
+use super::observer::{ObservedController, ObservedDecision};
+use super::{PaperReading, rooms};
 use amp::fixed::{Weight, Weight32, to_weight16};
 use amp::goal::Goal;
 use amp::memory::from_bytes;
@@ -76,11 +76,15 @@ pub struct DecisionFigure {
 /// # Errors
 /// When an episode fails; [`Failure::Silent`] when none of a hundred episodes has a decision that
 /// aims at a neighbor.
-pub fn decision(reading: &Reading, world: &World, seed: u64) -> Result<DecisionFigure, Failure> {
+pub fn decision(
+    reading: &PaperReading,
+    world: &World,
+    seed: u64,
+) -> Result<DecisionFigure, Failure> {
     for seed in (0..EPISODES).map(|i| seed.wrapping_add(i)) {
         let setup = rooms::setup(reading, Behavior::Avoid, seed, STEPS);
         let watch = |keep_after| {
-            let mut watched = Watched::new(reading.config.clone(), keep_after);
+            let mut watched = ObservedController::new(reading.config.clone(), keep_after);
             run_with(world, &setup, &mut watched, |_, _, _| {}).map(|_| watched)
         };
         let Some(chosen) = telling(&watch(0)?.seen) else {
@@ -96,8 +100,8 @@ pub fn decision(reading: &Reading, world: &World, seed: u64) -> Result<DecisionF
 }
 
 /// The decision toward a neighbor with the largest values on the left; the first among equals.
-fn telling(seen: &[Seen]) -> Option<usize> {
-    let to_the_left = |now: &Seen| -> i32 {
+fn telling(seen: &[ObservedDecision]) -> Option<usize> {
+    let to_the_left = |now: &ObservedDecision| -> i32 {
         let sum = |places: std::ops::Range<usize>| -> i32 {
             let values = now.situation.get(places).unwrap_or_default();
             values.iter().map(|value| i32::from(value.to_bits())).sum()
@@ -112,10 +116,10 @@ fn telling(seen: &[Seen]) -> Option<usize> {
 }
 
 fn figure(
-    reading: &Reading,
+    reading: &PaperReading,
     seed: u64,
     number: usize,
-    seen: &Seen,
+    seen: &ObservedDecision,
     state: &SimState,
 ) -> DecisionFigure {
     let config = &reading.config;

@@ -1,18 +1,18 @@
 //! Runs all measurements for the paper's claims from one seed.
 
 use super::any_ring::{AnyRing, Count, MOVES, Sight};
-use super::at_once::{self, AtOnce};
 use super::chain::{Chain, Cloud};
 use super::decision::{self, DecisionFigure, decision};
 use super::gaps::Gaps;
+use super::goal_switch::{self, GoalSwitches};
 use super::miniature::{self, Miniature};
-use super::rooms::{self, Room};
-use super::{Reading, STEPS, readings};
-use crate::ablation::{self, Driver, Figures, Variant};
-use crate::behaviors::{self, Outcome};
-use crate::compare::{self, Conditions, Method, Plan, Row};
+use super::rooms::{self, RoomResult};
+use super::{PaperReading, STEPS, readings};
+use crate::ablation::{self, AblationFigures, Variant, VariantDriver};
+use crate::behaviors::{self, SceneOutcome};
+use crate::compare::{self, ComparedMethod, ComparisonPlan, ComparisonRow, Conditions};
 use crate::repetition::{self, Curve};
-use crate::scenes::{SCENES, Scene};
+use crate::scenes::{BehaviorScene, SCENES};
 use amp::config::Config;
 use amp::goal::Goal;
 use amp::robot::{RobotSpec, evenly_spaced};
@@ -50,7 +50,7 @@ pub struct Size {
 }
 
 /// Receives the progress.
-pub trait Watcher: Sync {
+pub trait ProgressListener: Sync {
     /// A part begins that consists of `pieces` pieces.
     fn begin(&self, part: &'static str, pieces: u64);
     /// One piece is done.
@@ -58,7 +58,7 @@ pub trait Watcher: Sync {
 }
 
 /// A behavior's scene and its result by reading.
-pub type Reached = (&'static Scene, [Outcome; 3]);
+pub type Reached = (&'static BehaviorScene, [SceneOutcome; 3]);
 
 /// All measurements.
 pub struct Measured {
@@ -75,22 +75,22 @@ pub struct Measured {
     /// Gaps to walls and to small obstacles in that arena, by reading and seed.
     pub arena: [Vec<Gaps>; 3],
     /// Rooms by reading.
-    pub rooms: [Vec<Room>; 3],
+    pub rooms: [Vec<RoomResult>; 3],
     /// Changes of goal by reading and behavior, in the order of [`Behavior::NAMES`].
-    pub at_once: [Vec<AtOnce>; 3],
+    pub goal_switches: [Vec<GoalSwitches>; 3],
     /// Avoidance by number of random moves ([`FEWER_MOVES`]), for `default` and `probe`.
-    pub moves: Vec<[Figures; 2]>,
+    pub moves: Vec<[AblationFigures; 2]>,
     /// Behaviors, by scene.
     pub behaviors: Vec<Reached>,
     /// Repetitions, by scene, for `default`.
-    pub repetitions: Vec<(&'static Scene, Curve)>,
+    pub repetitions: Vec<(&'static BehaviorScene, Curve)>,
     /// Avoidance by rings of 8, 16 and 24 transducers, for `default`: clean rooms and steps with
     /// contact.
     pub rings: Vec<(usize, Vec<Count>)>,
     /// Avoidance with a ring that turns with the heading, for `default`.
-    pub following: Figures,
+    pub following: AblationFigures,
     /// Avoidance of the presets and of Q-learners after [`LEARNING_MOVES`].
-    pub compared: Vec<Row>,
+    pub compared: Vec<ComparisonRow>,
 }
 
 /// Why a measurement failed.
@@ -129,7 +129,7 @@ impl From<BadInput> for Unmeasured {
 ///
 /// # Errors
 /// When an episode fails.
-pub fn measure(size: Size, watcher: &impl Watcher) -> Result<Measured, Unmeasured> {
+pub fn measure(size: Size, watcher: &impl ProgressListener) -> Result<Measured, Unmeasured> {
     let readings = readings();
     Ok(Measured {
         size,
@@ -145,9 +145,9 @@ pub fn measure(size: Size, watcher: &impl Watcher) -> Result<Measured, Unmeasure
             watcher.begin("rooms", u64::from(size.rooms));
             rooms::measure(reading, size.rooms, size.seed, &|| watcher.done())
         })?,
-        at_once: by_reading(&readings, |reading| {
+        goal_switches: by_reading(&readings, |reading| {
             let rooms = size.rooms.div_ceil(10);
-            at_once::measure(reading, &Behavior::NAMES, rooms, size.seed)
+            goal_switch::measure(reading, &Behavior::NAMES, rooms, size.seed)
         })?,
         moves: moves(size, &readings, watcher)?,
         behaviors: reached(size, &readings, watcher)?,
@@ -159,8 +159,8 @@ pub fn measure(size: Size, watcher: &impl Watcher) -> Result<Measured, Unmeasure
 }
 
 fn by_reading<T>(
-    readings: &[Reading; 3],
-    one: impl Fn(&Reading) -> Result<T, Failure>,
+    readings: &[PaperReading; 3],
+    one: impl Fn(&PaperReading) -> Result<T, Failure>,
 ) -> Result<[T; 3], Failure> {
     let [first, second, third] = readings;
     Ok([one(first)?, one(second)?, one(third)?])
@@ -172,7 +172,7 @@ fn seeds(size: Size) -> impl ParallelIterator<Item = u64> {
         .map(move |i| size.seed.wrapping_add(i))
 }
 
-fn chains(size: Size, watcher: &impl Watcher) -> [Vec<Chain>; 3] {
+fn chains(size: Size, watcher: &impl ProgressListener) -> [Vec<Chain>; 3] {
     watcher.begin("chains", 3 * u64::from(size.draws));
     [Cloud::Uniform, Cloud::Clusters, Cloud::Uneven].map(|cloud| {
         let of_seed = |seed| {
@@ -184,7 +184,7 @@ fn chains(size: Size, watcher: &impl Watcher) -> [Vec<Chain>; 3] {
     })
 }
 
-fn miniatures(size: Size, watcher: &impl Watcher) -> Result<Vec<Miniature>, BadInput> {
+fn miniatures(size: Size, watcher: &impl ProgressListener) -> Result<Vec<Miniature>, BadInput> {
     watcher.begin("minis", u64::from(size.draws));
     let of_seed = |seed| {
         let walked = miniature::walk(seed);
@@ -196,8 +196,8 @@ fn miniatures(size: Size, watcher: &impl Watcher) -> Result<Vec<Miniature>, BadI
 
 fn decisions(
     size: Size,
-    readings: &[Reading; 3],
-    watcher: &impl Watcher,
+    readings: &[PaperReading; 3],
+    watcher: &impl ProgressListener,
 ) -> Result<[DecisionFigure; 2], Unmeasured> {
     watcher.begin("decision", 2);
     let world = World::paper()?;
@@ -209,13 +209,13 @@ fn decisions(
     Ok([one(&readings[1])?, one(&readings[2])?])
 }
 
-fn episode(world: &World, reading: &Reading, seed: u64) -> Result<Recording, Failure> {
+fn episode(world: &World, reading: &PaperReading, seed: u64) -> Result<Recording, Failure> {
     let setup = rooms::setup(reading, Behavior::Avoid, seed, decision::STEPS);
     let episode = run(world, &setup, |_, _, _| {})?;
     episode.recording.ok_or(Failure::Silent)
 }
 
-fn arena(size: Size, readings: &[Reading; 3]) -> Result<[Vec<Gaps>; 3], Unmeasured> {
+fn arena(size: Size, readings: &[PaperReading; 3]) -> Result<[Vec<Gaps>; 3], Unmeasured> {
     let world = World::paper()?;
     let gaps = by_reading(readings, |reading| {
         let of_seed = |seed| {
@@ -228,8 +228,8 @@ fn arena(size: Size, readings: &[Reading; 3]) -> Result<[Vec<Gaps>; 3], Unmeasur
 }
 
 /// Conditions for avoidance in half of the rooms.
-fn trial(size: Size, explore_moves: u16) -> ablation::Trial {
-    ablation::Trial {
+fn trial(size: Size, explore_moves: u16) -> ablation::AblationTrial {
+    ablation::AblationTrial {
         first: 1,
         rooms: size.rooms.div_ceil(2),
         explore_moves,
@@ -239,20 +239,20 @@ fn trial(size: Size, explore_moves: u16) -> ablation::Trial {
     }
 }
 
-fn variant(reading: &Reading, turret: TurretMode) -> Variant {
+fn variant(reading: &PaperReading, turret: TurretMode) -> Variant {
     Variant {
         name: reading.name.to_owned(),
-        driver: Driver::Mind(Box::new(reading.config.clone()), turret),
+        driver: VariantDriver::Mind(Box::new(reading.config.clone()), turret),
     }
 }
 
 fn moves(
     size: Size,
-    readings: &[Reading; 3],
-    watcher: &impl Watcher,
-) -> Result<Vec<[Figures; 2]>, Failure> {
+    readings: &[PaperReading; 3],
+    watcher: &impl ProgressListener,
+) -> Result<Vec<[AblationFigures; 2]>, Failure> {
     watcher.begin("moves", 2 * FEWER_MOVES.len() as u64);
-    let one = |reading: &Reading, moves| {
+    let one = |reading: &PaperReading, moves| {
         let figures = ablation::measure(&variant(reading, reading.turret), &trial(size, moves));
         watcher.done();
         figures
@@ -263,22 +263,22 @@ fn moves(
         .collect()
 }
 
-fn following(size: Size, reading: &Reading) -> Result<Figures, Failure> {
+fn following(size: Size, reading: &PaperReading) -> Result<AblationFigures, Failure> {
     ablation::measure(&variant(reading, TurretMode::Follow), &trial(size, MOVES))
 }
 
-fn compared(size: Size, watcher: &impl Watcher) -> Result<Vec<Row>, Failure> {
-    let plan = Plan {
+fn compared(size: Size, watcher: &impl ProgressListener) -> Result<Vec<ComparisonRow>, Failure> {
+    let plan = ComparisonPlan {
         worlds: (1..=u64::from(size.worlds)).map(World::random).collect(),
         first_seed: size.seed,
         seeds: size.seeds,
         methods: vec![
-            Method::Default,
-            Method::Probe,
-            Method::Touzet,
-            Method::QTable,
-            Method::QSom,
-            Method::QTwoSoms,
+            ComparedMethod::Default,
+            ComparedMethod::Probe,
+            ComparedMethod::Touzet,
+            ComparedMethod::QTable,
+            ComparedMethod::QSom,
+            ComparedMethod::QTwoSoms,
         ],
         moves: LEARNING_MOVES.into(),
         conditions: vec![Conditions {
@@ -292,8 +292,8 @@ fn compared(size: Size, watcher: &impl Watcher) -> Result<Vec<Row>, Failure> {
     compare::measure(&plan, &|| watcher.done())
 }
 
-fn behavior_trial(size: Size, reading: &Reading) -> behaviors::Trial {
-    behaviors::Trial {
+fn behavior_trial(size: Size, reading: &PaperReading) -> behaviors::BehaviorTrial {
+    behaviors::BehaviorTrial {
         first: size.seed,
         worlds: size.worlds,
         seeds: size.seeds,
@@ -306,14 +306,14 @@ fn behavior_trial(size: Size, reading: &Reading) -> behaviors::Trial {
 }
 
 /// The scenes with exact sonars.
-fn scenes() -> impl Iterator<Item = &'static Scene> {
+fn scenes() -> impl Iterator<Item = &'static BehaviorScene> {
     SCENES.iter().filter(|scene| scene.sonar.is_none())
 }
 
 fn reached(
     size: Size,
-    readings: &[Reading; 3],
-    watcher: &impl Watcher,
+    readings: &[PaperReading; 3],
+    watcher: &impl ProgressListener,
 ) -> Result<Vec<Reached>, Failure> {
     // Avoidance is measured in other rooms, and a distance is no success.
     let asked: Vec<_> = scenes()
@@ -321,7 +321,7 @@ fn reached(
         .collect();
     let each = 3 * u64::from(size.worlds) * u64::from(size.seeds);
     watcher.begin("goals", asked.len() as u64 * each);
-    let of_scene = |scene: &'static Scene| {
+    let of_scene = |scene: &'static BehaviorScene| {
         let outcomes = by_reading(readings, |reading| {
             behaviors::measure(scene, &behavior_trial(size, reading), &|| watcher.done())
         })?;
@@ -332,9 +332,9 @@ fn reached(
 
 fn repetitions(
     size: Size,
-    reading: &Reading,
-    watcher: &impl Watcher,
-) -> Result<Vec<(&'static Scene, Curve)>, Failure> {
+    reading: &PaperReading,
+    watcher: &impl ProgressListener,
+) -> Result<Vec<(&'static BehaviorScene, Curve)>, Failure> {
     // A perfect first result cannot improve; a chain already repeats its parts.
     let asked: Vec<_> = scenes()
         .filter(|scene| {
@@ -344,7 +344,7 @@ fn repetitions(
         .collect();
     let each = 2 * u64::from(size.worlds) * u64::from(size.seeds);
     watcher.begin("repeat", asked.len() as u64 * each);
-    let of_scene = |scene: &'static Scene| {
+    let of_scene = |scene: &'static BehaviorScene| {
         let trial = behavior_trial(size, reading);
         let curve = repetition::measure(scene, &trial, size.times, &|| watcher.done())?;
         Ok((scene, curve))
@@ -352,7 +352,11 @@ fn repetitions(
     asked.into_iter().map(of_scene).collect()
 }
 
-fn rings(size: Size, reading: &Reading, watcher: &impl Watcher) -> Vec<(usize, Vec<Count>)> {
+fn rings(
+    size: Size,
+    reading: &PaperReading,
+    watcher: &impl ProgressListener,
+) -> Vec<(usize, Vec<Count>)> {
     watcher.begin("rings", 3);
     let one = |counts: Vec<Count>, sensors| {
         watcher.done();
@@ -367,7 +371,7 @@ fn rings(size: Size, reading: &Reading, watcher: &impl Watcher) -> Vec<(usize, V
 
 /// Avoidance in half of the rooms by a Nomad with another ring. The cones leave no gap: ±200°
 /// divided by the number of sensors.
-fn ring<const SENSORS: usize>(size: Size, reading: &Reading) -> Vec<Count> {
+fn ring<const SENSORS: usize>(size: Size, reading: &PaperReading) -> Vec<Count> {
     let nomad = RobotSpec::nomad200();
     let robot = RobotSpec {
         directions: evenly_spaced::<SENSORS>(),

@@ -5,7 +5,7 @@
 //! 30 cm × 20 cm with two blocks and a post.
 
 use super::any_ring::{AnyRing, Count, Sight};
-use super::order::{Order, order_of};
+use super::topology::{MapTopology, topology_of};
 use amp::config::Config;
 use amp::goal::Goal;
 use amp::memory::from_bytes;
@@ -35,7 +35,7 @@ pub struct Miniature {
     /// Radius of its body, m.
     pub radius_m: f64,
     /// Topology of the map.
-    pub order: Order,
+    pub order: MapTopology,
     /// Counts of the random moves.
     pub exploration: Count,
     /// Counts of the avoidance that follows, with frozen maps.
@@ -65,7 +65,7 @@ pub fn walk(seed: u64) -> Result<Miniature, BadInput> {
         .iter()
         .map(|sample| from_bytes(&sample.after).0)
         .collect();
-    let order = order_of(situations, &perceived, seed);
+    let order = topology_of(situations, &perceived, seed);
     let (_, hits) = situations.quality(&perceived);
     let map = MapRecord {
         grid: [4, 4],

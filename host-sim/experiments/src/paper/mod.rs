@@ -5,18 +5,18 @@
 //! All runs are without the shield. No seed is selected by its result.
 
 pub mod any_ring;
-pub mod at_once;
 pub mod chain;
 pub mod claims;
 pub mod decision;
 pub mod gaps;
-pub mod knowing;
+pub mod goal_switch;
 pub mod measure;
 pub mod miniature;
-pub mod order;
+pub mod observer;
 pub mod plans;
+pub mod recall;
 pub mod rooms;
-pub mod watch;
+pub mod topology;
 
 use amp::config::Config;
 use arena::robot::TurretMode;
@@ -26,7 +26,7 @@ pub const STEPS: u32 = 1_000;
 
 /// One reading of what the paper leaves open. Without the shield, as in the paper.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Reading {
+pub struct PaperReading {
     /// Name of the preset.
     pub name: &'static str,
     /// Its configuration.
@@ -37,10 +37,10 @@ pub struct Reading {
 
 /// The presets: the best found, the best with the paper's four steps, the most literal.
 #[must_use]
-pub fn readings() -> [Reading; 3] {
+pub fn readings() -> [PaperReading; 3] {
     let bare = |name, mut config: Config<16>, turret| {
         config.shield = None;
-        Reading {
+        PaperReading {
             name,
             config,
             turret,

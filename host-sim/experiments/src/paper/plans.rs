@@ -1,6 +1,6 @@
 //! Outcome of the plans of one episode: the algorithm of section 2.5, decision by decision.
 
-use super::watch::{Seen, change, cosine, length};
+use super::observer::{ObservedDecision, change, cosine, length};
 use amp::fixed::{Mask, Weight, squared_distance};
 use amp::goal::Goal;
 use amp::planner::Why;
@@ -46,7 +46,7 @@ pub struct Plans {
 impl Plans {
     /// Counts the plans of one episode.
     #[must_use]
-    pub fn of(seen: &[Seen]) -> Self {
+    pub fn of(seen: &[ObservedDecision]) -> Self {
         let mut plans = Self::default();
         let mut stretch = 0;
         for (i, now) in seen.iter().enumerate() {
@@ -81,7 +81,7 @@ impl Plans {
         }
     }
 
-    fn follow(&mut self, now: &Seen, next: &Seen) {
+    fn follow(&mut self, now: &ObservedDecision, next: &ObservedDecision) {
         if now.plan.why == Why::Neighbour {
             let there = next.plan.current_neuron == now.plan.intermediate_neuron;
             self.at_aim += u32::from(there);
@@ -212,9 +212,9 @@ mod tests {
     use amp::planner::Plan;
     use amp::units::Displacement;
 
-    fn seen(value: f64, at_goal: bool, why: Why) -> Seen {
+    fn seen(value: f64, at_goal: bool, why: Why) -> ObservedDecision {
         let all = |value: f64| [Weight::from_num(value); 16];
-        Seen {
+        ObservedDecision {
             situation: all(value),
             plan: Plan {
                 goal_neuron: 0,

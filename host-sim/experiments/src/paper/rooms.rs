@@ -1,11 +1,11 @@
 //! Avoidance in many random rooms by the maps alone: the source of most rows of the claims.
 
 use super::gaps::Gaps;
-use super::knowing::{Discreteness, Recalled, samples_alike};
-use super::order::{Order, order_of};
+use super::observer::ObservedController;
 use super::plans::{Plans, Ways};
-use super::watch::Watched;
-use super::{Reading, STEPS};
+use super::recall::{ActionRecall, Discreteness, samples_alike};
+use super::topology::{MapTopology, topology_of};
+use super::{PaperReading, STEPS};
 use amp::goal::Goal;
 use amp::memory::from_bytes;
 use amp::scan::{Situation, rotated};
@@ -22,7 +22,7 @@ const OTHER_MOVES: u64 = 1_000_000;
 
 /// Results of one room.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Room {
+pub struct RoomResult {
     /// Metrics of the episode.
     pub report: Report,
     /// Outcome of its plans.
@@ -30,11 +30,11 @@ pub struct Room {
     /// Paths over the situation map after the random moves.
     pub ways: Ways,
     /// Topology of that map.
-    pub order: Order,
+    pub order: MapTopology,
     /// Gaps to passed surfaces.
     pub gaps: Gaps,
     /// Recall of moves that were not learned.
-    pub recalled: Recalled,
+    pub recalled: ActionRecall,
     /// Number of samples like the present situation.
     pub alike: Vec<usize>,
     /// Effect of online learning on the situation map.
@@ -43,7 +43,7 @@ pub struct Room {
 
 /// Setup of an episode without the shield; `seed` also draws the room.
 #[must_use]
-pub fn setup(reading: &Reading, behavior: Behavior, seed: u64, steps: u32) -> Setup {
+pub fn setup(reading: &PaperReading, behavior: Behavior, seed: u64, steps: u32) -> Setup {
     Setup {
         config: reading.config.clone(),
         preset: reading.name.to_owned(),
@@ -65,11 +65,11 @@ pub fn setup(reading: &Reading, behavior: Behavior, seed: u64, steps: u32) -> Se
 /// # Errors
 /// When an episode fails.
 pub fn measure(
-    reading: &Reading,
+    reading: &PaperReading,
     rooms: u32,
     seed: u64,
     done: &(impl Fn() + Sync),
-) -> Result<Vec<Room>, Failure> {
+) -> Result<Vec<RoomResult>, Failure> {
     (0..u64::from(rooms))
         .into_par_iter()
         .map(|room| {
@@ -81,23 +81,23 @@ pub fn measure(
         .collect()
 }
 
-fn one(reading: &Reading, world: &World, seed: u64) -> Result<Room, Failure> {
+fn one(reading: &PaperReading, world: &World, seed: u64) -> Result<RoomResult, Failure> {
     let half = STEPS as usize / 2;
     let setup = setup(reading, Behavior::Avoid, seed, STEPS);
-    let mut watched = Watched::new(reading.config.clone(), half);
+    let mut watched = ObservedController::new(reading.config.clone(), half);
     let episode = run_with(world, &setup, &mut watched, |_, _, _| {})?;
     let others = other_moves(&setup, world)?;
     let steps = episode.recording.map_or(Vec::new(), |r| r.seeking);
     let goal = Goal::avoiding(&reading.config);
     let learned = watched.learned.as_deref().ok_or(Failure::Silent)?;
     let late = watched.seen.get(half..).unwrap_or_default();
-    Ok(Room {
+    Ok(RoomResult {
         report: episode.report,
         plans: Plans::of(&watched.seen),
         ways: Ways::of(learned, &goal),
-        order: order_of(learned.situations(), &lessons(learned, reading), seed),
+        order: topology_of(learned.situations(), &lessons(learned, reading), seed),
         gaps: Gaps::of(world, &steps),
-        recalled: Recalled::of(learned, &others, &reading.config),
+        recalled: ActionRecall::of(learned, &others, &reading.config),
         alike: samples_alike(learned, &watched.seen),
         discreteness: watched
             .later
@@ -108,7 +108,7 @@ fn one(reading: &Reading, world: &World, seed: u64) -> Result<Room, Failure> {
 
 /// The situations from which the map has learned, in all rotations if the configuration learns
 /// those.
-fn lessons(state: &SimState, reading: &Reading) -> Vec<Situation<16>> {
+fn lessons(state: &SimState, reading: &PaperReading) -> Vec<Situation<16>> {
     let turns = if reading.config.learning.turned {
         16
     } else {
@@ -131,7 +131,7 @@ fn other_moves(setup: &Setup, world: &World) -> Result<Box<SimState>, Failure> {
         record: false,
         ..setup.clone()
     };
-    let mut watched = Watched::new(other.config.clone(), 0);
+    let mut watched = ObservedController::new(other.config.clone(), 0);
     run_with(world, &other, &mut watched, |_, _, _| {})?;
     watched.learned.ok_or(Failure::Silent)
 }

@@ -7,7 +7,7 @@ use plots::draw::color::{self, GRAY, PURPLE};
 use plots::draw::layout::{Legend, TOP, Tiles, heading, normalized, u_matrix_legend};
 use plots::draw::rosette::Rosette;
 use plots::draw::rosette::{corner, tile};
-use plots::draw::scene::{self, View};
+use plots::draw::scene::{self, SceneView};
 use plots::draw::svg::{Anchor, Font, Svg, decimal, filled, stroke};
 
 /// Numbers of two sensors with similar bearings are moved apart to this angle from the axis, rad.
@@ -95,7 +95,7 @@ fn walk(svg: &mut Svg, legend: &mut Legend, shown: &Miniature) {
     legend.headline(svg, "The random walk");
     let (middle, width) = legend.column();
     let corner = [middle - width / 2.0, legend.bottom() + 2.0];
-    let view = View::new(scene::extent(&shown.world), corner, [width, 200.0]);
+    let view = SceneView::new(scene::extent(&shown.world), corner, [width, 200.0]);
     scene::obstacles(svg, &view, &shown.world);
     let places: Vec<_> = shown
         .walk

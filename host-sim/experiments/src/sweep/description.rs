@@ -3,7 +3,7 @@
 mod choice_value;
 
 use super::plan::Vocabulary;
-use super::points::{Points, Row};
+use super::points::{PointOptions, SweepPoints};
 use arena::world::{WorldSource, parse_worlds};
 use choice_value::{ChoiceTable, ChoiceValue};
 use files::error::{BadInput, suggestion};
@@ -58,7 +58,7 @@ pub struct Description {
     /// Its seeds.
     pub seeds: Vec<u64>,
     /// Its points: sets of options.
-    pub points: Points,
+    pub points: SweepPoints,
 }
 
 impl Description {
@@ -83,7 +83,7 @@ impl Description {
         default_name: &str,
         vocabulary: &Vocabulary,
     ) -> Result<Self, BadInput> {
-        let file = File {
+        let file = DescriptionReader {
             toml: TomlText { text, source },
             vocabulary,
         };
@@ -135,12 +135,12 @@ struct SweepFile {
 /// An option of the file: its key, the key's position, and its value.
 type Choice<'t> = (String, Range<usize>, &'t Spanned<ChoiceValue>);
 
-struct File<'a> {
+struct DescriptionReader<'a> {
     toml: TomlText<'a>,
     vocabulary: &'a Vocabulary,
 }
 
-impl File<'_> {
+impl DescriptionReader<'_> {
     fn name(&self, name: &Spanned<String>) -> Result<String, BadInput> {
         let text = name.get_ref();
         if text.chars().all(is_plain) && (1..=100).contains(&text.len()) {
@@ -209,8 +209,8 @@ impl File<'_> {
         fixed: &ChoiceTable,
         grid: &ChoiceTable,
         list: &[ChoiceTable],
-    ) -> Result<Points, BadInput> {
-        let mut points = Points::default();
+    ) -> Result<SweepPoints, BadInput> {
+        let mut points = SweepPoints::default();
         for (key, at, value) in self.choices(fixed)? {
             let text = self.text(&key, at, value)?;
             points.fixed.push((key, text));
@@ -242,8 +242,8 @@ impl File<'_> {
     }
 
     /// A point of the list.
-    fn row(&self, points: &Points, table: &ChoiceTable) -> Result<Row, BadInput> {
-        let mut row = Row::new();
+    fn row(&self, points: &SweepPoints, table: &ChoiceTable) -> Result<PointOptions, BadInput> {
+        let mut row = PointOptions::new();
         for (key, at, value) in self.choices(table)? {
             self.check_varied(points, &key, &at)?;
             let text = self.text(&key, at, value)?;
@@ -290,7 +290,12 @@ impl File<'_> {
     }
 
     /// Refuses a key that `[fixed]` already sets for all points.
-    fn check_varied(&self, points: &Points, key: &str, at: &Range<usize>) -> Result<(), BadInput> {
+    fn check_varied(
+        &self,
+        points: &SweepPoints,
+        key: &str,
+        at: &Range<usize>,
+    ) -> Result<(), BadInput> {
         if points.fixed.iter().any(|(fixed, _)| fixed == key) {
             let what = format!("\"{key}\" is in [fixed] already");
             return Err(self.toml.error(at.clone(), what));

@@ -54,12 +54,12 @@ pub fn in_order<J: Send, R: Send, E>(
 /// Delays jobs that are too far ahead of the received results.
 #[derive(Default)]
 struct Gate {
-    state: Mutex<State>,
+    state: Mutex<GateState>,
     changed: Condvar,
 }
 
 #[derive(Default)]
-struct State {
+struct GateState {
     /// Number of received results.
     taken: u64,
     /// No further job may start.
@@ -67,7 +67,7 @@ struct State {
 }
 
 impl Gate {
-    fn lock(&self) -> MutexGuard<'_, State> {
+    fn lock(&self) -> MutexGuard<'_, GateState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 

@@ -1,6 +1,6 @@
 //! Merges the results of shards into those of the whole sweep.
 
-use super::results::{Header, number_of, read_row};
+use super::results::{ResultsHeader, number_of, read_row};
 use files::error::BadInput;
 use files::{open_regular, unreadable};
 use std::cmp::Reverse;
@@ -12,13 +12,13 @@ use std::path::{Path, PathBuf};
 /// Result files of shards that form one whole sweep.
 #[derive(Debug)]
 pub struct Merged {
-    header: Header,
-    parts: Vec<Part>,
+    header: ResultsHeader,
+    parts: Vec<ShardFile>,
 }
 
 /// One file, and its next row.
 #[derive(Debug)]
-struct Part {
+struct ShardFile {
     path: PathBuf,
     input: BufReader<File>,
     row: Vec<u8>,
@@ -30,10 +30,10 @@ struct Part {
 /// A file that cannot be read, is no results file or is still being written; results of different
 /// sweeps; a torn row; a missing or duplicate episode.
 pub fn merge(paths: &[PathBuf]) -> Result<Merged, BadInput> {
-    let mut found: Option<(Header, &Path)> = None;
+    let mut found: Option<(ResultsHeader, &Path)> = None;
     let mut parts = Vec::new();
     for path in paths {
-        let (header, part) = Part::open(path)?;
+        let (header, part) = ShardFile::open(path)?;
         match &found {
             Some((first, other)) if *first != header => {
                 let what = format!(
@@ -59,7 +59,7 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged, BadInput> {
 impl Merged {
     /// The header of the whole sweep's results.
     #[must_use]
-    pub fn header(&self) -> &Header {
+    pub fn header(&self) -> &ResultsHeader {
         &self.header
     }
 
@@ -144,15 +144,15 @@ impl Merged {
     }
 }
 
-impl Part {
-    fn open(path: &Path) -> Result<(Header, Self), BadInput> {
+impl ShardFile {
+    fn open(path: &Path) -> Result<(ResultsHeader, Self), BadInput> {
         let file = open_regular(path)?;
         if let Err(std::fs::TryLockError::WouldBlock) = file.try_lock_shared() {
             let what = "a sweep is still adding results to it";
             return Err(BadInput::file(path, what));
         }
         let mut input = BufReader::new(file);
-        let header = Header::read(path, &mut input)?;
+        let header = ResultsHeader::read(path, &mut input)?;
         let row = Vec::new();
         Ok((
             header,

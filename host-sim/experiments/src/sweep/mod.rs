@@ -20,12 +20,12 @@ mod table;
 pub use description::Description;
 pub use merge::{Merged, merge};
 pub use outcome::{SweepOutcome, SweptChoice, swept_choices};
-pub use plan::{Place, Plan, Vocabulary};
-pub use points::{Assignment, Points, Row};
-pub use results::{Header, ResultsFile};
-pub use run::{Progress, run};
+pub use plan::{EpisodeIndex, SweepPlan, Vocabulary};
+pub use points::{Assignment, PointOptions, SweepPoints};
+pub use results::{ResultsFile, ResultsHeader};
+pub use run::{SweepProgress, run};
 pub use shard::Shard;
-pub use table::{Table, Texts};
+pub use table::{ResultsTable, Texts};
 
 /// Prefix of the columns with a point's options.
 pub const CHOICE_PREFIX: &str = "config.";

@@ -1,6 +1,6 @@
 //! Results of a sweep's episodes, grouped by the values of one option over all others.
 
-use super::table::{Table, Texts};
+use super::table::{ResultsTable, Texts};
 use sim::statistics::{Mean, bootstrap, wilson};
 use std::collections::BTreeMap;
 
@@ -22,7 +22,7 @@ pub struct SweptChoice {
 
 /// The options that vary, and the world if it does; then the keys omitted for too many values.
 #[must_use]
-pub fn swept_choices(table: &Table) -> (Vec<SweptChoice>, Vec<String>) {
+pub fn swept_choices(table: &ResultsTable) -> (Vec<SweptChoice>, Vec<String>) {
     let world = table.texts("world").map(|texts| ("world", texts));
     let varies = |(_, texts): &(&str, &Texts)| texts.distinct.len() > 1;
     let (shown, left_out): (Vec<_>, Vec<_>) = table
@@ -71,7 +71,7 @@ pub struct SweepOutcome {
 impl SweepOutcome {
     /// Result of the rows that `wanted` accepts; `None` without such rows.
     #[must_use]
-    pub fn of(table: &Table, wanted: impl Fn(usize) -> bool) -> Option<Self> {
+    pub fn of(table: &ResultsTable, wanted: impl Fn(usize) -> bool) -> Option<Self> {
         let rows: Vec<_> = (0..table.rows()).filter(|&row| wanted(row)).collect();
         if rows.is_empty() {
             return None;
@@ -102,10 +102,10 @@ impl SweepOutcome {
 
 #[cfg(test)]
 mod tests {
-    use super::super::results::Header;
+    use super::super::results::ResultsHeader;
     use super::*;
 
-    fn table(rows: &[&str]) -> Table {
+    fn table(rows: &[&str]) -> ResultsTable {
         let columns = [
             "config.far",
             "config.recall",
@@ -115,7 +115,7 @@ mod tests {
             "success",
         ];
         let columns = columns.map(str::to_owned).into_iter();
-        let mut table = Table::new(Header::new("s", "0", 9, columns));
+        let mut table = ResultsTable::new(ResultsHeader::new("s", "0", 9, columns));
         for (number, row) in rows.iter().enumerate() {
             let row = format!("{number},{row}");
             table.add(&row.split(',').collect::<Vec<_>>()).expect(&row);

@@ -4,7 +4,7 @@ use super::CHOICE_PREFIX;
 use super::description::Description;
 use super::identity::Hasher;
 use super::points::Assignment;
-use super::results::Header;
+use super::results::ResultsHeader;
 use arena::world::WorldSource;
 use files::error::BadInput;
 use sim::episode::{Report, Setup};
@@ -22,7 +22,7 @@ pub struct Vocabulary {
 
 /// An episode as indices into the description.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Place {
+pub struct EpisodeIndex {
     /// Index of the point.
     pub point: u64,
     /// Index of the behavior.
@@ -35,13 +35,13 @@ pub struct Place {
 
 /// A checked sweep: every point makes a setup, every world file loads.
 #[derive(Debug, Clone)]
-pub struct Plan {
+pub struct SweepPlan {
     description: Description,
     vocabulary: Vocabulary,
-    header: Header,
+    header: ResultsHeader,
 }
 
-impl Plan {
+impl SweepPlan {
     /// Checks every point, and every world that is a file.
     ///
     /// # Errors
@@ -89,7 +89,7 @@ impl Plan {
             .keys()
             .iter()
             .map(|key| format!("{CHOICE_PREFIX}{key}"));
-        let header = Header::new(
+        let header = ResultsHeader::new(
             name,
             &hash.finish(),
             episodes,
@@ -110,7 +110,7 @@ impl Plan {
 
     /// The header of its results.
     #[must_use]
-    pub fn header(&self) -> &Header {
+    pub fn header(&self) -> &ResultsHeader {
         &self.header
     }
 
@@ -122,7 +122,7 @@ impl Plan {
 
     /// The indices of episode `number`.
     #[must_use]
-    pub fn place(&self, number: u64) -> Place {
+    pub fn place(&self, number: u64) -> EpisodeIndex {
         let mut rest = number;
         let mut next = |count: usize| {
             let count = count.max(1) as u64;
@@ -133,7 +133,7 @@ impl Plan {
         let seed = next(self.description.seeds.len());
         let world = next(self.description.worlds.len());
         let behavior = next(self.description.behaviors.len());
-        Place {
+        EpisodeIndex {
             point: rest,
             behavior,
             world,
@@ -145,7 +145,7 @@ impl Plan {
     ///
     /// # Errors
     /// None for indices of this plan: they are all checked.
-    pub fn setup(&self, place: Place) -> Result<Setup, BadInput> {
+    pub fn setup(&self, place: EpisodeIndex) -> Result<Setup, BadInput> {
         let setup = (self.vocabulary.setup)(&self.description.points.choices(place.point))?;
         let behavior = self.description.behaviors.get(place.behavior).cloned();
         Ok(setup.pursuing(behavior.unwrap_or(sim::scenes::Behavior::Avoid)))

@@ -3,13 +3,13 @@
 /// A key and its value.
 pub type Assignment = (String, String);
 /// The options of a point.
-pub type Row = Vec<Assignment>;
+pub type PointOptions = Vec<Assignment>;
 
 /// The points: those of a grid, then single ones. Of a grid only the axes are stored.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Points {
+pub struct SweepPoints {
     /// Keys and values that all points share.
-    pub fixed: Row,
+    pub fixed: PointOptions,
     /// Keys that differ between points, in order of appearance.
     keys: Vec<String>,
     /// The grid's keys (as indices into `keys`) with their values; the last varies fastest.
@@ -18,7 +18,7 @@ pub struct Points {
     rows: Vec<Vec<(usize, String)>>,
 }
 
-impl Points {
+impl SweepPoints {
     fn place(&mut self, key: &str) -> usize {
         let place = self.keys.iter().position(|known| known == key);
         place.unwrap_or_else(|| {
@@ -34,7 +34,7 @@ impl Points {
     }
 
     /// Adds a single point after the grid.
-    pub fn add(&mut self, row: Row) {
+    pub fn add(&mut self, row: PointOptions) {
         let row = row
             .into_iter()
             .map(|(key, value)| (self.place(&key), value))
@@ -63,7 +63,7 @@ impl Points {
         self.grid_len()?.checked_add(self.rows.len() as u64)
     }
 
-    /// The values of point `index`, one per key of [`Points::keys`]; empty where the point does not
+    /// The values of point `index`, one per key of [`SweepPoints::keys`]; empty where the point does not
     /// set the key.
     #[must_use]
     pub fn cells(&self, index: u64) -> Vec<String> {
@@ -91,7 +91,7 @@ impl Points {
 
     /// All options of point `index`: the shared ones and its own.
     #[must_use]
-    pub fn choices(&self, index: u64) -> Row {
+    pub fn choices(&self, index: u64) -> PointOptions {
         let own = self.keys.iter().cloned().zip(self.cells(index));
         let own = own.filter(|(_, value)| !value.is_empty());
         self.fixed.iter().cloned().chain(own).collect()
@@ -108,7 +108,7 @@ mod tests {
 
     #[test]
     fn the_grid_comes_first_its_last_key_fastest() {
-        let mut points = Points::default();
+        let mut points = SweepPoints::default();
         points.fixed.push(("steps".into(), "5".into()));
         points.add_axis("far", texts(["1", "2"]));
         points.add_axis("near", texts(["a", "b", "c"]));
@@ -131,9 +131,9 @@ mod tests {
 
     #[test]
     fn without_any_there_is_one_and_too_many_are_told() {
-        assert_eq!(Points::default().count(), Some(1));
-        assert!(Points::default().choices(0).is_empty());
-        let mut points = Points::default();
+        assert_eq!(SweepPoints::default().count(), Some(1));
+        assert!(SweepPoints::default().choices(0).is_empty());
+        let mut points = SweepPoints::default();
         for key in 0..20 {
             points.add_axis(&key.to_string(), vec!["x".to_owned(); 100]);
         }

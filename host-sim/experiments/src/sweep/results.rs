@@ -21,12 +21,12 @@ const MARK: &str = "# host-sim sweep ";
 
 /// The first two lines of a results file: sweep with version and hash, and the columns.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Header {
+pub struct ResultsHeader {
     text: String,
     episodes: u64,
 }
 
-impl Header {
+impl ResultsHeader {
     /// The header of the sweep `name` with this hash.
     pub fn new(
         name: &str,
@@ -159,7 +159,11 @@ impl ResultsFile {
     /// # Errors
     /// When it cannot be created, read or written, is locked by another process, or holds anything
     /// but the first episodes of this shard of this sweep.
-    pub fn open(path: &Path, header: &Header, shard: Shard) -> Result<(Self, u64), BadInput> {
+    pub fn open(
+        path: &Path,
+        header: &ResultsHeader,
+        shard: Shard,
+    ) -> Result<(Self, u64), BadInput> {
         if let Some(folder) = path.parent() {
             fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
         }
@@ -238,7 +242,12 @@ fn unwritable(path: &Path, error: &io::Error) -> BadInput {
 }
 
 /// Length of the whole rows, and their number.
-fn look(path: &Path, file: &File, header: &Header, shard: Shard) -> Result<(u64, u64), BadInput> {
+fn look(
+    path: &Path,
+    file: &File,
+    header: &ResultsHeader,
+    shard: Shard,
+) -> Result<(u64, u64), BadInput> {
     let mut input = BufReader::new(file);
     let mut start = Vec::new();
     let length = header.text().len() as u64;
@@ -250,7 +259,7 @@ fn look(path: &Path, file: &File, header: &Header, shard: Shard) -> Result<(u64,
             return Ok((0, 0));
         }
         input.rewind().map_err(|error| unreadable(path, &error))?;
-        let other = Header::read(path, &mut input)?;
+        let other = ResultsHeader::read(path, &mut input)?;
         let what = format!(
             "holds results of another sweep ({}), not of {}",
             other.identity(),

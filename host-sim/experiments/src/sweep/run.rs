@@ -1,7 +1,7 @@
 //! Runs the episodes of a shard and appends their results.
 
 use super::in_order::in_order;
-use super::plan::{Place, Plan};
+use super::plan::{EpisodeIndex, SweepPlan};
 use super::results::{ResultsFile, row};
 use super::shard::Shard;
 use arena::world::{World, WorldSource};
@@ -14,7 +14,7 @@ use std::sync::{Arc, OnceLock};
 
 /// Progress of a shard, in episodes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Progress {
+pub struct SweepProgress {
     /// Episodes in the file at the start of the program.
     pub before: u64,
     /// Episodes in the file now.
@@ -30,26 +30,26 @@ pub struct Progress {
 /// Those of [`ResultsFile`]; a world that no longer loads; an episode that fails. Earlier rows
 /// stay.
 pub fn run(
-    plan: &Plan,
+    plan: &SweepPlan,
     shard: Shard,
     path: &Path,
     pool: &ThreadPool,
-    mut progress: impl FnMut(Progress),
-) -> Result<Progress, BadInput> {
+    mut progress: impl FnMut(SweepProgress),
+) -> Result<SweepProgress, BadInput> {
     let (mut file, before) = ResultsFile::open(path, plan.header(), shard)?;
     let all = shard.len(plan.episodes());
-    let mut now = Progress {
+    let mut now = SweepProgress {
         before,
         done: before,
         all,
     };
     progress(now);
-    let mut jobs = Jobs { plan, held: None };
+    let mut jobs = EpisodeJobs { plan, held: None };
     let jobs = (before..all).map(|nth| jobs.job(shard.number(nth)));
     in_order(
         pool,
         jobs,
-        |job: Result<Job, BadInput>| job?.row(),
+        |job: Result<EpisodeJob, BadInput>| job?.row(),
         |row: Result<Vec<u8>, BadInput>| {
             file.add(&row?)?;
             now.done += 1;
@@ -69,31 +69,31 @@ struct Arena {
 
 /// What consecutive episodes share.
 #[derive(Clone)]
-struct Shared {
-    place: Place,
+struct SharedSetup {
+    place: EpisodeIndex,
     setup: Arc<Setup>,
     cells: Arc<Vec<String>>,
     arena: Arc<Arena>,
 }
 
 /// Creates jobs; reuses the data of the previous job where it is the same.
-struct Jobs<'p> {
-    plan: &'p Plan,
-    held: Option<Shared>,
+struct EpisodeJobs<'p> {
+    plan: &'p SweepPlan,
+    held: Option<SharedSetup>,
 }
 
-struct Job {
+struct EpisodeJob {
     number: u64,
     seed: u64,
-    shared: Shared,
+    shared: SharedSetup,
 }
 
-impl Jobs<'_> {
-    fn job(&mut self, number: u64) -> Result<Job, BadInput> {
+impl EpisodeJobs<'_> {
+    fn job(&mut self, number: u64) -> Result<EpisodeJob, BadInput> {
         let place = self.plan.place(number);
         let description = self.plan.description();
         let held = self.held.take();
-        let same = |held: &&Shared| {
+        let same = |held: &&SharedSetup| {
             (held.place.point, held.place.behavior) == (place.point, place.behavior)
         };
         let (setup, cells) = match held.as_ref().filter(same) {
@@ -114,7 +114,7 @@ impl Jobs<'_> {
                 })
             }
         };
-        let shared = Shared {
+        let shared = SharedSetup {
             place,
             setup,
             cells,
@@ -122,7 +122,7 @@ impl Jobs<'_> {
         };
         self.held = Some(shared.clone());
         let seed = description.seeds.get(place.seed).copied().unwrap_or(0);
-        Ok(Job {
+        Ok(EpisodeJob {
             number,
             seed,
             shared,
@@ -130,7 +130,7 @@ impl Jobs<'_> {
     }
 }
 
-impl Job {
+impl EpisodeJob {
     /// Runs the episode; returns its row.
     fn row(self) -> Result<Vec<u8>, BadInput> {
         let Self {

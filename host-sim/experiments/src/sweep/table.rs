@@ -1,7 +1,7 @@
 //! The columns of a sweep's results that pictures need.
 
 use super::CHOICE_PREFIX;
-use super::results::{Header, read_row};
+use super::results::{ResultsHeader, read_row};
 use files::error::BadInput;
 use files::{open_regular, unreadable};
 use std::collections::HashMap;
@@ -15,8 +15,8 @@ const TEXTS: [&str; 3] = ["world", "behavior", "success_unit"];
 
 /// Rows of results, by column.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Table {
-    header: Header,
+pub struct ResultsTable {
+    header: ResultsHeader,
     columns: Vec<(String, Column)>,
     rows: usize,
 }
@@ -38,14 +38,14 @@ pub struct Texts {
     known: HashMap<String, usize>,
 }
 
-impl Table {
+impl ResultsTable {
     /// Reads a results file. Skips a torn last row.
     ///
     /// # Errors
     /// When it cannot be read or is no results file.
     pub fn load(path: &Path) -> Result<Self, BadInput> {
         let mut input = BufReader::new(open_regular(path)?);
-        let mut table = Self::new(Header::read(path, &mut input)?);
+        let mut table = Self::new(ResultsHeader::read(path, &mut input)?);
         if let Some(missing) = table.missing() {
             return Err(BadInput::file(path, format!("has no column \"{missing}\"")));
         }
@@ -60,7 +60,7 @@ impl Table {
     }
 
     /// A table without rows.
-    pub(super) fn new(header: Header) -> Self {
+    pub(super) fn new(header: ResultsHeader) -> Self {
         let column = |name: &str| {
             let column = if NUMBERS.contains(&name) {
                 Column::Numbers(Vec::new())
@@ -116,7 +116,7 @@ impl Table {
 
     /// The header of the file.
     #[must_use]
-    pub fn header(&self) -> &Header {
+    pub fn header(&self) -> &ResultsHeader {
         &self.header
     }
 

@@ -6,11 +6,11 @@ use sim::recording::Recording;
 
 use super::color::{BLUE, INK, ORANGE};
 use super::layout::Legend;
-use super::scene::{self, View};
+use super::scene::{self, SceneView};
 use super::svg::{Anchor, Font, Svg, filled, num, stroke};
 
 /// The path of the leading robot, and its last position.
-pub fn leader(svg: &mut Svg, view: &View, recording: &Recording) {
+pub fn leader(svg: &mut Svg, view: &SceneView, recording: &Recording) {
     let places: Vec<Point> = recording
         .seeking
         .iter()
@@ -31,7 +31,7 @@ fn leader_style() -> String {
 }
 
 /// The sought place, with the distance that counts as reached.
-pub fn goal_place(svg: &mut Svg, view: &View, recording: &Recording) {
+pub fn goal_place(svg: &mut Svg, view: &SceneView, recording: &Recording) {
     if let Some(place) = recording.goal_place {
         let [x, y] = view.at(place);
         let radius = (NEST_M * view.scale).max(5.0);
@@ -46,7 +46,7 @@ fn goal_style() -> String {
 }
 
 /// The start of each part of a chain.
-pub fn parts(svg: &mut Svg, view: &View, recording: &Recording) {
+pub fn parts(svg: &mut Svg, view: &SceneView, recording: &Recording) {
     let mut last = 0;
     for step in &recording.seeking {
         if step.part != last {

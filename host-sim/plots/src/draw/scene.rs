@@ -13,7 +13,7 @@ pub fn extent(world: &World) -> [Point; 2] {
 
 /// Maps a rectangle of the world to the page.
 #[derive(Debug, Clone, Copy)]
-pub struct View {
+pub struct SceneView {
     /// World point at the lower left corner of the drawing, m.
     low: Point,
     /// Page point of that corner, px.
@@ -24,7 +24,7 @@ pub struct View {
     pub size: [f64; 2],
 }
 
-impl View {
+impl SceneView {
     /// The rectangle between two world corners, in a drawing at `[left, top]` of at most `room` px.
     pub fn new([low, high]: [Point; 2], [left, top]: [f64; 2], room: [f64; 2]) -> Self {
         let (width, height) = ((high.x - low.x).max(1e-3), (high.y - low.y).max(1e-3));
@@ -52,7 +52,7 @@ impl View {
 }
 
 /// Draws walls as lines and bodies as filled outlines.
-pub fn obstacles(svg: &mut Svg, view: &View, world: &World) {
+pub fn obstacles(svg: &mut Svg, view: &SceneView, world: &World) {
     let body = filled(OBSTACLE, INK, 1.3);
     let wall = format!(r#"{} stroke-linecap="round""#, stroke(INK, 2.4));
     let on_page = |points: &[Point]| {
@@ -132,7 +132,7 @@ mod tests {
 
     #[test]
     fn a_view_keeps_proportions_and_turns_y_up() {
-        let view = View::new(
+        let view = SceneView::new(
             [Point::new(-1.0, 2.0), Point::new(3.0, 4.0)],
             [10.0, 20.0],
             [400.0, 400.0],

@@ -4,13 +4,15 @@ mod files;
 mod picture;
 mod tables;
 
-use super::Failure;
+use super::CliError;
 use super::output::{bar, pool, prepare};
 use super::run::{SonarChoice, sources};
 use ::files::error::BadInput;
 use clap::{Args, ValueEnum};
-use experiments::compare::search::{self, Search};
-use experiments::compare::{Conditions, Constants, Method, Plan, Row, measure};
+use experiments::compare::search::{self, ConstantSearch};
+use experiments::compare::{
+    ComparedMethod, ComparisonPlan, ComparisonRow, Conditions, Constants, measure,
+};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -53,7 +55,7 @@ pub struct CompareArgs {
     /// Search the constants of one method instead, with the first number in --moves, in --seeds
     /// rooms from random:20001 on
     #[arg(long, value_name = "METHOD", conflicts_with_all = ["worlds", "methods", "seed", "out", "time"], value_parser = parse_method)]
-    tune: Option<Method>,
+    tune: Option<ComparedMethod>,
     /// Worker threads [default: one per core]; they do not affect the results
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -61,7 +63,7 @@ pub struct CompareArgs {
 
 /// Methods as named on the command line.
 #[derive(Debug, Clone, PartialEq, Eq)]
-struct Methods(Vec<Method>);
+struct Methods(Vec<ComparedMethod>);
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Shields {
@@ -83,18 +85,18 @@ impl Shields {
     }
 }
 
-fn parse_method(text: &str) -> Result<Method, BadInput> {
+fn parse_method(text: &str) -> Result<ComparedMethod, BadInput> {
     text.parse()
 }
 
 /// Parses a list of methods; the result is in the order of the tables, without duplicates.
 fn parse_methods(text: &str) -> Result<Methods, BadInput> {
     if text == "all" {
-        return Ok(Methods(Method::ALL.to_vec()));
+        return Ok(Methods(ComparedMethod::ALL.to_vec()));
     }
-    let named: Result<Vec<Method>, _> = text.split(',').map(str::parse).collect();
+    let named: Result<Vec<ComparedMethod>, _> = text.split(',').map(str::parse).collect();
     let named = named?;
-    let listed = Method::ALL.into_iter();
+    let listed = ComparedMethod::ALL.into_iter();
     Ok(Methods(
         listed.filter(|method| named.contains(method)).collect(),
     ))
@@ -105,7 +107,7 @@ fn parse_methods(text: &str) -> Result<Methods, BadInput> {
 /// # Errors
 /// A world that cannot be loaded, numbers of moves that do not ascend, an episode that fails, a
 /// folder that cannot be written.
-pub fn compare(args: &CompareArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub fn compare(args: &CompareArgs, out: &mut impl Write) -> Result<(), CliError> {
     if !args.moves.is_sorted_by(|a, b| a < b) {
         return Err(
             BadInput::new("--moves: each number must be greater than the one before").into(),
@@ -125,7 +127,7 @@ pub fn compare(args: &CompareArgs, out: &mut impl Write) -> Result<(), Failure> 
     let rows = pool.install(|| measure(&plan, &|| progress.inc(1)));
     progress.finish_and_clear();
     let rows = rows.map_err(|failure| BadInput::new(failure.to_string()))?;
-    let report = pool.install(|| tables::Report::of(&rows));
+    let report = pool.install(|| tables::ComparisonTables::of(&rows));
     eprintln!(
         "{} episodes in {:.1} s",
         plan.len(),
@@ -141,13 +143,13 @@ pub fn compare(args: &CompareArgs, out: &mut impl Write) -> Result<(), Failure> 
     })
 }
 
-fn plan(args: &CompareArgs) -> Result<Plan, BadInput> {
+fn plan(args: &CompareArgs) -> Result<ComparisonPlan, BadInput> {
     let mut worlds = Vec::new();
     for source in sources(&args.worlds)? {
         worlds.push(source.load()?);
     }
     let shields = args.shield.each().iter();
-    Ok(Plan {
+    Ok(ComparisonPlan {
         worlds,
         first_seed: args.seed,
         seeds: args.seeds,
@@ -167,7 +169,7 @@ fn conditions(args: &CompareArgs, shield: bool) -> Conditions {
 }
 
 /// Describes the figures in one or two sentences.
-fn about(plan: &Plan, args: &CompareArgs) -> String {
+fn about(plan: &ComparisonPlan, args: &CompareArgs) -> String {
     format!(
         "Mean [95 % interval] of {} worlds ({}) × {} seeds, {} steps each, measured from the world's start after learning in the \
          same world; sonars: {}. Intervals by the bootstrap over worlds and seeds.",
@@ -179,21 +181,21 @@ fn about(plan: &Plan, args: &CompareArgs) -> String {
     )
 }
 
-fn tune(method: Method, args: &CompareArgs) -> Result<String, BadInput> {
-    let knobs = search::knobs(method);
-    if knobs.is_empty() {
+fn tune(method: ComparedMethod, args: &CompareArgs) -> Result<String, BadInput> {
+    let tuned_constants = search::tuned_constants(method);
+    if tuned_constants.is_empty() {
         let name = method.name();
         return Err(BadInput::new(format!(
             "--tune {name}: it has no constants to search"
         )));
     }
-    let search = Search {
+    let search = ConstantSearch {
         method,
         moves: args.moves.first().copied().unwrap_or(1),
         rooms: args.seeds,
         conditions: conditions(args, args.shield == Shields::On),
     };
-    let progress = bar((search::ROUNDS * knobs.len()) as u64, "constants");
+    let progress = bar((search::ROUNDS * tuned_constants.len()) as u64, "constants");
     let mut lines = Vec::new();
     let found = search.run(
         Constants::of(search.conditions.shield),
@@ -208,6 +210,6 @@ fn tune(method: Method, args: &CompareArgs) -> Result<String, BadInput> {
 }
 
 /// The rows by condition: without the shield, with it.
-fn by_shield(rows: &[Row]) -> impl Iterator<Item = &[Row]> {
+fn by_shield(rows: &[ComparisonRow]) -> impl Iterator<Item = &[ComparisonRow]> {
     rows.chunk_by(|a, b| a.shield == b.shield)
 }

@@ -2,29 +2,29 @@
 
 use super::by_shield;
 use crate::cli::table::{markdown, plain};
-use experiments::compare::{Differences, Figures, Method, Row};
+use experiments::compare::{ComparedMethod, ComparisonRow, Differences, MethodFigures};
 use rayon::prelude::*;
 use sim::statistics::Mean;
 
 /// A row with all its figures.
-pub struct Line {
+pub struct MethodLine {
     /// The row's method.
-    pub method: Method,
+    pub method: ComparedMethod,
     /// Its learning moves.
     pub moves: u32,
     /// With the shield.
     pub shield: bool,
     /// Its figures.
-    pub figures: Figures,
+    pub figures: MethodFigures,
     /// Minus the preset `default` under the same conditions; `None` for that preset, or if it is
     /// not compared.
     pub differences: Option<Differences>,
 }
 
 /// All rows of the output.
-pub struct Report {
+pub struct ComparisonTables {
     /// The rows, as measured.
-    pub lines: Vec<Line>,
+    pub lines: Vec<MethodLine>,
 }
 
 const HEADS: [&str; 10] = [
@@ -54,20 +54,23 @@ const RIGHT: [usize; 9] = [1, 2, 3, 4, 5, 6, 7, 8, 9];
 /// Formats a table: heads, rows, numeric columns.
 type Set = fn(&[&str], &[Vec<String>], &[usize]) -> String;
 
-impl Report {
+impl ComparisonTables {
     /// Computes all figures, on all cores.
-    pub fn of(rows: &[Row]) -> Self {
+    pub fn of(rows: &[ComparisonRow]) -> Self {
         let conditions: Vec<_> = by_shield(rows).collect();
-        let with_base = |rows: &&[Row]| {
-            let base = rows.iter().find(|row| row.method == Method::Default);
+        let with_base = |rows: &&[ComparisonRow]| {
+            let base = rows
+                .iter()
+                .find(|row| row.method == ComparedMethod::Default);
             let pairs: Vec<_> = rows
                 .iter()
                 .map(|row| (row.clone(), base.cloned()))
                 .collect();
             pairs
         };
-        let pairs: Vec<(Row, Option<Row>)> = conditions.iter().flat_map(with_base).collect();
-        let line = |(row, base): &(Row, Option<Row>)| Line {
+        let pairs: Vec<(ComparisonRow, Option<ComparisonRow>)> =
+            conditions.iter().flat_map(with_base).collect();
+        let line = |(row, base): &(ComparisonRow, Option<ComparisonRow>)| MethodLine {
             method: row.method,
             moves: row.moves,
             shield: row.shield,
@@ -83,7 +86,7 @@ impl Report {
     }
 
     /// The rows by condition.
-    pub fn by_shield(&self) -> impl Iterator<Item = &[Line]> {
+    pub fn by_shield(&self) -> impl Iterator<Item = &[MethodLine]> {
         self.lines.chunk_by(|a, b| a.shield == b.shield)
     }
 
@@ -120,7 +123,7 @@ impl Report {
 
     /// Wall time per decision, as a table.
     pub fn times(&self) -> String {
-        let cells = |line: &Line| {
+        let cells = |line: &MethodLine| {
             let shield = if line.shield { "on" } else { "off" };
             vec![
                 line.method.name().to_owned(),
@@ -141,7 +144,7 @@ pub fn short(mean: &Mean, digits: usize) -> String {
     format!("{:.digits$} [{low:.digits$}, {high:.digits$}]", mean.mean)
 }
 
-fn cells(line: &Line) -> Vec<String> {
+fn cells(line: &MethodLine) -> Vec<String> {
     let figures = &line.figures;
     let goal = figures.to_goal_s.as_ref();
     vec![
@@ -158,7 +161,7 @@ fn cells(line: &Line) -> Vec<String> {
     ]
 }
 
-fn difference_cells(line: &Line) -> Option<Vec<String>> {
+fn difference_cells(line: &MethodLine) -> Option<Vec<String>> {
     let differences = line.differences.as_ref()?;
     Some(vec![
         line.method.name().to_owned(),

@@ -3,7 +3,7 @@
 mod pictures;
 
 use super::output::bar;
-use super::{Failure, table};
+use super::{CliError, table};
 use datasets::learn::{
     Actions, LearnArgs, Log, Map, Recalled, Score, Study, Task, study, task::Part,
 };
@@ -15,7 +15,7 @@ use std::io::Write;
 ///
 /// # Errors
 /// An invalid flag, log or output folder; a closed pipe.
-pub fn learn(args: &LearnArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub fn learn(args: &LearnArgs, out: &mut impl Write) -> Result<(), CliError> {
     let log = Log::load(&args.log, &args.columns())?;
     let task = Task::of(&log, &args.options())?;
     if let Some(folder) = &args.out {
@@ -24,7 +24,7 @@ pub fn learn(args: &LearnArgs, out: &mut impl Write) -> Result<(), Failure> {
     let progress = bar(args.map.0.len() as u64, "maps");
     let found = study(&task, &args.map.0, &args.lesson(), &|| progress.inc(1))?;
     progress.finish_and_clear();
-    let told = Told {
+    let told = LearnResults {
         args,
         log: &log,
         task: &task,
@@ -51,14 +51,14 @@ pub fn learn(args: &LearnArgs, out: &mut impl Write) -> Result<(), Failure> {
 }
 
 /// All results of the command.
-struct Told<'a> {
+struct LearnResults<'a> {
     args: &'a LearnArgs,
     log: &'a Log,
     task: &'a Task,
     found: &'a Study,
 }
 
-impl Told<'_> {
+impl LearnResults<'_> {
     fn named(&self) -> bool {
         self.task.classes.is_some()
     }
@@ -105,7 +105,7 @@ impl Told<'_> {
         .to_vec()
     }
 
-    fn tables(&self, out: &mut impl Write) -> Result<(), Failure> {
+    fn tables(&self, out: &mut impl Write) -> Result<(), CliError> {
         for (name, value) in self.facts() {
             writeln!(out, "{name:<26}  {value}")?;
         }

@@ -1,7 +1,7 @@
 //! Pictures of the results of `host-sim learn`, and the page that shows them.
 
-use super::{Told, size};
-use crate::cli::Failure;
+use super::{LearnResults, size};
+use crate::cli::CliError;
 use datasets::learn::{Map, Method, Score};
 use datasets::som::report::{code_vectors_csv, write_files};
 use plots::{Figure, LabeledMap};
@@ -11,12 +11,12 @@ use std::path::Path;
 /// Decimals of code vectors in files: finer than any range finder.
 const DECIMALS: usize = 6;
 
-impl Told<'_> {
+impl LearnResults<'_> {
     /// Writes all pictures.
     ///
     /// # Errors
     /// A folder that cannot be written.
-    pub(super) fn pictures(&self, folder: &Path) -> Result<(), Failure> {
+    pub(super) fn pictures(&self, folder: &Path) -> Result<(), CliError> {
         let mut files = Vec::new();
         let mut figures = Vec::new();
         if self.found.maps.len() > 1 {

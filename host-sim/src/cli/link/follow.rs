@@ -21,7 +21,7 @@ const AGAIN: Duration = Duration::from_secs(1);
 
 /// Why following ended.
 #[derive(Debug)]
-pub(super) enum Trouble {
+pub(super) enum FollowError {
     /// The link failed.
     Link(LinkError),
     /// A file could not be read or written.
@@ -30,19 +30,19 @@ pub(super) enum Trouble {
     Output(io::Error),
 }
 
-impl From<LinkError> for Trouble {
+impl From<LinkError> for FollowError {
     fn from(error: LinkError) -> Self {
         Self::Link(error)
     }
 }
 
-impl From<BadInput> for Trouble {
+impl From<BadInput> for FollowError {
     fn from(error: BadInput) -> Self {
         Self::Input(error)
     }
 }
 
-impl From<io::Error> for Trouble {
+impl From<io::Error> for FollowError {
     fn from(error: io::Error) -> Self {
         Self::Output(error)
     }
@@ -60,7 +60,7 @@ pub(super) fn follow(
     until: Option<Instant>,
     out: &mut impl Write,
     mut over: impl FnMut(&FromMind<16>) -> bool,
-) -> Result<(), Trouble> {
+) -> Result<(), FollowError> {
     let mut count = 0_u32;
     loop {
         let now = Instant::now();
@@ -88,7 +88,7 @@ fn check(
     session: &mut Session,
     out: &mut impl Write,
     over: &mut impl FnMut(&FromMind<16>) -> bool,
-) -> Result<bool, Trouble> {
+) -> Result<bool, FollowError> {
     let mut is_over = false;
     let answer = session.request(&ToMind::Counters)?;
     for report in &answer.reports {
@@ -110,10 +110,10 @@ pub(super) fn monitor(
     emulation: &Emulation,
     until: Option<Instant>,
     out: &mut impl Write,
-) -> Result<(), Trouble> {
+) -> Result<(), FollowError> {
     loop {
         let error = match follow(session, until, out, |_| false) {
-            Err(Trouble::Link(error)) if error.may_pass() => error,
+            Err(FollowError::Link(error)) if error.may_pass() => error,
             other => return other,
         };
         eprintln!("{}; trying again", named(address, &error));

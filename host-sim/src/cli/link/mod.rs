@@ -3,7 +3,7 @@
 mod follow;
 mod tables;
 
-use super::Failure;
+use super::CliError;
 use super::remote::{named, open};
 use amp::config::Config;
 use amp::fixed::Weight;
@@ -12,7 +12,7 @@ use amp::wire::ToMind;
 use amp::wire::message::{Clock, Flash, FromMind, GoalBy, ModeReport, Order};
 use clap::{Args, Subcommand, ValueEnum};
 use files::error::BadInput;
-use follow::{Trouble, follow, monitor};
+use follow::{FollowError, follow, monitor};
 use remote::link::{Address, Emulation, Knowledge, LinkError, Session};
 use sim::goal_file::GoalFile;
 use sim::scenes::Behavior;
@@ -63,11 +63,11 @@ pub struct LinkArgs {
     #[arg(long)]
     verbose: bool,
     #[command(subcommand)]
-    verb: Verb,
+    verb: LinkVerb,
 }
 
 #[derive(Debug, Clone, Subcommand)]
-enum Verb {
+enum LinkVerb {
     /// Print the controller's version, sizes and capabilities
     Hello,
     /// Print the controller's messages, one per line, until interrupted
@@ -184,27 +184,27 @@ impl Span {
 /// # Errors
 /// Invalid arguments, a controller that cannot be reached or refuses, files that cannot be read or
 /// written, a closed pipe.
-pub(super) fn link(args: &LinkArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub(super) fn link(args: &LinkArgs, out: &mut impl Write) -> Result<(), CliError> {
     let emulation = Emulation {
         firmware: args.firmware.clone(),
         verbose: args.verbose,
     };
     // Arguments are checked before the controller is contacted.
-    let task = Task::prepare(&args.verb)?;
+    let task = CheckedVerb::prepare(&args.verb)?;
     let mut session = open(&args.to, &emulation, Clock::Device)?;
     let done = match &args.verb {
-        Verb::Monitor(span) => monitor(&mut session, &args.to, &emulation, span.end(), out),
+        LinkVerb::Monitor(span) => monitor(&mut session, &args.to, &emulation, span.end(), out),
         verb => perform(&mut session, verb, task, out),
     };
     done.map_err(|trouble| match trouble {
-        Trouble::Link(error) => Failure::Bad(named(&args.to, &error)),
-        Trouble::Input(error) => Failure::Bad(error),
-        Trouble::Output(error) => Failure::Output(error),
+        FollowError::Link(error) => CliError::Bad(named(&args.to, &error)),
+        FollowError::Input(error) => CliError::Bad(error),
+        FollowError::Output(error) => CliError::Output(error),
     })
 }
 
 /// A subcommand with its checked arguments.
-enum Task {
+enum CheckedVerb {
     Nothing,
     Goal(GoalBy<16>),
     Push(Box<Knowledge>),
@@ -212,10 +212,10 @@ enum Task {
     Ask(ToMind<16>),
 }
 
-impl Task {
-    fn prepare(verb: &Verb) -> Result<Self, BadInput> {
+impl CheckedVerb {
+    fn prepare(verb: &LinkVerb) -> Result<Self, BadInput> {
         Ok(match verb {
-            Verb::Goal { goal } => Self::Goal(match goal.as_str() {
+            LinkVerb::Goal { goal } => Self::Goal(match goal.as_str() {
                 "avoid" => GoalBy::Avoid,
                 "perceived" => GoalBy::Perceived,
                 kept if kept.starts_with("kept:") => {
@@ -223,12 +223,12 @@ impl Task {
                 }
                 name => GoalBy::Components(goal_by_name(name)?),
             }),
-            Verb::Push { file } => Self::Push(Box::new(Knowledge::load(file)?)),
-            Verb::Flash { action } => Self::Ask(ToMind::Flash((*action).into())),
-            Verb::Keep { name: text } => Self::Ask(ToMind::Keep { name: name(text)? }),
-            Verb::Drop { name: text } => Self::Ask(ToMind::Drop { name: name(text)? }),
-            Verb::Goals => Self::Ask(ToMind::Goals),
-            Verb::Params { name, value } => {
+            LinkVerb::Push { file } => Self::Push(Box::new(Knowledge::load(file)?)),
+            LinkVerb::Flash { action } => Self::Ask(ToMind::Flash((*action).into())),
+            LinkVerb::Keep { name: text } => Self::Ask(ToMind::Keep { name: name(text)? }),
+            LinkVerb::Drop { name: text } => Self::Ask(ToMind::Drop { name: name(text)? }),
+            LinkVerb::Goals => Self::Ask(ToMind::Goals),
+            LinkVerb::Params { name, value } => {
                 Self::Parameters(tables::wanted(name.as_deref(), *value)?)
             }
             _ => Self::Nothing,
@@ -258,15 +258,15 @@ fn goal_by_name(name: &str) -> Result<Goal<16>, BadInput> {
 
 fn perform(
     session: &mut Session,
-    verb: &Verb,
-    task: Task,
+    verb: &LinkVerb,
+    task: CheckedVerb,
     out: &mut impl Write,
-) -> Result<(), Trouble> {
+) -> Result<(), FollowError> {
     match (verb, task) {
-        (_, Task::Goal(goal)) => order(session, Order::Goal(goal), out),
-        (_, Task::Parameters(wanted)) => tables::parameters(session, wanted, out),
-        (_, Task::Ask(message)) => ask(session, &message, out),
-        (Verb::Push { file }, Task::Push(knowledge)) => {
+        (_, CheckedVerb::Goal(goal)) => order(session, Order::Goal(goal), out),
+        (_, CheckedVerb::Parameters(wanted)) => tables::parameters(session, wanted, out),
+        (_, CheckedVerb::Ask(message)) => ask(session, &message, out),
+        (LinkVerb::Push { file }, CheckedVerb::Push(knowledge)) => {
             knowledge.push(session)?;
             let samples = knowledge.samples();
             let file = file.display();
@@ -275,7 +275,7 @@ fn perform(
                 "{file}: configuration, maps and {samples} samples uploaded"
             )?)
         }
-        (Verb::Pull { file }, _) => {
+        (LinkVerb::Pull { file }, _) => {
             let knowledge = Knowledge::pull(session)?;
             knowledge.save(file)?;
             let samples = knowledge.samples();
@@ -285,21 +285,25 @@ fn perform(
                 "{file}: configuration, maps and {samples} samples"
             )?)
         }
-        (Verb::Explore { moves, seed, span }, _) => {
+        (LinkVerb::Explore { moves, seed, span }, _) => {
             let (moves, seed) = (*moves, *seed);
             drive(session, Order::Explore { moves, seed }, *span, out)
         }
-        (Verb::Seek(span), _) => drive(session, Order::Seek, *span, out),
-        (Verb::Resume(span), _) => drive(session, Order::Resume, *span, out),
-        (Verb::Learn, _) => follow_order(session, Order::Learn, None, out),
-        (Verb::Stop, _) => order(session, Order::Stop, out),
-        (Verb::Counters, _) => tables::counters(session, out),
+        (LinkVerb::Seek(span), _) => drive(session, Order::Seek, *span, out),
+        (LinkVerb::Resume(span), _) => drive(session, Order::Resume, *span, out),
+        (LinkVerb::Learn, _) => follow_order(session, Order::Learn, None, out),
+        (LinkVerb::Stop, _) => order(session, Order::Stop, out),
+        (LinkVerb::Counters, _) => tables::counters(session, out),
         _ => tables::hello(session, out),
     }
 }
 
 /// Sends once, without retries: a repeated write wears the flash.
-fn ask(session: &mut Session, message: &ToMind<16>, out: &mut impl Write) -> Result<(), Trouble> {
+fn ask(
+    session: &mut Session,
+    message: &ToMind<16>,
+    out: &mut impl Write,
+) -> Result<(), FollowError> {
     let answer = session.request(message)?;
     if let Some(why) = answer.refusal {
         return Err(LinkError::Refused(why).into());
@@ -310,7 +314,7 @@ fn ask(session: &mut Session, message: &ToMind<16>, out: &mut impl Write) -> Res
     Ok(writeln!(out, "done")?)
 }
 
-fn order(session: &mut Session, order: Order<16>, out: &mut impl Write) -> Result<(), Trouble> {
+fn order(session: &mut Session, order: Order<16>, out: &mut impl Write) -> Result<(), FollowError> {
     let at_ms = session.elapsed_ms();
     for report in session.order(at_ms, order)? {
         follow::print(&report, out)?;
@@ -324,7 +328,7 @@ fn drive(
     order: Order<16>,
     span: Span,
     out: &mut impl Write,
-) -> Result<(), Trouble> {
+) -> Result<(), FollowError> {
     if !session.use_own_ring()? {
         eprintln!(
             "This controller has no sonars of its own and waits for echoes over the link; a simulated robot sends them: host-sim run --mind …"
@@ -338,7 +342,7 @@ fn follow_order(
     order: Order<16>,
     until: Option<Instant>,
     out: &mut impl Write,
-) -> Result<(), Trouble> {
+) -> Result<(), FollowError> {
     let at_ms = session.elapsed_ms();
     for report in session.order(at_ms, order)? {
         follow::print(&report, out)?;

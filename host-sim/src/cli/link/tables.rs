@@ -1,6 +1,6 @@
 //! Tables of a remote controller's properties, counters and parameters.
 
-use super::Trouble;
+use super::FollowError;
 use crate::cli::table::plain;
 use amp::parameters::{Parameter, ParameterError, Spec};
 use files::error::BadInput;
@@ -48,7 +48,7 @@ pub(super) fn parameters(
     session: &mut Session,
     wanted: Wanted,
     out: &mut impl Write,
-) -> Result<(), Trouble> {
+) -> Result<(), FollowError> {
     let mut rows = Vec::new();
     for parameter in wanted.parameters {
         let (value, spec) = session.parameter(parameter, wanted.value)?;
@@ -69,7 +69,7 @@ fn row(parameter: Parameter, value: i32, spec: &Spec) -> Vec<String> {
 }
 
 /// Reads the counters and prints them.
-pub(super) fn counters(session: &mut Session, out: &mut impl Write) -> Result<(), Trouble> {
+pub(super) fn counters(session: &mut Session, out: &mut impl Write) -> Result<(), FollowError> {
     let c = session.counters()?;
     let rows = [
         ("frames accepted", c.accepted),
@@ -102,7 +102,7 @@ pub(super) fn counters(session: &mut Session, out: &mut impl Write) -> Result<()
 }
 
 /// Prints the controller's hello message.
-pub(super) fn hello(session: &Session, out: &mut impl Write) -> Result<(), Trouble> {
+pub(super) fn hello(session: &Session, out: &mut impl Write) -> Result<(), FollowError> {
     let Some(hello) = session.hello() else {
         return Ok(());
     };

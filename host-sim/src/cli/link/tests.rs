@@ -1,6 +1,6 @@
 //! The subcommands with a controller behind a socket.
 
-use crate::cli::{Cli, Failure, execute};
+use crate::cli::{Cli, CliError, execute};
 use amp::config::Config;
 use clap::Parser;
 use remote::link::{Knowledge, Served};
@@ -12,9 +12,9 @@ fn host_sim(served: &Served, line: &str) -> Result<String, String> {
     let mut out = Vec::new();
     match execute(cli.command, &mut out) {
         Ok(()) => Ok(String::from_utf8(out).unwrap()),
-        Err(Failure::Bad(error)) => Err(error.to_string()),
-        Err(Failure::Output(error)) => panic!("{error}"),
-        Err(Failure::Differs(sentence)) => panic!("{sentence}"),
+        Err(CliError::Bad(error)) => Err(error.to_string()),
+        Err(CliError::Output(error)) => panic!("{error}"),
+        Err(CliError::Differs(sentence)) => panic!("{sentence}"),
     }
 }
 

@@ -1,10 +1,10 @@
 //! Claims of sections 3 and 5.1: obstacle avoidance (Figs. 5 and 6), other behaviors, any robot.
 
-use super::{Claim, PRESETS, Verdict, each, mean, percent, percents, reinforcement};
-use crate::behaviors::Outcome;
+use super::{Claim, ClaimVerdict, PRESETS, each, mean, percent, percents, reinforcement};
+use crate::behaviors::SceneOutcome;
 use crate::paper::any_ring::Count;
-use crate::paper::at_once::AtOnce;
 use crate::paper::gaps::Gaps;
+use crate::paper::goal_switch::GoalSwitches;
 use crate::paper::measure::{FEWER_MOVES, Measured, Reached};
 use sim::scenes::Behavior;
 use sim::statistics::{Mean, bootstrap};
@@ -16,7 +16,7 @@ pub(super) fn claims(measured: &Measured) -> Vec<Claim> {
     claims.push(no_iterations());
     claims.push(hundred_moves(measured));
     claims.push(reinforcement::fewer_moves(measured));
-    claims.push(at_once(measured));
+    claims.push(goal_switches(measured));
     claims.push(asked(
         measured,
         "avoid-right",
@@ -66,7 +66,7 @@ fn no_bumps(measured: &Measured) -> Claim {
         each(&PRESETS, &clean, text),
         format!("{} rooms of 12 boxes per preset", measured.size.rooms),
     )
-    .verdict(Verdict::of(&clean.map(|[clean, _]| clean >= 99.0)))
+    .verdict(ClaimVerdict::of(&clean.map(|[clean, _]| clean >= 99.0)))
 }
 
 fn no_iterations() -> Claim {
@@ -82,7 +82,7 @@ fn no_iterations() -> Claim {
             ),
             "all presets",
         )
-        .verdict(Verdict::Partly)
+        .verdict(ClaimVerdict::Partly)
 }
 
 fn hundred_moves(measured: &Measured) -> Claim {
@@ -112,16 +112,16 @@ fn hundred_moves(measured: &Measured) -> Claim {
             format!("% clean rooms by moves: {}; {}", of(0), of(1)),
             format!("{rooms} rooms per number"),
         )
-        .verdict(Verdict::of(&enough))
+        .verdict(ClaimVerdict::of(&enough))
 }
 
-fn at_once(measured: &Measured) -> Claim {
+fn goal_switches(measured: &Measured) -> Claim {
     // The first behavior is the one that is left.
-    let sums = measured.at_once.each_ref().map(|answers| {
+    let sums = measured.goal_switches.each_ref().map(|answers| {
         answers
             .iter()
             .skip(1)
-            .fold((0, 0, 0), |sum, answer: &AtOnce| {
+            .fold((0, 0, 0), |sum, answer: &GoalSwitches| {
                 (
                     sum.0 + answer.tried,
                     sum.1 + answer.unchanged,
@@ -150,12 +150,12 @@ fn at_once(measured: &Measured) -> Claim {
             sums[0].0
         ),
     )
-    .verdict(Verdict::of(&met))
+    .verdict(ClaimVerdict::of(&met))
 }
 
 /// Whether an outcome meets the scene's requirement ("≥ 0.80", "≤ 0.20"); without a number, a share
 /// must be 1.
-fn is_reached(asked: &str, outcome: &Outcome) -> bool {
+fn is_reached(asked: &str, outcome: &SceneOutcome) -> bool {
     let number = |text: &str| text.trim().parse::<f64>().unwrap_or(f64::NAN);
     let value = outcome.value.mean;
     match (asked.strip_prefix('≥'), asked.strip_prefix('≤')) {
@@ -197,7 +197,7 @@ fn asked(measured: &Measured, name: &str, section: &'static str, words: &'static
             format!("{}: {}", first.0, each(&PRESETS, &texts, String::clone)),
             format!("{}; {episodes} episodes each", places.join(" / ")),
         )
-        .verdict(Verdict::of(&met))
+        .verdict(ClaimVerdict::of(&met))
 }
 
 /// Wall gap minus obstacle gap, m, by room or seed.
@@ -242,7 +242,7 @@ fn wider_gaps(measured: &Measured) -> Claim {
             ),
             format!("{} seeds, {} rooms", measured.arena[0].len(), measured.size.rooms),
         )
-        .verdict(Verdict::of(&met))
+        .verdict(ClaimVerdict::of(&met))
 }
 
 fn any_behavior(measured: &Measured) -> Claim {
@@ -265,7 +265,7 @@ fn any_behavior(measured: &Measured) -> Claim {
             }),
             format!("{all} scenes × {episodes} episodes per preset"),
         )
-        .verdict(Verdict::of(&reached.map(|count| count == all)))
+        .verdict(ClaimVerdict::of(&reached.map(|count| count == all)))
 }
 
 fn any_robot(measured: &Measured) -> Claim {
@@ -310,5 +310,5 @@ fn any_robot(measured: &Measured) -> Claim {
                 measured.miniatures.len()
             ),
         )
-        .verdict(Verdict::of(&met))
+        .verdict(ClaimVerdict::of(&met))
 }

@@ -1,11 +1,11 @@
 //! Claims of sections 2.1 to 2.4: perceived goals, lazy memory, self-organizing maps (Figs. 1 and
 //! 2).
 
-use super::{Claim, PRESETS, Verdict, each, mean, median, percent, percents};
+use super::{Claim, ClaimVerdict, PRESETS, each, mean, median, percent, percents};
 use crate::paper::chain::{Chain, NEURONS, PROBES};
 use crate::paper::measure::Measured;
-use crate::paper::order::{Order, SHUFFLINGS};
-use crate::paper::rooms::Room;
+use crate::paper::rooms::RoomResult;
+use crate::paper::topology::{MapTopology, SHUFFLINGS};
 
 /// The claims of these sections, in order.
 pub(super) fn claims(measured: &Measured) -> Vec<Claim> {
@@ -35,7 +35,7 @@ pub(super) fn claims(measured: &Measured) -> Vec<Claim> {
 }
 
 /// A figure of each room, by reading.
-fn by_room(measured: &Measured, figure: impl Fn(&Room) -> f64) -> [f64; 3] {
+fn by_room(measured: &Measured, figure: impl Fn(&RoomResult) -> f64) -> [f64; 3] {
     std::array::from_fn(|i| mean(measured.rooms[i].iter().map(&figure)))
 }
 
@@ -66,11 +66,11 @@ fn perceived(measured: &Measured) -> Claim {
     )
     .holds_if("the goal \"free of obstacles\" is perceived in ≥ 99 % of rooms")
     .measured(each(&PRESETS, &texts, String::clone), rooms(measured))
-    .verdict(Verdict::of(&ever.map(|share| share >= 99.0)))
+    .verdict(ClaimVerdict::of(&ever.map(|share| share >= 99.0)))
 }
 
 fn similar_samples(measured: &Measured) -> Claim {
-    let of = |rooms: &Vec<Room>| -> Vec<f64> {
+    let of = |rooms: &Vec<RoomResult>| -> Vec<f64> {
         rooms
             .iter()
             .flat_map(|room| room.alike.iter().map(|&count| count as f64))
@@ -100,7 +100,7 @@ fn similar_samples(measured: &Measured) -> Claim {
         each(&PRESETS, &texts, String::clone),
         format!("{} situations per preset", counts[0].len()),
     )
-    .verdict(Verdict::of(&middle.map(|middle| middle <= 5.0)))
+    .verdict(ClaimVerdict::of(&middle.map(|middle| middle <= 5.0)))
 }
 
 fn by_content(measured: &Measured) -> Claim {
@@ -120,7 +120,7 @@ fn by_content(measured: &Measured) -> Claim {
     )
     .holds_if("median error < 45° of the action recalled from a change not learned (chance: 90°)")
     .measured(each(&PRESETS[1..], &middle, |m| format!("{m:.0}°")), sample)
-    .verdict(Verdict::of(&middle.map(|middle| middle < 45.0)))
+    .verdict(ClaimVerdict::of(&middle.map(|middle| middle < 45.0)))
 }
 
 fn chains(measured: &Measured) -> [Claim; 3] {
@@ -156,18 +156,18 @@ fn chains(measured: &Measured) -> [Claim; 3] {
             ),
             format!("{sample}, {PROBES} fresh points each"),
         )
-        .verdict(Verdict::of(&[least >= 0.5 && most <= 2.0])),
+        .verdict(ClaimVerdict::of(&[least >= 0.5 && most <= 2.0])),
         Claim::new("Fig. 1b", "neurons code preferably these 2 regions")
             .holds_if("≥ 90 % of the neurons lie inside the two clusters")
             .measured(percents(mean(inside.iter().copied())), sample.clone())
-            .verdict(Verdict::of(&[mean(inside.iter().copied()) >= 90.0])),
+            .verdict(ClaimVerdict::of(&[mean(inside.iter().copied()) >= 90.0])),
         Claim::new(
             "Fig. 1b",
             "a few neurons code space regions devoid of input points",
         )
         .holds_if("every chain has at least one such neuron")
         .measured(format!("{from}{greatest} of {NEURONS} neurons"), sample)
-        .verdict(Verdict::of(&[fewest >= 1])),
+        .verdict(ClaimVerdict::of(&[fewest >= 1])),
     ]
 }
 
@@ -203,7 +203,7 @@ fn same_number(measured: &Measured) -> Claim {
         ),
         format!("{} chains, {}", uniform.len(), rooms(measured)),
     )
-    .verdict(Verdict::of(&spreads.map(|spread| spread <= 0.25)))
+    .verdict(ClaimVerdict::of(&spreads.map(|spread| spread <= 0.25)))
 }
 
 fn larger_fields(measured: &Measured) -> Claim {
@@ -228,7 +228,7 @@ fn larger_fields(measured: &Measured) -> Claim {
         ),
         format!("{} chains", ratios.len()),
     )
-    .verdict(Verdict::of(&[
+    .verdict(ClaimVerdict::of(&[
         20 * larger >= 19 * ratios.len() && larger > 0
     ]))
 }
@@ -259,7 +259,11 @@ fn continuous(measured: &Measured) -> Claim {
             measured.miniatures.len()
         ),
     )
-    .verdict(Verdict::of(&[probe <= 10.0, touzet <= 10.0, mini <= 10.0]))
+    .verdict(ClaimVerdict::of(&[
+        probe <= 10.0,
+        touzet <= 10.0,
+        mini <= 10.0,
+    ]))
 }
 
 fn paths(measured: &Measured) -> Claim {
@@ -282,12 +286,12 @@ fn paths(measured: &Measured) -> Claim {
         ),
         format!("240 pairs of neurons in {}", rooms(measured)),
     )
-    .verdict(Verdict::of(&[true, joined[0] >= 95.0, joined[1] >= 95.0]))
+    .verdict(ClaimVerdict::of(&[true, joined[0] >= 95.0, joined[1] >= 95.0]))
 }
 
 fn alike(measured: &Measured) -> Claim {
-    let minis: Vec<Order> = measured.miniatures.iter().map(|m| m.order).collect();
-    let nomads = [1, 2].map(|i| -> Vec<Order> {
+    let minis: Vec<MapTopology> = measured.miniatures.iter().map(|m| m.order).collect();
+    let nomads = [1, 2].map(|i| -> Vec<MapTopology> {
         let rooms = measured.rooms[i].iter();
         rooms.map(|room| room.order).collect()
     });
@@ -301,7 +305,7 @@ fn alike(measured: &Measured) -> Claim {
             mean(orders.iter().map(|order| order.others))
         )
     });
-    let orderly = |order: &Order| {
+    let orderly = |order: &MapTopology| {
         let by_chance = order.as_good_by_chance * 100 < SHUFFLINGS;
         order.neighbors < order.others && by_chance
     };
@@ -321,7 +325,7 @@ fn alike(measured: &Measured) -> Claim {
             ),
             format!("{} miniature robots, {}", maps[0].len(), rooms(measured)),
         )
-        .verdict(Verdict::of(&share.map(|share| share >= 95.0)))
+        .verdict(ClaimVerdict::of(&share.map(|share| share >= 95.0)))
 }
 
 fn discreteness(measured: &Measured) -> Claim {
@@ -347,5 +351,5 @@ fn discreteness(measured: &Measured) -> Claim {
     Claim::new("2.4", "a greater discreteness in the areas of interest")
         .holds_if("after 500 decisions the map's quantization error on the next 500 is smaller in ≥ 90 % of rooms")
         .measured(each(&PRESETS, &figures, text), rooms(measured))
-        .verdict(Verdict::of(&figures.map(|[finer, ..]| finer >= 90.0)))
+        .verdict(ClaimVerdict::of(&figures.map(|[finer, ..]| finer >= 90.0)))
 }

@@ -13,7 +13,7 @@ use super::measure::Measured;
 
 /// Result of a claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verdict {
+pub enum ClaimVerdict {
     /// The measurement confirms it.
     Holds,
     /// Confirmed for some readings or cases only.
@@ -24,7 +24,7 @@ pub enum Verdict {
     NotTestable,
 }
 
-impl Verdict {
+impl ClaimVerdict {
     /// All verdicts, most favorable first.
     pub const ALL: [Self; 4] = [
         Self::Holds,
@@ -68,7 +68,7 @@ pub struct Claim {
     /// Size of the sample.
     pub sample: String,
     /// The verdict.
-    pub verdict: Verdict,
+    pub verdict: ClaimVerdict,
 }
 
 impl Claim {
@@ -79,7 +79,7 @@ impl Claim {
             rule: String::new(),
             measured: String::new(),
             sample: String::new(),
-            verdict: Verdict::NotTestable,
+            verdict: ClaimVerdict::NotTestable,
         }
     }
 
@@ -104,7 +104,7 @@ impl Claim {
         self
     }
 
-    fn verdict(mut self, verdict: Verdict) -> Self {
+    fn verdict(mut self, verdict: ClaimVerdict) -> Self {
         self.verdict = verdict;
         self
     }
@@ -113,7 +113,7 @@ impl Claim {
     fn by_construction(mut self, why: &'static str) -> Self {
         self.rule = "by construction".to_owned();
         self.measured = why.to_owned();
-        self.verdict = Verdict::Holds;
+        self.verdict = ClaimVerdict::Holds;
         self
     }
 
@@ -178,10 +178,10 @@ mod tests {
 
     #[test]
     fn verdicts_follow_the_cases() {
-        let of = Verdict::of;
-        assert_eq!(of(&[true, true]), Verdict::Holds);
-        assert_eq!(of(&[true, false]), Verdict::Partly);
-        assert_eq!(of(&[false]), Verdict::DoesNotHold);
+        let of = ClaimVerdict::of;
+        assert_eq!(of(&[true, true]), ClaimVerdict::Holds);
+        assert_eq!(of(&[true, false]), ClaimVerdict::Partly);
+        assert_eq!(of(&[false]), ClaimVerdict::DoesNotHold);
         assert_eq!((mean([1.0, 3.0]), mean([])), (2.0, 0.0));
         assert_eq!(median(vec![3.0, 1.0, 2.0]), 2.0);
         assert_eq!(each(&["a", "b"], &[1, 2], i32::to_string), "a 1, b 2");

@@ -1,6 +1,6 @@
 //! Claims of sections 2.4 and 2.5: the two maps together, from a goal to an action (Figs. 3 and 4).
 
-use super::{Claim, PRESETS, Verdict, each, mean, percent, percents};
+use super::{Claim, ClaimVerdict, PRESETS, each, mean, percent, percents};
 use crate::paper::measure::Measured;
 use crate::paper::plans::Plans;
 
@@ -46,7 +46,7 @@ fn brings_about([_, probe, touzet]: &[Plans; 3]) -> Claim {
         each(&PRESETS[1..], &shares, text),
         decisions(&plans, |plans| plans.moves),
     )
-    .verdict(Verdict::of(&shares.map(|[along, _]| along >= 75.0)))
+    .verdict(ClaimVerdict::of(&shares.map(|[along, _]| along >= 75.0)))
 }
 
 fn metric(measured: &Measured) -> Claim {
@@ -71,7 +71,7 @@ fn metric(measured: &Measured) -> Claim {
             measured.miniatures.len()
         ),
     )
-    .verdict(Verdict::of(&all.map(|r| r >= 0.7)))
+    .verdict(ClaimVerdict::of(&all.map(|r| r >= 0.7)))
 }
 
 fn nearer_neighbor(plans: &[Plans; 3]) -> Claim {
@@ -101,7 +101,7 @@ fn nearer_neighbor(plans: &[Plans; 3]) -> Claim {
         each(&PRESETS[1..], &shares, text),
         decisions(&plans[1..], |plans| plans.unmet),
     )
-    .verdict(Verdict::of(&met))
+    .verdict(ClaimVerdict::of(&met))
 }
 
 fn becomes_intermediate(plans: &[Plans; 3]) -> Claim {
@@ -115,7 +115,7 @@ fn becomes_intermediate(plans: &[Plans; 3]) -> Claim {
         each(&PRESETS[1..], &there, |share| percents(*share)),
         decisions(&plans[1..], |plans| plans.neighbor),
     )
-    .verdict(Verdict::of(&there.map(|share| share >= 50.0)))
+    .verdict(ClaimVerdict::of(&there.map(|share| share >= 50.0)))
 }
 
 fn until_goal(plans: &[Plans; 3]) -> Claim {
@@ -139,7 +139,7 @@ fn until_goal(plans: &[Plans; 3]) -> Claim {
         each(&PRESETS, &texts, String::clone),
         format!("{} stretches", counts.join(", ")),
     )
-    .verdict(Verdict::of(&soon.map(|share| share >= 95.0)))
+    .verdict(ClaimVerdict::of(&soon.map(|share| share >= 95.0)))
 }
 
 fn differences([_, probe, touzet]: &[Plans; 3]) -> Claim {
@@ -156,5 +156,5 @@ fn differences([_, probe, touzet]: &[Plans; 3]) -> Claim {
         each(&PRESETS[1..], &agreement, |cosine| format!("{cosine:.2}")),
         decisions(&plans, |plans| plans.changes),
     )
-    .verdict(Verdict::of(&agreement.map(|cosine| cosine >= 0.5)))
+    .verdict(ClaimVerdict::of(&agreement.map(|cosine| cosine >= 0.5)))
 }

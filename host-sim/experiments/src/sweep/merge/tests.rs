@@ -4,7 +4,7 @@ use tempfile::TempDir;
 
 fn file(folder: &TempDir, name: &str, head: &str, numbers: &[u64], tail: &str) -> PathBuf {
     let columns = ["world".to_owned()].into_iter();
-    let header = Header::new(head, "00", 6, columns);
+    let header = ResultsHeader::new(head, "00", 6, columns);
     let rows: String = numbers
         .iter()
         .map(|number| format!("{number},w\n"))

@@ -1,7 +1,7 @@
 use super::*;
 
-fn header() -> Header {
-    Header::new("s", "00", 9, ["world".to_owned()].into_iter())
+fn header() -> ResultsHeader {
+    ResultsHeader::new("s", "00", 9, ["world".to_owned()].into_iter())
 }
 
 fn rows(numbers: &[u64]) -> String {

@@ -12,7 +12,7 @@ use sim::pilot::{InspectableController, Mind, Pilot, SimState};
 
 /// One decision toward the goal.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Seen {
+pub struct ObservedDecision {
     /// The situation (D in Fig. 3).
     pub situation: Situation<16>,
     /// The plan.
@@ -26,20 +26,20 @@ pub struct Seen {
 }
 
 /// A controller with its observation.
-pub struct Watched {
+pub struct ObservedController {
     mind: Mind,
-    /// Number of decisions after which [`Watched::later`] is copied.
+    /// Number of decisions after which [`ObservedController::later`] is copied.
     keep_after: usize,
     goal: Option<Goal<16>>,
     /// All decisions toward the goal.
-    pub seen: Vec<Seen>,
+    pub seen: Vec<ObservedDecision>,
     /// State when the goal arrived.
     pub learned: Option<Box<SimState>>,
     /// State `keep_after` decisions later.
     pub later: Option<Box<SimState>>,
 }
 
-impl Watched {
+impl ObservedController {
     /// An untrained controller; its state is copied again after `keep_after` decisions.
     #[must_use]
     pub fn new(config: Config<16>, keep_after: usize) -> Self {
@@ -54,7 +54,7 @@ impl Watched {
     }
 }
 
-impl Pilot for Watched {
+impl Pilot for ObservedController {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
         if let Event::Command(Command::Seek(goal)) = event {
             self.goal = Some(goal);
@@ -73,7 +73,7 @@ impl Pilot for Watched {
                 goal.map_or(0, |goal| goal.distance(&code(neuron), Mask::ALL))
             };
             let now = away(plan.current_neuron);
-            self.seen.push(Seen {
+            self.seen.push(ObservedDecision {
                 situation: decision.situation,
                 plan,
                 aim: code(plan.intermediate_neuron),
@@ -88,7 +88,7 @@ impl Pilot for Watched {
     }
 }
 
-impl InspectableController for Watched {
+impl InspectableController for ObservedController {
     fn knowledge(&mut self) -> Result<&SimState, Failure> {
         self.mind.knowledge()
     }

@@ -1,6 +1,6 @@
 //! Measures what maps and memory recall: actions from changes, samples like the present, map error.
 
-use super::watch::{Seen, change, length};
+use super::observer::{ObservedDecision, change, length};
 use amp::action_map::Probe;
 use amp::config::Config;
 use amp::fixed::{Mask, Weight};
@@ -11,12 +11,12 @@ use sim::pilot::SimState;
 
 /// Recall of actions from changes that were not learned.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Recalled {
+pub struct ActionRecall {
     /// Angle between the recalled and the true displacement, degrees in [0, 180], by move.
     pub errors_deg: Vec<f64>,
 }
 
-impl Recalled {
+impl ActionRecall {
     /// Probes the action map of `state` with the changes in another memory.
     #[must_use]
     pub fn of(state: &SimState, others: &SimState, config: &Config<16>) -> Self {
@@ -49,7 +49,7 @@ impl Recalled {
 /// Number of samples that resemble the present situation: nearer than the mean change of a move.
 /// Looks at every tenth situation of an episode.
 #[must_use]
-pub fn samples_alike(state: &SimState, seen: &[Seen]) -> Vec<usize> {
+pub fn samples_alike(state: &SimState, seen: &[ObservedDecision]) -> Vec<usize> {
     let samples: Vec<_> = state
         .memory()
         .samples()
@@ -60,7 +60,7 @@ pub fn samples_alike(state: &SimState, seen: &[Seen]) -> Vec<usize> {
         .iter()
         .map(|(before, after)| length(&change(after, before)));
     let usual = changes.sum::<f64>() / samples.len().max(1) as f64;
-    let alike = |now: &Seen| {
+    let alike = |now: &ObservedDecision| {
         let near = |before: &[Weight]| length(&change(before, &now.situation)) < usual;
         samples.iter().filter(|(before, _)| near(before)).count()
     };
@@ -83,7 +83,7 @@ pub struct Discreteness {
 impl Discreteness {
     /// Evaluates both maps on the same situations.
     #[must_use]
-    pub fn of(before: &SimState, after: &SimState, seen: &[Seen]) -> Self {
+    pub fn of(before: &SimState, after: &SimState, seen: &[ObservedDecision]) -> Self {
         let situations: Vec<_> = seen.iter().map(|seen| seen.situation).collect();
         let judge = |map: &Som<16, 16>| {
             let (quality, hits) = map.quality(&situations);
@@ -104,7 +104,7 @@ impl Discreteness {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::{readings, rooms, watch::Watched};
+    use crate::paper::{observer::ObservedController, readings, rooms};
     use arena::world::World;
     use sim::scenes::Behavior;
 
@@ -113,12 +113,12 @@ mod tests {
         let reading = &readings()[1];
         let world = World::random(1);
         let setup = rooms::setup(reading, Behavior::Avoid, 1, 20);
-        let mut watched = Watched::new(reading.config.clone(), 10);
+        let mut watched = ObservedController::new(reading.config.clone(), 10);
         sim::episode::run_with(&world, &setup, &mut watched, |_, _, _| {}).expect("an episode");
         let (Some(learned), Some(later)) = (watched.learned, watched.later) else {
             panic!("both states are kept");
         };
-        let own = Recalled::of(&learned, &learned, &reading.config);
+        let own = ActionRecall::of(&learned, &learned, &reading.config);
         assert!(own.errors_deg.len() >= 90);
         // The mean error of a random answer is 90°.
         let mean = own.errors_deg.iter().sum::<f64>() / own.errors_deg.len() as f64;

@@ -9,7 +9,7 @@ pub const SHUFFLINGS: usize = 999;
 
 /// Topology measures of a map.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Order {
+pub struct MapTopology {
     /// Mean distance between the code vectors of direct neighbors (1 = the whole scale of a
     /// sensor).
     pub neighbors: f64,
@@ -29,11 +29,11 @@ pub struct Order {
 
 /// Measures `map` with `samples`; `seed` draws the permutations.
 #[must_use]
-pub fn order_of<const NEURONS: usize, const DIMS: usize>(
+pub fn topology_of<const NEURONS: usize, const DIMS: usize>(
     map: &Som<NEURONS, DIMS>,
     samples: &[[Weight; DIMS]],
     seed: u64,
-) -> Order {
+) -> MapTopology {
     let grid = map.grid();
 
     let distance = |a: usize, b: usize| match (map.code().get(a), map.code().get(b)) {
@@ -61,7 +61,7 @@ pub fn order_of<const NEURONS: usize, const DIMS: usize>(
         .iter()
         .map(|&hit| (f64::from(hit) - mean) * (f64::from(hit) - mean))
         .sum::<f64>();
-    Order {
+    MapTopology {
         neighbors,
         others,
         topographic_error: f64::from(quality.apart()) / f64::from(quality.samples().max(1)),
@@ -133,14 +133,14 @@ mod tests {
             .map(|i| [Weight::from_num(f64::from(i) / 8.0)])
             .collect();
         let sorted = std::array::from_fn(|i| i as f64 / 8.0);
-        let good = order_of(&chain(sorted), &samples, 1);
+        let good = topology_of(&chain(sorted), &samples, 1);
         assert!((good.neighbors - 0.125).abs() < 1e-3);
         assert!((good.correlation - 1.0).abs() < 1e-6);
         assert_eq!((good.topographic_error, good.idle), (0.0, 0));
         assert_eq!(good.hit_spread, 0.0);
         assert!(good.as_good_by_chance <= 2);
         let mixed = [0.0, 0.5, 0.125, 0.625, 0.25, 0.75, 0.375, 0.875];
-        let bad = order_of(&chain(mixed), &samples, 1);
+        let bad = topology_of(&chain(mixed), &samples, 1);
         assert!(bad.neighbors > 3.0 * good.neighbors);
         assert!(bad.as_good_by_chance > 200 && bad.topographic_error > 0.5);
     }

@@ -12,7 +12,7 @@ const CLEAR_MM: u16 = 600;
 
 /// Observation of a driver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Seen {
+pub struct DriverObservation {
     /// Number of times an obstacle came near.
     pub losses: u32,
     /// Time with an obstacle near, ms.
@@ -25,17 +25,17 @@ pub struct Seen {
 
 /// A driver with its observation.
 #[derive(Debug)]
-pub struct Watched<P> {
+pub struct ObservedDriver<P> {
     driver: P,
     timed: bool,
     ranges: [Option<Range>; 16],
     /// An obstacle was near at the last decision.
     lost: bool,
     last: Millis,
-    seen: Seen,
+    seen: DriverObservation,
 }
 
-impl<P> Watched<P> {
+impl<P> ObservedDriver<P> {
     /// Observes `driver`; measures its wall time if `timed`.
     pub fn new(driver: P, timed: bool) -> Self {
         Self {
@@ -44,7 +44,7 @@ impl<P> Watched<P> {
             ranges: [None; 16],
             lost: false,
             last: Millis::from_ms(0),
-            seen: Seen::default(),
+            seen: DriverObservation::default(),
         }
     }
 
@@ -54,7 +54,7 @@ impl<P> Watched<P> {
     }
 
     /// The observation since the driver's last goal.
-    pub fn seen(&self) -> Seen {
+    pub fn seen(&self) -> DriverObservation {
         self.seen
     }
 
@@ -71,7 +71,7 @@ impl<P> Watched<P> {
     }
 }
 
-impl<P: Pilot> Pilot for Watched<P> {
+impl<P: Pilot> Pilot for ObservedDriver<P> {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
         match event {
             Event::Echo { sensor, range } => {
@@ -79,7 +79,9 @@ impl<P: Pilot> Pilot for Watched<P> {
                     *place = range;
                 }
             }
-            Event::Command(Command::Seek(_)) => (self.seen, self.lost) = (Seen::default(), false),
+            Event::Command(Command::Seek(_)) => {
+                (self.seen, self.lost) = (DriverObservation::default(), false)
+            }
             _ => {}
         }
         let began = self.timed.then(Instant::now);
@@ -96,7 +98,7 @@ impl<P: Pilot> Pilot for Watched<P> {
     }
 }
 
-impl<P: InspectableController> InspectableController for Watched<P> {
+impl<P: InspectableController> InspectableController for ObservedDriver<P> {
     fn knowledge(&mut self) -> Result<&SimState, Failure> {
         self.driver.knowledge()
     }
@@ -120,7 +122,7 @@ mod tests {
 
     #[test]
     fn the_time_until_nothing_is_near_is_counted_from_decision_to_decision() {
-        let mut watched = Watched::new(RingPilot::new(Stand, None), false);
+        let mut watched = ObservedDriver::new(RingPilot::new(Stand, None), false);
         // An obstacle is near at 2 s, 3 s and 5 s; 600 mm is far enough.
         let nearest = [600, 599, 300, 700, 100, 900];
         for (second, mm) in (1..).zip(nearest) {

@@ -1,6 +1,6 @@
 //! Effect of a change of goal on memory, maps and the very next decision.
 
-use super::Reading;
+use super::PaperReading;
 use super::rooms::setup;
 use amp::controller::{Command, Decision, Event, Outputs, handle};
 use amp::goal::Goal;
@@ -22,7 +22,7 @@ const LAST: u8 = 15;
 
 /// Results of the changes of goal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct AtOnce {
+pub struct GoalSwitches {
     /// Number of changes.
     pub tried: u32,
     /// Changes after which memory and both maps were identical, to the bit.
@@ -31,7 +31,7 @@ pub struct AtOnce {
     pub other_action: u32,
 }
 
-impl AtOnce {
+impl GoalSwitches {
     fn plus(self, other: Self) -> Self {
         Self {
             tried: self.tried + other.tried,
@@ -42,16 +42,16 @@ impl AtOnce {
 }
 
 /// While a robot avoids, finds what it would do next with each of these goals.
-struct Asked {
+struct GoalSwitchProbe {
     mind: Mind,
     goals: Vec<Behavior>,
     /// Situation before the first move.
     nest: Option<Situation<16>>,
     decisions: usize,
-    answers: Vec<AtOnce>,
+    answers: Vec<GoalSwitches>,
 }
 
-impl Asked {
+impl GoalSwitchProbe {
     fn ask(&mut self, before: &SimState, at: Millis, echo: Event<16>, own: &Decision<16>) {
         let Some(nest) = self.nest else { return };
         for (behavior, answer) in self.goals.iter().zip(&mut self.answers) {
@@ -71,7 +71,7 @@ impl Asked {
     }
 }
 
-impl Pilot for Asked {
+impl Pilot for GoalSwitchProbe {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
         let last = matches!(event, Event::Echo { sensor: LAST, .. });
         let due = last && self.decisions % EVERY == EVERY - 1;
@@ -90,7 +90,7 @@ impl Pilot for Asked {
     }
 }
 
-impl InspectableController for Asked {
+impl InspectableController for GoalSwitchProbe {
     fn knowledge(&mut self) -> Result<&SimState, Failure> {
         self.mind.knowledge()
     }
@@ -101,11 +101,11 @@ impl InspectableController for Asked {
 /// # Errors
 /// When an episode fails.
 pub fn measure(
-    reading: &Reading,
+    reading: &PaperReading,
     names: &[&str],
     rooms: u32,
     seed: u64,
-) -> Result<Vec<AtOnce>, Failure> {
+) -> Result<Vec<GoalSwitches>, Failure> {
     let goals: Vec<Behavior> = names.iter().filter_map(|name| name.parse().ok()).collect();
     let answers: Result<Vec<_>, Failure> = (0..u64::from(rooms))
         .into_par_iter()
@@ -113,9 +113,9 @@ pub fn measure(
             let world = World::random(room.wrapping_add(1));
             let mut setup = setup(reading, Behavior::Avoid, seed.wrapping_add(room), STEPS);
             setup.record = false;
-            let mut asked = Asked {
+            let mut asked = GoalSwitchProbe {
                 mind: Mind::new(reading.config.clone()),
-                answers: vec![AtOnce::default(); goals.len()],
+                answers: vec![GoalSwitches::default(); goals.len()],
                 goals: goals.clone(),
                 nest: None,
                 decisions: 0,
@@ -124,7 +124,7 @@ pub fn measure(
             Ok(asked.answers)
         })
         .collect();
-    let none = vec![AtOnce::default(); goals.len()];
+    let none = vec![GoalSwitches::default(); goals.len()];
     Ok(answers?.iter().fold(none, |sums, room| {
         sums.into_iter()
             .zip(room)

@@ -4,9 +4,9 @@ use super::learning::Values;
 
 /// The values twice: rotated by p steps they begin at index 16 − p.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Ring([f64; 32]);
+pub struct RotatableRing([f64; 32]);
 
-impl Ring {
+impl RotatableRing {
     /// Stores these values.
     #[must_use]
     pub fn new(values: &Values) -> Self {
@@ -57,8 +57,8 @@ mod tests {
             let apart: f64 = pairs().map(|(a, b)| (a - b) * (a - b)).sum();
             let product: f64 = pairs().map(|(a, b)| a * b).sum();
             // Whole numbers: no rounding.
-            assert_eq!(Ring::new(&b).squared_distance(&a, places), apart);
-            assert_eq!(Ring::new(&b).product(&a, places), product);
+            assert_eq!(RotatableRing::new(&b).squared_distance(&a, places), apart);
+            assert_eq!(RotatableRing::new(&b).product(&a, places), product);
         }
     }
 }
