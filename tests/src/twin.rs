@@ -230,7 +230,7 @@ impl NodeTwin {
     }
 
     /// Sends heartbeats up to `at_ms`: simulated time may jump.
-    fn pass(&mut self, at_ms: u32) -> Vec<Report<16>> {
+    fn heartbeats_until(&mut self, at_ms: u32) -> Vec<Report<16>> {
         let mut said = Vec::new();
         while at_ms.saturating_sub(self.at_ms) > ALIVE_MS {
             self.at_ms += ALIVE_MS;
@@ -244,7 +244,7 @@ impl NodeTwin {
 impl Pilot for NodeTwin {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
         let at_ms = at.as_ms();
-        let _ = self.pass(at_ms);
+        let _ = self.heartbeats_until(at_ms);
         let message = match event {
             Event::Echo { sensor, range } => {
                 let heard = Heard {

@@ -259,7 +259,7 @@ impl Viewer {
     ///
     /// # Panics
     /// When a command is refused.
-    pub fn educate(&mut self, moves: u64) {
+    pub fn explore_and_learn(&mut self, moves: u64) {
         let moment = self.moment();
         self.order(json!({"do": "explore"})).expect("it explores");
         let explored = self.wait_after(moment, "memory", |rows| {

@@ -6,7 +6,7 @@ use amp::units::{Displacement, Millis};
 use arena::robot::{COLLISION_RADIUS_M, TurretMode};
 use arena::sonar::SonarModel;
 use arena::world::World;
-use experiments::behaviors::{BehaviorTrial, each};
+use experiments::behaviors::{BehaviorTrial, run_all};
 use experiments::scenes::{BehaviorScene, SCENES};
 use serde_json::Value;
 use sim::episode::{Body, Report, run};
@@ -118,7 +118,7 @@ fn reports(
         turret: TurretMode::Held,
         sonar: SonarModel::Ideal,
     };
-    let reports = each(scene, &trial, |world, setup| {
+    let reports = run_all(scene, &trial, |world, setup| {
         Ok(run(world, setup, |_, _, _| {})?.report)
     });
     reports.expect("every episode runs").concat()
@@ -181,7 +181,7 @@ fn a_robot_that_knows_nothing_finds_no_nest() {
         turret: TurretMode::Held,
         sonar: SonarModel::Ideal,
     };
-    let found = each(scene("nest", "4 m × 4 m"), &trial, |world, setup| {
+    let found = run_all(scene("nest", "4 m × 4 m"), &trial, |world, setup| {
         Ok(run(world, setup, |_, _, _| {})?.report.success)
     });
     let found: f64 = found.expect("every episode runs").concat().iter().sum();

@@ -119,7 +119,7 @@ fn steered(viewed: &Viewed) {
         done.unwrap_or_else(|why| panic!("{order}: {why}"))
     };
     order(json!({"do": "sonar", "number": 3, "on": false}));
-    steerer.educate(12);
+    steerer.explore_and_learn(12);
     let mut seek = |more: &[serde_json::Value]| {
         let moment = steerer.moment();
         for order in more {
@@ -147,7 +147,7 @@ fn steered(viewed: &Viewed) {
     order(json!({"do": "behavior", "name": "avoid-right,avoid,nest"}));
     let mind = order(json!({"do": "save_mind"}))["file"]["hex"].clone();
     order(json!({"do": "reset", "seed": 7, "preset": "touzet", "world": "random:4"}));
-    steerer.educate(12);
+    steerer.explore_and_learn(12);
     steerer
         .order(json!({"do": "load_mind", "hex": mind}))
         .expect("a mind");
@@ -216,7 +216,7 @@ fn the_log_of_a_mind_at_a_link_replays_here() {
     );
     let viewed = Viewed::start(&program, &flags);
     let mut steerer = viewed.steerer();
-    steerer.educate(6);
+    steerer.explore_and_learn(6);
     for (order, steps) in [("seek", 4), ("resume", 8)] {
         steerer.order(json!({"do": order})).expect(order);
         steerer.decided(steps);

@@ -34,7 +34,7 @@ impl Pilot for TwinController {
 }
 
 impl TwinController {
-    fn told(&mut self, at: Millis, command: Command<16>) -> Outputs<16> {
+    fn send(&mut self, at: Millis, command: Command<16>) -> Outputs<16> {
         let outputs = controller::handle(&self.config, &mut self.mind, at, Event::Command(command));
         assert_eq!(outputs.refusal, None);
         outputs
@@ -51,7 +51,7 @@ fn touch_ahead(config: &Config<16>) -> Goal<16> {
 }
 
 /// Explores, learns and avoids for `steps` steps in the world.
-fn educated<'w>(world: &'w World, steps: usize) -> (TwinController, Body<'w>) {
+fn trained<'w>(world: &'w World, steps: usize) -> (TwinController, Body<'w>) {
     let seeds = Seeds::of(1);
     let mut robot = TwinController {
         config: Config::recommended(),
@@ -64,12 +64,12 @@ fn educated<'w>(world: &'w World, steps: usize) -> (TwinController, Body<'w>) {
         moves: 100,
         seed: seeds.exploration,
     };
-    let _ = robot.told(body.now(), explore);
+    let _ = robot.send(body.now(), explore);
     while !body.advance(&mut robot).mode_changed {}
-    let _ = robot.told(body.now(), Command::Learn);
+    let _ = robot.send(body.now(), Command::Learn);
     while !robot.handle(body.now(), Event::Tick).mode_changed {}
     let avoid = Goal::avoiding(&robot.config);
-    let _ = robot.told(body.now(), Command::Seek(avoid));
+    let _ = robot.send(body.now(), Command::Seek(avoid));
     for _ in 0..steps {
         let _ = body.advance(&mut robot);
     }
@@ -82,13 +82,13 @@ fn changed(goal: impl Fn(&Config<16>, &Situation<16>) -> Goal<16>) -> usize {
     let world = World::builtin("paper").expect("a built-in world");
     let mut other_actions = 0;
     for steps in 20..40 {
-        let (mut robot, mut body) = educated(&world, steps);
+        let (mut robot, mut body) = trained(&world, steps);
         let before = robot.mind.clone();
         robot.twin = Some(before.clone());
         let encoding = robot.config.encoding;
         let nest = perceive(&world, world.start(), SonarModel::Ideal, 1, encoding);
         let goal = goal(&robot.config, &nest);
-        let outputs = robot.told(body.now(), Command::Seek(goal));
+        let outputs = robot.send(body.now(), Command::Seek(goal));
         // No move, no change of memory or maps ...
         assert_eq!(outputs.motion, None);
         assert_eq!(*robot.mind.mode(), Mode::Seek { goal });

@@ -285,7 +285,7 @@ fn a_nomad_explores_learns_and_seeks_and_stops() {
     ] {
         assert!(steerer.order(order.clone()).is_err(), "{order}");
     }
-    steerer.educate(10);
+    steerer.explore_and_learn(10);
     steerer.wait("heard", |spots| {
         spots.as_array().is_some_and(|spots| spots.len() > 5)
     });
@@ -333,7 +333,7 @@ fn a_board_is_taught_and_steered_over_its_link() {
     let program = host_sim!();
     let viewed = Viewed::start(&program, "--explore 20 --speed max --world room");
     let mut steerer = viewed.steerer();
-    steerer.educate(20);
+    steerer.explore_and_learn(20);
     let saved = steerer.order(json!({"do": "save_mind"})).expect("a mind");
     let hex = saved["file"]["hex"].clone();
     let maps = steerer.latest("maps");

@@ -53,7 +53,7 @@ pub type BySeed<T> = Vec<Vec<T>>;
 ///
 /// # Errors
 /// When an episode fails.
-pub fn each<T: Send>(
+pub fn run_all<T: Send>(
     scene: &BehaviorScene,
     trial: &BehaviorTrial,
     one: impl Fn(&World, &Setup) -> Result<T, Failure> + Sync,
@@ -78,7 +78,7 @@ pub fn measure(
     trial: &BehaviorTrial,
     done: &(impl Fn() + Sync),
 ) -> Result<SceneOutcome, Failure> {
-    let worlds: BySeed<Report> = each(scene, trial, |world, setup| {
+    let worlds: BySeed<Report> = run_all(scene, trial, |world, setup| {
         let report = run(world, setup, |_, _, _| {})?.report;
         done();
         Ok(report)

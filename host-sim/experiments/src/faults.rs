@@ -118,7 +118,7 @@ fn course(
         faulty: fault.map(|fault| fault.sensor as u8),
         course: FaultEpisode::default(),
         moves: 0,
-        seen: 0,
+        processed: 0,
         touched: false,
     };
     let report = run_with(&world, &setup, &mut witness, |_, _, _| {})?.report;
@@ -136,7 +136,7 @@ struct Witness {
     course: FaultEpisode,
     moves: u32,
     /// Number of verdicts already processed.
-    seen: usize,
+    processed: usize,
     /// The current move already has a contact.
     touched: bool,
 }
@@ -193,7 +193,11 @@ impl Witness {
     }
 
     fn note_verdicts(&mut self) {
-        let news = self.mind.verdicts().get(self.seen..).unwrap_or_default();
+        let news = self
+            .mind
+            .verdicts()
+            .get(self.processed..)
+            .unwrap_or_default();
         for verdict in news {
             let mine = Some(verdict.sensor) == self.faulty;
             let course = &mut self.course;
@@ -211,6 +215,6 @@ impl Witness {
                 course.unheard += 1;
             }
         }
-        self.seen += news.len();
+        self.processed += news.len();
     }
 }

@@ -1,11 +1,11 @@
 //! Improvement by repetition: repeats one behavior with the same memory, with learning or frozen
 //! maps.
 
-use super::behaviors::{BehaviorTrial, BySeed, each};
+use super::behaviors::{BehaviorTrial, BySeed, run_all};
 use super::scenes::BehaviorScene;
 use sim::episode::repeat;
 use sim::failure::Failure;
-use sim::statistics::{Mean, bootstrap};
+use sim::statistics::{Mean, bootstrap, mean};
 
 /// Repetitions of one behavior.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,7 +58,7 @@ fn values(
     times: u32,
     done: &(impl Fn() + Sync),
 ) -> Result<BySeed<Vec<f64>>, Failure> {
-    each(scene, trial, |world, setup| {
+    run_all(scene, trial, |world, setup| {
         let reports = repeat(world, setup, times)?;
         done();
         Ok(reports.iter().map(|report| scene.value(report)).collect())
@@ -75,5 +75,5 @@ fn at(worlds: &BySeed<Vec<f64>>, repetition: usize) -> Mean {
 /// The mean over the last half of the repetitions.
 fn late(curve: &[f64]) -> f64 {
     let half = curve.get(curve.len() / 2..).unwrap_or_default();
-    half.iter().sum::<f64>() / half.len().max(1) as f64
+    mean(half.iter().copied())
 }

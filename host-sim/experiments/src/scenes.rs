@@ -17,7 +17,7 @@ pub struct BehaviorScene {
     /// Description of the measure.
     pub measure: &'static str,
     /// Required value; empty = none.
-    pub asked: &'static str,
+    pub required: &'static str,
     /// Sonar model of the scene; overrides that of the measurement.
     pub sonar: Option<SonarModel>,
     /// Start position after exploring, by the episode's seed; `None` = the behavior's default.
@@ -28,40 +28,51 @@ pub struct BehaviorScene {
 
 /// All scenes, in the order of the table.
 pub static SCENES: &[BehaviorScene] = &[
-    BehaviorScene::new("avoid", "12 boxes", World::random).asks(clean, "clean rooms", "≥ 0.995"),
-    BehaviorScene::new("avoid", "12 boxes", World::random).asks(area, "area m²", "≥ 18.8"),
-    BehaviorScene::new("avoid-right", "one obstacle", rooms::one_obstacle).asks(
+    BehaviorScene::new("avoid", "12 boxes", World::random).requires(
+        clean,
+        "clean rooms",
+        "≥ 0.995",
+    ),
+    BehaviorScene::new("avoid", "12 boxes", World::random).requires(area, "area m²", "≥ 18.8"),
+    BehaviorScene::new("avoid-right", "one obstacle", rooms::one_obstacle).requires(
         success,
         "passed on its left",
         "≥ 0.80",
     ),
-    BehaviorScene::new("wall-right", "plain room", rooms::plain).asks(success, "error m", "≤ 0.20"),
-    BehaviorScene::new("wall-right", "five boxes", rooms::boxes).asks(success, "error m", "≤ 0.20"),
+    BehaviorScene::new("wall-right", "plain room", rooms::plain)
+        .requires(success, "error m", "≤ 0.20"),
+    BehaviorScene::new("wall-right", "five boxes", rooms::boxes)
+        .requires(success, "error m", "≤ 0.20"),
     BehaviorScene::new("wall-right", "corridor", rooms::corridor)
-        .asks(success, "error m", "≤ 0.20"),
-    BehaviorScene::new("wall-left", "plain room", rooms::plain).asks(success, "error m", "≤ 0.20"),
-    BehaviorScene::new("wall-left", "five boxes", rooms::boxes).asks(success, "error m", "≤ 0.20"),
-    BehaviorScene::new("wall-left", "corridor", rooms::corridor).asks(success, "error m", "≤ 0.20"),
-    BehaviorScene::new("nest", "4 m × 4 m", rooms::small).asks(success, "reached", "≥ 0.98"),
+        .requires(success, "error m", "≤ 0.20"),
+    BehaviorScene::new("wall-left", "plain room", rooms::plain)
+        .requires(success, "error m", "≤ 0.20"),
+    BehaviorScene::new("wall-left", "five boxes", rooms::boxes)
+        .requires(success, "error m", "≤ 0.20"),
+    BehaviorScene::new("wall-left", "corridor", rooms::corridor)
+        .requires(success, "error m", "≤ 0.20"),
+    BehaviorScene::new("nest", "4 m × 4 m", rooms::small).requires(success, "reached", "≥ 0.98"),
     BehaviorScene::new("nest", "4 m × 4 m, noisy sonars", rooms::small)
-        .asks(success, "reached", "≥ 0.80")
+        .requires(success, "reached", "≥ 0.80")
         .with_sonar(SonarModel::Nomad),
-    BehaviorScene::new("nest", "six boxes", rooms::six_boxes).asks(success, "reached", "≥ 0.80"),
-    BehaviorScene::new("nest", "six boxes", rooms::six_boxes).asks(way, "distance m", ""),
-    BehaviorScene::new("seek", "4 m × 4 m", rooms::small).asks(success, "reached", "≥ 0.98"),
-    BehaviorScene::new("seek", "six boxes", rooms::six_boxes).asks(success, "reached", "≥ 0.80"),
+    BehaviorScene::new("nest", "six boxes", rooms::six_boxes)
+        .requires(success, "reached", "≥ 0.80"),
+    BehaviorScene::new("nest", "six boxes", rooms::six_boxes).requires(distance, "distance m", ""),
+    BehaviorScene::new("seek", "4 m × 4 m", rooms::small).requires(success, "reached", "≥ 0.98"),
+    BehaviorScene::new("seek", "six boxes", rooms::six_boxes)
+        .requires(success, "reached", "≥ 0.80"),
     BehaviorScene::new("follow", "plain room", rooms::plain)
-        .asks(success, "share of 300 s", "≥ 0.80")
+        .requires(success, "share of 300 s", "≥ 0.80")
         .lasting(400),
     BehaviorScene::new("follow", "five boxes", rooms::boxes)
-        .asks(success, "share of 300 s", "≥ 0.80")
+        .requires(success, "share of 300 s", "≥ 0.80")
         .lasting(400),
     BehaviorScene::new(
         "avoid-right,wall-right,nest",
         "room with an exit",
         rooms::with_exit,
     )
-    .asks(success, "goals reached", "")
+    .requires(success, "goals reached", "")
     .set_down_at(rooms::inside),
 ];
 
@@ -77,7 +88,7 @@ fn success(report: &Report) -> f64 {
     report.success
 }
 
-fn way(report: &Report) -> f64 {
+fn distance(report: &Report) -> f64 {
     report.distance_m
 }
 
@@ -88,7 +99,7 @@ impl BehaviorScene {
             place,
             steps: 1_000,
             measure: "",
-            asked: "",
+            required: "",
             sonar: None,
             set_down: None,
             make,
@@ -96,15 +107,15 @@ impl BehaviorScene {
         }
     }
 
-    const fn asks(
+    const fn requires(
         mut self,
         value: fn(&Report) -> f64,
         measure: &'static str,
-        asked: &'static str,
+        required: &'static str,
     ) -> Self {
         self.value = value;
         self.measure = measure;
-        self.asked = asked;
+        self.required = required;
         self
     }
 

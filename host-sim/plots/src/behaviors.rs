@@ -2,7 +2,7 @@
 
 use sim::recording::Recording;
 
-use super::path::way;
+use super::path::draw_path;
 use crate::draw::color::GRAY;
 use crate::draw::layout::{MARGIN, PAGE, TOP, heading, shortened, wrapped};
 use crate::draw::scene::{self, SceneView};
@@ -49,7 +49,7 @@ pub fn behaviors(title: &str, shown: &[ShownBehavior]) -> String {
             let left = MARGIN + column as f64 * side;
             let size = view_at([0.0, 0.0], shown).size;
             let corner = [left + (room[0] - size[0]) / 2.0, top + tallest - size[1]];
-            way(&mut svg, &view_at(corner, shown), &shown.recording);
+            draw_path(&mut svg, &view_at(corner, shown), &shown.recording);
             caption(&mut svg, [left, top + tallest], side, shown);
         }
         top += tallest + CAPTIONS;

@@ -172,8 +172,9 @@ impl FixtureRobot {
             range.map_or(0.0, |r| ((FAR_M - r) / (FAR_M - NEAR_M)).clamp(0.0, 1.0))
         };
         let along = Point::unit(direction);
-        let free = |way: &f64| self.world.clearance(self.place + along * *way) > RADIUS_M + 0.03;
-        let way = (1..=25)
+        let free =
+            |distance: &f64| self.world.clearance(self.place + along * *distance) > RADIUS_M + 0.03;
+        let distance = (1..=25)
             .map(|cm| f64::from(cm) / 100.0)
             .take_while(free)
             .last()
@@ -185,13 +186,13 @@ impl FixtureRobot {
             ranges_m,
             plan,
             commanded_m: [0.25 * along.x, 0.25 * along.y],
-            executed_m: [way * along.x, way * along.y],
-            touched: way < 0.25 && self.chance() < 0.2,
-            shielded: way < 0.25,
+            executed_m: [distance * along.x, distance * along.y],
+            touched: distance < 0.25 && self.chance() < 0.2,
+            shielded: distance < 0.25,
             leader: None,
             part: 0,
         };
-        self.place = self.place + along * way;
+        self.place = self.place + along * distance;
         self.time += 1.5;
         step
     }

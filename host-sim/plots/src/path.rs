@@ -35,7 +35,7 @@ pub fn path(recording: &Recording) -> String {
     );
     let subtitle = subtitle(recording);
     heading(&mut svg, &title, &subtitle);
-    way(&mut svg, &view, recording);
+    draw_path(&mut svg, &view, recording);
     scene::scale_bar(
         &mut svg,
         [MARGIN + 2.0, TOP + view.size[1] + 24.0],
@@ -47,7 +47,7 @@ pub fn path(recording: &Recording) -> String {
 }
 
 /// The world with the path and all marks.
-pub(super) fn way(svg: &mut Svg, view: &SceneView, recording: &Recording) {
+pub(super) fn draw_path(svg: &mut Svg, view: &SceneView, recording: &Recording) {
     scene::obstacles(svg, view, &recording.world);
     exploration(svg, view, &recording.exploration);
     marks::leader(svg, view, recording);

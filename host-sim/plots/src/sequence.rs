@@ -11,7 +11,7 @@ use crate::draw::color::{self, BLUE, GRAY, INK, PALE, VALUE, VERMILLION};
 use crate::draw::layout::{Legend, MARGIN, PAGE, TOP, heading, shortened};
 use crate::draw::marks::contact_mark;
 use crate::draw::scene::{self, SceneView};
-use crate::draw::stretch::{difference, telling};
+use crate::draw::stretch::{best_avoidance, difference};
 use crate::draw::svg::{Font, Svg, decimal, fill, filled, stroke};
 
 /// Number of drawn decisions.
@@ -30,7 +30,7 @@ const BOX: f64 = 310.0;
 #[must_use]
 pub fn sequence(recording: &Recording) -> String {
     let steps = &recording.seeking;
-    let shown = telling(steps, SHOWN);
+    let shown = best_avoidance(steps, SHOWN);
     let rows = shown.len().div_ceil(COLUMNS).max(1) as f64;
     let below = TOP + rows * HEIGHT + 12.0;
     let mut svg = Svg::new(PAGE, below + BOX + 36.0);
@@ -237,8 +237,8 @@ fn reading(svg: &mut Svg, [x, y]: [f64; 2]) {
 
 /// The cells of the table: neurons, goal, action, distance, reason.
 fn row(step: &Step) -> [String; 5] {
-    let way = 100.0 * libm::hypot(step.executed_m[0], step.executed_m[1]);
-    let moved = format!("{} cm", decimal(way, 0));
+    let distance_cm = 100.0 * libm::hypot(step.executed_m[0], step.executed_m[1]);
+    let moved = format!("{} cm", decimal(distance_cm, 0));
     let Some(plan) = &step.plan else {
         return [
             "–".into(),

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use serde_json::json;
 use sim::pilot::MAX_MOVES;
 use sim::settings;
-use sim::statistics::bootstrap;
+use sim::statistics::{bootstrap, mean};
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::ops::RangeInclusive;
@@ -112,7 +112,7 @@ struct WorldRuns {
     world: World,
     number: u32,
     /// The shortest path of the body.
-    way: Option<Vec<Point>>,
+    shortest_path: Option<Vec<Point>>,
     /// A path for the body plus the shield's margin exists.
     with_margin: bool,
     /// Path length for the score, m.
@@ -138,22 +138,25 @@ pub fn barn(args: &BarnArgs, out: &mut impl Write) -> Result<(), CliError> {
         prepare(dir)?;
     }
     let progress = bar(sources.len() as u64, "worlds");
-    let course = |source: &_| {
-        let course = drive(args, &rules, &methods, lengths.as_ref(), source);
+    let run_world = |source: &_| {
+        let result = drive(args, &rules, &methods, lengths.as_ref(), source);
         progress.inc(1);
-        course
+        result
     };
-    let courses: Vec<_> = sources.par_iter().map(course).collect::<Result<_, _>>()?;
+    let results: Vec<_> = sources
+        .par_iter()
+        .map(run_world)
+        .collect::<Result<_, _>>()?;
     progress.finish_and_clear();
     if args.json {
-        for line in courses.iter().flat_map(|course| objects(course, &methods)) {
+        for line in results.iter().flat_map(|result| objects(result, &methods)) {
             writeln!(out, "{line}")?;
         }
     } else {
-        tables(args, &courses, &methods, out)?;
+        tables(args, &results, &methods, out)?;
     }
     match &args.out {
-        Some(dir) => picture(dir, &courses, &methods, args.json, out),
+        Some(dir) => picture(dir, &results, &methods, args.json, out),
         None => Ok(()),
     }
 }
@@ -188,20 +191,20 @@ fn drive(
 ) -> Result<WorldRuns, BadInput> {
     let world = source.load()?;
     let number = source.number;
-    let way = shortest(&world, 0.0)?;
+    let shortest_path = shortest(&world, 0.0)?;
     let length_m = match lengths {
         Some(lengths) => lengths.get(&number).copied().ok_or_else(|| {
             BadInput::new(format!("--lengths: there is no length for world {number}"))
         })?,
         // In a world without a path every run fails: the length does not matter.
-        None => way.as_deref().map_or(1.0, length),
+        None => shortest_path.as_deref().map_or(1.0, length),
     };
     let run = |method: &BarnMethod| barn::run(&world, *method, rules, u64::from(number));
     Ok(WorldRuns {
         number,
         with_margin: shortest(&world, args.margin)?.is_some(),
         runs: methods.iter().map(run).collect::<Result<_, _>>()?,
-        way,
+        shortest_path,
         length_m,
         world,
     })
@@ -245,18 +248,20 @@ fn lengths(path: &Path) -> Result<BTreeMap<u32, f64>, BadInput> {
 
 fn tables(
     args: &BarnArgs,
-    courses: &[WorldRuns],
+    results: &[WorldRuns],
     methods: &[BarnMethod],
     out: &mut impl Write,
 ) -> Result<(), CliError> {
-    let count = courses.len();
-    let passable = courses.iter().filter(|course| course.way.is_some()).count();
-    let with_margin = courses.iter().filter(|course| course.with_margin).count();
-    let ways: Vec<f64> = courses
+    let count = results.len();
+    let passable = results
         .iter()
-        .filter_map(|course| Some(length(course.way.as_deref()?)))
+        .filter(|result| result.shortest_path.is_some())
+        .count();
+    let with_margin = results.iter().filter(|result| result.with_margin).count();
+    let path_lengths: Vec<f64> = results
+        .iter()
+        .filter_map(|result| Some(length(result.shortest_path.as_deref()?)))
         .collect();
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
     writeln!(out, "worlds                                       {count}")?;
     writeln!(
         out,
@@ -270,14 +275,14 @@ fn tables(
     writeln!(
         out,
         "mean length of the shortest path, m          {:.3}",
-        mean(&ways)
+        mean(path_lengths)
     )?;
     if args.lengths.is_some() {
-        let given: Vec<f64> = courses.iter().map(|course| course.length_m).collect();
+        let given: Vec<f64> = results.iter().map(|result| result.length_m).collect();
         writeln!(
             out,
             "mean length to score by (--lengths), m       {:.3}",
-            mean(&given)
+            mean(given)
         )?;
     }
     writeln!(out)?;
@@ -294,7 +299,7 @@ fn tables(
     let rows: Vec<_> = methods
         .iter()
         .enumerate()
-        .map(|(index, method)| row(courses, index, *method))
+        .map(|(index, method)| row(results, index, *method))
         .collect();
     let text = if args.markdown {
         table::markdown
@@ -310,10 +315,10 @@ fn settings_speed() -> f64 {
     f64::from(amp::robot::RobotSpec::nomad200().speed_mm_s) / 1e3
 }
 
-fn row(courses: &[WorldRuns], index: usize, method: BarnMethod) -> Vec<String> {
-    let runs: Vec<_> = courses
+fn row(results: &[WorldRuns], index: usize, method: BarnMethod) -> Vec<String> {
+    let runs: Vec<_> = results
         .iter()
-        .filter_map(|course| Some((course, course.runs.get(index)?)))
+        .filter_map(|result| Some((result, result.runs.get(index)?)))
         .collect();
     let share = |end: RunEnd| {
         let ended: Vec<Vec<f64>> = runs
@@ -323,11 +328,10 @@ fn row(courses: &[WorldRuns], index: usize, method: BarnMethod) -> Vec<String> {
         bootstrap(&ended)
     };
     let times: Vec<f64> = runs.iter().filter_map(|(_, run)| run.success_s()).collect();
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
     let scores = |speed: f64| {
         let one =
-            |(course, run): &(&WorldRuns, &Run)| score(run.success_s(), course.length_m, speed);
-        mean(&runs.iter().map(one).collect::<Vec<_>>())
+            |(result, run): &(&WorldRuns, &Run)| score(run.success_s(), result.length_m, speed);
+        mean(runs.iter().map(one))
     };
     let reached = share(RunEnd::Reached);
     let [low, high] = reached.interval;
@@ -339,17 +343,17 @@ fn row(courses: &[WorldRuns], index: usize, method: BarnMethod) -> Vec<String> {
         if times.is_empty() {
             "–".to_owned()
         } else {
-            format!("{:.1}", mean(&times))
+            format!("{:.1}", mean(times.iter().copied()))
         },
         format!("{:.4}", scores(settings_speed())),
         format!("{:.4}", scores(CHALLENGE_M_S)),
     ]
 }
 
-fn objects(course: &WorldRuns, methods: &[BarnMethod]) -> Vec<serde_json::Value> {
+fn objects(result: &WorldRuns, methods: &[BarnMethod]) -> Vec<serde_json::Value> {
     let one = |(method, run): (&BarnMethod, &Run)| {
         json!({
-            "world": course.number,
+            "world": result.number,
             "method": method.name(),
             "end": match run.end {
                 RunEnd::Reached => "reached",
@@ -358,31 +362,31 @@ fn objects(course: &WorldRuns, methods: &[BarnMethod]) -> Vec<serde_json::Value>
             },
             "time_s": (run.time_s * 1e3 + 0.5).floor() / 1e3,
             "way_m": (length(&run.places) * 1e3 + 0.5).floor() / 1e3,
-            "shortest_m": course.way.as_deref().map(|way| (length(way) * 1e4 + 0.5).floor() / 1e4),
-            "score_own_speed": score(run.success_s(), course.length_m, settings_speed()),
-            "score": score(run.success_s(), course.length_m, CHALLENGE_M_S),
+            "shortest_m": result.shortest_path.as_deref().map(|shortest_path| (length(shortest_path) * 1e4 + 0.5).floor() / 1e4),
+            "score_own_speed": score(run.success_s(), result.length_m, settings_speed()),
+            "score": score(run.success_s(), result.length_m, CHALLENGE_M_S),
         })
     };
-    methods.iter().zip(&course.runs).map(one).collect()
+    methods.iter().zip(&result.runs).map(one).collect()
 }
 
 fn picture(
     dir: &Path,
-    courses: &[WorldRuns],
+    results: &[WorldRuns],
     methods: &[BarnMethod],
     quiet: bool,
     out: &mut impl Write,
 ) -> Result<(), CliError> {
     // Spread over all worlds: the later ones are harder.
-    let count = courses.len().min(SHOWN);
+    let count = results.len().min(SHOWN);
     let spread = |place: usize| {
-        courses.get(place * courses.len().saturating_sub(1) / count.saturating_sub(1).max(1))
+        results.get(place * results.len().saturating_sub(1) / count.saturating_sub(1).max(1))
     };
-    let panel = |course: &'_ WorldRuns| RoutePanel {
-        world: course.world.clone(),
-        shortest: course.way.clone().unwrap_or_default(),
-        ways: course.runs.iter().map(|run| run.places.clone()).collect(),
-        marks: course.runs.iter().map(|run| run.end).collect(),
+    let panel = |result: &'_ WorldRuns| RoutePanel {
+        world: result.world.clone(),
+        shortest: result.shortest_path.clone().unwrap_or_default(),
+        paths: result.runs.iter().map(|run| run.places.clone()).collect(),
+        marks: result.runs.iter().map(|run| run.end).collect(),
     };
     let panels: Vec<_> = (0..count).filter_map(spread).map(panel).collect();
     let names: Vec<_> = methods.iter().map(|method| method.name()).collect();

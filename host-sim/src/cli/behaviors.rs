@@ -164,7 +164,7 @@ fn list_row(scene: &BehaviorScene, bare: &SceneOutcome, shielded: &SceneOutcome)
         scene.behavior.to_owned(),
         Behavior::about(scene.behavior).to_owned(),
         format!("{}, {}", scene.measure, scene.place),
-        scene.asked.to_owned(),
+        scene.required.to_owned(),
         format!("{:.3}", bare.value.mean),
         format!("{:.3}", shielded.value.mean),
     ]
@@ -175,7 +175,7 @@ fn table_row(scene: &BehaviorScene, bare: &SceneOutcome, shielded: &SceneOutcome
         scene.behavior.to_owned(),
         scene.place.to_owned(),
         scene.measure.to_owned(),
-        scene.asked.to_owned(),
+        scene.required.to_owned(),
         bare.value.to_string(),
         format!("{:.3}", bare.contacts_percent),
         shielded.value.to_string(),
@@ -201,7 +201,7 @@ fn pictures(
         let Some(recording) = episode.recording else {
             continue;
         };
-        let folder = dir.join(tame(&scene.title()));
+        let folder = dir.join(safe_name(&scene.title()));
         let rows = summary::rows(&episode.report);
         plots::demo::write(&folder, &recording, &rows, &[])?;
         shown.push(ShownBehavior {
@@ -227,7 +227,7 @@ fn pictures(
 }
 
 /// A valid name of a folder.
-fn tame(name: &str) -> String {
+fn safe_name(name: &str) -> String {
     let words = name.split(|c: char| !c.is_ascii_alphanumeric());
     let words: Vec<_> = words.filter(|word| !word.is_empty()).collect();
     words.join("-")

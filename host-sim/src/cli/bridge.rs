@@ -127,14 +127,14 @@ impl RobotAddress {
 pub(super) fn bridge(args: &BridgeArgs, out: &mut impl Write) -> Result<(), CliError> {
     let task = &args.task;
     let plan = Plan {
-        config: held(task)?,
+        config: held_turret_config(task)?,
         explore_moves: task.explore,
         steps: args.steps,
         behavior: task.behavior.clone(),
         seed: task.seed,
         sonars_at_once: args.nomad.sonars_at_once(),
     };
-    let interrupted = watch()?;
+    let interrupted = interrupt_flag()?;
     let host = args.nomad.open()?;
     let mind = mind(&args.nomad, task, &args.mind, args.log.as_deref())?;
     let log = mind.log().cloned();
@@ -155,7 +155,7 @@ pub(super) fn bridge(args: &BridgeArgs, out: &mut impl Write) -> Result<(), CliE
 ///
 /// # Errors
 /// A preset whose ring turns with the heading; an unknown setting.
-pub(super) fn held(task: &TaskArgs) -> Result<Config<16>, BadInput> {
+pub(super) fn held_turret_config(task: &TaskArgs) -> Result<Config<16>, BadInput> {
     if task.preset == Preset::Touzet {
         return Err(BadInput::new(
             "--preset touzet: its ring turns with the heading; the bridge holds the turret",
@@ -174,7 +174,7 @@ pub(super) fn mind(
     args: &MindArgs,
     log: Option<&Path>,
 ) -> Result<LoggedMind, BadInput> {
-    let config = held(task)?;
+    let config = held_turret_config(task)?;
     let mind = AnyMind::new(&config, args.place(task.explore)?)?;
     if let (replaced @ [_, ..], name) = (&*mind.replaced(), mind.name()) {
         eprintln!(
@@ -214,7 +214,7 @@ fn explain(args: &BridgeArgs, trouble: &Trouble) -> BadInput {
 }
 
 /// A flag that Ctrl-C, a hang-up or a termination signal sets.
-pub(super) fn watch() -> Result<Arc<AtomicBool>, BadInput> {
+pub(super) fn interrupt_flag() -> Result<Arc<AtomicBool>, BadInput> {
     let flag = Arc::new(AtomicBool::new(false));
     let raised = Arc::clone(&flag);
     ctrlc::set_handler(move || raised.store(true, Ordering::Relaxed))

@@ -71,11 +71,11 @@ const HEADS: [&str; 12] = [
 /// An unknown kind or setting; an episode that fails.
 pub fn faults(args: &FaultsArgs, out: &mut impl Write) -> Result<(), CliError> {
     let trial = trial(args)?;
-    let asked: Vec<_> = match args.kinds[..] {
+    let kind_names: Vec<_> = match args.kinds[..] {
         [] => KINDS.map(str::to_owned).to_vec(),
         _ => args.kinds.clone(),
     };
-    let kinds = asked.iter().map(|text| kind(text));
+    let kinds = kind_names.iter().map(|text| kind(text));
     let kinds: Vec<_> = kinds.collect::<Result<_, _>>()?;
     let episodes: u64 = kinds
         .iter()
@@ -83,7 +83,7 @@ pub fn faults(args: &FaultsArgs, out: &mut impl Write) -> Result<(), CliError> {
         .sum();
     let progress = bar(episodes * u64::from(trial.rooms), "episodes");
     let mut rows = Vec::new();
-    for (name, kind) in asked.iter().zip(kinds) {
+    for (name, kind) in kind_names.iter().zip(kinds) {
         let fault_episodes = fault_episodes(kind, &trial, &|| progress.inc(1))
             .map_err(|failure| BadInput::new(format!("{name}: {failure}")))?;
         rows.push(row(name, kind.is_some(), &fault_episodes));

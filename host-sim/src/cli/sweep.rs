@@ -163,7 +163,7 @@ struct Reporter {
     bar: Option<indicatif::ProgressBar>,
     prefix: Option<String>,
     began: Instant,
-    told: Instant,
+    last_report: Instant,
 }
 
 impl Reporter {
@@ -175,7 +175,7 @@ impl Reporter {
             bar: None,
             prefix,
             began: now,
-            told: now,
+            last_report: now,
         }
     }
 
@@ -187,8 +187,8 @@ impl Reporter {
                 bar
             });
             bar.set_position(progress.done);
-        } else if self.told.elapsed() >= Self::EVERY {
-            self.told = Instant::now();
+        } else if self.last_report.elapsed() >= Self::EVERY {
+            self.last_report = Instant::now();
             let new = progress.done.saturating_sub(progress.before).max(1);
             let each = self.began.elapsed().as_secs_f64() / new as f64;
             let left = each * progress.all.saturating_sub(progress.done) as f64;

@@ -1,7 +1,7 @@
 //! `host-sim view`: a web page that shows a running robot.
 
 use super::CliError;
-use super::bridge::{RobotAddress, held, mind, watch};
+use super::bridge::{RobotAddress, held_turret_config, interrupt_flag, mind};
 use super::remote::{MindArgs, named, open};
 use super::run::{Preset, sources};
 use super::setup::{SetupArgs, parsed};
@@ -112,7 +112,7 @@ fn steering_timeout(text: &str) -> Result<SteeringTimeout, String> {
 pub fn view(args: &ViewArgs, out: &mut impl Write) -> Result<(), CliError> {
     let door = Door::open(args.listen, args.allow_remote)?;
     let source = source(args)?;
-    let ended = watch()?;
+    let ended = interrupt_flag()?;
     let [watch, steer] = door.addresses();
     writeln!(out, "watch and steer: {steer}\nonly watch:      {watch}")?;
     out.flush()?;
@@ -144,7 +144,7 @@ fn board(args: &ViewArgs, address: &Address) -> Result<Box<dyn Source>, BadInput
 
 fn nomad(args: &ViewArgs, robot: &RobotAddress) -> Result<Box<dyn Source>, BadInput> {
     let task = args.setup.task();
-    let config = held(task)?;
+    let config = held_turret_config(task)?;
     let host = robot.open()?;
     let mind = mind(robot, task, &args.mind, args.log.as_deref())?;
     let start = NomadStart {

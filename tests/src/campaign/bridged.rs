@@ -111,14 +111,14 @@ impl BridgeScene {
     }
 
     /// Advances the robot's time to real time.
-    fn live(&mut self) {
+    fn catch_up(&mut self) {
         while u128::from(self.lived_ms) < self.began.elapsed().as_millis() {
-            self.pass();
+            self.advance_1_ms();
         }
     }
 
     /// Advances by one millisecond.
-    fn pass(&mut self) {
+    fn advance_1_ms(&mut self) {
         self.line.advance(1);
         self.lived_ms += 1;
         let robot = self.line.robot();
@@ -162,7 +162,7 @@ struct RobotLink(Arc<Mutex<BridgeScene>>);
 impl Transport for RobotLink {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         let mut scene = look(&self.0);
-        scene.live();
+        scene.catch_up();
         if !scene.is_gone(BridgeFailure::Bridge) {
             scene.hear(bytes);
         }
@@ -173,7 +173,7 @@ impl Transport for RobotLink {
         let until = Instant::now() + patience;
         loop {
             let mut scene = look(&self.0);
-            scene.live();
+            scene.catch_up();
             // A bridge that has failed waits for nothing.
             if scene.is_gone(BridgeFailure::Bridge) {
                 return Ok(0);
@@ -266,7 +266,7 @@ fn try_it(gone: BridgeFailure, seed: u64, trial: u64) -> BridgeStop {
     // Without a bridge the robot's time must not advance.
     let mut scene = look(&scene);
     while scene.stood.is_none() && scene.lived_ms < GIVE_UP_MS {
-        scene.pass();
+        scene.advance_1_ms();
     }
     let (stood_ms, way_m) = scene.stood.unwrap_or((GIVE_UP_MS, f64::INFINITY));
     BridgeStop {

@@ -6,7 +6,7 @@ use std::collections::BinaryHeap;
 
 /// Fault rates of a channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Badness {
+pub(super) struct FaultRates {
     /// Lost frames, percent.
     pub(super) lost: usize,
     /// Duplicated frames, percent of those delivered.
@@ -21,7 +21,7 @@ pub(super) struct Badness {
 
 /// A delivered frame.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Come {
+pub(super) struct Arrival {
     /// Time of arrival.
     pub(super) at_ms: u64,
     /// Time of sending.
@@ -32,14 +32,14 @@ pub(super) struct Come {
     pub(super) bytes: Vec<u8>,
 }
 
-impl Ord for Come {
+impl Ord for Arrival {
     /// Reversed for a max-heap: the first to arrive is the greatest.
     fn cmp(&self, other: &Self) -> std::cmp::Ordering {
         (other.at_ms, other.number).cmp(&(self.at_ms, self.number))
     }
 }
 
-impl PartialOrd for Come {
+impl PartialOrd for Arrival {
     fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
         Some(self.cmp(other))
     }
@@ -48,18 +48,18 @@ impl PartialOrd for Come {
 /// A channel with its statistics.
 #[derive(Debug)]
 pub(super) struct LossyChannel {
-    badness: Badness,
+    badness: FaultRates,
     /// End of the current stall.
     stalled_until_ms: u64,
     random: Xoshiro256PlusPlus,
-    under_way: BinaryHeap<Come>,
+    under_way: BinaryHeap<Arrival>,
     sent: u64,
     lost: u64,
     repeated: u64,
 }
 
 impl LossyChannel {
-    pub(super) fn new(badness: Badness, seed: u64, part: u64) -> Self {
+    pub(super) fn new(badness: FaultRates, seed: u64, part: u64) -> Self {
         Self {
             badness,
             stalled_until_ms: 0,
@@ -88,7 +88,7 @@ impl LossyChannel {
         for _ in 0..1 + u32::from(again) {
             let [least, most] = self.badness.delay_ms;
             let delay_ms = least + below(&mut self.random, (most - least + 1) as usize) as u64;
-            self.under_way.push(Come {
+            self.under_way.push(Arrival {
                 at_ms: (now_ms + delay_ms).max(self.stalled_until_ms),
                 sent_ms: now_ms,
                 number,
@@ -99,7 +99,7 @@ impl LossyChannel {
     }
 
     /// The next frame that has arrived by now.
-    pub(super) fn come(&mut self, now_ms: u64) -> Option<Come> {
+    pub(super) fn next_arrival(&mut self, now_ms: u64) -> Option<Arrival> {
         let due = self
             .under_way
             .peek()
@@ -134,7 +134,7 @@ mod tests {
 
     #[test]
     fn frames_come_in_the_order_of_their_times_and_the_book_is_right() {
-        let badness = Badness {
+        let badness = FaultRates {
             lost: 30,
             twice: 10,
             delay_ms: [2, 60],
@@ -145,25 +145,25 @@ mod tests {
         for now_ms in 0..10_000 {
             assert_eq!(channel.send(now_ms, &[1]), now_ms);
         }
-        let all: Vec<_> = std::iter::from_fn(|| channel.come(20_000)).collect();
+        let all: Vec<_> = std::iter::from_fn(|| channel.next_arrival(20_000)).collect();
         assert!(channel.is_empty() && all.is_sorted_by_key(|come| come.at_ms));
         assert!(
             !all.is_sorted_by_key(|come| come.number),
             "none was overtaken"
         );
-        let late = |come: &Come| come.at_ms - come.sent_ms;
+        let late = |come: &Arrival| come.at_ms - come.sent_ms;
         assert_eq!(all.iter().map(late).min(), Some(2));
         assert_eq!(all.iter().map(late).max(), Some(60));
         let came = channel.sent() - channel.lost() + channel.repeated();
         assert_eq!(all.len() as u64, came);
         assert!((2_800..3_200).contains(&channel.lost()));
         assert!((600..800).contains(&channel.repeated()));
-        assert_eq!(channel.come(20_000), None);
+        assert_eq!(channel.next_arrival(20_000), None);
     }
 
     #[test]
     fn a_stall_holds_frames_back() {
-        let badness = Badness {
+        let badness = FaultRates {
             lost: 0,
             twice: 0,
             delay_ms: [2, 60],
@@ -174,7 +174,7 @@ mod tests {
         for number in 0..10_000 {
             channel.send(20 * number, &[1]);
         }
-        let all: Vec<_> = std::iter::from_fn(|| channel.come(u64::MAX)).collect();
+        let all: Vec<_> = std::iter::from_fn(|| channel.next_arrival(u64::MAX)).collect();
         let late = all.iter().filter(|come| come.at_ms - come.sent_ms > 520);
         assert!((500..3_000).contains(&late.count()));
         assert!(all.iter().all(|come| come.at_ms - come.sent_ms <= 2_060));

@@ -4,7 +4,7 @@
 //! The counts are a thousandth of those against the code on the host.
 
 use super::bench::{carried_out, command, motion, scan};
-use super::channel::{Badness, LossyChannel};
+use super::channel::{FaultRates, LossyChannel};
 use super::frames::{Example, examples};
 use super::link::{Bookkeeper, LinkBase};
 use super::mutate::FrameDamage;
@@ -27,7 +27,7 @@ const AHEAD: usize = 1_000;
 const EVERY_MS: u64 = 20;
 /// The bad line to the chip, with a stall of up to 2 s every few seconds. The emulator adds its own
 /// delays.
-const TO_CHIP: Badness = Badness {
+const TO_CHIP: FaultRates = FaultRates {
     lost: 30,
     twice: 10,
     delay_ms: [0, 60],
@@ -35,7 +35,7 @@ const TO_CHIP: Badness = Badness {
     stall_ms: 2_000,
 };
 /// The line to the base stalls more often: the chip does not time out on it.
-const TO_BASE: Badness = Badness {
+const TO_BASE: FaultRates = FaultRates {
     stalls: 25,
     ..TO_CHIP
 };
@@ -212,7 +212,7 @@ pub fn link(seed: u64, count: u64, progress: Progress<'_>) -> CampaignVerdict {
     let device_ms = chip.wait(|_, report| is_done(&report).then_some(report.device_ms));
     let mut line = BadLine::new(&mut chip, first, device_ms, seed);
     while line.there.sent() < count || !line.there.is_empty() || !line.back.is_empty() {
-        line.pass();
+        line.advance_1_ms();
         if line.there.sent() < count && line.now_ms >= EVERY_MS * line.there.sent() {
             line.send();
             progress(1);
@@ -319,13 +319,13 @@ impl<'a> BadLine<'a> {
     }
 
     /// Advances the time and the base.
-    fn pass(&mut self) {
+    fn advance_1_ms(&mut self) {
         let device_ms = self.chip.at_ms().wrapping_sub(self.behind.ms());
         let since_ms = device_ms.wrapping_sub(self.began_ms[0]).cast_signed();
         // Monotonic.
         let now_ms = u64::try_from(since_ms).unwrap_or(0).max(self.now_ms);
         for ms in self.now_ms..now_ms {
-            self.base.go_on(ms);
+            self.base.advance_1_ms(ms);
         }
         self.now_ms = now_ms;
     }
@@ -351,7 +351,7 @@ impl<'a> BadLine<'a> {
     /// Writes arrived frames to the chip.
     fn deliver(&mut self) {
         while self.now_ms >= self.free_ms
-            && let Some(come) = self.there.come(self.now_ms)
+            && let Some(come) = self.there.next_arrival(self.now_ms)
         {
             self.free_ms = self.now_ms + come.bytes.len() as u64 / BYTES_PER_MS;
             self.chip.raw(&come.bytes);
@@ -377,12 +377,12 @@ impl<'a> BadLine<'a> {
     fn hear(&mut self) {
         while let Some((header, report)) = self.chip.next(Duration::from_millis(2)) {
             self.note(&report);
-            self.pass();
+            self.advance_1_ms();
             let frame = Frame::pack(header, &report).expect("it came in a frame");
             self.base.is_on_its_way(frame.as_bytes());
             self.back.send(self.now_ms, frame.as_bytes());
         }
-        while let Some(come) = self.back.come(self.now_ms) {
+        while let Some(come) = self.back.next_arrival(self.now_ms) {
             let here = Millis::from_ms(self.at_ms());
             self.base.hear(&come, self.now_ms, here, &mut self.book);
         }

@@ -58,7 +58,7 @@ struct FrameCounts {
     /// Parts too long for the receiver.
     oversized: u64,
     /// Parts that are not COBS, or too short.
-    misshapen: u64,
+    malformed: u64,
     /// Parts with a wrong checksum.
     wrong_sum: u64,
     /// Parts that equal an example.
@@ -73,7 +73,7 @@ impl FrameCounts {
         self.unharmed += other.unharmed;
         self.pieces += other.pieces;
         self.oversized += other.oversized;
-        self.misshapen += other.misshapen;
+        self.malformed += other.malformed;
         self.wrong_sum += other.wrong_sum;
         self.sound += other.sound;
         self.wrong += other.wrong;
@@ -140,7 +140,7 @@ fn receive(bytes: &[u8], to_mind: bool, examples: &[Example], tally: &mut FrameC
             unpack::<Report<16>>(piece).err()
         };
         match error {
-            Some(FrameError::Shape | FrameError::TooLong) => tally.misshapen += 1,
+            Some(FrameError::Shape | FrameError::TooLong) => tally.malformed += 1,
             Some(FrameError::Crc) => tally.wrong_sum += 1,
             None | Some(FrameError::Content { .. }) => {
                 if examples.iter().any(|example| example.bytes == piece) {
@@ -166,7 +166,7 @@ fn verdict(tallies: &Tallies, examples: usize) -> CampaignVerdict {
             grouped(tally.frames),
             grouped(tally.unharmed),
             grouped(tally.pieces),
-            grouped(tally.misshapen + tally.oversized),
+            grouped(tally.malformed + tally.oversized),
             grouped(tally.wrong_sum),
             grouped(tally.sound),
             grouped(tally.wrong),
@@ -210,7 +210,7 @@ fn judge(verdict: &mut CampaignVerdict, sum: &FrameCounts) {
         sum.wrong
     ));
     verdict.require(tail >= 0.025, "more wrong frames than chance explains");
-    let seen = sum.misshapen + sum.oversized + sum.compared() + sum.sound;
+    let seen = sum.malformed + sum.oversized + sum.compared() + sum.sound;
     verdict.require(seen == sum.pieces, "a part was not counted");
 }
 

@@ -6,7 +6,7 @@
 //! Clocks and sequence numbers overflow.
 
 use super::bench::{Clocks, Ready, SESSION, coded, command, numbered, scan};
-use super::channel::{Badness, Come, LossyChannel};
+use super::channel::{Arrival, FaultRates, LossyChannel};
 use super::{CampaignVerdict, Progress, below, generator, grouped, parts};
 use amp::controller::{Mode, Progress as Way, StopReason};
 use amp::link::{Link, Verdict as Judged};
@@ -29,7 +29,7 @@ const TICK_MS: u64 = 10;
 const SPEED_MM_S: u64 = 500;
 /// The lines: 30 % lost, 10 % duplicated, a fast frame overtakes two slow ones, and a stall of up
 /// to 2 s every few seconds.
-const BAD: Badness = Badness {
+const BAD: FaultRates = FaultRates {
     lost: 30,
     twice: 10,
     delay_ms: [2, 60],
@@ -154,7 +154,7 @@ impl Delays {
     }
 
     /// Takes a frame; returns its age.
-    fn age_ms(&mut self, come: &Come) -> u64 {
+    fn age_ms(&mut self, come: &Arrival) -> u64 {
         let delay_ms = come.at_ms - come.sent_ms;
         let slot = come.at_ms / 10_000;
         self.counted.retain(|(counted, _)| slot - counted < 6);
@@ -188,7 +188,7 @@ impl LinkRun {
             || !self.to_base.is_empty()
         {
             self.mind.now_ms += 1;
-            self.pass();
+            self.advance_1_ms();
         }
         let counters = *self.mind.node.counters();
         self.book.sent = self.to_mind.sent();
@@ -207,7 +207,7 @@ impl LinkRun {
     }
 
     /// Advances by one millisecond.
-    fn pass(&mut self) {
+    fn advance_1_ms(&mut self) {
         let now_ms = self.mind.now_ms;
         if now_ms.is_multiple_of(EVERY_MS) && self.to_mind.sent() < self.size {
             let message = self.message();
@@ -215,7 +215,7 @@ impl LinkRun {
             self.to_mind
                 .send(now_ms, &numbered(self.mind.seq, &message));
         }
-        while let Some(come) = self.to_mind.come(now_ms) {
+        while let Some(come) = self.to_mind.next_arrival(now_ms) {
             self.deliver(&come);
         }
         if now_ms.is_multiple_of(TICK_MS) {
@@ -223,13 +223,13 @@ impl LinkRun {
             let mut said = SentFrames::new(now_ms, &mut self.to_base, &mut self.base);
             while self.mind.node.tick(now, &mut said) {}
         }
-        while let Some(come) = self.to_base.come(now_ms) {
+        while let Some(come) = self.to_base.next_arrival(now_ms) {
             // The base has another clock.
             let here = CLOCKS.device(now_ms).as_ms().wrapping_add(123_456_789);
             let here = Millis::from_ms(here);
             self.base.hear(&come, now_ms, here, &mut self.book);
         }
-        self.base.go_on(now_ms);
+        self.base.advance_1_ms(now_ms);
     }
 
     fn message(&mut self) -> ToMind<16> {
@@ -253,7 +253,7 @@ impl LinkRun {
     }
 
     /// Delivers a frame to the controller, and compares the effect with the expected one.
-    fn deliver(&mut self, come: &Come) {
+    fn deliver(&mut self, come: &Arrival) {
         let is_new = self.latest.is_none_or(|latest| come.number > latest);
         let message = unpack::<ToMind<16>>(coded(&come.bytes)).map(|(_, message)| message);
         let (ttl_ms, is_stop) = match message {
@@ -355,7 +355,13 @@ impl LinkBase {
     }
 
     /// Processes a frame; `here` is its own time.
-    pub(super) fn hear(&mut self, come: &Come, now_ms: u64, here: Millis, book: &mut Bookkeeper) {
+    pub(super) fn hear(
+        &mut self,
+        come: &Arrival,
+        now_ms: u64,
+        here: Millis,
+        book: &mut Bookkeeper,
+    ) {
         let Ok((header, report)) = unpack::<Report<16>>(coded(&come.bytes)) else {
             return;
         };
@@ -399,7 +405,7 @@ impl LinkBase {
     }
 
     /// Advances the motion by one millisecond.
-    pub(super) fn go_on(&mut self, now_ms: u64) {
+    pub(super) fn advance_1_ms(&mut self, now_ms: u64) {
         if self.is_moving(now_ms) {
             self.executed_um += SPEED_MM_S;
             self.unreported_um += SPEED_MM_S;

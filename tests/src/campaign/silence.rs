@@ -200,13 +200,13 @@ fn try_it(ready: &Ready, hall: &World, gone: FailedPart, seed: u64, trial: u64) 
     scene.now_ms += below(&mut random, 200) as u64;
     scene.set_off();
     for _ in 0..below(&mut random, MAX_MS) {
-        scene.pass();
+        scene.advance_1_ms();
     }
     while !scene.wheels.is_ordered() {
-        scene.pass();
+        scene.advance_1_ms();
     }
     scene.is_gone(gone);
-    scene.wheels.never_arrive();
+    scene.wheels.extend_without_end();
     let (began_ms, began_mm) = (scene.now_ms, scene.wheels.way_mm());
     let returns_ms = began_ms + below(&mut random, RETURN_MS) as u64;
     let (mut after_ms, mut stood_ms) = (None, None);
@@ -226,7 +226,7 @@ fn try_it(ready: &Ready, hall: &World, gone: FailedPart, seed: u64, trial: u64) 
         if gone == FailedPart::HostForAWhile && scene.now_ms == returns_ms {
             scene.comes_back();
         }
-        scene.pass();
+        scene.advance_1_ms();
     }
     SilenceStop {
         after_ms: after_ms.unwrap_or(u64::MAX),
@@ -288,7 +288,7 @@ impl<'a> SilenceScene<'a> {
         let until_ms = self.now_ms + 1_000;
         while !self.wheels.is_ordered() {
             assert!(self.now_ms < until_ms, "no motion");
-            self.pass();
+            self.advance_1_ms();
         }
     }
 
@@ -321,7 +321,7 @@ impl<'a> SilenceScene<'a> {
     }
 
     /// Advances by one millisecond.
-    fn pass(&mut self) {
+    fn advance_1_ms(&mut self) {
         self.now_ms += 1;
         if self.host_is_there {
             self.host();
@@ -330,7 +330,7 @@ impl<'a> SilenceScene<'a> {
         if self.chip_is_there && (look || self.now_ms.is_multiple_of(ROUND_MS)) {
             while self.control.run(CLOCKS.device(self.now_ms)) {}
         }
-        self.wheels.pass(self.now_ms);
+        self.wheels.advance_1_ms(self.now_ms);
     }
 
     fn host(&mut self) {
@@ -377,7 +377,7 @@ impl<'a> SilenceScene<'a> {
                 && let Ok((_, report)) = unpack::<Report<16>>(frame)
                 && let FromMind::Motion(order) = report.said
             {
-                self.wheels.obey(order, self.now_ms);
+                self.wheels.execute(order, self.now_ms);
             }
         }
         look
@@ -403,7 +403,7 @@ mod tests {
         scene.set_off();
         let mut moving_ms = 0;
         for _ in 0..20_000 {
-            scene.pass();
+            scene.advance_1_ms();
             moving_ms += u64::from(scene.wheels.is_ordered());
         }
         // The remaining time is spent waiting for whole rings.

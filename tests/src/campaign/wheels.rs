@@ -49,7 +49,7 @@ impl<'a> Wheels<'a> {
 
     /// Executes a motion: a new one, a shortened one, or the same again, which renews its time to
     /// live.
-    pub(super) fn obey(&mut self, order: MotionOrder, now_ms: u64) {
+    pub(super) fn execute(&mut self, order: MotionOrder, now_ms: u64) {
         self.until_ms = now_ms + u64::from(order.ttl_ms);
         let mark = |order: MotionOrder| (order.id, order.revision);
         if self.order.map(mark) == Some(mark(order)) {
@@ -61,7 +61,7 @@ impl<'a> Wheels<'a> {
     }
 
     /// Extends the present motion without end: only a stop or its time to live ends it.
-    pub(super) fn never_arrive(&mut self) {
+    pub(super) fn extend_without_end(&mut self) {
         if let Some(order) = self.order.filter(|_| self.is_ordered()) {
             let length_mm = f64::from(order.motion().displacement.length_mm());
             self.set_off(order, FAR_M / length_mm.max(1.0));
@@ -82,7 +82,7 @@ impl<'a> Wheels<'a> {
     }
 
     /// Advances by one millisecond.
-    pub(super) fn pass(&mut self, now_ms: u64) {
+    pub(super) fn advance_1_ms(&mut self, now_ms: u64) {
         if self.under_way && now_ms >= self.until_ms {
             self.command(Motion::default());
             self.under_way = false;

@@ -56,7 +56,7 @@ fn write(root: &Path, words: &[String]) -> Result<(), String> {
         replace(
             &page,
             &Page {
-                measured: kept(&list, &measured),
+                measured: still_listed(&list, &measured),
             }
             .text(&list),
         )?;
@@ -65,7 +65,7 @@ fn write(root: &Path, words: &[String]) -> Result<(), String> {
 }
 
 /// The measured figures whose row and command are still in the list.
-fn kept(
+fn still_listed(
     list: &FigureList,
     measured: &BTreeMap<String, MeasuredFigure>,
 ) -> BTreeMap<String, MeasuredFigure> {

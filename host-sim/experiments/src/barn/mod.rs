@@ -40,8 +40,8 @@ pub const CHALLENGE_M_S: f64 = 2.0;
 /// Optimal time (path length at the highest speed) divided by the actual time, which is clamped to
 /// 4 to 8 times the optimal time.
 #[must_use]
-pub fn score(time_s: Option<f64>, way_m: f64, speed_m_s: f64) -> f64 {
-    let best_s = way_m / speed_m_s;
+pub fn score(time_s: Option<f64>, path_m: f64, speed_m_s: f64) -> f64 {
+    let best_s = path_m / speed_m_s;
     time_s.map_or(0.0, |time_s| {
         best_s / time_s.clamp(4.0 * best_s, 8.0 * best_s)
     })
@@ -144,29 +144,35 @@ pub fn run(world: &World, method: BarnMethod, rules: &Rules, number: u64) -> Res
     let shield = rules.config.shield;
     let body = Body::new(world, rules.sonar, TurretMode::Held, Seeds::of(seed).noise);
     let course = target.angle();
-    let told = Some(target);
+    let known_target = Some(target);
     let maps = || {
-        let taught = taught(rules, seed).and_then(|mind| Seeker::new(mind, rules.tuning, course));
-        taught.map_err(|failure| BadInput::new(format!("world {}: {failure}", world.name())))
+        let trained_controller = trained_controller(rules, seed)
+            .and_then(|mind| Seeker::new(mind, rules.tuning, course));
+        trained_controller
+            .map_err(|failure| BadInput::new(format!("world {}: {failure}", world.name())))
     };
     Ok(match method {
-        BarnMethod::Maps => drive(goal, body, Homing::new(maps()?, shield, told)),
+        BarnMethod::Maps => drive(goal, body, Homing::new(maps()?, shield, known_target)),
         BarnMethod::MapsUntold => drive(goal, body, Homing::new(maps()?, shield, None)),
         BarnMethod::VfhPlus => {
             let policy = VfhPlus::new(vfh_plus::VfhPlusTuning::of(shield.is_some()), course);
-            drive(goal, body, Homing::new(policy, shield, told))
+            drive(goal, body, Homing::new(policy, shield, known_target))
         }
         BarnMethod::PotentialField => {
             let policy =
                 PotentialField::new(potential_field::PotentialFieldTuning::default(), course);
-            drive(goal, body, Homing::new(policy, shield, told))
+            drive(goal, body, Homing::new(policy, shield, known_target))
         }
-        BarnMethod::Straight => drive(goal, body, Homing::new(StraightLine(course), shield, told)),
+        BarnMethod::Straight => drive(
+            goal,
+            body,
+            Homing::new(StraightLine(course), shield, known_target),
+        ),
     })
 }
 
 /// A controller that has explored a random room and learned.
-fn taught(rules: &Rules, seed: u64) -> Result<Mind, Failure> {
+fn trained_controller(rules: &Rules, seed: u64) -> Result<Mind, Failure> {
     let room = World::random(seed);
     let setup = Setup {
         config: rules.config.clone(),

@@ -41,14 +41,14 @@ pub fn route(
         return Ok(None);
     };
     let inner = cells.into_iter().map(|cell| grid.place(cell));
-    let way: Vec<_> = [start].into_iter().chain(inner).chain([goal]).collect();
-    Ok(Some(taut(world, &way, radius)))
+    let path: Vec<_> = [start].into_iter().chain(inner).chain([goal]).collect();
+    Ok(Some(shorten(world, &path, radius)))
 }
 
 /// Length of a path, m.
 #[must_use]
-pub fn length(way: &[Point]) -> f64 {
-    way.windows(2).map(|ends| ends[0].distance(ends[1])).sum()
+pub fn length(path: &[Point]) -> f64 {
+    path.windows(2).map(|ends| ends[0].distance(ends[1])).sum()
 }
 
 struct SearchGrid {
@@ -117,9 +117,9 @@ fn search(grid: &SearchGrid, free: &[bool], start: usize, goal: usize) -> Option
     while let Some(Reverse((_, cost, cell))) = open.pop() {
         if cell == goal {
             let back = |cell: &usize| Some(from[*cell]).filter(|from| *from != usize::MAX);
-            let mut way: Vec<_> = std::iter::successors(Some(goal), back).collect();
-            way.reverse();
-            return Some(way);
+            let mut path: Vec<_> = std::iter::successors(Some(goal), back).collect();
+            path.reverse();
+            return Some(path);
         }
         if cost > costs[cell] {
             continue;
@@ -136,22 +136,22 @@ fn search(grid: &SearchGrid, free: &[bool], start: usize, goal: usize) -> Option
 }
 
 /// The shortest chain of free straight lines between points of a path, from first to last.
-fn taut(world: &World, way: &[Point], radius: f64) -> Vec<Point> {
-    let mut best = vec![(0.0, 0); way.len()];
-    for (to, place) in way.iter().enumerate().skip(1) {
+fn shorten(world: &World, path: &[Point], radius: f64) -> Vec<Point> {
+    let mut best = vec![(0.0, 0); path.len()];
+    for (to, place) in path.iter().enumerate().skip(1) {
         // The previous point is always visible: the search came from there.
-        let mut found = (best[to - 1].0 + way[to - 1].distance(*place), to - 1);
+        let mut found = (best[to - 1].0 + path[to - 1].distance(*place), to - 1);
         for from in (0..to - 1).rev() {
-            let length = best[from].0 + way[from].distance(*place);
-            if length <= found.0 && !world.sweep(way[from], *place, radius).touched() {
+            let length = best[from].0 + path[from].distance(*place);
+            if length <= found.0 && !world.sweep(path[from], *place, radius).touched() {
                 found = (length, from);
             }
         }
         best[to] = found;
     }
     let back = |&at: &usize| (at > 0).then(|| best[at].1);
-    let chain = std::iter::successors(Some(way.len() - 1), back);
-    let mut corners: Vec<_> = chain.map(|at| way[at]).collect();
+    let chain = std::iter::successors(Some(path.len() - 1), back);
+    let mut corners: Vec<_> = chain.map(|at| path[at]).collect();
     corners.reverse();
     corners
 }
@@ -177,23 +177,23 @@ mod tests {
             radius: 0.1,
         };
         let goal = Point::new(4.0, 0.0);
-        let way = route(&world(vec![far.clone()]), Point::default(), goal, 0.25)
+        let path = route(&world(vec![far.clone()]), Point::default(), goal, 0.25)
             .unwrap()
             .unwrap();
-        assert_eq!(way, [Point::default(), goal]);
+        assert_eq!(path, [Point::default(), goal]);
         // Calculated by hand: two tangents to the circle of 0.25 m around the wall's end at (2, 1),
         // and the arc between them.
         let blocked = world(vec![far, wall(&[(2.0, -5.0), (2.0, 1.0)])]);
-        let way = route(&blocked, Point::default(), goal, 0.25)
+        let path = route(&blocked, Point::default(), goal, 0.25)
             .unwrap()
             .unwrap();
         let tangent: f64 = (5.0_f64 - 0.0625).sqrt();
         let turn = libm::atan2(1.0, 2.0) + libm::asin(0.25 / 5.0_f64.sqrt());
         let exact = 2.0 * tangent + 0.25 * 2.0 * turn;
         assert!(
-            (exact - 0.01..exact + 0.08).contains(&length(&way)),
+            (exact - 0.01..exact + 0.08).contains(&length(&path)),
             "{} {exact}",
-            length(&way)
+            length(&path)
         );
     }
 
@@ -210,8 +210,8 @@ mod tests {
             ]),
         ];
         let world = world(walls);
-        let way = |radius| route(&world, Point::default(), Point::new(3.0, 0.0), radius).unwrap();
-        assert!((length(&way(0.25).unwrap()) - 3.0).abs() < 0.01);
-        assert_eq!(way(0.35), None);
+        let path = |radius| route(&world, Point::default(), Point::new(3.0, 0.0), radius).unwrap();
+        assert!((length(&path(0.25).unwrap()) - 3.0).abs() < 0.01);
+        assert_eq!(path(0.35), None);
     }
 }

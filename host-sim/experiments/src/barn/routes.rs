@@ -25,7 +25,7 @@ pub struct RoutePanel {
     /// The shortest path; empty = there is none.
     pub shortest: Vec<Point>,
     /// Positions of the robot, by method.
-    pub ways: Vec<Vec<Point>>,
+    pub paths: Vec<Vec<Point>>,
     /// How the run ended, by method.
     pub marks: Vec<RunEnd>,
 }
@@ -97,15 +97,15 @@ fn draw(svg: &mut Svg, panel: &RoutePanel, corner: [f64; 2], room: [f64; 2]) {
         svg.circle(view.at(goal), view.scale, &stroke(GRAY, 1.0));
         svg.circle(view.at(goal), 2.5, &fill(GRAY));
     }
-    let on_page = |way: &[Point]| way.iter().map(|&place| view.at(place)).collect::<Vec<_>>();
+    let on_page = |path: &[Point]| path.iter().map(|&place| view.at(place)).collect::<Vec<_>>();
     let dashed = format!(r#"{} stroke-dasharray="5 4""#, stroke(GRAY, 1.3));
     svg.polyline(&on_page(&panel.shortest), &dashed);
-    for (index, way) in panel.ways.iter().enumerate() {
-        svg.polyline(&on_page(way), &stroke(color::class(index), 1.9));
+    for (index, path) in panel.paths.iter().enumerate() {
+        svg.polyline(&on_page(path), &stroke(color::class(index), 1.9));
     }
-    let ends = panel.ways.iter().zip(&panel.marks).enumerate();
-    for (index, (way, mark)) in ends {
-        let Some(&last) = way.last() else { continue };
+    let ends = panel.paths.iter().zip(&panel.marks).enumerate();
+    for (index, (path, mark)) in ends {
+        let Some(&last) = path.last() else { continue };
         match mark {
             RunEnd::Touched => contact_mark(svg, view.at(last), VERMILLION),
             RunEnd::Reached | RunEnd::TimedOut => {
@@ -133,11 +133,11 @@ mod tests {
 
     #[test]
     fn every_driver_has_its_line_in_every_world() {
-        let way = vec![Point::new(1.0, 1.0), Point::new(2.0, 1.5)];
+        let path = vec![Point::new(1.0, 1.0), Point::new(2.0, 1.5)];
         let panel = RoutePanel {
             world: World::random(1).with_goal(Point::new(7.0, 5.0)),
-            shortest: way.clone(),
-            ways: vec![way.clone(), way],
+            shortest: path.clone(),
+            paths: vec![path.clone(), path],
             marks: vec![RunEnd::Reached, RunEnd::Touched],
         };
         let picture = routes("ways", &["a", "<b>"], &vec![panel; 5]);

@@ -87,11 +87,11 @@ impl Policy for Seeker {
             cut: false,
         };
         let action = planner.plan(&situation, &self.goal).action;
-        let way = Point::new(f64::from(action.dx_mm), f64::from(action.dy_mm)) * 1e-3;
-        if way.length() > 0.0 {
-            self.course = way.turned(heading).angle();
+        let step = Point::new(f64::from(action.dx_mm), f64::from(action.dy_mm)) * 1e-3;
+        if step.length() > 0.0 {
+            self.course = step.turned(heading).angle();
         }
-        way
+        step
     }
 }
 

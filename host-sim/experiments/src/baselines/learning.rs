@@ -20,7 +20,7 @@ pub struct Experience {
     /// Situation before the move.
     pub before: Values,
     /// Commanded move in units of a whole step (length at most 1), in the ring's frame.
-    pub asked: Point,
+    pub commanded: Point,
     /// Executed move, in the same unit.
     pub moved: Point,
     /// Situation after the move.
@@ -32,11 +32,11 @@ pub struct Experience {
 impl Experience {
     /// The same experience rotated by `places` of the ring's 16 steps: ring and body are symmetric.
     #[must_use]
-    pub fn turned(&self, places: usize) -> Self {
+    pub fn rotated(&self, places: usize) -> Self {
         let turn = axis(places);
         Self {
             before: amp::scan::rotated(&self.before, places),
-            asked: self.asked.turned(turn),
+            commanded: self.commanded.turned(turn),
             moved: self.moved.turned(turn),
             after: amp::scan::rotated(&self.after, places),
             reward: self.reward,
@@ -194,7 +194,7 @@ impl<L: Learner> LearnerDriver<L> {
         let steps = 1.0 / STEP_M;
         let experience = Experience {
             before: *before,
-            asked: done.wanted * steps,
+            commanded: done.wanted * steps,
             moved: done.moved * steps,
             after: *after,
             reward: self
@@ -206,7 +206,7 @@ impl<L: Learner> LearnerDriver<L> {
         self.contacts += u32::from(done.touched);
         for turn in 0..self.training.turns {
             self.learner
-                .learn(&experience.turned(turn * 16 / self.training.turns));
+                .learn(&experience.rotated(turn * 16 / self.training.turns));
         }
     }
 
@@ -316,16 +316,16 @@ mod tests {
         before[1] = 0.5;
         let experience = Experience {
             before,
-            asked: Point::new(1.0, 0.0),
+            commanded: Point::new(1.0, 0.0),
             moved: Point::new(0.0, 0.5),
             after: [0.0; 16],
             reward: 1.0,
         };
-        let turned = experience.turned(4);
+        let turned = experience.rotated(4);
         assert_eq!(turned.before[5], 0.5);
-        assert!(turned.asked.distance(Point::new(0.0, 1.0)) < 1e-12);
+        assert!(turned.commanded.distance(Point::new(0.0, 1.0)) < 1e-12);
         assert!(turned.moved.distance(Point::new(-0.5, 0.0)) < 1e-12);
-        assert_eq!(experience.turned(0), experience);
+        assert_eq!(experience.rotated(0), experience);
     }
 
     #[test]

@@ -102,8 +102,8 @@ impl NearestSample {
                     + sample.after.squared_distance(wanted, places)
             }
             SampleKey::Change => {
-                let asked: Values = std::array::from_fn(|i| wanted[i] - now[i]);
-                -sample.change.product(&asked, places)
+                let commanded: Values = std::array::from_fn(|i| wanted[i] - now[i]);
+                -sample.change.product(&commanded, places)
             }
         }
     }
@@ -147,8 +147,8 @@ impl Learner for NearestSample {
     }
 
     fn variation(&self, _: &Values, _: Point, noise: &mut Noise) -> Option<Point> {
-        let way = Point::unit(noise.uniform_in(0.0, std::f64::consts::TAU));
-        Some(way * noise.uniform())
+        let direction = Point::unit(noise.uniform_in(0.0, std::f64::consts::TAU));
+        Some(direction * noise.uniform())
     }
 
     fn bytes(&self) -> usize {
@@ -169,7 +169,7 @@ mod tests {
     }
 
     /// Toward what sensor 0 perceives, and away from it.
-    fn taught(key: SampleKey, turns: usize) -> NearestSample {
+    fn trained(key: SampleKey, turns: usize) -> NearestSample {
         let mut nearest = NearestSample::new(NearestTuning {
             key,
             goal: 0.2,
@@ -178,7 +178,7 @@ mod tests {
         for (heading, before, after) in [(0, 0.4, 0.6), (8, 0.7, 0.5)] {
             nearest.learn(&Experience {
                 before: value(0, before),
-                asked: axis(heading),
+                commanded: axis(heading),
                 moved: axis(heading) * 0.5,
                 after: value(0, after),
                 reward: 0.0,
@@ -190,9 +190,9 @@ mod tests {
     #[test]
     fn the_sample_whose_change_is_wanted_is_repeated() {
         for key in [SampleKey::Change, SampleKey::Pair] {
-            let plain = taught(key, 1);
+            let plain = trained(key, 1);
             assert!(plain.best(&value(0, 0.8), axis(0)).distance(axis(8)) < 1e-9);
-            let turned = taught(key, 16);
+            let turned = trained(key, 16);
             assert!(turned.best(&value(3, 0.8), axis(0)).distance(axis(11)) < 1e-9);
         }
     }

@@ -147,11 +147,11 @@ impl QLazy {
                 if apart >= farthest {
                     continue;
                 }
-                let taken = sample.asked.turned(direction);
+                let taken = sample.commanded.turned(direction);
                 let mut changed = false;
                 for (nearest, action) in nearest.iter_mut().zip(&actions) {
-                    let way = *action - taken;
-                    changed |= nearest.offer(apart + weight * way.dot(way), index);
+                    let difference = *action - taken;
+                    changed |= nearest.offer(apart + weight * difference.dot(difference), index);
                 }
                 if changed {
                     farthest = nearest
@@ -180,8 +180,8 @@ impl Learner for QLazy {
 
     /// Samples are random: values do not exist before the sweeps.
     fn variation(&self, _: &Values, _: Point, noise: &mut Noise) -> Option<Point> {
-        let way = Point::unit(noise.uniform_in(0.0, std::f64::consts::TAU));
-        Some(way * noise.uniform())
+        let direction = Point::unit(noise.uniform_in(0.0, std::f64::consts::TAU));
+        Some(direction * noise.uniform())
     }
 
     fn settle(&mut self) {
@@ -223,7 +223,7 @@ mod tests {
     fn moved(before: usize, heading: usize, reward: f64, after: usize) -> Experience {
         Experience {
             before: place(before),
-            asked: axis(heading),
+            commanded: axis(heading),
             moved: axis(heading),
             after: place(after),
             reward,

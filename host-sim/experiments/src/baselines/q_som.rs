@@ -140,7 +140,7 @@ impl Learner for QSom {
 
     fn learn(&mut self, experience: &Experience) {
         let QSomTuning { rate, discount, .. } = self.tuning;
-        let probe = vector(&self.tuning, &experience.before, experience.asked, 0.0);
+        let probe = vector(&self.tuning, &experience.before, experience.commanded, 0.0);
         let winner = self.map.winner(&probe, Mask::ALL.without(VALUE));
         let most = self.value(self.answering(&experience.after));
         let value = self.value(winner);
@@ -150,7 +150,12 @@ impl Learner for QSom {
         let pull = (self.tuning.pull * fading).max(self.tuning.pull_least);
         let q16 = |value: f64| (value * 65_536.0 + 0.5) as u32;
         let pull = Update::new(Neighborhood::Direct, q16(pull), q16(self.tuning.share));
-        let lesson = vector(&self.tuning, &experience.before, experience.asked, value);
+        let lesson = vector(
+            &self.tuning,
+            &experience.before,
+            experience.commanded,
+            value,
+        );
         self.map.learn(winner, &lesson, Mask::ALL, &pull);
         self.learned = self.learned.saturating_add(1);
     }
@@ -183,7 +188,7 @@ mod tests {
         near[2] = 1.0;
         let moved = |heading: usize, reward: f64| Experience {
             before: near,
-            asked: axis(heading),
+            commanded: axis(heading),
             moved: axis(heading),
             after: free,
             reward,
@@ -206,7 +211,7 @@ mod tests {
         let here = [0.3; 16];
         let moved = Experience {
             before: here,
-            asked: axis(3),
+            commanded: axis(3),
             moved: axis(3),
             after: here,
             reward: 1.0,

@@ -76,8 +76,8 @@ impl QTable {
     }
 }
 
-fn action(asked: Point) -> usize {
-    let place = libm::rint(asked.angle() / TAU * ACTIONS as f64);
+fn action(commanded: Point) -> usize {
+    let place = libm::rint(commanded.angle() / TAU * ACTIONS as f64);
     place.rem_euclid(ACTIONS as f64) as usize % ACTIONS
 }
 
@@ -93,7 +93,7 @@ impl Learner for QTable {
         let target = experience.reward + self.tuning.discount * f64::from(most);
         let (state, rate) = (self.state(&experience.before), self.tuning.rate);
         let row = self.values.get_mut(state);
-        if let Some(value) = row.and_then(|row| row.get_mut(action(experience.asked))) {
+        if let Some(value) = row.and_then(|row| row.get_mut(action(experience.commanded))) {
             *value += (rate * (target - f64::from(*value))) as f32;
         }
     }
@@ -117,7 +117,7 @@ mod tests {
     fn moved(before: Values, heading: usize, reward: f64, after: Values) -> Experience {
         Experience {
             before,
-            asked: axis(heading),
+            commanded: axis(heading),
             moved: axis(heading),
             after,
             reward,

@@ -142,16 +142,16 @@ impl Learner for QTwoSoms {
         let values = self.row(self.situation_neuron(situation));
         let unit = |row: &[amp::fixed::Weight32; 2]| {
             let [x, y] = row.map(|part| part.to_num::<f64>());
-            let way = Point::new(x, y);
-            way * (1.0 / way.length().max(1e-6))
+            let direction = Point::new(x, y);
+            direction * (1.0 / direction.length().max(1e-6))
         };
         best_of(self.actions.code().iter().map(unit).zip(values), course)
     }
 
     fn learn(&mut self, experience: &Experience) {
-        let asked = weights(experience.asked);
+        let commanded = weights(experience.commanded);
         let state = self.situation_neuron(&experience.before);
-        let action = self.actions.winner(&asked, Mask::ALL);
+        let action = self.actions.winner(&commanded, Mask::ALL);
         let next = self.row(self.situation_neuron(&experience.after));
         let most = next.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let target = experience.reward + self.tuning.discount * most;
@@ -161,7 +161,7 @@ impl Learner for QTwoSoms {
         let rate = q16(self.tuning.pull * faded);
         let pull = Update::new(Neighborhood::Gaussian, rate, q16(width));
         if target > self.row(state).get(action).copied().unwrap_or(0.0) {
-            self.actions.learn(action, &asked, Mask::ALL, &pull);
+            self.actions.learn(action, &commanded, Mask::ALL, &pull);
         }
         let actions = nearness(action, width);
         for (row, near) in self.values.iter_mut().zip(nearness(state, width)) {
@@ -204,11 +204,11 @@ mod tests {
         let mut near = [0.0; 16];
         near[0] = 0.5;
         let state = maps.situation_neuron(&near);
-        let asked = axis(5) * 0.9;
+        let commanded = axis(5) * 0.9;
         let moved = Experience {
             before: near,
-            asked,
-            moved: asked,
+            commanded,
+            moved: commanded,
             after: [0.0; 16],
             reward: 1.0,
         };

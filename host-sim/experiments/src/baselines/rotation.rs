@@ -14,7 +14,7 @@ impl RotatableRing {
     }
 
     /// The values rotated by `places`.
-    fn turned(&self, places: usize) -> &[f64] {
+    fn rotated(&self, places: usize) -> &[f64] {
         let first = 16 - places % 16;
         self.0.get(first..first + 16).unwrap_or(&[])
     }
@@ -22,13 +22,13 @@ impl RotatableRing {
     /// Squared distance of `values` to these, rotated by `places`.
     #[must_use]
     pub fn squared_distance(&self, values: &Values, places: usize) -> f64 {
-        sum(values, self.turned(places), |a, b| (a - b) * (a - b))
+        sum(values, self.rotated(places), |a, b| (a - b) * (a - b))
     }
 
     /// Scalar product of `values` and these, rotated by `places`.
     #[must_use]
     pub fn product(&self, values: &Values, places: usize) -> f64 {
-        sum(values, self.turned(places), |a, b| a * b)
+        sum(values, self.rotated(places), |a, b| a * b)
     }
 }
 
@@ -52,8 +52,8 @@ mod tests {
         let a: Values = std::array::from_fn(|i| i as f64);
         let b: Values = std::array::from_fn(|i| (i * i % 7) as f64);
         for places in 0..16 {
-            let turned = amp::scan::rotated(&b, places);
-            let pairs = || a.iter().zip(&turned);
+            let rotated = amp::scan::rotated(&b, places);
+            let pairs = || a.iter().zip(&rotated);
             let apart: f64 = pairs().map(|(a, b)| (a - b) * (a - b)).sum();
             let product: f64 = pairs().map(|(a, b)| a * b).sum();
             // Whole numbers: no rounding.

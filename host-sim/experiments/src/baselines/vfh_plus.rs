@@ -92,7 +92,7 @@ pub struct VfhPlus {
 /// An occupied cell as an entry of the histogram.
 #[derive(Debug, Clone, Copy)]
 struct Obstacle {
-    way: Point,
+    offset: Point,
     bearing: f64,
     /// Half the angle to which it is enlarged.
     enlarged: f64,
@@ -119,13 +119,13 @@ impl VfhPlus {
     }
 
     fn obstacles(&self, place: Point) -> Vec<Obstacle> {
-        let inside = |(way, count): (Point, u8)| {
-            let distance = way.length();
+        let inside = |(offset, count): (Point, u8)| {
+            let distance = offset.length();
             (distance < REACH_M).then(|| {
                 let ratio = self.enlargement() / distance;
                 Obstacle {
-                    way,
-                    bearing: way.angle(),
+                    offset,
+                    bearing: offset.angle(),
                     enlarged: if ratio < 1.0 {
                         libm::asin(ratio)
                     } else {
@@ -177,10 +177,10 @@ impl VfhPlus {
         for obstacle in obstacles {
             let turn = wrap_angle(obstacle.bearing - self.course);
             let reach = radius + self.enlargement();
-            if turn >= 0.0 && obstacle.way.distance(aside) < reach {
+            if turn >= 0.0 && obstacle.offset.distance(aside) < reach {
                 left = left.min(turn);
             }
-            if turn <= 0.0 && obstacle.way.distance(-aside) < reach {
+            if turn <= 0.0 && obstacle.offset.distance(-aside) < reach {
                 right = right.min(-turn);
             }
         }
@@ -314,7 +314,7 @@ mod tests {
     /// 1 m away, enlarged to ±32°: no sector's center lies on its edge.
     fn obstacle(bearing: f64) -> Obstacle {
         Obstacle {
-            way: Point::unit(bearing),
+            offset: Point::unit(bearing),
             bearing,
             enlarged: 32.0_f64.to_radians(),
             magnitude: magnitude(3, 1.0),
@@ -398,11 +398,14 @@ mod tests {
         vfh.steer(Some(0.0));
         // Both edges are equally far from the target: the heading decides.
         assert_eq!(
-            vfh.choose(&wide).map(|way| degrees(&[way])),
+            vfh.choose(&wide).map(|direction| degrees(&[direction])),
             Some(vec![-75])
         );
         vfh.steer(Some(0.3));
-        assert_eq!(vfh.choose(&wide).map(|way| degrees(&[way])), Some(vec![75]));
+        assert_eq!(
+            vfh.choose(&wide).map(|direction| degrees(&[direction])),
+            Some(vec![75])
+        );
     }
 
     #[test]
@@ -436,8 +439,8 @@ mod tests {
         };
         // Everything is more than 1 m from the start.
         for target in [0.0, 1.0, -2.0] {
-            let way = drive(Some(target), 2);
-            assert!(difference(way.angle(), target) < 0.2, "{way:?}");
+            let direction = drive(Some(target), 2);
+            assert!(difference(direction.angle(), target) < 0.2, "{direction:?}");
             drive(Some(target), 100);
         }
         drive(None, 300);

@@ -50,7 +50,7 @@ pub struct MethodOutcome {
     /// Bytes of the learned state.
     pub bytes: usize,
     /// Observation of its decisions.
-    pub seen: DriverObservation,
+    pub observation: DriverObservation,
 }
 
 /// A method with its constants and budgets.
@@ -94,19 +94,19 @@ pub fn drive(
         ComparedMethod::NearestPair => place.nearest(constants.nearest_pair, budgets),
         ComparedMethod::QLazy => {
             let (tuning, training) = constants.q_lazy;
-            place.taught(QLazy::new(tuning), training, budgets)
+            place.train_and_measure(QLazy::new(tuning), training, budgets)
         }
         ComparedMethod::QTable => {
             let (tuning, training) = constants.q_table;
-            place.taught(QTable::new(tuning), training, budgets)
+            place.train_and_measure(QTable::new(tuning), training, budgets)
         }
         ComparedMethod::QSom => {
             let (tuning, training) = constants.q_som;
-            place.taught(QSom::new(tuning), training, budgets)
+            place.train_and_measure(QSom::new(tuning), training, budgets)
         }
         ComparedMethod::QTwoSoms => {
             let (tuning, training) = constants.q_two_soms;
-            place.taught(QTwoSoms::new(tuning), training, budgets)
+            place.train_and_measure(QTwoSoms::new(tuning), training, budgets)
         }
         ComparedMethod::Default => place.mind(Config::recommended(), TurretMode::Held, seed),
         ComparedMethod::Probe => place.mind(Config::probing(), TurretMode::Held, seed),
@@ -143,16 +143,21 @@ impl MeasuredSite<'_> {
         policy: P,
         learning_contacts: u32,
     ) -> Result<MethodOutcome, Failure> {
-        let mut watched = ObservedDriver::new(self.pilot(policy), self.conditions.timed);
-        let tally = drive_pilot(self.world, &mut watched, self.body(), self.conditions.steps)?;
+        let mut observer = ObservedDriver::new(self.pilot(policy), self.conditions.timed);
+        let tally = drive_pilot(
+            self.world,
+            &mut observer,
+            self.body(),
+            self.conditions.steps,
+        )?;
         Ok(MethodOutcome {
             learning_contacts,
             contacts: tally.contacts,
             distance_m: tally.distance_m,
             coverage_m2: tally.coverage_m2(),
             clearance_m: tally.min_clearance_m.unwrap_or(0.0),
-            bytes: watched.driver().policy().bytes(),
-            seen: watched.seen(),
+            bytes: observer.driver().policy().bytes(),
+            observation: observer.observation(),
         })
     }
 
@@ -162,7 +167,7 @@ impl MeasuredSite<'_> {
 
     /// Trains a learner in this world and measures it after each budget. Nothing is reset in
     /// between: after a contact the robot stays where it is.
-    fn taught<L: Learner>(
+    fn train_and_measure<L: Learner>(
         &self,
         learner: L,
         training: LearnerTraining,
@@ -188,7 +193,7 @@ impl MeasuredSite<'_> {
         budgets: &[u32],
     ) -> Result<Vec<MethodOutcome>, Failure> {
         let training = nearest::training(&tuning, far_m);
-        self.taught(NearestSample::new(tuning), training, budgets)
+        self.train_and_measure(NearestSample::new(tuning), training, budgets)
     }
 
     fn mind(
@@ -214,9 +219,9 @@ impl MeasuredSite<'_> {
             faults: Vec::new(),
             record: false,
         };
-        let mut watched = ObservedDriver::new(Mind::new(config), self.conditions.timed);
-        let report = run_with(self.world, &setup, &mut watched, |_, _, _| {})?.report;
-        let state = watched.driver().state();
+        let mut observer = ObservedDriver::new(Mind::new(config), self.conditions.timed);
+        let report = run_with(self.world, &setup, &mut observer, |_, _, _| {})?.report;
+        let state = observer.driver().state();
         let parts = [Part::Situations, Part::Changes, Part::Actions, Part::Memory];
         Ok(vec![MethodOutcome {
             learning_contacts: report.explore_contacts,
@@ -225,7 +230,7 @@ impl MeasuredSite<'_> {
             coverage_m2: report.coverage_m2,
             clearance_m: report.min_clearance_m,
             bytes: parts.iter().map(|part| state.part_len(*part)).sum(),
-            seen: watched.seen(),
+            observation: observer.observation(),
         }])
     }
 }
@@ -267,7 +272,7 @@ mod tests {
                     "{method:?}"
                 );
                 assert!(outcome.distance_m > 0.5 && outcome.bytes > 0, "{method:?}");
-                assert!(outcome.seen.decisions >= 60, "{method:?}");
+                assert!(outcome.observation.decisions >= 60, "{method:?}");
             }
         }
     }

@@ -80,20 +80,20 @@ impl ComparedMethod {
 
     /// Whether it learns by reward, move by move: more moves may improve it.
     #[must_use]
-    pub const fn goes_on_learning(self) -> bool {
+    pub const fn learns_by_reward(self) -> bool {
         matches!(self, Self::QTable | Self::QSom | Self::QTwoSoms)
     }
 
-    /// Numbers of learning moves with which the method is measured, from those in `asked`.
+    /// Numbers of learning moves with which the method is measured, from those in `requested`.
     ///
     /// All of them for learners by reward; the controller's 100 for methods with a memory (lazy
     /// Q-learning also 200); 0 for methods that do not learn.
     #[must_use]
-    pub fn budgets(self, asked: &[u32]) -> Vec<u32> {
+    pub fn budgets(self, requested: &[u32]) -> Vec<u32> {
         match self {
             Self::Random | Self::Braitenberg | Self::PotentialField | Self::VfhPlus => vec![0],
             Self::QLazy => vec![MOVES, 2 * MOVES],
-            _ if self.goes_on_learning() => asked.to_vec(),
+            _ if self.learns_by_reward() => requested.to_vec(),
             _ => vec![MOVES],
         }
     }

@@ -32,7 +32,7 @@ pub struct ObservedDriver<P> {
     /// An obstacle was near at the last decision.
     lost: bool,
     last: Millis,
-    seen: DriverObservation,
+    observation: DriverObservation,
 }
 
 impl<P> ObservedDriver<P> {
@@ -44,7 +44,7 @@ impl<P> ObservedDriver<P> {
             ranges: [None; 16],
             lost: false,
             last: Millis::from_ms(0),
-            seen: DriverObservation::default(),
+            observation: DriverObservation::default(),
         }
     }
 
@@ -54,18 +54,18 @@ impl<P> ObservedDriver<P> {
     }
 
     /// The observation since the driver's last goal.
-    pub fn seen(&self) -> DriverObservation {
-        self.seen
+    pub fn observation(&self) -> DriverObservation {
+        self.observation
     }
 
     fn decided(&mut self, at: Millis) {
         let near = |range: &Option<Range>| range.is_some_and(|range| range.as_mm() < CLEAR_MM);
         let near = self.ranges.iter().any(near);
-        self.seen.decisions += 1;
+        self.observation.decisions += 1;
         if self.lost {
-            self.seen.lost_ms += u64::from(at.since(self.last));
+            self.observation.lost_ms += u64::from(at.since(self.last));
         } else {
-            self.seen.losses += u32::from(near);
+            self.observation.losses += u32::from(near);
         }
         (self.lost, self.last) = (near, at);
     }
@@ -80,13 +80,13 @@ impl<P: Pilot> Pilot for ObservedDriver<P> {
                 }
             }
             Event::Command(Command::Seek(_)) => {
-                (self.seen, self.lost) = (DriverObservation::default(), false)
+                (self.observation, self.lost) = (DriverObservation::default(), false)
             }
             _ => {}
         }
         let began = self.timed.then(Instant::now);
         let outputs = self.driver.handle(at, event);
-        self.seen.thought += began.map_or(Duration::ZERO, |began| began.elapsed());
+        self.observation.thought += began.map_or(Duration::ZERO, |began| began.elapsed());
         if outputs.decision.is_some() {
             self.decided(at);
         }
@@ -122,14 +122,14 @@ mod tests {
 
     #[test]
     fn the_time_until_nothing_is_near_is_counted_from_decision_to_decision() {
-        let mut watched = ObservedDriver::new(RingPilot::new(Stand, None), false);
+        let mut observer = ObservedDriver::new(RingPilot::new(Stand, None), false);
         // An obstacle is near at 2 s, 3 s and 5 s; 600 mm is far enough.
         let nearest = [600, 599, 300, 700, 100, 900];
         for (second, mm) in (1..).zip(nearest) {
             let at = Millis::from_ms(second * 1_000);
             for sensor in 0..16 {
                 let range = (sensor == 3).then(|| Range::from_mm(mm));
-                let _ = watched.handle(at, Event::Echo { sensor, range });
+                let _ = observer.handle(at, Event::Echo { sensor, range });
             }
             let ended = Event::Odometry {
                 motion: second as u16,
@@ -137,9 +137,16 @@ mod tests {
                 turned: Bearing::ZERO,
                 progress: Progress::Ended,
             };
-            let _ = watched.handle(at, ended);
+            let _ = observer.handle(at, ended);
         }
-        let seen = watched.seen();
-        assert_eq!((seen.decisions, seen.losses, seen.lost_ms), (6, 2, 3_000));
+        let observation = observer.observation();
+        assert_eq!(
+            (
+                observation.decisions,
+                observation.losses,
+                observation.lost_ms
+            ),
+            (6, 2, 3_000)
+        );
     }
 }

@@ -67,8 +67,8 @@ fn contacts(outcome: &MethodOutcome) -> f64 {
 }
 
 /// A robot that never moves has a ratio of 0.
-fn ratio(sum: f64, way: f64) -> f64 {
-    if way > 0.0 { sum / way } else { 0.0 }
+fn ratio(sum: f64, distance: f64) -> f64 {
+    if distance > 0.0 { sum / distance } else { 0.0 }
 }
 
 impl ComparisonRow {
@@ -92,24 +92,28 @@ impl ComparisonRow {
     /// The figures of this row.
     #[must_use]
     pub fn figures(&self) -> MethodFigures {
-        let way = self.columns(|outcome| [contacts(outcome), outcome.distance_m]);
+        let distance = self.columns(|outcome| [contacts(outcome), outcome.distance_m]);
         let lost = self.columns(|outcome| {
-            let seen = &outcome.seen;
-            [seen.lost_ms as f64 / 1e3, f64::from(seen.losses)]
+            let observation = &outcome.observation;
+            [
+                observation.lost_ms as f64 / 1e3,
+                f64::from(observation.losses),
+            ]
         });
         let count = self.sum(|_| 1.0).max(1.0);
-        let thought = self.sum(|outcome| outcome.seen.thought.as_secs_f64() * 1e6);
-        let decisions = self.sum(|outcome| f64::from(outcome.seen.decisions));
+        let thought = self.sum(|outcome| outcome.observation.thought.as_secs_f64() * 1e6);
+        let decisions = self.sum(|outcome| f64::from(outcome.observation.decisions));
         MethodFigures {
             learning_contacts: self.mean(|outcome| f64::from(outcome.learning_contacts)),
-            contacts_per_100_m: bootstrap_of(&way, |[sum, way], _| ratio(sum, way)),
-            contact_percent: self
-                .mean(|outcome| contacts(outcome) / f64::from(outcome.seen.decisions.max(1))),
+            contacts_per_100_m: bootstrap_of(&distance, |[sum, distance], _| ratio(sum, distance)),
+            contact_percent: self.mean(|outcome| {
+                contacts(outcome) / f64::from(outcome.observation.decisions.max(1))
+            }),
             clean_percent: self.mean(clean),
             distance_m: self.mean(|outcome| outcome.distance_m),
             coverage_m2: self.mean(|outcome| outcome.coverage_m2),
             clearance_m: self.mean(|outcome| outcome.clearance_m),
-            to_goal_s: (self.sum(|outcome| f64::from(outcome.seen.losses)) > 0.0)
+            to_goal_s: (self.sum(|outcome| f64::from(outcome.observation.losses)) > 0.0)
                 .then(|| bootstrap_of(&lost, |[time, losses], _| ratio(time, losses))),
             bytes: self.sum(|outcome| outcome.bytes as f64) / count,
             decision_us: thought / decisions.max(1.0),
@@ -131,16 +135,16 @@ impl ComparisonRow {
             };
             bootstrap(&pairs.iter().map(of_world).collect::<Vec<_>>())
         };
-        let ways = |world: &Vec<(MethodOutcome, MethodOutcome)>| {
+        let distances = |world: &Vec<(MethodOutcome, MethodOutcome)>| {
             let row = |(a, b): &(MethodOutcome, MethodOutcome)| {
                 [contacts(a), a.distance_m, contacts(b), b.distance_m]
             };
             world.iter().map(row).collect()
         };
-        let ways: Vec<_> = pairs.iter().map(ways).collect();
+        let distances: Vec<_> = pairs.iter().map(distances).collect();
         Differences {
-            contacts_per_100_m: bootstrap_of(&ways, |[a, way, b, other], _| {
-                ratio(a, way) - ratio(b, other)
+            contacts_per_100_m: bootstrap_of(&distances, |[a, distance, b, other], _| {
+                ratio(a, distance) - ratio(b, other)
             }),
             clean_percent: by_pair(clean),
             distance_m: by_pair(|outcome| outcome.distance_m),
@@ -162,7 +166,7 @@ mod tests {
             coverage_m2: 10.0,
             clearance_m: 0.1,
             bytes: 64,
-            seen: DriverObservation {
+            observation: DriverObservation {
                 losses: 2,
                 lost_ms: 3_000,
                 ..DriverObservation::default()
@@ -170,7 +174,7 @@ mod tests {
         };
         let clean = MethodOutcome {
             contacts: 0,
-            seen: DriverObservation::default(),
+            observation: DriverObservation::default(),
             ..outcome
         };
         ComparisonRow {

@@ -235,13 +235,16 @@ impl ConstantSearch {
         let outcomes: Result<Vec<Vec<MethodOutcome>>, Failure> = rooms
             .map(|room| drive(&candidate, &World::random(room), room, &self.conditions))
             .collect();
-        let (mut contacts, mut way, mut area) = (0.0, 0.0, 0.0);
+        let (mut contacts, mut distance, mut area) = (0.0, 0.0, 0.0);
         for outcome in outcomes?.iter().flatten() {
             contacts += f64::from(outcome.contacts);
-            way += outcome.distance_m;
+            distance += outcome.distance_m;
             area += outcome.coverage_m2;
         }
-        Ok(area / f64::from(self.rooms.max(1)) / (1.0 + 100.0 * contacts / f64::max(way, 1.0)))
+        Ok(
+            area / f64::from(self.rooms.max(1))
+                / (1.0 + 100.0 * contacts / f64::max(distance, 1.0)),
+        )
     }
 
     /// Runs the search. Calls `tried` for every constant that is settled: its name, its value and

@@ -160,22 +160,22 @@ impl<'w, const SENSORS: usize> AnyRing<'w, SENSORS> {
     /// Moves straight up to the first contact and reports it; returns whether there was one.
     fn carry_out(&mut self, motion: Motion) -> bool {
         let Displacement { dx_mm, dy_mm } = motion.displacement;
-        let asked = Point::new(f64::from(dx_mm), f64::from(dy_mm)) * 1e-3;
+        let commanded = Point::new(f64::from(dx_mm), f64::from(dy_mm)) * 1e-3;
         let (from, ring) = (self.pose.position, Point::unit(self.pose.heading));
         let radius_m = f64::from(self.config.robot.body_radius_mm) / 1e3;
-        let to = from + asked.turned(ring);
+        let to = from + commanded.turned(ring);
         let sweep = self.world.sweep(from, to, radius_m);
-        let length = asked.length();
+        let length = commanded.length();
         let share = if sweep.touched() && length > 0.0 {
             (sweep.traveled_m / length).min(1.0)
         } else {
             1.0
         };
-        let done = asked * share;
+        let done = commanded * share;
         self.pose.position = from + done.turned(ring);
         let mut turned = Bearing::ZERO;
         if self.turret == TurretMode::Follow && length > 0.0 {
-            let turns = libm::rint(asked.angle() / TAU * 65_536.0);
+            let turns = libm::rint(commanded.angle() / TAU * 65_536.0);
             turned = Bearing::from_turns(turns as i64 as u16);
             let angle = f64::from(turned.as_signed_turns()) / 65_536.0 * TAU;
             self.pose.heading = wrap_angle(self.pose.heading + angle);

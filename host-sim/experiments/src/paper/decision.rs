@@ -83,24 +83,24 @@ pub fn decision(
 ) -> Result<DecisionFigure, Failure> {
     for seed in (0..EPISODES).map(|i| seed.wrapping_add(i)) {
         let setup = rooms::setup(reading, Behavior::Avoid, seed, STEPS);
-        let watch = |keep_after| {
-            let mut watched = ObservedController::new(reading.config.clone(), keep_after);
-            run_with(world, &setup, &mut watched, |_, _, _| {}).map(|_| watched)
+        let run_observed = |keep_after| {
+            let mut observer = ObservedController::new(reading.config.clone(), keep_after);
+            run_with(world, &setup, &mut observer, |_, _, _| {}).map(|_| observer)
         };
-        let Some(chosen) = telling(&watch(0)?.seen) else {
+        let Some(chosen) = most_lateral(&run_observed(0)?.observed) else {
             continue;
         };
         // Second run: the maps keep learning, and the figure shows them at that decision.
-        let watched = watch(chosen + 1)?;
-        if let (Some(seen), Some(state)) = (watched.seen.get(chosen), &watched.later) {
-            return Ok(figure(reading, seed, chosen + 1, seen, state));
+        let observer = run_observed(chosen + 1)?;
+        if let (Some(observed), Some(state)) = (observer.observed.get(chosen), &observer.later) {
+            return Ok(figure(reading, seed, chosen + 1, observed, state));
         }
     }
     Err(Failure::Silent)
 }
 
 /// The decision toward a neighbor with the largest values on the left; the first among equals.
-fn telling(seen: &[ObservedDecision]) -> Option<usize> {
+fn most_lateral(observed: &[ObservedDecision]) -> Option<usize> {
     let to_the_left = |now: &ObservedDecision| -> i32 {
         let sum = |places: std::ops::Range<usize>| -> i32 {
             let values = now.situation.get(places).unwrap_or_default();
@@ -108,7 +108,7 @@ fn telling(seen: &[ObservedDecision]) -> Option<usize> {
         };
         sum(2..7) - sum(10..15)
     };
-    let decisions = seen.iter().enumerate();
+    let decisions = observed.iter().enumerate();
     decisions
         .filter(|(_, now)| now.plan.why == Why::Neighbour && to_the_left(now) > 0)
         .max_by_key(|(i, now)| (to_the_left(now), std::cmp::Reverse(*i)))
@@ -119,12 +119,12 @@ fn figure(
     reading: &PaperReading,
     seed: u64,
     number: usize,
-    seen: &ObservedDecision,
+    observed: &ObservedDecision,
     state: &SimState,
 ) -> DecisionFigure {
     let config = &reading.config;
     let goal = Goal::avoiding(config);
-    let plan = &seen.plan;
+    let plan = &observed.plan;
     let rows = |code: &[[Weight32; 16]; 16]| -> Vec<Vec<f64>> {
         code.iter()
             .map(|row| row.iter().map(|value| value.to_num()).collect())
@@ -152,9 +152,9 @@ fn figure(
             plan.action_neuron,
         ]
         .map(usize::from),
-        present: values(&seen.situation),
+        present: values(&observed.situation),
         goal: goal.components.iter().map(|c| c.high.to_num()).collect(),
-        aim: values(&seen.aim),
+        aim: values(&observed.aim),
         wanted: values(&plan.wanted),
         unmet_only: config.planning.unmet_only,
         action_m: meters(plan.action),

@@ -6,6 +6,7 @@
 use arena::robot::COLLISION_RADIUS_M;
 use arena::world::{Shape, World};
 use sim::recording::Step;
+use sim::statistics::mean;
 
 /// Surfaces farther away do not count as passed, m from the body.
 const PASSED_M: f64 = 1.0;
@@ -64,9 +65,8 @@ impl Gaps {
     /// Mean gaps to walls and to obstacles, m; `None` unless both were passed.
     #[must_use]
     pub fn means(&self) -> Option<[f64; 2]> {
-        let mean = |gaps: &[f64]| gaps.iter().sum::<f64>() / gaps.len() as f64;
         let both = !self.walls.is_empty() && !self.obstacles.is_empty();
-        both.then(|| [mean(&self.walls), mean(&self.obstacles)])
+        both.then(|| [&self.walls, &self.obstacles].map(|gaps| mean(gaps.iter().copied())))
     }
 }
 
@@ -94,7 +94,7 @@ mod tests {
             },
         ];
         let world = World::new("one post", Pose::default(), shapes).expect("a world");
-        let way: Vec<Step> = [
+        let steps: Vec<Step> = [
             (0.0, -3.0),
             (0.0, -3.4),
             (0.0, 0.0),
@@ -108,7 +108,7 @@ mod tests {
             ..Step::default()
         })
         .collect();
-        let gaps = Gaps::of(&world, &way);
+        let gaps = Gaps::of(&world, &steps);
         assert_eq!((gaps.walls.len(), gaps.obstacles.len()), (1, 1));
         assert!((gaps.walls[0] - (0.6 - COLLISION_RADIUS_M)).abs() < 1e-9);
         assert!((gaps.obstacles[0] - (0.3 - COLLISION_RADIUS_M)).abs() < 1e-9);

@@ -58,8 +58,8 @@ impl GoalSwitchProbe {
             let config = self.mind.config();
             let goal: Goal<16> = behavior.goal(config, &nest);
             let mut twin = before.clone();
-            let told = Event::Command(Command::Seek(goal));
-            let _ = handle(config, &mut twin, at, told);
+            let command = Event::Command(Command::Seek(goal));
+            let _ = handle(config, &mut twin, at, command);
             answer.tried += 1;
             let same = twin.memory() == before.memory()
                 && twin.situations() == before.situations()
@@ -113,15 +113,15 @@ pub fn measure(
             let world = World::random(room.wrapping_add(1));
             let mut setup = setup(reading, Behavior::Avoid, seed.wrapping_add(room), STEPS);
             setup.record = false;
-            let mut asked = GoalSwitchProbe {
+            let mut probe = GoalSwitchProbe {
                 mind: Mind::new(reading.config.clone()),
                 answers: vec![GoalSwitches::default(); goals.len()],
                 goals: goals.clone(),
                 nest: None,
                 decisions: 0,
             };
-            run_with(&world, &setup, &mut asked, |_, _, _| {})?;
-            Ok(asked.answers)
+            run_with(&world, &setup, &mut probe, |_, _, _| {})?;
+            Ok(probe.answers)
         })
         .collect();
     let none = vec![GoalSwitches::default(); goals.len()];
@@ -142,11 +142,11 @@ mod tests {
     fn the_same_goal_changes_nothing_and_another_one_the_action_alone() {
         let names = ["avoid", "wall-right"];
         let answers = measure(&readings()[0], &names, 2, 1).expect("episodes");
-        let asked = 2 * STEPS / EVERY as u32;
+        let probe = 2 * STEPS / EVERY as u32;
         for answer in &answers {
-            assert_eq!((answer.tried, answer.unchanged), (asked, asked));
+            assert_eq!((answer.tried, answer.unchanged), (probe, probe));
         }
         assert_eq!(answers[0].other_action, 0);
-        assert!(answers[1].other_action > asked / 2);
+        assert!(answers[1].other_action > probe / 2);
     }
 }

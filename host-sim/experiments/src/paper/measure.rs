@@ -129,32 +129,32 @@ impl From<BadInput> for Unmeasured {
 ///
 /// # Errors
 /// When an episode fails.
-pub fn measure(size: Size, watcher: &impl ProgressListener) -> Result<Measured, Unmeasured> {
+pub fn measure(size: Size, progress: &impl ProgressListener) -> Result<Measured, Unmeasured> {
     let readings = readings();
     Ok(Measured {
         size,
-        chains: chains(size, watcher),
-        miniatures: miniatures(size, watcher)?,
-        decisions: decisions(size, &readings, watcher)?,
+        chains: chains(size, progress),
+        miniatures: miniatures(size, progress)?,
+        decisions: decisions(size, &readings, progress)?,
         episodes: [
             episode(&World::paper()?, &readings[1], size.seed)?,
             episode(&World::paper()?, &readings[2], size.seed)?,
         ],
         arena: arena(size, &readings)?,
         rooms: by_reading(&readings, |reading| {
-            watcher.begin("rooms", u64::from(size.rooms));
-            rooms::measure(reading, size.rooms, size.seed, &|| watcher.done())
+            progress.begin("rooms", u64::from(size.rooms));
+            rooms::measure(reading, size.rooms, size.seed, &|| progress.done())
         })?,
         goal_switches: by_reading(&readings, |reading| {
             let rooms = size.rooms.div_ceil(10);
             goal_switch::measure(reading, &Behavior::NAMES, rooms, size.seed)
         })?,
-        moves: moves(size, &readings, watcher)?,
-        behaviors: reached(size, &readings, watcher)?,
-        repetitions: repetitions(size, &readings[0], watcher)?,
-        rings: rings(size, &readings[0], watcher),
+        moves: moves(size, &readings, progress)?,
+        behaviors: reached(size, &readings, progress)?,
+        repetitions: repetitions(size, &readings[0], progress)?,
+        rings: rings(size, &readings[0], progress),
         following: following(size, &readings[0])?,
-        compared: compared(size, watcher)?,
+        compared: compared(size, progress)?,
     })
 }
 
@@ -172,23 +172,23 @@ fn seeds(size: Size) -> impl ParallelIterator<Item = u64> {
         .map(move |i| size.seed.wrapping_add(i))
 }
 
-fn chains(size: Size, watcher: &impl ProgressListener) -> [Vec<Chain>; 3] {
-    watcher.begin("chains", 3 * u64::from(size.draws));
+fn chains(size: Size, progress: &impl ProgressListener) -> [Vec<Chain>; 3] {
+    progress.begin("chains", 3 * u64::from(size.draws));
     [Cloud::Uniform, Cloud::Clusters, Cloud::Uneven].map(|cloud| {
         let of_seed = |seed| {
             let chain = Chain::trained(cloud, seed);
-            watcher.done();
+            progress.done();
             chain
         };
         seeds(size).map(of_seed).collect()
     })
 }
 
-fn miniatures(size: Size, watcher: &impl ProgressListener) -> Result<Vec<Miniature>, BadInput> {
-    watcher.begin("minis", u64::from(size.draws));
+fn miniatures(size: Size, progress: &impl ProgressListener) -> Result<Vec<Miniature>, BadInput> {
+    progress.begin("minis", u64::from(size.draws));
     let of_seed = |seed| {
         let walked = miniature::walk(seed);
-        watcher.done();
+        progress.done();
         walked
     };
     seeds(size).map(of_seed).collect()
@@ -197,13 +197,13 @@ fn miniatures(size: Size, watcher: &impl ProgressListener) -> Result<Vec<Miniatu
 fn decisions(
     size: Size,
     readings: &[PaperReading; 3],
-    watcher: &impl ProgressListener,
+    progress: &impl ProgressListener,
 ) -> Result<[DecisionFigure; 2], Unmeasured> {
-    watcher.begin("decision", 2);
+    progress.begin("decision", 2);
     let world = World::paper()?;
     let one = |reading| {
         let shown = decision(reading, &world, size.seed);
-        watcher.done();
+        progress.done();
         shown
     };
     Ok([one(&readings[1])?, one(&readings[2])?])
@@ -249,12 +249,12 @@ fn variant(reading: &PaperReading, turret: TurretMode) -> Variant {
 fn moves(
     size: Size,
     readings: &[PaperReading; 3],
-    watcher: &impl ProgressListener,
+    progress: &impl ProgressListener,
 ) -> Result<Vec<[AblationFigures; 2]>, Failure> {
-    watcher.begin("moves", 2 * FEWER_MOVES.len() as u64);
+    progress.begin("moves", 2 * FEWER_MOVES.len() as u64);
     let one = |reading: &PaperReading, moves| {
         let figures = ablation::measure(&variant(reading, reading.turret), &trial(size, moves));
-        watcher.done();
+        progress.done();
         figures
     };
     FEWER_MOVES
@@ -267,7 +267,7 @@ fn following(size: Size, reading: &PaperReading) -> Result<AblationFigures, Fail
     ablation::measure(&variant(reading, TurretMode::Follow), &trial(size, MOVES))
 }
 
-fn compared(size: Size, watcher: &impl ProgressListener) -> Result<Vec<ComparisonRow>, Failure> {
+fn compared(size: Size, progress: &impl ProgressListener) -> Result<Vec<ComparisonRow>, Failure> {
     let plan = ComparisonPlan {
         worlds: (1..=u64::from(size.worlds)).map(World::random).collect(),
         first_seed: size.seed,
@@ -288,8 +288,8 @@ fn compared(size: Size, watcher: &impl ProgressListener) -> Result<Vec<Compariso
             timed: false,
         }],
     };
-    watcher.begin("learners", plan.len() as u64);
-    compare::measure(&plan, &|| watcher.done())
+    progress.begin("learners", plan.len() as u64);
+    compare::measure(&plan, &|| progress.done())
 }
 
 fn behavior_trial(size: Size, reading: &PaperReading) -> behaviors::BehaviorTrial {
@@ -313,53 +313,53 @@ fn scenes() -> impl Iterator<Item = &'static BehaviorScene> {
 fn reached(
     size: Size,
     readings: &[PaperReading; 3],
-    watcher: &impl ProgressListener,
+    progress: &impl ProgressListener,
 ) -> Result<Vec<Reached>, Failure> {
     // Avoidance is measured in other rooms, and a distance is no success.
-    let asked: Vec<_> = scenes()
+    let selected: Vec<_> = scenes()
         .filter(|scene| scene.behavior != "avoid" && scene.measure != "distance m")
         .collect();
     let each = 3 * u64::from(size.worlds) * u64::from(size.seeds);
-    watcher.begin("goals", asked.len() as u64 * each);
+    progress.begin("goals", selected.len() as u64 * each);
     let of_scene = |scene: &'static BehaviorScene| {
         let outcomes = by_reading(readings, |reading| {
-            behaviors::measure(scene, &behavior_trial(size, reading), &|| watcher.done())
+            behaviors::measure(scene, &behavior_trial(size, reading), &|| progress.done())
         })?;
         Ok((scene, outcomes))
     };
-    asked.into_iter().map(of_scene).collect()
+    selected.into_iter().map(of_scene).collect()
 }
 
 fn repetitions(
     size: Size,
     reading: &PaperReading,
-    watcher: &impl ProgressListener,
+    progress: &impl ProgressListener,
 ) -> Result<Vec<(&'static BehaviorScene, Curve)>, Failure> {
     // A perfect first result cannot improve; a chain already repeats its parts.
-    let asked: Vec<_> = scenes()
+    let selected: Vec<_> = scenes()
         .filter(|scene| {
             let settled = ["clean rooms", "distance m"].contains(&scene.measure);
             !settled && scene.place != "4 m × 4 m" && !scene.behavior.contains(',')
         })
         .collect();
     let each = 2 * u64::from(size.worlds) * u64::from(size.seeds);
-    watcher.begin("repeat", asked.len() as u64 * each);
+    progress.begin("repeat", selected.len() as u64 * each);
     let of_scene = |scene: &'static BehaviorScene| {
         let trial = behavior_trial(size, reading);
-        let curve = repetition::measure(scene, &trial, size.times, &|| watcher.done())?;
+        let curve = repetition::measure(scene, &trial, size.times, &|| progress.done())?;
         Ok((scene, curve))
     };
-    asked.into_iter().map(of_scene).collect()
+    selected.into_iter().map(of_scene).collect()
 }
 
 fn rings(
     size: Size,
     reading: &PaperReading,
-    watcher: &impl ProgressListener,
+    progress: &impl ProgressListener,
 ) -> Vec<(usize, Vec<Count>)> {
-    watcher.begin("rings", 3);
+    progress.begin("rings", 3);
     let one = |counts: Vec<Count>, sensors| {
-        watcher.done();
+        progress.done();
         (sensors, counts)
     };
     vec![

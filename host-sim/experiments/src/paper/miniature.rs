@@ -35,7 +35,7 @@ pub struct Miniature {
     /// Radius of its body, m.
     pub radius_m: f64,
     /// Topology of the map.
-    pub order: MapTopology,
+    pub topology: MapTopology,
     /// Counts of the random moves.
     pub exploration: Count,
     /// Counts of the avoidance that follows, with frozen maps.
@@ -65,7 +65,7 @@ pub fn walk(seed: u64) -> Result<Miniature, BadInput> {
         .iter()
         .map(|sample| from_bytes(&sample.after).0)
         .collect();
-    let order = topology_of(situations, &perceived, seed);
+    let topology = topology_of(situations, &perceived, seed);
     let (_, hits) = situations.quality(&perceived);
     let map = MapRecord {
         grid: [4, 4],
@@ -91,7 +91,7 @@ pub fn walk(seed: u64) -> Result<Miniature, BadInput> {
         map,
         walk,
         radius_m,
-        order,
+        topology,
         exploration,
         seeking,
         world,

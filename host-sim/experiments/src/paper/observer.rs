@@ -32,7 +32,7 @@ pub struct ObservedController {
     keep_after: usize,
     goal: Option<Goal<16>>,
     /// All decisions toward the goal.
-    pub seen: Vec<ObservedDecision>,
+    pub observed: Vec<ObservedDecision>,
     /// State when the goal arrived.
     pub learned: Option<Box<SimState>>,
     /// State `keep_after` decisions later.
@@ -47,7 +47,7 @@ impl ObservedController {
             mind: Mind::new(config),
             keep_after,
             goal: None,
-            seen: Vec::new(),
+            observed: Vec::new(),
             learned: None,
             later: None,
         }
@@ -73,14 +73,14 @@ impl Pilot for ObservedController {
                 goal.map_or(0, |goal| goal.distance(&code(neuron), Mask::ALL))
             };
             let now = away(plan.current_neuron);
-            self.seen.push(ObservedDecision {
+            self.observed.push(ObservedDecision {
                 situation: decision.situation,
                 plan,
                 aim: code(plan.intermediate_neuron),
                 aim_is_nearer: away(plan.intermediate_neuron) < now,
                 neuron_meets_goal: now == 0,
             });
-            if self.seen.len() == self.keep_after {
+            if self.observed.len() == self.keep_after {
                 self.later = Some(Box::new(self.mind.state().clone()));
             }
         }

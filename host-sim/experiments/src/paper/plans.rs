@@ -46,10 +46,10 @@ pub struct Plans {
 impl Plans {
     /// Counts the plans of one episode.
     #[must_use]
-    pub fn of(seen: &[ObservedDecision]) -> Self {
+    pub fn of(observed: &[ObservedDecision]) -> Self {
         let mut plans = Self::default();
         let mut stretch = 0;
-        for (i, now) in seen.iter().enumerate() {
+        for (i, now) in observed.iter().enumerate() {
             if now.plan.at_goal {
                 plans.end(&mut stretch);
                 continue;
@@ -63,7 +63,7 @@ impl Plans {
             plans.at_goal_neuron += u32::from(!neighbor && there);
             let lost = now.plan.why == Why::NoNearerNeighbour;
             plans.no_nearer += u32::from(lost && !there);
-            if let Some(next) = seen.get(i + 1) {
+            if let Some(next) = observed.get(i + 1) {
                 plans.follow(now, next);
             }
         }
@@ -132,7 +132,7 @@ impl Plans {
 
 /// Paths over neighbors to a goal, on a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Ways {
+pub struct GoalPaths {
     /// Neurons that do not represent the goal.
     pub neurons: u32,
     /// Of `neurons`: a direct neighbor's code vector is nearer to the goal.
@@ -146,7 +146,7 @@ pub struct Ways {
     pub joined: u32,
 }
 
-impl Ways {
+impl GoalPaths {
     /// Counts the paths of a situation map to a goal.
     #[must_use]
     pub fn of(state: &SimState, goal: &Goal<16>) -> Self {
@@ -156,22 +156,22 @@ impl Ways {
             .map(|k| goal.distance(&map.code_vector(k), Mask::ALL))
             .collect();
         let goal_neuron = (0..away.len()).min_by_key(|&k| away[k]).unwrap_or(0);
-        let mut ways = Self::default();
+        let mut goal_paths = Self::default();
         for k in (0..away.len()).filter(|&k| k != goal_neuron && away[k] > 0) {
-            ways.neurons += 1;
+            goal_paths.neurons += 1;
             let nearest = grid.neighbors(k).map(|n| away[n]).min();
-            ways.with_nearer += u32::from(nearest.is_some_and(|n| n < away[k]));
+            goal_paths.with_nearer += u32::from(nearest.is_some_and(|n| n < away[k]));
             let by_hops = grid
                 .neighbors(k)
                 .min_by_key(|&n| (grid.hops(n, goal_neuron), away[n], n));
-            ways.by_hops += u32::from(by_hops.is_some_and(|n| away[n] < away[k]));
+            goal_paths.by_hops += u32::from(by_hops.is_some_and(|n| away[n] < away[k]));
         }
         for end in 0..away.len() {
             let starts = (0..away.len()).filter(|&start| start != end);
-            ways.pairs += away.len() as u32 - 1;
-            ways.joined += starts.filter(|&start| leads(map, start, end)).count() as u32;
+            goal_paths.pairs += away.len() as u32 - 1;
+            goal_paths.joined += starts.filter(|&start| leads(map, start, end)).count() as u32;
         }
-        ways
+        goal_paths
     }
 
     /// The sum of both.
@@ -212,7 +212,7 @@ mod tests {
     use amp::planner::Plan;
     use amp::units::Displacement;
 
-    fn seen(value: f64, at_goal: bool, why: Why) -> ObservedDecision {
+    fn observed(value: f64, at_goal: bool, why: Why) -> ObservedDecision {
         let all = |value: f64| [Weight::from_num(value); 16];
         ObservedDecision {
             situation: all(value),
@@ -236,11 +236,11 @@ mod tests {
     #[test]
     fn stretches_and_aims_are_counted() {
         let episode = [
-            seen(0.75, false, Why::Neighbour),
-            seen(0.5, false, Why::NoNearerNeighbour),
-            seen(0.0, true, Why::KeepCourse),
-            seen(0.25, false, Why::Neighbour),
-            seen(0.5, false, Why::GoalNeuron),
+            observed(0.75, false, Why::Neighbour),
+            observed(0.5, false, Why::NoNearerNeighbour),
+            observed(0.0, true, Why::KeepCourse),
+            observed(0.25, false, Why::Neighbour),
+            observed(0.5, false, Why::GoalNeuron),
         ];
         let plans = Plans::of(&episode);
         assert_eq!(

@@ -8,6 +8,7 @@ use amp::memory::from_bytes;
 use amp::planner::difference;
 use amp::som::Som;
 use sim::pilot::SimState;
+use sim::statistics::mean;
 
 /// Recall of actions from changes that were not learned.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -49,7 +50,7 @@ impl ActionRecall {
 /// Number of samples that resemble the present situation: nearer than the mean change of a move.
 /// Looks at every tenth situation of an episode.
 #[must_use]
-pub fn samples_alike(state: &SimState, seen: &[ObservedDecision]) -> Vec<usize> {
+pub fn samples_alike(state: &SimState, observed: &[ObservedDecision]) -> Vec<usize> {
     let samples: Vec<_> = state
         .memory()
         .samples()
@@ -59,12 +60,12 @@ pub fn samples_alike(state: &SimState, seen: &[ObservedDecision]) -> Vec<usize> 
     let changes = samples
         .iter()
         .map(|(before, after)| length(&change(after, before)));
-    let usual = changes.sum::<f64>() / samples.len().max(1) as f64;
+    let usual = mean(changes);
     let alike = |now: &ObservedDecision| {
         let near = |before: &[Weight]| length(&change(before, &now.situation)) < usual;
         samples.iter().filter(|(before, _)| near(before)).count()
     };
-    seen.iter().step_by(10).map(alike).collect()
+    observed.iter().step_by(10).map(alike).collect()
 }
 
 /// A situation map before and after online learning, evaluated on later situations.
@@ -83,8 +84,8 @@ pub struct Discreteness {
 impl Discreteness {
     /// Evaluates both maps on the same situations.
     #[must_use]
-    pub fn of(before: &SimState, after: &SimState, seen: &[ObservedDecision]) -> Self {
-        let situations: Vec<_> = seen.iter().map(|seen| seen.situation).collect();
+    pub fn of(before: &SimState, after: &SimState, observed: &[ObservedDecision]) -> Self {
+        let situations: Vec<_> = observed.iter().map(|observed| observed.situation).collect();
         let judge = |map: &Som<16, 16>| {
             let (quality, hits) = map.quality(&situations);
             let error = quality.quantization_error_q21() as f64 / f64::from(1 << 21);
@@ -113,15 +114,15 @@ mod tests {
         let reading = &readings()[1];
         let world = World::random(1);
         let setup = rooms::setup(reading, Behavior::Avoid, 1, 20);
-        let mut watched = ObservedController::new(reading.config.clone(), 10);
-        sim::episode::run_with(&world, &setup, &mut watched, |_, _, _| {}).expect("an episode");
-        let (Some(learned), Some(later)) = (watched.learned, watched.later) else {
+        let mut observer = ObservedController::new(reading.config.clone(), 10);
+        sim::episode::run_with(&world, &setup, &mut observer, |_, _, _| {}).expect("an episode");
+        let (Some(learned), Some(later)) = (observer.learned, observer.later) else {
             panic!("both states are kept");
         };
         let own = ActionRecall::of(&learned, &learned, &reading.config);
         assert!(own.errors_deg.len() >= 90);
         // The mean error of a random answer is 90°.
-        let mean = own.errors_deg.iter().sum::<f64>() / own.errors_deg.len() as f64;
+        let mean = mean(own.errors_deg.iter().copied());
         assert!(mean < 80.0, "{mean}");
         assert!(
             own.errors_deg
@@ -129,11 +130,11 @@ mod tests {
                 .all(|error| (0.0..=180.0).contains(error))
         );
         // At the start of a sample the robot finds at least that sample.
-        let mut there = watched.seen.first().copied().expect("a decision");
+        let mut there = observer.observed.first().copied().expect("a decision");
         there.situation = from_bytes(&learned.memory().samples()[7].before).0;
         assert!(samples_alike(&learned, &[there])[0] >= 1);
-        let same = Discreteness::of(&learned, &learned, &watched.seen);
+        let same = Discreteness::of(&learned, &learned, &observer.observed);
         assert_eq!(same.error_before, same.error_after);
-        assert_ne!(Discreteness::of(&learned, &later, &watched.seen), same);
+        assert_ne!(Discreteness::of(&learned, &later, &observer.observed), same);
     }
 }

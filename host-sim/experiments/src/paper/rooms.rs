@@ -2,7 +2,7 @@
 
 use super::gaps::Gaps;
 use super::observer::ObservedController;
-use super::plans::{Plans, Ways};
+use super::plans::{GoalPaths, Plans};
 use super::recall::{ActionRecall, Discreteness, samples_alike};
 use super::topology::{MapTopology, topology_of};
 use super::{PaperReading, STEPS};
@@ -28,9 +28,9 @@ pub struct RoomResult {
     /// Outcome of its plans.
     pub plans: Plans,
     /// Paths over the situation map after the random moves.
-    pub ways: Ways,
+    pub goal_paths: GoalPaths,
     /// Topology of that map.
-    pub order: MapTopology,
+    pub topology: MapTopology,
     /// Gaps to passed surfaces.
     pub gaps: Gaps,
     /// Recall of moves that were not learned.
@@ -84,22 +84,22 @@ pub fn measure(
 fn one(reading: &PaperReading, world: &World, seed: u64) -> Result<RoomResult, Failure> {
     let half = STEPS as usize / 2;
     let setup = setup(reading, Behavior::Avoid, seed, STEPS);
-    let mut watched = ObservedController::new(reading.config.clone(), half);
-    let episode = run_with(world, &setup, &mut watched, |_, _, _| {})?;
+    let mut observer = ObservedController::new(reading.config.clone(), half);
+    let episode = run_with(world, &setup, &mut observer, |_, _, _| {})?;
     let others = other_moves(&setup, world)?;
     let steps = episode.recording.map_or(Vec::new(), |r| r.seeking);
     let goal = Goal::avoiding(&reading.config);
-    let learned = watched.learned.as_deref().ok_or(Failure::Silent)?;
-    let late = watched.seen.get(half..).unwrap_or_default();
+    let learned = observer.learned.as_deref().ok_or(Failure::Silent)?;
+    let late = observer.observed.get(half..).unwrap_or_default();
     Ok(RoomResult {
         report: episode.report,
-        plans: Plans::of(&watched.seen),
-        ways: Ways::of(learned, &goal),
-        order: topology_of(learned.situations(), &lessons(learned, reading), seed),
+        plans: Plans::of(&observer.observed),
+        goal_paths: GoalPaths::of(learned, &goal),
+        topology: topology_of(learned.situations(), &lessons(learned, reading), seed),
         gaps: Gaps::of(world, &steps),
         recalled: ActionRecall::of(learned, &others, &reading.config),
-        alike: samples_alike(learned, &watched.seen),
-        discreteness: watched
+        alike: samples_alike(learned, &observer.observed),
+        discreteness: observer
             .later
             .as_deref()
             .map(|later| Discreteness::of(learned, later, late)),
@@ -131,7 +131,7 @@ fn other_moves(setup: &Setup, world: &World) -> Result<Box<SimState>, Failure> {
         record: false,
         ..setup.clone()
     };
-    let mut watched = ObservedController::new(other.config.clone(), 0);
-    run_with(world, &other, &mut watched, |_, _, _| {})?;
-    watched.learned.ok_or(Failure::Silent)
+    let mut observer = ObservedController::new(other.config.clone(), 0);
+    run_with(world, &other, &mut observer, |_, _, _| {})?;
+    observer.learned.ok_or(Failure::Silent)
 }

@@ -3,6 +3,7 @@
 use amp::fixed::{Weight, Weight32};
 use amp::som::{Grid, Som};
 use arena::noise::Noise;
+use sim::statistics::pearson;
 
 /// Number of random permutations of the code vectors with which a map is compared.
 pub const SHUFFLINGS: usize = 999;
@@ -92,25 +93,6 @@ fn means(
     (mean(sums[0]), mean(sums[1]))
 }
 
-/// Pearson correlation of pairs; 0 if either side is constant.
-#[must_use]
-pub fn pearson(pairs: &[[f64; 2]]) -> f64 {
-    let count = pairs.len().max(1) as f64;
-    let mean = [0, 1].map(|i| pairs.iter().map(|pair| pair[i]).sum::<f64>() / count);
-    let product = |i: usize, j: usize| {
-        pairs
-            .iter()
-            .map(|pair| (pair[i] - mean[i]) * (pair[j] - mean[j]))
-            .sum::<f64>()
-    };
-    let scale = (product(0, 0) * product(1, 1)).sqrt();
-    if scale > 0.0 {
-        product(0, 1) / scale
-    } else {
-        0.0
-    }
-}
-
 fn difference(a: &[Weight32], b: &[Weight32]) -> f64 {
     let squares = a.iter().zip(b).map(|(a, b)| {
         let gap: f64 = a.to_num::<f64>() - b.to_num::<f64>();
@@ -143,12 +125,5 @@ mod tests {
         let bad = topology_of(&chain(mixed), &samples, 1);
         assert!(bad.neighbors > 3.0 * good.neighbors);
         assert!(bad.as_good_by_chance > 200 && bad.topographic_error > 0.5);
-    }
-
-    #[test]
-    fn correlations_of_known_pairs() {
-        assert!((pearson(&[[0.0, 1.0], [1.0, 3.0], [2.0, 5.0]]) - 1.0).abs() < 1e-12);
-        assert!((pearson(&[[0.0, 1.0], [1.0, 0.0], [2.0, -1.0]]) + 1.0).abs() < 1e-12);
-        assert_eq!(pearson(&[[0.0, 1.0], [1.0, 1.0]]), 0.0);
     }
 }

@@ -135,12 +135,12 @@ fn bases(svg: &mut Svg, shown: &DecisionFigure, ring: &[f64]) {
     arrow(svg, [from + 234.0, TOP + 46.0], -FRAC_PI_2, 32.0, 2.0);
     let style = stroke(INK, 2.0);
     let (above, edge) = (TOP - 12.0, second + 220.0);
-    let way = [
+    let line = [
         [from + 246.0, TOP + 46.0],
         [from + 246.0, above],
         [edge, above],
     ];
-    svg.polyline(&way, &style);
+    svg.polyline(&line, &style);
     arrow(svg, [edge, above - 1.0], PI, 26.0, 2.0);
     for x in [first, second] {
         arrow(svg, [x + 2.0 * TILE, TOP + 77.0], PI, 18.0, 2.0);

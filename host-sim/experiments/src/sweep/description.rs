@@ -69,7 +69,12 @@ impl Description {
     pub fn load(path: &Path, vocabulary: &Vocabulary) -> Result<Self, BadInput> {
         let text = read_text(path, MAX_FILE_BYTES)?;
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-        Self::read(&text, &path.display().to_string(), &tame(&stem), vocabulary)
+        Self::read(
+            &text,
+            &path.display().to_string(),
+            &safe_name(&stem),
+            vocabulary,
+        )
     }
 
     /// Reads the text of a sweep's file. `source` names it in errors; `default_name` is the sweep's
@@ -107,9 +112,9 @@ impl Description {
 }
 
 /// Turns a file's name into a valid name of a sweep.
-fn tame(name: &str) -> String {
-    let tame = |c: char| if is_plain(c) { c } else { '-' };
-    name.chars().map(tame).collect()
+fn safe_name(name: &str) -> String {
+    let safe_name = |c: char| if is_plain(c) { c } else { '-' };
+    name.chars().map(safe_name).collect()
 }
 
 fn is_plain(c: char) -> bool {

@@ -1,7 +1,7 @@
 //! Results of a sweep's episodes, grouped by the values of one option over all others.
 
 use super::table::{ResultsTable, Texts};
-use sim::statistics::{Mean, bootstrap, wilson};
+use sim::statistics::{Mean, bootstrap, mean, wilson};
 use std::collections::BTreeMap;
 
 /// Largest number of values of an option that are distinguished.
@@ -90,12 +90,12 @@ impl SweepOutcome {
                 .or_default()
                 .push(successes);
         }
-        let ways = rows.iter().map(|&row| value(distances, row));
+        let driven = rows.iter().map(|&row| value(distances, row));
         Some(Self {
             episodes: rows.len(),
             clean: wilson(rows.iter().filter(is_clean).count(), rows.len()),
             success: bootstrap(&by_world.into_values().collect::<Vec<_>>()),
-            distance_m: ways.sum::<f64>() / rows.len() as f64,
+            distance_m: mean(driven),
         })
     }
 }

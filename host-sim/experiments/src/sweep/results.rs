@@ -188,7 +188,7 @@ impl ResultsFile {
             // Some network file systems have no locks.
             Ok(()) | Err(TryLockError::Error(_)) => {}
         }
-        let (whole, done) = look(path, &file, header, shard)?;
+        let (whole, done) = scan_rows(path, &file, header, shard)?;
         let mut results = Self {
             file,
             path: path.to_owned(),
@@ -242,7 +242,7 @@ fn unwritable(path: &Path, error: &io::Error) -> BadInput {
 }
 
 /// Length of the whole rows, and their number.
-fn look(
+fn scan_rows(
     path: &Path,
     file: &File,
     header: &ResultsHeader,

@@ -21,7 +21,7 @@ const CONTACT: f64 = 20.0;
 ///
 /// The first decision of the episode is left out where possible: its change of situation is
 /// unknown.
-pub fn telling(steps: &[Step], count: usize) -> Range<usize> {
+pub fn best_avoidance(steps: &[Step], count: usize) -> Range<usize> {
     if steps.len() <= count {
         return 0..steps.len();
     }
@@ -118,21 +118,21 @@ mod tests {
         for (t, value) in [(33, 0.4), (34, 0.9), (35, 0.5)] {
             steps[t].situation[0] = value;
         }
-        let range = telling(&steps, 8);
+        let range = best_avoidance(&steps, 8);
         assert_eq!(range.len(), 8);
         assert!(range.start < 33 && range.end > 36, "{range:?}");
         // A long straight path through free space does not count.
         steps[50].pose.position.x += 3.0;
-        assert_eq!(telling(&steps, 8), range);
+        assert_eq!(best_avoidance(&steps, 8), range);
         steps[34].touched = true;
-        assert!(!telling(&steps, 8).contains(&34));
+        assert!(!best_avoidance(&steps, 8).contains(&34));
     }
 
     #[test]
     fn short_episodes_are_taken_whole() {
         let steps = recording().seeking;
-        assert_eq!(telling(&steps[..3], 8), 0..3);
-        assert_eq!(telling(&[], 8), 0..0);
-        assert_eq!(telling(&steps[..9], 8), 1..9);
+        assert_eq!(best_avoidance(&steps[..3], 8), 0..3);
+        assert_eq!(best_avoidance(&[], 8), 0..0);
+        assert_eq!(best_avoidance(&steps[..9], 8), 1..9);
     }
 }

@@ -29,19 +29,19 @@ const SHIELDED: [Drawn; 3] = [
 /// An SVG document; `None` if no method with several numbers of moves was compared.
 pub fn picture(report: &ComparisonTables) -> Option<String> {
     let all = report.by_shield().next()?;
-    let first = all.iter().find(|line| line.method.goes_on_learning())?;
+    let first = all.iter().find(|line| line.method.learns_by_reward())?;
     let moves = budgets(all, first.method);
     let names: Vec<ComparedMethod> = [ComparedMethod::Default, ComparedMethod::Probe]
         .into_iter()
         .chain(
             ComparedMethod::ALL
                 .into_iter()
-                .filter(|method| method.goes_on_learning()),
+                .filter(|method| method.learns_by_reward()),
         )
         .filter(|method| !budgets(all, *method).is_empty())
         .collect();
     let name = |method: &ComparedMethod| {
-        if method.goes_on_learning() {
+        if method.learns_by_reward() {
             (method.name().to_owned(), false)
         } else {
             (format!("{}, {MOVES} moves", method.name()), true)

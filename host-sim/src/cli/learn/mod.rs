@@ -24,7 +24,7 @@ pub fn learn(args: &LearnArgs, out: &mut impl Write) -> Result<(), CliError> {
     let progress = bar(args.map.0.len() as u64, "maps");
     let found = study(&task, &args.map.0, &args.lesson(), &|| progress.inc(1))?;
     progress.finish_and_clear();
-    let told = LearnResults {
+    let results = LearnResults {
         args,
         log: &log,
         task: &task,
@@ -32,13 +32,13 @@ pub fn learn(args: &LearnArgs, out: &mut impl Write) -> Result<(), CliError> {
     };
     if args.json {
         for map in &found.maps {
-            writeln!(out, "{}", told.object(map))?;
+            writeln!(out, "{}", results.object(map))?;
         }
     } else {
-        told.tables(out)?;
+        results.tables(out)?;
     }
     if let Some(folder) = &args.out {
-        told.pictures(folder)?;
+        results.pictures(folder)?;
         if !args.json {
             writeln!(
                 out,

@@ -218,8 +218,8 @@ impl CheckedVerb {
             LinkVerb::Goal { goal } => Self::Goal(match goal.as_str() {
                 "avoid" => GoalBy::Avoid,
                 "perceived" => GoalBy::Perceived,
-                kept if kept.starts_with("kept:") => {
-                    GoalBy::Kept(name(kept.trim_start_matches("kept:"))?)
+                saved if saved.starts_with("kept:") => {
+                    GoalBy::Kept(name(saved.trim_start_matches("kept:"))?)
                 }
                 name => GoalBy::Components(goal_by_name(name)?),
             }),

@@ -1,12 +1,13 @@
 //! Claims of sections 3 and 5.1: obstacle avoidance (Figs. 5 and 6), other behaviors, any robot.
 
-use super::{Claim, ClaimVerdict, PRESETS, each, mean, percent, percents, reinforcement};
+use super::{Claim, ClaimVerdict, PRESETS, by_preset, percent, percents, reinforcement};
 use crate::behaviors::SceneOutcome;
 use crate::paper::any_ring::Count;
 use crate::paper::gaps::Gaps;
 use crate::paper::goal_switch::GoalSwitches;
 use crate::paper::measure::{FEWER_MOVES, Measured, Reached};
 use sim::scenes::Behavior;
+use sim::statistics::mean;
 use sim::statistics::{Mean, bootstrap};
 
 /// The claims of these sections, in order.
@@ -17,14 +18,14 @@ pub(super) fn claims(measured: &Measured) -> Vec<Claim> {
     claims.push(hundred_moves(measured));
     claims.push(reinforcement::fewer_moves(measured));
     claims.push(goal_switches(measured));
-    claims.push(asked(
+    claims.push(requirement_claim(
         measured,
         "avoid-right",
         "3",
         "avoidance that avoids by the right side",
     ));
-    claims.push(asked(measured, "wall-", "3", "wall following"));
-    claims.push(asked(measured, "nest", "3", "go-to-the-nest"));
+    claims.push(requirement_claim(measured, "wall-", "3", "wall following"));
+    claims.push(requirement_claim(measured, "nest", "3", "go-to-the-nest"));
     claims.extend([
         Claim::new("Fig. 5", "starts in the center and moves towards the right")
             .untestable("Neither the figure's arena nor its seed is given; the path drawn here is one of many."),
@@ -32,7 +33,7 @@ pub(super) fn claims(measured: &Measured) -> Vec<Claim> {
         Claim::new("Fig. 5", "both maps use 16 neurons and a neighborhood of 4")
             .by_construction("So do all presets here"),
         any_behavior(measured),
-        asked(measured, "follow", "5.1", "many different behaviors, such as following another robot"),
+        requirement_claim(measured, "follow", "5.1", "many different behaviors, such as following another robot"),
         any_robot(measured),
         Claim::new("5.1", "the amount of supervision required is minimal").untestable(
             "An opinion; what is given here is one goal: 16 intervals with weights, no reward, no examples.",
@@ -63,7 +64,7 @@ fn no_bumps(measured: &Measured) -> Claim {
     )
     .holds_if("nothing touched in 1000 decisions in ≥ 99 % of rooms, by the maps alone")
     .measured(
-        each(&PRESETS, &clean, text),
+        by_preset(&PRESETS, &clean, text),
         format!("{} rooms of 12 boxes per preset", measured.size.rooms),
     )
     .verdict(ClaimVerdict::of(&clean.map(|[clean, _]| clean >= 99.0)))
@@ -144,7 +145,7 @@ fn goal_switches(measured: &Measured) -> Claim {
     )
     .holds_if("memory and maps bit-identical, and another next action in ≥ 50 %")
     .measured(
-        each(&PRESETS, &sums, text),
+        by_preset(&PRESETS, &sums, text),
         format!(
             "{} changes from avoidance to {others} other goals per preset",
             sums[0].0
@@ -155,17 +156,22 @@ fn goal_switches(measured: &Measured) -> Claim {
 
 /// Whether an outcome meets the scene's requirement ("≥ 0.80", "≤ 0.20"); without a number, a share
 /// must be 1.
-fn is_reached(asked: &str, outcome: &SceneOutcome) -> bool {
+fn is_reached(required: &str, outcome: &SceneOutcome) -> bool {
     let number = |text: &str| text.trim().parse::<f64>().unwrap_or(f64::NAN);
     let value = outcome.value.mean;
-    match (asked.strip_prefix('≥'), asked.strip_prefix('≤')) {
+    match (required.strip_prefix('≥'), required.strip_prefix('≤')) {
         (Some(least), _) => value >= number(least),
         (_, Some(most)) => value <= number(most),
         _ => value >= 0.95,
     }
 }
 
-fn asked(measured: &Measured, name: &str, section: &'static str, words: &'static str) -> Claim {
+fn requirement_claim(
+    measured: &Measured,
+    name: &str,
+    section: &'static str,
+    words: &'static str,
+) -> Claim {
     let scenes: Vec<&Reached> = measured
         .behaviors
         .iter()
@@ -173,7 +179,7 @@ fn asked(measured: &Measured, name: &str, section: &'static str, words: &'static
         .collect();
     let first = scenes
         .first()
-        .map_or(("", ""), |(scene, _)| (scene.measure, scene.asked));
+        .map_or(("", ""), |(scene, _)| (scene.measure, scene.required));
     let texts = [0, 1, 2].map(|i| {
         let values = scenes
             .iter()
@@ -182,7 +188,7 @@ fn asked(measured: &Measured, name: &str, section: &'static str, words: &'static
     });
     let met = [0, 1, 2].map(|i| {
         let mut all = scenes.iter();
-        all.all(|(scene, outcomes)| is_reached(scene.asked, &outcomes[i]))
+        all.all(|(scene, outcomes)| is_reached(scene.required, &outcomes[i]))
     });
     let places: Vec<_> = scenes.iter().map(|(scene, _)| scene.title()).collect();
     let episodes = scenes
@@ -194,7 +200,11 @@ fn asked(measured: &Measured, name: &str, section: &'static str, words: &'static
             _ => format!("{} {} in every scene", first.0, first.1),
         })
         .measured(
-            format!("{}: {}", first.0, each(&PRESETS, &texts, String::clone)),
+            format!(
+                "{}: {}",
+                first.0,
+                by_preset(&PRESETS, &texts, String::clone)
+            ),
             format!("{}; {episodes} episodes each", places.join(" / ")),
         )
         .verdict(ClaimVerdict::of(&met))
@@ -237,8 +247,8 @@ fn wider_gaps(measured: &Measured) -> Claim {
         .measured(
             format!(
                 "arena: {}; rooms: {}",
-                each(&PRESETS, &arena, text),
-                each(&PRESETS, &rooms, text)
+                by_preset(&PRESETS, &arena, text),
+                by_preset(&PRESETS, &rooms, text)
             ),
             format!("{} seeds, {} rooms", measured.arena[0].len(), measured.size.rooms),
         )
@@ -250,7 +260,7 @@ fn any_behavior(measured: &Measured) -> Claim {
     let reached = [0, 1, 2].map(|i| {
         let met = scenes
             .iter()
-            .filter(|(scene, all)| is_reached(scene.asked, &all[i]));
+            .filter(|(scene, all)| is_reached(scene.required, &all[i]));
         met.count()
     });
     let all = scenes.len();
@@ -260,7 +270,7 @@ fn any_behavior(measured: &Measured) -> Claim {
     Claim::new("5.1", "any behavior can be generated")
         .holds_if("every behavior meets its requirement in docs/behaviors.md, in every scene")
         .measured(
-            each(&PRESETS, &reached, |count| {
+            by_preset(&PRESETS, &reached, |count| {
                 format!("{count} of {all} scenes")
             }),
             format!("{all} scenes × {episodes} episodes per preset"),

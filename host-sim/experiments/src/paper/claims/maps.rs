@@ -1,11 +1,12 @@
 //! Claims of sections 2.1 to 2.4: perceived goals, lazy memory, self-organizing maps (Figs. 1 and
 //! 2).
 
-use super::{Claim, ClaimVerdict, PRESETS, each, mean, median, percent, percents};
+use super::{Claim, ClaimVerdict, PRESETS, by_preset, percent, percents};
 use crate::paper::chain::{Chain, NEURONS, PROBES};
 use crate::paper::measure::Measured;
 use crate::paper::rooms::RoomResult;
 use crate::paper::topology::{MapTopology, SHUFFLINGS};
+use sim::statistics::{mean, median};
 
 /// The claims of these sections, in order.
 pub(super) fn claims(measured: &Measured) -> Vec<Claim> {
@@ -65,7 +66,7 @@ fn perceived(measured: &Measured) -> Claim {
         "the robot must be able to perceive such an achievement",
     )
     .holds_if("the goal \"free of obstacles\" is perceived in ≥ 99 % of rooms")
-    .measured(each(&PRESETS, &texts, String::clone), rooms(measured))
+    .measured(by_preset(&PRESETS, &texts, String::clone), rooms(measured))
     .verdict(ClaimVerdict::of(&ever.map(|share| share >= 99.0)))
 }
 
@@ -97,7 +98,7 @@ fn similar_samples(measured: &Measured) -> Claim {
     )
     .holds_if("median ≤ 5 of the 100 samples lie nearer than one move changes a situation")
     .measured(
-        each(&PRESETS, &texts, String::clone),
+        by_preset(&PRESETS, &texts, String::clone),
         format!("{} situations per preset", counts[0].len()),
     )
     .verdict(ClaimVerdict::of(&middle.map(|middle| middle <= 5.0)))
@@ -110,7 +111,7 @@ fn by_content(measured: &Measured) -> Claim {
             .flat_map(|room| room.recalled.errors_deg.clone())
             .collect()
     });
-    let sample = each(&PRESETS[1..], &errors, |errors| {
+    let sample = by_preset(&PRESETS[1..], &errors, |errors| {
         format!("{} moves", errors.len())
     });
     let middle = errors.map(median);
@@ -119,7 +120,10 @@ fn by_content(measured: &Measured) -> Claim {
         "associative memories are accessible using part of their content",
     )
     .holds_if("median error < 45° of the action recalled from a change not learned (chance: 90°)")
-    .measured(each(&PRESETS[1..], &middle, |m| format!("{m:.0}°")), sample)
+    .measured(
+        by_preset(&PRESETS[1..], &middle, |m| format!("{m:.0}°")),
+        sample,
+    )
     .verdict(ClaimVerdict::of(&middle.map(|middle| middle < 45.0)))
 }
 
@@ -179,7 +183,7 @@ fn spread(shares: &[f64]) -> f64 {
 fn same_number(measured: &Measured) -> Claim {
     let [uniform, _, uneven] = &measured.chains;
     let of = |chains: &[Chain]| mean(chains.iter().map(|chain| spread(&chain.relative_hits())));
-    let maps = by_room(measured, |room| room.order.hit_spread);
+    let maps = by_room(measured, |room| room.topology.hit_spread);
     // Both maps of `default` and `probe` are identical.
     let spreads = [of(uniform), of(uneven), maps[1], maps[2]];
     let names = [
@@ -188,7 +192,7 @@ fn same_number(measured: &Measured) -> Claim {
         "situation map of probe",
         "of touzet",
     ];
-    let idle = by_room(measured, |room| room.order.idle as f64);
+    let idle = by_room(measured, |room| room.topology.idle as f64);
     Claim::new(
         "2.3",
         "each neuron corresponds to (approximately) the same number of input points",
@@ -197,7 +201,7 @@ fn same_number(measured: &Measured) -> Claim {
     .measured(
         format!(
             "{} of the mean; neurons without any: probe {:.1}, touzet {:.1} of 16",
-            each(&names, &spreads, |s| format!("{:.0} %", 100.0 * s)),
+            by_preset(&names, &spreads, |s| format!("{:.0} %", 100.0 * s)),
             idle[1],
             idle[2]
         ),
@@ -234,13 +238,13 @@ fn larger_fields(measured: &Measured) -> Claim {
 }
 
 fn continuous(measured: &Measured) -> Claim {
-    let errors = by_room(measured, |room| 100.0 * room.order.topographic_error);
+    let errors = by_room(measured, |room| 100.0 * room.topology.topographic_error);
     let [_, probe, touzet] = errors;
     let mini = mean(
         measured
             .miniatures
             .iter()
-            .map(|m| 100.0 * m.order.topographic_error),
+            .map(|m| 100.0 * m.topology.topographic_error),
     );
     Claim::new(
         "2.4",
@@ -248,7 +252,7 @@ fn continuous(measured: &Measured) -> Claim {
     )
     .holds_if("≤ 10 % of what was learned has its best two neurons apart (topographic error)")
     .measured(
-        each(
+        by_preset(
             &["probe", "touzet", "miniature"],
             &[probe, touzet, mini],
             |e| percents(*e),
@@ -270,7 +274,10 @@ fn paths(measured: &Measured) -> Claim {
     let joined = [1, 2].map(|i| {
         let rooms = measured.rooms[i].iter();
         let (joined, pairs) = rooms.fold((0, 0), |(joined, pairs), room| {
-            (joined + room.ways.joined, pairs + room.ways.pairs)
+            (
+                joined + room.goal_paths.joined,
+                pairs + room.goal_paths.pairs,
+            )
         });
         percent(joined, pairs)
     });
@@ -282,7 +289,7 @@ fn paths(measured: &Measured) -> Claim {
     .measured(
         format!(
             "over grid steps all (the grid is connected); over ever nearer neighbors {}",
-            each(&PRESETS[1..], &joined, |share| percents(*share))
+            by_preset(&PRESETS[1..], &joined, |share| percents(*share))
         ),
         format!("240 pairs of neurons in {}", rooms(measured)),
     )
@@ -290,10 +297,10 @@ fn paths(measured: &Measured) -> Claim {
 }
 
 fn alike(measured: &Measured) -> Claim {
-    let minis: Vec<MapTopology> = measured.miniatures.iter().map(|m| m.order).collect();
+    let minis: Vec<MapTopology> = measured.miniatures.iter().map(|m| m.topology).collect();
     let nomads = [1, 2].map(|i| -> Vec<MapTopology> {
         let rooms = measured.rooms[i].iter();
-        rooms.map(|room| room.order).collect()
+        rooms.map(|room| room.topology).collect()
     });
     let [probe, touzet] = nomads;
     let maps = [minis, probe, touzet];
@@ -320,8 +327,8 @@ fn alike(measured: &Measured) -> Claim {
         .measured(
             format!(
                 "code distance {}; in {} of maps",
-                each(&names, &texts, String::clone),
-                each(&names, &share, |share| percents(*share))
+                by_preset(&names, &texts, String::clone),
+                by_preset(&names, &share, |share| percents(*share))
             ),
             format!("{} miniature robots, {}", maps[0].len(), rooms(measured)),
         )
@@ -350,6 +357,6 @@ fn discreteness(measured: &Measured) -> Claim {
     };
     Claim::new("2.4", "a greater discreteness in the areas of interest")
         .holds_if("after 500 decisions the map's quantization error on the next 500 is smaller in ≥ 90 % of rooms")
-        .measured(each(&PRESETS, &figures, text), rooms(measured))
+        .measured(by_preset(&PRESETS, &figures, text), rooms(measured))
         .verdict(ClaimVerdict::of(&figures.map(|[finer, ..]| finer >= 90.0)))
 }

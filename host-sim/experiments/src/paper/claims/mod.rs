@@ -138,7 +138,7 @@ pub fn claims(measured: &Measured) -> Vec<Claim> {
 const PRESETS: [&str; 3] = ["default", "probe", "touzet"];
 
 /// A value for each preset: "default 1, probe 2".
-fn each<T>(presets: &[&str], values: &[T], text: impl Fn(&T) -> String) -> String {
+fn by_preset<T>(presets: &[&str], values: &[T], text: impl Fn(&T) -> String) -> String {
     let parts = presets.iter().zip(values);
     let parts: Vec<_> = parts
         .map(|(name, v)| format!("{name} {}", text(v)))
@@ -156,22 +156,6 @@ fn percents(value: f64) -> String {
     format!("{value:.1} %")
 }
 
-/// The mean; 0 without values.
-fn mean(values: impl IntoIterator<Item = f64>) -> f64 {
-    let (mut sum, mut count) = (0.0, 0_u32);
-    for value in values {
-        sum += value;
-        count += 1;
-    }
-    sum / f64::from(count.max(1))
-}
-
-/// The median; 0 without values.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -182,8 +166,6 @@ mod tests {
         assert_eq!(of(&[true, true]), ClaimVerdict::Holds);
         assert_eq!(of(&[true, false]), ClaimVerdict::Partly);
         assert_eq!(of(&[false]), ClaimVerdict::DoesNotHold);
-        assert_eq!((mean([1.0, 3.0]), mean([])), (2.0, 0.0));
-        assert_eq!(median(vec![3.0, 1.0, 2.0]), 2.0);
-        assert_eq!(each(&["a", "b"], &[1, 2], i32::to_string), "a 1, b 2");
+        assert_eq!(by_preset(&["a", "b"], &[1, 2], i32::to_string), "a 1, b 2");
     }
 }

@@ -1,8 +1,9 @@
 //! Claims of sections 2.4 and 2.5: the two maps together, from a goal to an action (Figs. 3 and 4).
 
-use super::{Claim, ClaimVerdict, PRESETS, each, mean, percent, percents};
+use super::{Claim, ClaimVerdict, PRESETS, by_preset, percent, percents};
 use crate::paper::measure::Measured;
 use crate::paper::plans::Plans;
+use sim::statistics::mean;
 
 /// The claims of these sections, in order.
 pub(super) fn claims(measured: &Measured) -> Vec<Claim> {
@@ -43,7 +44,7 @@ fn brings_about([_, probe, touzet]: &[Plans; 3]) -> Claim {
     )
     .holds_if("≥ 75 % of the moves change the wanted values in the wanted direction (cosine > 0)")
     .measured(
-        each(&PRESETS[1..], &shares, text),
+        by_preset(&PRESETS[1..], &shares, text),
         decisions(&plans, |plans| plans.moves),
     )
     .verdict(ClaimVerdict::of(&shares.map(|[along, _]| along >= 75.0)))
@@ -53,8 +54,8 @@ fn metric(measured: &Measured) -> Claim {
     let [_, probe, touzet] = measured
         .rooms
         .each_ref()
-        .map(|rooms| mean(rooms.iter().map(|room| room.order.correlation)));
-    let mini = mean(measured.miniatures.iter().map(|m| m.order.correlation));
+        .map(|rooms| mean(rooms.iter().map(|room| room.topology.correlation)));
+    let mini = mean(measured.miniatures.iter().map(|m| m.topology.correlation));
     let all = [probe, touzet, mini];
     Claim::new(
         "2.5 (1)",
@@ -62,7 +63,7 @@ fn metric(measured: &Measured) -> Claim {
     )
     .holds_if("grid steps and code distance correlate by ≥ 0.7 (Pearson)")
     .measured(
-        each(&["probe", "touzet", "miniature"], &all, |r| {
+        by_preset(&["probe", "touzet", "miniature"], &all, |r| {
             format!("{r:.2}")
         }),
         format!(
@@ -98,7 +99,7 @@ fn nearer_neighbor(plans: &[Plans; 3]) -> Claim {
         "in ≥ 90 % of decisions away from the goal there is one, or the present neuron meets the goal already",
     )
     .measured(
-        each(&PRESETS[1..], &shares, text),
+        by_preset(&PRESETS[1..], &shares, text),
         decisions(&plans[1..], |plans| plans.unmet),
     )
     .verdict(ClaimVerdict::of(&met))
@@ -112,7 +113,7 @@ fn becomes_intermediate(plans: &[Plans; 3]) -> Claim {
     )
     .holds_if("after ≥ 50 % of the moves the neuron aimed at is the best-matching one")
     .measured(
-        each(&PRESETS[1..], &there, |share| percents(*share)),
+        by_preset(&PRESETS[1..], &there, |share| percents(*share)),
         decisions(&plans[1..], |plans| plans.neighbor),
     )
     .verdict(ClaimVerdict::of(&there.map(|share| share >= 50.0)))
@@ -136,7 +137,7 @@ fn until_goal(plans: &[Plans; 3]) -> Claim {
     )
     .holds_if("free of obstacles again within 10 decisions in ≥ 95 % of the periods without it")
     .measured(
-        each(&PRESETS, &texts, String::clone),
+        by_preset(&PRESETS, &texts, String::clone),
         format!("{} stretches", counts.join(", ")),
     )
     .verdict(ClaimVerdict::of(&soon.map(|share| share >= 95.0)))
@@ -153,7 +154,7 @@ fn differences([_, probe, touzet]: &[Plans; 3]) -> Claim {
         "mean cosine ≥ 0.5 between the change probed with and the one measured after the move",
     )
     .measured(
-        each(&PRESETS[1..], &agreement, |cosine| format!("{cosine:.2}")),
+        by_preset(&PRESETS[1..], &agreement, |cosine| format!("{cosine:.2}")),
         decisions(&plans, |plans| plans.changes),
     )
     .verdict(ClaimVerdict::of(&agreement.map(|cosine| cosine >= 0.5)))

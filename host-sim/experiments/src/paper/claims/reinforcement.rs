@@ -31,7 +31,7 @@ fn by_moves(measured: &Measured, method: ComparedMethod) -> String {
 /// Best share of clean episodes of any learner, over the numbers of moves that `counts` accepts.
 fn cleanest(measured: &Measured, counts: impl Fn(u32) -> bool) -> f64 {
     let learners = measured.compared.iter();
-    let learners = learners.filter(|row| row.method.goes_on_learning() && counts(row.moves));
+    let learners = learners.filter(|row| row.method.learns_by_reward() && counts(row.moves));
     learners.map(|row| figures(row).0).fold(0.0, f64::max)
 }
 
