@@ -1,7 +1,7 @@
 //! Writes output files: a file appears completely or not at all.
 //!
-//! Writes a temporary file in the same folder, syncs it to disk and renames it. Keeps the mode of an
-//! existing file and follows symbolic links. Writes devices and FIFOs directly.
+//! Writes a temporary file in the same folder, syncs it to disk and renames it. Keeps the mode of
+//! an existing file and follows symbolic links. Writes devices and FIFOs directly.
 
 use crate::error::BadInput;
 use std::fs::{self, File, OpenOptions};

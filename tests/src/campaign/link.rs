@@ -1,9 +1,8 @@
-//! A line that loses, duplicates, reorders and delays frames, between a controller and a host with
-//! a base.
+//! A line that loses, duplicates, reorders and delays frames, between a controller and its host.
 //!
-//! The host sends rings, odometry, heartbeats and commands every 20 ms in random order. Both ends
-//! use [`amp::link`]. An omniscient bookkeeper with 64-bit numbers checks the result of each frame.
-//! Clocks and sequence numbers overflow.
+//! The host sends rings, odometry, heartbeats and commands in random order; both ends use
+//! [`amp::link`]. A bookkeeper with 64-bit numbers knows the right result of each frame. Clocks
+//! and sequence numbers overflow.
 
 use super::bench::{Clocks, Ready, SESSION, coded, command, numbered, scan};
 use super::channel::{Arrival, FaultRates, LossyChannel};

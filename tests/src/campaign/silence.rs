@@ -1,9 +1,8 @@
 //! A component fails while the base moves: time until the base is stopped or its motion expires.
 //!
-//! The firmware's control task runs every 10 ms and on each frame; echoes come every 40 ms, reports
-//! every 100 ms. The base is the simulated Nomad 200. After the failure its motion has no end: only
-//! a stop or its time to live ends it. The device's clock overflows. See `bridged` for trials with
-//! the bridge.
+//! The control task, echoes and reports run as on the chip; the base is the simulated Nomad 200.
+//! After the failure its motion has no end: only a stop or its time to live ends it. The device's
+//! clock overflows. See `bridged` for trials with the bridge.
 
 use super::bench::{Clocks, Ready, SESSION, hello, scan};
 use super::bridged;

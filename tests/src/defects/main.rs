@@ -1,5 +1,4 @@
-//! Mutation test: inserts the defects of `tests/defects.toml` one by one and expects their checks
-//! to fail.
+//! Mutation test: inserts the defects of `tests/defects.toml` and expects their checks to fail.
 //!
 //! Works in a copy of the committed tree. Errors: a check that passes with the defect or fails
 //! without it, text not found exactly once, code that does not compile. Prints a Markdown table;

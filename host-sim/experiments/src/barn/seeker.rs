@@ -1,9 +1,7 @@
-//! The controller's maps on the way to a goal position: its bearing extends the situation by one
-//! component.
+//! The controller's maps on the way to a goal position, whose bearing extends the situation.
 //!
-//! A step's effect on the bearing is geometry: a direction is worth the cosine of its angle to the
-//! bearing. The crate's planner computes it if the bearing replaces the heading
-//! (`Goal::going_q16`).
+//! A step's effect on the bearing is the cosine of its angle to it, so nothing has to be learned.
+//! The crate's planner computes it if the bearing replaces the heading (`Goal::going_q16`).
 
 use amp::config::Config;
 use amp::fixed::Mask;

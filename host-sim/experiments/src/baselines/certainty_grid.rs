@@ -1,9 +1,8 @@
 //! Histogram grid: a square window of cells around the robot, each with a count of its echoes.
 //!
-//! J. Borenstein and Y. Koren, *Histogramic in-motion mapping for mobile robot obstacle avoidance*,
-//! IEEE Transactions on Robotics and Automation 7(4), 1991, 535–539: an echo adds 3 to the cell on
-//! its axis (15 at most) and subtracts 1 from each cell before it. Cells are fixed in the frame of
-//! dead reckoning.
+//! J. Borenstein and Y. Koren, *Histogramic in-motion mapping*, IEEE Transactions on Robotics and
+//! Automation 7(4), 1991, 535–539. An echo adds 3 to its cell (15 at most) and subtracts 1 from
+//! each cell before it. Cells are fixed in the frame of dead reckoning.
 
 use arena::sonar::FACE_RADIUS_M;
 use arena::world::Point;

@@ -1,10 +1,8 @@
-//! What the learning baselines share: situations, rewards, exploration, and a policy for a
-//! [`Learner`].
+//! What the learning baselines share: situations, rewards, exploration, and their policy.
 //!
-//! Reward: C. Touzet, *Neural reinforcement learning for behavior synthesis*, Robotics and
-//! Autonomous Systems 22, 1997, 251–281, from the abstract: +1 when the sum of values falls, −1
-//! when front or rear exceed a threshold. Front: sensors within 90° of the move. Ours: −1 for a
-//! contact.
+//! Reward after C. Touzet, Robotics and Autonomous Systems 22, 1997, 251–281 (abstract): +1 when
+//! the sum of values falls, −1 when front or rear exceed a threshold. Front: sensors within 90° of
+//! the move. Ours: −1 for a contact.
 
 use arena::noise::Noise;
 use arena::world::Point;

@@ -1,10 +1,8 @@
-//! Baseline: artificial potential field; the target attracts, obstacles repel, the robot follows
-//! the sum.
+//! Baseline: artificial potential field; the target attracts, obstacles repel.
 //!
 //! O. Khatib, International Journal of Robotics Research 5(1), 1986, 90–98: an obstacle at ρ < ρ₀
-//! repels with η (1/ρ − 1/ρ₀) / ρ². Each echo of the latest ring is one obstacle on its axis, as in
-//! the virtual force field (Borenstein, Koren 1989) without its grid. Attraction: a constant force
-//! of 1 along bearing or heading.
+//! repels with η (1/ρ − 1/ρ₀) / ρ². Each echo of the latest ring is one obstacle on its axis. The
+//! attraction is a constant force of 1 along bearing or heading.
 
 use arena::robot::COLLISION_RADIUS_M;
 use arena::sonar::FACE_RADIUS_M;

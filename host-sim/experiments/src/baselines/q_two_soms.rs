@@ -1,9 +1,8 @@
 //! Baseline: Q-learning between a map of situations and a map of actions.
 //!
-//! A. J. Smith, *Applications of the self-organizing map to reinforcement learning*, Neural
-//! Networks 15, 2002, 1107–1124. Our reading of the opening: φ is a Gaussian whose width and
-//! learning rates fall; exploration is ε-greedy; k is the action neuron nearest to the tried
-//! action. See [`QTwoSoms`].
+//! A. J. Smith, Neural Networks 15, 2002, 1107–1124. Our reading of its opening: φ is a Gaussian
+//! whose width and learning rates fall; exploration is ε-greedy; k is the action neuron nearest to
+//! the tried action. See [`QTwoSoms`].
 
 use super::learning::{Experience, Learner, LearnerTraining, Reward, Values, best_of};
 use amp::fixed::{Mask, Weight};

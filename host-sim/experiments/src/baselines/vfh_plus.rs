@@ -1,9 +1,7 @@
-//! Baseline: VFH+; a histogram over directions has openings, the cheapest candidate in them is
-//! driven.
+//! Baseline: VFH+; a histogram over directions has openings, the cheapest candidate is driven.
 //!
-//! I. Ulrich, J. Borenstein, *VFH+: reliable obstacle avoidance for fast mobile robots*,
-//! Proceedings of the IEEE International Conference on Robotics and Automation, 1998, 1572–1577.
-//! See [`VfhPlus`].
+//! I. Ulrich, J. Borenstein, *VFH+: reliable obstacle avoidance for fast mobile robots*, IEEE
+//! International Conference on Robotics and Automation, 1998, 1572–1577. See [`VfhPlus`].
 
 use super::certainty_grid::{CELL_M, CertaintyGrid, REACH_M, SIDE};
 use arena::robot::COLLISION_RADIUS_M;

@@ -59,7 +59,8 @@ pub struct MethodUnderTest<'a> {
     pub method: ComparedMethod,
     /// Its constants.
     pub constants: &'a Constants,
-    /// Numbers of learning moves after which it is measured, rising; those of [`ComparedMethod::budgets`].
+    /// Numbers of learning moves after which it is measured, rising; those of
+    /// [`ComparedMethod::budgets`].
     pub budgets: &'a [u32],
 }
 

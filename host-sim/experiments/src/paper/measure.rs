@@ -1,11 +1,12 @@
 //! Runs all measurements for the paper's claims from one seed.
 
-use super::any_ring::{AnyRing, Count, MOVES, Sight};
+use super::any_ring::{Count, MOVES};
 use super::chain::{Chain, Cloud};
 use super::decision::{self, DecisionFigure, decision};
 use super::gaps::Gaps;
 use super::goal_switch::{self, GoalSwitches};
 use super::miniature::{self, Miniature};
+use super::ring_sizes;
 use super::rooms::{self, RoomResult};
 use super::{PaperReading, STEPS, readings};
 use crate::ablation::{self, AblationFigures, Variant, VariantDriver};
@@ -13,15 +14,12 @@ use crate::behaviors::{self, SceneOutcome};
 use crate::compare::{self, ComparedMethod, ComparisonPlan, ComparisonRow, Conditions};
 use crate::repetition::{self, Curve};
 use crate::scenes::{BehaviorScene, SCENES};
-use amp::config::Config;
-use amp::goal::Goal;
-use amp::robot::{RobotSpec, evenly_spaced};
 use arena::robot::TurretMode;
-use arena::sonar::{SonarConfig, SonarModel};
+use arena::sonar::SonarModel;
 use arena::world::World;
 use files::error::BadInput;
 use rayon::prelude::*;
-use sim::episode::{Seeds, run};
+use sim::episode::run;
 use sim::failure::Failure;
 use sim::recording::Recording;
 use sim::scenes::Behavior;
@@ -152,7 +150,7 @@ pub fn measure(size: Size, progress: &impl ProgressListener) -> Result<Measured,
         moves: moves(size, &readings, progress)?,
         behaviors: reached(size, &readings, progress)?,
         repetitions: repetitions(size, &readings[0], progress)?,
-        rings: rings(size, &readings[0], progress),
+        rings: ring_sizes::measure(size, &readings[0], progress),
         following: following(size, &readings[0])?,
         compared: compared(size, progress)?,
     })
@@ -350,53 +348,4 @@ fn repetitions(
         Ok((scene, curve))
     };
     selected.into_iter().map(of_scene).collect()
-}
-
-fn rings(
-    size: Size,
-    reading: &PaperReading,
-    progress: &impl ProgressListener,
-) -> Vec<(usize, Vec<Count>)> {
-    progress.begin("rings", 3);
-    let one = |counts: Vec<Count>, sensors| {
-        progress.done();
-        (sensors, counts)
-    };
-    vec![
-        one(ring::<8>(size, reading), 8),
-        one(ring::<16>(size, reading), 16),
-        one(ring::<24>(size, reading), 24),
-    ]
-}
-
-/// Avoidance in half of the rooms by a Nomad with another ring. The cones leave no gap: ±200°
-/// divided by the number of sensors.
-fn ring<const SENSORS: usize>(size: Size, reading: &PaperReading) -> Vec<Count> {
-    let nomad = RobotSpec::nomad200();
-    let robot = RobotSpec {
-        directions: evenly_spaced::<SENSORS>(),
-        symmetric: true,
-        face_radius_mm: nomad.face_radius_mm,
-        body_radius_mm: nomad.body_radius_mm,
-        step_mm: nomad.step_mm,
-        speed_mm_s: nomad.speed_mm_s,
-        braking_mm_s2: nomad.braking_mm_s2,
-        ring_period_ms: nomad.ring_period_ms,
-        steer_ms: nomad.steer_ms,
-    };
-    let config: Config<SENSORS> = reading.config.for_robot(robot);
-    let sight = Sight {
-        half_angle_rad: 200.0_f64.to_radians() / SENSORS as f64,
-        reach_m: SonarConfig::ideal().max_range_m,
-    };
-    (0..u64::from(size.rooms.div_ceil(2)))
-        .into_par_iter()
-        .map(|room| {
-            let world = World::random(room.wrapping_add(1));
-            let mut robot = AnyRing::new(config.clone(), &world, reading.turret, sight);
-            let seed = size.seed.wrapping_add(room);
-            robot.explore_and_learn(Seeds::of(seed).exploration, |_| {});
-            robot.seek(Goal::avoiding(&config), STEPS)
-        })
-        .collect()
 }

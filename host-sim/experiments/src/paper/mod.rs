@@ -15,6 +15,7 @@ pub mod miniature;
 pub mod observer;
 pub mod plans;
 pub mod recall;
+mod ring_sizes;
 pub mod rooms;
 pub mod topology;
 

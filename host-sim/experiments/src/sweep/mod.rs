@@ -1,9 +1,8 @@
 //! Sweeps: many episodes from one description; options × behaviors × worlds × seeds.
 //!
-//! A *point* is one set of options. Episodes are numbered by point, behavior, world and seed, the
-//! seed fastest. *Shard* I of N runs the episodes whose number modulo N is I. Results are rows of
-//! CSV, appended in order, so a killed sweep continues after the last whole row; the sweep's hash
-//! in the first line keeps sweeps apart.
+//! A *point* is one set of options. *Shard* I of N runs the episodes whose number modulo N is I.
+//! Results are CSV rows, appended in order: a killed sweep continues after the last whole row. The
+//! sweep's hash in the first line keeps sweeps apart.
 
 mod description;
 mod identity;

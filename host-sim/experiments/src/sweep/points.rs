@@ -63,8 +63,8 @@ impl SweepPoints {
         self.grid_len()?.checked_add(self.rows.len() as u64)
     }
 
-    /// The values of point `index`, one per key of [`SweepPoints::keys`]; empty where the point does not
-    /// set the key.
+    /// The values of point `index`, one per key of [`SweepPoints::keys`]; empty where the point
+    /// does not set the key.
     #[must_use]
     pub fn cells(&self, index: u64) -> Vec<String> {
         let mut cells = vec![String::new(); self.keys.len()];
