@@ -93,28 +93,30 @@ pub fn pictures(recording: &Recording) -> [Picture; 4] {
 }
 
 const PATH: &[&str] = &[
-    "The world from above. The robot first makes random moves (purple): that is all it ever learns from before it is \
-     given a goal. Then it seeks the goal, a situation it should perceive, from S to F; the color of the path tells \
-     the time.",
-    "Nobody told the robot what an obstacle is or how to turn: look for places where the path bends away from a wall \
-     before the body could touch it.",
+    "The world from above. The robot first makes random moves (purple), its only experience before \
+     it gets a goal. Then it seeks the goal, a situation it should perceive, from S to F; the color \
+     of the path shows the time.",
+    "The robot has no rule for obstacles or turns: see where the path bends away from a wall before \
+     the body could touch it.",
 ];
 const SITUATION_MAP: &[&str] = &[
-    "Each tile is one neuron of the situation map and stands for a situation: the longer a bar, the nearer the \
-     obstacle in that direction. The front of the ring points up, its left to the left.",
-    "Neighboring neurons stand for similar situations; a dark background marks a neuron that differs from its \
-     neighbors. The goal is one of these neurons, and a way from tile to tile towards it is a plan.",
+    "Each tile is one neuron of the situation map and represents a situation: the longer a bar, the \
+     nearer the obstacle in that direction. The front of the ring points up, its left to the left.",
+    "Neighboring neurons represent similar situations; a dark background marks a neuron that differs \
+     from its neighbors. The goal is one of these neurons, and a path from tile to tile toward it is \
+     a plan.",
 ];
 const ACTION_MAP: &[&str] = &[
-    "Each tile is one neuron of the action map: a change of situation and the displacement that brings it. Bars \
-     outwards: something comes nearer there; bars inwards: it goes away; the arrow is the displacement.",
+    "Each tile is one neuron of the action map: a change of situation and the displacement that \
+     brings it. Bars outward: an obstacle comes nearer; bars inward: it moves away; the arrow is the displacement.",
     "Where learning went well, bars point outward on the arrow's side and inward behind it.",
 ];
 const SEQUENCE: &[&str] = &[
-    "A few decisions in a row. Looking one step ahead, the robot asks the action map what each direction would change, \
-     and takes the one whose situation to come is nearest to the goal. (In the presets that keep the paper's four steps it \
-     picks a neighbor of its present neuron that is nearer to the goal and asks which displacement brings the difference.)",
-    "Compare the change that was wanted with the change that was measured after the move: they agree in direction \
+    "A few decisions in a row. Looking one step ahead, the robot predicts the effect of each \
+     direction with the action map, and takes the one whose predicted situation is nearest to the \
+     goal. (In the presets with the paper's four steps it selects a neighbor of its present neuron \
+     that is nearer to the goal, and the action map gives the displacement for the difference.)",
+    "Compare the wanted change with the change measured after the move: they agree in direction \
      where the maps know the situation well.",
 ];
 

@@ -230,8 +230,9 @@ fn reading(svg: &mut Svg, [x, y]: [f64; 2]) {
     );
     legend.note(
         svg,
-        "measured: S(t) − S(t−1), what the last move changed. wanted: the change that move was chosen for; with \
-         look-ahead what the action map foretold of it, else what the map was probed with. Across: the transducers, counted to the left from the front.",
+        "measured: S(t) − S(t−1), the change of the last move. wanted: the change expected of that \
+     move; with look-ahead the prediction of the action map, else the input of the map. Across: the \
+     transducers, counted to the left from the front.",
     );
 }
 

@@ -96,7 +96,7 @@ fn ring_legend(legend: &mut Legend, svg: &mut Svg, bearings: &[f64], full: f64) 
     legend.skip(136.0);
     let scale = format!(
         "Bar length: value of the transducer, 0 at the inner circle (nothing near), {full} at the outer one; \
-         1 would be as near as can be told."
+         1 is the near limit."
     );
     legend.note(svg, &scale);
     legend.note(svg, "Hits: how often the neuron won.");

@@ -38,8 +38,8 @@ Examples:
   host-sim bridge --nomad serial:/dev/ttyS0@38400 --mind qemu       a robot, and the firmware in an emulated chip
   host-sim bridge --nomad tcp:robot:65001 --mind serial:/dev/ttyUSB0   a robot and a chip
 
-The robot drives! It stops at Ctrl-C, at a bumper, when the mind or the line falls silent, and one second after this \
-program is gone.";
+The robot drives! It stops at Ctrl-C, at a bumper, when the controller or the line goes silent, and one second after \
+this program has ended.";
 
 /// Flags of the `bridge` command.
 #[derive(Debug, Clone, Args)]

@@ -39,10 +39,10 @@ pub use run::{RunArgs, SonarChoice};
 /// Description in the help.
 const ABOUT: &str = "A simulated Nomad 200 learns from 100 random moves and then pursues any goal";
 
-const LONG_ABOUT: &str = "A simulated Nomad 200 with a ring of 16 sonars explores with 100 random moves, makes two \
-self-organizing maps of 16 neurons from them, and from then on pursues any goal situation. The mind is the same crate \
+const LONG_ABOUT: &str = "A simulated Nomad 200 with a ring of 16 sonars explores with 100 random moves, learns two \
+self-organizing maps of 16 neurons from them, and from then on pursues any goal situation. The controller is the crate \
 that runs on the microcontroller.\n\nWithout a command: the demo. It explores, learns and avoids obstacles in the \
-arena of the paper's Fig. 5 and leaves its pictures in out/demo/.";
+arena of the paper's Fig. 5 and writes its pictures to out/demo/.";
 
 #[derive(Debug, Parser)]
 #[command(name = "host-sim", version, about = ABOUT, long_about = LONG_ABOUT)]

@@ -19,12 +19,12 @@ const NSERVER: &str = "127.0.0.1:7019";
 const EXAMPLES: &str = "\
 Examples:
   host-sim nomad serve                               the port of the robot's own server: 65001
-  host-sim nomad serve --listen 127.0.0.1:0          any free port; the line printed says which
+  host-sim nomad serve --listen 127.0.0.1:0          any free port; the output names it
   host-sim nomad serve --protocol nserver            the original simulator's server: 7019
-  host-sim nomad serve --pty                         a serial port; the line printed says which
-  host-sim nomad serve --speed 20 --world office     twenty times real time, elsewhere
+  host-sim nomad serve --pty                         a serial port; the output names it
+  host-sim nomad serve --speed 20 --world office     twenty times real time, in another world
 
-Any program written for the robot (Nclient.h) finds a Nomad 200 there. docs/nomad.md has the protocol.";
+Any program written for the robot (Nclient.h) can connect. docs/nomad.md has the protocol.";
 
 /// The `nomad` command.
 #[derive(Debug, Clone, Args)]

@@ -94,7 +94,7 @@ impl Remote {
         let holds = session.hello().map_or(0, |hello| hello.samples);
         if moves > holds {
             return Err(BadInput::new(format!(
-                "--explore {moves}: the memory of the mind at {address} holds {holds} moves"
+                "--explore {moves}: the memory of the controller at {address} holds {holds} moves"
             )));
         }
         Ok(Some(Self {

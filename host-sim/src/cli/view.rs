@@ -21,17 +21,17 @@ use view::{
 };
 
 const EXAMPLES: &str = "\
-Opens no browser by itself: open the printed address. It ends with Ctrl-C.
+Open the printed address in a browser. Ctrl-C ends the program.
 
   host-sim view                              the paper's arena
   host-sim view --world random:7 --speed max
-  host-sim view --preset touzet              the paper's four steps, to the letter
-  host-sim view --mind qemu                  the mind in an emulated chip
+  host-sim view --preset touzet              the literal reading of the paper
+  host-sim view --mind qemu                  the controller in an emulated chip
   host-sim view --replay wall.mcap           a log
   host-sim view --nomad tcp:robot:65001      a Nomad 200
-  host-sim view --board serial:/dev/ttyUSB0  a board whose ring and base are its own
+  host-sim view --board serial:/dev/ttyUSB0  a board with its own ring and base
 
-Whoever opens the address with its token may steer, one at a time; others watch. The token is new for each run.";
+The address with its token permits to steer, one page at a time; others watch. The token is new for each run.";
 
 /// Flags of the `view` command.
 #[derive(Debug, Clone, Args)]

@@ -95,8 +95,8 @@ fn samples(svg: &mut Svg, shown: &DecisionFigure, ring: &[f64]) {
     let mut legend = Legend::new(x, below + 10.0, 238.0);
     legend.note(
         svg,
-        "Bars outwards: nearness of obstacles around the ring, its front up. Red and blue: what comes nearer and goes away. \
-         Arrows: displacements.",
+        "Bars outward: nearness of obstacles around the ring, its front up. Red and blue: obstacles \
+     that come nearer and move away. Arrows: displacements.",
     );
 }
 

@@ -138,7 +138,9 @@ fn figure(file: &str, title: &str, caption: &str) -> Figure {
 }
 
 const CURVE: &str =
-    "How much of the part held out is recalled, by the size of the maps, beside what needs no map.";
-const MAP: &str = "Each tile is a neuron: in maps of large tiles bars show how near something is around the ring, first column up and the \
-    others counter-clockwise from there; the color is what was done most often in the situations the neuron won.";
-const CONFUSION: &str = "Rows: what was done; columns: what was recalled; in each cell its share of the row and its number.";
+    "Recall of the held-out part by the size of the maps, and of methods without maps.";
+const MAP: &str = "Each tile is a neuron: in maps of large tiles bars show the nearness of obstacles \
+     around the ring, first column up and the others counter-clockwise; the color is the most \
+     frequent action in the situations that the neuron won.";
+const CONFUSION: &str = "Rows: true actions; columns: recalled actions; each cell has its share of \
+     the row and its count.";

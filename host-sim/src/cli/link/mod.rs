@@ -22,13 +22,13 @@ use std::time::{Duration, Instant};
 
 const EXAMPLES: &str = "\
 Examples, each after `host-sim link --to serial:/dev/ttyUSB0`:
-  hello              who is at the other end?
-  monitor            watch it until Ctrl-C
+  hello              print the controller's version and sizes
+  monitor            print its messages until Ctrl-C
   explore 100        make 100 random moves (the robot drives!)
-  learn              make the maps from them
-  pull robot.mind    keep what it has learned
-  push robot.mind    give it back, to this chip or another
-  flash save         let it outlive being switched off
+  learn              learn the maps from them
+  pull robot.mind    download the learned state
+  push robot.mind    upload it, to this chip or another
+  flash save         save it in flash
   goal wall-right    set the goal ...
   seek               ... and pursue it (the robot drives!)
   params far 1200    change a parameter
@@ -36,11 +36,11 @@ Examples, each after `host-sim link --to serial:/dev/ttyUSB0`:
 Without any hardware, in an emulated chip:
   host-sim link --to qemu hello
 
-A robot stops when its link falls silent: explore, seek and resume keep it alive until they end. Each command opens a \
-session of its own, and a robot that moves stops when another session begins.
+A robot stops when its link goes silent: explore, seek and resume keep it alive until they end. Each command opens a \
+new session, and a moving robot stops when another session begins.
 
-A goal FILE holds a captured situation (host-sim capture writes one) or says what the sonars (0 ahead, 4 to the left, counter-clockwise) should perceive, from 0 = nothing within \
-the far limit to 1 = something as near as the near limit; sonars it does not name may perceive anything:
+A goal FILE holds a captured situation (host-sim capture writes one) or lists values for the sonars (0 ahead, 4 to the left, counter-clockwise), \
+from 0 = nothing within the far limit to 1 = an obstacle at the near limit; other sonars may have any value:
   [[sonar]]
   numbers = [4]
   at_least = 0.6
