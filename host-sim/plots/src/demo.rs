@@ -8,10 +8,7 @@ use std::path::{Path, PathBuf};
 
 use super::page::{Figure, index_html};
 use super::situation_map::MapMarks;
-use super::{action_map, path, png, sequence, situation_map};
-
-/// Pixels per page unit of the bitmaps.
-pub const PNG_SCALE: f32 = 2.0;
+use super::{action_map, path, save_picture, sequence, situation_map};
 
 /// Writes every picture of an episode as SVG and PNG, and `index.html` with them, into `dir`
 /// (created if missing).
@@ -32,15 +29,10 @@ pub fn write(
     let mut written = Vec::new();
     let mut figures = Vec::new();
     for (name, title, caption, svg) in pictures(recording) {
-        let file = format!("{name}.svg");
-        written.push(save(dir, &file, svg.as_bytes())?);
-        let bitmap = format!("{name}.png");
-        let png = png::render(&svg, PNG_SCALE)
-            .map_err(|error| BadInput::file(&dir.join(&bitmap), error))?;
-        written.push(save(dir, &bitmap, &png)?);
+        written.extend(save_picture(dir, name, &svg)?);
         let caption = caption.iter().map(|&paragraph| paragraph.into()).collect();
         figures.push(Figure {
-            file,
+            file: format!("{name}.svg"),
             title: title.into(),
             caption,
         });

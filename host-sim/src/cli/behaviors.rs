@@ -7,7 +7,6 @@ use clap::Args;
 use experiments::behaviors::{BehaviorTrial, SceneOutcome, first, measure};
 use experiments::scenes::{BehaviorScene, scenes_named};
 use files::error::BadInput;
-use files::save;
 use plots::ShownBehavior;
 use sim::scenes::Behavior;
 use std::io::Write;
@@ -214,10 +213,7 @@ fn pictures(
     progress.finish_and_clear();
     let title = "Behaviors, each from 100 random moves";
     let svg = plots::behaviors(title, &shown);
-    let picture = save(dir, "behaviors.svg", svg.as_bytes())?;
-    let png = plots::png::render(&svg, 2.0)
-        .map_err(|error| BadInput::new(format!("behaviors.png: {error}")))?;
-    save(dir, "behaviors.png", &png)?;
+    let [picture, _] = plots::save_picture(dir, "behaviors", &svg)?;
     let dir = dir.display();
     Ok(writeln!(
         out,

@@ -8,7 +8,6 @@ use experiments::behaviors::BehaviorTrial;
 use experiments::repetition::{Curve, measure};
 use experiments::scenes::{BehaviorScene, scenes_named};
 use files::error::BadInput;
-use files::save;
 use plots::{CurveKey, Curves};
 use sim::pilot::MAX_MOVES;
 use sim::statistics::Mean;
@@ -163,9 +162,6 @@ fn picture(
         names: Vec::new(),
     };
     let svg = plots::curves("Does repetition improve a behavior?", &key, panels);
-    let picture = save(dir, "repetition.svg", svg.as_bytes())?;
-    let png = plots::png::render(&svg, 2.0)
-        .map_err(|error| BadInput::new(format!("repetition.png: {error}")))?;
-    save(dir, "repetition.png", &png)?;
+    let [picture, _] = plots::save_picture(dir, "repetition", &svg)?;
     Ok(writeln!(out, "Picture: {}", picture.display())?)
 }

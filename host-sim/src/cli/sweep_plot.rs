@@ -6,7 +6,7 @@ use clap::Args;
 use experiments::sweep::{ResultsTable, SweepOutcome, SweptChoice, Texts, swept_choices};
 use files::error::BadInput;
 use files::save;
-use plots::{DotPanel, DotSection, Figure, dot_plot, index_html, png};
+use plots::{DotPanel, DotSection, Figure, dot_plot, index_html, save_picture};
 use rayon::prelude::*;
 use sim::statistics::Mean;
 use std::io::Write;
@@ -75,11 +75,7 @@ fn draw(folder: &Path, title: &str, drawn: &[DrawnChoice<'_>]) -> Result<Vec<Fig
     for (choice, found) in drawn {
         let figure = figure(&choice.key);
         let svg = dot_plot(&figure.title, &subtitle, &sections(choice, found));
-        save(folder, &figure.file, svg.as_bytes())?;
-        let bitmap = figure.file.replace(".svg", ".png");
-        let png =
-            png::render(&svg, 2.0).map_err(|error| BadInput::new(format!("{bitmap}: {error}")))?;
-        save(folder, &bitmap, &png)?;
+        save_picture(folder, figure.file.trim_end_matches(".svg"), &svg)?;
         figures.push(figure);
     }
     Ok(figures)

@@ -62,10 +62,7 @@ pub fn worlds(args: &WorldsArgs, out: &mut impl Write) -> Result<(), CliError> {
 
     let all: Vec<_> = worlds.iter().collect();
     let svg = plots::worlds("Worlds", &all);
-    let picture = files::save(&args.out, "worlds.svg", svg.as_bytes())?;
-    let png = plots::png::render(&svg, 2.0)
-        .map_err(|error| BadInput::new(format!("worlds.png: {error}")))?;
-    files::save(&args.out, "worlds.png", &png)?;
+    let [picture, _] = plots::save_picture(&args.out, "worlds", &svg)?;
     writeln!(out, "\nPicture: {}", picture.display())?;
     Ok(())
 }

@@ -10,9 +10,8 @@ use super::paper_page::paper_html;
 use super::{chains, flow, situation_values};
 use files::error::BadInput;
 use files::save;
-use plots::demo::PNG_SCALE;
 use plots::page::Figure;
-use plots::{path, png, sequence};
+use plots::{path, save_picture, sequence};
 
 /// Writes every figure as SVG and PNG, and `index.html` with the claims, into the existing folder
 /// `dir`.
@@ -31,14 +30,9 @@ pub fn write(
     let mut written = Vec::new();
     let mut figures = Vec::new();
     for (name, title, caption, svg) in pictures(measured) {
-        let file = format!("{name}.svg");
-        written.push(save(dir, &file, svg.as_bytes())?);
-        let bitmap = format!("{name}.png");
-        let png = png::render(&svg, PNG_SCALE)
-            .map_err(|error| BadInput::file(&dir.join(&bitmap), error))?;
-        written.push(save(dir, &bitmap, &png)?);
+        written.extend(save_picture(dir, name, &svg)?);
         figures.push(Figure {
-            file,
+            file: format!("{name}.svg"),
             title: title.into(),
             caption: caption.iter().map(|&paragraph| paragraph.into()).collect(),
         });

@@ -5,8 +5,6 @@ use crate::cli::{CliError, table};
 use experiments::barn::{
     BarnMethod, CHALLENGE_M_S, RoutePanel, Run, RunEnd, length, routes, score,
 };
-use files::error::BadInput;
-use files::save;
 use serde_json::json;
 use sim::statistics::{bootstrap, mean};
 use std::io::Write;
@@ -163,10 +161,7 @@ pub(super) fn picture(
     let panels: Vec<_> = (0..count).filter_map(spread).map(panel).collect();
     let names: Vec<_> = methods.iter().map(|method| method.name()).collect();
     let svg = routes("Paths through the BARN worlds", &names, &panels);
-    let path = save(dir, "barn.svg", svg.as_bytes())?;
-    let png = plots::png::render(&svg, 2.0)
-        .map_err(|error| BadInput::new(format!("barn.png: {error}")))?;
-    save(dir, "barn.png", &png)?;
+    let [path, _] = plots::save_picture(dir, "barn", &svg)?;
     if !quiet {
         writeln!(out, "\nPicture: {}", path.display())?;
     }

@@ -5,7 +5,7 @@ use super::tables::{ComparisonTables, MethodLine};
 use crate::cli::CliError;
 use ::files::error::BadInput;
 use ::files::save;
-use plots::png;
+use plots::save_picture;
 use sim::statistics::Mean;
 use std::io::Write;
 use std::path::Path;
@@ -33,10 +33,7 @@ pub fn write(
 }
 
 fn draw(dir: &Path, svg: &str, out: &mut impl Write) -> Result<(), CliError> {
-    let picture = save(dir, "compare.svg", svg.as_bytes())?;
-    let png =
-        png::render(svg, 2.0).map_err(|error| BadInput::new(format!("compare.png: {error}")))?;
-    save(dir, "compare.png", &png)?;
+    let [picture, _] = save_picture(dir, "compare", svg)?;
     Ok(writeln!(out, "Picture: {}", picture.display())?)
 }
 
