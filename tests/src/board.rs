@@ -1,6 +1,6 @@
 //! The emulated chip as a board behind a TCP socket, which can be switched off and on.
 
-use crate::chip::{PATIENCE, image};
+use crate::chip::{TIMEOUT, image};
 use std::net::{TcpListener, TcpStream};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -53,7 +53,7 @@ impl EmulatedBoard {
         self.emulator = Some(spawned.expect("qemu-system-arm starts"));
         let began = Instant::now();
         while TcpStream::connect(&self.host).is_err() {
-            assert!(began.elapsed() < PATIENCE, "the emulator does not listen");
+            assert!(began.elapsed() < TIMEOUT, "the emulator does not listen");
             std::thread::sleep(Duration::from_millis(10));
         }
     }

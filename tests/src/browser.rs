@@ -9,7 +9,7 @@ use tempfile::TempDir;
 use tungstenite::{Message, WebSocket};
 
 /// Timeout of all waits.
-pub const PATIENCE: Duration = Duration::from_secs(30);
+pub const TIMEOUT: Duration = Duration::from_secs(30);
 
 /// A browser with one page; stopped when dropped.
 pub struct Browser {
@@ -17,7 +17,7 @@ pub struct Browser {
     socket: WebSocket<TcpStream>,
     session: String,
     asked: u64,
-    complaints: Vec<String>,
+    errors: Vec<String>,
     requests: Vec<String>,
     _profile: TempDir,
 }
@@ -58,12 +58,12 @@ impl Browser {
             if let [port, path] = text.lines().collect::<Vec<_>>()[..] {
                 break (port.to_owned(), path.to_owned());
             }
-            assert!(began.elapsed() < PATIENCE, "chromium does not start");
+            assert!(began.elapsed() < TIMEOUT, "chromium does not start");
             std::thread::sleep(Duration::from_millis(20));
         };
         let host = format!("127.0.0.1:{port}");
         let stream = TcpStream::connect(&host).expect("the browser listens");
-        stream.set_read_timeout(Some(PATIENCE)).expect("a timeout");
+        stream.set_read_timeout(Some(TIMEOUT)).expect("a timeout");
         let opened = tungstenite::client(format!("ws://{host}{path}"), stream);
         let (socket, _) = opened.expect("the browser's own socket");
         let mut browser = Self {
@@ -71,7 +71,7 @@ impl Browser {
             socket,
             session: String::new(),
             asked: 0,
-            complaints: Vec::new(),
+            errors: Vec::new(),
             requests: Vec::new(),
             _profile: profile,
         };
@@ -124,13 +124,13 @@ impl Browser {
         let params = &event["params"];
         match event["method"].as_str() {
             Some("Runtime.exceptionThrown") => {
-                self.complaints.push(params["exceptionDetails"].to_string());
+                self.errors.push(params["exceptionDetails"].to_string());
             }
             Some("Runtime.consoleAPICalled") if params["type"] == "error" => {
-                self.complaints.push(params["args"].to_string());
+                self.errors.push(params["args"].to_string());
             }
             Some("Log.entryAdded") if params["entry"]["level"] == "error" => {
-                self.complaints.push(params["entry"].to_string());
+                self.errors.push(params["entry"].to_string());
             }
             Some("Network.requestWillBeSent") => {
                 let url = params["request"]["url"].as_str().unwrap_or_default();
@@ -142,8 +142,8 @@ impl Browser {
 
     /// Errors of the page and on its console so far.
     #[must_use]
-    pub fn complaints(&self) -> &[String] {
-        &self.complaints
+    pub fn errors(&self) -> &[String] {
+        &self.errors
     }
 
     /// Requests of the page so far, except for sockets.
@@ -196,10 +196,10 @@ impl Browser {
             if value == true {
                 return;
             }
-            if began.elapsed() > PATIENCE {
+            if began.elapsed() > TIMEOUT {
                 let notice = self.eval("document.getElementById('notice')?.textContent");
-                let complaints = &self.complaints;
-                panic!("never true: {expression}: {value}; {notice}; {complaints:?}");
+                let errors = &self.errors;
+                panic!("never true: {expression}: {value}; {notice}; {errors:?}");
             }
             std::thread::sleep(Duration::from_millis(30));
         }

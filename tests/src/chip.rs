@@ -14,7 +14,7 @@ use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 /// Timeout of all waits.
-pub const PATIENCE: Duration = Duration::from_secs(20);
+pub const TIMEOUT: Duration = Duration::from_secs(20);
 /// Default session of a peer.
 pub const SESSION: u16 = 7;
 
@@ -120,7 +120,7 @@ impl EmulatedChip {
             clock,
             open_space: false,
         }));
-        let until = Instant::now() + PATIENCE;
+        let until = Instant::now() + TIMEOUT;
         while Instant::now() < until {
             // A chip that is still starting does not receive it.
             self.raw(&hello);
@@ -134,7 +134,7 @@ impl EmulatedChip {
                 }
             }
         }
-        panic!("no hello in {PATIENCE:?}");
+        panic!("no hello in {TIMEOUT:?}");
     }
 
     /// Milliseconds since the start of the chip, as the host's time.
@@ -226,17 +226,17 @@ impl EmulatedChip {
     /// Waits until `what` returns a value for a report.
     ///
     /// # Panics
-    /// After [`PATIENCE`].
+    /// After [`TIMEOUT`].
     pub fn wait<T>(&mut self, mut what: impl FnMut(Header, Report<16>) -> Option<T>) -> T {
         let began = Instant::now();
-        while let Some(left) = PATIENCE.checked_sub(began.elapsed()) {
+        while let Some(left) = TIMEOUT.checked_sub(began.elapsed()) {
             if let Some((header, report)) = self.next(left)
                 && let Some(found) = what(header, report)
             {
                 return found;
             }
         }
-        panic!("the chip has sent no such report in {PATIENCE:?}");
+        panic!("the chip has sent no such report in {TIMEOUT:?}");
     }
 
     /// The next report within `patience`.

@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Timeout of all waits.
-pub const PATIENCE: Duration = Duration::from_secs(30);
+pub const TIMEOUT: Duration = Duration::from_secs(30);
 
 /// A program that runs in parallel to the test; killed when dropped.
 #[derive(Debug)]
@@ -50,7 +50,7 @@ impl Running {
     /// When there is none in time.
     #[must_use]
     pub fn line(&self) -> String {
-        let line = self.stdout.recv_timeout(PATIENCE);
+        let line = self.stdout.recv_timeout(TIMEOUT);
         line.unwrap_or_else(|_| panic!("no line; {:?}", self.messages()))
     }
 
@@ -98,7 +98,7 @@ impl Running {
         let rest = |stream: &Receiver<String>| {
             let mut text = String::new();
             loop {
-                match stream.recv_timeout(PATIENCE) {
+                match stream.recv_timeout(TIMEOUT) {
                     Ok(line) => text += &(line + "\n"),
                     Err(RecvTimeoutError::Disconnected) => return text,
                     Err(RecvTimeoutError::Timeout) => panic!("its output does not end"),

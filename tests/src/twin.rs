@@ -1,7 +1,7 @@
 //! The node on the host and the firmware in the emulated chip get the same frames and must send the
 //! same bytes.
 
-use crate::chip::{EmulatedChip, PATIENCE, RecordedBytes, SESSION, dimensions, packed};
+use crate::chip::{EmulatedChip, RecordedBytes, SESSION, TIMEOUT, dimensions, packed};
 use amp::controller::{Event, Outputs};
 use amp::node::NomadNode;
 use amp::units::Millis;
@@ -13,7 +13,7 @@ use sim::pilot::Pilot;
 use std::time::Instant;
 
 /// Simulated time between two heartbeats.
-const ALIVE_MS: u32 = 250;
+const HEARTBEAT_MS: u32 = 250;
 /// Bytes that the F405 may lag behind: its receive queue holds twice as many.
 const BEHIND: usize = 256;
 
@@ -209,7 +209,7 @@ impl NodeTwin {
     fn settle(&mut self, behind: usize) {
         let began = Instant::now();
         while self.awaited.len() > behind {
-            let heard = self.chip.bytes(PATIENCE.saturating_sub(began.elapsed()));
+            let heard = self.chip.bytes(TIMEOUT.saturating_sub(began.elapsed()));
             assert!(
                 !heard.is_empty(),
                 "the chip is silent; awaited: {:?}",
@@ -232,8 +232,8 @@ impl NodeTwin {
     /// Sends heartbeats up to `at_ms`: simulated time may jump.
     fn heartbeats_until(&mut self, at_ms: u32) -> Vec<Report<16>> {
         let mut said = Vec::new();
-        while at_ms.saturating_sub(self.at_ms) > ALIVE_MS {
-            self.at_ms += ALIVE_MS;
+        while at_ms.saturating_sub(self.at_ms) > HEARTBEAT_MS {
+            self.at_ms += HEARTBEAT_MS;
             said.extend(self.send(&ToMind::Alive { at_ms: self.at_ms }));
         }
         self.at_ms = at_ms;

@@ -12,7 +12,7 @@ use tungstenite::handshake::HandshakeError;
 use tungstenite::http::HeaderValue;
 use tungstenite::{Error, Message, WebSocket};
 
-const PATIENCE: Duration = Duration::from_secs(30);
+const TIMEOUT: Duration = Duration::from_secs(30);
 
 /// The program as a server; ended when dropped.
 pub struct Viewed {
@@ -81,7 +81,7 @@ impl Viewed {
             if let Some(status) = self.child.try_wait().expect("its state") {
                 return status.code();
             }
-            assert!(began.elapsed() < PATIENCE, "it goes on");
+            assert!(began.elapsed() < TIMEOUT, "it goes on");
             std::thread::sleep(Duration::from_millis(5));
         }
     }
@@ -132,7 +132,7 @@ impl Viewed {
             request.headers_mut().insert(*name, value);
         }
         let stream = TcpStream::connect(self.host()).expect("it listens");
-        stream.set_read_timeout(Some(PATIENCE)).expect("a timeout");
+        stream.set_read_timeout(Some(TIMEOUT)).expect("a timeout");
         match tungstenite::client(request, stream) {
             Ok((socket, _)) => Ok(Viewer::new(socket)),
             Err(HandshakeError::Failure(Error::Http(response))) => Err(response.status().as_u16()),
@@ -307,7 +307,7 @@ impl Viewer {
             {
                 return *heard;
             }
-            assert!(began.elapsed() < PATIENCE, "no such {part}");
+            assert!(began.elapsed() < TIMEOUT, "no such {part}");
             self.hear();
         }
     }

@@ -9,7 +9,7 @@ use amp::wire::message::{
     Refusal, Report, ResetCause, ToMind,
 };
 use std::time::{Duration, Instant};
-use tests::chip::{EmulatedChip, PATIENCE, SESSION};
+use tests::chip::{EmulatedChip, SESSION, TIMEOUT};
 
 fn said<T>(reports: &[Report<16>], pick: impl Fn(&FromMind<16>) -> Option<T>) -> Option<T> {
     reports.iter().find_map(|report| pick(&report.said))
@@ -141,7 +141,7 @@ fn what_was_learned_is_known_after_a_reset_and_sought_with_at_once() {
     }
     // Recalled at the start and saved since; checked once per second of a clock that a busy machine
     // slows down.
-    let patience = Instant::now() + PATIENCE;
+    let patience = Instant::now() + TIMEOUT;
     let mut peak = 0;
     while peak == 0 && Instant::now() < patience {
         std::thread::sleep(Duration::from_millis(200));

@@ -12,7 +12,7 @@ use std::sync::mpsc::{Receiver, channel};
 use std::thread::{sleep, spawn};
 use std::time::Duration;
 use tests::board::EmulatedBoard;
-use tests::chip::{EmulatedChip, PATIENCE, SESSION};
+use tests::chip::{EmulatedChip, SESSION, TIMEOUT};
 use tests::{Program, host_sim};
 
 /// State of a robot with the preset `touzet` after thirty moves: neither its configuration nor its
@@ -125,13 +125,13 @@ fn monitor_finds_a_chip_again_that_was_switched_off() {
     // Long enough to connect and to occupy the chip's only line.
     sleep(Duration::from_secs(1));
     board.switch_off();
-    let lost = said.recv_timeout(PATIENCE).expect("a message");
+    let lost = said.recv_timeout(TIMEOUT).expect("a message");
     assert!(
         lost.contains(&address) && lost.contains("the link broke") && lost.contains("trying again"),
         "{lost}"
     );
     board.switch_on();
-    let found = said.recv_timeout(PATIENCE).expect("another message");
+    let found = said.recv_timeout(TIMEOUT).expect("another message");
     assert_eq!(found, format!("{address}: reconnected"));
     // It continues: the chip receives its heartbeats.
     sleep(Duration::from_secs(1));

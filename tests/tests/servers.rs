@@ -12,7 +12,7 @@ use std::io::{ErrorKind, Read as _, Write as _};
 use std::net::{TcpListener, TcpStream};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
-use tests::nomad::{PATIENCE, Running, ServedRobot};
+use tests::nomad::{Running, ServedRobot, TIMEOUT};
 use tests::viewed::{Viewed, Viewer};
 use tests::{host_sim, words};
 
@@ -22,7 +22,7 @@ const HALF: &[u8] = b"GET / HTTP/1.1\r\nHost: 127.0.0.1";
 /// Fetches the page on a new connection.
 fn page(host: &str) -> String {
     let mut stream = TcpStream::connect(host).expect("it listens");
-    stream.set_read_timeout(Some(PATIENCE)).expect("a timeout");
+    stream.set_read_timeout(Some(TIMEOUT)).expect("a timeout");
     let request = format!("GET / HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n");
     stream.write_all(request.as_bytes()).expect("a request");
     let mut answer = String::new();
@@ -100,7 +100,7 @@ fn watchers_without_the_token_keep_no_owner_out() {
     let _second = viewed.owner().expect("another owner");
     let began = Instant::now();
     while viewed.knock(&[]).is_err() {
-        assert!(began.elapsed() < PATIENCE, "the free place is not given");
+        assert!(began.elapsed() < TIMEOUT, "the free place is not given");
         sleep(Duration::from_millis(20));
     }
 }
@@ -261,7 +261,7 @@ fn a_robot_is_served_to_other_machines_only_on_request() {
     let program = host_sim!();
     for (address, named) in [("0.0.0.0:0", "0.0.0.0:0"), ("[::]:0", "[::]:0")] {
         let mut served = Running::start(&program, &format!("nomad serve --listen {address}"));
-        let (code, stdout, stderr) = served.end(PATIENCE);
+        let (code, stdout, stderr) = served.end(TIMEOUT);
         assert_eq!((code, stdout.as_str()), (Some(2), ""), "{stderr}");
         assert!(stderr.contains(&format!(
             "--listen {named}: others could reach it: say --allow-remote"
@@ -354,7 +354,7 @@ fn a_peer_that_sends_garbage_without_end_is_given_up() {
             format!("bridge --nomad tcp:{} --mind tcp:{place}", robot.place),
             format!("run --steps 1 --mind tcp:{place}"),
         ] {
-            let _ = gives_up(&program, &line, &place, PATIENCE);
+            let _ = gives_up(&program, &line, &place, TIMEOUT);
         }
     }
 }
@@ -398,7 +398,7 @@ fn a_drive_that_is_killed_is_logged_but_for_two_seconds() {
     let path = program.folder().join("drive.mcap");
     let began = Instant::now();
     while !path.exists() {
-        assert!(began.elapsed() < PATIENCE, "no log");
+        assert!(began.elapsed() < TIMEOUT, "no log");
         sleep(Duration::from_millis(10));
     }
     sleep(Duration::from_secs(6));

@@ -103,7 +103,7 @@ fn a_person_explores_learns_seeks_and_stops() {
     an_obstacle_in_the_way(&mut page);
     by_keyboard(&mut page);
     pictures(&mut page);
-    assert_eq!(page.complaints(), [""; 0]);
+    assert_eq!(page.errors(), [""; 0]);
     let own = page
         .requests()
         .iter()
@@ -243,7 +243,7 @@ fn a_recording_is_played_back_and_forth() {
     fits(&mut page);
     page.click("#pause");
     page.wait("view.now.pace.standing === false || view.now.at === trail.marks.length");
-    assert_eq!(page.complaints(), [""; 0]);
+    assert_eq!(page.errors(), [""; 0]);
 }
 
 fn recording_pictures(page: &mut Browser) {
@@ -324,7 +324,7 @@ fn nomad_pictures(viewed: &Viewed) {
     page.wait("view.now && view.now.counts.steps > 40");
     fits(&mut page);
     keep("view-nomad.png", &mut page);
-    assert_eq!(page.complaints(), [""; 0]);
+    assert_eq!(page.errors(), [""; 0]);
 }
 
 /// A controller by its own clock, whose ring has no echoes: it learns, and stops for that reason.
@@ -404,7 +404,7 @@ fn board_page(viewed: &Viewed) {
     page.wait("!document.getElementById('arena-card').offsetParent");
     fits(&mut page);
     keep_aside("view-board.png", &mut page);
-    assert_eq!(page.complaints(), [""; 0]);
+    assert_eq!(page.errors(), [""; 0]);
 }
 
 #[test]

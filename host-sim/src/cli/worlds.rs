@@ -22,7 +22,7 @@ pub struct WorldsArgs {
 }
 
 /// Largest number of worlds in one picture.
-const MOST: usize = 100;
+const MAX_WORLDS: usize = 100;
 
 /// Lists the worlds and draws them.
 ///
@@ -38,9 +38,9 @@ pub fn worlds(args: &WorldsArgs, out: &mut impl Write) -> Result<(), CliError> {
         names.push("random:1..=3".to_owned());
     }
     let sources = sources(&names)?;
-    if sources.len() > MOST {
+    if sources.len() > MAX_WORLDS {
         return Err(BadInput::new(format!(
-            "--world names {} worlds, a picture holds at most {MOST}",
+            "--world names {} worlds, a picture holds at most {MAX_WORLDS}",
             sources.len()
         ))
         .into());

@@ -22,7 +22,7 @@ use std::time::{Duration, Instant};
 /// One in so many trials of a campaign uses a bridge; the least number of trials; trials in
 /// parallel.
 const SHARE: u64 = 1_000;
-const LEAST: u64 = 4;
+const MIN_TRIALS: u64 = 4;
 const AT_ONCE: usize = 8;
 /// So slow that even the first motion, of 80 mm, takes more than 8 s: a stop before its end is
 /// visible.
@@ -59,7 +59,7 @@ impl BridgeFailure {
     ///
     /// A silent controller: timeout of 500 ms plus the delays of a busy machine. The robot itself
     /// stops after one second, the shortest value of its `conf_tm`.
-    const fn most_ms(self) -> u32 {
+    const fn max_ms(self) -> u32 {
         match self {
             Self::Mind => 900,
             Self::Bridge => 1_010,
@@ -278,7 +278,7 @@ fn try_it(gone: BridgeFailure, seed: u64, trial: u64) -> BridgeStop {
 
 /// Runs the trials for a campaign of `count`, and adds their figures to the verdict.
 pub(super) fn run(verdict: &mut CampaignVerdict, seed: u64, count: u64) {
-    let count = (count / SHARE).max(LEAST);
+    let count = (count / SHARE).max(MIN_TRIALS);
     let mut rows = Vec::new();
     for (kind, gone) in (0..).zip(BridgeFailure::ALL) {
         let next = Mutex::new(0..count);
@@ -318,9 +318,9 @@ fn judge(verdict: &mut CampaignVerdict, gone: BridgeFailure, all: &[BridgeStop])
     let told_ms = most(|stopped| stopped.told_ms);
     let way_mm = all.iter().map(|stopped| stopped.way_mm).fold(0.0, f64::max);
     // The robot reports no stop of its own.
-    let is_told = gone == BridgeFailure::Bridge || told_ms <= gone.most_ms();
+    let is_told = gone == BridgeFailure::Bridge || told_ms <= gone.max_ms();
     verdict.require(is_told, format!("{name}: {told_ms} ms"));
-    let is_soon = stood_ms <= gone.most_ms() + BRAKING_MS;
+    let is_soon = stood_ms <= gone.max_ms() + BRAKING_MS;
     verdict.require(is_soon, format!("{name}: stood after {stood_ms} ms"));
     let told = match gone {
         BridgeFailure::Mind => told_ms.to_string(),
@@ -329,7 +329,7 @@ fn judge(verdict: &mut CampaignVerdict, gone: BridgeFailure, all: &[BridgeStop])
     [
         name.to_owned(),
         told,
-        gone.most_ms().to_string(),
+        gone.max_ms().to_string(),
         stood_ms.to_string(),
         format!("{way_mm:.0}"),
     ]

@@ -30,7 +30,7 @@ const SHOWN: [usize; 8] = [1, 2, 3, 6, 12, 13, 18, 24];
 const MAX_DRIFT: f64 = 0.05;
 /// Least distance of every robot in every hour, m: a tenth of the mean. A shorter one means a
 /// standstill.
-const LEAST_WAY_M: f64 = 36.0;
+const MIN_DISTANCE_M: f64 = 36.0;
 
 /// The hours of a robot, and one more from its start.
 struct Day {
@@ -224,7 +224,7 @@ fn verdict(days: &[Day], sonar: SonarModel) -> CampaignVerdict {
     );
     for day in days {
         let mut hours = day.hours.iter().chain([&day.again]);
-        if let Some(hour) = hours.position(|hour| hour.distance_m < LEAST_WAY_M) {
+        if let Some(hour) = hours.position(|hour| hour.distance_m < MIN_DISTANCE_M) {
             let what = format!(
                 "the robot of seed {} stands still in hour {}",
                 day.seed,

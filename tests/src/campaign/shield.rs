@@ -29,8 +29,8 @@ const STEPS: u32 = 1_000;
 /// In 313 episodes per cell the means were 193 m and, behind a leader with ideal sonars and a
 /// following turret, 8.6 m. There every seventh robot stands still and another drives 67 m, so the
 /// mean of a few is meaningless.
-const LEAST_MEAN_M: f64 = 50.0;
-const LEAST_CELL_M: f64 = 3.0;
+const MIN_MEAN_M: f64 = 50.0;
+const MIN_CELL_M: f64 = 3.0;
 const ENOUGH: u64 = 100;
 /// A chain of three behaviors.
 const CHAIN: &str = "avoid-right,wall-right,nest";
@@ -243,13 +243,13 @@ fn verdict(cells: &[ShieldCell]) -> CampaignVerdict {
         let (behavior, sonar, turret) = parts(number);
         let words = [name(behavior), sonar.name(), turret.name()];
         let way_m = cell.mean_way_m();
-        let moves = cell.episodes < ENOUGH || way_m >= LEAST_CELL_M;
+        let moves = cell.episodes < ENOUGH || way_m >= MIN_CELL_M;
         verdict.require(moves, format!("{}: {way_m:.1} m", words.join(", ")));
         rows.push(cell.row(words));
         all.add(cell.clone());
     }
     let way_m = all.mean_way_m();
-    let moves = way_m >= LEAST_MEAN_M;
+    let moves = way_m >= MIN_MEAN_M;
     verdict.require(moves, format!("the robot hardly moves: {way_m:.1} m"));
     rows.push(all.row(["all", "", ""]));
     verdict.table(heads, &rows);

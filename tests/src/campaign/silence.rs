@@ -74,7 +74,7 @@ impl FailedPart {
 
     /// Longest time until the stop command or the end of the motion's time to live, ms: a timeout
     /// of 300 ms or 500 ms, a cycle of the control task and two frames on the line.
-    const fn most_ms(self) -> u64 {
+    const fn max_ms(self) -> u64 {
         match self {
             Self::Host | Self::HostForAWhile => 320,
             Self::Line | Self::Mind => 520,
@@ -82,7 +82,7 @@ impl FailedPart {
     }
 
     /// Longest distance after the failure, mm: at 508 mm/s for that time, plus 169 mm of braking.
-    const fn most_mm(self) -> f64 {
+    const fn max_mm(self) -> f64 {
         match self {
             Self::Host | Self::HostForAWhile => 340.0,
             Self::Line | Self::Mind => 440.0,
@@ -163,24 +163,24 @@ fn judge(verdict: &mut CampaignVerdict, gone: FailedPart, all: &[SilenceStop]) -
     let stood = stood.unwrap_or(0);
     let way_mm = all.iter().map(|stopped| stopped.way_mm).fold(0.0, f64::max);
     let name = gone.name();
-    let is_short = way_mm <= gone.most_mm();
+    let is_short = way_mm <= gone.max_mm();
     verdict.require(is_short, format!("{name}: {way_mm:.0} mm"));
-    let allowed_ms = gone.most_ms() + BRAKING_MS;
+    let allowed_ms = gone.max_ms() + BRAKING_MS;
     verdict.require(
         stood <= allowed_ms,
         format!("{name}: stood after {stood} ms"),
     );
-    verdict.require(most <= gone.most_ms(), format!("{name}: {most} ms"));
+    verdict.require(most <= gone.max_ms(), format!("{name}: {most} ms"));
     verdict.require(again == 0, format!("{name}: moved again"));
     [
         name.to_owned(),
         median.to_string(),
         rare.to_string(),
         most.to_string(),
-        gone.most_ms().to_string(),
+        gone.max_ms().to_string(),
         stood.to_string(),
         format!("{way_mm:.0}"),
-        gone.most_mm().to_string(),
+        gone.max_mm().to_string(),
         again.to_string(),
     ]
 }

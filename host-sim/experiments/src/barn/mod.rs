@@ -87,7 +87,7 @@ impl BarnMethod {
 
 /// What all runs share.
 #[derive(Debug, Clone)]
-pub struct Rules {
+pub struct RunConditions {
     /// The controller's configuration; its shield applies to every method.
     pub config: Config<16>,
     /// Sonar model.
@@ -134,7 +134,12 @@ impl Run {
 ///
 /// # Errors
 /// When the world has no goal or the controller cannot learn.
-pub fn run(world: &World, method: BarnMethod, rules: &Rules, number: u64) -> Result<Run, BadInput> {
+pub fn run(
+    world: &World,
+    method: BarnMethod,
+    rules: &RunConditions,
+    number: u64,
+) -> Result<Run, BadInput> {
     let goal = world
         .goal()
         .ok_or_else(|| BadInput::new(format!("world {}: it has no goal", world.name())))?;
@@ -172,7 +177,7 @@ pub fn run(world: &World, method: BarnMethod, rules: &Rules, number: u64) -> Res
 }
 
 /// A controller that has explored a random room and learned.
-fn trained_controller(rules: &Rules, seed: u64) -> Result<Mind, Failure> {
+fn trained_controller(rules: &RunConditions, seed: u64) -> Result<Mind, Failure> {
     let room = World::random(seed);
     let setup = Setup {
         config: rules.config.clone(),

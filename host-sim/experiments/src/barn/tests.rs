@@ -4,12 +4,12 @@ use super::*;
 use arena::world::{Pose, Shape};
 use std::f64::consts::FRAC_PI_2;
 
-fn rules(shield: bool) -> Rules {
+fn rules(shield: bool) -> RunConditions {
     let mut config = Config::recommended();
     if !shield {
         config.shield = None;
     }
-    Rules {
+    RunConditions {
         config,
         sonar: SonarModel::Ideal,
         explore_moves: 100,

@@ -16,7 +16,7 @@ pub const SIDE: i32 = 33;
 pub const REACH_M: f64 = (SIDE / 2) as f64 * CELL_M;
 
 const HIT: u8 = 3;
-const MOST: u8 = 15;
+const MAX_COUNT: u8 = 15;
 
 /// Counts of recent echoes, by cell.
 #[derive(Debug, Clone)]
@@ -48,7 +48,7 @@ impl CertaintyGrid {
             let hit = range.is_finite().then(|| cell(face + axis * range));
             self.clear(face, axis, range.min(REACH_M), hit);
             if let Some(count) = hit.and_then(|hit| self.count_mut(hit)) {
-                *count = count.saturating_add(HIT).min(MOST);
+                *count = count.saturating_add(HIT).min(MAX_COUNT);
             }
         }
     }

@@ -12,7 +12,7 @@ use sim::ring_pilot::{Perceived, Policy, STEP_M, Steered, axis};
 /// From a transducer's face to the edge of the collision disc, m.
 const RIM_M: f64 = COLLISION_RADIUS_M - FACE_RADIUS_M;
 /// Lower limit of the distances, m: keeps the forces finite.
-const LEAST_M: f64 = 0.01;
+const MIN_DISTANCE_M: f64 = 0.01;
 /// A sum of forces weaker than this has no direction.
 const BALANCE: f64 = 1e-6;
 
@@ -59,7 +59,7 @@ impl PotentialField {
     fn repulsion(&self, perceived: &Perceived) -> Point {
         let mut sum = Point::default();
         for sensor in 0..16 {
-            let distance = (perceived.range_m(sensor) - RIM_M).max(LEAST_M);
+            let distance = (perceived.range_m(sensor) - RIM_M).max(MIN_DISTANCE_M);
             if distance < self.tuning.reach_m {
                 let force = self.tuning.strength * (1.0 / distance - 1.0 / self.tuning.reach_m)
                     / (distance * distance);

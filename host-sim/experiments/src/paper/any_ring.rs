@@ -18,7 +18,7 @@ pub const MOVES: u16 = 100;
 
 /// Sensor model of a transducer.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sight {
+pub struct SensorModel {
     /// Half the opening of its cone, rad.
     pub half_angle_rad: f64,
     /// Longest range from its face, m.
@@ -31,7 +31,7 @@ pub struct AnyRing<'w, const SENSORS: usize> {
     state: Box<State<SENSORS, 16, { MOVES as usize }>>,
     world: &'w World,
     turret: TurretMode,
-    sight: Sight,
+    sensor_model: SensorModel,
     pose: Pose,
     view: View,
     time_ms: u32,
@@ -62,14 +62,14 @@ impl<'w, const SENSORS: usize> AnyRing<'w, SENSORS> {
         config: Config<SENSORS>,
         world: &'w World,
         turret: TurretMode,
-        sight: Sight,
+        sensor_model: SensorModel,
     ) -> Self {
         Self {
             config,
             state: Box::new(State::new(Grid::rectangle(4, 4))),
             world,
             turret,
-            sight,
+            sensor_model,
             pose: world.start(),
             view: View::default(),
             time_ms: 0,
@@ -126,7 +126,7 @@ impl<'w, const SENSORS: usize> AnyRing<'w, SENSORS> {
             .time_ms
             .wrapping_add(u32::from(self.config.robot.ring_period_ms));
         let face_m = f64::from(self.config.robot.face_radius_mm) / 1e3;
-        let reach_m = self.sight.reach_m;
+        let reach_m = self.sensor_model.reach_m;
         self.view
             .build(self.world, self.pose.position, face_m, reach_m);
         let mut turn = RingStep {
@@ -151,10 +151,10 @@ impl<'w, const SENSORS: usize> AnyRing<'w, SENSORS> {
         let direction = self.config.robot.directions.get(sensor)?;
         let axis = Point::new(f64::from(direction.x_q14), f64::from(direction.y_q14));
         let axis = (axis * (1.0 / axis.length().max(1.0))).turned(Point::unit(self.pose.heading));
-        let cone = ConeShape::new(self.sight.half_angle_rad);
+        let cone = ConeShape::new(self.sensor_model.half_angle_rad);
         let range = self.view.nearest_in_cone(axis, face_m, cone);
         // The cast saturates: a range beyond 65 m counts as 65 m.
-        (range <= self.sight.reach_m).then(|| Range::from_mm((range * 1e3) as u16))
+        (range <= self.sensor_model.reach_m).then(|| Range::from_mm((range * 1e3) as u16))
     }
 
     /// Moves straight up to the first contact and reports it; returns whether there was one.
@@ -210,11 +210,11 @@ mod tests {
         let world = World::random(3);
         let mut config = Config::recommended();
         config.shield = None;
-        let sight = Sight {
+        let sensor_model = SensorModel {
             half_angle_rad: 12.5_f64.to_radians(),
             reach_m: 255.0 * 0.0254,
         };
-        let mut robot = AnyRing::new(config.clone(), &world, TurretMode::Held, sight);
+        let mut robot = AnyRing::new(config.clone(), &world, TurretMode::Held, sensor_model);
         let moves = robot.explore_and_learn(Seeds::of(3).exploration, |_| {});
         let setup = sim::episode::Setup {
             config: config.clone(),

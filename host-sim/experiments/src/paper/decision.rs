@@ -25,7 +25,7 @@ const SHOWN: usize = 3;
 
 /// One random move from the memory.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Remembered {
+pub struct MemorySample {
     /// Situation before it.
     pub before: Vec<f64>,
     /// Situation after it.
@@ -46,7 +46,7 @@ pub struct DecisionFigure {
     /// How the subgoal was chosen, in the controller's words.
     pub why: String,
     /// A: the samples that changed most.
-    pub samples: Vec<Remembered>,
+    pub samples: Vec<MemorySample>,
     /// Number of samples in the memory.
     pub memory: usize,
     /// Code vectors of the situation map at that moment.
@@ -162,18 +162,18 @@ fn figure(
 }
 
 /// The samples of the memory that changed most, in their order.
-fn samples(state: &SimState) -> Vec<Remembered> {
+fn samples(state: &SimState) -> Vec<MemorySample> {
     let all: Vec<_> = state
         .memory()
         .samples()
         .iter()
-        .map(|sample| Remembered {
+        .map(|sample| MemorySample {
             before: values(&from_bytes(&sample.before).0),
             after: values(&from_bytes(&sample.after).0),
             moved_m: meters(sample.executed),
         })
         .collect();
-    let changed = |sample: &Remembered| -> f64 {
+    let changed = |sample: &MemorySample| -> f64 {
         let pairs = sample.before.iter().zip(&sample.after);
         pairs.map(|(a, b)| (a - b).abs()).sum()
     };

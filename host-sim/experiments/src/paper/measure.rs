@@ -56,7 +56,7 @@ pub trait ProgressListener: Sync {
 }
 
 /// A behavior's scene and its result by reading.
-pub type Reached = (&'static BehaviorScene, [SceneOutcome; 3]);
+pub type SceneResult = (&'static BehaviorScene, [SceneOutcome; 3]);
 
 /// All measurements.
 pub struct Measured {
@@ -79,7 +79,7 @@ pub struct Measured {
     /// Avoidance by number of random moves ([`FEWER_MOVES`]), for `default` and `probe`.
     pub moves: Vec<[AblationFigures; 2]>,
     /// Behaviors, by scene.
-    pub behaviors: Vec<Reached>,
+    pub behaviors: Vec<SceneResult>,
     /// Repetitions, by scene, for `default`.
     pub repetitions: Vec<(&'static BehaviorScene, Curve)>,
     /// Avoidance by rings of 8, 16 and 24 transducers, for `default`: clean rooms and steps with
@@ -93,14 +93,14 @@ pub struct Measured {
 
 /// Why a measurement failed.
 #[derive(Debug)]
-pub enum Unmeasured {
+pub enum MeasureError {
     /// An episode failed.
     Episode(Failure),
     /// A world could not be built.
     World(BadInput),
 }
 
-impl std::fmt::Display for Unmeasured {
+impl std::fmt::Display for MeasureError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Episode(failure) => failure.fmt(f),
@@ -109,15 +109,15 @@ impl std::fmt::Display for Unmeasured {
     }
 }
 
-impl std::error::Error for Unmeasured {}
+impl std::error::Error for MeasureError {}
 
-impl From<Failure> for Unmeasured {
+impl From<Failure> for MeasureError {
     fn from(failure: Failure) -> Self {
         Self::Episode(failure)
     }
 }
 
-impl From<BadInput> for Unmeasured {
+impl From<BadInput> for MeasureError {
     fn from(bad: BadInput) -> Self {
         Self::World(bad)
     }
@@ -127,7 +127,7 @@ impl From<BadInput> for Unmeasured {
 ///
 /// # Errors
 /// When an episode fails.
-pub fn measure(size: Size, progress: &impl ProgressListener) -> Result<Measured, Unmeasured> {
+pub fn measure(size: Size, progress: &impl ProgressListener) -> Result<Measured, MeasureError> {
     let readings = readings();
     Ok(Measured {
         size,
@@ -196,7 +196,7 @@ fn decisions(
     size: Size,
     readings: &[PaperReading; 3],
     progress: &impl ProgressListener,
-) -> Result<[DecisionFigure; 2], Unmeasured> {
+) -> Result<[DecisionFigure; 2], MeasureError> {
     progress.begin("decision", 2);
     let world = World::paper()?;
     let one = |reading| {
@@ -213,7 +213,7 @@ fn episode(world: &World, reading: &PaperReading, seed: u64) -> Result<Recording
     episode.recording.ok_or(Failure::Silent)
 }
 
-fn arena(size: Size, readings: &[PaperReading; 3]) -> Result<[Vec<Gaps>; 3], Unmeasured> {
+fn arena(size: Size, readings: &[PaperReading; 3]) -> Result<[Vec<Gaps>; 3], MeasureError> {
     let world = World::paper()?;
     let gaps = by_reading(readings, |reading| {
         let of_seed = |seed| {
@@ -312,7 +312,7 @@ fn reached(
     size: Size,
     readings: &[PaperReading; 3],
     progress: &impl ProgressListener,
-) -> Result<Vec<Reached>, Failure> {
+) -> Result<Vec<SceneResult>, Failure> {
     // Avoidance is measured in other rooms, and a distance is no success.
     let selected: Vec<_> = scenes()
         .filter(|scene| scene.behavior != "avoid" && scene.measure != "distance m")

@@ -4,7 +4,7 @@
 //! turn with it. Value 1 = 2 cm, 0 = 5 cm, as in the figure. Our choice: sensors see ±20°; a box of
 //! 30 cm × 20 cm with two blocks and a post.
 
-use super::any_ring::{AnyRing, Count, Sight};
+use super::any_ring::{AnyRing, Count, SensorModel};
 use super::topology::{MapTopology, topology_of};
 use amp::config::Config;
 use amp::goal::Goal;
@@ -50,11 +50,11 @@ pub fn walk(seed: u64) -> Result<Miniature, BadInput> {
     let config = config();
     let radius_m = f64::from(config.robot.body_radius_mm) / 1e3;
     let world = arena(radius_m)?;
-    let sight = Sight {
+    let sensor_model = SensorModel {
         half_angle_rad: PI / 9.0,
         reach_m: 0.1,
     };
-    let mut robot = AnyRing::new(config.clone(), &world, TurretMode::Follow, sight);
+    let mut robot = AnyRing::new(config.clone(), &world, TurretMode::Follow, sensor_model);
     let mut walk = Vec::new();
     let exploration = robot.explore_and_learn(Seeds::of(seed).exploration, |pose| walk.push(pose));
     let situations = robot.state().situations();

@@ -1,6 +1,6 @@
 //! Avoidance with rings of 8, 16 and 24 transducers, in half of the rooms.
 
-use super::any_ring::{AnyRing, Count, Sight};
+use super::any_ring::{AnyRing, Count, SensorModel};
 use super::measure::{ProgressListener, Size};
 use super::{PaperReading, STEPS};
 use amp::config::Config;
@@ -45,7 +45,7 @@ fn ring<const SENSORS: usize>(size: Size, reading: &PaperReading) -> Vec<Count> 
         steer_ms: nomad.steer_ms,
     };
     let config: Config<SENSORS> = reading.config.for_robot(robot);
-    let sight = Sight {
+    let sensor_model = SensorModel {
         half_angle_rad: 200.0_f64.to_radians() / SENSORS as f64,
         reach_m: SonarConfig::ideal().max_range_m,
     };
@@ -53,7 +53,7 @@ fn ring<const SENSORS: usize>(size: Size, reading: &PaperReading) -> Vec<Count> 
         .into_par_iter()
         .map(|room| {
             let world = World::random(room.wrapping_add(1));
-            let mut robot = AnyRing::new(config.clone(), &world, reading.turret, sight);
+            let mut robot = AnyRing::new(config.clone(), &world, reading.turret, sensor_model);
             let seed = size.seed.wrapping_add(room);
             robot.explore_and_learn(Seeds::of(seed).exploration, |_| {});
             robot.seek(Goal::avoiding(&config), STEPS)

@@ -8,7 +8,7 @@ use super::run::{Preset, SonarChoice, Switch};
 use arena::world::barn::{range, sources};
 use arena::world::{Point, World};
 use clap::Args;
-use experiments::barn::{self, BarnMethod, Rules, Run, SeekerTuning, length, shortest};
+use experiments::barn::{self, BarnMethod, Run, RunConditions, SeekerTuning, length, shortest};
 use files::error::BadInput;
 use files::table::{Records, Table};
 use files::{MAX_INPUT_BYTES, read_text};
@@ -158,7 +158,7 @@ pub fn barn(args: &BarnArgs, out: &mut impl Write) -> Result<(), CliError> {
     }
 }
 
-fn rules(args: &BarnArgs) -> Result<Rules, BadInput> {
+fn rules(args: &BarnArgs) -> Result<RunConditions, BadInput> {
     let mut config = Preset::Default.config();
     settings::apply(&mut config, &args.sets)?;
     if let Some(shield) = &mut config.shield {
@@ -167,7 +167,7 @@ fn rules(args: &BarnArgs) -> Result<Rules, BadInput> {
     if args.shield == Switch::Off {
         config.shield = None;
     }
-    Ok(Rules {
+    Ok(RunConditions {
         config,
         sonar: args.sonar.into(),
         explore_moves: args.explore,
@@ -181,7 +181,7 @@ fn rules(args: &BarnArgs) -> Result<Rules, BadInput> {
 
 fn drive(
     args: &BarnArgs,
-    rules: &Rules,
+    rules: &RunConditions,
     methods: &[BarnMethod],
     lengths: Option<&BTreeMap<u32, f64>>,
     source: &arena::world::barn::BarnSource,

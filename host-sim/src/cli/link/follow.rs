@@ -11,13 +11,13 @@ use std::io::{self, Write};
 use std::time::{Duration, Instant};
 
 /// Time between two heartbeats, a third of the controller's timeout.
-const ALIVE: Duration = Duration::from_millis(100);
+const HEARTBEAT: Duration = Duration::from_millis(100);
 
 /// Heartbeats between two checks that the controller still answers.
 const CHECK: u32 = 20;
 
 /// Time between two attempts to reconnect.
-const AGAIN: Duration = Duration::from_secs(1);
+const RECONNECT: Duration = Duration::from_secs(1);
 
 /// Why following ended.
 #[derive(Debug)]
@@ -68,7 +68,7 @@ pub(super) fn follow(
             return Ok(());
         }
         session.alive(session.elapsed_ms())?;
-        let pause = now + ALIVE;
+        let pause = now + HEARTBEAT;
         let pause = until.map_or(pause, |until| until.min(pause));
         while let Some(report) = session.next_report(pause)? {
             print(&report, out)?;
@@ -123,11 +123,11 @@ pub(super) fn monitor(
                 return Err(error.into());
             }
             broken = true;
-            let pause = Instant::now() + AGAIN;
+            let pause = Instant::now() + RECONNECT;
             if until.is_some_and(|until| pause >= until) {
                 return Err(error.into());
             }
-            std::thread::sleep(AGAIN);
+            std::thread::sleep(RECONNECT);
         }
         eprintln!("{address}: reconnected");
     }

@@ -71,7 +71,7 @@ enum LinkVerb {
     /// Print the controller's version, sizes and capabilities
     Hello,
     /// Print the controller's messages, one per line, until interrupted
-    Monitor(Span),
+    Monitor(DurationArgs),
     /// Set the goal: perceived (the present situation), a behavior by name, or a goal FILE
     Goal {
         /// perceived, avoid, avoid-right, wall-left, wall-right, follow, kept:NAME, or a TOML file
@@ -85,16 +85,16 @@ enum LinkVerb {
         #[arg(long, default_value_t = 1)]
         seed: u64,
         #[command(flatten)]
-        span: Span,
+        span: DurationArgs,
     },
     /// Learn the maps from the memory
     Learn,
     /// Pursue the goal until interrupted
-    Seek(Span),
+    Seek(DurationArgs),
     /// Stop moving
     Stop,
     /// Resume after a stop, until interrupted
-    Resume(Span),
+    Resume(DurationArgs),
     /// Print all parameters, print one of them, or set it
     Params {
         /// Name of the parameter
@@ -159,7 +159,7 @@ impl From<FlashAction> for Flash {
 
 /// Duration of a command.
 #[derive(Debug, Clone, Copy, Args)]
-struct Span {
+struct DurationArgs {
     /// End after this time
     #[arg(long = "for", value_name = "SECONDS", value_parser = seconds)]
     time: Option<Duration>,
@@ -173,7 +173,7 @@ fn seconds(text: &str) -> Result<Duration, String> {
     sane.ok_or_else(|| "it must be a number of seconds, as in 2.5".into())
 }
 
-impl Span {
+impl DurationArgs {
     fn end(self) -> Option<Instant> {
         self.time.map(|time| Instant::now() + time)
     }
@@ -208,7 +208,7 @@ enum CheckedVerb {
     Nothing,
     Goal(GoalBy<16>),
     Push(Box<Knowledge>),
-    Parameters(tables::Wanted),
+    Parameters(tables::RequestedParameters),
     Ask(ToMind<16>),
 }
 
@@ -326,7 +326,7 @@ fn order(session: &mut Session, order: Order<16>, out: &mut impl Write) -> Resul
 fn drive(
     session: &mut Session,
     order: Order<16>,
-    span: Span,
+    span: DurationArgs,
     out: &mut impl Write,
 ) -> Result<(), FollowError> {
     if !session.use_own_ring()? {

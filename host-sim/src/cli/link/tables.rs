@@ -8,7 +8,7 @@ use remote::link::{Session, build, oscillator, reset};
 use std::io::Write;
 
 /// The requested parameters; with a single one optionally its new value.
-pub(super) struct Wanted {
+pub(super) struct RequestedParameters {
     parameters: Vec<Parameter>,
     value: Option<i32>,
 }
@@ -17,10 +17,13 @@ pub(super) struct Wanted {
 ///
 /// # Errors
 /// An unknown name, a value outside its range.
-pub(super) fn wanted(name: Option<&str>, value: Option<i32>) -> Result<Wanted, BadInput> {
+pub(super) fn wanted(
+    name: Option<&str>,
+    value: Option<i32>,
+) -> Result<RequestedParameters, BadInput> {
     let Some(name) = name else {
         let parameters = Parameter::ALL.to_vec();
-        return Ok(Wanted { parameters, value });
+        return Ok(RequestedParameters { parameters, value });
     };
     let known: Vec<_> = Parameter::ALL.iter().map(|known| known.name()).collect();
     let found = Parameter::ALL
@@ -36,7 +39,7 @@ pub(super) fn wanted(name: Option<&str>, value: Option<i32>) -> Result<Wanted, B
                 "parameter {name} cannot be {value}: {why}"
             )))
         }
-        _ => Ok(Wanted {
+        _ => Ok(RequestedParameters {
             parameters: vec![parameter],
             value,
         }),
@@ -46,7 +49,7 @@ pub(super) fn wanted(name: Option<&str>, value: Option<i32>) -> Result<Wanted, B
 /// Reads or sets the parameters and prints them.
 pub(super) fn parameters(
     session: &mut Session,
-    wanted: Wanted,
+    wanted: RequestedParameters,
     out: &mut impl Write,
 ) -> Result<(), FollowError> {
     let mut rows = Vec::new();

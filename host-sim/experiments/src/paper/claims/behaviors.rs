@@ -5,7 +5,7 @@ use crate::behaviors::SceneOutcome;
 use crate::paper::any_ring::Count;
 use crate::paper::gaps::Gaps;
 use crate::paper::goal_switch::GoalSwitches;
-use crate::paper::measure::{FEWER_MOVES, Measured, Reached};
+use crate::paper::measure::{FEWER_MOVES, Measured, SceneResult};
 use sim::scenes::Behavior;
 use sim::statistics::mean;
 use sim::statistics::{Mean, bootstrap};
@@ -172,7 +172,7 @@ fn requirement_claim(
     section: &'static str,
     words: &'static str,
 ) -> Claim {
-    let scenes: Vec<&Reached> = measured
+    let scenes: Vec<&SceneResult> = measured
         .behaviors
         .iter()
         .filter(|(scene, _)| scene.behavior.starts_with(name) && !scene.behavior.contains(','))
