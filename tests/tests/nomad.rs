@@ -4,7 +4,7 @@
 use arena::sonar::FIRING_ORDER;
 use nomad200::nserver::Message;
 use nomad200::{
-    AxisMode, Command, Group, Host, Kind, Mask, Packet, RobotError, PATIENCE, WITH_SONAR,
+    AxisMode, Command, Group, Host, Kind, Mask, PATIENCE, Packet, RobotError, WITH_SONAR,
 };
 use remote::link::Tcp;
 use std::io::{Read as _, Write as _};
