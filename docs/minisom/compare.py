@@ -7,13 +7,13 @@
 
 Two questions, each for several seeds and one table of samples per seed:
 
-1. Same start, same order, same schedules: do both come to the same map? Expected for every seed: within 2 % of the
-   quantization error and within 0.03 of the topographic error.
+1. Same start, same order, same schedules: do both give the same map? Expected for every seed: within
+   2 % of the quantization error and within 0.03 of the topographic error.
 2. Defaults against defaults, same number of presentations: is ours at least as good in both errors, on average?
 
-Both maps are measured here with the same code, in 64-bit floats, from their code vectors. MiniSom's own topographic error
-counts diagonal neighbors as neighbors (distance above 1.42); ours does not. The table shows the 4-neighbor figure for
-both.
+Both maps are measured with the same code, in 64-bit floats, from their code vectors. MiniSom's own
+topographic error counts diagonal neighbors as neighbors (distance above 1.42); ours does not. The
+table shows the 4-neighbor figure for both.
 """
 
 import argparse

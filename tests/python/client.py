@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """A host for the device of shared/PROTOCOL.md: one episode in a simulated square room.
 
-It opens a session, explores with random moves, has the maps made, pursues the goal "avoid" for some decisions and
-stops. Standard library only; everything it knows of the protocol is in that document. Exit codes: 0 the episode is
-complete, 1 the device or the robot did something it should not, 2 wrong arguments or no connection.
+It opens a session, explores with random moves, starts learning, pursues the goal "avoid" for some
+decisions and stops. Standard library only; written from that document alone. Exit codes: 0 the
+episode is complete, 1 the device or the robot misbehaved, 2 wrong arguments or no connection.
 """
 
 import argparse
@@ -60,7 +60,7 @@ class Reader:
 
 
 def cobs_encode(data):
-    """Each zero becomes the distance to the next one; for at most 254 bytes."""
+    """COBS for at most 254 bytes: each zero becomes the distance to the next one."""
     return b"".join(bytes([len(group) + 1]) + group for group in data.split(b"\0"))
 
 
@@ -82,7 +82,7 @@ def pack(session, seq, message):
 
 
 def unpack(coded):
-    """Session, seq and report of a frame without its zero; None for a damaged or empty one."""
+    """Session, seq and report of a frame without delimiter; None for a damaged or empty one."""
     data = cobs_decode(coded)
     if not coded or checksum(data[:-4]) != data[-4:]:
         return None
@@ -91,7 +91,7 @@ def unpack(coded):
 
 
 def report(reader):
-    """The fields this host needs; of other messages only the kind."""
+    """The fields that this host needs; for other messages only the kind."""
     _device_ms, kind = reader.varint(), reader.varint()
     said = {"kind": REPORTS[kind] if kind < len(REPORTS) else kind}
     if said["kind"] == "Hello":
@@ -111,18 +111,18 @@ def report(reader):
 
 
 class Link:
-    """Session, requests and their repetition."""
+    """Session, requests and their retransmission."""
 
     def __init__(self, host, port):
         self.socket = socket.create_connection((host, port), timeout=10)
         self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self.received = bytearray()
-        # Another number each time it starts, never 0.
+        # A new number at each start, never 0.
         self.session, self.seq = time.time_ns() // 1_000_000 % 65_535 + 1, 0
         self.device_seq = 0
 
     def reports(self, seconds):
-        """What the device says in this session for so long; a refused Hello is answered in the session before."""
+        """Reports of this session until a timeout; a refused Hello is answered in the previous one."""
         until = time.monotonic() + seconds
         while True:
             coded, zero, rest = self.received.partition(b"\0")
@@ -142,7 +142,7 @@ class Link:
             self.received += data
 
     def is_news(self, session, seq, said):
-        """A report of this session that has not come before; none may be missing between two."""
+        """The next new report of this session; fails if one is missing."""
         if session != self.session:
             return said["kind"] == "Refusal"
         ahead = (seq - self.device_seq) % 65_536
@@ -152,7 +152,7 @@ class Link:
         return ahead == 1
 
     def request(self, message):
-        """Sends a message and returns the reports up to its end; repeats the same bytes while none comes."""
+        """Sends a message and returns the reports up to its end; resends the same bytes meanwhile."""
         self.seq = (self.seq + 1) % 65_536
         frame, answer = pack(self.session, self.seq, message), []
         for _ in range(ATTEMPTS):
@@ -177,7 +177,7 @@ class Link:
 
 
 class Robot:
-    """A base that rolls any way at once, below a ring that keeps its bearing, in a square room of 4 m by 4 m."""
+    """A holonomic base below a ring that keeps its bearing, in a square room of 4 m by 4 m."""
 
     HALF_MM, FACE_MM, BODY_MM = 2_000, 231, 269
     STEP_MS, SENSORS_PER_STEP = 160, 4
@@ -188,7 +188,7 @@ class Robot:
         self.next_sensor, self.decisions, self.mode, self.nearest = 0, 0, IDLE, self.HALF_MM
 
     def range_mm(self, sensor):
-        """From the transducer's face to the wall."""
+        """The range from a transducer's face to the wall."""
         angle = 2 * math.pi * sensor / SENSORS
         parts = (self.x, math.cos(angle)), (self.y, math.sin(angle))
         ways = [(math.copysign(self.HALF_MM, part) - place) / part for place, part in parts if abs(part) > 1e-9]
@@ -204,7 +204,7 @@ class Robot:
                 self.decisions += 1
 
     def take(self, order):
-        """A newer motion or a shorter one replaces the rest of the way; the same again only renews it."""
+        """A newer or shorter motion replaces the rest of the present one; the same one renews it."""
         if self.motion is not None:
             newer = (order["id"] - self.motion["id"]) % 65_536
             shorter = (order["revision"] - self.motion["revision"]) % 256
@@ -217,7 +217,7 @@ class Robot:
         self.obey(self.link.request(bytes([COMMAND]) + times + order))
 
     def drive(self):
-        """Rolls for a step and reports it: incremental, once with Ended, also for (0, 0)."""
+        """Rolls for a step and reports it incrementally, once with Ended, also for (0, 0)."""
         motion = self.motion
         length = math.hypot(motion["dx"], motion["dy"])
         share = 1 if length == 0 else min(1, motion["speed"] * self.STEP_MS / 1000 / length)
@@ -243,7 +243,7 @@ class Robot:
         self.obey(self.link.request(message))
 
     def step(self):
-        """160 ms: below the silence of 300 ms, four steps to a ring of 640 ms."""
+        """160 ms: below the timeout of 300 ms, four steps per ring of 640 ms."""
         self.now_ms += self.STEP_MS
         if self.motion is not None and self.motion["open"]:
             self.drive()

@@ -1,18 +1,18 @@
-//! The emulated chip as something that stands on a table: it waits for whoever connects, and may be switched off and on.
+//! The emulated chip as a board behind a TCP socket, which can be switched off and on.
 
-use crate::chip::{PATIENCE, image};
+use crate::chip::{TIMEOUT, image};
 use std::net::{TcpListener, TcpStream};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// A chip behind a TCP socket, off when dropped.
+/// A chip behind a TCP socket; stopped when dropped.
 #[derive(Debug)]
-pub struct Board {
+pub struct EmulatedBoard {
     host: String,
     emulator: Option<Child>,
 }
 
-impl Board {
+impl EmulatedBoard {
     /// A chip that has just been switched on.
     ///
     /// # Panics
@@ -28,7 +28,7 @@ impl Board {
         board
     }
 
-    /// Where it is, as `HOST:PORT`.
+    /// Its address, as `HOST:PORT`.
     #[must_use]
     pub fn host(&self) -> &str {
         &self.host
@@ -53,22 +53,22 @@ impl Board {
         self.emulator = Some(spawned.expect("qemu-system-arm starts"));
         let began = Instant::now();
         while TcpStream::connect(&self.host).is_err() {
-            assert!(began.elapsed() < PATIENCE, "the emulator does not listen");
+            assert!(began.elapsed() < TIMEOUT, "the emulator does not listen");
             std::thread::sleep(Duration::from_millis(10));
         }
     }
 
-    /// Switches it off in the middle of whatever it does.
+    /// Switches it off at once.
     pub fn switch_off(&mut self) {
         if let Some(mut emulator) = self.emulator.take() {
-            // It may have ended by itself.
+            // It may have ended already.
             let _ = emulator.kill();
             let _ = emulator.wait();
         }
     }
 }
 
-impl Drop for Board {
+impl Drop for EmulatedBoard {
     fn drop(&mut self) {
         self.switch_off();
     }

@@ -1,4 +1,4 @@
-//! A real browser without a window, driven over its DevTools protocol.
+//! A headless browser, driven over its DevTools protocol.
 
 use serde_json::{Value, json};
 use std::fs;
@@ -8,22 +8,22 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 use tungstenite::{Message, WebSocket};
 
-/// Longest wait for anything.
-pub const PATIENCE: Duration = Duration::from_secs(30);
+/// Timeout of all waits.
+pub const TIMEOUT: Duration = Duration::from_secs(30);
 
-/// A browser with one page. Gone when dropped.
+/// A browser with one page; stopped when dropped.
 pub struct Browser {
     child: Child,
     socket: WebSocket<TcpStream>,
     session: String,
     asked: u64,
-    complaints: Vec<String>,
+    errors: Vec<String>,
     requests: Vec<String>,
     _profile: TempDir,
 }
 
 impl Browser {
-    /// Starts one and opens a page.
+    /// Starts a browser and opens a page.
     ///
     /// # Panics
     /// When there is no Chromium, or it does not start.
@@ -58,12 +58,12 @@ impl Browser {
             if let [port, path] = text.lines().collect::<Vec<_>>()[..] {
                 break (port.to_owned(), path.to_owned());
             }
-            assert!(began.elapsed() < PATIENCE, "chromium does not start");
+            assert!(began.elapsed() < TIMEOUT, "chromium does not start");
             std::thread::sleep(Duration::from_millis(20));
         };
         let host = format!("127.0.0.1:{port}");
         let stream = TcpStream::connect(&host).expect("the browser listens");
-        stream.set_read_timeout(Some(PATIENCE)).expect("a timeout");
+        stream.set_read_timeout(Some(TIMEOUT)).expect("a timeout");
         let opened = tungstenite::client(format!("ws://{host}{path}"), stream);
         let (socket, _) = opened.expect("the browser's own socket");
         let mut browser = Self {
@@ -71,7 +71,7 @@ impl Browser {
             socket,
             session: String::new(),
             asked: 0,
-            complaints: Vec::new(),
+            errors: Vec::new(),
             requests: Vec::new(),
             _profile: profile,
         };
@@ -96,10 +96,10 @@ impl Browser {
         self.ask("Page.navigate", json!({"url": url}));
     }
 
-    /// Asks the browser for something.
+    /// Sends a command and returns its result.
     ///
     /// # Panics
-    /// When it refuses or falls silent.
+    /// When the browser refuses or does not answer.
     pub fn ask(&mut self, method: &str, params: Value) -> Value {
         self.asked += 1;
         let mut message = json!({"id": self.asked, "method": method, "params": params});
@@ -124,13 +124,13 @@ impl Browser {
         let params = &event["params"];
         match event["method"].as_str() {
             Some("Runtime.exceptionThrown") => {
-                self.complaints.push(params["exceptionDetails"].to_string());
+                self.errors.push(params["exceptionDetails"].to_string());
             }
             Some("Runtime.consoleAPICalled") if params["type"] == "error" => {
-                self.complaints.push(params["args"].to_string());
+                self.errors.push(params["args"].to_string());
             }
             Some("Log.entryAdded") if params["entry"]["level"] == "error" => {
-                self.complaints.push(params["entry"].to_string());
+                self.errors.push(params["entry"].to_string());
             }
             Some("Network.requestWillBeSent") => {
                 let url = params["request"]["url"].as_str().unwrap_or_default();
@@ -140,19 +140,19 @@ impl Browser {
         }
     }
 
-    /// Errors in the page and on its console so far.
+    /// Errors of the page and on its console so far.
     #[must_use]
-    pub fn complaints(&self) -> &[String] {
-        &self.complaints
+    pub fn errors(&self) -> &[String] {
+        &self.errors
     }
 
-    /// What the page has requested so far, but for sockets.
+    /// Requests of the page so far, except for sockets.
     #[must_use]
     pub fn requests(&self) -> &[String] {
         &self.requests
     }
 
-    /// Makes the page so large, in CSS pixels.
+    /// Sets the size of the page, in CSS pixels.
     pub fn resize(&mut self, width: u32, height: u32) {
         let mobile = width < 500;
         let size =
@@ -160,14 +160,14 @@ impl Browser {
         self.ask("Emulation.setDeviceMetricsOverride", size);
     }
 
-    /// Lets the system prefer dark colors, or light ones.
+    /// Sets the preferred color scheme.
     pub fn set_dark(&mut self, dark: bool) {
         let value = if dark { "dark" } else { "light" };
         let feature = json!({"name": "prefers-color-scheme", "value": value});
         self.ask("Emulation.setEmulatedMedia", json!({"features": [feature]}));
     }
 
-    /// The value of an expression in the page.
+    /// Evaluates an expression in the page.
     ///
     /// # Panics
     /// When it throws.
@@ -181,7 +181,8 @@ impl Browser {
         result["result"]["value"].take()
     }
 
-    /// Waits until an expression in the page is true. One that throws is not true yet: the page may still be loading.
+    /// Waits until an expression in the page is true. An expression that throws counts as false:
+    /// the page may still load.
     ///
     /// # Panics
     /// When it does not become true in time.
@@ -195,16 +196,16 @@ impl Browser {
             if value == true {
                 return;
             }
-            if began.elapsed() > PATIENCE {
+            if began.elapsed() > TIMEOUT {
                 let notice = self.eval("document.getElementById('notice')?.textContent");
-                let complaints = &self.complaints;
-                panic!("never true: {expression}: {value}; {notice}; {complaints:?}");
+                let errors = &self.errors;
+                panic!("never true: {expression}: {value}; {notice}; {errors:?}");
             }
             std::thread::sleep(Duration::from_millis(30));
         }
     }
 
-    /// The middle of an element on the page, scrolled into view.
+    /// The center of an element on the page, after scrolling it into view.
     ///
     /// # Panics
     /// When there is no such element.
@@ -222,13 +223,13 @@ impl Browser {
         self.ask("Input.dispatchMouseEvent", button);
     }
 
-    /// Presses the mouse where an element is.
+    /// Clicks an element.
     pub fn click(&mut self, selector: &str) {
         let at = self.middle(selector);
         self.drag(at, at);
     }
 
-    /// Presses the mouse at one place of the page and releases it at another.
+    /// Drags the mouse between two points of the page.
     pub fn drag(&mut self, from: [f64; 2], to: [f64; 2]) {
         self.mouse("mouseMoved", from);
         self.mouse("mousePressed", from);
@@ -252,10 +253,10 @@ impl Browser {
         }
     }
 
-    /// A picture of what the window shows: a PNG file.
+    /// A screenshot of the window, as PNG.
     ///
     /// # Panics
-    /// When it is none.
+    /// When the browser returns none.
     pub fn picture(&mut self) -> Vec<u8> {
         let shot = self.ask("Page.captureScreenshot", json!({"format": "png"}));
         let data = shot["data"].as_str().expect("a picture");

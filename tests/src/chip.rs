@@ -1,7 +1,7 @@
-//! The firmware in an emulated chip, and a peer that speaks to it byte by byte: for what a well-behaved host never does.
+//! The firmware in an emulated chip, and a peer that controls every byte to it.
 //!
-//! The image is the one a user builds for QEMU, in a target folder of its own; the emulator is a child that dies with its
-//! [`Chip`].
+//! The image is the one a user builds for QEMU, in its own target folder. The emulator is a child
+//! process that ends with its [`EmulatedChip`].
 
 use amp::wire::frame::{self, Header};
 use amp::wire::message::{
@@ -13,15 +13,15 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
-/// How long anything may take before a test fails.
-pub const PATIENCE: Duration = Duration::from_secs(20);
-/// The session of a peer that does not say otherwise.
+/// Timeout of all waits.
+pub const TIMEOUT: Duration = Duration::from_secs(20);
+/// Default session of a peer.
 pub const SESSION: u16 = 7;
 
-/// What the chip says.
+/// Messages of the chip.
 pub type Said = FromMind<16>;
 
-/// The image for QEMU, built once for all tests of a program.
+/// The image for QEMU, built once per test program.
 ///
 /// # Panics
 /// When it cannot be built.
@@ -33,7 +33,7 @@ pub fn image() -> &'static Path {
     })
 }
 
-/// What both ends have to agree on.
+/// The dimensions that both ends must agree on.
 #[must_use]
 pub const fn dimensions() -> Dimensions {
     Dimensions {
@@ -44,19 +44,19 @@ pub const fn dimensions() -> Dimensions {
     }
 }
 
-/// An emulated chip with the firmware in it.
-pub struct Chip {
+/// An emulated chip with the firmware.
+pub struct EmulatedChip {
     line: Box<dyn Transport>,
     receiver: Receiver,
-    /// Received and not yet looked at.
+    /// Received and not yet decoded.
     left: Vec<u8>,
     session: u16,
     seq: u16,
     began: Instant,
 }
 
-impl Chip {
-    /// Power on, up to the chip's own hello.
+impl EmulatedChip {
+    /// Switches it on and waits for its hello.
     ///
     /// # Panics
     /// When QEMU is missing or does not start.
@@ -77,10 +77,10 @@ impl Chip {
         chip
     }
 
-    /// One that has long been running, at `HOST:PORT`.
+    /// Connects to a running chip at `HOST:PORT`.
     ///
     /// # Panics
-    /// When nobody listens there.
+    /// When the connection fails.
     #[must_use]
     pub fn at(host: &str) -> Self {
         let line = Tcp::open(host).unwrap_or_else(|error| panic!("{error}"));
@@ -98,7 +98,7 @@ impl Chip {
         }
     }
 
-    /// Power on, and a session opened.
+    /// Switches it on and opens a session.
     ///
     /// # Panics
     /// When the chip does not answer.
@@ -120,9 +120,9 @@ impl Chip {
             clock,
             open_space: false,
         }));
-        let until = Instant::now() + PATIENCE;
+        let until = Instant::now() + TIMEOUT;
         while Instant::now() < until {
-            // A chip that is still starting does not hear it.
+            // A chip that is still starting does not receive it.
             self.raw(&hello);
             while let Some((header, report)) = self.next(Duration::from_millis(500)) {
                 match report.said {
@@ -134,24 +134,24 @@ impl Chip {
                 }
             }
         }
-        panic!("no hello in {PATIENCE:?}");
+        panic!("no hello in {TIMEOUT:?}");
     }
 
-    /// Milliseconds since the chip was started, as the host's time.
+    /// Milliseconds since the start of the chip, as the host's time.
     #[must_use]
     pub fn at_ms(&self) -> u32 {
         self.began.elapsed().as_millis() as u32
     }
 
-    /// Puts bytes on the line.
+    /// Sends raw bytes.
     ///
     /// # Panics
-    /// When the line is gone.
+    /// When the line is closed.
     pub fn raw(&mut self, bytes: &[u8]) {
         self.line.send(bytes).expect("the line to the chip");
     }
 
-    /// The next frame with this message, its zero included.
+    /// The next frame with this message, including its delimiter.
     ///
     /// # Panics
     /// When the message does not fit.
@@ -164,14 +164,14 @@ impl Chip {
         packed(header, message)
     }
 
-    /// Sends a message and does not wait; returns its number.
+    /// Sends a message without waiting; returns its sequence number.
     pub fn send(&mut self, message: &ToMind<16>) -> u16 {
         let bytes = self.packed(message);
         self.raw(&bytes);
         self.seq
     }
 
-    /// Sends a message and returns what is said until it is done.
+    /// Sends a message and returns all reports up to its completion.
     pub fn ask(&mut self, message: &ToMind<16>) -> Vec<Report<16>> {
         let number = self.send(message);
         let mut said = Vec::new();
@@ -183,7 +183,7 @@ impl Chip {
         said
     }
 
-    /// Gives an order that lives for a second.
+    /// Sends a command with a time to live of one second.
     pub fn order(&mut self, order: Order<16>) -> Vec<Report<16>> {
         let at_ms = self.at_ms();
         self.ask(&ToMind::Command {
@@ -193,10 +193,10 @@ impl Chip {
         })
     }
 
-    /// Some bytes as they come; none after `patience`.
+    /// Received bytes; empty after `patience`.
     ///
     /// # Panics
-    /// When the line is gone.
+    /// When the line is closed.
     pub fn bytes(&mut self, patience: Duration) -> Vec<u8> {
         if self.left.is_empty() {
             self.read(patience);
@@ -204,7 +204,7 @@ impl Chip {
         std::mem::take(&mut self.left)
     }
 
-    /// The counters, asked for with frame `seq` of the session.
+    /// The counters, requested with frame `seq` of the session.
     pub fn counters_as(&mut self, seq: u16) -> Counters {
         self.seq = seq.wrapping_sub(1);
         self.counters()
@@ -213,7 +213,7 @@ impl Chip {
     /// The counters.
     ///
     /// # Panics
-    /// When they do not come.
+    /// When they do not arrive.
     pub fn counters(&mut self) -> Counters {
         let said = self.ask(&ToMind::Counters);
         let counters = said.iter().rev().find_map(|report| match report.said {
@@ -223,23 +223,23 @@ impl Chip {
         counters.expect("counters")
     }
 
-    /// Waits until something said satisfies `what`.
+    /// Waits until `what` returns a value for a report.
     ///
     /// # Panics
-    /// After [`PATIENCE`].
+    /// After [`TIMEOUT`].
     pub fn wait<T>(&mut self, mut what: impl FnMut(Header, Report<16>) -> Option<T>) -> T {
         let began = Instant::now();
-        while let Some(left) = PATIENCE.checked_sub(began.elapsed()) {
+        while let Some(left) = TIMEOUT.checked_sub(began.elapsed()) {
             if let Some((header, report)) = self.next(left)
                 && let Some(found) = what(header, report)
             {
                 return found;
             }
         }
-        panic!("the chip has said nothing of the kind in {PATIENCE:?}");
+        panic!("the chip has sent no such report in {TIMEOUT:?}");
     }
 
-    /// The next thing said within `patience`.
+    /// The next report within `patience`.
     pub fn next(&mut self, patience: Duration) -> Option<(Header, Report<16>)> {
         let began = Instant::now();
         loop {
@@ -266,7 +266,7 @@ impl Chip {
         for &byte in &self.left {
             taken += 1;
             if let Some(coded) = self.receiver.push(byte) {
-                found = Some(frame::unpack(coded).expect("a sound frame from the chip"));
+                found = Some(frame::unpack(coded).expect("a valid frame from the chip"));
                 break;
             }
         }
@@ -275,7 +275,7 @@ impl Chip {
     }
 }
 
-/// A frame with this message, its zero included.
+/// A frame with this message, including its delimiter.
 ///
 /// # Panics
 /// When the message does not fit.
@@ -285,11 +285,11 @@ pub fn packed(header: Header, message: &ToMind<16>) -> Vec<u8> {
     frame.as_bytes().to_vec()
 }
 
-/// The same node on the host, with everything it says.
+/// A sink that records everything a node on the host sends.
 #[derive(Debug, Default)]
-pub struct Recorded(pub Vec<u8>);
+pub struct RecordedBytes(pub Vec<u8>);
 
-impl amp::node::FrameSink for Recorded {
+impl amp::node::FrameSink for RecordedBytes {
     fn send(&mut self, frame: &[u8]) -> bool {
         self.0.extend_from_slice(frame);
         true

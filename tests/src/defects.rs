@@ -1,56 +1,56 @@
-//! `tests/defects.toml`: what is to be broken on purpose, and who has to notice.
+//! Reads `tests/defects.toml`: deliberate defects, each with the check that must fail.
 
 use crate::root;
 use remote::link::Machine;
 use serde::Deserialize;
 use std::path::PathBuf;
 
-/// What is to be broken, and who has to notice.
+/// A deliberate defect and its check.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Defect {
-    /// The defect in a few words.
+pub struct DeliberateDefect {
+    /// Short description.
     pub what: String,
-    /// The file, from the top of the project.
+    /// The file, relative to the project's root.
     pub file: PathBuf,
-    /// What stands there exactly once.
+    /// Text that occurs exactly once in the file.
     pub find: String,
-    /// What takes its place.
+    /// Its replacement.
     pub replace: String,
-    /// The command that has to fail.
+    /// The command that must fail.
     pub check: String,
 }
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct List {
-    defect: Vec<Defect>,
+struct DefectList {
+    defect: Vec<DeliberateDefect>,
 }
 
-/// The whole list.
+/// Reads the whole list.
 ///
 /// # Errors
 /// When it cannot be read.
-pub fn list() -> Result<Vec<Defect>, String> {
+pub fn list() -> Result<Vec<DeliberateDefect>, String> {
     let path = root().join("tests/defects.toml");
     let named = |error: &dyn std::fmt::Display| format!("tests/defects.toml: {error}");
     let text = std::fs::read_to_string(path).map_err(|error| named(&error))?;
-    let list: List = toml::from_str(&text).map_err(|error| named(&error))?;
+    let list: DefectList = toml::from_str(&text).map_err(|error| named(&error))?;
     Ok(list.defect)
 }
 
-impl Defect {
+impl DeliberateDefect {
     /// The defect's row in the table.
     #[must_use]
-    pub fn row(&self, noticed: bool) -> String {
-        let answer = if noticed { "yes" } else { "**no**" };
+    pub fn row(&self, detected: bool) -> String {
+        let answer = if detected { "yes" } else { "**no**" };
         format!("| {} | `{}` | {answer} |", self.what, self.check)
     }
 
-    /// A file's text with the defect.
+    /// Inserts the defect into a file's text.
     ///
     /// # Errors
-    /// When the place is not there exactly once, or nothing would change.
+    /// When the text does not occur exactly once, or nothing would change.
     pub fn put_into(&self, text: &str) -> Result<String, String> {
         let (file, find) = (self.file.display(), &self.find);
         if find == &self.replace {
@@ -59,16 +59,16 @@ impl Defect {
         match text.matches(find.as_str()).count() {
             1 => Ok(text.replace(find.as_str(), &self.replace)),
             places => Err(format!(
-                "{file}: `{find}` stands there {places} times, not once"
+                "{file}: `{find}` occurs there {places} times, not once"
             )),
         }
     }
 }
 
-/// What has to be built before a check says anything: code that does not compile fails every check.
+/// The build commands of a check. Code that does not compile would fail every check.
 ///
 /// # Errors
-/// When nobody knows what such a check builds.
+/// When the builds of a check are unknown.
 pub fn builds(check: &str) -> Result<Vec<String>, String> {
     let mut commands = Vec::new();
     if check.starts_with("cargo test ") {
@@ -80,9 +80,9 @@ pub fn builds(check: &str) -> Result<Vec<String>, String> {
         commands.extend(BOARDS.map(board_image));
         return Ok(commands);
     } else {
-        return Err(format!("`{check}`: it is not known what this builds"));
+        return Err(format!("`{check}`: the builds of this check are unknown"));
     }
-    // Some build images while they run.
+    // Some checks build images while they run.
     let machines: &[Machine] = if check.contains("chip_architectures") {
         &[
             Machine::OLIMEX_H405,
@@ -98,7 +98,7 @@ pub fn builds(check: &str) -> Result<Vec<String>, String> {
     Ok(commands)
 }
 
-/// Packages, programs and targets of the images that the checks in tests/chip look at.
+/// Packages, programs and targets of the images for the checks in tests/chip.
 const BOARDS: [[&str; 3]; 2] = [
     ["stm32f405", "olimex_h405", "thumbv7em-none-eabihf"],
     ["microbit", "microbit", "thumbv6m-none-eabi"],
@@ -108,7 +108,7 @@ fn board_image([package, program, target]: [&str; 3]) -> String {
     format!("cargo build --locked -p {package} --bin {program} --profile chip --target {target}")
 }
 
-/// Builds an image where the check will look for it.
+/// Builds an image at the place where the check expects it.
 fn image(machine: &Machine) -> String {
     let Machine {
         package,
@@ -128,7 +128,7 @@ mod tests {
 
     #[test]
     fn a_place_is_found_once_or_not_at_all() {
-        let defect = |find: &str, replace: &str| Defect {
+        let defect = |find: &str, replace: &str| DeliberateDefect {
             what: String::new(),
             file: "a.rs".into(),
             find: find.to_owned(),

@@ -1,4 +1,4 @@
-//! The `host-sim` command, as a program of this package.
+//! The `host-sim` command as a program of this package.
 
 use std::process::ExitCode;
 

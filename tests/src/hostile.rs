@@ -1,6 +1,8 @@
-//! Any bytes for everything that reads: it may refuse them, but never panic, and what it takes has to make sense.
+//! Any bytes for every reader: it may refuse them, but must not panic, and accepted input must be
+//! valid.
 //!
-//! One function for each kind of input. The tests give them damaged files, the fuzzer in `tests/fuzz` whatever it finds.
+//! One function per kind of input. The tests pass damaged files, the fuzzer in `tests/fuzz` passes
+//! random ones.
 
 use amp::config::Config;
 use amp::controller::Mode;
@@ -30,7 +32,7 @@ use view::{Recorded, Source as _, Stepped};
 /// A kind of input and its reader.
 pub type Reader = (&'static str, fn(&[u8]));
 
-/// All of them but [`map`], which takes files.
+/// All readers except [`map`], which takes files.
 pub const READERS: [Reader; 12] = [
     ("frame", frame),
     ("content", content),
@@ -49,10 +51,10 @@ pub const READERS: [Reader; 12] = [
 /// Steps of a recording that are shown: a log may be long.
 const MAX_STEPS: usize = 2_000;
 
-/// Bytes as they come over the line.
+/// Bytes from the line.
 ///
 /// # Panics
-/// When a message that was taken is another one after it was sent again.
+/// When an accepted message changes by encoding and decoding.
 pub fn frame(bytes: &[u8]) {
     let mut receiver = Receiver::new();
     for &byte in bytes.iter().chain(&[0]) {
@@ -67,7 +69,7 @@ pub fn frame(bytes: &[u8]) {
     }
 }
 
-/// Header and message behind a sum that is right.
+/// Header and message, with a valid checksum added.
 pub fn content(bytes: &[u8]) {
     let bytes = bytes.get(..240).unwrap_or(bytes);
     let mut coded = [&[0][..], bytes, &CRC.checksum(bytes).to_le_bytes()].concat();
@@ -76,27 +78,27 @@ pub fn content(bytes: &[u8]) {
     }
 }
 
-/// What a node says.
+/// Messages of a node.
 #[derive(Default)]
-struct Said(Vec<Report<16>>);
+struct SentReports(Vec<Report<16>>);
 
-impl FrameSink for Said {
+impl FrameSink for SentReports {
     fn send(&mut self, frame: &[u8]) -> bool {
         let coded = frame.split_last().map_or(frame, |(_, coded)| coded);
-        let (_, report) = unpack(coded).expect("a mind says sound frames");
+        let (_, report) = unpack(coded).expect("a controller sends valid frames");
         self.0.push(report);
         true
     }
 }
 
-/// Messages in postcard's form, each behind a byte that says how much time passes before it; they come in the mind's session
-/// and in order.
+/// Messages as postcard, each after a byte for the elapsed time, in order in the controller's
+/// session.
 ///
 /// # Panics
-/// When a robot that is stopped or idle is told to move.
+/// When a stopped or idle robot gets a motion.
 pub fn session(bytes: &[u8]) {
     let mut node = Box::new(Node::<16, 16, 20>::new());
-    let mut said = Said::default();
+    let mut said = SentReports::default();
     let (mut now, mut seq) = (0_u32, 1);
     let grid = Grid::rectangle(4, 4);
     let start = Millis::from_ms(now);
@@ -127,7 +129,7 @@ pub fn session(bytes: &[u8]) {
     while let Ok(((passed, message), rest)) = postcard::take_from_bytes::<(u8, ToMind<16>)>(left) {
         left = rest;
         seq += 1;
-        // Squares: a minute at most.
+        // Squared: one minute at most.
         now = now.wrapping_add(u32::from(passed).pow(2));
         let time = Millis::from_ms(now);
         node.tick(time, &mut said);
@@ -139,23 +141,29 @@ pub fn session(bytes: &[u8]) {
             .rfind(|report| matches!(report.said, FromMind::Motion(_)));
         if let Some(FromMind::Motion(order)) = moves.map(|report| report.said) {
             let is_stop = (order.dx_mm, order.dy_mm) == (0, 0);
-            // The last random move is made while the mode is idle already.
+            // During the last random move the mode is already idle.
             assert!(is_stop || !stands || node.state().is_moving());
         }
     }
 }
 
-fn tell(node: &mut Node<16, 16, 20>, seq: u16, message: &ToMind<16>, now: u32, said: &mut Said) {
+fn tell(
+    node: &mut Node<16, 16, 20>,
+    seq: u16,
+    message: &ToMind<16>,
+    now: u32,
+    said: &mut SentReports,
+) {
     if let Ok(frame) = Frame::pack(Header { session: 1, seq }, message) {
         let (_, coded) = frame.as_bytes().split_last().expect("its zero");
         node.frame(Millis::from_ms(now), coded, said);
     }
 }
 
-/// Parameters to be set: a byte for which, four for the value.
+/// Parameters to set: one byte for the index, four for the value.
 ///
 /// # Panics
-/// When a value that was taken is not there, or near does not lie below far.
+/// When an accepted value is not stored, or near is not below far.
 pub fn parameters(bytes: &[u8]) {
     let mut config = Config::recommended();
     for five in bytes.as_chunks::<5>().0 {
@@ -171,10 +179,10 @@ pub fn parameters(bytes: &[u8]) {
     }
 }
 
-/// The saved image of a mind.
+/// The saved image of a controller.
 ///
 /// # Panics
-/// When what was read is not the same after it was written.
+/// When an accepted image changes by writing and reading.
 pub fn image(bytes: &[u8]) {
     let _ = check(&mut reader(bytes), bytes.len());
     if let Ok(knowledge) = Knowledge::from_bytes(bytes) {
@@ -182,13 +190,14 @@ pub fn image(bytes: &[u8]) {
         let read = Knowledge::from_bytes(&again).expect("it was written here");
         let read = read.to_bytes();
         assert_eq!(read.len(), again.len());
-        // Randomness goes on from what was saved: another seed, and so another checksum; nothing else.
+        // Only the random state differs: another seed, and so another checksum.
         let different = read.iter().zip(&again).filter(|(one, other)| one != other);
         assert!(different.count() <= 8 + 4);
     }
 }
 
-/// Records of an image whose first and last one are right: each a byte with the length of its body, and the body.
+/// Records of an image with a valid first and last one: each a byte for the length of its body, and
+/// the body.
 pub fn records(bytes: &[u8]) {
     let mut image = Vec::from(*b"AMPS");
     let mut head = vec![0];
@@ -231,7 +240,7 @@ pub fn world(bytes: &[u8]) {
     }
 }
 
-/// A world that was taken can be measured from its start.
+/// Ranges can be measured at the start of an accepted world.
 fn look_around(world: &World) {
     let start = world.start();
     assert!(world.clearance(start.position).is_finite());
@@ -239,11 +248,11 @@ fn look_around(world: &World) {
     assert!(low.x <= high.x && low.y <= high.y);
 }
 
-/// A map of ROS's map_server: `folder` gets its two files. The bytes up to the first zero are the YAML file, the others the
-/// image.
+/// A map of ROS's map_server: `folder` gets its two files. The bytes up to the first zero are the
+/// YAML file, the others the image.
 ///
 /// # Panics
-/// When the folder takes no files.
+/// When the files cannot be written.
 pub fn map(bytes: &[u8], folder: &Path) {
     let end = bytes.iter().position(|byte| *byte == 0);
     let (yaml, image) = bytes.split_at(end.unwrap_or(bytes.len()));
@@ -282,7 +291,7 @@ pub fn csv(bytes: &[u8]) {
     }
 }
 
-/// What a host may send to a simulated Nomad, by both protocols.
+/// A host's bytes to a simulated Nomad, in both protocols.
 pub fn nomad(bytes: &[u8]) {
     let nserver = Protocol::Nserver {
         port: 7_019,
@@ -301,7 +310,7 @@ pub fn nomad(bytes: &[u8]) {
     }
 }
 
-/// The file of a log: its summary, a replay, and the page's recording of it.
+/// The file of a log: its summary, a replay, and the recording of the page.
 pub fn log(bytes: &[u8]) {
     let Ok(log) = LogFile::of(Path::new("hostile.mcap"), bytes.to_vec()) else {
         return;
@@ -315,7 +324,7 @@ pub fn log(bytes: &[u8]) {
     }
 }
 
-/// Messages of a log behind checksums that are right.
+/// Messages of a log with valid checksums.
 ///
 /// # Panics
 /// When they cannot be written.
@@ -323,7 +332,8 @@ pub fn messages(lines: &[u8]) {
     log(&log_of(lines).expect("a log in memory"));
 }
 
-/// A log with these messages: a line for each, with channel, time in nanoseconds and content. Other lines are left out.
+/// A log with these messages, one per line: channel, time in nanoseconds, content. Other lines are
+/// skipped.
 fn log_of(lines: &[u8]) -> McapResult<Vec<u8>> {
     let options = WriteOptions::new()
         .compression(Some(Compression::Lz4))

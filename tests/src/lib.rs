@@ -1,4 +1,4 @@
-//! Harness of the integration tests: the program as a user starts it, in a folder of its own.
+//! Harness of the integration tests: runs the program as a user does, in its own folder.
 
 pub mod board;
 pub mod browser;
@@ -25,14 +25,14 @@ macro_rules! host_sim {
     };
 }
 
-/// A program and the temporary folder it runs in.
+/// A program and its temporary working folder.
 #[derive(Debug)]
 pub struct Program {
     path: PathBuf,
     folder: TempDir,
 }
 
-/// What came of a run.
+/// Result of a run.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Output {
     /// Exit code; `None` if a signal ended it.
@@ -47,7 +47,7 @@ impl Program {
     /// The program at `path`, in a new empty folder.
     ///
     /// # Panics
-    /// When there is no room for a temporary folder.
+    /// When no temporary folder can be created.
     #[must_use]
     pub fn new(path: &str) -> Self {
         Self {
@@ -62,7 +62,7 @@ impl Program {
         self.folder.path()
     }
 
-    /// Puts a file into the working folder.
+    /// Writes a file into the working folder.
     ///
     /// # Panics
     /// When it cannot be written.
@@ -85,10 +85,10 @@ impl Program {
         command
     }
 
-    /// Runs it to its end.
+    /// Runs the program to its end.
     ///
     /// # Panics
-    /// When it cannot be started or prints something that is not UTF-8.
+    /// When it cannot be started or its output is not UTF-8.
     #[must_use]
     pub fn run<A: AsRef<OsStr>>(&self, args: &[A]) -> Output {
         let done = self.command(args).output().expect("the program starts");
@@ -111,7 +111,8 @@ impl Program {
         output.stdout
     }
 
-    /// Every file below `name` in the working folder with its bytes, by path; empty if it is not there.
+    /// All files below `name` in the working folder with their bytes, by path; empty if the folder
+    /// does not exist.
     ///
     /// # Panics
     /// When a file cannot be read.
@@ -140,7 +141,7 @@ impl Program {
     }
 }
 
-/// The words of a command line; double or single quotes keep blanks together.
+/// Splits a command line; double or single quotes keep blanks together.
 #[must_use]
 pub fn words(line: &str) -> Vec<String> {
     let mut words = Vec::new();

@@ -1,4 +1,4 @@
-//! A simulated Nomad 200 as a user starts it, and programs that drive it.
+//! A simulated Nomad 200 started as a program, and helpers for its clients.
 
 use crate::Program;
 use nomad200::{Host, State};
@@ -11,10 +11,10 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// How long anything may take before a test fails.
-pub const PATIENCE: Duration = Duration::from_secs(30);
+/// Timeout of all waits.
+pub const TIMEOUT: Duration = Duration::from_secs(30);
 
-/// A program that runs beside the test; killed with it.
+/// A program that runs in parallel to the test; killed when dropped.
 #[derive(Debug)]
 pub struct Running {
     child: Child,
@@ -47,27 +47,27 @@ impl Running {
     /// The next line of its output.
     ///
     /// # Panics
-    /// When none comes.
+    /// When there is none in time.
     #[must_use]
     pub fn line(&self) -> String {
-        let line = self.stdout.recv_timeout(PATIENCE);
+        let line = self.stdout.recv_timeout(TIMEOUT);
         line.unwrap_or_else(|_| panic!("no line; {:?}", self.messages()))
     }
 
-    /// What it has said on standard error so far.
+    /// Its messages on standard error so far.
     #[must_use]
     pub fn messages(&self) -> Vec<String> {
         self.stderr.try_iter().collect()
     }
 
-    /// Ends it at once, without a chance to tidy up.
+    /// Kills it.
     pub fn kill(&mut self) {
-        // It may have ended by itself.
+        // It may have ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 
-    /// As Ctrl-C does.
+    /// Interrupts it as Ctrl-C does.
     ///
     /// # Panics
     /// When there is no shell.
@@ -80,7 +80,7 @@ impl Running {
     /// Waits for its end: exit code, the rest of its output, its messages.
     ///
     /// # Panics
-    /// When it goes on for too long.
+    /// When it does not end in time.
     #[must_use]
     pub fn end(&mut self, patience: Duration) -> (Option<i32>, String, String) {
         let until = Instant::now() + patience;
@@ -88,13 +88,17 @@ impl Running {
             if let Some(status) = self.child.try_wait().expect("its state") {
                 break status;
             }
-            assert!(Instant::now() < until, "it goes on: {:?}", self.messages());
+            assert!(
+                Instant::now() < until,
+                "it does not end: {:?}",
+                self.messages()
+            );
             std::thread::sleep(Duration::from_millis(5));
         };
         let rest = |stream: &Receiver<String>| {
             let mut text = String::new();
             loop {
-                match stream.recv_timeout(PATIENCE) {
+                match stream.recv_timeout(TIMEOUT) {
                     Ok(line) => text += &(line + "\n"),
                     Err(RecvTimeoutError::Disconnected) => return text,
                     Err(RecvTimeoutError::Timeout) => panic!("its output does not end"),
@@ -111,7 +115,7 @@ impl Drop for Running {
     }
 }
 
-/// The lines of a stream as they come.
+/// The lines of a stream as they arrive.
 fn lines(stream: impl Read + Send + 'static) -> Receiver<String> {
     let (sender, receiver) = channel();
     std::thread::spawn(move || {
@@ -124,23 +128,23 @@ fn lines(stream: impl Read + Send + 'static) -> Receiver<String> {
     receiver
 }
 
-/// A simulated robot that is served.
+/// A running simulated robot.
 #[derive(Debug)]
-pub struct Robot {
+pub struct ServedRobot {
     /// The program.
     pub program: Running,
-    /// Where it is: `HOST:PORT`, or a device.
+    /// Its address: `HOST:PORT`, or a device.
     pub place: String,
 }
 
-impl Robot {
-    /// At a free port, with more flags.
+impl ServedRobot {
+    /// Starts it at a free port, with more flags.
     #[must_use]
     pub fn at_a_port(program: &Program, flags: &str) -> Self {
         Self::start(program, &format!("--listen 127.0.0.1:0 {flags}"))
     }
 
-    /// At a serial port, with more flags.
+    /// Starts it at a serial port, with more flags.
     #[must_use]
     pub fn at_a_pty(program: &Program, flags: &str) -> Self {
         Self::start(program, &format!("--pty {flags}"))
@@ -157,7 +161,7 @@ impl Robot {
     /// Connects as a program for the robot does.
     ///
     /// # Panics
-    /// When it is not there or does not greet.
+    /// When the connection fails or the greeting is missing.
     #[must_use]
     pub fn connect(&self) -> Host {
         let line = Tcp::open(&self.place).unwrap_or_else(|error| panic!("{error}"));
@@ -167,7 +171,7 @@ impl Robot {
     /// Opens its serial port.
     ///
     /// # Panics
-    /// When it is not there.
+    /// When that fails.
     #[must_use]
     pub fn open(&self, baud: u32) -> Host {
         let line = Serial::open(&self.place, baud).unwrap_or_else(|error| panic!("{error}"));
@@ -175,36 +179,36 @@ impl Robot {
     }
 }
 
-/// Whether the base stands.
+/// Whether the base stands still.
 #[must_use]
 pub fn stands(state: &State) -> bool {
     state.motors == 0 && state.velocity == [0; 3]
 }
 
-/// What a socket in between does.
+/// Mode of a proxy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
-pub enum Line {
-    /// Carries everything both ways.
+pub enum ProxyMode {
+    /// Forwards everything in both directions.
     Open,
-    /// Swallows everything.
+    /// Discards everything.
     Mute,
-    /// Is gone.
+    /// Closes the connection.
     Off,
 }
 
-/// A socket in between that can be cut.
+/// A TCP proxy that can be interrupted.
 #[derive(Debug)]
-pub struct Cut {
-    /// Where it is, as `HOST:PORT`.
+pub struct Proxy {
+    /// Its address, as `HOST:PORT`.
     pub place: String,
     line: Arc<AtomicU8>,
-    /// Goes to whoever listens, between what is carried there.
+    /// Bytes to insert into the stream to the server.
     own: Arc<Mutex<Vec<u8>>>,
 }
 
-impl Cut {
-    /// The way to whoever listens at `host`, for the first one to connect.
+impl Proxy {
+    /// A proxy to `host`, for the first client that connects.
     ///
     /// # Panics
     /// When there is no socket.
@@ -212,7 +216,7 @@ impl Cut {
     pub fn to(host: &str) -> Self {
         let listener = TcpListener::bind(("127.0.0.1", 0)).expect("a socket");
         let place = listener.local_addr().expect("its address").to_string();
-        let line = Arc::new(AtomicU8::new(Line::Open as u8));
+        let line = Arc::new(AtomicU8::new(ProxyMode::Open as u8));
         let own = Arc::new(Mutex::new(Vec::new()));
         let nothing = Arc::default();
         let (cut, there, host) = (Arc::clone(&line), Arc::clone(&own), host.to_owned());
@@ -232,14 +236,14 @@ impl Cut {
         Self { place, line, own }
     }
 
-    /// Says something to whoever listens.
+    /// Inserts bytes into the stream to the server.
     pub fn say(&self, bytes: &[u8]) {
         let mut own = self.own.lock().unwrap_or_else(PoisonError::into_inner);
         own.extend_from_slice(bytes);
     }
 
-    /// From now on.
-    pub fn switch(&self, line: Line) {
+    /// Switches the mode.
+    pub fn switch(&self, line: ProxyMode) {
         self.line.store(line as u8, Ordering::Relaxed);
     }
 }
@@ -256,12 +260,12 @@ fn carry(mut from: TcpStream, mut to: TcpStream, cut: &AtomicU8, own: &Mutex<Vec
             Err(_) => break,
         };
         let line = cut.load(Ordering::Relaxed);
-        if line == Line::Off as u8 {
+        if line == ProxyMode::Off as u8 {
             break;
         }
         let own = std::mem::take(&mut *own.lock().unwrap_or_else(PoisonError::into_inner));
         let said = [&buffer[..count], &own].concat();
-        if line == Line::Open as u8 && to.write_all(&said).is_err() {
+        if line == ProxyMode::Open as u8 && to.write_all(&said).is_err() {
             break;
         }
     }

@@ -1,4 +1,4 @@
-//! A mind at the other end of a pseudo terminal: a serial line as far as any program can see.
+//! A pseudo terminal with a controller at its other end: a serial line for any program.
 
 use nix::pty::openpty;
 use nix::sys::termios::{SetArg, cfmakeraw, tcgetattr, tcsetattr};
@@ -11,35 +11,35 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// What the line does to the bytes from the mind.
+/// Fault of the line from the controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Line {
-    /// Nothing.
+pub enum LineFault {
+    /// No fault.
     Good,
-    /// Begins with the end of a frame whose beginning nobody heard, then is good.
+    /// Starts with the end of a frame, then is good.
     StartsInTheMiddle,
-    /// Runs at another speed: what arrives is something else.
+    /// Wrong baud rate: other bytes arrive.
     WrongSpeed,
-    /// Is pulled out after so many bytes.
+    /// Disconnected after this many bytes.
     PulledAfter(usize),
 }
 
-/// A serial line with a mind at its end.
+/// A serial line with a controller at its end.
 #[derive(Debug)]
-pub struct Pty {
+pub struct FaultyPty {
     /// The device's path.
     pub path: PathBuf,
-    /// Keeps the device there while nobody has it open.
+    /// Keeps the device open between clients.
     _device: Option<OwnedFd>,
 }
 
-impl Pty {
-    /// A line to whatever listens at `host`.
+impl FaultyPty {
+    /// A line to the server at `host`.
     ///
     /// # Panics
-    /// When there is no pseudo terminal or no listener.
+    /// When there is no pseudo terminal or no server.
     #[must_use]
-    pub fn to(host: &str, line: Line) -> Self {
+    pub fn to(host: &str, line: LineFault) -> Self {
         let pair = openpty(None, None).expect("a pseudo terminal");
         let mut raw = tcgetattr(&pair.slave).expect("its settings");
         cfmakeraw(&mut raw);
@@ -47,8 +47,9 @@ impl Pty {
         let path = ttyname(&pair.slave).expect("its name");
         let mind = TcpStream::connect(host).expect("the mind");
         pump(File::from(pair.master), mind, line);
-        let keeps = !matches!(line, Line::PulledAfter(_));
-        // A device that is to disappear must not be held here; the program opens it before its first byte comes.
+        let keeps = !matches!(line, LineFault::PulledAfter(_));
+        // A device that must disappear is not held open here; the program opens it before its first
+        // byte.
         let device = keeps.then_some(pair.slave);
         Self {
             path,
@@ -57,8 +58,8 @@ impl Pty {
     }
 }
 
-/// Carries bytes both ways until one side is gone or the line is pulled out.
-fn pump(device: File, mind: TcpStream, line: Line) {
+/// Forwards bytes in both directions until one side closes or the line is disconnected.
+fn pump(device: File, mind: TcpStream, line: LineFault) {
     let carried = Arc::new(AtomicUsize::new(0));
     let (mut from_program, mut to_mind) = (
         device.try_clone().expect("a second handle"),
@@ -74,7 +75,7 @@ fn pump(device: File, mind: TcpStream, line: Line) {
                         break;
                     }
                 }
-                // Nobody has the device open yet.
+                // The device is not open yet.
                 Err(error) if error.raw_os_error() == Some(5) && !is_pulled(line, &seen) => {
                     std::thread::sleep(std::time::Duration::from_millis(5));
                 }
@@ -85,7 +86,7 @@ fn pump(device: File, mind: TcpStream, line: Line) {
     });
     std::thread::spawn(move || {
         let (mut device, mut mind) = (device, mind);
-        if line == Line::StartsInTheMiddle {
+        if line == LineFault::StartsInTheMiddle {
             let _ = device.write_all(&[0x11, 0x22, 0x33, 0]);
         }
         let mut buffer = [0; 64];
@@ -102,13 +103,13 @@ fn pump(device: File, mind: TcpStream, line: Line) {
     });
 }
 
-fn is_pulled(line: Line, carried: &AtomicUsize) -> bool {
-    matches!(line, Line::PulledAfter(bytes) if carried.load(Ordering::Relaxed) >= bytes)
+fn is_pulled(line: LineFault, carried: &AtomicUsize) -> bool {
+    matches!(line, LineFault::PulledAfter(bytes) if carried.load(Ordering::Relaxed) >= bytes)
 }
 
-/// A line read at twice its speed makes two bytes of one, and neither is it.
-fn garbled(bytes: &[u8], line: Line) -> Vec<u8> {
-    if line != Line::WrongSpeed {
+/// A line read at twice its baud rate makes two wrong bytes of one.
+fn garbled(bytes: &[u8], line: LineFault) -> Vec<u8> {
+    if line != LineFault::WrongSpeed {
         return bytes.to_vec();
     }
     let halves = |byte: &u8| [byte & 0x0f | 0x80, byte >> 4 | 0xc0];

@@ -1,7 +1,7 @@
-//! One mind twice: the node on the host and the firmware in the emulated chip hear the same frames, and whatever they say
-//! has to be the same bytes.
+//! The node on the host and the firmware in the emulated chip get the same frames and must send the
+//! same bytes.
 
-use crate::chip::{Chip, PATIENCE, Recorded, SESSION, dimensions, packed};
+use crate::chip::{EmulatedChip, RecordedBytes, SESSION, TIMEOUT, dimensions, packed};
 use amp::controller::{Event, Outputs};
 use amp::node::NomadNode;
 use amp::units::Millis;
@@ -12,40 +12,40 @@ use amp::wire::message::{
 use sim::pilot::Pilot;
 use std::time::Instant;
 
-/// Simulated time between two signs of life.
-const ALIVE_MS: u32 = 250;
-/// Bytes the F405 may be behind: its receive queue takes twice as many.
+/// Simulated time between two heartbeats.
+const HEARTBEAT_MS: u32 = 250;
+/// Bytes that the F405 may lag behind: its receive queue holds twice as many.
 const BEHIND: usize = 256;
 
-/// The two minds.
-pub struct Twin {
-    chip: Chip,
+/// The node and the chip.
+pub struct NodeTwin {
+    chip: EmulatedChip,
     local: Box<NomadNode>,
     seq: u16,
     at_ms: u32,
-    /// Said by the one here and not yet by the chip.
+    /// Sent by the node and not yet by the chip.
     awaited: Vec<u8>,
     compared: usize,
-    /// Bytes the chip may be behind.
+    /// Bytes that the chip may lag behind.
     behind: usize,
-    /// Echoes are sent by whole rings, as they come from sonars that are heard all at once.
+    /// Echoes are sent as whole rings, as from sonars that measure at once.
     rings: bool,
     echoes: heapless::Vec<Heard, 16>,
 }
 
-impl Twin {
-    /// A chip and a node as new.
+impl NodeTwin {
+    /// A new chip and a new node.
     #[must_use]
     pub fn new(rings: bool) -> Self {
-        Self::with(Chip::start(), BEHIND, rings)
+        Self::with(EmulatedChip::start(), BEHIND, rings)
     }
 
-    /// A given chip that has just been started, and a node as new. The chip may be `behind` bytes behind.
+    /// A chip that has just been started, and a new node. The chip may lag `behind` bytes behind.
     ///
     /// # Panics
     /// When the chip does not answer.
     #[must_use]
-    pub fn with(chip: Chip, behind: usize, rings: bool) -> Self {
+    pub fn with(chip: EmulatedChip, behind: usize, rings: bool) -> Self {
         let mut twin = Self {
             chip,
             behind,
@@ -64,9 +64,9 @@ impl Twin {
             oscillator: hello.oscillator,
             ring: false,
         };
-        let mut said = Recorded::default();
+        let mut said = RecordedBytes::default();
         firmware::control::start(&mut twin.local, identity, Millis::from_ms(0), &mut said);
-        // The chip has said hello to this; it says so again, and both have numbered as many frames.
+        // The chip has answered this hello; a second one makes both number as many frames.
         let message = ToMind::Hello(HostHello {
             dimensions: dimensions(),
             clock: Clock::Host,
@@ -91,7 +91,7 @@ impl Twin {
         self.compared
     }
 
-    /// Gives both an order.
+    /// Sends a command to both.
     pub fn order(&mut self, order: Order<16>) {
         let at_ms = self.at_ms;
         self.send(&ToMind::Command {
@@ -108,7 +108,7 @@ impl Twin {
     /// When they differ.
     pub fn learn(&mut self) {
         self.order(Order::Learn);
-        let mut said = Recorded::default();
+        let mut said = RecordedBytes::default();
         while self.local.tick(Millis::from_ms(0), &mut said) {}
         assert_eq!(
             reports(&said.0).last().map(|report| report.said.clone()),
@@ -118,13 +118,13 @@ impl Twin {
         self.settle(0);
     }
 
-    /// Lets both pursue a goal.
+    /// Lets both seek a goal.
     pub fn seek(&mut self, goal: GoalBy<16>) {
         self.order(Order::Goal(goal));
         self.order(Order::Seek);
     }
 
-    /// Compares everything both know; returns the bytes.
+    /// Compares the state of both; returns the bytes.
     pub fn compare_knowledge(&mut self) -> usize {
         let before = self.compared;
         for part in [
@@ -153,7 +153,7 @@ impl Twin {
         self.compared - before
     }
 
-    /// The checksums of maps and memory, which both say in a hello. The session begins anew.
+    /// The checksums of maps and memory in the hello of both. Opens a new session.
     ///
     /// # Panics
     /// When they differ.
@@ -184,7 +184,7 @@ impl Twin {
             },
             message,
         );
-        let mut said = Recorded::default();
+        let mut said = RecordedBytes::default();
         let (_, coded) = bytes.split_last().expect("a frame");
         self.local.frame(Millis::from_ms(0), coded, &mut said);
         let reports = reports(&said.0);
@@ -192,7 +192,7 @@ impl Twin {
         reports
     }
 
-    /// Sends to both; returns what the one here says.
+    /// Sends to both; returns the reports of the node.
     fn send(&mut self, message: &ToMind<16>) -> Vec<Report<16>> {
         self.seq = self.seq.wrapping_add(1);
         self.chip.raw(&packed(
@@ -205,11 +205,11 @@ impl Twin {
         self.tell_local(message, self.seq)
     }
 
-    /// Compares what the chip says until at most `behind` bytes are missing.
+    /// Compares the chip's bytes until at most `behind` are missing.
     fn settle(&mut self, behind: usize) {
         let began = Instant::now();
         while self.awaited.len() > behind {
-            let heard = self.chip.bytes(PATIENCE.saturating_sub(began.elapsed()));
+            let heard = self.chip.bytes(TIMEOUT.saturating_sub(began.elapsed()));
             assert!(
                 !heard.is_empty(),
                 "the chip is silent; awaited: {:?}",
@@ -217,7 +217,7 @@ impl Twin {
             );
             assert!(
                 heard.len() <= self.awaited.len(),
-                "the chip says more: {:?}",
+                "the chip sends more: {:?}",
                 reports(&heard)
             );
             let expected: Vec<_> = self.awaited.drain(..heard.len()).collect();
@@ -229,11 +229,11 @@ impl Twin {
         }
     }
 
-    /// Signs of life up to `at_ms`: simulated time may jump.
-    fn pass(&mut self, at_ms: u32) -> Vec<Report<16>> {
+    /// Sends heartbeats up to `at_ms`: simulated time may jump.
+    fn heartbeats_until(&mut self, at_ms: u32) -> Vec<Report<16>> {
         let mut said = Vec::new();
-        while at_ms.saturating_sub(self.at_ms) > ALIVE_MS {
-            self.at_ms += ALIVE_MS;
+        while at_ms.saturating_sub(self.at_ms) > HEARTBEAT_MS {
+            self.at_ms += HEARTBEAT_MS;
             said.extend(self.send(&ToMind::Alive { at_ms: self.at_ms }));
         }
         self.at_ms = at_ms;
@@ -241,10 +241,10 @@ impl Twin {
     }
 }
 
-impl Pilot for Twin {
+impl Pilot for NodeTwin {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
         let at_ms = at.as_ms();
-        let _ = self.pass(at_ms);
+        let _ = self.heartbeats_until(at_ms);
         let message = match event {
             Event::Echo { sensor, range } => {
                 let heard = Heard {

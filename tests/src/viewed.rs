@@ -12,14 +12,14 @@ use tungstenite::handshake::HandshakeError;
 use tungstenite::http::HeaderValue;
 use tungstenite::{Error, Message, WebSocket};
 
-const PATIENCE: Duration = Duration::from_secs(30);
+const TIMEOUT: Duration = Duration::from_secs(30);
 
-/// The program as a server. Ended when dropped.
+/// The program as a server; ended when dropped.
 pub struct Viewed {
     child: Child,
-    /// Where to watch.
+    /// Address of the page for watching.
     pub watch: String,
-    /// Where to watch and steer.
+    /// Address of the page for watching and steering.
     pub steer: String,
 }
 
@@ -27,14 +27,14 @@ impl Viewed {
     /// Starts `host-sim view` at a free port.
     ///
     /// # Panics
-    /// When it does not start or prints something else than two addresses.
+    /// When it does not start or prints anything but two addresses.
     #[must_use]
     pub fn start(program: &Program, flags: &str) -> Self {
         let line = format!("view --listen 127.0.0.1:0 {flags}");
         Self::spawn(program.command(&words(&line)))
     }
 
-    /// As [`start`](Self::start), in a process that may have at most `files` files and sockets open.
+    /// As [`start`](Self::start), in a process with at most `files` open files and sockets.
     ///
     /// # Panics
     /// As [`start`](Self::start).
@@ -67,7 +67,7 @@ impl Viewed {
         }
     }
 
-    /// Ends it as Ctrl-C does; its exit code.
+    /// Ends it as Ctrl-C does; returns its exit code.
     ///
     /// # Panics
     /// When it does not end.
@@ -81,12 +81,12 @@ impl Viewed {
             if let Some(status) = self.child.try_wait().expect("its state") {
                 return status.code();
             }
-            assert!(began.elapsed() < PATIENCE, "it goes on");
+            assert!(began.elapsed() < TIMEOUT, "it goes on");
             std::thread::sleep(Duration::from_millis(5));
         }
     }
 
-    /// Ends it at once, without a chance to tidy up.
+    /// Kills it.
     pub fn kill(self) {
         drop(self);
     }
@@ -94,7 +94,7 @@ impl Viewed {
     /// HOST:PORT.
     ///
     /// # Panics
-    /// When the address is none.
+    /// When the address has none.
     #[must_use]
     pub fn host(&self) -> &str {
         let host = self.watch.strip_prefix("http://");
@@ -111,7 +111,7 @@ impl Viewed {
         self.steer.split_once("#token=").expect("a token").1
     }
 
-    /// Knocks with these headers instead of its own: the status of the answer if it is refused.
+    /// Connects with these headers instead of the default ones; a refusal returns its HTTP status.
     ///
     /// # Panics
     /// When there is no answer.
@@ -132,7 +132,7 @@ impl Viewed {
             request.headers_mut().insert(*name, value);
         }
         let stream = TcpStream::connect(self.host()).expect("it listens");
-        stream.set_read_timeout(Some(PATIENCE)).expect("a timeout");
+        stream.set_read_timeout(Some(TIMEOUT)).expect("a timeout");
         match tungstenite::client(request, stream) {
             Ok((socket, _)) => Ok(Viewer::new(socket)),
             Err(HandshakeError::Failure(Error::Http(response))) => Err(response.status().as_u16()),
@@ -140,30 +140,30 @@ impl Viewed {
         }
     }
 
-    /// Somebody who watches.
+    /// A viewer that only watches.
     ///
     /// # Panics
-    /// When he is refused.
+    /// When it is refused.
     #[must_use]
     pub fn viewer(&self) -> Viewer {
-        self.knock(&[]).expect("a viewer is let in")
+        self.knock(&[]).expect("a viewer is accepted")
     }
 
-    /// A page that was opened with the token, before it steers.
+    /// A page opened with the token, before it steers.
     ///
     /// # Errors
-    /// The status of the answer when it is refused.
+    /// The HTTP status of a refusal.
     pub fn owner(&self) -> Result<Viewer, u16> {
         self.knock_at(&format!("/socket?token={}", self.token()), &[])
     }
 
-    /// Somebody who steers.
+    /// A viewer that steers.
     ///
     /// # Panics
-    /// When he is refused.
+    /// When it is refused.
     #[must_use]
     pub fn steerer(&self) -> Viewer {
-        let mut viewer = self.owner().expect("an owner is let in");
+        let mut viewer = self.owner().expect("an owner is accepted");
         let order = json!({"do": "steer", "token": self.token()});
         viewer.order(order).expect("the seat");
         viewer
@@ -177,13 +177,13 @@ impl Drop for Viewed {
     }
 }
 
-/// A viewer without a page.
+/// A viewer without a browser.
 pub struct Viewer {
     socket: WebSocket<TcpStream>,
     asked: u64,
-    /// Messages heard.
+    /// Number of messages received.
     heard: u64,
-    /// The latest of each part, and which message it was.
+    /// The latest value of each part, and the number of its message.
     seen: BTreeMap<String, (u64, Value)>,
 }
 
@@ -197,11 +197,11 @@ impl Viewer {
         }
     }
 
-    /// The next message.
+    /// Receives the next message.
     fn hear(&mut self) -> Value {
         loop {
             let message = match self.socket.read() {
-                // Whoever was stopped and went on reads again.
+                // A stopped and resumed process reads again.
                 Err(Error::Io(error)) if error.kind() == ErrorKind::Interrupted => continue,
                 message => message.expect("a message"),
             };
@@ -217,10 +217,10 @@ impl Viewer {
         }
     }
 
-    /// Sends an order and waits for nothing.
+    /// Sends a command without waiting.
     ///
     /// # Panics
-    /// When the socket is gone.
+    /// When the socket is closed.
     pub fn send(&mut self, mut order: Value) -> u64 {
         self.asked += 1;
         order["id"] = json!(self.asked);
@@ -229,7 +229,7 @@ impl Viewer {
         self.asked
     }
 
-    /// Gives an order; its answer, or why it was refused.
+    /// Sends a command; returns its answer.
     ///
     /// # Errors
     /// The refusal.
@@ -246,20 +246,20 @@ impl Viewer {
         }
     }
 
-    /// The latest of a part, once it has been heard.
+    /// The latest value of a part; waits for the first one.
     ///
     /// # Panics
-    /// When it does not come in time.
+    /// When it does not arrive in time.
     pub fn latest(&mut self, part: &str) -> Value {
         self.wait(part, |_| true);
         self.seen[part].1.clone()
     }
 
-    /// Explores, learns and waits until the maps are there.
+    /// Explores, learns and waits for the maps.
     ///
     /// # Panics
-    /// When an order is refused.
-    pub fn educate(&mut self, moves: u64) {
+    /// When a command is refused.
+    pub fn explore_and_learn(&mut self, moves: u64) {
         let moment = self.moment();
         self.order(json!({"do": "explore"})).expect("it explores");
         let explored = self.wait_after(moment, "memory", |rows| {
@@ -273,31 +273,31 @@ impl Viewer {
         self.wait_after(learned, "now", is_idle);
     }
 
-    /// Waits for so many decisions towards goals.
+    /// Waits for this many decisions toward goals.
     pub fn decided(&mut self, steps: u64) {
         self.wait("now", |now| now["counts"]["steps"].as_u64() >= Some(steps));
     }
 
-    /// The latest message heard. What an order changes may be heard before its answer, so that one who waits for it takes the
-    /// moment before the order.
+    /// Number of the latest message. The effect of a command may arrive before its answer, so a
+    /// wait uses the number before the command.
     #[must_use]
     pub fn moment(&self) -> u64 {
         self.heard
     }
 
-    /// Waits until something is true of a part.
+    /// Waits until a condition holds for a part.
     ///
     /// # Panics
-    /// When it does not become true in time.
+    /// When it does not hold in time.
     pub fn wait(&mut self, part: &str, is: impl Fn(&Value) -> bool) {
         self.wait_after(0, part, is);
     }
 
-    /// Waits until something is true of a part that is heard after a moment; the moment at which it was heard. Of what is
-    /// sent of one moment, `now` comes after maps and memory.
+    /// Waits until a condition holds for a part that arrives after message `moment`; returns that
+    /// message's number. Among messages of one moment, `now` comes after maps and memory.
     ///
     /// # Panics
-    /// When it does not become true in time.
+    /// When it does not hold in time.
     pub fn wait_after(&mut self, moment: u64, part: &str, is: impl Fn(&Value) -> bool) -> u64 {
         let began = Instant::now();
         loop {
@@ -307,13 +307,13 @@ impl Viewer {
             {
                 return *heard;
             }
-            assert!(began.elapsed() < PATIENCE, "no such {part}");
+            assert!(began.elapsed() < TIMEOUT, "no such {part}");
             self.hear();
         }
     }
 }
 
-/// The mind has nothing to do.
+/// The controller is idle.
 #[must_use]
 pub fn is_idle(now: &Value) -> bool {
     now["mode"] == "idle"

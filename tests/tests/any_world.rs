@@ -1,4 +1,4 @@
-//! Any world a user can name runs, and its line holds every promised figure.
+//! Every kind of world runs, and its JSON line has all documented fields.
 
 use serde_json::Value;
 use tests::host_sim;
@@ -11,7 +11,7 @@ const TOML: &str = "name = \"hall\"\n[start]\nposition_m = [0.0, 0.0]\nheading_d
 const YAML: &str = "image: floor.pgm\nresolution: 0.5\norigin: [-4.0, -3.0, 0.0]\nnegate: 0\n\
     occupied_thresh: 0.65\nfree_thresh: 0.196\n";
 
-/// A room of 14 × 10 free cells within walls.
+/// An image of 14 × 10 free cells within walls.
 fn floor() -> Vec<u8> {
     let mut image = b"P5\n16 12\n255\n".to_vec();
     for cell in 0..16 * 12 {
@@ -30,7 +30,7 @@ fn floor_png() -> Vec<u8> {
     plots::png::render(svg, 1.0).expect("a bitmap")
 }
 
-/// The promised keys, in order, and whether each is a text, a count or a figure.
+/// The documented keys, in order, and their type: text, count or number.
 const KEYS: [(&str, char); 16] = [
     ("world", 't'),
     ("behavior", 't'),

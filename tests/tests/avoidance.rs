@@ -1,9 +1,9 @@
-//! What the robot is for: it learns from 100 random moves and then drives without touching anything.
+//! The robot learns from 100 random moves and then drives without contact.
 
 use arena::sonar::SonarModel;
-use experiments::ablation::{Figures, Trial, measure, variants};
+use experiments::ablation::{AblationFigures, AblationTrial, measure, variants};
 
-const IDEAL: Trial = Trial {
+const IDEAL: AblationTrial = AblationTrial {
     first: 1,
     rooms: 100,
     explore_moves: 100,
@@ -12,7 +12,7 @@ const IDEAL: Trial = Trial {
     sonar: SonarModel::Ideal,
 };
 
-fn figures(row: &str, trial: &Trial) -> Figures {
+fn figures(row: &str, trial: &AblationTrial) -> AblationFigures {
     let rows = variants().expect("the rows of the table");
     let variant = rows.iter().find(|variant| variant.name == row);
     let figures = measure(variant.expect(row), trial).expect("every episode runs");
@@ -31,22 +31,22 @@ fn the_shield_keeps_the_robot_from_every_contact() {
 #[test]
 fn the_maps_alone_avoid_obstacles_and_get_around() {
     let maps = figures("default", &IDEAL);
-    let yardstick = figures("Braitenberg (yardstick)", &IDEAL);
+    let reference = figures("Braitenberg (reference)", &IDEAL);
     assert!(maps.clean >= 98, "{maps:?}");
     assert!(maps.distance_m >= 60.0, "{maps:?}");
     assert!(
-        maps.distance_m >= 0.9 * yardstick.distance_m,
-        "{maps:?} {yardstick:?}"
+        maps.distance_m >= 0.9 * reference.distance_m,
+        "{maps:?} {reference:?}"
     );
     assert!(
-        maps.coverage_m2 >= 0.75 * yardstick.coverage_m2,
-        "{maps:?} {yardstick:?}"
+        maps.coverage_m2 >= 0.75 * reference.coverage_m2,
+        "{maps:?} {reference:?}"
     );
 }
 
 #[test]
 fn a_real_ring_of_sonars_is_enough_for_the_shield() {
-    let nomad = Trial {
+    let nomad = AblationTrial {
         rooms: 20,
         steps: 300,
         sonar: SonarModel::Nomad,

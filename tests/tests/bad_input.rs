@@ -1,10 +1,10 @@
-//! Bad input: exit code 2, one clear sentence that names the culprit, nothing else left behind.
+//! Bad input: exit code 2, one clear sentence that names the cause, no files left behind.
 
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::process::Stdio;
 use tests::{Program, host_sim, words};
 
-/// Command line, and what its sentence must hold.
+/// A command line, and texts in its sentence.
 type Case = (&'static str, &'static [&'static str]);
 
 const WORLDS: &[(&str, &[u8])] = &[
@@ -213,7 +213,7 @@ const CASES: &[Case] = &[
     ("behaviors --set farr=1", &["did you mean \"far\"?"]),
     ("repetition --only chain", &["--only", "chain"]),
     ("repetition --times 1", &["--times"]),
-    // Open choices.
+    // Settings.
     ("run --set farr=1", &["farr", "did you mean \"far\"?"]),
     ("run --set far=x", &["far", "\"x\"", "not a number"]),
     ("run --set far=nan", &["far", "\"nan\""]),
@@ -331,7 +331,7 @@ const CASES: &[Case] = &[
     ("som --data good.csv --epochs 0", &["--epochs"]),
     ("som --data good.csv --rate 0.1:0.5", &["--rate", "0.1:0.5"]),
     ("som --data good.csv --init start.csv", &["start.csv"]),
-    // Minds in files: read before anything is said to the mind they are for.
+    // State files are read before the controller is contacted.
     ("link --to tcp:127.0.0.1:1 push gone.mind", &["gone.mind: "]),
     (
         "link --to tcp:127.0.0.1:1 push binary.toml",
@@ -342,7 +342,7 @@ const CASES: &[Case] = &[
         "run --world random:1..=2 --save own.mind",
         &["--save own.mind", "one world"],
     ),
-    // The bench view.
+    // The view.
     ("view --world paepr", &["did you mean \"paper\"?"]),
     ("view --world random:1..=3", &["random:1..=3", "one world"]),
     ("view --speed 0", &["--speed", "0.05 to 1000", "max"]),
@@ -378,7 +378,7 @@ fn with_files() -> Program {
     program
 }
 
-/// The one sentence on standard error; the command line's own errors may be followed by a usage.
+/// The sentence on standard error; for errors of the command line a usage may follow.
 fn sentence(stderr: &str) -> &str {
     let (first, rest) = stderr.split_once('\n').unwrap_or((stderr, ""));
     if let Some(sentence) = first.strip_prefix("host-sim: ") {
@@ -421,7 +421,8 @@ fn a_mind_that_is_not_whole_or_of_another_version_is_refused() {
     let program = host_sim!();
     let _ = program.ok("run --steps 1 --explore 5 --json --save sound.mind");
     let sound = std::fs::read(program.folder().join("sound.mind")).expect("a file");
-    // The first record holds the layout's version in its third byte; the last one the checksum of all before it.
+    // Byte 3 of the first record is the layout's version; the last record is the checksum of all
+    // others.
     let mut later = sound.clone();
     later[6] += 1;
     let end = later.len() - 8;
@@ -503,6 +504,7 @@ fn a_reader_that_goes_away_ends_the_program_quietly() {
     errors.read_to_string(&mut stderr).expect("text");
     let status = child.wait().expect("the program ends");
     assert_eq!(status.code(), Some(0), "{stderr}");
-    // Not even the closing line with the time: the run was cut short, more than a pipe holds was left.
+    // Even the final line with the time is missing: the run ended early with more output than a
+    // pipe holds.
     assert_eq!(stderr, "");
 }

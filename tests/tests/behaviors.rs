@@ -1,4 +1,4 @@
-//! Every behavior from the same 100 random moves: each runs in every world, and each does what it is for.
+//! Every behavior from the same 100 random moves runs in every world and meets its requirement.
 
 use amp::config::Config;
 use amp::controller::{Event, Motion, Outputs};
@@ -6,15 +6,15 @@ use amp::units::{Displacement, Millis};
 use arena::robot::{COLLISION_RADIUS_M, TurretMode};
 use arena::sonar::SonarModel;
 use arena::world::World;
-use experiments::behaviors::{Trial, each};
-use experiments::scenes::{SCENES, Scene};
+use experiments::behaviors::{BehaviorTrial, run_all};
+use experiments::scenes::{BehaviorScene, SCENES};
 use serde_json::Value;
 use sim::episode::{Body, Report, run};
 use sim::pilot::Pilot;
 use sim::scenes::Behavior;
 use tests::{Program, host_sim};
 
-/// The figures of one line that `run --json` prints.
+/// The JSON object of one line from `run --json`.
 fn line(program: &Program, flags: &str) -> Value {
     let text = program.ok(&format!("run --json {flags}"));
     assert_eq!(text.lines().count(), 1, "{text}");
@@ -50,7 +50,8 @@ fn every_behavior_runs_in_every_world() {
     }
 }
 
-/// A wall is followed for 100 decisions before the next goal: until then the chain is its first part, step by step.
+/// A wall is followed for 100 decisions before the next goal: until then the chain equals its first
+/// part.
 #[test]
 fn a_chain_begins_as_its_first_part() {
     let program = host_sim!();
@@ -98,7 +99,7 @@ fn the_list_names_every_behavior() {
 
 /// All episodes of a scene.
 fn reports(
-    scene: &Scene,
+    scene: &BehaviorScene,
     shield: bool,
     [worlds, seeds]: [u32; 2],
     explore_moves: u16,
@@ -107,7 +108,7 @@ fn reports(
     if !shield {
         config.shield = None;
     }
-    let trial = Trial {
+    let trial = BehaviorTrial {
         first: 101,
         worlds,
         seeds,
@@ -117,13 +118,13 @@ fn reports(
         turret: TurretMode::Held,
         sonar: SonarModel::Ideal,
     };
-    let reports = each(scene, &trial, |world, setup| {
+    let reports = run_all(scene, &trial, |world, setup| {
         Ok(run(world, setup, |_, _, _| {})?.report)
     });
     reports.expect("every episode runs").concat()
 }
 
-fn scene(behavior: &str, place: &str) -> &'static Scene {
+fn scene(behavior: &str, place: &str) -> &'static BehaviorScene {
     let mut scenes = SCENES.iter();
     let found = scenes.find(|scene| scene.behavior == behavior && scene.place == place);
     found.unwrap_or_else(|| panic!("{behavior} in {place}"))
@@ -141,7 +142,7 @@ fn a_wall_is_followed_at_its_distance() {
             let bare = reports(scene, false, [10, 3], 100);
             let error = mean(&bare, |report| report.success);
             assert!(error <= 0.12, "{behavior} in {place}: {error} m");
-            // It goes on all the while: 1000 steps of 0.25 m.
+            // It moves all the time: 1000 steps of 0.25 m.
             assert!(bare.iter().all(|report| report.distance_m > 200.0));
             assert!(mean(&bare, |report| f64::from(report.contacts)) <= 10.0);
             let shielded = reports(scene, true, [10, 1], 100);
@@ -165,12 +166,12 @@ fn the_nest_and_a_place_that_was_shown_are_found() {
 
 #[test]
 fn a_robot_that_knows_nothing_finds_no_nest() {
-    // One sample says nothing across its direction when it is not turned.
+    // A sample without rotations has no information across its direction.
     let mut config = Config::recommended();
     config.learning.augment_rotations = false;
     config.planning.wander = None;
     config.online = None;
-    let trial = Trial {
+    let trial = BehaviorTrial {
         first: 101,
         worlds: 10,
         seeds: 5,
@@ -180,7 +181,7 @@ fn a_robot_that_knows_nothing_finds_no_nest() {
         turret: TurretMode::Held,
         sonar: SonarModel::Ideal,
     };
-    let found = each(scene("nest", "4 m × 4 m"), &trial, |world, setup| {
+    let found = run_all(scene("nest", "4 m × 4 m"), &trial, |world, setup| {
         Ok(run(world, setup, |_, _, _| {})?.report.success)
     });
     let found: f64 = found.expect("every episode runs").concat().iter().sum();
@@ -200,12 +201,12 @@ fn a_leader_is_kept_and_not_touched() {
         let bare = reports(scene("follow", place), false, [10, 3], 100);
         let kept = mean(&bare, |report| report.success);
         assert!(kept >= 0.85, "{place}: {kept}");
-        // The leader goes 45 m in 300 s at most: who stays behind has gone far, too.
+        // The leader moves 45 m in 300 s at most: a robot that follows it has moved far, too.
         assert!(mean(&bare, |report| report.distance_m) > 15.0);
     }
 }
 
-/// Drives straight ahead, whatever it hears.
+/// Drives straight ahead, whatever its sonars report.
 struct Ram;
 
 impl Pilot for Ram {

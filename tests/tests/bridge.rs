@@ -1,4 +1,4 @@
-//! A mind drives the simulated Nomad over the robot's own line, and either of them may be lost.
+//! A controller drives the simulated Nomad over the robot's own protocol; either side may fail.
 
 use amp::config::Config;
 use nomad200::Command;
@@ -8,13 +8,12 @@ use serde_json::Value;
 use std::path::Path;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
-use tests::board::Board;
+use tests::board::EmulatedBoard;
 use tests::chip::image;
-use tests::nomad::{Cut, Line, Robot, Running, stands};
+use tests::nomad::{Proxy, ProxyMode, Running, ServedRobot, stands};
 use tests::{Program, host_sim};
 
-/// So long a base takes to stand: it rolls at 0.508 m/s at most and brakes at 0.762 m/s², or its wheels turn at 45 °/s and brake at
-/// 30 °/s².
+/// Longest braking time of a base: from 0.508 m/s at 0.762 m/s², wheels from 45 °/s at 30 °/s².
 const BRAKING: Duration = Duration::from_millis(1_700);
 
 fn bridge(program: &Program, robot: &str, flags: &str) -> Running {
@@ -25,8 +24,14 @@ fn figures(stdout: &str) -> Value {
     serde_json::from_str(stdout).unwrap_or_else(|error| panic!("{stdout}: {error}"))
 }
 
-/// Runs to its end without anything touched, by the robot's bumpers and by what the world saw.
-fn drives_clean(program: &Program, robot: &mut Robot, at: &str, flags: &str, moves: [u64; 2]) {
+/// Runs to the end without contact, by the robot's bumpers and by the world.
+fn drives_clean(
+    program: &Program,
+    robot: &mut ServedRobot,
+    at: &str,
+    flags: &str,
+    moves: [u64; 2],
+) {
     let mut driver = bridge(program, at, flags);
     let (code, stdout, stderr) = driver.end(Duration::from_secs(1_800));
     assert_eq!(code, Some(0), "{stderr}");
@@ -45,7 +50,7 @@ fn drives_clean(program: &Program, robot: &mut Robot, at: &str, flags: &str, mov
     );
     let until = Instant::now() + Duration::from_secs(5);
     let mut seen = robot.program.messages();
-    // At a serial port nobody is seen to go.
+    // A serial port does not show a disconnection.
     while seen.is_empty() && at.starts_with("tcp") && Instant::now() < until {
         sleep(Duration::from_millis(10));
         seen = robot.program.messages();
@@ -58,7 +63,7 @@ fn drives_clean(program: &Program, robot: &mut Robot, at: &str, flags: &str, mov
 #[test]
 fn a_mind_in_this_process_drives_a_robot_at_a_socket() {
     let program = host_sim!();
-    let mut robot = Robot::at_a_port(&program, "--speed 20");
+    let mut robot = ServedRobot::at_a_port(&program, "--speed 20");
     let at = format!("tcp:{}", robot.place);
     drives_clean(
         &program,
@@ -67,7 +72,7 @@ fn a_mind_in_this_process_drives_a_robot_at_a_socket() {
         "--explore 40 --steps 100 --log drive.mcap",
         [40, 100],
     );
-    // The mind that drove drives the same once more.
+    // A replay makes the same decisions.
     let said = program.ok("replay drive.mcap");
     assert!(said.contains("every one identical"), "{said}");
     assert!(said.ends_with("complete\n"), "{said}");
@@ -78,7 +83,7 @@ fn a_mind_in_this_process_drives_a_robot_at_a_socket() {
 #[test]
 fn a_mind_in_this_process_drives_a_robot_at_a_serial_port() {
     let program = host_sim!();
-    let mut robot = Robot::at_a_pty(&program, "--speed 20 --world room");
+    let mut robot = ServedRobot::at_a_pty(&program, "--speed 20 --world room");
     let at = format!("serial:{}@38400", robot.place);
     drives_clean(
         &program,
@@ -89,55 +94,55 @@ fn a_mind_in_this_process_drives_a_robot_at_a_serial_port() {
     );
 }
 
-/// The whole chain: robot, its line, bridge, link, chip. At the robot's own speed: a faster one would be over the deadline of
-/// its motion before the chip has answered.
+/// The whole chain: robot, its protocol, bridge, link, chip. At the robot's own speed: a faster
+/// motion would expire before the chip's answer.
 #[test]
 fn the_firmware_in_an_emulated_chip_drives_a_robot() {
     let program = host_sim!();
-    let mut robot = Robot::at_a_port(&program, "--speed 1");
+    let mut robot = ServedRobot::at_a_port(&program, "--speed 1");
     let at = format!("tcp:{}", robot.place);
     let firmware = image().display();
     let flags = format!("--explore 5 --steps 5 --mind qemu --firmware {firmware}");
     drives_clean(&program, &mut robot, &at, &flags, [5, 5]);
 }
 
-/// Minutes: `tests/extra bridge` runs it.
+/// Takes minutes: run by `tests/extra bridge`.
 #[test]
 #[ignore = "takes minutes: tests/extra bridge"]
 fn the_firmware_drives_a_thousand_steps() {
     let program = host_sim!();
-    let mut robot = Robot::at_a_port(&program, "--speed 4");
+    let mut robot = ServedRobot::at_a_port(&program, "--speed 4");
     let at = format!("tcp:{}", robot.place);
     let firmware = image().display();
     let flags = format!("--explore 100 --steps 1000 --mind qemu --firmware {firmware}");
     drives_clean(&program, &mut robot, &at, &flags, [100, 1_000]);
 }
 
-/// Waits until the robot has been driven for a while.
-fn under_way(robot: &mut Robot, driver: &mut Running) {
+/// Waits until the robot has moved for a while.
+fn under_way(robot: &mut ServedRobot, driver: &mut Running) {
     sleep(Duration::from_secs(4));
     let (gone, said) = (robot.program.messages(), driver.messages());
     assert!(gone.is_empty() && said.is_empty(), "{gone:?} {said:?}");
 }
 
-/// To one who connects anew.
-fn assert_stands(robot: &Robot) {
+/// Checked by a new client.
+fn assert_stands(robot: &ServedRobot) {
     let mut host = robot.connect();
     let state = host.ask(&Command::GetState).expect("an answer");
     assert!(stands(state), "{state:?}");
 }
 
-/// At the robot's own speed: killed, the bridge leaves a base that its own time-out stops.
+/// At the robot's own speed: after a kill of the bridge the base stops by its own timeout.
 #[test]
 fn without_its_bridge_the_base_stops_by_itself() {
     let program = host_sim!();
-    let mut robot = Robot::at_a_port(&program, "--world room");
+    let mut robot = ServedRobot::at_a_port(&program, "--world room");
     let at = format!("tcp:{}", robot.place);
     let mut driver = bridge(&program, &at, "--explore 100");
     under_way(&mut robot, &mut driver);
     driver.kill();
     let killed = Instant::now();
-    // Whoever comes next does not ask before the time-out of a second is over: a question would be a sign of life.
+    // A request before the timeout of one second would reset it.
     sleep(Duration::from_secs(1) + BRAKING);
     let mut host = robot.connect();
     let state = host.ask(&Command::GetState).expect("an answer").clone();
@@ -148,7 +153,7 @@ fn without_its_bridge_the_base_stops_by_itself() {
 #[test]
 fn an_interrupted_bridge_tells_the_base_to_stand() {
     let program = host_sim!();
-    let mut robot = Robot::at_a_port(&program, "--world room");
+    let mut robot = ServedRobot::at_a_port(&program, "--world room");
     let at = format!("tcp:{}", robot.place);
     let mut driver = bridge(&program, &at, "--explore 100");
     under_way(&mut robot, &mut driver);
@@ -167,7 +172,7 @@ fn an_interrupted_bridge_tells_the_base_to_stand() {
 #[test]
 fn without_its_robot_the_bridge_ends_and_so_does_the_mind() {
     let program = host_sim!();
-    let mut robot = Robot::at_a_port(&program, "--world room");
+    let mut robot = ServedRobot::at_a_port(&program, "--world room");
     let at = format!("tcp:{}", robot.place);
     let mut driver = bridge(&program, &at, "--explore 100");
     under_way(&mut robot, &mut driver);
@@ -183,16 +188,16 @@ fn without_its_robot_the_bridge_ends_and_so_does_the_mind() {
     assert_eq!(stderr.lines().count(), 1, "{stderr}");
 }
 
-/// The connection stays, but nothing comes over it any more: three questions, a second each.
+/// The connection stays open without data: three requests with a timeout of one second each.
 #[test]
 fn a_robot_that_falls_silent_ends_the_bridge_and_stops_by_itself() {
     let program = host_sim!();
-    let mut robot = Robot::at_a_port(&program, "--world room");
-    let line = Cut::to(&robot.place);
+    let mut robot = ServedRobot::at_a_port(&program, "--world room");
+    let line = Proxy::to(&robot.place);
     let at = format!("tcp:{}", line.place);
     let mut driver = bridge(&program, &at, "--explore 100");
     under_way(&mut robot, &mut driver);
-    line.switch(Line::Mute);
+    line.switch(ProxyMode::Mute);
     let (code, stdout, stderr) = driver.end(Duration::from_secs(7));
     assert_eq!(code, Some(2));
     assert!(
@@ -205,7 +210,8 @@ fn a_robot_that_falls_silent_ends_the_bridge_and_stops_by_itself() {
     assert_stands(&robot);
 }
 
-/// From the last report of a way to the mind's last word, by the mind's clock, ms; its way, m.
+/// Time from the last odometry report to the controller's last message, by its clock, ms; the
+/// distance in that report, m.
 fn last_way(log: &Path) -> (u32, f64) {
     let log = read(log).expect("a log");
     let (mut moved_ms, mut said_ms, mut way_m) = (0, 0, 0.0);
@@ -231,16 +237,16 @@ fn last_way(log: &Path) -> (u32, f64) {
     (said_ms - moved_ms, way_m)
 }
 
-/// The motor runs against wheels that do not turn. A motion has to end twice its distance over its speed plus half a second
-/// after it began: at full speed at most 1.5 s.
+/// The motor runs against blocked wheels. A motion must end after twice its distance over its speed
+/// plus half a second: at full speed 1.5 s at most.
 #[test]
 fn blocked_wheels_stop_the_robot() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "--world room --blocked-after 0.2");
+    let robot = ServedRobot::at_a_port(&program, "--world room --blocked-after 0.2");
     let at = format!("tcp:{}", robot.place);
     let began = Instant::now();
     let mut driver = bridge(&program, &at, "--explore 100 --log blocked.mcap");
-    // Two moves take less than 10 s. A hundred rings, after which a mind counts as silent, would take 64 s.
+    // Two moves take less than 10 s. The timeout of a silent ring, a hundred rings, would be 64 s.
     let (code, stdout, stderr) = driver.end(Duration::from_secs(30));
     assert_eq!(code, Some(2), "{stdout}");
     assert_eq!(
@@ -248,23 +254,23 @@ fn blocked_wheels_stop_the_robot() {
         "host-sim: the robot stopped: its motion did not end in time: the wheels may be blocked\n"
     );
     assert!(began.elapsed() < Duration::from_secs(30));
-    // Counted by steps of a tenth of an inch along x and y.
+    // Summed up in steps of a tenth of an inch along x and y.
     let rolled_m = figures(&stdout)["distance_m"].as_f64();
     assert!(rolled_m > Some(0.19) && rolled_m < Some(0.3), "{stdout}");
     let (ms, way_m) = last_way(&program.folder().join("blocked.mcap"));
     assert!(ms < 1_600 && way_m > 0.19, "{ms} ms {way_m} m");
-    // And decides the same once more.
+    // A replay makes the same decisions.
     let said = program.ok("replay blocked.mcap");
     assert!(said.contains("every one identical"), "{said}");
     sleep(BRAKING);
     assert_stands(&robot);
 }
 
-/// The same with a mind that looks at the time itself.
+/// The same with a remote controller, which has its own clock.
 #[test]
 fn blocked_wheels_stop_the_robot_of_a_mind_elsewhere() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "--world room --blocked-after 0.2");
+    let robot = ServedRobot::at_a_port(&program, "--world room --blocked-after 0.2");
     let at = format!("tcp:{}", robot.place);
     let mind = Served::start(Config::recommended()).expect("a mind");
     let to_mind = format!("tcp:{}", mind.host());
@@ -274,25 +280,25 @@ fn blocked_wheels_stop_the_robot_of_a_mind_elsewhere() {
     assert_eq!(
         stderr,
         format!(
-            "host-sim: {to_mind}: the mind stopped: its motion did not end in time: the wheels may be blocked; the robot was told to stand\n"
+            "host-sim: {to_mind}: the mind stopped: its motion did not end in time: the wheels may be blocked; the robot was stopped\n"
         )
     );
     sleep(BRAKING);
     assert_stands(&robot);
 }
 
-/// A mind behind a socket that is switched off, or says nothing more while its socket stays.
+/// A controller behind a socket that is closed, or that stays open without data.
 #[test]
 fn without_its_mind_the_base_is_told_to_stand() {
     let program = host_sim!();
     for (lost, why) in [
-        (Line::Off, "the link broke"),
-        (Line::Mute, "no answer within 2 s"),
+        (ProxyMode::Off, "the link broke"),
+        (ProxyMode::Mute, "no answer within 2 s"),
     ] {
-        let mut robot = Robot::at_a_port(&program, "--world room");
+        let mut robot = ServedRobot::at_a_port(&program, "--world room");
         let at = format!("tcp:{}", robot.place);
         let mind = Served::start(Config::recommended()).expect("a mind");
-        let line = Cut::to(&mind.host());
+        let line = Proxy::to(&mind.host());
         let to_mind = format!("tcp:{}", line.place);
         let mut driver = bridge(&program, &at, &format!("--mind {to_mind}"));
         under_way(&mut robot, &mut driver);
@@ -301,7 +307,7 @@ fn without_its_mind_the_base_is_told_to_stand() {
         assert_eq!(code, Some(2), "{stdout}");
         assert!(
             stderr.starts_with(&format!("host-sim: {to_mind}: {why}"))
-                && stderr.ends_with("; the robot was told to stand\n"),
+                && stderr.ends_with("; the robot was stopped\n"),
             "{stderr}"
         );
         assert!(figures(&stdout)["distance_m"].as_f64() > Some(0.0));
@@ -310,14 +316,15 @@ fn without_its_mind_the_base_is_told_to_stand() {
     }
 }
 
-/// The firmware panics while the robot drives: the chip is reset, and the bridge sees it by the next hello.
+/// The firmware panics while the robot moves: the chip resets, and the bridge detects it by the
+/// next hello.
 #[test]
 fn without_its_chip_the_base_is_told_to_stand() {
     let program = host_sim!();
-    let mut robot = Robot::at_a_port(&program, "--world room");
+    let mut robot = ServedRobot::at_a_port(&program, "--world room");
     let at = format!("tcp:{}", robot.place);
-    let board = Board::start();
-    let line = Cut::to(board.host());
+    let board = EmulatedBoard::start();
+    let line = Proxy::to(board.host());
     let to_mind = format!("tcp:{}", line.place);
     let mut driver = bridge(&program, &at, &format!("--mind {to_mind} --explore 100"));
     under_way(&mut robot, &mut driver);
@@ -328,7 +335,7 @@ fn without_its_chip_the_base_is_told_to_stand() {
     assert_eq!(
         stderr,
         format!(
-            "host-sim: {to_mind}: the mind has started anew (its program panicked); the robot was told to stand\n"
+            "host-sim: {to_mind}: the mind has started anew (its program panicked); the robot was stopped\n"
         )
     );
     assert!(
@@ -354,11 +361,11 @@ fn what_is_not_there_is_named() {
         assert!(!output.stderr.contains("panicked"));
         output.stderr
     };
-    // Nobody listens at port 1.
+    // Port 1 has no server.
     assert!(refused("--nomad tcp:127.0.0.1:1").contains("tcp:127.0.0.1:1"));
     assert!(refused("--nomad serial:/dev/ttyNowhere7").contains("/dev/ttyNowhere7"));
     assert!(refused("--nomad qemu").contains("no address of a robot"));
-    let robot = Robot::at_a_port(&program, "");
+    let robot = ServedRobot::at_a_port(&program, "");
     let at = format!("tcp:{}", robot.place);
     let lost = refused(&format!("--nomad {at} --mind tcp:127.0.0.1:1"));
     assert!(lost.contains("tcp:127.0.0.1:1 cannot be reached"), "{lost}");

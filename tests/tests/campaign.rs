@@ -2,11 +2,11 @@
 
 use amp::config::Config;
 use arena::sonar::SonarModel;
-use tests::campaign::{Verdict, clock, drift, frames, link, shield, silence};
+use tests::campaign::{CampaignVerdict, clock, drift, frames, link, shield, silence};
 
 const QUIETLY: &(dyn Fn(u64) + Sync) = &|_| {};
 
-fn all_is_well(verdict: &Verdict) {
+fn all_is_well(verdict: &CampaignVerdict) {
     println!("{}", verdict.text);
     assert_eq!(verdict.broken, [""; 0]);
 }
@@ -38,7 +38,7 @@ fn a_robot_stays_as_it_is() {
     all_is_well(&verdict);
 }
 
-/// Five whose maps would bring them to a stand within three hours, if each lesson went too far.
+/// Five robots that would stand still within three hours if each map update were too large.
 #[test]
 fn a_robot_goes_on() {
     let verdict = drift::run(9, 5, 3, SonarModel::Nomad, QUIETLY).expect("minds that decide");
@@ -56,7 +56,7 @@ fn with_the_shield_the_robot_touches_nothing() {
     }
 }
 
-/// The campaign finds what a robot without the shield touches.
+/// The campaign detects the contacts of a robot without the shield.
 #[test]
 fn without_the_shield_the_robot_touches_something() {
     let mut config = Config::recommended();
@@ -71,7 +71,7 @@ fn without_the_shield_the_robot_touches_something() {
     assert!(!verdict.expect("controllers that decide").broken.is_empty());
 }
 
-/// The same figures on any number of threads.
+/// Figures do not depend on the number of threads.
 #[test]
 fn a_seed_is_a_campaign() {
     let on = |threads| {

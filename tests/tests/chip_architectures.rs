@@ -1,13 +1,13 @@
-//! One episode on three architectures, each emulated: everything a chip sends is what the same crate sends on this machine,
-//! and so are its maps and its memory.
+//! One episode on three emulated architectures: messages, maps and memory equal those of the host,
+//! bit for bit.
 
 use arena::robot::TurretMode;
 use arena::sonar::SonarModel;
 use arena::world::World;
 use remote::link::{Machine, build_image};
 use sim::episode::Body;
-use tests::chip::{Chip, SESSION};
-use tests::twin::Twin;
+use tests::chip::{EmulatedChip, SESSION};
+use tests::twin::NodeTwin;
 
 use amp::wire::message::{Clock, GoalBy, Order};
 
@@ -15,29 +15,30 @@ use amp::wire::message::{Clock, GoalBy, Order};
 const ROOM: u64 = 3;
 /// Random moves.
 const MOVES: u16 = 100;
-/// Decisions towards the goal.
+/// Decisions toward the goal.
 const STEPS: usize = 60;
 /// The stack's region on the micro:bit: see `microbit.x`.
 const MICROBIT_STACK_BYTES: u32 = 4_608;
 
-/// What is left of an episode.
+/// Result of an episode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Outcome {
+struct EpisodeResult {
     maps_crc: u32,
     memory_crc: u32,
 }
 
-fn start(machine: &Machine) -> Chip {
+fn start(machine: &Machine) -> EmulatedChip {
     let image = build_image(machine).unwrap_or_else(|error| panic!("{error}"));
-    Chip::start_on(machine, &image)
+    EmulatedChip::start_on(machine, &image)
 }
 
-/// Explores, learns, seeks; compares every byte with the node here. Returns the peak of the stack as well.
-fn episode(machine: &Machine) -> (Outcome, u32) {
+/// Explores, learns, seeks; compares every byte with the node on the host. Also returns the peak of
+/// the stack.
+fn episode(machine: &Machine) -> (EpisodeResult, u32) {
     let world = World::random(ROOM);
     let mut body = Body::new(&world, SonarModel::Ideal, TurretMode::Held, ROOM);
-    // In step, because small chips have short queues.
-    let mut twin = Twin::with(start(machine), 0, true);
+    // Without lag, because small chips have short queues.
+    let mut twin = NodeTwin::with(start(machine), 0, true);
     twin.order(Order::Explore {
         moves: MOVES,
         seed: ROOM,
@@ -61,7 +62,7 @@ fn episode(machine: &Machine) -> (Outcome, u32) {
         "{}: {bytes} bytes the same; maps {maps_crc:08x}, memory {memory_crc:08x}; peak of the stack {stack_peak_bytes} bytes",
         machine.target
     );
-    let outcome = Outcome {
+    let outcome = EpisodeResult {
         maps_crc,
         memory_crc,
     };
@@ -81,7 +82,7 @@ fn three_architectures_send_the_same_bytes() {
     );
 }
 
-/// Its link is at another port of the chip.
+/// Its link uses another port of the chip.
 #[test]
 fn the_feather_answers_at_its_own_port() {
     let mut chip = start(&Machine::FEATHER_F405);

@@ -1,4 +1,4 @@
-//! What a chip does when the world around it fails: real firmware in an emulated chip, its own clock.
+//! Reactions of a chip to failures around it: real firmware in an emulated chip, by its own clock.
 
 use amp::controller::{Progress, StopReason};
 use amp::wire::frame::Header;
@@ -9,7 +9,7 @@ use amp::wire::message::{
 use rand_core::{Rng as _, SeedableRng as _};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::time::{Duration, Instant};
-use tests::chip::{Chip, SESSION, dimensions, packed};
+use tests::chip::{EmulatedChip, SESSION, dimensions, packed};
 
 fn scan(at_ms: u32, sensors: usize, range_mm: u16) -> ToMind<16> {
     let echoes = (0..sensors).map(|sensor| Heard {
@@ -30,8 +30,8 @@ fn motion(said: &[Report<16>]) -> Option<MotionOrder> {
     })
 }
 
-/// Reports that a motion was carried out.
-fn carry_out(chip: &mut Chip, order: &MotionOrder) {
+/// Reports that a motion was executed.
+fn carry_out(chip: &mut EmulatedChip, order: &MotionOrder) {
     chip.ask(&ToMind::Odometry {
         at_ms: chip.at_ms(),
         motion: order.id,
@@ -42,16 +42,16 @@ fn carry_out(chip: &mut Chip, order: &MotionOrder) {
     });
 }
 
-/// A ring and, if it brings a motion, the report that it was carried out.
-fn round(chip: &mut Chip, range_mm: u16) -> Option<MotionOrder> {
+/// A ring and, if a motion follows, the report that it was executed.
+fn round(chip: &mut EmulatedChip, range_mm: u16) -> Option<MotionOrder> {
     let said = chip.ask(&scan(chip.at_ms(), 16, range_mm));
     let order = motion(&said)?;
     carry_out(chip, &order);
     Some(order)
 }
 
-/// Explores and learns a little, and seeks.
-fn seeking(chip: &mut Chip) {
+/// Explores and learns a little, then seeks.
+fn seeking(chip: &mut EmulatedChip) {
     chip.order(Order::Explore { moves: 10, seed: 3 });
     let mut rounds = 0;
     while round(chip, 700 + 50 * (rounds % 9)).is_some() {
@@ -67,8 +67,8 @@ fn seeking(chip: &mut Chip) {
     );
 }
 
-/// Waits for a mode; returns when, by the chip's clock, and the last motion before it.
-fn stopped(chip: &mut Chip, why: StopReason) -> (u32, Option<MotionOrder>) {
+/// Waits for a stop; returns its time by the chip's clock, and the last motion before it.
+fn stopped(chip: &mut EmulatedChip, why: StopReason) -> (u32, Option<MotionOrder>) {
     let mut last = None;
     chip.wait(|_, report| {
         if let FromMind::Motion(order) = report.said {
@@ -81,7 +81,7 @@ fn stopped(chip: &mut Chip, why: StopReason) -> (u32, Option<MotionOrder>) {
 
 #[test]
 fn a_silent_host_stops_the_motion_in_time() {
-    let mut chip = Chip::linked(Clock::Device);
+    let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
     let said = chip.ask(&scan(chip.at_ms(), 16, 900));
     let order = motion(&said).expect("a motion");
@@ -93,7 +93,7 @@ fn a_silent_host_stops_the_motion_in_time() {
     assert!((300..=400).contains(&silence_ms), "{silence_ms} ms");
     let last = last.expect("a motion that stops");
     assert_eq!((last.dx_mm, last.dy_mm), (0, 0));
-    // The host comes back in the same session and asks to go on.
+    // The host returns in the same session and resumes.
     assert!(motion(&chip.ask(&scan(chip.at_ms(), 16, 900))).is_none());
     chip.order(Order::Resume);
     assert!(round(&mut chip, 900).is_some());
@@ -101,15 +101,15 @@ fn a_silent_host_stops_the_motion_in_time() {
 
 #[test]
 fn a_host_that_starts_anew_finds_the_robot_standing() {
-    let mut chip = Chip::linked(Clock::Device);
+    let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
     assert!(motion(&chip.ask(&scan(chip.at_ms(), 16, 900))).is_some());
-    // Gone without a word, and back as somebody else before the silence was noticed.
+    // The host vanishes and another one opens a session before the timeout.
     chip.open(SESSION + 1, Clock::Device);
     assert!(motion(&chip.ask(&scan(chip.at_ms(), 16, 900))).is_none());
     chip.order(Order::Seek);
     assert!(round(&mut chip, 900).is_some());
-    // What the old one still had on the way does nothing.
+    // Frames of the old session have no effect.
     let header = Header {
         session: SESSION,
         seq: 30_000,
@@ -129,24 +129,24 @@ fn a_host_that_starts_anew_finds_the_robot_standing() {
 
 #[test]
 fn a_ring_that_stays_incomplete_stops_a_robot_that_stands() {
-    let mut chip = Chip::linked(Clock::Device);
+    let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
     stops_without_five_transducers(&mut chip);
 }
 
 #[test]
 fn transducers_that_fall_silent_stop_a_robot_that_moves() {
-    let mut chip = Chip::linked(Clock::Device);
+    let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
     let order = motion(&chip.ask(&scan(chip.at_ms(), 16, 900))).expect("a motion");
-    // Far enough that it is not overdue before.
+    // Long enough not to be overdue before.
     let way_mm = order.dx_mm.unsigned_abs().max(order.dy_mm.unsigned_abs());
     assert!(way_mm > 170, "{way_mm} mm");
     stops_without_five_transducers(&mut chip);
 }
 
-/// Five transducers have fallen silent; the host is well.
-fn stops_without_five_transducers(chip: &mut Chip) {
+/// Five transducers are silent; the host is fine.
+fn stops_without_five_transducers(chip: &mut EmulatedChip) {
     let began_ms = chip.ask(&ToMind::Counters).last().expect("done").device_ms;
     let until = Instant::now() + Duration::from_secs(5);
     let stopped_ms = loop {
@@ -158,7 +158,7 @@ fn stops_without_five_transducers(chip: &mut Chip) {
         if let Some(report) = said.iter().find(is_stopped) {
             break report.device_ms;
         }
-        // A motion under way is renewed and no other begun.
+        // The current motion is renewed and no other starts.
         assert!(motion(&said).is_none_or(|order| order.revision == 0));
         std::thread::sleep(Duration::from_millis(20));
     };
@@ -167,10 +167,10 @@ fn stops_without_five_transducers(chip: &mut Chip) {
     assert!((1_180..=1_480).contains(&took_ms), "{took_ms} ms");
 }
 
-/// One command from a minute ahead, which once made every later one expire.
+/// A command with a time one minute ahead once made every later one expire.
 #[test]
 fn no_stop_is_refused_after_a_command_from_the_future() {
-    let mut chip = Chip::linked(Clock::Device);
+    let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
     let at_ms = chip.at_ms() + 60_000;
     chip.ask(&ToMind::Command {
@@ -185,7 +185,7 @@ fn no_stop_is_refused_after_a_command_from_the_future() {
     assert!(is_stopped(&said), "{said:?}");
     let order = motion(&said).expect("an order to stand");
     assert_eq!((order.dx_mm, order.dy_mm), (0, 0));
-    // Whatever its time, and of no session.
+    // A stop works with any time and without a session.
     for (session, ahead_ms) in [(SESSION, 3_600_000_u32.wrapping_neg()), (0, 0)] {
         chip.order(Order::Resume);
         assert!(round(&mut chip, 900).is_some());
@@ -211,7 +211,7 @@ fn no_stop_is_refused_after_a_command_from_the_future() {
 
 #[test]
 fn rings_from_long_ago_move_nothing() {
-    let mut chip = Chip::linked(Clock::Device);
+    let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
     for (old_ms, age_ms) in [(0, 5_000), (0, 65_535), (60_000, 0)] {
         let echoes = (0..16).map(|sensor| Heard {
@@ -229,10 +229,10 @@ fn rings_from_long_ago_move_nothing() {
     assert_eq!(chip.counters().stale_echoes, 48);
 }
 
-/// The base says that it moves, and does not; the ring is heard, and is then silent.
+/// The base reports that it moves, and does not; then the ring becomes silent.
 #[test]
 fn blocked_wheels_and_silence_stop_the_robot() {
-    let mut chip = Chip::linked(Clock::Device);
+    let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
     let said = chip.ask(&scan(chip.at_ms(), 16, 900));
     let order = motion(&said).expect("a motion");
@@ -255,7 +255,7 @@ fn blocked_wheels_and_silence_stop_the_robot() {
         assert!(waited_ms < 5_000, "it never stopped");
         std::thread::sleep(Duration::from_millis(50));
     };
-    // At most 250 mm, at 508 mm/s or somewhat less near an obstacle.
+    // At most 250 mm, at 508 mm/s or less near an obstacle.
     let took_ms = stopped_ms - began_ms;
     assert!((500..2_000).contains(&took_ms), "{took_ms} ms");
     chip.order(Order::Resume);
@@ -280,9 +280,9 @@ fn blocked_wheels_and_silence_stop_the_robot() {
     assert!(stopped && moves == 2, "{moves} moves");
 }
 
-/// The kinds of damage, and which counter each one raises.
+/// Kinds of damage, and the counter that each increases.
 #[derive(Default)]
-struct Expected {
+struct FloodCounters {
     damaged: u32,
     unshaped: u32,
     oversized: u32,
@@ -291,7 +291,7 @@ struct Expected {
 
 #[test]
 fn ten_thousand_bad_frames_are_counted_and_do_nothing() {
-    let mut chip = Chip::linked(Clock::Device);
+    let mut chip = EmulatedChip::linked(Clock::Device);
     let mut generator = Xoshiro256PlusPlus::seed_from_u64(5);
     let mut below = |bound: usize| (generator.next_u64() % bound as u64) as usize;
     let good = chip.packed(&ToMind::Read {
@@ -300,7 +300,7 @@ fn ten_thousand_bad_frames_are_counted_and_do_nothing() {
     });
     chip.raw(&good);
     chip.wait(|_, report| matches!(report.said, FromMind::Done { .. }).then_some(()));
-    let dangerous = |chip: &mut Chip| {
+    let dangerous = |chip: &mut EmulatedChip| {
         let order = Order::Explore { moves: 5, seed: 1 };
         let at_ms = chip.at_ms();
         chip.packed(&ToMind::Command {
@@ -310,10 +310,11 @@ fn ten_thousand_bad_frames_are_counted_and_do_nothing() {
         })
     };
     let before = chip.counters();
-    let mut expected = Expected::default();
+    let mut expected = FloodCounters::default();
     for number in 0..10_000 {
         let bytes = match number % 5 {
-            // Bits flipped in a frame that would make the robot move. The zero stays, and no new one is made.
+            // Bits flipped in a frame with a command to move. The delimiter stays, and no new one
+            // appears.
             0 => {
                 let mut frame = dangerous(&mut chip);
                 let middle = 1 + below(frame.len() - 2);
@@ -324,7 +325,7 @@ fn ten_thousand_bad_frames_are_counted_and_do_nothing() {
                 };
                 frame
             }
-            // Cut short.
+            // Truncated.
             1 => {
                 let frame = dangerous(&mut chip);
                 let kept = 1 + below(frame.len() - 3);
@@ -336,7 +337,7 @@ fn ten_thousand_bad_frames_are_counted_and_do_nothing() {
                 expected.oversized += 1;
                 [vec![7; length], vec![0]].concat()
             }
-            // The one that was accepted first, again.
+            // The first accepted frame again.
             3 => {
                 expected.replayed += 1;
                 good.clone()
@@ -353,7 +354,7 @@ fn ten_thousand_bad_frames_are_counted_and_do_nothing() {
         }
         chip.raw(&bytes);
         if number % 50 == 49 {
-            // Keeps pace with the emulated line, so that none of the counts below comes from a full queue.
+            // Paced by the emulated line, so that no count comes from a full queue.
             let at_ms = chip.at_ms();
             chip.ask(&ToMind::Scan {
                 at_ms,
@@ -383,12 +384,12 @@ fn ten_thousand_bad_frames_are_counted_and_do_nothing() {
     ];
     println!("damaged, misshapen, oversized, replayed, unknown, strangers, accepted: {counted:?}");
     assert_eq!(counted, wanted);
-    // And the next good frame works.
+    // The next valid frame works.
     seeking(&mut chip);
 }
 
-/// What the decoder, tested by itself elsewhere, says of these bytes.
-fn classify(bytes: &[u8], expected: &mut Expected) {
+/// The decoder's result for these bytes; other tests check the decoder itself.
+fn classify(bytes: &[u8], expected: &mut FloodCounters) {
     let (_, coded) = bytes.split_last().expect("a frame");
     match amp::wire::frame::unpack::<ToMind<16>>(coded) {
         Ok(_) => panic!("a damaged frame was accepted: {coded:?}"),
@@ -399,11 +400,12 @@ fn classify(bytes: &[u8], expected: &mut Expected) {
 
 #[test]
 fn a_flood_does_not_keep_time_from_passing() {
-    let mut chip = Chip::linked(Clock::Device);
+    let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
     let before = chip.counters();
     let began = Instant::now();
-    // More than the line takes in three seconds, all at once: requests that ask for long answers, and replays.
+    // More than the line transfers in three seconds, at once: requests for long answers, and
+    // repeated frames.
     let replay = chip.packed(&ToMind::Source(Source::Link));
     let mut flood = Vec::new();
     while flood.len() < 64_000 {
@@ -425,7 +427,7 @@ fn a_flood_does_not_keep_time_from_passing() {
         "{} ms",
         after.device.longest_tick_ms
     );
-    // And the robot still does what it is told.
+    // The robot still obeys commands.
     chip.order(Order::Stop);
     chip.order(Order::Resume);
     assert!(round(&mut chip, 900).is_some());
@@ -433,7 +435,7 @@ fn a_flood_does_not_keep_time_from_passing() {
 
 #[test]
 fn another_protocol_is_refused_by_the_chip() {
-    let mut chip = Chip::start();
+    let mut chip = EmulatedChip::start();
     let mut theirs = dimensions();
     theirs.protocol += 1;
     chip.send(&ToMind::Hello(HostHello {
@@ -446,7 +448,7 @@ fn another_protocol_is_refused_by_the_chip() {
         _ => None,
     });
     assert_eq!(why, Refusal::Incompatible(dimensions()));
-    // Nothing else is done for it either.
+    // Nothing else is executed for it either.
     chip.send(&ToMind::Counters);
     let why = chip.wait(|_, report| match report.said {
         FromMind::Refusal { why, .. } => Some(why),
@@ -457,7 +459,7 @@ fn another_protocol_is_refused_by_the_chip() {
 
 #[test]
 fn crashes_are_reported_after_the_reset_and_nothing_moves() {
-    let mut chip = Chip::linked(Clock::Device);
+    let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
     assert!(motion(&chip.ask(&scan(chip.at_ms(), 16, 900))).is_some());
     for (word, cause) in [
@@ -472,7 +474,7 @@ fn crashes_are_reported_after_the_reset_and_nothing_moves() {
             _ => None,
         });
         assert_eq!(hello.reset, cause, "{word}");
-        // Ring after ring brings no motion, before and after a new session.
+        // Rings cause no motion, before and after a new session.
         chip.send(&scan(chip.at_ms(), 16, 900));
         let hello = chip.open(SESSION + 1, Clock::Device);
         assert_eq!(hello.reset, cause);

@@ -1,5 +1,6 @@
-//! A mind that outlives a reset: saved by the chip into its flash (in the emulator two sectors of memory that a reset leaves
-//! alone), recalled at the start.
+//! A state that survives a reset: saved by the chip into its flash and recalled at the start.
+//!
+//! The emulator's flash is two sectors of memory that a reset does not clear.
 
 use amp::controller::{Decision, Progress};
 use amp::goal::Name;
@@ -8,7 +9,7 @@ use amp::wire::message::{
     Refusal, Report, ResetCause, ToMind,
 };
 use std::time::{Duration, Instant};
-use tests::chip::{Chip, PATIENCE, SESSION};
+use tests::chip::{EmulatedChip, SESSION, TIMEOUT};
 
 fn said<T>(reports: &[Report<16>], pick: impl Fn(&FromMind<16>) -> Option<T>) -> Option<T> {
     reports.iter().find_map(|report| pick(&report.said))
@@ -21,9 +22,9 @@ fn refusal(reports: &[Report<16>]) -> Option<Refusal> {
     })
 }
 
-/// A ring in a room that is another one each time, and the motion that comes of it carried out; by the host's clock, so that
-/// the same rounds bring the same bytes.
-fn round(chip: &mut Chip, number: u32) -> Option<Decision<16>> {
+/// Sends a ring that differs by `number` and executes the motion that follows; by the host's clock,
+/// so that equal rounds send equal bytes.
+fn round(chip: &mut EmulatedChip, number: u32) -> Option<Decision<16>> {
     let at_ms = 1_000 + 200 * number;
     let echoes = (0..16_u8).map(|sensor| Heard {
         sensor,
@@ -54,8 +55,8 @@ fn round(chip: &mut Chip, number: u32) -> Option<Decision<16>> {
     })
 }
 
-/// Seeks for some rounds in a new session, from wherever the mind stands.
-fn seek(chip: &mut Chip, session: u16, goal: GoalBy<16>) -> Vec<Decision<16>> {
+/// Seeks for some rounds in a new session, from the present state.
+fn seek(chip: &mut EmulatedChip, session: u16, goal: GoalBy<16>) -> Vec<Decision<16>> {
     chip.open(session, Clock::Host);
     for order in [Order::Goal(goal), Order::Seek] {
         let reports = chip.ask(&ToMind::Command {
@@ -73,7 +74,7 @@ fn sums(hello: &MindHello) -> [u32; 3] {
 }
 
 /// Crashes the chip; returns the hello of its next start.
-fn reset(chip: &mut Chip) -> MindHello {
+fn reset(chip: &mut EmulatedChip) -> MindHello {
     chip.raw(b"\0!panic\0");
     let hello = chip.wait(|header, report| match report.said {
         FromMind::Hello(hello) if header.session == 0 => Some(hello),
@@ -83,7 +84,7 @@ fn reset(chip: &mut Chip) -> MindHello {
     hello
 }
 
-fn flash(chip: &mut Chip, what: Flash) -> Vec<Report<16>> {
+fn flash(chip: &mut EmulatedChip, what: Flash) -> Vec<Report<16>> {
     let reports = chip.ask(&ToMind::Flash(what));
     println!(
         "{what:?}: {:?}",
@@ -97,14 +98,14 @@ fn flash(chip: &mut Chip, what: Flash) -> Vec<Report<16>> {
 
 #[test]
 fn what_was_learned_is_known_after_a_reset_and_sought_with_at_once() {
-    let mut chip = Chip::linked(Clock::Device);
+    let mut chip = EmulatedChip::linked(Clock::Device);
     let fresh = chip.open(SESSION + 1, Clock::Device);
     assert_eq!(
         refusal(&flash(&mut chip, Flash::Recall)),
         Some(Refusal::Flash(FlashError::Empty))
     );
     learn(&mut chip);
-    // Whatever the goal was, it has a name from now on.
+    // Saves the present goal under a name.
     let nest = Name::new("nest").expect("a name");
     let at_ms = chip.at_ms();
     let order = Order::Goal(GoalBy::Situation(std::array::from_fn(|i| 10 * i as u8)));
@@ -121,7 +122,7 @@ fn what_was_learned_is_known_after_a_reset_and_sought_with_at_once() {
     assert_eq!(refusal(&flash(&mut chip, Flash::Recall)), None);
     let before = seek(&mut chip, SESSION + 3, GoalBy::Kept(nest));
     assert_eq!(before.len(), 40);
-    // Learning has gone on: without the flash it would be another mind.
+    // Learning has continued: without the flash the state would differ.
     let changed = chip.open(SESSION + 4, Clock::Device);
     assert_ne!(sums(&changed), sums(&known));
     assert_eq!(sums(&reset(&mut chip)), sums(&known));
@@ -132,14 +133,15 @@ fn what_was_learned_is_known_after_a_reset_and_sought_with_at_once() {
     assert_ne!(sums(&second), sums(&known));
     assert_eq!(refusal(&flash(&mut chip, Flash::Save)), None);
     assert_eq!(sums(&reset(&mut chip)), sums(&second));
-    // Now every start erases the older one's sector; so does this save, twice.
+    // Now every start and save erases the older one's sector.
     for number in 7..9 {
         chip.open(SESSION + number, Clock::Device);
         let reports = flash(&mut chip, Flash::Save);
         assert_eq!(refusal(&reports), None);
     }
-    // Recalled at the start and saved since; it is looked at once a second of a clock that a busy machine holds up.
-    let patience = Instant::now() + PATIENCE;
+    // Recalled at the start and saved since; checked once per second of a clock that a busy machine
+    // slows down.
+    let patience = Instant::now() + TIMEOUT;
     let mut peak = 0;
     while peak == 0 && Instant::now() < patience {
         std::thread::sleep(Duration::from_millis(200));
@@ -153,7 +155,7 @@ fn what_was_learned_is_known_after_a_reset_and_sought_with_at_once() {
     assert_eq!(sums(&reset(&mut chip)), sums(&fresh));
 }
 
-fn learn(chip: &mut Chip) {
+fn learn(chip: &mut EmulatedChip) {
     chip.open(SESSION + 20, Clock::Host);
     let order = Order::Explore { moves: 20, seed: 3 };
     let command = |at_ms, order| ToMind::Command {

@@ -1,4 +1,4 @@
-//! The program as a user starts it, with the firmware in an emulated chip as its mind.
+//! The host program with the firmware in an emulated chip as its controller.
 
 use tests::chip::image;
 use tests::host_sim;
@@ -48,11 +48,11 @@ fn the_chip_answers_questions() {
         "{}",
         hello.stdout
     );
-    // QEMU has no crystal, and its image does not look for one.
+    // QEMU has no crystal, and its image does not try to use one.
     let clocked = |line: &str| line.starts_with("clocked by") && line.contains("not told");
     assert!(hello.stdout.lines().any(clocked), "{}", hello.stdout);
     let counters = ask(&["counters"]);
-    let drift = |line: &str| line.starts_with("ms the clock here fell behind");
+    let drift = |line: &str| line.starts_with("ms that this clock fell behind");
     assert!(counters.stdout.lines().any(drift), "{}", counters.stdout);
     let speed = ask(&["params", "speed"]);
     assert!(speed.stdout.contains("508"), "{}", speed.stdout);

@@ -1,5 +1,4 @@
-//! `host-sim link` and a chip that has its own life: what it knows is carried away and back, its goal is set, it is switched
-//! off and on.
+//! `host-sim link` with a running chip: download and upload of its state, goals, power cycles.
 
 use amp::controller::{Command, Decision, Event, handle};
 use amp::goal::Goal;
@@ -12,28 +11,28 @@ use std::process::Stdio;
 use std::sync::mpsc::{Receiver, channel};
 use std::thread::{sleep, spawn};
 use std::time::Duration;
-use tests::board::Board;
-use tests::chip::{Chip, PATIENCE, SESSION};
+use tests::board::EmulatedBoard;
+use tests::chip::{EmulatedChip, SESSION, TIMEOUT};
 use tests::{Program, host_sim};
 
-/// What a literal robot makes of thirty moves: neither its configuration nor its maps are those of a chip that has just been
-/// switched on.
+/// State of a robot with the preset `touzet` after thirty moves: neither its configuration nor its
+/// maps are the defaults of the chip.
 const EPISODE: &str = "run --preset touzet --world random:4 --explore 30 --steps 5 --json --mind";
 
 const GOAL: &str = "[[sonar]]\nnumbers = [4]\nat_least = 0.6\nat_most = 0.8\n";
 
-fn link(program: &Program, board: &Board, verb: &str) -> String {
+fn link(program: &Program, board: &EmulatedBoard, verb: &str) -> String {
     program.ok(&format!("link --to tcp:{} {verb}", board.host()))
 }
 
 #[test]
 fn what_one_chip_has_learned_another_one_knows() {
     let program = host_sim!();
-    let taught = Board::start();
+    let taught = EmulatedBoard::start();
     let _ = program.ok(&format!("{EPISODE} tcp:{}", taught.host()));
     link(&program, &taught, "pull first.mind");
     drop(taught);
-    let fresh = Board::start();
+    let fresh = EmulatedBoard::start();
     link(&program, &fresh, "pull fresh.mind");
     link(&program, &fresh, "push first.mind");
     link(&program, &fresh, "pull second.mind");
@@ -45,11 +44,15 @@ fn what_one_chip_has_learned_another_one_knows() {
     a_goal_file_is_what_the_chip_pursues(&program, &fresh, &knowledge);
 }
 
-/// Part of the test above, because a chip has to have learned for it.
-fn a_goal_file_is_what_the_chip_pursues(program: &Program, board: &Board, mind: &Knowledge) {
+/// Part of the test above, because it needs a trained chip.
+fn a_goal_file_is_what_the_chip_pursues(
+    program: &Program,
+    board: &EmulatedBoard,
+    mind: &Knowledge,
+) {
     program.put("wall.toml", GOAL);
     assert_eq!(link(program, board, "goal wall.toml"), "done\n");
-    let mut chip = Chip::at(board.host());
+    let mut chip = EmulatedChip::at(board.host());
     chip.open(SESSION, Clock::Host);
     chip.order(Order::Seek);
     let theirs = decision(&chip.ask(&ToMind::Scan {
@@ -63,7 +66,7 @@ fn a_goal_file_is_what_the_chip_pursues(program: &Program, board: &Board, mind: 
     assert_ne!(theirs, Some(decided_here(mind, other)));
 }
 
-/// A room that is nearer to the left.
+/// A ring with nearer echoes on the left.
 fn heard(sensor: u8) -> Heard {
     Heard {
         sensor,
@@ -79,7 +82,7 @@ fn decision(said: &[Report<16>]) -> Option<Decision<16>> {
     })
 }
 
-/// The decision of the same mind on this machine.
+/// The decision of the same controller on this machine.
 fn decided_here(mind: &Knowledge, goal: Goal<16>) -> Decision<16> {
     let mut state = mind.state().clone();
     let now = Millis::from_ms(0);
@@ -105,7 +108,7 @@ fn decided_here(mind: &Knowledge, goal: Goal<16>) -> Decision<16> {
 #[test]
 fn monitor_finds_a_chip_again_that_was_switched_off() {
     let program = host_sim!();
-    let mut board = Board::start();
+    let mut board = EmulatedBoard::start();
     let address = format!("tcp:{}", board.host());
     let mut monitor = program.command(&["link", "--to", &address, "monitor"]);
     let mut monitor = monitor
@@ -114,23 +117,23 @@ fn monitor_finds_a_chip_again_that_was_switched_off() {
         .spawn()
         .expect("host-sim starts");
     let said = lines(monitor.stderr.take().expect("its messages"));
-    let accepted = |board: &Board| {
-        let mut chip = Chip::at(board.host());
+    let accepted = |board: &EmulatedBoard| {
+        let mut chip = EmulatedChip::at(board.host());
         chip.open(SESSION, Clock::Device);
         chip.counters().accepted
     };
-    // Long enough for it to be there, and to have the chip's only line for itself.
+    // Long enough to connect and to occupy the chip's only line.
     sleep(Duration::from_secs(1));
     board.switch_off();
-    let lost = said.recv_timeout(PATIENCE).expect("a message");
+    let lost = said.recv_timeout(TIMEOUT).expect("a message");
     assert!(
         lost.contains(&address) && lost.contains("the link broke") && lost.contains("trying again"),
         "{lost}"
     );
     board.switch_on();
-    let found = said.recv_timeout(PATIENCE).expect("another message");
-    assert_eq!(found, format!("{address}: the mind is there again"));
-    // It goes on: the chip hears its signs of life.
+    let found = said.recv_timeout(TIMEOUT).expect("another message");
+    assert_eq!(found, format!("{address}: reconnected"));
+    // It continues: the chip receives its heartbeats.
     sleep(Duration::from_secs(1));
     assert_eq!(monitor.try_wait().expect("its state"), None);
     monitor.kill().expect("it still runs");
@@ -139,7 +142,7 @@ fn monitor_finds_a_chip_again_that_was_switched_off() {
     assert_eq!(said.try_iter().next(), None);
 }
 
-/// The lines of a stream as they come.
+/// The lines of a stream as they arrive.
 fn lines(stream: impl std::io::Read + Send + 'static) -> Receiver<String> {
     let (sender, receiver) = channel();
     spawn(move || {

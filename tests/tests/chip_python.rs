@@ -1,13 +1,13 @@
-//! A host in another language, written from PROTOCOL.md alone, drives the firmware in an emulated chip through an episode.
+//! A Python host, written from PROTOCOL.md alone, drives the firmware in an emulated chip.
 
 use amp::wire::SCHEMA;
 use std::io::ErrorKind;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
-use tests::board::Board;
+use tests::board::EmulatedBoard;
 use tests::root;
 
-/// Time for the whole episode. It takes seconds on a free machine.
+/// Timeout of the whole episode. It takes seconds on an idle machine.
 const LIMIT: Duration = Duration::from_secs(300);
 const CLIENT: &str = "tests/python/client.py";
 
@@ -52,7 +52,7 @@ fn a_client_written_from_the_document_drives_the_chip() {
     let source = std::fs::read_to_string(root().join(CLIENT)).expect("the client");
     let schema = format!("SCHEMA = {SCHEMA:#010x}\n");
     assert!(source.contains(&schema), "{CLIENT} lacks {schema}");
-    let board = Board::start();
+    let board = EmulatedBoard::start();
     let output = output(python(&[board.host()]));
     let (stdout, stderr) = (text(&output.stdout), text(&output.stderr));
     assert_eq!(output.status.code(), Some(0), "{stdout}{stderr}");

@@ -1,5 +1,5 @@
-//! The firmware in the emulated chip and the same crate on this machine: every byte they say and everything they know is
-//! the same.
+//! The firmware in the emulated chip equals the crate on this machine: every sent byte and the
+//! whole state.
 
 use amp::config::Config;
 use amp::goal::{Goal, Side};
@@ -9,9 +9,9 @@ use arena::robot::TurretMode;
 use arena::sonar::SonarModel;
 use arena::world::World;
 use sim::episode::Body;
-use tests::twin::Twin;
+use tests::twin::NodeTwin;
 
-/// What is pursued in each room: free space, both goals in the frame of travel, a place that the robot has to search for.
+/// The goal in each room: free space, both goals in the frame of travel, a sought place.
 fn goal(room: u64) -> GoalBy<16> {
     let config = Config::recommended();
     let range = Range::from_mm;
@@ -28,7 +28,7 @@ fn goal(room: u64) -> GoalBy<16> {
 fn episode(room: u64, sonar: SonarModel, steps: usize) {
     let world = World::random(room);
     let mut body = Body::new(&world, sonar, TurretMode::Held, room);
-    let mut twin = Twin::new(sonar == SonarModel::Ideal);
+    let mut twin = NodeTwin::new(sonar == SonarModel::Ideal);
     twin.order(Order::Explore {
         moves: 100,
         seed: room,
@@ -60,7 +60,7 @@ fn five_rooms_are_the_same_to_the_byte() {
     }
 }
 
-/// Echo by echo, with motions shortened on the way.
+/// Echo by echo, with motions that are shortened while they run.
 #[test]
 fn a_room_with_noisy_sonars_is_the_same_to_the_byte() {
     episode(6, SonarModel::Nomad, 60);

@@ -1,4 +1,5 @@
-//! The comparison with other methods: the same bytes from any number of threads, and clear words for bad input.
+//! The comparison with other methods: same bytes with any number of threads, clear errors for bad
+//! input.
 
 use tests::{host_sim, words};
 
@@ -17,11 +18,12 @@ fn any_number_of_threads_gives_the_same_bytes() {
         names,
         ["compare.csv", "compare.md", "compare.png", "compare.svg"]
     );
-    // 7 methods with one budget, random and three rules, lazy Q with two, three learners with two; with and without shield.
+    // 7 methods with one number of moves, random and three rules, lazy Q with two, three learners
+    // with two; with and without shield.
     let csv = String::from_utf8(files[0].1.clone()).expect("UTF-8");
     assert_eq!(csv.lines().count(), 1 + 2 * (5 + 4 + 2 + 3 * 2));
     assert!(run(2) == (text.clone(), files));
-    // Timing is for standard error only.
+    // Times appear on standard error only.
     assert_eq!(
         host_sim!().ok(&format!("{SMALL} --time")).lines().count() + 2,
         text.lines().count()

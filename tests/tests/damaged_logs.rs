@@ -1,5 +1,6 @@
-//! Damaged logs: refused in a sentence that names the place, or played as far as they are whole. Never a wrong verdict on
-//! the mind, never a crash, never much memory.
+//! Damaged logs: refused with a sentence that names the place, or played up to the damage.
+//!
+//! Never a wrong verdict, a crash, or a large amount of memory.
 
 use rand_core::{Rng as _, SeedableRng as _};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -15,19 +16,19 @@ use tests::{Program, host_sim, hostile, root};
 /// Damaged files read in this process.
 const CASES: u64 = 10_000;
 
-/// Of them, those also given to the program.
+/// Number of them that the program reads as well.
 const PROCESSES: u64 = 300;
 
-/// Logs whose checksums are right and whose content is not.
+/// Logs with valid checksums and invalid content.
 const HOSTILE: u64 = 3_000;
 
-/// Memory that reading may take, KiB.
+/// Memory limit of a reader, KiB.
 const MAX_KIB: u64 = 262_144;
 
-/// Time that one file may take.
+/// Time limit per file.
 const MAX_TIME: Duration = Duration::from_secs(2);
 
-/// A log to be damaged.
+/// A log to damage.
 struct Good {
     bytes: Vec<u8>,
     messages: Vec<Message>,
@@ -50,7 +51,7 @@ fn read(bytes: &[u8]) -> Result<LogFile, String> {
     log.map_err(|refusal| refusal.to_string())
 }
 
-/// Two finished logs of several chunks, and one that was cut off.
+/// Two finished logs with several chunks, and an unfinished one.
 fn good(program: &Program) -> [Good; 3] {
     let run = |flags: &str| {
         let _ = fs::remove_file(program.folder().join("good.mcap"));
@@ -65,7 +66,7 @@ fn good(program: &Program) -> [Good; 3] {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Damage {
+enum LogDamage {
     Flipped,
     Truncated,
     Duplicated,
@@ -75,18 +76,18 @@ fn below(random: &mut Xoshiro256PlusPlus, bound: usize) -> usize {
     ((u128::from(random.next_u64()) * bound as u128) >> 64) as usize
 }
 
-/// The log damaged in a way that depends on the number alone.
-fn damaged(good: &[Good; 3], number: u64) -> (&Good, Damage, Vec<u8>) {
+/// The log with a damage that depends on the number alone.
+fn damaged(good: &[Good; 3], number: u64) -> (&Good, LogDamage, Vec<u8>) {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(number);
     let good = &good[below(&mut random, 3)];
     let mut bytes = good.bytes.clone();
     let damage = match below(&mut random, 10) {
-        0..6 => Damage::Flipped,
-        6..8 => Damage::Truncated,
-        _ => Damage::Duplicated,
+        0..6 => LogDamage::Flipped,
+        6..8 => LogDamage::Truncated,
+        _ => LogDamage::Duplicated,
     };
     match damage {
-        Damage::Flipped => {
+        LogDamage::Flipped => {
             let flips: BTreeSet<_> = (0..1 + below(&mut random, 3))
                 .map(|_| below(&mut random, 8 * good.bytes.len()))
                 .collect();
@@ -94,8 +95,8 @@ fn damaged(good: &[Good; 3], number: u64) -> (&Good, Damage, Vec<u8>) {
                 bytes[bit / 8] ^= 1 << (bit % 8);
             }
         }
-        Damage::Truncated => bytes.truncate(below(&mut random, good.bytes.len())),
-        Damage::Duplicated => {
+        LogDamage::Truncated => bytes.truncate(below(&mut random, good.bytes.len())),
+        LogDamage::Duplicated => {
             let start = below(&mut random, bytes.len());
             let length = 1 + below(&mut random, (bytes.len() - start).min(40_000));
             let piece = bytes[start..start + length].to_vec();
@@ -105,26 +106,26 @@ fn damaged(good: &[Good; 3], number: u64) -> (&Good, Damage, Vec<u8>) {
     (good, damage, bytes)
 }
 
-/// Whether a damaged log has to be refused, `None` if either will do.
-fn must_be_refused(good: &Good, damage: Damage) -> Option<bool> {
+/// Whether a damaged log must be refused; `None` if both are correct.
+fn must_be_refused(good: &Good, damage: LogDamage) -> Option<bool> {
     match (damage, good.ending) {
-        // Of a finished log every bit counts.
-        (Damage::Flipped | Damage::Duplicated, Ending::Complete) => Some(true),
-        // In what follows the last whole chunk of a log that was cut off no bit does.
-        (Damage::Flipped | Damage::Duplicated, Ending::Interrupted) => None,
-        (Damage::Truncated, _) => Some(false),
+        // In a finished log every bit counts.
+        (LogDamage::Flipped | LogDamage::Duplicated, Ending::Complete) => Some(true),
+        // In an unfinished log, bits after the last whole chunk do not count.
+        (LogDamage::Flipped | LogDamage::Duplicated, Ending::Interrupted) => None,
+        (LogDamage::Truncated, _) => Some(false),
     }
 }
 
-/// The sentence about what cannot be played: damage with its place, or nothing whole to be played.
-fn check_sentence(sentence: &str, damage: Damage, length: usize) {
+/// Checks the sentence about what cannot be played: damage with its place, or no whole part.
+fn check_sentence(sentence: &str, damage: LogDamage, length: usize) {
     assert_eq!(sentence.lines().count(), 1, "{sentence}");
     let (_, what) = sentence.split_once("damaged.mcap: ").expect(sentence);
     let place = what.strip_prefix("is damaged at byte ");
     let place = place.and_then(|rest| rest.split_once(": "));
     match place {
         Some((at, _)) => {
-            assert_ne!(damage, Damage::Truncated, "{sentence}");
+            assert_ne!(damage, LogDamage::Truncated, "{sentence}");
             assert!(at.parse::<usize>().expect(sentence) <= length, "{sentence}");
         }
         None => {
@@ -137,7 +138,7 @@ fn check_sentence(sentence: &str, damage: Damage, length: usize) {
     }
 }
 
-/// Largest amount of memory this process has had, KiB.
+/// Peak memory of this process, KiB.
 fn peak_kib() -> u64 {
     let status = fs::read_to_string("/proc/self/status").expect("Linux");
     let line = status.lines().find_map(|line| line.strip_prefix("VmPeak:"));
@@ -167,7 +168,7 @@ fn ten_thousand_damaged_logs_are_refused_or_played_as_far_as_they_are_whole() {
                 played += 1;
                 assert_ne!(must_be_refused, Some(true), "{number}: {damage:?}");
                 assert_eq!(log.ending(), Ending::Interrupted, "{number}");
-                // What is played is the beginning of the good log, to the byte.
+                // The played part is the start of the good log, to the byte.
                 let messages: Vec<_> = log.messages().collect();
                 assert!(good.messages.starts_with(&messages), "{number}");
                 lengths.insert(messages.len());
@@ -186,7 +187,7 @@ fn ten_thousand_damaged_logs_are_refused_or_played_as_far_as_they_are_whole() {
     assert!(took_kib <= MAX_KIB, "{took_kib} KiB");
 }
 
-/// Exit code and output of the program with two seconds of the processor's time and 256 MiB of memory.
+/// Exit code and output of the program with two seconds of CPU time and 256 MiB of memory.
 fn limited(program: &Program, verb: &[&str], file: &str) -> (Option<i32>, String, String) {
     let script = format!("ulimit -v {MAX_KIB}; ulimit -t 2; exec timeout 60 \"$0\" \"$@\"");
     let path = env!("CARGO_BIN_EXE_host-sim-under-test");
@@ -208,7 +209,7 @@ fn the_program_exits_with_0_or_2_within_two_seconds_and_256_mebibytes() {
         let (good, damage, bytes) = damaged(&good, number);
         program.put("damaged.mcap", &bytes);
         let must_be_refused = must_be_refused(good, damage);
-        // The page of a log that can be played is served until somebody ends it.
+        // The page of a playable log is served until the process is ended.
         let verbs: &[&[&str]] = match (must_be_refused, number % 2) {
             (Some(true), _) => &[&["log"], &["replay"], &["view", "--replay"]],
             (_, 0) => &[&["replay"]],
@@ -265,7 +266,7 @@ fn leaves(value: &Value, path: &str, found: &mut Vec<String>) {
     }
 }
 
-/// A message in which one value is another.
+/// A message with one changed value.
 fn altered(line: &str, random: &mut Xoshiro256PlusPlus) -> Option<String> {
     let values = [
         json!(0),
@@ -295,7 +296,7 @@ fn altered(line: &str, random: &mut Xoshiro256PlusPlus) -> Option<String> {
     leaves(&content, "", &mut paths);
     let path = paths.get(below(random, paths.len()))?;
     *content.pointer_mut(path)? = values[below(random, values.len())].clone();
-    // Now and then the time instead.
+    // Sometimes the time instead.
     match below(random, 20) {
         0 => Some(format!("{topic} {} {content}", u64::MAX)),
         _ => Some(format!("{topic} {time} {content}")),
@@ -312,7 +313,7 @@ fn logs_with_hostile_content_and_right_checksums_break_nothing() {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(number);
         let mut lines: Vec<_> = lines.iter().map(|line| (*line).to_owned()).collect();
         for _ in 0..1 + below(&mut random, 2) {
-            // The conditions at the start often: everything depends on them.
+            // Often the setup: everything depends on it.
             let line = match below(&mut random, 3) {
                 0 => 0,
                 _ => below(&mut random, lines.len()),

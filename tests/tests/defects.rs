@@ -1,5 +1,5 @@
-//! `tests/defects.toml` fits the code as it is: a place that has moved would be found only by the long run. Whether the
-//! defects are noticed, `tests/extra defects` tries.
+//! `tests/defects.toml` matches the present code; `tests/extra defects` checks that the defects are
+//! detected.
 
 use std::collections::HashSet;
 use tests::defects::{builds, list};
@@ -22,7 +22,7 @@ fn every_place_to_break_stands_in_its_file_once() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// Two defects with the same words could not be told apart in the table.
+/// Two defects with the same description would be ambiguous in the table.
 #[test]
 fn every_defect_has_words_of_its_own() {
     let defects = list().expect("a list");
@@ -32,7 +32,7 @@ fn every_defect_has_words_of_its_own() {
     }
 }
 
-/// Its rows are what `tests/extra defects` prints; whether a defect is noticed is tried there.
+/// The rows are printed by `tests/extra defects`, which checks the detection.
 #[test]
 fn the_published_table_has_every_defect() {
     let page = std::fs::read_to_string(root().join("docs/defects.md")).expect("the page");

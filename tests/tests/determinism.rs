@@ -1,4 +1,4 @@
-//! The same seed gives the same bytes, however the work is spread.
+//! The same seed gives the same bytes, with any number of threads.
 
 use tests::host_sim;
 

@@ -1,4 +1,4 @@
-//! Transducers out of order: noticed within a run, and nobody else taken for one.
+//! Faulty transducers are detected within a run, and intact ones stay enabled.
 
 use amp::config::Config;
 use amp::faults::{SensorFault, SensorVerdict};
@@ -10,7 +10,8 @@ use sim::pilot::Mind;
 use sim::scenes::Behavior;
 use tests::{host_sim, words};
 
-/// What a mind that watches its transducers decides about them in a random room, and how often the robot touches something.
+/// Verdicts of a controller with fault detection in a random room, and the number of moves with
+/// contact.
 fn verdicts(room: u64, sonar: SonarModel, faults: &[&str]) -> (Vec<SensorVerdict>, u32) {
     let faults = faults
         .iter()
@@ -80,7 +81,7 @@ fn a_ring_in_order_is_believed_in_every_room() {
     }
 }
 
-/// Without a fault a run with detection, which is on by default, is the same, byte for byte, as without.
+/// Without a fault, a run with detection (the default) equals one without, byte for byte.
 #[test]
 fn who_finds_nothing_changes_nothing() {
     let program = host_sim!();
@@ -107,7 +108,7 @@ fn faults_that_are_none_are_refused_by_name() {
     }
 }
 
-/// The table of the documentation comes from this command; here for two rooms.
+/// The documentation's table comes from this command; here for two rooms.
 #[test]
 fn the_campaign_prints_its_table() {
     let program = host_sim!();

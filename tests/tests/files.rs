@@ -1,4 +1,4 @@
-//! Files that commands write and read: devices, pipes and links survive, and no input hangs or fills the memory.
+//! Input and output files: devices, pipes and links survive, no input hangs or fills the memory.
 #![cfg(unix)]
 
 use amp::config::Config;
@@ -11,7 +11,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 use tests::{Output, Program, host_sim, words};
 
-/// Every command that writes one file, with `FILE` for its name.
+/// Commands that write one file, with `FILE` for its name.
 const WRITERS: [&str; 3] = [
     "capture --out FILE",
     "run --steps 1 --explore 5 --json --save FILE",
@@ -46,7 +46,7 @@ fn a_fifo_that_is_written_to_stays_a_fifo() {
 #[test]
 fn a_device_that_is_written_to_stays_a_device() {
     let program = host_sim!();
-    // A device of another name: a defect replaces only that.
+    // A device of another name: a bug would replace only that.
     let device = program.folder().join("null");
     let made = Command::new("mknod")
         .arg(&device)
@@ -54,7 +54,7 @@ fn a_device_that_is_written_to_stays_a_device() {
         .status();
     let file = match made {
         Ok(status) if status.success() => "null",
-        // Only root makes devices; whoever is not root cannot replace this one either.
+        // Only root can create devices, and only root could replace this one.
         _ => "/dev/null",
     };
     for line in WRITERS {
@@ -77,7 +77,7 @@ fn a_file_that_is_written_anew_keeps_its_mode() {
     let mind = Served::start(Config::recommended()).expect("a mind behind a socket");
     let host = mind.host();
     let pull = format!("link --to tcp:{host} pull FILE");
-    // A log is never written anew.
+    // A log is never overwritten.
     for line in [WRITERS[0], WRITERS[1], &pull] {
         for wanted in [0o640, 0o604] {
             program.put("old", "old");
@@ -104,7 +104,7 @@ fn a_link_is_followed_and_the_mode_of_the_file_is_kept() {
     let written = fs::read_to_string(&target).expect("the target");
     assert!(written.contains("situation"), "{written}");
     assert_eq!(mode(&target), 0o640);
-    // Where a link leads to nothing yet, the file appears there.
+    // A link to a missing file creates that file.
     for (line, name) in WRITERS.iter().zip(["a", "b", "c"]) {
         let link = program.folder().join(name);
         symlink(format!("there/new-{name}"), &link).expect("a link");
@@ -134,10 +134,10 @@ const READERS: [(&str, &str); 12] = [
     ("lengths.csv", "barn --file none.csv --lengths FILE"),
 ];
 
-/// Inputs that may be too large to be read whole: regular files only.
+/// Inputs that may be too large for memory: regular files only.
 const REGULAR: [&str; 2] = ["results.csv", "found.csv"];
 
-/// The output of a command that may hang; killed after 20 s, and allowed 1 GiB of memory.
+/// The output of a command that may hang; killed after 20 s and limited to 1 GiB of memory.
 fn bounded(program: &Program, line: &str) -> Output {
     let mut child = program
         .command(&words(line))
@@ -190,7 +190,7 @@ fn a_folder_is_no_input_file() {
         if !path.exists() {
             fs::create_dir(path).expect("a folder");
         }
-        // A folder of worlds is one: it holds none.
+        // A folder is a valid argument for worlds, but has none.
         let why = match name {
             "world.toml" | "map.yaml" => "holds no .toml",
             "cells.csv" | "world_3.world" => "holds no world",
@@ -217,7 +217,7 @@ fn an_input_file_without_end_is_refused() {
 #[test]
 fn a_fifo_that_no_program_writes_to_is_refused() {
     let program = host_sim!();
-    // Each waits for 5 s: all at once.
+    // Each waits for 5 s: all in parallel.
     std::thread::scope(|scope| {
         for (name, line) in READERS {
             make_fifo(&program.folder().join(name));

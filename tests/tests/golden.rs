@@ -1,6 +1,6 @@
-//! Whole episodes, figure by figure: what they print is the same as when the goldens were made.
+//! The output of whole episodes equals the goldens.
 //!
-//! `UPDATE_GOLDEN=1 cargo test -p tests --test golden` makes them anew.
+//! `UPDATE_GOLDEN=1 cargo test -p tests --test golden` rewrites the goldens.
 
 use std::fs;
 use tests::{host_sim, root};

@@ -1,4 +1,4 @@
-//! Damaged files and messages, by the hundred, for everything that reads; and inputs that once broke something.
+//! Hundreds of damaged files and messages for every reader, and inputs of past failures.
 
 use amp::config::Config;
 use amp::wire::message::{GoalBy, Heard, Order, Part, ToMind};
@@ -8,14 +8,14 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use remote::link::Knowledge;
 use sim::pilot::Mind;
 use std::fs;
-use tests::campaign::mutate::Damage;
+use tests::campaign::mutate::FrameDamage;
 use tests::hostile::{self, READERS};
 use tests::root;
 
 /// Damaged inputs of each kind.
 const DAMAGED: usize = 300;
 
-/// Sound inputs of a kind: the fuzzer's, and what is made here.
+/// Valid inputs of a kind: those of the fuzzer, and those built here.
 fn sound(kind: &str) -> Vec<Vec<u8>> {
     let entries = fs::read_dir(root().join("tests/fuzz/corpus").join(kind));
     let entries = entries.into_iter().flatten();
@@ -43,13 +43,13 @@ fn worlds() -> Vec<Vec<u8>> {
         .into()
 }
 
-/// The file of a mind that knows nothing.
+/// The file of an untrained controller.
 fn fresh_mind() -> Vec<u8> {
     let mind = Mind::new(Config::recommended());
     Knowledge::of(mind.config(), mind.state()).to_bytes()
 }
 
-/// Lengths and bodies of an image's records but the first and the last.
+/// Lengths and bodies of an image's records, except the first and the last.
 fn records_of(image: &[u8]) -> Vec<u8> {
     let mut all = Vec::new();
     let mut left = &image[4..];
@@ -62,7 +62,7 @@ fn records_of(image: &[u8]) -> Vec<u8> {
     all[1..].concat()
 }
 
-/// Packets of every type, with payloads of the lengths they have.
+/// Packets of every type, with payloads of the right lengths.
 fn packets() -> Vec<Vec<u8>> {
     let lengths = [0, 1, 2, 4, 6, 8, 12, 14, 33];
     let one = |kind: &Kind| {
@@ -127,7 +127,7 @@ fn damaged_inputs_are_refused_or_make_sense() {
             let other = &inputs[(number / 7) % inputs.len()];
             for _ in 0..1 + number % 3 {
                 if input.len() > 1 {
-                    let damage = Damage::ALL[number / 3 % (Damage::ALL.len() - 1)];
+                    let damage = FrameDamage::ALL[number / 3 % (FrameDamage::ALL.len() - 1)];
                     damage.inflict(&mut input, other, &mut random);
                 }
             }
@@ -153,14 +153,14 @@ fn damaged_maps_are_refused_or_make_sense() {
     hostile::map(&pgm, folder.path());
     hostile::map(&png, folder.path());
     for number in 0..DAMAGED {
-        let mut input = if (number / Damage::ALL.len()).is_multiple_of(4) {
+        let mut input = if (number / FrameDamage::ALL.len()).is_multiple_of(4) {
             &png
         } else {
             &pgm
         }
         .clone();
-        let damage = Damage::ALL[number % (Damage::ALL.len() - 1)];
-        // In the image's head and the YAML file, where it hurts.
+        let damage = FrameDamage::ALL[number % (FrameDamage::ALL.len() - 1)];
+        // In the image's header and the YAML file, where damage matters.
         let mut head: Vec<_> = input.drain(..yaml.len() + 13).collect();
         damage.inflict(&mut head, yaml.as_bytes(), &mut random);
         hostile::map(&[head, input].concat(), folder.path());

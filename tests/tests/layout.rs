@@ -1,6 +1,6 @@
-//! The house rules that a reader relies on: who may know whom, how long a file may be, what each file is for.
+//! Rules of the layout: dependencies between crates, length of files, head of each file.
 //!
-//! `UPDATE_GOLDEN=1 cargo test -p tests --test layout` writes the table of files in docs/architecture.md anew.
+//! `UPDATE_GOLDEN=1 cargo test -p tests --test layout` rewrites the table in docs/architecture.md.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tests::root;
 
-/// Each package and the packages of this project that it may know, tests aside.
+/// Each package and the packages of this workspace that it may depend on, tests excluded.
 const MAY_KNOW: [(&str, &[&str]); 13] = [
     ("shared/som", &[]),
     ("shared", &["tinysom"]),
@@ -51,14 +51,14 @@ const MAY_KNOW: [(&str, &[&str]); 13] = [
     ),
 ];
 
-/// Longest file, lines of production code, unless its head says why.
+/// Longest file in lines of production code.
 const MAX_LINES: usize = 400;
 
-/// A table may lag behind by this share of a file's lines before it has to be written anew.
+/// The table must be rewritten when a file's length differs by more than this share.
 const STALE_SHARE: f64 = 0.2;
 
 /// One source file.
-struct Source {
+struct SourceFile {
     path: String,
     purpose: String,
     lines: usize,
@@ -69,7 +69,7 @@ fn text(path: &Path) -> String {
     fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// Packages of this project that a manifest depends on, tests aside.
+/// Packages of this workspace that a manifest depends on, tests excluded.
 fn dependencies(folder: &str) -> Vec<String> {
     let manifest = text(&root().join(folder).join("Cargo.toml"));
     let manifest: toml::Table = manifest.parse().expect("a manifest");
@@ -121,7 +121,7 @@ fn the_list_of_crates_is_complete() {
     }
 }
 
-/// All source files of a folder, in order; tests and benchmarks are left out.
+/// All source files of a folder, in order, without tests and benchmarks.
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     let mut entries: Vec<_> = fs::read_dir(folder)
         .unwrap_or_else(|error| panic!("{}: {error}", folder.display()))
@@ -142,7 +142,7 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-fn source(path: &Path) -> Source {
+fn source(path: &Path) -> SourceFile {
     let text = text(path);
     let is_head = |line: &&str| line.starts_with("//!");
     let head: Vec<&str> = text
@@ -158,13 +158,13 @@ fn source(path: &Path) -> Source {
     let paragraph = first.join(" ");
     let end = paragraph.find(". ").map_or(paragraph.len(), |at| at + 1);
     let production = text.find("\n#[cfg(test)]\nmod ").unwrap_or(text.len());
-    Source {
+    SourceFile {
         path: path
             .strip_prefix(root())
             .expect("inside the project")
             .to_string_lossy()
             .replace('\\', "/"),
-        // Links of rustdoc lead nowhere from a page.
+        // Links of rustdoc have no target on a page.
         purpose: paragraph[..end]
             .trim_end_matches([':', '.'])
             .replace("[`", "`")
@@ -174,7 +174,7 @@ fn source(path: &Path) -> Source {
     }
 }
 
-fn all() -> Vec<Source> {
+fn all() -> Vec<SourceFile> {
     let mut found = Vec::new();
     for folder in ["shared", "firmware", "host-sim"] {
         sources(&root().join(folder), &mut found);
@@ -204,9 +204,9 @@ fn every_file_says_what_it_is_for() {
     }
 }
 
-/// The table of files, a section for each package.
-fn table(files: &[Source]) -> String {
-    let mut packages: BTreeMap<&str, Vec<&Source>> = BTreeMap::new();
+/// The table of files, a section per package.
+fn table(files: &[SourceFile]) -> String {
+    let mut packages: BTreeMap<&str, Vec<&SourceFile>> = BTreeMap::new();
     for file in files {
         let package = file.path.split("/src").next().unwrap_or("");
         packages.entry(package).or_default().push(file);

@@ -1,4 +1,4 @@
-//! Logs as a user meets them: written by `run --log`, replayed, summarized, cut off by a kill.
+//! Logs: written by `run --log`, replayed, summarized, cut off by a kill.
 
 use amp::config::Config;
 use remote::link::Served;
@@ -111,7 +111,7 @@ fn what_is_no_log_is_refused_in_one_sentence() {
     assert_eq!(kept, b"not a log");
 }
 
-/// Everything a person can do, in a log.
+/// A log with every command of a user.
 fn steered(viewed: &Viewed) {
     let mut steerer = viewed.steerer();
     let mut order = |order: serde_json::Value| {
@@ -119,7 +119,7 @@ fn steered(viewed: &Viewed) {
         done.unwrap_or_else(|why| panic!("{order}: {why}"))
     };
     order(json!({"do": "sonar", "number": 3, "on": false}));
-    steerer.educate(12);
+    steerer.explore_and_learn(12);
     let mut seek = |more: &[serde_json::Value]| {
         let moment = steerer.moment();
         for order in more {
@@ -147,7 +147,7 @@ fn steered(viewed: &Viewed) {
     order(json!({"do": "behavior", "name": "avoid-right,avoid,nest"}));
     let mind = order(json!({"do": "save_mind"}))["file"]["hex"].clone();
     order(json!({"do": "reset", "seed": 7, "preset": "touzet", "world": "random:4"}));
-    steerer.educate(12);
+    steerer.explore_and_learn(12);
     steerer
         .order(json!({"do": "load_mind", "hex": mind}))
         .expect("a mind");
@@ -216,7 +216,7 @@ fn the_log_of_a_mind_at_a_link_replays_here() {
     );
     let viewed = Viewed::start(&program, &flags);
     let mut steerer = viewed.steerer();
-    steerer.educate(6);
+    steerer.explore_and_learn(6);
     for (order, steps) in [("seek", 4), ("resume", 8)] {
         steerer.order(json!({"do": order})).expect(order);
         steerer.decided(steps);
@@ -224,7 +224,7 @@ fn the_log_of_a_mind_at_a_link_replays_here() {
         let off = json!({"do": "shield", "on": false});
         steerer.order(off).expect("it stands and is told");
     }
-    // What came of the last things it was told is not known.
+    // The effect of the last events is unknown.
     drop(served);
     let _ = steerer.order(json!({"do": "seek"}));
     assert_eq!(viewed.end(), Some(0));

@@ -1,4 +1,4 @@
-//! Maps learned once serve any goal: a new one costs no move and no training.
+//! Maps that are learned once serve any goal: a new goal costs no move and no training.
 
 use amp::config::Config;
 use amp::controller::{self, Command, Decision, Event, Mode, Outputs};
@@ -14,15 +14,16 @@ use sim::episode::{Body, Seeds, perceive};
 use sim::pilot::{Pilot, SimState};
 use sim::scenes::Behavior;
 
-/// A mind and, from some moment on, its twin: it hears the same and is not obeyed.
-struct Robot {
+/// A controller and, from some moment on, a copy: it gets the same events, and its motions are
+/// ignored.
+struct TwinController {
     config: Config<16>,
     mind: Box<SimState>,
     twin: Option<Box<SimState>>,
     twins_decision: Option<Decision<16>>,
 }
 
-impl Pilot for Robot {
+impl Pilot for TwinController {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
         if let Some(twin) = &mut self.twin {
             let outputs = controller::handle(&self.config, twin, at, event);
@@ -32,15 +33,15 @@ impl Pilot for Robot {
     }
 }
 
-impl Robot {
-    fn told(&mut self, at: Millis, command: Command<16>) -> Outputs<16> {
+impl TwinController {
+    fn send(&mut self, at: Millis, command: Command<16>) -> Outputs<16> {
         let outputs = controller::handle(&self.config, &mut self.mind, at, Event::Command(command));
         assert_eq!(outputs.refusal, None);
         outputs
     }
 }
 
-/// Nothing near but something very near ahead: nearly the opposite of avoiding.
+/// Nothing near except for a very near obstacle ahead: almost the opposite of avoiding.
 fn touch_ahead(config: &Config<16>) -> Goal<16> {
     let mut goal = Goal::avoiding(config);
     for component in goal.components.iter_mut().take(4) {
@@ -50,9 +51,9 @@ fn touch_ahead(config: &Config<16>) -> Goal<16> {
 }
 
 /// Explores, learns and avoids for `steps` steps in the world.
-fn educated<'w>(world: &'w World, steps: usize) -> (Robot, Body<'w>) {
+fn trained<'w>(world: &'w World, steps: usize) -> (TwinController, Body<'w>) {
     let seeds = Seeds::of(1);
-    let mut robot = Robot {
+    let mut robot = TwinController {
         config: Config::recommended(),
         mind: Box::new(SimState::new(Grid::rectangle(4, 4))),
         twin: None,
@@ -63,39 +64,39 @@ fn educated<'w>(world: &'w World, steps: usize) -> (Robot, Body<'w>) {
         moves: 100,
         seed: seeds.exploration,
     };
-    let _ = robot.told(body.now(), explore);
+    let _ = robot.send(body.now(), explore);
     while !body.advance(&mut robot).mode_changed {}
-    let _ = robot.told(body.now(), Command::Learn);
+    let _ = robot.send(body.now(), Command::Learn);
     while !robot.handle(body.now(), Event::Tick).mode_changed {}
     let avoid = Goal::avoiding(&robot.config);
-    let _ = robot.told(body.now(), Command::Seek(avoid));
+    let _ = robot.send(body.now(), Command::Seek(avoid));
     for _ in 0..steps {
         let _ = body.advance(&mut robot);
     }
     (robot, body)
 }
 
-/// How many of 20 next actions are other ones when the goal changes to that which `goal` makes, given the situation before
-/// the first move.
+/// Of 20 next actions, the number that differs when the goal changes to that of `goal`, given the
+/// situation before the first move.
 fn changed(goal: impl Fn(&Config<16>, &Situation<16>) -> Goal<16>) -> usize {
     let world = World::builtin("paper").expect("a built-in world");
     let mut other_actions = 0;
     for steps in 20..40 {
-        let (mut robot, mut body) = educated(&world, steps);
+        let (mut robot, mut body) = trained(&world, steps);
         let before = robot.mind.clone();
         robot.twin = Some(before.clone());
         let encoding = robot.config.encoding;
         let nest = perceive(&world, world.start(), SonarModel::Ideal, 1, encoding);
         let goal = goal(&robot.config, &nest);
-        let outputs = robot.told(body.now(), Command::Seek(goal));
-        // No move, no forgetting, no learning ...
+        let outputs = robot.send(body.now(), Command::Seek(goal));
+        // No move, no change of memory or maps ...
         assert_eq!(outputs.motion, None);
         assert_eq!(*robot.mind.mode(), Mode::Seek { goal });
         assert_eq!(robot.mind.memory(), before.memory());
         assert_eq!(robot.mind.memory().samples().len(), 100);
         assert_eq!(robot.mind.situations(), before.situations());
         assert_eq!(robot.mind.actions(), before.actions());
-        // ... and the very next decision serves the new goal, from the same situation and the same maps.
+        // ... and the next decision serves the new goal, from the same situation and maps.
         let decision = body.advance(&mut robot).decision.expect("a decision");
         let twins = robot.twins_decision.expect("the twin decides, too");
         assert_eq!(decision.situation, twins.situation);

@@ -1,5 +1,5 @@
-//! The simulated Nomad 200 and programs as they were written for the real one: it answers within a second, keeps their
-//! masks, stops when they fall silent, and outlives them.
+//! The simulated Nomad 200 with programs for the real robot: answers, masks, timeouts,
+//! reconnection.
 
 use arena::sonar::FIRING_ORDER;
 use nomad200::nserver::Message;
@@ -12,7 +12,7 @@ use std::net::TcpStream;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 use tests::host_sim;
-use tests::nomad::{Robot, stands};
+use tests::nomad::{ServedRobot, stands};
 
 fn ms(ms: u64) -> Duration {
     Duration::from_millis(ms)
@@ -25,7 +25,7 @@ fn ask(host: &mut Host, command: &Command) -> nomad200::State {
         .clone()
 }
 
-/// What a program does first: masks, sensors, time-out, speeds; and what it then asks for.
+/// Startup of a program: masks, sensors, timeout, speeds; and its requests.
 fn session(host: &mut Host) {
     let order = FIRING_ORDER.map(|sensor| sensor as u8);
     let start = ask(host, &Command::Communicate(Mask::ALL)).pose;
@@ -47,7 +47,7 @@ fn session(host: &mut Host) {
     }
     assert_eq!(host.state().pose, [100, 200, start[2], start[3]]);
     assert_eq!(host.state().acceleration, [300; 3]);
-    // A relative move, waited for as the library does it.
+    // A relative move, with the library's wait.
     let moving = ask(host, &Command::Relative([100, 0, 0]));
     assert_eq!(moving.motors, 1);
     let wait = Command::WaitForStop {
@@ -68,13 +68,13 @@ fn session(host: &mut Host) {
 #[test]
 fn a_program_finds_its_robot_at_a_socket() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "--speed 20");
+    let robot = ServedRobot::at_a_port(&program, "--speed 20");
     let mut host = robot.connect();
     assert_eq!(*host.mask(), Mask::ALL);
     session(&mut host);
-    // At least a meter to go ahead of its front where it began.
+    // Space for at least a meter ahead of its front at the start.
     drop(host);
-    let robot = Robot::at_a_port(&program, "--sonar ideal --speed 20");
+    let robot = ServedRobot::at_a_port(&program, "--sonar ideal --speed 20");
     let mut host = robot.connect();
     sleep(ms(40));
     assert!(ask(&mut host, &Command::GetState).sonar[0] >= 40);
@@ -83,7 +83,7 @@ fn a_program_finds_its_robot_at_a_socket() {
 #[test]
 fn a_program_finds_its_robot_at_a_serial_port_of_any_speed() {
     let program = host_sim!();
-    let robot = Robot::at_a_pty(&program, "--speed 20");
+    let robot = ServedRobot::at_a_pty(&program, "--speed 20");
     for baud in [4_800, 38_400] {
         session(&mut robot.open(baud));
     }
@@ -92,7 +92,7 @@ fn a_program_finds_its_robot_at_a_serial_port_of_any_speed() {
 #[test]
 fn masks_hold_until_the_next_one_and_for_the_next_program() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "");
+    let robot = ServedRobot::at_a_port(&program, "");
     let mut host = robot.connect();
     let few = Mask {
         sonar: 0x8003,
@@ -113,12 +113,12 @@ fn masks_hold_until_the_next_one_and_for_the_next_program() {
 #[test]
 fn a_program_that_falls_silent_leaves_a_robot_that_stops() {
     let program = host_sim!();
-    // The robot's second is 50 ms.
-    let robot = Robot::at_a_port(&program, "--speed 20 --world room");
+    // At this speed, the robot's timeout of one second is 50 ms.
+    let robot = ServedRobot::at_a_port(&program, "--speed 20 --world room");
     let mut host = robot.connect();
     ask(&mut host, &Command::ConfigureTimeout(1));
     ask(&mut host, &Command::Velocity([20, 0, 100]));
-    // Asked for its state it goes on.
+    // Requests for its state keep it moving.
     let until = Instant::now() + ms(250);
     let mut state = ask(&mut host, &Command::GetState);
     while Instant::now() < until {
@@ -138,11 +138,12 @@ fn a_program_that_falls_silent_leaves_a_robot_that_stops() {
     assert_eq!(ask(&mut host, &Command::GetState).pose, pose);
 }
 
-/// At the robot's own speed: from 10 in/s it rolls 10 in in the second of its time-out and 1.7 in while it brakes.
+/// At the robot's own speed: from 10 in/s it rolls 10 in until its timeout of one second and 1.7 in
+/// while it brakes.
 #[test]
 fn a_program_that_is_killed_leaves_a_base_that_stops_when_its_time_is_out() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "--sonar ideal");
+    let robot = ServedRobot::at_a_port(&program, "--sonar ideal");
     let mut host = robot.connect();
     ask(&mut host, &Command::ConfigureTimeout(1));
     ask(&mut host, &Command::Velocity([100, 0, 0]));
@@ -150,7 +151,7 @@ fn a_program_that_is_killed_leaves_a_base_that_stops_when_its_time_is_out() {
     let rolling = ask(&mut host, &Command::GetState);
     assert_eq!(rolling.velocity[0], 100);
     drop(host);
-    // A question would be a sign of life.
+    // A request would reset the timeout.
     sleep(ms(1_500));
     let state = ask(&mut robot.connect(), &Command::GetState);
     assert!(stands(&state), "{state:?}");
@@ -161,7 +162,7 @@ fn a_program_that_is_killed_leaves_a_base_that_stops_when_its_time_is_out() {
 #[test]
 fn another_order_is_fired_at_once() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "--speed 20");
+    let robot = ServedRobot::at_a_port(&program, "--speed 20");
     let mut host = robot.connect();
     let mut order = [255; 16];
     order[..3].copy_from_slice(&[0, 1, 15]);
@@ -189,11 +190,11 @@ fn another_order_is_fired_at_once() {
 #[test]
 fn who_is_gone_makes_room_for_the_next_one() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "");
+    let robot = ServedRobot::at_a_port(&program, "");
     // In the middle of a packet.
     let mut first = TcpStream::connect(&robot.place).expect("a robot");
     first.write_all(&[1, 8, 0, 5, 100]).expect("half a packet");
-    // The second one waits for its greeting until the first is gone.
+    // The second one gets its greeting when the first one is gone.
     let mut second = TcpStream::connect(&robot.place).expect("a queue");
     second.set_read_timeout(Some(ms(150))).expect("a time-out");
     let mut greeting = [0; 11];
@@ -214,7 +215,7 @@ fn who_is_gone_makes_room_for_the_next_one() {
 #[test]
 fn a_robot_answers_again_within_a_second_after_any_garbage() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "");
+    let robot = ServedRobot::at_a_port(&program, "");
     let garbage: [&[u8]; 4] = [
         &[0xff; 3_000],
         &[1, 200, 0, 5, 1, 2, 3],
@@ -224,13 +225,13 @@ fn a_robot_answers_again_within_a_second_after_any_garbage() {
     for garbage in garbage {
         let mut host = robot.connect();
         host.line().send(garbage).expect("a line");
-        // With the command at its heels, and again.
+        // With the command directly behind, and again.
         ask(&mut host, &Command::GetState);
         ask(&mut host, &Command::Stop);
         drop(host);
         ask(&mut robot.connect(), &Command::GetState);
     }
-    // A packet with a wrong check byte is not answered; an unknown one is refused.
+    // A packet with a wrong check byte gets no answer; an unknown one is refused.
     let mut host = robot.connect();
     host.line().send(&[1, 2, 0, 9, 0x0d, 0x5c]).expect("a line");
     let torque = Command::Move([(AxisMode::Torque, 5); 3]);
@@ -247,7 +248,7 @@ fn a_robot_answers_again_within_a_second_after_any_garbage() {
 #[test]
 fn a_packet_may_come_byte_by_byte() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "");
+    let robot = ServedRobot::at_a_port(&program, "");
     let mut line = Tcp::open(&robot.place).expect("a robot");
     use remote::link::Transport as _;
     let mut host = Host::greeted(Tcp::open(&robot.place).expect("a queue"));
@@ -271,7 +272,7 @@ fn a_packet_may_come_byte_by_byte() {
 fn its_time_runs_as_fast_as_it_is_told() {
     let program = host_sim!();
     for speed in [1_u32, 20] {
-        let robot = Robot::at_a_port(&program, &format!("--speed {speed}"));
+        let robot = ServedRobot::at_a_port(&program, &format!("--speed {speed}"));
         let mut host = robot.connect();
         let asked = Instant::now();
         let before = ask(&mut host, &Command::GetState).time_ms;
@@ -280,7 +281,7 @@ fn its_time_runs_as_fast_as_it_is_told() {
         let least = answered.elapsed().as_millis() as u32 * speed;
         let passed = ask(&mut host, &Command::GetState).time_ms - before;
         let most = asked.elapsed().as_millis() as u32 * speed;
-        // The robot looks at the clock now and then.
+        // The robot reads the clock at intervals.
         let slack = 60 * speed;
         assert!(
             (least - slack..=most + slack).contains(&passed),
@@ -293,7 +294,7 @@ fn its_time_runs_as_fast_as_it_is_told() {
 #[test]
 fn a_program_of_the_simulators_server_finds_the_same_robot() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "--protocol nserver --speed 20");
+    let robot = ServedRobot::at_a_port(&program, "--protocol nserver --speed 20");
     let mut line = TcpStream::connect(&robot.place).expect("a server");
     line.set_read_timeout(Some(PATIENCE)).expect("a time-out");
     let mut ask = |kind: u16, numbers: &[i32]| {

@@ -1,11 +1,11 @@
-//! The paper made anew: what must be so whatever the seed, and the same bytes however the work is spread.
+//! The `paper` command: facts that hold for every seed, and same bytes with any number of threads.
 
 use std::ffi::OsStr;
 use tests::{Program, host_sim, root, words};
 
 const SMALL: &str = "paper --rooms 3 --worlds 1 --seeds 1 --times 2 --draws 2 --out page";
 
-/// Standard output and files of a small run on so many threads.
+/// Standard output and files of a small run with this number of threads.
 fn made(threads: &str, flags: &str) -> (String, Vec<(String, Vec<u8>)>) {
     let program: Program = host_sim!();
     let mut command = program.command(&words(&format!("{SMALL} {flags}")));
@@ -67,7 +67,7 @@ fn the_page_is_whole_and_the_same_on_any_number_of_threads() {
     claims(&stdout, &files);
 }
 
-/// What the table says that must be so whatever the rooms.
+/// Checks the rows of the table that hold for all rooms.
 fn claims(stdout: &str, files: &[(String, Vec<u8>)]) {
     let table = text(files, "claims.md");
     let rows: Vec<Vec<&str>> = table
@@ -106,7 +106,7 @@ fn claims(stdout: &str, files: &[(String, Vec<u8>)]) {
     for row in &rows {
         assert!(docs.contains(row[1]), "docs/paper.md lacks {}", row[1]);
     }
-    // Facts of the method, not of the rooms.
+    // Properties of the method, not of the rooms.
     for (words, verdict) in [
         ("each neuron represents 1/32", "holds"),
         ("neurons code preferably these 2 regions", "holds"),

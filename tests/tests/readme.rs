@@ -1,9 +1,8 @@
-//! The README keeps its word: its commands run as printed, and what it links to is there.
+//! The README's commands run as printed, and its links have targets.
 //!
-//! Of the fenced `sh` blocks, each line that starts with `cargo run` or `host-sim` is run with its arguments
-//! in an empty folder that holds what the repository offers (`host-sim/worlds` and `docs`). A comment
-//! after ` # ` is not part of the command; one that names minutes or hours marks a run too long for here, and only its
-//! command line is checked: with `--help` behind it, it must parse.
+//! Lines of `sh` blocks that start with `cargo run` or `host-sim` run in an empty folder with
+//! `host-sim/worlds` and `docs`. A comment with minutes or hours marks a long run: only its command
+//! line is parsed, with `--help`.
 
 use std::fs;
 use std::path::Path;
@@ -20,7 +19,7 @@ struct Printed {
     long: bool,
 }
 
-/// The commands in the fenced `sh` blocks; a line that ends in a backslash goes on in the next one.
+/// The commands in the fenced `sh` blocks; a backslash at the end continues a line.
 fn commands(text: &str) -> Vec<Printed> {
     let mut inside = false;
     let mut block = String::new();

@@ -1,9 +1,9 @@
-//! A mind at a serial device: a pseudo terminal with the chip's code at its other end.
+//! A controller at a serial device: a pseudo terminal with the chip's code at its other end.
 
 use amp::config::Config;
 use remote::link::Served;
 use tests::host_sim;
-use tests::pty::{Line, Pty};
+use tests::pty::{FaultyPty, LineFault};
 
 const EPISODE: &str = "run --world random:3 --steps 40 --explore 30 --json";
 
@@ -12,7 +12,7 @@ fn with_mind(program: &tests::Program, mind: &str) -> tests::Output {
     program.run(&words)
 }
 
-fn serial(pty: &Pty) -> String {
+fn serial(pty: &FaultyPty) -> String {
     format!("serial:{}@115200", pty.path.display())
 }
 
@@ -20,9 +20,9 @@ fn serial(pty: &Pty) -> String {
 fn a_mind_at_a_serial_device_prints_the_same_line() {
     let program = host_sim!();
     let here = with_mind(&program, "host");
-    for line in [Line::Good, Line::StartsInTheMiddle] {
+    for line in [LineFault::Good, LineFault::StartsInTheMiddle] {
         let mind = Served::start(Config::touzet()).unwrap();
-        let pty = Pty::to(&mind.host(), line);
+        let pty = FaultyPty::to(&mind.host(), line);
         let there = with_mind(&program, &serial(&pty));
         assert_eq!(there.code, Some(0), "{line:?}: {}", there.stderr);
         assert_eq!(there.stdout, here.stdout, "{line:?}");
@@ -38,7 +38,7 @@ fn a_mind_at_a_serial_device_prints_the_same_line() {
 fn a_line_at_another_speed_is_said_in_a_sentence() {
     let program = host_sim!();
     let mind = Served::start(Config::recommended()).unwrap();
-    let pty = Pty::to(&mind.host(), Line::WrongSpeed);
+    let pty = FaultyPty::to(&mind.host(), LineFault::WrongSpeed);
     let output = with_mind(&program, &serial(&pty));
     assert_eq!((output.code, output.stdout.as_str()), (Some(2), ""));
     assert!(output.stderr.contains("speed"), "{}", output.stderr);
@@ -54,7 +54,7 @@ fn a_line_at_another_speed_is_said_in_a_sentence() {
 fn a_device_that_disappears_is_said_in_a_sentence() {
     let program = host_sim!();
     let mind = Served::start(Config::recommended()).unwrap();
-    let pty = Pty::to(&mind.host(), Line::PulledAfter(2_000));
+    let pty = FaultyPty::to(&mind.host(), LineFault::PulledAfter(2_000));
     let output = with_mind(&program, &serial(&pty));
     assert_eq!(
         (output.code, output.stdout.as_str()),

@@ -1,5 +1,5 @@
-//! The servers and their peers: half-open connections, too many watchers, peers that vanish, pages that close while a
-//! robot moves, and peers that never stop sending.
+//! Servers and their peers: half-open connections, too many viewers, vanished or flooding peers,
+//! closed pages.
 
 use amp::config::Config;
 use amp::wire::message::{Counters, FromMind};
@@ -12,17 +12,17 @@ use std::io::{ErrorKind, Read as _, Write as _};
 use std::net::{TcpListener, TcpStream};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
-use tests::nomad::{PATIENCE, Robot, Running};
+use tests::nomad::{Running, ServedRobot, TIMEOUT};
 use tests::viewed::{Viewed, Viewer};
 use tests::{host_sim, words};
 
 /// Half a request.
 const HALF: &[u8] = b"GET / HTTP/1.1\r\nHost: 127.0.0.1";
 
-/// The page, fetched on a connection of its own.
+/// Fetches the page on a new connection.
 fn page(host: &str) -> String {
     let mut stream = TcpStream::connect(host).expect("it listens");
-    stream.set_read_timeout(Some(PATIENCE)).expect("a timeout");
+    stream.set_read_timeout(Some(TIMEOUT)).expect("a timeout");
     let request = format!("GET / HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n");
     stream.write_all(request.as_bytes()).expect("a request");
     let mut answer = String::new();
@@ -30,7 +30,7 @@ fn page(host: &str) -> String {
     answer
 }
 
-/// Whether the server has not closed this connection.
+/// Whether the server keeps this connection open.
 fn is_open(mut stream: &TcpStream) -> bool {
     stream.set_nonblocking(true).expect("a socket");
     loop {
@@ -46,7 +46,7 @@ fn is_open(mut stream: &TcpStream) -> bool {
     }
 }
 
-/// Twice as many half-open connections as the process may have files.
+/// Twice as many half-open connections as the file limit of the process.
 #[test]
 fn half_open_connections_keep_no_page_out_and_are_closed() {
     let program = host_sim!();
@@ -55,7 +55,7 @@ fn half_open_connections_keep_no_page_out_and_are_closed() {
     for number in 0..512 {
         let mut stream = TcpStream::connect(viewed.host()).expect("it listens");
         if number % 2 == 0 {
-            // It may have been closed already to make room.
+            // The server may have closed it to make room.
             let _ = stream.write_all(HALF);
             half_said.push(stream);
         } else {
@@ -68,7 +68,7 @@ fn half_open_connections_keep_no_page_out_and_are_closed() {
     assert!(page(viewed.host()).starts_with("HTTP/1.1 200"));
     let last_opened = Instant::now();
     let open = |streams: &[TcpStream]| streams.iter().filter(|stream| is_open(stream)).count();
-    // Most have made room for others; only time closes the rest.
+    // Most have been closed to make room; timeouts close the rest.
     assert!(open(&mute) > 0 && open(&half_said) > 0);
     while last_opened.elapsed() < Duration::from_secs(9) && open(&mute) + open(&half_said) > 0 {
         sleep(Duration::from_millis(50));
@@ -77,7 +77,7 @@ fn half_open_connections_keep_no_page_out_and_are_closed() {
     assert_eq!(left, (0, 0), "said nothing, said half a head");
     let took = last_opened.elapsed();
     assert!(took < Duration::from_secs(10), "{took:?}");
-    // What is open already stays open.
+    // Open connections stay open.
     viewed.viewer().wait("now", |now| now["mode"] == "idle");
 }
 
@@ -89,18 +89,18 @@ fn watchers_without_the_token_keep_no_owner_out() {
     assert_eq!(viewed.knock(&[]).err(), Some(503));
     let wrong = format!("/socket?token={}", "0".repeat(32));
     assert_eq!(viewed.knock_at(&wrong, &[]).err(), Some(503));
-    let mut owner = viewed.owner().expect("an owner is let in");
+    let mut owner = viewed.owner().expect("an owner is accepted");
     // It may stop the robot before it steers.
     owner.order(json!({"do": "stop"})).expect("it stops");
     let steer = json!({"do": "steer", "token": viewed.token()});
     owner.order(steer).expect("the seat");
     owner.order(json!({"do": "explore"})).expect("it explores");
-    // Owners take none of the watchers' places.
+    // Owners do not count as viewers.
     drop(watchers.pop());
     let _second = viewed.owner().expect("another owner");
     let began = Instant::now();
     while viewed.knock(&[]).is_err() {
-        assert!(began.elapsed() < PATIENCE, "the free place is not given");
+        assert!(began.elapsed() < TIMEOUT, "the free place is not given");
         sleep(Duration::from_millis(20));
     }
 }
@@ -121,7 +121,7 @@ fn stopped_unattended(now: &Value) -> bool {
     now["mode"] == "stopped" && note.contains("no page")
 }
 
-/// Has the server hear from the page that steers; the moment after that.
+/// Sends a command of the steering page; returns the time after it.
 fn heard(viewed: &Viewed, steerer: &mut Viewer) -> Instant {
     let steer = json!({"do": "steer", "token": viewed.token()});
     steerer.order(steer).expect("it has the seat");
@@ -132,27 +132,27 @@ fn heard(viewed: &Viewed, steerer: &mut Viewer) -> Instant {
 fn stops_in_time(watcher: &mut Viewer, left: Instant) {
     watcher.wait("now", stopped_unattended);
     let took_s = left.elapsed().as_secs_f64();
-    // 2 s unless another time-out is asked for.
+    // 2 s unless another timeout is set.
     assert!((1.5..4.0).contains(&took_s), "{took_s} s");
 }
 
 #[test]
 fn a_robot_whose_steering_page_is_gone_stops() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "--speed 5 --world room");
+    let robot = ServedRobot::at_a_port(&program, "--speed 5 --world room");
     let flags = format!("--nomad tcp:{} --explore 1000", robot.place);
     let viewed = Viewed::start(&program, &flags);
-    // Closed.
+    // Page closed.
     let (mut steerer, mut watcher) = exploring(&viewed);
     let left = heard(&viewed, &mut steerer);
     drop(steerer);
     stops_in_time(&mut watcher, left);
     assert_eq!(watcher.latest("now")["resumes"], true);
-    // Open, and silent: it answers no ping, because nothing reads its socket.
+    // Page open but silent: it answers no ping, because its socket is not read.
     let (mut silent, mut watcher) = exploring(&viewed);
     let left = heard(&viewed, &mut silent);
     stops_in_time(&mut watcher, left);
-    // A page that answers may let it explore for longer than the time-out.
+    // A page that answers may let it explore beyond the timeout.
     let over = json!({"do": "steer", "token": viewed.token(), "over": true});
     let mut steerer = viewed.owner().expect("an owner");
     steerer.order(over).expect("the seat");
@@ -169,7 +169,8 @@ fn a_robot_whose_steering_page_is_gone_stops() {
     assert!(tests::nomad::stands(state), "{state:?}");
 }
 
-/// Its own ring may take 20 s, so that it still explores, in wait for its first echo, when the page goes.
+/// Its own ring may take 20 s: it still explores, waiting for its first echo, when the page is
+/// closed.
 #[test]
 fn a_board_whose_steering_page_is_gone_stops() {
     let program = host_sim!();
@@ -178,17 +179,17 @@ fn a_board_whose_steering_page_is_gone_stops() {
     let served = Served::with_ring(config).expect("a mind behind a socket");
     let flags = format!("--board tcp:{} --explore 20", served.host());
     let viewed = Viewed::start(&program, &flags);
-    // Closed.
+    // Page closed.
     let (mut steerer, mut watcher) = exploring(&viewed);
     let left = heard(&viewed, &mut steerer);
     drop(steerer);
     stops_in_time(&mut watcher, left);
     assert_eq!(watcher.latest("now")["resumes"], true);
-    // Open, and silent.
+    // Page open but silent.
     let (mut silent, mut watcher) = exploring(&viewed);
     let left = heard(&viewed, &mut silent);
     stops_in_time(&mut watcher, left);
-    // The reason stays while nothing else happens.
+    // The reason stays until something else happens.
     let moment = watcher.moment();
     watcher.wait_after(moment, "now", |now| {
         assert!(stopped_unattended(now), "{now}");
@@ -199,7 +200,7 @@ fn a_board_whose_steering_page_is_gone_stops() {
 #[test]
 fn a_robot_may_be_left_alone_on_request() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "--speed 5 --world room");
+    let robot = ServedRobot::at_a_port(&program, "--speed 5 --world room");
     let flags = format!(
         "--nomad tcp:{} --explore 1000 --steering-timeout off",
         robot.place
@@ -216,7 +217,8 @@ fn a_robot_may_be_left_alone_on_request() {
     });
 }
 
-/// The kernel's timer of the server's end of a connection, from /proc/net/tcp: what runs, and ticks of 1/100 s until then.
+/// The kernel's timer of the server's end of a connection, from /proc/net/tcp: its kind, and ticks
+/// of 1/100 s left.
 #[cfg(target_os = "linux")]
 fn timer(server: u16, client: u16) -> Option<(String, u64)> {
     let table = std::fs::read_to_string("/proc/net/tcp").expect("the kernel's table");
@@ -230,19 +232,19 @@ fn timer(server: u16, client: u16) -> Option<(String, u64)> {
     Some((kind.to_owned(), u64::from_str_radix(ticks, 16).ok()?))
 }
 
-/// A peer that vanishes says nothing; the kernel finds out by keep-alive probes.
+/// A vanished peer sends nothing; keep-alive probes of the kernel detect it.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_program_that_vanishes_is_probed_for() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "");
+    let robot = ServedRobot::at_a_port(&program, "");
     let mut idle = TcpStream::connect(&robot.place).expect("a robot");
     idle.read_exact(&mut [0; 11]).expect("a greeting");
     let port = |address: std::io::Result<std::net::SocketAddr>| address.expect("a port").port();
     let (server, client) = (port(idle.peer_addr()), port(idle.local_addr()));
     let began = Instant::now();
     loop {
-        // "02" is the keep-alive timer; others run while the greeting is acknowledged.
+        // "02" is the keep-alive timer; others run until the greeting is acknowledged.
         match timer(server, client) {
             Some((kind, ticks)) if kind == "02" => {
                 assert!(ticks <= 1_100, "a probe after {ticks} ticks");
@@ -259,7 +261,7 @@ fn a_robot_is_served_to_other_machines_only_on_request() {
     let program = host_sim!();
     for (address, named) in [("0.0.0.0:0", "0.0.0.0:0"), ("[::]:0", "[::]:0")] {
         let mut served = Running::start(&program, &format!("nomad serve --listen {address}"));
-        let (code, stdout, stderr) = served.end(PATIENCE);
+        let (code, stdout, stderr) = served.end(TIMEOUT);
         assert_eq!((code, stdout.as_str()), (Some(2), ""), "{stderr}");
         assert!(stderr.contains(&format!(
             "--listen {named}: others could reach it: say --allow-remote"
@@ -269,7 +271,7 @@ fn a_robot_is_served_to_other_machines_only_on_request() {
     assert!(served.line().starts_with("listening on 0.0.0.0:"));
 }
 
-/// A peer that sends `first` once and `bytes` for ever to everyone who connects, and reads nothing.
+/// A peer that sends `first` once and `bytes` without end to every client, and reads nothing.
 fn flood(first: &[u8], bytes: &[u8]) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a socket");
     let place = listener.local_addr().expect("its address").to_string();
@@ -287,19 +289,20 @@ fn flood(first: &[u8], bytes: &[u8]) -> String {
     place
 }
 
-/// The program gives its peer at `place` up within `limit`, in this sentence.
+/// Checks that the program disconnects from its peer at `place` within `limit`; returns its
+/// sentence.
 fn gives_up(program: &tests::Program, line: &str, place: &str, limit: Duration) -> String {
     let mut running = Running::start(program, line);
     let (code, stdout, stderr) = running.end(limit);
     assert_eq!(code, Some(2), "{line}: {stderr}");
-    // The bridge says what was driven until then.
+    // The bridge prints the result so far.
     assert!(stdout.is_empty() || line.starts_with("bridge"), "{stdout}");
     assert_eq!(stderr.lines().count(), 1, "{line}: {stderr}");
     assert!(stderr.contains(place), "{line}: {stderr}");
     stderr
 }
 
-/// Sound frames of a session that nobody has opened.
+/// Valid frames of a session that was never opened.
 fn stray_frames() -> Vec<u8> {
     let frame = |seq| {
         let session = 48_879;
@@ -316,7 +319,7 @@ fn stray_frames() -> Vec<u8> {
 #[test]
 fn a_peer_that_sends_sound_messages_without_end_is_given_up() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "--speed 5");
+    let robot = ServedRobot::at_a_port(&program, "--speed 5");
     let place = flood(&[], &stray_frames());
     for line in [
         format!("link --to tcp:{place} hello"),
@@ -327,7 +330,7 @@ fn a_peer_that_sends_sound_messages_without_end_is_given_up() {
         let why = gives_up(&program, &line, &place, Duration::from_secs(10));
         assert!(why.contains("no answer within 2 s"), "{line}: {why}");
     }
-    // A robot that greets, and then answers what nobody has asked.
+    // A robot that greets, and then sends unrequested answers.
     let answers = Packet::new(Kind::Tk, vec![0; 80]).to_bytes().repeat(1_000);
     let greeting = Greeting {
         mask: Mask::ALL,
@@ -342,7 +345,7 @@ fn a_peer_that_sends_sound_messages_without_end_is_given_up() {
 #[test]
 fn a_peer_that_sends_garbage_without_end_is_given_up() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "--speed 5");
+    let robot = ServedRobot::at_a_port(&program, "--speed 5");
     for bytes in [&[0x55; 997][..], &[0; 1_000], b"\x01\x02\x00\x07\x0a\x5c"] {
         let place = flood(&[], bytes);
         for line in [
@@ -351,22 +354,23 @@ fn a_peer_that_sends_garbage_without_end_is_given_up() {
             format!("bridge --nomad tcp:{} --mind tcp:{place}", robot.place),
             format!("run --steps 1 --mind tcp:{place}"),
         ] {
-            let _ = gives_up(&program, &line, &place, PATIENCE);
+            let _ = gives_up(&program, &line, &place, TIMEOUT);
         }
     }
 }
 
-/// The time of a log's latest message that can be read, s.
+/// The time of the last readable message of a log, s.
 fn logged_s(path: &std::path::Path) -> f64 {
     let log = log::read(path).expect("a log");
     let latest = log.messages().map(|message| message.time_ns).max();
     latest.unwrap_or(0) as f64 / 1e9
 }
 
-/// The longest time between the first and the last message of a chunk, s: what an interruption may lose.
+/// The longest time between the first and the last message of a chunk, s: the most that an
+/// interruption can lose.
 fn longest_chunk_s(path: &std::path::Path) -> f64 {
     let file = std::fs::read(path).expect("a log");
-    // MCAP's magic, then records: opcode, length, content. A chunk (6) begins with its times.
+    // MCAP's magic, then records: opcode, length, content. A chunk (6) starts with its times.
     let mut rest = &file[8..];
     let mut longest_ns = 0;
     while let [opcode, number @ ..] = rest
@@ -386,7 +390,7 @@ fn longest_chunk_s(path: &std::path::Path) -> f64 {
 #[test]
 fn a_drive_that_is_killed_is_logged_but_for_two_seconds() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "--world room");
+    let robot = ServedRobot::at_a_port(&program, "--world room");
     let at = format!("tcp:{}", robot.place);
     let line = format!("bridge --nomad {at} --explore 100 --log drive.mcap");
     let mut bridge = Running::start(&program, &line);
@@ -394,7 +398,7 @@ fn a_drive_that_is_killed_is_logged_but_for_two_seconds() {
     let path = program.folder().join("drive.mcap");
     let began = Instant::now();
     while !path.exists() {
-        assert!(began.elapsed() < PATIENCE, "no log");
+        assert!(began.elapsed() < TIMEOUT, "no log");
         sleep(Duration::from_millis(10));
     }
     sleep(Duration::from_secs(6));
@@ -405,9 +409,9 @@ fn a_drive_that_is_killed_is_logged_but_for_two_seconds() {
     let output = program.run(&words("log drive.mcap"));
     assert_eq!(output.code, Some(0), "{}", output.stderr);
 
-    // As much over the page.
+    // The same for the page.
     drop(robot);
-    let robot = Robot::at_a_port(&program, "--world room");
+    let robot = ServedRobot::at_a_port(&program, "--world room");
     let flags = format!("--nomad tcp:{} --log page.mcap", robot.place);
     let viewed = Viewed::start(&program, &flags);
     let (mut steerer, _) = exploring(&viewed);

@@ -1,4 +1,4 @@
-//! Sweeps: the figures of `run`, whatever kills them, however they are shared out.
+//! Sweeps: same results as `run`, with any kill and any number of shards.
 
 use rand_core::{Rng as _, SeedableRng as _};
 use rand_xoshiro::SplitMix64;
@@ -50,7 +50,7 @@ fn read(program: &Program, name: &str) -> String {
     fs::read_to_string(program.folder().join(name)).unwrap_or_default()
 }
 
-/// The whole of MANY, done at once.
+/// All rows of MANY, from one run.
 fn reference() -> String {
     let program = with(MANY);
     let _ = program.ok("sweep sweep.toml --out all.csv");
@@ -120,7 +120,7 @@ fn killed_at_any_moment_it_goes_on_where_it_was() {
             .stderr(Stdio::null())
             .spawn()
             .expect("the program starts");
-        // The first ones and every other one are at work for sure: they have just added a row.
+        // The first ones and every second one are killed at work: they have just added a row.
         let mut most_us = 60_000;
         if kills < 6 || kills % 2 == 0 {
             let length =
@@ -132,7 +132,7 @@ fn killed_at_any_moment_it_goes_on_where_it_was() {
             most_us = 1_000;
         }
         std::thread::sleep(Duration::from_micros(random.next_u64() % most_us));
-        // SIGKILL; in vain if it is at its end already.
+        // SIGKILL; without effect if the process has already ended.
         child.kill().expect("a signal");
         let done = child.wait().expect("an end").success();
         let part = read(&program, "part.csv");
@@ -146,7 +146,7 @@ fn killed_at_any_moment_it_goes_on_where_it_was() {
     }
     assert_eq!(read(&program, "part.csv"), all);
     assert!(within >= 3, "of {kills} kills only {within} hit it at work");
-    // Nothing is left to do.
+    // Nothing is left to run.
     let again = program.run(&words("sweep sweep.toml --out part.csv"));
     assert!(again.stderr.contains("0 episodes in") && again.stderr.contains("150 were there"));
     assert_eq!(read(&program, "part.csv"), all);
@@ -181,7 +181,7 @@ fn shards_merge_into_the_bytes_of_the_whole() {
     for output in [gap, double, foreign] {
         assert_eq!(output.stdout, "");
     }
-    // Nor does a sweep go on in a file of another one, or of another shard.
+    // A sweep does not resume in the file of another sweep or shard.
     let other = program.run(&words("sweep other.toml --out out/sweep/many.0-of-3.csv"));
     assert!(refused(&other).contains("another sweep"));
     let shard = program.run(&words(
@@ -241,7 +241,7 @@ fn a_full_disk_is_told_and_nothing_is_lost() {
     let all = reference();
     let program = with(MANY);
     let binary = env!("CARGO_BIN_EXE_host-sim-under-test");
-    // Eight blocks of 512 bytes for the file; a write beyond them is an error, not a signal.
+    // File size limit of eight blocks of 512 bytes; a write beyond it is an error, not a signal.
     let script =
         format!("trap '' XFSZ; ulimit -f 8; exec {binary} sweep sweep.toml --out part.csv");
     let output = Command::new("sh")
@@ -312,7 +312,7 @@ fn pictures_are_drawn_of_a_sweeps_results() {
 }
 
 #[derive(Deserialize)]
-struct Job {
+struct IndexedJob {
     spec: JobSpec,
 }
 
@@ -348,11 +348,11 @@ struct Variable {
     value: String,
 }
 
-/// The manifest of the documentation counts its shards right; no cluster has run it.
+/// The documentation's manifest has consistent numbers of shards; it was not run on a cluster.
 #[test]
 fn the_manifests_shards_are_its_completions() {
     let text = fs::read_to_string(root().join("docs/sweep/job.yaml")).expect("the manifest");
-    let job: Job = serde_saphyr::from_str(&text).expect("a Job");
+    let job: IndexedJob = serde_saphyr::from_str(&text).expect("a Job");
     assert_eq!(job.spec.completion_mode, "Indexed");
     assert_eq!(job.spec.template.spec.restart_policy, "OnFailure");
     let container = &job.spec.template.spec.containers[0];

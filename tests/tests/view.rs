@@ -1,4 +1,4 @@
-//! The bench view as people meet it: in a real browser, and as strangers at the door.
+//! The view in a real browser, and with clients that must be refused.
 
 use amp::config::Config;
 use remote::link::Served;
@@ -6,11 +6,11 @@ use serde_json::{Value, json};
 use std::fs;
 use std::time::{Duration, Instant};
 use tests::browser::Browser;
-use tests::nomad::Robot;
+use tests::nomad::ServedRobot;
 use tests::viewed::{Viewed, is_idle};
 use tests::{host_sim, root};
 
-/// Keeps a screenshot: in the project's documents when `UPDATE_PICTURES=1`, else nowhere.
+/// Saves a screenshot to the documentation if `UPDATE_PICTURES=1`, else nowhere.
 fn keep(name: &str, browser: &mut Browser) {
     let picture = browser.picture();
     assert!(picture.len() > 20_000, "{name}: an empty picture");
@@ -20,7 +20,7 @@ fn keep(name: &str, browser: &mut Browser) {
     }
 }
 
-/// Keeps a screenshot for whoever looks at them all, in the folder VIEW_PICTURES names.
+/// Saves a screenshot for inspection, in the folder VIEW_PICTURES.
 fn keep_aside(name: &str, browser: &mut Browser) {
     let picture = browser.picture();
     assert!(picture.len() > 20_000, "{name}: an empty picture");
@@ -29,7 +29,7 @@ fn keep_aside(name: &str, browser: &mut Browser) {
     }
 }
 
-/// Nothing sticks out of the window, and no text is cut off.
+/// Checks that nothing extends beyond the window and no text is cut off.
 fn fits(browser: &mut Browser) {
     let wide = browser.eval("document.documentElement.scrollWidth - window.innerWidth");
     assert!(wide.as_f64() <= Some(0.0), "{wide} px too wide");
@@ -92,7 +92,7 @@ fn a_person_explores_learns_seeks_and_stops() {
     page.press(" ", "Space");
     page.wait("view.now.mode === 'stopped'");
 
-    // A neuron becomes the goal.
+    // Selects a neuron as the goal.
     page.eval("document.getElementById('speed').value = '4', document.getElementById('speed').dispatchEvent(new Event('change'))");
     page.click("[data-neuron='9']");
     page.wait("view.now.goal.neuron === 9");
@@ -103,7 +103,7 @@ fn a_person_explores_learns_seeks_and_stops() {
     an_obstacle_in_the_way(&mut page);
     by_keyboard(&mut page);
     pictures(&mut page);
-    assert_eq!(page.complaints(), [""; 0]);
+    assert_eq!(page.errors(), [""; 0]);
     let own = page
         .requests()
         .iter()
@@ -116,7 +116,7 @@ fn number(value: &Value) -> f64 {
     value.as_f64().expect("a number")
 }
 
-/// A box is dragged into the path: the ring hears it there.
+/// Drags a box into the path: the ring measures it there.
 fn an_obstacle_in_the_way(page: &mut Browser) {
     page.press(" ", "Space");
     page.wait("view.now.pace.standing");
@@ -129,7 +129,7 @@ fn an_obstacle_in_the_way(page: &mut Browser) {
     let shape = shape.as_str().expect("a number").to_owned();
     let before = page.eval(&format!("JSON.stringify(view.scene.shapes[{shape}])"));
     let least = "Math.min(...view.now.ranges_m.filter(m => m !== null))";
-    // Towards the middle of the arena there is room.
+    // There is free space toward the middle of the arena.
     let center = page.middle("#arena");
     let side = if center[0] > x { 1.0 } else { -1.0 };
     page.drag(from, [x + side * wide * 1.7, y]);
@@ -141,7 +141,7 @@ fn an_obstacle_in_the_way(page: &mut Browser) {
     page.wait("view.now.mode === 'seek'");
 }
 
-/// Sonars, switches and tiles answer to keys.
+/// Sonars, switches and tiles react to keys.
 fn by_keyboard(page: &mut Browser) {
     page.eval("document.querySelector('[data-sonar=\"0\"]').focus()");
     page.press("ArrowLeft", "ArrowLeft");
@@ -187,7 +187,7 @@ fn pictures(page: &mut Browser) {
     }
 }
 
-/// A log on the same page: played, paused, jumped on, to its end.
+/// A log on the same page: played, paused, sought, to its end.
 #[test]
 fn a_recording_is_played_back_and_forth() {
     let program = host_sim!();
@@ -211,7 +211,7 @@ fn a_recording_is_played_back_and_forth() {
     page.wait(&format!("view.now.at === {at} + 1"));
     page.click("#back");
     page.wait(&format!("view.now.at === {at}"));
-    // A click on the time line goes there, and so does the slider.
+    // A click on the time line seeks, and so does the slider.
     let jump = |share: &str| {
         format!(
             "(() => {{ const r = trail.root.getBoundingClientRect(); \
@@ -235,7 +235,7 @@ fn a_recording_is_played_back_and_forth() {
     page.eval("document.activeElement.blur(), document.getElementById('notice').hidden = true");
     page.wait("document.querySelectorAll('.path.seek').length > 0");
     recording_pictures(&mut page);
-    // The space bar lets it go on; it ends, and says so.
+    // The space bar resumes it; at the end the page shows it.
     page.eval("ask('speed', {factor: null})");
     page.press(" ", "Space");
     page.wait("view.now.pace.standing && view.now.at === trail.marks.length");
@@ -243,7 +243,7 @@ fn a_recording_is_played_back_and_forth() {
     fits(&mut page);
     page.click("#pause");
     page.wait("view.now.pace.standing === false || view.now.at === trail.marks.length");
-    assert_eq!(page.complaints(), [""; 0]);
+    assert_eq!(page.errors(), [""; 0]);
 }
 
 fn recording_pictures(page: &mut Browser) {
@@ -264,11 +264,11 @@ fn recording_pictures(page: &mut Browser) {
     page.resize(1400, 900);
 }
 
-/// A robot at the end of its own line: what it has heard is what is known of its surroundings.
+/// A robot behind its own protocol: its echoes are the only map of its surroundings.
 #[test]
 fn a_nomad_explores_learns_and_seeks_and_stops() {
     let program = host_sim!();
-    let robot = Robot::at_a_port(&program, "--speed 20 --world room");
+    let robot = ServedRobot::at_a_port(&program, "--speed 20 --world room");
     let flags = format!("--nomad tcp:{} --explore 10 --log nomad.mcap", robot.place);
     let viewed = Viewed::start(&program, &flags);
     let mut steerer = viewed.steerer();
@@ -285,7 +285,7 @@ fn a_nomad_explores_learns_and_seeks_and_stops() {
     ] {
         assert!(steerer.order(order.clone()).is_err(), "{order}");
     }
-    steerer.educate(10);
+    steerer.explore_and_learn(10);
     steerer.wait("heard", |spots| {
         spots.as_array().is_some_and(|spots| spots.len() > 5)
     });
@@ -308,7 +308,7 @@ fn a_nomad_explores_learns_and_seeks_and_stops() {
     assert_eq!(viewed.end(), Some(0));
     let said = program.ok("replay nomad.mcap");
     assert!(said.contains("every one identical"), "{said}");
-    // The base stands once it has braked, or its wheels have: whoever comes next finds it so.
+    // The base stands still after braking, and so do its wheels: the next client finds it so.
     std::thread::sleep(Duration::from_millis(1_700));
     let mut host = robot.connect();
     let state = host.ask(&nomad200::Command::GetState);
@@ -324,16 +324,16 @@ fn nomad_pictures(viewed: &Viewed) {
     page.wait("view.now && view.now.counts.steps > 40");
     fits(&mut page);
     keep("view-nomad.png", &mut page);
-    assert_eq!(page.complaints(), [""; 0]);
+    assert_eq!(page.errors(), [""; 0]);
 }
 
-/// A mind by its own clock, whose ring hears nothing: it learns, and stands for want of echoes.
+/// A controller by its own clock, whose ring has no echoes: it learns, and stops for that reason.
 #[test]
 fn a_board_is_taught_and_steered_over_its_link() {
     let program = host_sim!();
     let viewed = Viewed::start(&program, "--explore 20 --speed max --world room");
     let mut steerer = viewed.steerer();
-    steerer.educate(20);
+    steerer.explore_and_learn(20);
     let saved = steerer.order(json!({"do": "save_mind"})).expect("a mind");
     let hex = saved["file"]["hex"].clone();
     let maps = steerer.latest("maps");
@@ -370,7 +370,7 @@ fn a_board_is_taught_and_steered_over_its_link() {
     steerer.order(json!({"do": "learn"})).expect("it learns");
     steerer.wait_after(moment, "now", is_idle);
     let neuron = json!({"do": "goal_neuron", "neuron": 3});
-    // What was seen of it may be of before it learned.
+    // The last shown state may be from before it learned.
     while steerer.order(neuron.clone()).is_err() {
         std::thread::sleep(Duration::from_millis(50));
     }
@@ -404,7 +404,7 @@ fn board_page(viewed: &Viewed) {
     page.wait("!document.getElementById('arena-card').offsetParent");
     fits(&mut page);
     keep_aside("view-board.png", &mut page);
-    assert_eq!(page.complaints(), [""; 0]);
+    assert_eq!(page.errors(), [""; 0]);
 }
 
 #[test]
@@ -451,7 +451,7 @@ fn strangers_are_refused_and_watchers_cannot_steer() {
             "{foreign}"
         );
     }
-    // A name that somebody else lets point here.
+    // A foreign host name that resolves to this machine.
     let port = viewed.host().rsplit(':').next().expect("a port");
     let name = format!("evil.example:{port}");
     assert_eq!(viewed.knock(&[("Host", &name)]).err(), Some(403));
@@ -469,7 +469,7 @@ fn strangers_are_refused_and_watchers_cannot_steer() {
         let refused = watcher.order(json!({"do": "steer", "token": token, "over": true}));
         assert!(refused.expect_err(token).contains("not the token"));
     }
-    // One steers; the other is told, may take over, and may always stop.
+    // One viewer steers; the other sees it, may take over, and may always stop.
     let mut first = viewed.steerer();
     watcher.wait("seat", |seat| seat["taken"] == true && seat["you"] == false);
     let token = viewed.token();
@@ -487,7 +487,7 @@ fn strangers_are_refused_and_watchers_cannot_steer() {
     first.wait("seat", |seat| seat["taken"] == false);
 }
 
-/// Explores, learns and takes thirty decisions: what the mind knows then.
+/// Explores, learns and takes thirty decisions; returns the controller's state.
 fn learned(viewed: &Viewed) -> Value {
     let mut steerer = viewed.steerer();
     steerer
@@ -520,7 +520,7 @@ fn fifty_viewers_and_a_slow_one_change_nothing() {
     let alone = learned(&Viewed::start(&program, flags));
     let viewed = Viewed::start(&program, flags);
     let mut viewers: Vec<_> = (0..50).map(|_| viewed.viewer()).collect();
-    // It asks for files by the dozen and takes none of them.
+    // It requests dozens of files and reads none of them.
     let mut slow = viewed.viewer();
     let token = viewed.token();
     slow.order(json!({"do": "steer", "token": token}))
@@ -542,7 +542,7 @@ fn fifty_viewers_and_a_slow_one_change_nothing() {
     for viewer in &mut viewers {
         viewer.wait("now", |now| now["counts"]["steps"].as_u64() >= Some(29));
     }
-    // The slow one is gone: 50 viewers and the one that looks.
+    // The slow one is disconnected: 50 viewers and this one remain.
     other.wait("seat", |seat| seat["viewers"].as_u64() <= Some(51));
 }
 

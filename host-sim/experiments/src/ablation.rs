@@ -1,5 +1,6 @@
-//! What each open choice is worth: the recommended preset with one choice changed at a time, the
-//! literal preset, and the hand-written yardstick, over the same random rooms.
+//! Ablation: the preset `default` with one option changed at a time, over the same random rooms.
+//!
+//! Also measures the preset `touzet` and the hand-written reference (Braitenberg).
 
 use sim::braitenberg::{Braitenberg, Tuning};
 
@@ -15,47 +16,47 @@ use sim::ring_pilot::RingPilot;
 use sim::scenes::Behavior;
 use sim::settings;
 
-/// One row: a preset with some choices changed.
+/// One row: a preset with some options changed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variant {
-    /// What is changed, in words or as `--set` takes it.
+    /// What differs from the preset, in words or in the form of `--set`.
     pub name: String,
-    /// Who drives.
-    pub driver: Driver,
+    /// What drives the robot.
+    pub driver: VariantDriver,
 }
 
-/// Who drives.
+/// What drives the robot.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Driver {
-    /// The mind with this configuration.
+pub enum VariantDriver {
+    /// The controller with this configuration.
     Mind(Box<Config<16>>, TurretMode),
-    /// The hand-written yardstick.
+    /// The hand-written reference.
     Braitenberg,
 }
 
 /// Rooms, steps and sonars of a measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Trial {
-    /// First room's seed.
+pub struct AblationTrial {
+    /// Seed of the first room.
     pub first: u64,
-    /// How many rooms.
+    /// Number of rooms.
     pub rooms: u32,
     /// Random moves.
     pub explore_moves: u16,
     /// Steps in each room.
     pub steps: u32,
-    /// Seed of the first room's episode; each further room has the next one.
+    /// Seed of the first room's episode; each further room uses the next seed.
     pub seed: u64,
-    /// What the sonars return.
+    /// Sonar model.
     pub sonar: SonarModel,
 }
 
 /// Means over the rooms.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Figures {
-    /// Rooms in which nothing was touched while seeking.
+pub struct AblationFigures {
+    /// Rooms without contact while seeking.
     pub clean: u32,
-    /// Rooms in which nothing was touched while exploring.
+    /// Rooms without contact while exploring.
     pub clean_exploring: u32,
     /// Contacts per room.
     pub contacts: f64,
@@ -63,13 +64,13 @@ pub struct Figures {
     pub distance_m: f64,
     /// Area swept, square meters.
     pub coverage_m2: f64,
-    /// Share of the steps in which the goal held.
+    /// Share of the steps in which the goal is met.
     pub goal_share: f64,
-    /// Steps shortened by the shield.
+    /// Number of steps that the shield shortens.
     pub shield_stops: f64,
 }
 
-/// Choices changed one at a time from the preset `default`.
+/// Options changed one at a time from the preset `default`.
 const CHANGES: [&str; 39] = [
     "planner=neurons",
     "planner=recall",
@@ -112,7 +113,7 @@ const CHANGES: [&str; 39] = [
     "inhibition=0",
 ];
 
-/// Choices of the paper's four steps, changed one at a time from the preset `probe`.
+/// Options of the paper's four steps, changed one at a time from the preset `probe`.
 const PROBE_CHANGES: [&str; 12] = [
     "subgoal=hops",
     "subgoal=goal",
@@ -128,7 +129,7 @@ const PROBE_CHANGES: [&str; 12] = [
     "inhibition=0",
 ];
 
-/// Choices that matter to the behaviors beside avoidance.
+/// Options that matter to the behaviors other than avoidance.
 const BEHAVIOR_CHANGES: [&str; 13] = [
     "planner=neurons",
     "planner=recall",
@@ -148,14 +149,14 @@ const BEHAVIOR_CHANGES: [&str; 13] = [
 /// The rows of the ablation table, in order.
 ///
 /// # Errors
-/// When a change is not a setting; a test holds that none is wrong.
+/// When a change is not a valid setting; a test checks all of them.
 pub fn variants() -> Result<Vec<Variant>, BadInput> {
     let (held, follow) = (TurretMode::Held, TurretMode::Follow);
     let (default, probe, touzet) = (Config::recommended, Config::probing, Config::touzet);
     let mut rows = vec![
         Variant {
-            name: "Braitenberg (yardstick)".to_owned(),
-            driver: Driver::Braitenberg,
+            name: "Braitenberg (reference)".to_owned(),
+            driver: VariantDriver::Braitenberg,
         },
         mind_of("default, shield on", default(), held),
         mind_of("default", bare(default()), held),
@@ -179,7 +180,7 @@ pub fn variants() -> Result<Vec<Variant>, BadInput> {
 /// The rows of the table over the behaviors, in order; without the shield.
 ///
 /// # Errors
-/// When a change is not a setting; a test holds that none is wrong.
+/// When a change is not a valid setting; a test checks all of them.
 pub fn behavior_variants() -> Result<Vec<Variant>, BadInput> {
     let (held, follow) = (TurretMode::Held, TurretMode::Follow);
     let default = Config::recommended;
@@ -208,7 +209,7 @@ fn frozen(mut config: Config<16>) -> Config<16> {
 fn mind_of(name: &str, config: Config<16>, turret: TurretMode) -> Variant {
     Variant {
         name: name.to_owned(),
-        driver: Driver::Mind(Box::new(config), turret),
+        driver: VariantDriver::Mind(Box::new(config), turret),
     }
 }
 
@@ -217,44 +218,50 @@ fn changed(mut config: Config<16>, change: &str, name: &str) -> Result<Variant, 
     Ok(mind_of(name, bare(config), TurretMode::Held))
 }
 
-/// Measures one variant over all rooms, on all cores; sums are made in the rooms' order.
+/// Measures one variant over all rooms, on all cores. Sums are taken in the order of the rooms.
 ///
 /// # Errors
 /// When an episode fails.
-pub fn measure(variant: &Variant, trial: &Trial) -> Result<Figures, Failure> {
+pub fn measure(variant: &Variant, trial: &AblationTrial) -> Result<AblationFigures, Failure> {
     let rooms: Result<Vec<_>, _> = (0..u64::from(trial.rooms))
         .into_par_iter()
         .map(|room| {
             let world = World::random(trial.first.wrapping_add(room));
             let seed = trial.seed.wrapping_add(room);
-            one(variant, &Trial { seed, ..*trial }, &world)
+            one(variant, &AblationTrial { seed, ..*trial }, &world)
         })
         .collect();
     let count = f64::from(trial.rooms.max(1));
-    Ok(rooms?.iter().fold(Figures::default(), |sum, room| Figures {
-        clean: sum.clean + room.clean,
-        clean_exploring: sum.clean_exploring + room.clean_exploring,
-        contacts: sum.contacts + room.contacts / count,
-        distance_m: sum.distance_m + room.distance_m / count,
-        coverage_m2: sum.coverage_m2 + room.coverage_m2 / count,
-        goal_share: sum.goal_share + room.goal_share / count,
-        shield_stops: sum.shield_stops + room.shield_stops / count,
-    }))
+    Ok(rooms?
+        .iter()
+        .fold(AblationFigures::default(), |sum, room| AblationFigures {
+            clean: sum.clean + room.clean,
+            clean_exploring: sum.clean_exploring + room.clean_exploring,
+            contacts: sum.contacts + room.contacts / count,
+            distance_m: sum.distance_m + room.distance_m / count,
+            coverage_m2: sum.coverage_m2 + room.coverage_m2 / count,
+            goal_share: sum.goal_share + room.goal_share / count,
+            shield_stops: sum.shield_stops + room.shield_stops / count,
+        }))
 }
 
-fn one(variant: &Variant, trial: &Trial, world: &World) -> Result<Figures, Failure> {
+fn one(
+    variant: &Variant,
+    trial: &AblationTrial,
+    world: &World,
+) -> Result<AblationFigures, Failure> {
     match &variant.driver {
-        Driver::Mind(config, turret) => mind(config, *turret, trial, world),
-        Driver::Braitenberg => braitenberg(trial, world),
+        VariantDriver::Mind(config, turret) => mind(config, *turret, trial, world),
+        VariantDriver::Braitenberg => braitenberg(trial, world),
     }
 }
 
 fn mind(
     config: &Config<16>,
     turret: TurretMode,
-    trial: &Trial,
+    trial: &AblationTrial,
     world: &World,
-) -> Result<Figures, Failure> {
+) -> Result<AblationFigures, Failure> {
     let setup = Setup {
         config: config.clone(),
         preset: String::new(),
@@ -269,7 +276,7 @@ fn mind(
         record: false,
     };
     let report = run(world, &setup, |_, _, _| {})?.report;
-    Ok(Figures {
+    Ok(AblationFigures {
         clean: u32::from(report.contacts == 0),
         clean_exploring: u32::from(report.explore_contacts == 0),
         contacts: f64::from(report.contacts),
@@ -280,7 +287,7 @@ fn mind(
     })
 }
 
-fn braitenberg(trial: &Trial, world: &World) -> Result<Figures, Failure> {
+fn braitenberg(trial: &AblationTrial, world: &World) -> Result<AblationFigures, Failure> {
     let body = Body::new(
         world,
         trial.sonar,
@@ -293,13 +300,13 @@ fn braitenberg(trial: &Trial, world: &World) -> Result<Figures, Failure> {
         body,
         trial.steps,
     )?;
-    Ok(Figures {
+    Ok(AblationFigures {
         clean: u32::from(tally.contacts == 0),
         clean_exploring: 1,
         contacts: f64::from(tally.contacts),
         distance_m: tally.distance_m,
         coverage_m2: tally.coverage_m2(),
-        ..Figures::default()
+        ..AblationFigures::default()
     })
 }
 

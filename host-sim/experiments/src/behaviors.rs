@@ -1,6 +1,6 @@
 //! Every behavior in its scenes: many seeds in many worlds, mean and 95 % interval.
 
-use super::scenes::Scene;
+use super::scenes::BehaviorScene;
 use amp::config::Config;
 use arena::noise::Noise;
 use arena::robot::TurretMode;
@@ -13,48 +13,49 @@ use sim::goal_file::GoalFile;
 use sim::scenes::Behavior;
 use sim::statistics::{Mean, bootstrap};
 
-/// How much is measured, and with what.
+/// Size and conditions of the measurement.
 #[derive(Debug, Clone)]
-pub struct Trial {
+pub struct BehaviorTrial {
     /// Number of the first world.
     pub first: u64,
     /// Worlds per scene.
     pub worlds: u32,
     /// Seeds per world.
     pub seeds: u32,
-    /// Random moves in each.
+    /// Random moves before each behavior.
     pub explore_moves: u16,
-    /// Name of the preset the open choices came from.
+    /// Name of the preset behind `config`.
     pub preset: &'static str,
-    /// The mind's open choices.
+    /// The controller's configuration.
     pub config: Config<16>,
-    /// What the ring does while the base steers.
+    /// Motion of the turret while the base steers.
     pub turret: TurretMode,
-    /// What the sonars return, unless the scene has its own.
+    /// Sonar model, unless the scene has its own.
     pub sonar: SonarModel,
 }
 
-/// What came of a scene.
+/// Result of a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Outcome {
+pub struct SceneOutcome {
     /// The measure.
     pub value: Mean,
     /// Steps with contact, %.
     pub contacts_percent: f64,
-    /// Episodes.
+    /// Number of episodes.
     pub episodes: usize,
 }
 
-/// Something of every seed in every world.
+/// A value per seed in every world: `[world][seed]`.
 pub type BySeed<T> = Vec<Vec<T>>;
 
-/// Runs `one` for all seeds in all worlds of a scene, on all cores; the seeds in a world count from 1 000 times its number.
+/// Runs `one` for all seeds in all worlds of a scene, on all cores. Seeds of world n begin at 1000
+/// n.
 ///
 /// # Errors
 /// When an episode fails.
-pub fn each<T: Send>(
-    scene: &Scene,
-    trial: &Trial,
+pub fn run_all<T: Send>(
+    scene: &BehaviorScene,
+    trial: &BehaviorTrial,
     one: impl Fn(&World, &Setup) -> Result<T, Failure> + Sync,
 ) -> Result<BySeed<T>, Failure> {
     let worlds = (0..u64::from(trial.worlds)).into_par_iter();
@@ -73,11 +74,11 @@ pub fn each<T: Send>(
 /// # Errors
 /// When an episode fails.
 pub fn measure(
-    scene: &Scene,
-    trial: &Trial,
+    scene: &BehaviorScene,
+    trial: &BehaviorTrial,
     done: &(impl Fn() + Sync),
-) -> Result<Outcome, Failure> {
-    let worlds: BySeed<Report> = each(scene, trial, |world, setup| {
+) -> Result<SceneOutcome, Failure> {
+    let worlds: BySeed<Report> = run_all(scene, trial, |world, setup| {
         let report = run(world, setup, |_, _, _| {})?.report;
         done();
         Ok(report)
@@ -89,7 +90,7 @@ pub fn measure(
     let all: Vec<_> = worlds.iter().flatten().collect();
     let steps: f64 = all.iter().map(|report| f64::from(report.steps)).sum();
     let contacts: f64 = all.iter().map(|report| f64::from(report.contacts)).sum();
-    Ok(Outcome {
+    Ok(SceneOutcome {
         value: bootstrap(&values),
         contacts_percent: 100.0 * contacts / steps.max(1.0),
         episodes: all.len(),
@@ -100,20 +101,20 @@ pub fn measure(
 ///
 /// # Errors
 /// When it fails.
-pub fn first(scene: &Scene, trial: &Trial) -> Result<Episode, Failure> {
+pub fn first(scene: &BehaviorScene, trial: &BehaviorTrial) -> Result<Episode, Failure> {
     let world = scene.world(trial.first);
     let mut setup = setup(scene, trial, &world, seed_of(trial.first, 0));
     setup.record = true;
     run(&world, &setup, |_, _, _| {})
 }
 
-/// A seed of world `number`, which has a thousand of its own.
+/// Seed number `seed` of world `number`; each world has a range of 1000.
 fn seed_of(number: u64, seed: u64) -> u64 {
     number.wrapping_mul(1_000).wrapping_add(seed)
 }
 
 /// One episode in one of the scene's worlds.
-fn setup(scene: &Scene, trial: &Trial, world: &World, seed: u64) -> Setup {
+fn setup(scene: &BehaviorScene, trial: &BehaviorTrial, world: &World, seed: u64) -> Setup {
     let behavior = match scene.behavior {
         "seek" => show(world, &trial.config, seed),
         name => name.parse().unwrap_or(Behavior::Avoid),
@@ -133,7 +134,7 @@ fn setup(scene: &Scene, trial: &Trial, world: &World, seed: u64) -> Setup {
     }
 }
 
-/// A situation shown to the robot: what an exact ring hears at a free place drawn by `seed`.
+/// A demonstrated situation: what an exact ring reports at a free position drawn by `seed`.
 fn show(world: &World, config: &Config<16>, seed: u64) -> Behavior {
     let mut noise = Noise::new(seed);
     let start = world.start();

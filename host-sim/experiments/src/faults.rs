@@ -1,4 +1,4 @@
-//! What a transducer that is out of order does to the robot, and how soon the robot notices.
+//! Effect of a faulty transducer on the robot, and the time until its detection.
 
 use amp::config::Config;
 use amp::controller::{Event, Outputs, Progress};
@@ -13,28 +13,28 @@ use sim::failure::Failure;
 use sim::pilot::{HeardEcho, InspectableController, Mind, Pilot, SimState};
 use sim::scenes::Behavior;
 
-/// What is the same for every episode.
+/// What all episodes share.
 #[derive(Debug, Clone)]
-pub struct Trial {
-    /// Random rooms, at least 1.
+pub struct FaultTrial {
+    /// Number of random rooms, at least 1.
     pub rooms: u32,
-    /// Seed of the first room; each episode has its room's.
+    /// Seed of the first room; each episode uses the seed of its room.
     pub first: u64,
     /// Random moves before the behavior.
     pub explore_moves: u16,
     /// Steps of obstacle avoidance.
     pub steps: u32,
-    /// What the sonars return, but for the fault.
+    /// Sonar model, apart from the fault.
     pub sonar: SonarModel,
-    /// What the ring does while the base steers.
+    /// Motion of the turret while the base steers.
     pub turret: TurretMode,
-    /// The mind's open choices.
+    /// The controller's configuration.
     pub config: Config<16>,
-    /// Name of the preset they came from.
+    /// Name of the preset behind `config`.
     pub preset: &'static str,
 }
 
-/// The faults that have a name, as [`Course::false_alarms`] counts them.
+/// The faults that have a name, as [`FaultEpisode::false_alarms`] counts them.
 pub const FAULTS: [SensorFault; 4] = [
     SensorFault::Dead,
     SensorFault::Stuck,
@@ -42,39 +42,41 @@ pub const FAULTS: [SensorFault; 4] = [
     SensorFault::Jumping,
 ];
 
-/// What came of one episode.
+/// Result of one episode.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Course {
-    /// Moves that touched something while the faulty transducer was believed (all of them, where there is none).
+pub struct FaultEpisode {
+    /// Moves with contact while the faulty transducer was enabled (all of them without a fault).
     pub contacts_before: u32,
-    /// Moves that touched something while it was not.
+    /// Moves with contact while it was disabled.
     pub contacts_after: u32,
-    /// Moves, random ones included, until it was no longer believed.
+    /// Moves, including random ones, until it was disabled.
     pub noticed: Option<u32>,
-    /// Moves until its fault had a name: as before, but for [`SensorFault::Unheard`].
+    /// Moves until a fault other than [`SensorFault::Unheard`] was reported.
     pub named: Option<u32>,
-    /// Times it was believed again.
+    /// Number of times it was enabled again.
     pub returns: u32,
-    /// Times a transducer in good order was disbelieved, by fault: [`FAULTS`]; but not because it had never been heard.
+    /// Number of times an intact transducer was disabled, by fault: [`FAULTS`] (all except
+    /// [`SensorFault::Unheard`]).
     pub false_alarms: [u32; 4],
-    /// Times a transducer in good order was not believed because it had never been heard.
+    /// Number of times an intact transducer was disabled because it had never reported an echo.
     pub unheard: u32,
     /// Area swept, m².
     pub coverage_m2: f64,
-    /// Way traveled, m.
+    /// Distance traveled, m.
     pub distance_m: f64,
 }
 
-/// Lets the same fault befall each of the 16 transducers in turn in every room; without a fault, each room once. The
-/// courses come by transducer, then by room; `done` is called after each.
+/// Applies the same fault to each of the 16 transducers in turn in every room; without a fault,
+/// drives each room once. Results are ordered by transducer, then room. `done` is called after
+/// each.
 ///
 /// # Errors
 /// When an episode fails.
-pub fn courses(
+pub fn fault_episodes(
     kind: Option<FaultKind>,
-    trial: &Trial,
+    trial: &FaultTrial,
     done: &(impl Fn() + Sync),
-) -> Result<Vec<Course>, Failure> {
+) -> Result<Vec<FaultEpisode>, Failure> {
     let faults: Vec<_> = match kind {
         Some(kind) => (0..16)
             .map(|sensor| {
@@ -89,15 +91,19 @@ pub fn courses(
         .iter()
         .flat_map(|fault| rooms.clone().map(move |room| (*fault, room)))
         .collect();
-    let courses = each.par_iter().map(|(fault, room)| {
+    let fault_episodes = each.par_iter().map(|(fault, room)| {
         let course = course(*fault, *room, trial);
         done();
         course
     });
-    courses.collect()
+    fault_episodes.collect()
 }
 
-fn course(fault: Option<TransducerFault>, room: u64, trial: &Trial) -> Result<Course, Failure> {
+fn course(
+    fault: Option<TransducerFault>,
+    room: u64,
+    trial: &FaultTrial,
+) -> Result<FaultEpisode, Failure> {
     let world = World::random(room);
     let setup = Setup {
         config: trial.config.clone(),
@@ -115,28 +121,28 @@ fn course(fault: Option<TransducerFault>, room: u64, trial: &Trial) -> Result<Co
     let mut witness = Witness {
         mind: Mind::new(setup.config.clone()),
         faulty: fault.map(|fault| fault.sensor as u8),
-        course: Course::default(),
+        course: FaultEpisode::default(),
         moves: 0,
-        seen: 0,
+        processed: 0,
         touched: false,
     };
     let report = run_with(&world, &setup, &mut witness, |_, _, _| {})?.report;
-    Ok(Course {
+    Ok(FaultEpisode {
         coverage_m2: report.coverage_m2,
         distance_m: report.distance_m,
         ..witness.course
     })
 }
 
-/// A mind, and what happens to it.
+/// A controller and the events that reach it.
 struct Witness {
     mind: Mind,
     faulty: Option<u8>,
-    course: Course,
+    course: FaultEpisode,
     moves: u32,
-    /// Verdicts dealt with.
-    seen: usize,
-    /// This move has touched something already.
+    /// Number of verdicts already processed.
+    processed: usize,
+    /// The current move already has a contact.
     touched: bool,
 }
 
@@ -192,7 +198,11 @@ impl Witness {
     }
 
     fn note_verdicts(&mut self) {
-        let news = self.mind.verdicts().get(self.seen..).unwrap_or_default();
+        let news = self
+            .mind
+            .verdicts()
+            .get(self.processed..)
+            .unwrap_or_default();
         for verdict in news {
             let mine = Some(verdict.sensor) == self.faulty;
             let course = &mut self.course;
@@ -210,6 +220,6 @@ impl Witness {
                 course.unheard += 1;
             }
         }
-        self.seen += news.len();
+        self.processed += news.len();
     }
 }

@@ -1,4 +1,5 @@
-//! Measurements over many rooms: the paper's claims, comparisons with other methods, ablations, BARN, sweeps.
+//! Measurements over many rooms: the paper's claims, comparisons with other methods, ablations,
+//! BARN, sweeps.
 
 pub mod ablation;
 pub mod barn;

@@ -1,22 +1,22 @@
-//! Improvement by mere repetition: the same behavior again and again from one memory, the maps going on to learn or
-//! frozen.
+//! Improvement by repetition: repeats one behavior with the same memory, with learning or frozen
+//! maps.
 
-use super::behaviors::{BySeed, Trial, each};
-use super::scenes::Scene;
+use super::behaviors::{BehaviorTrial, BySeed, run_all};
+use super::scenes::BehaviorScene;
 use sim::episode::repeat;
 use sim::failure::Failure;
-use sim::statistics::{Mean, bootstrap};
+use sim::statistics::{Mean, bootstrap, mean};
 
 /// Repetitions of one behavior.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
-    /// The measure at each repetition, while the maps learn.
+    /// The measure at each repetition, with online learning.
     pub learning: Vec<Mean>,
     /// The same with frozen maps.
     pub frozen: Vec<Mean>,
-    /// Learning less frozen over the last half, paired by episode.
+    /// Learning minus frozen over the last half, paired by episode.
     pub difference: Mean,
-    /// The last half less the first repetition while learning, paired by episode.
+    /// Last half minus first repetition with online learning, paired by episode.
     pub gain: Mean,
 }
 
@@ -25,8 +25,8 @@ pub struct Curve {
 /// # Errors
 /// When an episode fails.
 pub fn measure(
-    scene: &Scene,
-    trial: &Trial,
+    scene: &BehaviorScene,
+    trial: &BehaviorTrial,
     times: u32,
     done: &(impl Fn() + Sync),
 ) -> Result<Curve, Failure> {
@@ -51,14 +51,14 @@ pub fn measure(
     })
 }
 
-/// By world, seed and repetition.
+/// The measure by world, seed and repetition.
 fn values(
-    scene: &Scene,
-    trial: &Trial,
+    scene: &BehaviorScene,
+    trial: &BehaviorTrial,
     times: u32,
     done: &(impl Fn() + Sync),
 ) -> Result<BySeed<Vec<f64>>, Failure> {
-    each(scene, trial, |world, setup| {
+    run_all(scene, trial, |world, setup| {
         let reports = repeat(world, setup, times)?;
         done();
         Ok(reports.iter().map(|report| scene.value(report)).collect())
@@ -75,5 +75,5 @@ fn at(worlds: &BySeed<Vec<f64>>, repetition: usize) -> Mean {
 /// The mean over the last half of the repetitions.
 fn late(curve: &[f64]) -> f64 {
     let half = curve.get(curve.len() / 2..).unwrap_or_default();
-    half.iter().sum::<f64>() / half.len().max(1) as f64
+    mean(half.iter().copied())
 }

@@ -1,65 +1,78 @@
-//! The behaviors' scenes: where each is tried, what is measured and what is asked.
+//! The scenes of the behaviors: worlds, measure and required value.
 
 use arena::loaders::rooms;
 use arena::sonar::SonarModel;
 use arena::world::{Point, World};
 use sim::episode::Report;
 
-/// A behavior, its worlds and what it is to reach.
-pub struct Scene {
-    /// The behavior's name; `seek` is to find a place whose situation was shown.
+/// A behavior, its worlds and its required value.
+pub struct BehaviorScene {
+    /// Name of the behavior; in a `seek` scene the robot finds the place of a demonstrated
+    /// situation.
     pub behavior: &'static str,
-    /// What the worlds are.
+    /// Description of the worlds.
     pub place: &'static str,
-    /// Decisions.
+    /// Number of decisions.
     pub steps: u32,
-    /// What the measure is.
+    /// Description of the measure.
     pub measure: &'static str,
-    /// What is asked of it; empty = nothing.
-    pub asked: &'static str,
-    /// Sonars that belong to the scene, whatever else is measured with.
+    /// Required value; empty = none.
+    pub required: &'static str,
+    /// Sonar model of the scene; overrides that of the measurement.
     pub sonar: Option<SonarModel>,
-    /// Where the robot is set down after exploring, by the episode's seed; `None` = where its behavior says.
+    /// Start position after exploring, by the episode's seed; `None` = the behavior's default.
     pub set_down: Option<fn(u64) -> Point>,
     make: fn(u64) -> World,
     value: fn(&Report) -> f64,
 }
 
-/// All scenes, in the table's order.
-pub static SCENES: &[Scene] = &[
-    Scene::new("avoid", "12 boxes", World::random).asks(clean, "clean rooms", "≥ 0.995"),
-    Scene::new("avoid", "12 boxes", World::random).asks(area, "area m²", "≥ 18.8"),
-    Scene::new("avoid-right", "one obstacle", rooms::one_obstacle).asks(
+/// All scenes, in the order of the table.
+pub static SCENES: &[BehaviorScene] = &[
+    BehaviorScene::new("avoid", "12 boxes", World::random).requires(
+        clean,
+        "clean rooms",
+        "≥ 0.995",
+    ),
+    BehaviorScene::new("avoid", "12 boxes", World::random).requires(area, "area m²", "≥ 18.8"),
+    BehaviorScene::new("avoid-right", "one obstacle", rooms::one_obstacle).requires(
         success,
         "passed on its left",
         "≥ 0.80",
     ),
-    Scene::new("wall-right", "plain room", rooms::plain).asks(success, "error m", "≤ 0.20"),
-    Scene::new("wall-right", "five boxes", rooms::boxes).asks(success, "error m", "≤ 0.20"),
-    Scene::new("wall-right", "corridor", rooms::corridor).asks(success, "error m", "≤ 0.20"),
-    Scene::new("wall-left", "plain room", rooms::plain).asks(success, "error m", "≤ 0.20"),
-    Scene::new("wall-left", "five boxes", rooms::boxes).asks(success, "error m", "≤ 0.20"),
-    Scene::new("wall-left", "corridor", rooms::corridor).asks(success, "error m", "≤ 0.20"),
-    Scene::new("nest", "4 m × 4 m", rooms::small).asks(success, "reached", "≥ 0.98"),
-    Scene::new("nest", "4 m × 4 m, noisy sonars", rooms::small)
-        .asks(success, "reached", "≥ 0.80")
+    BehaviorScene::new("wall-right", "plain room", rooms::plain)
+        .requires(success, "error m", "≤ 0.20"),
+    BehaviorScene::new("wall-right", "five boxes", rooms::boxes)
+        .requires(success, "error m", "≤ 0.20"),
+    BehaviorScene::new("wall-right", "corridor", rooms::corridor)
+        .requires(success, "error m", "≤ 0.20"),
+    BehaviorScene::new("wall-left", "plain room", rooms::plain)
+        .requires(success, "error m", "≤ 0.20"),
+    BehaviorScene::new("wall-left", "five boxes", rooms::boxes)
+        .requires(success, "error m", "≤ 0.20"),
+    BehaviorScene::new("wall-left", "corridor", rooms::corridor)
+        .requires(success, "error m", "≤ 0.20"),
+    BehaviorScene::new("nest", "4 m × 4 m", rooms::small).requires(success, "reached", "≥ 0.98"),
+    BehaviorScene::new("nest", "4 m × 4 m, noisy sonars", rooms::small)
+        .requires(success, "reached", "≥ 0.80")
         .with_sonar(SonarModel::Nomad),
-    Scene::new("nest", "six boxes", rooms::six_boxes).asks(success, "reached", "≥ 0.80"),
-    Scene::new("nest", "six boxes", rooms::six_boxes).asks(way, "way m", ""),
-    Scene::new("seek", "4 m × 4 m", rooms::small).asks(success, "reached", "≥ 0.98"),
-    Scene::new("seek", "six boxes", rooms::six_boxes).asks(success, "reached", "≥ 0.80"),
-    Scene::new("follow", "plain room", rooms::plain)
-        .asks(success, "share of 300 s", "≥ 0.80")
+    BehaviorScene::new("nest", "six boxes", rooms::six_boxes)
+        .requires(success, "reached", "≥ 0.80"),
+    BehaviorScene::new("nest", "six boxes", rooms::six_boxes).requires(distance, "distance m", ""),
+    BehaviorScene::new("seek", "4 m × 4 m", rooms::small).requires(success, "reached", "≥ 0.98"),
+    BehaviorScene::new("seek", "six boxes", rooms::six_boxes)
+        .requires(success, "reached", "≥ 0.80"),
+    BehaviorScene::new("follow", "plain room", rooms::plain)
+        .requires(success, "share of 300 s", "≥ 0.80")
         .lasting(400),
-    Scene::new("follow", "five boxes", rooms::boxes)
-        .asks(success, "share of 300 s", "≥ 0.80")
+    BehaviorScene::new("follow", "five boxes", rooms::boxes)
+        .requires(success, "share of 300 s", "≥ 0.80")
         .lasting(400),
-    Scene::new(
+    BehaviorScene::new(
         "avoid-right,wall-right,nest",
         "room with an exit",
         rooms::with_exit,
     )
-    .asks(success, "goals reached", "")
+    .requires(success, "goals reached", "")
     .set_down_at(rooms::inside),
 ];
 
@@ -75,18 +88,18 @@ fn success(report: &Report) -> f64 {
     report.success
 }
 
-fn way(report: &Report) -> f64 {
+fn distance(report: &Report) -> f64 {
     report.distance_m
 }
 
-impl Scene {
+impl BehaviorScene {
     const fn new(behavior: &'static str, place: &'static str, make: fn(u64) -> World) -> Self {
         Self {
             behavior,
             place,
             steps: 1_000,
             measure: "",
-            asked: "",
+            required: "",
             sonar: None,
             set_down: None,
             make,
@@ -94,15 +107,15 @@ impl Scene {
         }
     }
 
-    const fn asks(
+    const fn requires(
         mut self,
         value: fn(&Report) -> f64,
         measure: &'static str,
-        asked: &'static str,
+        required: &'static str,
     ) -> Self {
         self.value = value;
         self.measure = measure;
-        self.asked = asked;
+        self.required = required;
         self
     }
 
@@ -121,13 +134,13 @@ impl Scene {
         self
     }
 
-    /// The scene's measure of an episode.
+    /// The scene's measure for an episode.
     #[must_use]
     pub fn value(&self, report: &Report) -> f64 {
         (self.value)(report)
     }
 
-    /// The scene's world number `index`.
+    /// World number `index` of the scene.
     #[must_use]
     pub fn world(&self, index: u64) -> World {
         (self.make)(index)
@@ -140,10 +153,10 @@ impl Scene {
     }
 }
 
-/// The scenes whose behavior contains a text; all without one.
+/// The scenes whose behavior contains `text`; all scenes without it.
 #[must_use]
-pub fn scenes_named(text: Option<&str>) -> Vec<&'static Scene> {
-    let named = |scene: &&Scene| text.is_none_or(|text| scene.behavior.contains(text));
+pub fn scenes_named(text: Option<&str>) -> Vec<&'static BehaviorScene> {
+    let named = |scene: &&BehaviorScene| text.is_none_or(|text| scene.behavior.contains(text));
     SCENES.iter().filter(named).collect()
 }
 

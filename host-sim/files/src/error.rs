@@ -1,14 +1,14 @@
-//! What goes wrong when the user's input does: one clear sentence, naming the file, key or value.
+//! Errors of user input: one clear sentence that names the file, key or value.
 
 use std::fmt;
 use std::path::Path;
 
-/// Input that cannot be used. Displays as one sentence for the person who typed it.
+/// Invalid input. Displays as one sentence for the user.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BadInput(String);
 
 impl BadInput {
-    /// An error that says `sentence`.
+    /// An error with this sentence.
     pub fn new(sentence: impl Into<String>) -> Self {
         Self(sentence.into())
     }
@@ -23,7 +23,7 @@ impl BadInput {
         Self(format!("{source}, line {line}: {what}"))
     }
 
-    /// A word that is none of `candidates`: names it, suggests the nearest one, and lists them all.
+    /// An unknown word: names it, suggests the nearest candidate, and lists them all.
     pub fn unknown(what: &str, word: &str, candidates: &[&str]) -> Self {
         let hint = suggestion(word, candidates);
         Self(format!(
@@ -41,8 +41,8 @@ impl fmt::Display for BadInput {
 
 impl std::error::Error for BadInput {}
 
-/// The candidate a person who typed `word` most likely meant, if any is near enough: at most one
-/// slip (a letter added, lost, changed or swapped with its neighbor) per three letters.
+/// The candidate that `word` most likely means: at most one error (a letter added, missing, changed
+/// or swapped with its neighbor) per three letters.
 #[must_use]
 pub fn did_you_mean<'a>(word: &str, candidates: &[&'a str]) -> Option<&'a str> {
     let word = word.to_lowercase();
@@ -55,7 +55,7 @@ pub fn did_you_mean<'a>(word: &str, candidates: &[&'a str]) -> Option<&'a str> {
         .map(|(_, candidate)| candidate)
 }
 
-/// `, did you mean "…"?`, or nothing when no candidate is near.
+/// `, did you mean "…"?`, or nothing without a near candidate.
 pub fn suggestion(word: &str, candidates: &[&str]) -> String {
     did_you_mean(word, candidates)
         .map(|near| format!(", did you mean \"{near}\"?"))

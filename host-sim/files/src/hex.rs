@@ -1,6 +1,6 @@
-//! Bytes as text: two digits each.
+//! Bytes as hexadecimal text, two digits each.
 
-/// Bytes in hexadecimal.
+/// Formats bytes in hexadecimal.
 #[must_use]
 pub fn hex(bytes: &[u8]) -> String {
     use std::fmt::Write as _;
@@ -11,7 +11,7 @@ pub fn hex(bytes: &[u8]) -> String {
     })
 }
 
-/// The bytes of a hexadecimal text; `None` when it is none.
+/// Parses a hexadecimal text; `None` if it is invalid.
 #[must_use]
 pub fn unhex(text: &str) -> Option<Vec<u8>> {
     let digit = |byte: u8| char::from(byte).to_digit(16);

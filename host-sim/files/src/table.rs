@@ -1,42 +1,43 @@
-//! Tables of numbers from text files.
+//! Reads tables of numbers from text files.
 //!
-//! One sample per line, values separated by commas, semicolons or tabs (whichever of semicolon, tab, comma the first
-//! line holds). Empty lines and lines that begin with `#` are skipped. The first line is a heading when none of its
-//! fields is a number; the last column holds labels, and is left out, when none of its fields is a number.
+//! One sample per line, separated by semicolons, tabs or commas (the first of these in the first
+//! line). Empty lines and lines that begin with `#` are skipped. A first line without numbers is a
+//! header; a last column without numbers holds labels and is skipped.
 
 use crate::error::BadInput;
 use crate::{MAX_INPUT_BYTES, read_text};
 use std::fmt::Display;
 use std::path::Path;
 
-/// Columns a table may have.
+/// Largest number of columns.
 pub const MAX_COLUMNS: usize = 4096;
 
 /// Finite numbers in rows of equal length; at least one row and one column.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
-    /// Where it came from, for messages.
+    /// Name of the source in messages.
     pub source: String,
-    /// Names of the columns; empty without a heading.
+    /// Names of the columns; empty without a header.
     pub names: Vec<String>,
     /// The rows.
     pub rows: Vec<Vec<f64>>,
-    /// Line of the file (from 1) each row stood on.
+    /// Line of the file (from 1) of each row.
     pub lines: Vec<usize>,
 }
 
 impl Table {
-    /// Reads the table in a file.
+    /// Reads a table from a file.
     ///
     /// # Errors
-    /// A sentence naming the file, and line and column where it is about them: a file that cannot be read or is not
-    /// text, no samples, rows of different lengths, text or something infinite where a number should be.
+    /// A sentence that names the file, and line and column where they apply: a file that cannot be
+    /// read or is not text, no samples, rows of different lengths, a field that is not a finite
+    /// number.
     pub fn load(path: &Path) -> Result<Self, BadInput> {
         let text = read_text(path, MAX_INPUT_BYTES)?;
         Self::parse(&path.display().to_string(), &text)
     }
 
-    /// Reads the table in a text; `source` names it in messages.
+    /// Reads a table from a text; `source` names it in messages.
     ///
     /// # Errors
     /// As [`load`](Self::load).
@@ -46,13 +47,13 @@ impl Table {
         Self::of(source, names, &rows)
     }
 
-    /// An error about one field; `index` is its column's, from 0.
+    /// An error about one field; `index` is the column, from 0.
     pub fn cell(source: &str, line: usize, index: usize, what: impl Display) -> BadInput {
         let column = index + 1;
         BadInput::new(format!("{source}, line {line}, column {column}: {what}"))
     }
 
-    /// Components of a row.
+    /// Number of columns.
     #[must_use]
     pub fn columns(&self) -> usize {
         self.rows.first().map_or(0, Vec::len)
@@ -85,24 +86,24 @@ impl Table {
     }
 }
 
-/// A line's number and its fields.
+/// Number of a line, and its fields.
 pub type Record<'a> = (usize, Vec<&'a str>);
 
-/// The lines of a table as text: at least one row, all of the same number of fields.
+/// The lines of a table as text: at least one row, all with the same number of fields.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Records<'a> {
-    /// The fields of the first line, if that is a heading; else empty.
+    /// The fields of the header; empty without one.
     pub heading: Vec<&'a str>,
     /// The other lines.
     pub rows: Vec<Record<'a>>,
 }
 
 impl<'a> Records<'a> {
-    /// Splits a text into lines and fields; `source` names it in messages. Whether the first line is a heading is told by
-    /// its fields where `headed` does not say it.
+    /// Splits a text into lines and fields; `source` names it in messages. If `headed` is `None`,
+    /// the fields of the first line decide whether it is a header.
     ///
     /// # Errors
-    /// No line, no line but a heading, lines of different lengths.
+    /// No line, only a header, lines of different lengths.
     pub fn parse(source: &str, text: &'a str, headed: Option<bool>) -> Result<Self, BadInput> {
         let about = |what: &str| BadInput::new(format!("{source}: {what}"));
         let mut rows = records(text);
@@ -139,7 +140,7 @@ fn records(text: &str) -> Vec<Record<'_>> {
     filled.into_iter().map(split).collect()
 }
 
-/// The fields of a line; a separator between double quotes is none.
+/// The fields of a line; separators between double quotes do not count.
 fn fields(line: &str, separator: char) -> Vec<&str> {
     let mut quoted = false;
     line.split(|character| {
@@ -150,7 +151,7 @@ fn fields(line: &str, separator: char) -> Vec<&str> {
     .collect()
 }
 
-/// The number a field holds, if it holds one.
+/// The number in a field; `None` if it is no number.
 #[must_use]
 pub fn number(field: &str) -> Option<f64> {
     field.parse().ok()

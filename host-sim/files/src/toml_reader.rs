@@ -1,4 +1,4 @@
-//! Reads our TOML files with serde. An error is one sentence that names file, line and key.
+//! Reads TOML files with serde; an error is one sentence that names file, line and key.
 
 use crate::error::{BadInput, suggestion};
 use serde::de::value::MapAccessDeserializer;
@@ -8,17 +8,17 @@ use std::fmt;
 use std::marker::PhantomData;
 use std::ops::Range;
 
-/// The text of a file, and what the file is called in errors.
+/// The text of a file, and its name in errors.
 #[derive(Debug, Clone, Copy)]
 pub struct TomlText<'a> {
     /// The text.
     pub text: &'a str,
-    /// What the file is called in errors.
+    /// Name of the file in errors.
     pub source: &'a str,
 }
 
 impl<'a> TomlText<'a> {
-    /// The whole file as a `T`, which refuses unknown keys by `deny_unknown_fields`.
+    /// Parses the whole file as a `T`, which refuses unknown keys by `deny_unknown_fields`.
     ///
     /// # Errors
     /// When it is empty, no TOML, or no `T`.
@@ -29,7 +29,7 @@ impl<'a> TomlText<'a> {
         toml::from_str(self.text).map_err(|error| self.sentence(error))
     }
 
-    /// An error about what stands at a place of the file.
+    /// An error about a position in the file.
     pub fn error(&self, span: Range<usize>, what: impl fmt::Display) -> BadInput {
         let before = self.text.as_bytes().get(..span.start).unwrap_or_default();
         let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
@@ -39,7 +39,7 @@ impl<'a> TomlText<'a> {
     fn sentence(&self, mut error: toml::de::Error) -> BadInput {
         let span = error.span().unwrap_or_default();
         let message = error.message().replace('\n', " ");
-        // Without the text it displays as its message, then "in `KEY`" on a line of its own.
+        // Without the text it displays as its message, then "in `KEY`" on a separate line.
         error.set_input(None);
         let text = error.to_string();
         let key = text.trim_end().rsplit_once("\nin `").map(|(_, key)| key);
@@ -50,7 +50,7 @@ impl<'a> TomlText<'a> {
     }
 }
 
-/// Serde's message about the value of `key`, or about the whole file, in our words.
+/// Serde's message about the value of `key`, or about the whole file, in plain words.
 fn reworded(message: &str, key: Option<&str>) -> String {
     let place = key.unwrap_or("the file");
     if let Some((word, known)) = unknown_field(message) {
@@ -71,7 +71,7 @@ fn reworded(message: &str, key: Option<&str>) -> String {
     key.map_or(what.clone(), |key| format!("{key}: {what}"))
 }
 
-/// The key that is not known, and those that are.
+/// The unknown key, and the known ones.
 fn unknown_field(message: &str) -> Option<(&str, Vec<&str>)> {
     let (word, known) = message
         .strip_prefix("unknown field `")?
@@ -83,7 +83,7 @@ fn quoted<'m>(message: &'m str, before: &str) -> Option<&'m str> {
     message.strip_prefix(before)?.strip_suffix('`')
 }
 
-/// Serde's word for a type or a value in words of TOML.
+/// Serde's word for a type or a value in terms of TOML.
 fn plain(word: &str) -> &str {
     match word {
         "a sequence" | "sequence" => "a list",
@@ -102,7 +102,7 @@ fn plain(word: &str) -> &str {
     }
 }
 
-/// A table. Serde alone would take a list of the values as well.
+/// A table. Serde alone would also accept a list of the values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Keyed<T>(pub T);
 

@@ -1,4 +1,4 @@
-//! Which action brings which change of situation: the action map.
+//! Draws the action map: which action brings which change of situation.
 
 use sim::recording::MapRecord;
 
@@ -7,9 +7,11 @@ use crate::draw::layout::{Legend, TOP, Tiles, heading, normalized, u_matrix_lege
 use crate::draw::rosette::{Rosette, arrow, corner, tile};
 use crate::draw::svg::{Svg, decimal, fill};
 
-/// Draws an action map: per neuron the change of situation as bars from a zero circle (outwards = increase) at the
-/// transducers' bearings (rad, front up the page) and the action as an arrow (`actions_m`: meters in the ring frame,
-/// x to the front, y to the left), both relative to the largest on the map; background = U-matrix.
+/// Draws an action map with one tile per neuron, over the U-matrix.
+///
+/// Bars show the change of situation from a zero circle (outward = increase) at the transducers'
+/// bearings (rad, front up the page). An arrow shows the action (`actions_m`: meters in the ring
+/// frame, x to the front, y to the left). Both are relative to the largest on the map.
 ///
 /// Works for any grid and any number of transducers. Returns an SVG document.
 #[must_use]
@@ -59,7 +61,7 @@ fn legend(
         radius: 40.0,
         bearings,
     };
-    // An example: forwards, nearer to what is in front, away from what is behind.
+    // An example: forward, nearer to what is in front, away from what is behind.
     let example: Vec<f64> = bearings.iter().map(|&b| libm::cos(b)).collect();
     rosette.changes(svg, &example, 1.0);
     rosette.arrow(svg, [1.0, 0.0], 1.0);
@@ -67,10 +69,10 @@ fn legend(
     legend.skip(136.0);
     let outward = format!("increase: an obstacle comes nearer; the outer circle is +{change:.2}");
     legend.entry(svg, &outward, |svg, at| bar(svg, at, -7.0, VERMILLION));
-    let inward = format!("decrease: it goes away; −{change:.2} is as long inwards");
+    let inward = format!("decrease: it moves away; −{change:.2} is as long inward");
     legend.entry(svg, &inward, |svg, at| bar(svg, at, 7.0, BLUE));
     let action = format!(
-        "the displacement that goes with it; the longest arrow is {:.1}\u{a0}cm",
+        "the displacement of the neuron; the longest arrow is {:.1}\u{a0}cm",
         100.0 * reach
     );
     legend.entry(svg, &action, |svg, [x, y]| {
@@ -81,7 +83,7 @@ fn legend(
     legend.note(svg, tiles.neighbors());
 }
 
-/// A bar from a zero line, `height` px downwards.
+/// A bar from a zero line, `height` px downward.
 fn bar(svg: &mut Svg, [x, y]: [f64; 2], height: f64, color: &str) {
     svg.rect(
         [x - 4.0, y + height.min(0.0), 8.0, height.abs()],

@@ -1,4 +1,4 @@
-//! What each neuron of any map stands for, as a profile of bars.
+//! Draws the code vectors of any map as bars.
 
 use sim::recording::MapRecord;
 
@@ -7,11 +7,14 @@ use crate::draw::layout::{Legend, TOP, Tiles, heading, normalized, shortened};
 use crate::draw::rosette::{corner, tile};
 use crate::draw::svg::{Font, Svg, decimal, fill};
 
-/// At most this many component names are listed.
+/// Largest number of listed component names.
 const NAMES: usize = 20;
 
-/// Draws the code vectors of a map trained on any data: per neuron one bar per component, all on one scale, from zero
-/// if the values span it, else from the smallest value; `names` are the components' names, in order (may be empty).
+/// Draws the code vectors of a map trained on any data: one bar per component and neuron, all on
+/// one scale.
+///
+/// Bars start at zero if the values span it, else at the smallest value. `names` are the
+/// components' names, in order (may be empty).
 ///
 /// Returns an SVG document.
 #[must_use]
@@ -71,7 +74,10 @@ fn legend(
 ) {
     let mut legend = Legend::right_of(tiles.width());
     legend.headline(svg, "One tile = one neuron");
-    legend.note(svg, "Bars: the components of its code vector, in order. Top right: how often the neuron answered.");
+    legend.note(
+        svg,
+        "Bars: the components of its code vector, in order. Top right: how often the neuron won.",
+    );
     let up = format!("from {} up to {}", decimal(base, 2), decimal(high, 2));
     legend.entry(svg, &up, |svg, [x, y]| {
         svg.rect([x - 5.0, y - 7.0, 10.0, 14.0], &fill(upwards(low, base)))

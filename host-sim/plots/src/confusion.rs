@@ -1,16 +1,16 @@
-//! Which class was taken for which.
+//! Draws a confusion matrix.
 
 use crate::draw::color::{self, GRAY, INK};
 use crate::draw::layout::{MARGIN, PAGE, TOP, heading, shortened};
 use crate::draw::svg::{Anchor, Font, Svg, decimal, fill, filled};
 
-/// Room for the classes' names on the left, px.
+/// Space for the classes' names on the left, px.
 const NAMES: f64 = 150.0;
-/// Room for the classes' names above, px.
+/// Space for the classes' names above, px.
 const ABOVE: f64 = 44.0;
 
-/// Draws a confusion matrix: rows are the classes that were, columns those recalled; a cell's color is its share of its
-/// row, the text in it that share and the count.
+/// Draws a confusion matrix: rows are the true classes, columns the recalled ones. A cell's color
+/// is its share of its row; its text is that share and the count.
 ///
 /// Returns an SVG document.
 #[must_use]

@@ -1,4 +1,4 @@
-//! Curves with their 95 % bands: measures over repetitions or budgets, several lines in each panel.
+//! Draws curves with 95 % bands: measures over repetitions or moves, several lines per panel.
 
 use sim::statistics::Mean;
 
@@ -8,47 +8,47 @@ use crate::draw::svg::{Anchor, Font, Svg, fill, stroke};
 
 /// Panels in a row.
 const COLUMNS: usize = 3;
-/// A panel's height with its captions, and that of its axes, px.
+/// Height of a panel with its captions, and of its axes, px.
 const HEIGHT: f64 = 214.0;
 const AXES: f64 = 138.0;
 
-/// Height of the names below the panels, where there are any, px.
+/// Height of the names below the panels, px.
 const NAMES: f64 = 30.0;
 
-/// The lines' colors, in their order.
+/// Colors of the lines, in order.
 const COLORS: [&str; 6] = [BLUE, ORANGE, GREEN, PURPLE, VERMILLION, INK];
 
-/// What holds for all panels.
+/// What all panels share.
 #[derive(Debug, Clone)]
-pub struct Key {
-    /// What the page shows, in a line.
+pub struct CurveKey {
+    /// One line about the page.
     pub subtitle: String,
-    /// What runs along the panels.
+    /// Name of the horizontal axis.
     pub along: String,
-    /// Places along the panels (counted from 0) that are labeled, and how.
+    /// Labeled positions on the horizontal axis (counted from 0), with their labels.
     pub ticks: Vec<(usize, String)>,
-    /// Names of the lines and whether they are dashed; none where the subtitle names them.
+    /// Names of the lines, and whether they are dashed; empty if the subtitle names them.
     pub names: Vec<(String, bool)>,
 }
 
-/// One panel: a measure by each line, the first drawn first.
+/// One panel: a measure by line; the first line is drawn first.
 #[derive(Debug, Clone)]
 pub struct Curves {
-    /// What it is about.
+    /// Title of the panel.
     pub title: String,
-    /// The measure.
+    /// Name of the measure.
     pub measure: String,
-    /// The measure cannot lie outside: neither does the axis reach farther.
+    /// Limits of the measure; the axis does not exceed them.
     pub within: [f64; 2],
-    /// The lines, all of one length.
+    /// The lines, all of equal length.
     pub lines: Vec<Vec<Mean>>,
 }
 
-/// Draws a panel for each measure, the lines in the colors blue, orange, green, purple, vermillion, black.
+/// Draws a panel per measure, with lines in blue, orange, green, purple, vermillion, black.
 ///
 /// Returns an SVG document.
 #[must_use]
-pub fn curves(title: &str, key: &Key, panels: &[Curves]) -> String {
+pub fn curves(title: &str, key: &CurveKey, panels: &[Curves]) -> String {
     let rows = panels.len().div_ceil(COLUMNS).max(1);
     let below = TOP + rows as f64 * HEIGHT;
     let names = if key.names.is_empty() { 0.0 } else { NAMES };
@@ -74,7 +74,7 @@ fn color(line: usize) -> &'static str {
     COLORS.get(line % COLORS.len()).copied().unwrap_or(INK)
 }
 
-fn drawn(key: &Key, line: usize) -> String {
+fn drawn(key: &CurveKey, line: usize) -> String {
     let solid = stroke(color(line), 2.0);
     match key.names.get(line) {
         Some((_, true)) => format!(r#"{solid} stroke-dasharray="6 4""#),
@@ -82,7 +82,7 @@ fn drawn(key: &Key, line: usize) -> String {
     }
 }
 
-fn panel(svg: &mut Svg, [left, top]: [f64; 2], side: f64, key: &Key, curves: &Curves) {
+fn panel(svg: &mut Svg, [left, top]: [f64; 2], side: f64, key: &CurveKey, curves: &Curves) {
     let name = shortened(&curves.title, (side / 7.0) as usize);
     svg.text([left, top + 14.0], Font::new(12.5).bold(), &name);
     svg.text(
@@ -91,7 +91,7 @@ fn panel(svg: &mut Svg, [left, top]: [f64; 2], side: f64, key: &Key, curves: &Cu
         &curves.measure,
     );
     let area = [left + 42.0, top + 38.0, side - 62.0, AXES];
-    let axes = Axes::holding(area, curves);
+    let axes = CurveAxes::holding(area, curves);
     axes.draw(svg, key);
     for (line, means) in curves.lines.iter().enumerate() {
         let place = |end: usize| {
@@ -110,22 +110,22 @@ fn panel(svg: &mut Svg, [left, top]: [f64; 2], side: f64, key: &Key, curves: &Cu
     }
 }
 
-/// Where values lie on the page.
-struct Axes {
+/// Maps values to page coordinates.
+struct CurveAxes {
     area: [f64; 4],
     low: f64,
     high: f64,
     last: usize,
 }
 
-impl Axes {
+impl CurveAxes {
     fn holding(area: [f64; 4], curves: &Curves) -> Self {
         let all = curves.lines.iter().flatten();
         let ends: Vec<f64> = all.flat_map(|mean| mean.interval).collect();
         let low = ends.iter().copied().fold(f64::INFINITY, f64::min);
         let high = ends.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
-        // A curve that never moves lies in the middle.
+        // A constant curve lies in the middle.
         let [least, most] = curves.within;
         let longest = curves.lines.iter().map(Vec::len).max().unwrap_or(0);
         let rim = ((high - low) * 0.06).max(0.01);
@@ -146,7 +146,7 @@ impl Axes {
         ]
     }
 
-    fn draw(&self, svg: &mut Svg, key: &Key) {
+    fn draw(&self, svg: &mut Svg, key: &CurveKey) {
         let [left, top, width, height] = self.area;
         svg.rect([left, top, width, height], &stroke(PALE, 1.0));
         let font = Font::new(11.0).color(GRAY);
@@ -160,7 +160,7 @@ impl Axes {
             let [x, _] = self.at(*place, self.low);
             svg.text([x, below], font.at(Anchor::Middle), label);
         }
-        // Between the labels of the two ends, or below many of them.
+        // Between the labels of both ends, or below them if there are many.
         let along = if key.ticks.len() > 2 {
             below + 14.0
         } else {
@@ -194,7 +194,7 @@ mod tests {
                 values.iter().copied().map(mean).collect(),
             ],
         };
-        let key = Key {
+        let key = CurveKey {
             subtitle: "Mean and 95 % interval".into(),
             along: "repetition".into(),
             ticks: vec![(0, "1".into()), (2, "3".into())],

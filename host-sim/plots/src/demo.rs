@@ -1,4 +1,4 @@
-//! All pictures of one episode in a folder, with a page that shows and explains them.
+//! Writes all pictures of one episode into a folder, with a page that explains them.
 
 use files::error::BadInput;
 use files::{save, unwritable};
@@ -8,19 +8,17 @@ use std::path::{Path, PathBuf};
 
 use super::page::{Figure, index_html};
 use super::situation_map::MapMarks;
-use super::{action_map, path, png, sequence, situation_map};
+use super::{action_map, path, save_picture, sequence, situation_map};
 
-/// Pixels per page unit of the bitmaps.
-pub const PNG_SCALE: f32 = 2.0;
-
-/// Writes every picture of an episode as SVG and PNG, and `index.html` with them, into `dir` (made if missing).
+/// Writes every picture of an episode as SVG and PNG, and `index.html` with them, into `dir`
+/// (created if missing).
 ///
-/// `summary` are (label, value) rows for the page, `next` commands to try next. Each file appears under its name only
-/// when it is complete. Returns the files in the order they were written, `index.html` last.
+/// `summary` has (label, value) rows for the page, `next` has commands to try next. A file appears
+/// under its name only when it is complete. Returns the files in the order of writing, `index.html`
+/// last.
 ///
 /// # Errors
-///
-/// The first file that could not be written; those before it stay.
+/// The first file that cannot be written; earlier files stay.
 pub fn write(
     dir: &Path,
     recording: &Recording,
@@ -31,15 +29,10 @@ pub fn write(
     let mut written = Vec::new();
     let mut figures = Vec::new();
     for (name, title, caption, svg) in pictures(recording) {
-        let file = format!("{name}.svg");
-        written.push(save(dir, &file, svg.as_bytes())?);
-        let bitmap = format!("{name}.png");
-        let png = png::render(&svg, PNG_SCALE)
-            .map_err(|error| BadInput::file(&dir.join(&bitmap), error))?;
-        written.push(save(dir, &bitmap, &png)?);
+        written.extend(save_picture(dir, name, &svg)?);
         let caption = caption.iter().map(|&paragraph| paragraph.into()).collect();
         figures.push(Figure {
-            file,
+            file: format!("{name}.svg"),
             title: title.into(),
             caption,
         });
@@ -59,7 +52,7 @@ pub fn write(
 
 type Picture = (&'static str, &'static str, &'static [&'static str], String);
 
-/// Name, title, caption and document of each picture, in the order a student should see them.
+/// Name, title, caption and document of each picture, in the recommended order.
 pub fn pictures(recording: &Recording) -> [Picture; 4] {
     let plan = recording
         .seeking
@@ -69,7 +62,7 @@ pub fn pictures(recording: &Recording) -> [Picture; 4] {
     let marks = plan.map(MapMarks::from).unwrap_or_default();
     let ring = &recording.bearings_rad;
     [
-        ("path", "The way through the world", PATH, path(recording)),
+        ("path", "The path through the world", PATH, path(recording)),
         (
             "situation-map",
             "What the robot has learned to recognize",
@@ -92,28 +85,30 @@ pub fn pictures(recording: &Recording) -> [Picture; 4] {
 }
 
 const PATH: &[&str] = &[
-    "The world from above. The robot first makes random moves (purple): that is all it ever learns from before it is \
-     given a goal. Then it seeks the goal, a situation it should perceive, from S to F; the color of the path tells \
-     the time.",
-    "Nobody told the robot what an obstacle is or how to turn: look for places where the path bends away from a wall \
-     before the body could touch it.",
+    "The world from above. The robot first makes random moves (purple), its only experience before \
+     it gets a goal. Then it seeks the goal, a situation it should perceive, from S to F; the color \
+     of the path shows the time.",
+    "The robot has no rule for obstacles or turns: see where the path bends away from a wall before \
+     the body could touch it.",
 ];
 const SITUATION_MAP: &[&str] = &[
-    "Each tile is one neuron of the situation map and stands for a situation: the longer a bar, the nearer the \
-     obstacle in that direction. The front of the ring points up, its left to the left.",
-    "Neighboring neurons stand for similar situations; a dark background marks a neuron that differs from its \
-     neighbors. The goal is one of these neurons, and a way from tile to tile towards it is a plan.",
+    "Each tile is one neuron of the situation map and represents a situation: the longer a bar, the \
+     nearer the obstacle in that direction. The front of the ring points up, its left to the left.",
+    "Neighboring neurons represent similar situations; a dark background marks a neuron that differs \
+     from its neighbors. The goal is one of these neurons, and a path from tile to tile toward it is \
+     a plan.",
 ];
 const ACTION_MAP: &[&str] = &[
-    "Each tile is one neuron of the action map: a change of situation and the displacement that brings it. Bars \
-     outwards: something comes nearer there; bars inwards: it goes away; the arrow is the displacement.",
-    "Where learning went well, bars point outwards on the arrow's side and inwards behind it.",
+    "Each tile is one neuron of the action map: a change of situation and the displacement that \
+     brings it. Bars outward: an obstacle comes nearer; bars inward: it moves away; the arrow is the displacement.",
+    "Where learning went well, bars point outward on the arrow's side and inward behind it.",
 ];
 const SEQUENCE: &[&str] = &[
-    "A few decisions in a row. Looking one step ahead, the robot asks the action map what each direction would change, \
-     and takes the one whose situation to come is nearest to the goal. (In the presets that keep the paper's four steps it \
-     picks a neighbor of its present neuron that is nearer to the goal and asks which displacement brings the difference.)",
-    "Compare the change that was wanted with the change that was measured after the move: they agree in direction \
+    "A few decisions in a row. Looking one step ahead, the robot predicts the effect of each \
+     direction with the action map, and takes the one whose predicted situation is nearest to the \
+     goal. (In the presets with the paper's four steps it selects a neighbor of its present neuron \
+     that is nearer to the goal, and the action map gives the displacement for the difference.)",
+    "Compare the wanted change with the change measured after the move: they agree in direction \
      where the maps know the situation well.",
 ];
 

@@ -1,4 +1,4 @@
-//! Dot plot: means with their 95 % intervals, a row for each value, a panel for each measure.
+//! Draws dot plots: means with 95 % intervals, a row per value, a panel per measure.
 
 use sim::statistics::Mean;
 
@@ -12,9 +12,9 @@ const LABELS: f64 = 180.0;
 const ROW: f64 = 24.0;
 /// Gap between panels, px.
 const GAP: f64 = 30.0;
-/// Height above a section's rows: its title and the panels' names, px.
+/// Height above a section's rows, for its title and the panels' names, px.
 const ABOVE: f64 = 50.0;
-/// Height below them: the numbers of the axes, px.
+/// Height below the rows, for the numbers of the axes, px.
 const BELOW: f64 = 34.0;
 
 /// One measure.
@@ -22,9 +22,9 @@ const BELOW: f64 = 34.0;
 pub struct DotPanel {
     /// Its name, with the unit.
     pub name: String,
-    /// It cannot lie outside.
+    /// Limits of the measure.
     pub within: [f64; 2],
-    /// One for each row; `None` where nothing is known.
+    /// One mean per row; `None` without a value.
     pub means: Vec<Option<Mean>>,
 }
 
@@ -33,13 +33,13 @@ pub struct DotPanel {
 pub struct DotSection {
     /// Its title.
     pub title: String,
-    /// The rows' labels, and the numbers of cases behind them.
+    /// Labels of the rows, and the number of cases of each.
     pub labels: Vec<(String, usize)>,
     /// The measures.
     pub panels: Vec<DotPanel>,
 }
 
-/// Draws sections one below the other; their panels stand side by side.
+/// Draws sections one below the other; the panels of a section are side by side.
 ///
 /// Returns an SVG document.
 #[must_use]
@@ -72,7 +72,7 @@ fn section(svg: &mut Svg, top: f64, section: &DotSection) {
         let left = MARGIN + LABELS + index as f64 * (width + GAP);
         let name = shortened(&panel.name, (width / 6.2) as usize);
         svg.text([left, top + 38.0], Font::new(12.0).color(GRAY), &name);
-        let axis = Axis::holding(panel, left, width);
+        let axis = DotAxis::holding(panel, left, width);
         axis.draw(svg, top + ABOVE, section.labels.len() as f64 * ROW);
         for (row, mean) in panel.means.iter().enumerate() {
             let Some(Mean { mean, interval }) = mean else {
@@ -86,23 +86,23 @@ fn section(svg: &mut Svg, top: f64, section: &DotSection) {
     }
 }
 
-/// Where values lie on the page.
-struct Axis {
+/// Maps values to page coordinates.
+struct DotAxis {
     left: f64,
     width: f64,
     low: f64,
     high: f64,
 }
 
-impl Axis {
-    /// All intervals of a panel, with a rim.
+impl DotAxis {
+    /// An axis with room for all intervals of a panel.
     fn holding(panel: &DotPanel, left: f64, width: f64) -> Self {
         let ends = panel.means.iter().flatten().flat_map(|mean| mean.interval);
         let low = ends.clone().fold(f64::INFINITY, f64::min);
         let high = ends.fold(f64::NEG_INFINITY, f64::max);
         let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
         let [least, most] = panel.within;
-        // Without any spread the values lie in the middle, or at the end they cannot pass.
+        // Without any spread the values lie in the middle, or at a limit of the measure.
         let rim = ((high - low) * 0.06).max(high.abs() * 0.002).max(1e-3);
         let (low, high) = ((low - rim).max(least), (high + rim).min(most));
         Self {
@@ -129,7 +129,7 @@ impl Axis {
     }
 }
 
-/// Round numbers between two values, at most six, and the decimals they need.
+/// Round numbers between two values, at most six, and the number of their decimals.
 fn ticks(low: f64, high: f64) -> (Vec<f64>, usize) {
     let span = (high - low).max(1e-9);
     let unit = libm::pow(10.0, libm::floor(libm::log10(span / 4.0)));

@@ -1,4 +1,4 @@
-//! A plausible episode for the tests of the pictures: a robot with 16 transducers that turns away from what is near.
+//! A synthetic episode for the tests of the pictures: a robot with 16 transducers avoids obstacles.
 
 use core::f64::consts::TAU;
 
@@ -72,7 +72,7 @@ pub fn world() -> World {
 
 /// A whole episode: 100 random moves, 400 decisions, two maps of 4 × 4 neurons.
 pub fn recording() -> Recording {
-    let mut robot = Robot {
+    let mut robot = FixtureRobot {
         world: world(),
         place: Point::new(4.0, 3.0),
         random: 7,
@@ -107,7 +107,7 @@ pub fn recording() -> Recording {
     }
 }
 
-/// An episode in which nothing happened and nothing was learned.
+/// An episode without moves and without maps.
 pub fn empty() -> Recording {
     let none = MapRecord {
         grid: [0, 0],
@@ -125,19 +125,19 @@ pub fn empty() -> Recording {
     }
 }
 
-/// Fails unless `svg` is a picture that a browser shows.
+/// Fails unless `svg` is a well-formed SVG document.
 pub fn assert_well_formed(svg: &str) {
     super::png::check(svg).unwrap_or_else(|error| panic!("{error}\n{svg}"));
 }
 
-struct Robot {
+struct FixtureRobot {
     world: World,
     place: Point,
     random: u64,
     time: f64,
 }
 
-impl Robot {
+impl FixtureRobot {
     /// A number in [0, 1) from a linear congruential generator.
     fn chance(&mut self) -> f64 {
         self.random = self
@@ -147,7 +147,7 @@ impl Robot {
         (self.random >> 40) as f64 / f64::from(1 << 24)
     }
 
-    /// The distance to the first surface along a bearing, found by marching.
+    /// The distance to the first surface along a bearing, by ray marching.
     fn range(&self, bearing: f64) -> Option<f64> {
         let mut far = RADIUS_M;
         while far < 6.5 {
@@ -172,8 +172,9 @@ impl Robot {
             range.map_or(0.0, |r| ((FAR_M - r) / (FAR_M - NEAR_M)).clamp(0.0, 1.0))
         };
         let along = Point::unit(direction);
-        let free = |way: &f64| self.world.clearance(self.place + along * *way) > RADIUS_M + 0.03;
-        let way = (1..=25)
+        let free =
+            |distance: &f64| self.world.clearance(self.place + along * *distance) > RADIUS_M + 0.03;
+        let distance = (1..=25)
             .map(|cm| f64::from(cm) / 100.0)
             .take_while(free)
             .last()
@@ -185,20 +186,20 @@ impl Robot {
             ranges_m,
             plan,
             commanded_m: [0.25 * along.x, 0.25 * along.y],
-            executed_m: [way * along.x, way * along.y],
-            touched: way < 0.25 && self.chance() < 0.2,
-            shielded: way < 0.25,
+            executed_m: [distance * along.x, distance * along.y],
+            touched: distance < 0.25 && self.chance() < 0.2,
+            shielded: distance < 0.25,
             leader: None,
             part: 0,
         };
-        self.place = self.place + along * way;
+        self.place = self.place + along * distance;
         self.time += 1.5;
         step
     }
 }
 
-/// 400 decisions: straight on in the open, away from what is near otherwise.
-fn seek(robot: &mut Robot, map: &MapRecord) -> Vec<Step> {
+/// 400 decisions: straight in free space, else away from the nearest obstacle.
+fn seek(robot: &mut FixtureRobot, map: &MapRecord) -> Vec<Step> {
     let mut steps: Vec<Step> = Vec::new();
     let mut direction: f64 = 0.3;
     for _ in 0..400 {

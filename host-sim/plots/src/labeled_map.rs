@@ -1,4 +1,4 @@
-//! A situation map whose neurons carry what was done in the situations they won.
+//! Draws a situation map whose neurons are labeled with the actions in their situations.
 
 use core::f64::consts::TAU;
 
@@ -23,13 +23,16 @@ pub struct LabeledMap<'a> {
     pub labels: &'a [Option<Vec<f64>>],
     /// Names of the classes or of the velocities.
     pub components: &'a [String],
-    /// They are classes.
+    /// By neuron: shares of the classes, or mean velocities; `None` for a neuron that won no
+    /// sample.
     pub named: bool,
 }
 
-/// Draws a tile for each neuron, colored by what was done most often there, as strongly as it prevailed; larger tiles hold
-/// the neuron's code vector as a rosette, the first component up and the others counter-clockwise at equal steps.
-/// Velocities stand in the tiles as numbers.
+/// Draws a tile per neuron, colored by its most frequent action; a larger share gives a stronger
+/// color.
+///
+/// Larger tiles hold the code vector as a rosette, the first component up and the others
+/// counter-clockwise at equal steps. Velocities are numbers in the tiles.
 ///
 /// Returns an SVG document.
 #[must_use]
@@ -65,7 +68,7 @@ pub fn labeled_map(shown: &LabeledMap<'_>, title: &str) -> String {
     svg.finish(title, &subtitle)
 }
 
-/// The class that prevails and its share.
+/// The most frequent class and its share.
 fn prevailing(label: &[f64]) -> Option<(usize, f64)> {
     let of = label.iter().copied().enumerate();
     of.reduce(|best, other| if other.1 > best.1 { other } else { best })

@@ -1,4 +1,4 @@
-//! One page that shows all pictures of a demo and explains them.
+//! The HTML page that shows and explains all pictures of a demo.
 
 use std::fmt::Write as _;
 
@@ -11,7 +11,7 @@ pub struct Figure {
     pub file: String,
     /// Headline.
     pub title: String,
-    /// What to see in it: one or more paragraphs.
+    /// Explanation: one or more paragraphs.
     pub caption: Vec<String>,
 }
 
@@ -19,7 +19,8 @@ const STYLE: &str = include_str!("page.css");
 
 /// The HTML page of `figures` with a summary table of (label, value) rows and commands to try next.
 ///
-/// Refers to the picture files by name only, so the folder can be moved as a whole. Light and dark, phone and paper.
+/// It refers to the picture files by name only, so the folder can be moved. It supports dark mode,
+/// small screens and print.
 #[must_use]
 pub fn index_html(
     title: &str,
@@ -37,10 +38,10 @@ pub fn index_html(
     html
 }
 
-/// The end of every page.
+/// End of every page.
 pub const CLOSING: &str = "</main>\n</body>\n</html>\n";
 
-/// The beginning of every page, up to its headline.
+/// Start of every page, up to its headline.
 pub fn opening(title: &str) -> String {
     let heading = escape(title);
     format!(

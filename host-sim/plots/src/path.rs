@@ -1,4 +1,4 @@
-//! The way of a robot through its world from above (Fig. 5 of the paper).
+//! Draws the path of a robot through its world from above (Fig. 5 of the paper).
 
 use arena::world::Point;
 use sim::recording::{Recording, Step};
@@ -6,21 +6,23 @@ use sim::recording::{Recording, Step};
 use crate::draw::color::{self, GRAY, INK, OBSTACLE, ORANGE, PURPLE, VERMILLION};
 use crate::draw::layout::{Legend, MARGIN, PAGE, PLOT, TOP, counted, heading};
 use crate::draw::marks::{self, contact_mark};
-use crate::draw::scene::{self, View};
+use crate::draw::scene::{self, SceneView};
 use crate::draw::svg::{Anchor, Font, Svg, decimal, filled, num, stroke};
 
-/// Way between two drawn bodies, m.
+/// Distance between two drawn bodies, m.
 const SPACING_M: f64 = 1.0;
-/// Colors along the path.
+/// Number of colors along the path.
 const SHADES: usize = 48;
 
-/// Draws a whole episode from above: obstacles, exploration, the path colored by time with the body about every
-/// meter, start S, end F, contacts and shield interventions, scale bar, legend.
+/// Draws a whole episode from above: obstacles, exploration, the path colored by time.
 ///
-/// Meters; the world's x to the right, its y up the page. Returns an SVG document.
+/// The body is drawn about every meter; also start S, end F, contacts, shield interventions, scale
+/// bar and legend.
+///
+/// The world's x points right, its y up the page. Returns an SVG document.
 #[must_use]
 pub fn path(recording: &Recording) -> String {
-    let view = View::new(
+    let view = SceneView::new(
         scene::extent(&recording.world),
         [MARGIN, TOP],
         [PLOT, 640.0],
@@ -33,7 +35,7 @@ pub fn path(recording: &Recording) -> String {
     );
     let subtitle = subtitle(recording);
     heading(&mut svg, &title, &subtitle);
-    way(&mut svg, &view, recording);
+    draw_path(&mut svg, &view, recording);
     scene::scale_bar(
         &mut svg,
         [MARGIN + 2.0, TOP + view.size[1] + 24.0],
@@ -44,8 +46,8 @@ pub fn path(recording: &Recording) -> String {
     svg.finish(&title, &subtitle)
 }
 
-/// The world with everything that happened in it.
-pub(super) fn way(svg: &mut Svg, view: &View, recording: &Recording) {
+/// The world with the path and all marks.
+pub(super) fn draw_path(svg: &mut Svg, view: &SceneView, recording: &Recording) {
     scene::obstacles(svg, view, &recording.world);
     exploration(svg, view, &recording.exploration);
     marks::leader(svg, view, recording);
@@ -70,7 +72,7 @@ fn count(steps: &[Step], condition: impl Fn(&Step) -> bool) -> usize {
     steps.iter().filter(|&step| condition(step)).count()
 }
 
-fn exploration(svg: &mut Svg, view: &View, steps: &[Step]) {
+fn exploration(svg: &mut Svg, view: &SceneView, steps: &[Step]) {
     let places: Vec<_> = scene::places(steps)
         .iter()
         .map(|&place| view.at(place))
@@ -80,7 +82,7 @@ fn exploration(svg: &mut Svg, view: &View, steps: &[Step]) {
     contacts(svg, view, steps, PURPLE);
 }
 
-fn seeking(svg: &mut Svg, view: &View, recording: &Recording) {
+fn seeking(svg: &mut Svg, view: &SceneView, recording: &Recording) {
     let places = scene::places(&recording.seeking);
     let last = places.len().saturating_sub(1);
     let shade = |i: usize| color::time(i as f64 / last.max(1) as f64);
@@ -106,7 +108,7 @@ fn seeking(svg: &mut Svg, view: &View, recording: &Recording) {
     contacts(svg, view, &recording.seeking, VERMILLION);
 }
 
-/// The places at which the body is drawn: about every meter of path, where there is room among the others.
+/// The positions of the drawn bodies: about every meter of path, if there is room.
 fn footprints(places: &[Point], radius: f64) -> Vec<usize> {
     let ends = [places.first(), places.last()];
     let mut chosen: Vec<usize> = Vec::new();
@@ -124,8 +126,8 @@ fn footprints(places: &[Point], radius: f64) -> Vec<usize> {
     chosen
 }
 
-/// Shortened motions, where they ended.
-fn shielded(svg: &mut Svg, view: &View, steps: &[Step]) {
+/// Marks the ends of the motions that the shield shortened.
+fn shielded(svg: &mut Svg, view: &SceneView, steps: &[Step]) {
     let ends = scene::places(steps).into_iter().skip(1);
     for (_, end) in steps
         .iter()
@@ -136,22 +138,22 @@ fn shielded(svg: &mut Svg, view: &View, steps: &[Step]) {
     }
 }
 
-/// Contacts, where the motions that met them ended.
-fn contacts(svg: &mut Svg, view: &View, steps: &[Step], color: &str) {
+/// Marks the ends of the motions with contact.
+fn contacts(svg: &mut Svg, view: &SceneView, steps: &[Step], color: &str) {
     let ends = scene::places(steps).into_iter().skip(1);
     for (_, end) in steps.iter().zip(ends).filter(|(step, _)| step.touched) {
         contact_mark(svg, view.at(end), color);
     }
 }
 
-/// A motion the shield shortened.
+/// The mark of a shortened motion.
 pub fn shield_mark(svg: &mut Svg, [x, y]: [f64; 2]) {
     let corners = [[x, y - 4.0], [x + 4.0, y], [x, y + 4.0], [x - 4.0, y]];
     svg.polygon(&corners, &filled(ORANGE, "#ffffff", 0.8));
 }
 
-/// Start and end: the body, with its letter inside, or beside it when both are at one place.
-fn ends(svg: &mut Svg, view: &View, [start, end]: [Point; 2], radius: f64) {
+/// Start and end: the body with a letter inside, or beside it if both are at one position.
+fn ends(svg: &mut Svg, view: &SceneView, [start, end]: [Point; 2], radius: f64) {
     let apart = start.distance(end) > 1.5 * radius;
     let size = (radius * view.scale).max(4.0);
     for (place, letter, side, shade) in [(start, "S", -1.0, 0.0), (end, "F", 1.0, 1.0)] {
@@ -167,7 +169,7 @@ fn ends(svg: &mut Svg, view: &View, [start, end]: [Point; 2], radius: f64) {
     }
 }
 
-fn legend(svg: &mut Svg, view: &View, recording: &Recording) {
+fn legend(svg: &mut Svg, view: &SceneView, recording: &Recording) {
     let mut legend = Legend::right_of(PLOT.min(view.size[0]));
     let steps = &recording.seeking;
     let decisions = format!("{} (F)", steps.len());
@@ -200,7 +202,7 @@ fn legend(svg: &mut Svg, view: &View, recording: &Recording) {
     surroundings(&mut legend, svg, recording);
 }
 
-/// Exploration, obstacles, and what a situation is made of.
+/// Legend entries of exploration, obstacles and the situation.
 fn surroundings(legend: &mut Legend, svg: &mut Svg, recording: &Recording) {
     let exploration = &recording.exploration;
     let moves = format!("exploration: {}", counted(exploration.len(), "random move"));

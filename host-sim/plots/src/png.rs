@@ -1,4 +1,4 @@
-//! Bitmaps of the pictures, with the bundled font only: the same on every machine.
+//! Renders pictures as PNG with the bundled font only: the same bytes on every machine.
 
 use std::fmt;
 use std::sync::{Arc, OnceLock};
@@ -6,19 +6,19 @@ use std::sync::{Arc, OnceLock};
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree, fontdb};
 
-/// Why a picture could not become a bitmap.
+/// Why a picture could not be rendered.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum RenderError {
-    /// The text is not an SVG document; says what is wrong.
+    /// The text is not an SVG document, for this reason.
     NotSvg(String),
-    /// No bitmap of this size (px) can be made.
+    /// A bitmap of this size (px) is not possible.
     Size {
         /// Width, px.
         width: u32,
         /// Height, px.
         height: u32,
     },
-    /// The bitmap could not be encoded; says why.
+    /// The bitmap could not be encoded, for this reason.
     Encoding(String),
 }
 
@@ -34,13 +34,12 @@ impl fmt::Display for RenderError {
 
 impl std::error::Error for RenderError {}
 
-/// The most pixels a bitmap may have.
+/// Largest number of pixels of a bitmap.
 const MAX_PIXELS: u64 = 100_000_000;
 
-/// The PNG file of an SVG document, `scale` pixels per page unit.
+/// Renders an SVG document as a PNG file, `scale` pixels per page unit.
 ///
 /// # Errors
-///
 /// When `svg` is no SVG document, or the bitmap would be empty or larger than 100 megapixels.
 pub fn render(svg: &str, scale: f32) -> Result<Vec<u8>, RenderError> {
     let tree = parse(svg)?;
@@ -60,10 +59,10 @@ pub fn render(svg: &str, scale: f32) -> Result<Vec<u8>, RenderError> {
         .map_err(|error| RenderError::Encoding(error.to_string()))
 }
 
-/// Whether a browser shows this picture: well-formed, and no number in it is NaN or infinite.
+/// Checks that a browser shows this picture: well-formed, and no number is NaN or infinite.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The first fault found.
 pub fn check(svg: &str) -> Result<(), String> {
     parse(svg).map_err(|error| error.to_string())?;
     match ["NaN", "inf\"", "-0\""]
@@ -75,7 +74,7 @@ pub fn check(svg: &str) -> Result<(), String> {
     }
 }
 
-/// The document as the renderer understands it.
+/// The document as parsed by the renderer.
 fn parse(svg: &str) -> Result<Tree, RenderError> {
     let options = Options {
         fontdb: fonts(),
@@ -84,7 +83,7 @@ fn parse(svg: &str) -> Result<Tree, RenderError> {
     Tree::from_str(svg, &options).map_err(|error| RenderError::NotSvg(error.to_string()))
 }
 
-/// The bundled fonts; every generic family means the first of them.
+/// The bundled fonts; every generic family maps to the first of them.
 fn fonts() -> Arc<fontdb::Database> {
     static FONTS: OnceLock<Arc<fontdb::Database>> = OnceLock::new();
     FONTS

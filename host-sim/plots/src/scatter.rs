@@ -1,4 +1,4 @@
-//! Data in the plane or in space with a map spread through them (Fig. 1 of the paper).
+//! Draws samples in the plane or in space with the map trained on them (Fig. 1 of the paper).
 
 use sim::recording::MapRecord;
 
@@ -6,16 +6,19 @@ use crate::draw::color::{BLUE, GRAY, INK, ORANGE, PALE};
 use crate::draw::layout::{Legend, MARGIN, PAGE, PLOT, TOP, counted, heading, shortened};
 use crate::draw::svg::{Anchor, Font, Svg, fill, filled, num, stroke};
 
-/// At most this many samples are drawn, evenly picked.
+/// Largest number of drawn samples, evenly picked.
 const MAX_DOTS: usize = 4000;
-/// From where space is seen: turned about the third axis, then lifted, rad.
+/// View of three dimensions: rotation about the third axis, then elevation, rad.
 const TURN: f64 = 0.62;
 const LIFT: f64 = 0.42;
 /// Height of the drawing, px.
 const HEIGHT: f64 = 540.0;
 
-/// Draws samples as dots and code vectors as circles joined along the grid, for data of two or three dimensions
-/// (three in parallel projection, all axes on one scale); `names` label the axes (may be empty).
+/// Draws samples as dots and code vectors as circles joined along the grid, in two or three
+/// dimensions.
+///
+/// Three dimensions are shown in parallel projection, all axes on one scale. `names` label the axes
+/// (may be empty).
 ///
 /// Returns an SVG document, or nothing when the code vectors have another number of dimensions.
 #[must_use]
@@ -62,7 +65,7 @@ fn picked(samples: &[Vec<f64>]) -> impl Iterator<Item = &Vec<f64>> {
         .step_by(samples.len().div_ceil(MAX_DOTS).max(1))
 }
 
-/// The first `dimensions` values; nothing if there are fewer or one is not finite.
+/// The first `dimensions` values; `None` if there are fewer or one is not finite.
 fn point(values: &[f64], dimensions: usize) -> Option<[f64; 3]> {
     let values = values.get(..dimensions)?;
     let at = |i: usize| values.get(i).copied().unwrap_or(0.0);
@@ -72,13 +75,13 @@ fn point(values: &[f64], dimensions: usize) -> Option<[f64; 3]> {
         .then(|| [at(0), at(1), at(2)])
 }
 
-/// The box that holds the data, and how it lies on the page.
+/// The box around the data, and its position on the page.
 struct Space {
     low: [f64; 3],
     high: [f64; 3],
     flat: bool,
     scale: f64,
-    /// Projected middle of the box.
+    /// Projected center of the box.
     middle: [f64; 2],
 }
 
@@ -154,7 +157,7 @@ impl Space {
                 svg.line(ends[0], ends[1], &stroke(PALE, 1.0));
             }
         }
-        // The edges nearest to the reader carry the axes.
+        // The edges nearest to the viewer carry the axes.
         let edges: [[usize; 2]; 3] = if self.flat {
             [[0, 1], [0, 2], [0, 0]]
         } else {

@@ -1,4 +1,4 @@
-//! A telling stretch of decisions, one by one (Fig. 4 of the paper).
+//! Draws successive decisions of an avoidance (Fig. 4 of the paper).
 
 use core::ops::Range;
 
@@ -10,26 +10,27 @@ use super::sequence_panels::{self as panels, AXES, Ends, HEIGHT, PITCH, Panel};
 use crate::draw::color::{self, BLUE, GRAY, INK, PALE, VALUE, VERMILLION};
 use crate::draw::layout::{Legend, MARGIN, PAGE, TOP, heading, shortened};
 use crate::draw::marks::contact_mark;
-use crate::draw::scene::{self, View};
-use crate::draw::stretch::{difference, telling};
+use crate::draw::scene::{self, SceneView};
+use crate::draw::stretch::{best_avoidance, difference};
 use crate::draw::svg::{Font, Svg, decimal, fill, filled, stroke};
 
-/// Decisions shown.
+/// Number of drawn decisions.
 const SHOWN: usize = 8;
-/// Panels side by side.
+/// Panels in a row.
 const COLUMNS: usize = 4;
 /// Side of the box with the world, px.
 const BOX: f64 = 310.0;
 
-/// Draws up to eight successive decisions in which the robot meets an obstacle and turns away: per decision the
-/// situation, the measured change since the one before and the change that was wanted then; below, the robot's
-/// numbered positions beside the obstacle (meters) and what was planned at each.
+/// Draws up to eight successive decisions in which the robot meets an obstacle and turns away.
+///
+/// Per decision: the situation, the measured change since the previous one and the change wanted
+/// there. Below: the robot's numbered positions beside the obstacle (meters) and the plan at each.
 ///
 /// Returns an SVG document.
 #[must_use]
 pub fn sequence(recording: &Recording) -> String {
     let steps = &recording.seeking;
-    let shown = telling(steps, SHOWN);
+    let shown = best_avoidance(steps, SHOWN);
     let rows = shown.len().div_ceil(COLUMNS).max(1) as f64;
     let below = TOP + rows * HEIGHT + 12.0;
     let mut svg = Svg::new(PAGE, below + BOX + 36.0);
@@ -109,9 +110,9 @@ fn surroundings(svg: &mut Svg, [x, y]: [f64; 2], recording: &Recording, shown: &
         .iter()
         .map(|s| s.pose.position)
         .collect();
-    // Room for the body and for whatever a situation may tell of, within reason.
+    // Room for the body and the perceived surroundings, within limits.
     let margin = recording.robot_radius_m + recording.far_m.clamp(0.3, 1.5);
-    let view = View::new(around(&places, margin), [x, y], [BOX, BOX]);
+    let view = SceneView::new(around(&places, margin), [x, y], [BOX, BOX]);
     let shade = |i: usize| color::time(i as f64 / (places.len() - 1).max(1) as f64);
     svg.clipped("surroundings", view.area(), |svg| {
         scene::obstacles(svg, &view, &recording.world);
@@ -132,7 +133,7 @@ fn surroundings(svg: &mut Svg, [x, y]: [f64; 2], recording: &Recording, shown: &
     let on_page: Vec<_> = places.iter().map(|&place| view.at(place)).collect();
     for ([x, y], text) in numbered(&on_page) {
         if text.len() > 1 {
-            // A joined label covers the path, or its commas would be lost.
+            // A joined label covers the path, which would hide its commas.
             let width = 7.0 * text.len() as f64 + 4.0;
             svg.rect([x - width / 2.0, y - 8.0, width, 16.0], &fill("#ffffff"));
         }
@@ -158,7 +159,7 @@ fn around(places: &[Point], margin: f64) -> [Point; 2] {
     [middle - corner, middle + corner]
 }
 
-/// Position numbers, those too near to each other to be read joined into one label.
+/// Position numbers; numbers too close to each other are joined into one label.
 fn numbered(places: &[[f64; 2]]) -> Vec<([f64; 2], String)> {
     let mut labels: Vec<([f64; 2], String)> = Vec::new();
     for (i, &[x, y]) in places.iter().enumerate() {
@@ -173,7 +174,7 @@ fn numbered(places: &[[f64; 2]]) -> Vec<([f64; 2], String)> {
     labels
 }
 
-/// What was planned at each decision, and how to read the charts.
+/// The plan of each decision, and how to read the charts.
 fn explanation(svg: &mut Svg, [x, y]: [f64; 2], recording: &Recording, shown: &Range<usize>) {
     let columns = [
         ("", 0.0),
@@ -229,15 +230,16 @@ fn reading(svg: &mut Svg, [x, y]: [f64; 2]) {
     );
     legend.note(
         svg,
-        "measured: S(t) − S(t−1), what the last move changed. wanted: the change that move was chosen for; with \
-         look-ahead what the action map foretold of it, else what the map was probed with. Across: the transducers, counted to the left from the front.",
+        "measured: S(t) − S(t−1), the change of the last move. wanted: the change expected of that \
+     move; with look-ahead the prediction of the action map, else the input of the map. Across: the \
+     transducers, counted to the left from the front.",
     );
 }
 
-/// The cells of the table: neurons, goal, action, way, reason.
+/// The cells of the table: neurons, goal, action, distance, reason.
 fn row(step: &Step) -> [String; 5] {
-    let way = 100.0 * libm::hypot(step.executed_m[0], step.executed_m[1]);
-    let moved = format!("{} cm", decimal(way, 0));
+    let distance_cm = 100.0 * libm::hypot(step.executed_m[0], step.executed_m[1]);
+    let moved = format!("{} cm", decimal(distance_cm, 0));
     let Some(plan) = &step.plan else {
         return [
             "–".into(),

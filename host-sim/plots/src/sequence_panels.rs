@@ -1,4 +1,4 @@
-//! The panels of an avoidance sequence: one decision each, three bar charts with a bar per transducer.
+//! The panels of an avoidance sequence: per decision three bar charts with a bar per transducer.
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
@@ -7,16 +7,16 @@ use crate::draw::layout::axis_end;
 use crate::draw::rosette::nearest;
 use crate::draw::svg::{Anchor, Font, Svg, fill};
 
-/// What one panel shows.
+/// Content of one panel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
     /// Headline.
     pub title: String,
     /// Present situation, values in [0, 1].
     pub situation: Vec<f64>,
-    /// Measured change since the decision before.
+    /// Measured change since the previous decision.
     pub measured: Vec<f64>,
-    /// Change that was wanted then; the reason in words where there is none.
+    /// Change wanted at the previous decision; the reason in words if there is none.
     pub wanted: Result<Vec<f64>, &'static str>,
 }
 
@@ -24,7 +24,7 @@ pub struct Panel {
 pub const HEIGHT: f64 = 250.0;
 /// Distance of panels, px.
 pub const PITCH: f64 = 183.0;
-/// Room for the axes left of the first panel, px.
+/// Space for the axes left of the first panel, px.
 pub const AXES: f64 = 52.0;
 /// Width of the charts of one panel, px.
 const WIDTH: f64 = 172.0;
@@ -34,7 +34,7 @@ const SITUATION: [f64; 2] = [24.0, 44.0];
 const MEASURED: [f64; 2] = [82.0, 58.0];
 const WANTED: [f64; 2] = [154.0, 58.0];
 
-/// The ends of the axes of all panels: of situations, of measured and of wanted differences.
+/// Limits of the axes of all panels: situations, measured and wanted changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ends {
     /// Value at the top of the situations.
@@ -46,7 +46,7 @@ pub struct Ends {
 }
 
 impl Ends {
-    /// Round values that hold everything in the panels.
+    /// Round values that include all values of the panels.
     pub fn holding(panels: &[Panel]) -> Self {
         let wanted = panels.iter().filter_map(|panel| panel.wanted.as_ref().ok());
         Self {
@@ -136,7 +136,7 @@ fn changes(svg: &mut Svg, [x, y, width, height]: [f64; 4], values: &[f64], full:
     svg.rect([x, zero - 0.5, width, 1.0], &fill(GRAY));
 }
 
-/// The bar of transducer `i` of `count` inside a chart, with a small gap to its neighbors.
+/// The bar of transducer `i` of `count` in a chart, with a small gap to its neighbors.
 fn bar([x, y, width, height]: [f64; 4], i: usize, count: usize) -> [f64; 4] {
     let slot = width / count.max(1) as f64;
     [x + (i as f64 + 0.12) * slot, y, 0.76 * slot, height]
@@ -172,7 +172,7 @@ fn transducers(svg: &mut Svg, [x, y]: [f64; 2], count: usize, bearings: &[f64]) 
     }
 }
 
-/// Axis numbers (place from the top as part of the height, text) and the name of the axis.
+/// Axis numbers (relative position from the top, text) and the name of the axis.
 fn numbers(svg: &mut Svg, [x, y, _, height]: [f64; 4], marks: &[(f64, String)], name: &str) {
     let font = Font::new(11.0).color(GRAY).at(Anchor::End);
     for (place, text) in marks {

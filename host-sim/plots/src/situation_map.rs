@@ -1,4 +1,4 @@
-//! What each neuron of the situation map stands for (Fig. 2 of the paper).
+//! Draws the situation map: the code vector of each neuron (Fig. 2 of the paper).
 
 use sim::recording::{MapRecord, PlanRecord};
 
@@ -7,12 +7,12 @@ use crate::draw::layout::{Legend, TOP, Tiles, axis_end, heading, normalized, u_m
 use crate::draw::rosette::{Rosette, corner, tile};
 use crate::draw::svg::{Svg, fill, stroke};
 
-/// Neurons to point out on a map, by index from 0.
+/// Marked neurons of a map, by index from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct MapMarks {
-    /// The neuron that stands for the goal.
+    /// The goal neuron.
     pub goal: Option<usize>,
-    /// The neuron that stands for the present situation.
+    /// The neuron of the present situation.
     pub current: Option<usize>,
 }
 
@@ -25,8 +25,10 @@ impl From<&PlanRecord> for MapMarks {
     }
 }
 
-/// Draws a situation map: a rosette per neuron with one bar per transducer at its bearing (rad, front up the page),
-/// bar length = value, background = U-matrix, with labels N1, N2, …, hits and marks.
+/// Draws a situation map with a rosette per neuron over the U-matrix.
+///
+/// One bar per transducer at its bearing (rad, front up the page), bar length = value; with labels
+/// N1, N2, …, hits and marks.
 ///
 /// Works for any grid and any number of transducers. Returns an SVG document.
 #[must_use]
@@ -94,21 +96,21 @@ fn ring_legend(legend: &mut Legend, svg: &mut Svg, bearings: &[f64], full: f64) 
     legend.skip(136.0);
     let scale = format!(
         "Bar length: value of the transducer, 0 at the inner circle (nothing near), {full} at the outer one; \
-         1 would be as near as can be told."
+         1 is the near limit."
     );
     legend.note(svg, &scale);
-    legend.note(svg, "Hits: how often the neuron answered.");
+    legend.note(svg, "Hits: how often the neuron won.");
     legend.skip(4.0);
 }
 
 fn marks_legend(legend: &mut Legend, svg: &mut Svg, marks: MapMarks) {
     if marks.goal.is_some() {
-        legend.entry(svg, "stands for the goal", |svg, [x, y]| {
+        legend.entry(svg, "goal neuron", |svg, [x, y]| {
             goal_frame(svg, [x - 12.0, y - 11.0, 24.0, 22.0]);
         });
     }
     if marks.current.is_some() {
-        legend.entry(svg, "recognized the last situation", |svg, at| {
+        legend.entry(svg, "neuron of the last situation", |svg, at| {
             svg.circle(at, 8.0, &fill(BLUE))
         });
     }

@@ -1,4 +1,4 @@
-//! A measure by the size of a map, beside levels that do not depend on it.
+//! Draws a measure over the size of a map, with levels that do not depend on it.
 
 use crate::draw::color::{self, GRAY, INK, PALE};
 use crate::draw::layout::{Legend, MARGIN, PAGE, PLOT, TOP, heading};
@@ -7,7 +7,7 @@ use crate::draw::svg::{Anchor, Font, Svg, fill, stroke};
 /// Height of the axes, px.
 const HEIGHT: f64 = 340.0;
 
-/// Draws lines over map sizes and level lines beside them; `lines` are named and hold one value per size.
+/// Draws lines over map sizes, and level lines; `lines` have a name and one value per size.
 ///
 /// Returns an SVG document.
 #[must_use]
@@ -29,9 +29,9 @@ pub fn sizes(
         .copied()
         .filter(|value| value.is_finite())
         .fold(0.0, f64::max);
-    // In tenths, and never less than 1: shares and ratios are read against it.
+    // Rounded to tenths, at least 1: shares and ratios are compared with 1.
     let top = libm::ceil(most.max(1.0) * 10.0 - 1e-9) / 10.0;
-    let axes = Axes {
+    let axes = SizeAxes {
         area,
         top,
         last: sizes.len().saturating_sub(1).max(1),
@@ -67,14 +67,14 @@ pub fn sizes(
     svg.finish(title, measure)
 }
 
-/// Where values lie on the page.
-struct Axes {
+/// Maps values to page coordinates.
+struct SizeAxes {
     area: [f64; 4],
     top: f64,
     last: usize,
 }
 
-impl Axes {
+impl SizeAxes {
     fn at(&self, size: usize, value: f64) -> [f64; 2] {
         let [left, top, width, height] = self.area;
         let share = (value / self.top).clamp(0.0, 1.0);

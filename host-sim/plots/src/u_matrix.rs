@@ -1,4 +1,4 @@
-//! The shape of any map: distances between neighbors, and how often each neuron answered.
+//! Draws the U-matrix and the hit map of any map.
 
 use sim::recording::MapRecord;
 
@@ -6,8 +6,8 @@ use crate::draw::color::{self, INK};
 use crate::draw::layout::{Legend, TOP, Tiles, heading, normalized};
 use crate::draw::svg::{Anchor, Font, Svg, decimal, filled};
 
-/// Draws the U-matrix (cell color = mean distance of a neuron to its neighbors, units of the data) and the hit map
-/// (circle area = how often the neuron answered) over the grid of a map.
+/// Draws the U-matrix (cell color = mean distance of a neuron to its neighbors, units of the data)
+/// and the hit map (circle area = number of samples that the neuron won) over the grid of a map.
 ///
 /// Works for any grid and any data. Returns an SVG document.
 #[must_use]
@@ -86,7 +86,7 @@ fn cell(svg: &mut Svg, area: [f64; 4], index: usize, place: f64, [hits, most]: [
     }
 }
 
-/// The distance itself in the bottom right corner, where there is room.
+/// The distance as a number in the bottom right corner, if there is room.
 fn foot(svg: &mut Svg, [x, y, side, _]: [f64; 4], place: f64, distance: f64) {
     if side > 60.0 && distance.is_finite() {
         let font = Font::new(11.0)

@@ -1,4 +1,4 @@
-//! Small pictures of worlds side by side.
+//! Draws small pictures of worlds side by side.
 
 use core::f64::consts::FRAC_PI_2;
 
@@ -7,7 +7,7 @@ use arena::world::World;
 use crate::draw::color::{GRAY, VERMILLION};
 use crate::draw::layout::{MARGIN, PAGE, TOP, counted, heading, shortened};
 use crate::draw::rosette::arrow;
-use crate::draw::scene::{self, View};
+use crate::draw::scene::{self, SceneView};
 use crate::draw::svg::{Anchor, Font, Svg, decimal, filled};
 
 /// Radius of the drawn robot, m.
@@ -15,8 +15,8 @@ const ROBOT_RADIUS_M: f64 = 0.23;
 /// Height of the captions of a row and the gap below them, px.
 const CAPTIONS: f64 = 62.0;
 
-/// Draws worlds as small multiples, each with its name and size in meters below, its start pose as an arrow, and a
-/// scale bar.
+/// Draws worlds as small multiples, with name and size in meters below, the start pose as an arrow,
+/// and a scale bar.
 ///
 /// Returns an SVG document.
 #[must_use]
@@ -31,7 +31,7 @@ pub fn worlds(title: &str, worlds: &[&World]) -> String {
     let bottom: f64 = heights.iter().map(|height| height + CAPTIONS).sum();
     let mut svg = Svg::new(PAGE, TOP + bottom.max(30.0));
     let subtitle = format!(
-        "{} · arrow: where the robot starts and where its ring looks",
+        "{} · arrow: where the robot starts and the bearing of its ring",
         counted(worlds.len(), "world")
     );
     heading(&mut svg, title, &subtitle);
@@ -50,24 +50,25 @@ pub fn worlds(title: &str, worlds: &[&World]) -> String {
     svg.finish(title, &subtitle)
 }
 
-/// Height of the tallest drawing of a row when each is at most `side` px wide and high.
+/// Height of the tallest drawing of a row if each is at most `side` px wide and high.
 fn tallest(row: &[&World], side: f64) -> f64 {
-    let height = |world: &&World| View::new(scene::extent(world), [0.0, 0.0], [side, side]).size[1];
+    let height =
+        |world: &&World| SceneView::new(scene::extent(world), [0.0, 0.0], [side, side]).size[1];
     row.iter().map(height).fold(0.0, f64::max)
 }
 
-/// One world in the middle of `room` px below `corner`, standing on its captions.
+/// One world centered in `room` px below `corner`, aligned with its captions.
 fn small(svg: &mut Svg, [x, y]: [f64; 2], [side, height]: [f64; 2], world: &World) {
     let corners = scene::extent(world);
-    let [wide, tall] = View::new(corners, [x, y], [side, side]).size;
+    let [wide, tall] = SceneView::new(corners, [x, y], [side, side]).size;
     let corner = [x + (side - wide) / 2.0, y + height - tall];
-    let view = View::new(corners, corner, [side, side]);
+    let view = SceneView::new(corners, corner, [side, side]);
     scene::obstacles(svg, &view, world);
     let start = world.start();
     let at = view.at(start.position);
     let radius = (ROBOT_RADIUS_M * view.scale).max(3.5);
     svg.circle(at, radius, &filled("#ffffff", VERMILLION, 1.8));
-    // Bearings on the page count from straight up, headings from the x axis.
+    // Bearings on the page start at straight up, headings at the x axis.
     arrow(
         svg,
         at,

@@ -74,6 +74,42 @@ pub fn bootstrap_of<const COLUMNS: usize>(
     }
 }
 
+/// The mean; 0 without values.
+#[must_use]
+pub fn mean(values: impl IntoIterator<Item = f64>) -> f64 {
+    let (mut sum, mut count) = (0.0, 0_u32);
+    for value in values {
+        sum += value;
+        count += 1;
+    }
+    sum / f64::from(count.max(1))
+}
+
+/// The median, the upper one of an even number; 0 without values.
+#[must_use]
+pub fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// Pearson correlation of pairs; 0 if either side is constant.
+#[must_use]
+pub fn pearson(pairs: &[[f64; 2]]) -> f64 {
+    let means = [0, 1].map(|i| mean(pairs.iter().map(|pair| pair[i])));
+    let product = |i: usize, j: usize| {
+        pairs
+            .iter()
+            .map(|pair| (pair[i] - means[i]) * (pair[j] - means[j]))
+            .sum::<f64>()
+    };
+    let scale = (product(0, 0) * product(1, 1)).sqrt();
+    if scale > 0.0 {
+        product(0, 1) / scale
+    } else {
+        0.0
+    }
+}
+
 /// The share of `count` independent trials that succeeded, with its 95 % interval by Wilson's score (E. B. Wilson, *Journal of the
 /// American Statistical Association* 22, 1927): it has a width even where all or none did. Nothing is known of no trials.
 #[must_use]
@@ -176,6 +212,15 @@ mod tests {
         let found = bootstrap_of(&rows, |[contacts, way], _| contacts / way);
         assert!((found.mean - 0.5).abs() < 1e-12);
         assert!(found.interval[0] < 0.5 && found.interval[1] > 0.5);
+    }
+
+    #[test]
+    fn mean_median_and_correlation() {
+        assert_eq!((mean([1.0, 3.0]), mean([])), (2.0, 0.0));
+        assert_eq!(median(vec![3.0, 1.0, 2.0]), 2.0);
+        assert!((pearson(&[[0.0, 1.0], [1.0, 3.0], [2.0, 5.0]]) - 1.0).abs() < 1e-12);
+        assert!((pearson(&[[0.0, 1.0], [1.0, 0.0], [2.0, -1.0]]) + 1.0).abs() < 1e-12);
+        assert_eq!(pearson(&[[0.0, 1.0], [1.0, 1.0]]), 0.0);
     }
 
     /// The examples of R. G. Newcombe, *Statistics in Medicine* 17, 1998, table I, method 3.

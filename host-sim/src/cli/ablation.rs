@@ -1,18 +1,18 @@
-//! `host-sim ablation`: the worth of each open choice.
+//! `host-sim ablation`: the effect of each option, changed one at a time.
 
 use super::output::bar;
 use super::run::SonarChoice;
-use super::{Failure, table};
+use super::{CliError, table};
 use clap::Args;
 use experiments::ablation::{
-    Driver, Figures, Trial, Variant, behavior_variants, measure, variants,
+    AblationFigures, AblationTrial, Variant, VariantDriver, behavior_variants, measure, variants,
 };
 use experiments::behaviors;
-use experiments::scenes::{Scene, scenes_named};
+use experiments::scenes::{BehaviorScene, scenes_named};
 use files::error::BadInput;
 use std::io::Write;
 
-/// The `ablation` command's flags.
+/// Flags of the `ablation` command.
 #[derive(Debug, Clone, Args)]
 pub struct AblationArgs {
     /// Random rooms per row
@@ -24,16 +24,17 @@ pub struct AblationArgs {
     /// Steps per room
     #[arg(long, value_name = "STEPS", default_value_t = 1_000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     steps: u32,
-    /// Seed of the first room's episode; each further room has the next one
+    /// Seed of the first room's episode; each further room uses the next seed
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
-    /// What the sonars return
+    /// Sonar model
     #[arg(long, value_name = "MODEL", default_value = "ideal", value_enum)]
     sonar: SonarChoice,
     /// Only rows whose name contains this text
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
-    /// Measure every behavior instead, each in one scene without the shield; rooms = worlds, 5 seeds in each
+    /// Measure all behaviors instead, each in one scene without the shield; rooms = worlds, 5 seeds
+    /// in each
     #[arg(long, conflicts_with_all = ["seed", "steps"])]
     behaviors: bool,
     /// Print Markdown
@@ -42,7 +43,7 @@ pub struct AblationArgs {
 }
 
 const HEADS: [&str; 8] = [
-    "choice",
+    "option",
     "clean rooms %",
     "clean exploring %",
     "contacts/room",
@@ -52,7 +53,7 @@ const HEADS: [&str; 8] = [
     "shield stops",
 ];
 
-/// Scenes in the table over the behaviors.
+/// Scenes in the table of behaviors.
 const BEHAVIOR_SCENES: [(&str, &str); 7] = [
     ("avoid-right", "one obstacle"),
     ("wall-right", "plain room"),
@@ -69,8 +70,8 @@ const BEHAVIOR_SEEDS: u32 = 5;
 /// Measures and prints the table.
 ///
 /// # Errors
-/// When no row has the asked name, an episode fails, or the pipe is closed.
-pub fn ablation(args: &AblationArgs, out: &mut impl Write) -> Result<(), Failure> {
+/// When no row matches `--only`, an episode fails, or the pipe is closed.
+pub fn ablation(args: &AblationArgs, out: &mut impl Write) -> Result<(), CliError> {
     let mut chosen = if args.behaviors {
         behavior_variants()?
     } else {
@@ -80,7 +81,7 @@ pub fn ablation(args: &AblationArgs, out: &mut impl Write) -> Result<(), Failure
         chosen.retain(|variant| variant.name.contains(text.as_str()));
         if chosen.is_empty() {
             return Err(
-                BadInput::new(format!("--only \"{text}\": no row has that in its name")).into(),
+                BadInput::new(format!("--only \"{text}\": no row has this in its name")).into(),
             );
         }
     }
@@ -117,7 +118,7 @@ fn avoidance_row(
     variant: &Variant,
     args: &AblationArgs,
 ) -> Result<Vec<String>, sim::failure::Failure> {
-    let trial = Trial {
+    let trial = AblationTrial {
         first: args.first,
         rooms: args.rooms,
         explore_moves: 100,
@@ -134,10 +135,10 @@ fn behavior_row(
     args: &AblationArgs,
 ) -> Result<Vec<String>, sim::failure::Failure> {
     let mut row = vec![variant.name.clone()];
-    let Driver::Mind(config, turret) = &variant.driver else {
+    let VariantDriver::Mind(config, turret) = &variant.driver else {
         return Ok(row);
     };
-    let trial = behaviors::Trial {
+    let trial = behaviors::BehaviorTrial {
         first: args.first,
         worlds: args.rooms,
         seeds: BEHAVIOR_SEEDS,
@@ -148,7 +149,7 @@ fn behavior_row(
         sonar: args.sonar.into(),
     };
     let listed = |(behavior, place)| {
-        let fits = |scene: &&&Scene| scene.behavior == behavior && scene.place == place;
+        let fits = |scene: &&&BehaviorScene| scene.behavior == behavior && scene.place == place;
         scenes_named(Some(behavior)).iter().find(fits).copied()
     };
     for scene in BEHAVIOR_SCENES.into_iter().filter_map(listed) {
@@ -158,7 +159,7 @@ fn behavior_row(
     Ok(row)
 }
 
-fn row(name: &str, figures: &Figures, rooms: f64) -> Vec<String> {
+fn row(name: &str, figures: &AblationFigures, rooms: f64) -> Vec<String> {
     vec![
         name.to_owned(),
         format!("{:.1}", 100.0 * f64::from(figures.clean) / rooms),

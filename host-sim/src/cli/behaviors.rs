@@ -1,37 +1,37 @@
-//! `host-sim behaviors`: what each behavior does and reaches, by the maps alone and with the shield.
+//! `host-sim behaviors`: results of each behavior, without and with the shield.
 
 use super::output::{bar, prepare};
 use super::run::{Preset, SonarChoice};
-use super::{Failure, summary, table};
+use super::{CliError, summary, table};
 use clap::Args;
-use experiments::behaviors::{Outcome, Trial, first, measure};
-use experiments::scenes::{Scene, scenes_named};
+use experiments::behaviors::{BehaviorTrial, SceneOutcome, first, measure};
+use experiments::scenes::{BehaviorScene, scenes_named};
 use files::error::BadInput;
-use files::save;
-use plots::Shown;
+use plots::ShownBehavior;
 use sim::scenes::Behavior;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// The `behaviors` command's flags.
+/// Flags of the `behaviors` command.
 #[derive(Debug, Clone, Args)]
 pub struct BehaviorsArgs {
-    /// Measure every scene, in so many worlds each [default: a short list, 3 worlds; with --seeds 10]
+    /// Measure every scene, in this many worlds [default: a short list, 3 worlds; with --seeds 10]
     #[arg(long, value_name = "WORLDS", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     worlds: Option<u32>,
-    /// Measure every scene, with so many seeds per world [default: a short list, 4 seeds; with --worlds 30]
+    /// Measure every scene, with this many seeds per world [default: a short list, 4 seeds; with
+    /// --worlds 30]
     #[arg(long, value_name = "SEEDS", value_parser = clap::value_parser!(u32).range(1..=999))]
     seeds: Option<u32>,
-    /// Number of the first world: each has its own rooms and seeds
+    /// Number of the first world; each has its own rooms and seeds
     #[arg(long, value_name = "NUMBER", default_value_t = 1)]
     first: u64,
-    /// The open choices of the method
+    /// Preset of the controller's options
     #[arg(long, value_name = "NAME", default_value = "default", value_enum)]
     preset: Preset,
-    /// Change one open choice (see `host-sim settings`); may be given several times
+    /// Change one option (see `host-sim settings`); may be given several times
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
-    /// What the sonars return
+    /// Sonar model
     #[arg(long, value_name = "MODEL", default_value = "ideal", value_enum)]
     sonar: SonarChoice,
     /// Only behaviors whose name contains this text
@@ -40,7 +40,7 @@ pub struct BehaviorsArgs {
     /// Print Markdown
     #[arg(long)]
     markdown: bool,
-    /// Write a picture of them all, and pictures and a page for each, into this folder
+    /// Write a picture of all behaviors, and pictures and a page for each, into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -54,7 +54,7 @@ const LIST_HEADS: [&str; 6] = [
     "behavior",
     "what it does",
     "measured",
-    "asked",
+    "required",
     "maps alone",
     "with shield",
 ];
@@ -63,18 +63,18 @@ const TABLE_HEADS: [&str; 8] = [
     "behavior",
     "where",
     "measure",
-    "asked",
+    "required",
     "maps alone",
     "contact steps %",
     "with shield",
     "contact steps %",
 ];
 
-/// Measures and prints the list, or the whole table when its size is given.
+/// Measures and prints the list, or the whole table if its size is given.
 ///
 /// # Errors
-/// When no behavior has the asked name, an episode fails, or something cannot be written.
-pub fn behaviors(args: &BehaviorsArgs, out: &mut impl Write) -> Result<(), Failure> {
+/// When no behavior matches `--only`, an episode fails, or something cannot be written.
+pub fn behaviors(args: &BehaviorsArgs, out: &mut impl Write) -> Result<(), CliError> {
     let short = args.worlds.is_none() && args.seeds.is_none();
     let mut scenes = chosen(args.only.as_deref())?;
     if short {
@@ -88,7 +88,7 @@ pub fn behaviors(args: &BehaviorsArgs, out: &mut impl Write) -> Result<(), Failu
     let progress = bar(2 * each * scenes.len() as u64, "episodes");
     let mut rows = Vec::new();
     for scene in &scenes {
-        let measured = |trial: &Trial| {
+        let measured = |trial: &BehaviorTrial| {
             let outcome = measure(scene, trial, &|| progress.inc(1));
             outcome.map_err(|failure| BadInput::new(format!("{}: {failure}", scene.title())))
         };
@@ -116,7 +116,7 @@ pub fn behaviors(args: &BehaviorsArgs, out: &mut impl Write) -> Result<(), Failu
         let (worlds, seeds) = WHOLE;
         writeln!(
             out,
-            "Every scene, measured well: host-sim behaviors --worlds {worlds} --seeds {seeds}"
+            "Every scene, with more episodes: host-sim behaviors --worlds {worlds} --seeds {seeds}"
         )?;
     }
     match &args.out {
@@ -126,21 +126,24 @@ pub fn behaviors(args: &BehaviorsArgs, out: &mut impl Write) -> Result<(), Failu
     }
 }
 
-fn chosen(only: Option<&str>) -> Result<Vec<&'static Scene>, BadInput> {
+fn chosen(only: Option<&str>) -> Result<Vec<&'static BehaviorScene>, BadInput> {
     let scenes = scenes_named(only);
     match (scenes.is_empty(), only) {
         (true, Some(text)) => Err(BadInput::new(format!(
-            "--only \"{text}\": no behavior has that in its name"
+            "--only \"{text}\": no behavior has this in its name"
         ))),
         _ => Ok(scenes),
     }
 }
 
 /// Without the shield, and with it.
-fn trials(args: &BehaviorsArgs, (worlds, seeds): (u32, u32)) -> Result<(Trial, Trial), BadInput> {
+fn trials(
+    args: &BehaviorsArgs,
+    (worlds, seeds): (u32, u32),
+) -> Result<(BehaviorTrial, BehaviorTrial), BadInput> {
     let mut config = args.preset.config();
     sim::settings::apply(&mut config, &args.sets)?;
-    let shielded = Trial {
+    let shielded = BehaviorTrial {
         worlds: args.worlds.unwrap_or(worlds),
         seeds: args.seeds.unwrap_or(seeds),
         first: args.first,
@@ -155,23 +158,23 @@ fn trials(args: &BehaviorsArgs, (worlds, seeds): (u32, u32)) -> Result<(Trial, T
     Ok((bare, shielded))
 }
 
-fn list_row(scene: &Scene, bare: &Outcome, shielded: &Outcome) -> Vec<String> {
+fn list_row(scene: &BehaviorScene, bare: &SceneOutcome, shielded: &SceneOutcome) -> Vec<String> {
     vec![
         scene.behavior.to_owned(),
         Behavior::about(scene.behavior).to_owned(),
         format!("{}, {}", scene.measure, scene.place),
-        scene.asked.to_owned(),
+        scene.required.to_owned(),
         format!("{:.3}", bare.value.mean),
         format!("{:.3}", shielded.value.mean),
     ]
 }
 
-fn table_row(scene: &Scene, bare: &Outcome, shielded: &Outcome) -> Vec<String> {
+fn table_row(scene: &BehaviorScene, bare: &SceneOutcome, shielded: &SceneOutcome) -> Vec<String> {
     vec![
         scene.behavior.to_owned(),
         scene.place.to_owned(),
         scene.measure.to_owned(),
-        scene.asked.to_owned(),
+        scene.required.to_owned(),
         bare.value.to_string(),
         format!("{:.3}", bare.contacts_percent),
         shielded.value.to_string(),
@@ -179,13 +182,14 @@ fn table_row(scene: &Scene, bare: &Outcome, shielded: &Outcome) -> Vec<String> {
     ]
 }
 
-/// The pictures of each scene's first episode in a folder of its name, and one of them all.
+/// Writes the pictures of each scene's first episode into a folder of its name, and one of all
+/// behaviors.
 fn pictures(
-    scenes: &[&Scene],
-    trial: &Trial,
+    scenes: &[&BehaviorScene],
+    trial: &BehaviorTrial,
     dir: &Path,
     out: &mut impl Write,
-) -> Result<(), Failure> {
+) -> Result<(), CliError> {
     let mut scenes = scenes.to_vec();
     scenes.dedup_by_key(|scene| (scene.behavior, scene.place));
     let progress = bar(scenes.len() as u64, "pictures");
@@ -196,10 +200,10 @@ fn pictures(
         let Some(recording) = episode.recording else {
             continue;
         };
-        let folder = dir.join(tame(&scene.title()));
+        let folder = dir.join(safe_name(&scene.title()));
         let rows = summary::rows(&episode.report);
         plots::demo::write(&folder, &recording, &rows, &[])?;
-        shown.push(Shown {
+        shown.push(ShownBehavior {
             name: scene.behavior.to_owned(),
             about: format!("{}: {}", Behavior::about(scene.behavior), scene.place),
             recording,
@@ -209,10 +213,7 @@ fn pictures(
     progress.finish_and_clear();
     let title = "Behaviors, each from 100 random moves";
     let svg = plots::behaviors(title, &shown);
-    let picture = save(dir, "behaviors.svg", svg.as_bytes())?;
-    let png = plots::png::render(&svg, 2.0)
-        .map_err(|error| BadInput::new(format!("behaviors.png: {error}")))?;
-    save(dir, "behaviors.png", &png)?;
+    let [picture, _] = plots::save_picture(dir, "behaviors", &svg)?;
     let dir = dir.display();
     Ok(writeln!(
         out,
@@ -221,8 +222,8 @@ fn pictures(
     )?)
 }
 
-/// A name for a folder.
-fn tame(name: &str) -> String {
+/// A valid name of a folder.
+fn safe_name(name: &str) -> String {
     let words = name.split(|c: char| !c.is_ascii_alphanumeric());
     let words: Vec<_> = words.filter(|word| !word.is_empty()).collect();
     words.join("-")

@@ -1,6 +1,6 @@
-//! `host-sim bridge`: a mind drives a Nomad 200 over the robot's own line.
+//! `host-sim bridge`: a controller drives a Nomad 200 over the robot's own protocol.
 
-use super::Failure;
+use super::CliError;
 use super::output::bar;
 use super::remote::{MindArgs, MindChoice, named};
 use super::run::Preset;
@@ -22,14 +22,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Speed of the robot's serial port unless another is asked for, baud.
+/// Default speed of the robot's serial port, baud.
 const BAUD: u32 = 38_400;
 
-/// Sonars in one answer over a serial line: with the position of each reading, 16 would take it a sixth of a second.
+/// Sonars per answer over a serial line: 16 with their positions would take a sixth of a second.
 const SERIAL_SONARS: u32 = 4;
 
-/// Longest time of a real robot in one chunk of its log. With the second that a silent robot is waited for, a crash takes at
-/// most 2 s.
+/// Longest time in one chunk of a real robot's log. With the timeout of 1 s for a silent robot, a
+/// crash loses at most 2 s.
 const CHUNK_DURATION: Duration = Duration::from_secs(1);
 
 const EXAMPLES: &str = "\
@@ -38,43 +38,43 @@ Examples:
   host-sim bridge --nomad serial:/dev/ttyS0@38400 --mind qemu       a robot, and the firmware in an emulated chip
   host-sim bridge --nomad tcp:robot:65001 --mind serial:/dev/ttyUSB0   a robot and a chip
 
-The robot drives! It stops at Ctrl-C, at a bumper, when the mind or the line falls silent, and one second after this \
-program is gone.";
+The robot drives! It stops at Ctrl-C, at a bumper, when the controller or the line goes silent, and one second after \
+this program has ended.";
 
-/// The `bridge` command's flags.
+/// Flags of the `bridge` command.
 #[derive(Debug, Clone, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct BridgeArgs {
-    /// The robot: tcp:HOST:PORT or serial:PORT[@BAUD] (38400 unless said otherwise)
-    #[arg(long, value_name = "WHERE", value_parser = parsed::<Robot>)]
-    nomad: Robot,
+    /// The robot: tcp:HOST:PORT or serial:PORT[@BAUD] (default 38400 baud)
+    #[arg(long, value_name = "WHERE", value_parser = parsed::<RobotAddress>)]
+    nomad: RobotAddress,
     #[command(flatten)]
     mind: MindArgs,
     #[command(flatten)]
     task: TaskArgs,
-    /// Decisions towards the goal
+    /// Decisions toward the goal
     #[arg(long, value_name = "STEPS", default_value_t = 1_000, value_parser = clap::value_parser!(u32).range(1..))]
     steps: u32,
     /// Print one JSON object instead of a table
     #[arg(long)]
     json: bool,
-    /// Write everything the mind is told and answers into a new FILE in the MCAP format, for `replay`, `view`, `log`
-    /// and other tools
+    /// Write all events and answers of the controller into a new FILE in the MCAP format, for
+    /// `replay`, `view`, `log` and other tools
     #[arg(long, value_name = "FILE")]
     log: Option<PathBuf>,
 }
 
-/// Where a robot is.
+/// Address of a robot.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Robot(Address);
+pub(super) struct RobotAddress(Address);
 
-impl fmt::Display for Robot {
+impl fmt::Display for RobotAddress {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.0.fmt(f)
     }
 }
 
-impl FromStr for Robot {
+impl FromStr for RobotAddress {
     type Err = BadInput;
 
     fn from_str(text: &str) -> Result<Self, BadInput> {
@@ -94,11 +94,11 @@ impl FromStr for Robot {
     }
 }
 
-impl Robot {
-    /// Opens the way to it.
+impl RobotAddress {
+    /// Opens the connection.
     ///
     /// # Errors
-    /// When it cannot be reached or does not greet.
+    /// When the robot cannot be reached or sends no greeting.
     pub(super) fn open(&self) -> Result<Host, BadInput> {
         let at = |error| named(&self.0, &error);
         match &self.0 {
@@ -111,7 +111,7 @@ impl Robot {
         }
     }
 
-    /// Sonars to be asked for at once.
+    /// Number of sonars per request.
     pub(super) fn sonars_at_once(&self) -> u32 {
         match self.0 {
             Address::Serial { .. } => SERIAL_SONARS,
@@ -120,21 +120,21 @@ impl Robot {
     }
 }
 
-/// Drives, and prints what came of it, also when it ended early.
+/// Drives, and prints the result, also of an episode that ended early.
 ///
 /// # Errors
-/// A robot or a mind that cannot be reached or falls silent, an interruption, a closed pipe.
-pub(super) fn bridge(args: &BridgeArgs, out: &mut impl Write) -> Result<(), Failure> {
+/// A robot or controller that cannot be reached or stops answering, an interruption, a closed pipe.
+pub(super) fn bridge(args: &BridgeArgs, out: &mut impl Write) -> Result<(), CliError> {
     let task = &args.task;
     let plan = Plan {
-        config: held(task)?,
+        config: held_turret_config(task)?,
         explore_moves: task.explore,
         steps: args.steps,
         behavior: task.behavior.clone(),
         seed: task.seed,
         sonars_at_once: args.nomad.sonars_at_once(),
     };
-    let interrupted = watch()?;
+    let interrupted = interrupt_flag()?;
     let host = args.nomad.open()?;
     let mind = mind(&args.nomad, task, &args.mind, args.log.as_deref())?;
     let log = mind.log().cloned();
@@ -151,11 +151,11 @@ pub(super) fn bridge(args: &BridgeArgs, out: &mut impl Write) -> Result<(), Fail
     Ok(written.map_err(BadInput::new)?)
 }
 
-/// The open choices for a robot whose turret is held.
+/// The configuration for a robot with a held turret.
 ///
 /// # Errors
-/// A preset whose ring turns with the heading; a setting that is unknown.
-pub(super) fn held(task: &TaskArgs) -> Result<Config<16>, BadInput> {
+/// A preset whose ring turns with the heading; an unknown setting.
+pub(super) fn held_turret_config(task: &TaskArgs) -> Result<Config<16>, BadInput> {
     if task.preset == Preset::Touzet {
         return Err(BadInput::new(
             "--preset touzet: its ring turns with the heading; the bridge holds the turret",
@@ -164,21 +164,21 @@ pub(super) fn held(task: &TaskArgs) -> Result<Config<16>, BadInput> {
     task.config()
 }
 
-/// The mind of a robot, at its beginning.
+/// A robot's controller in its initial state.
 ///
 /// # Errors
 /// When it cannot be reached.
 pub(super) fn mind(
-    robot: &Robot,
+    robot: &RobotAddress,
     task: &TaskArgs,
     args: &MindArgs,
     log: Option<&Path>,
 ) -> Result<LoggedMind, BadInput> {
-    let config = held(task)?;
+    let config = held_turret_config(task)?;
     let mind = AnyMind::new(&config, args.place(task.explore)?)?;
     if let (replaced @ [_, ..], name) = (&*mind.replaced(), mind.name()) {
         eprintln!(
-            "{name}: the mind came with another {}: replaced for this run",
+            "{name}: the controller had another {}: replaced for this run",
             replaced.join(", another ")
         );
     }
@@ -207,22 +207,22 @@ fn explain(args: &BridgeArgs, trouble: &Trouble) -> BadInput {
     match (trouble, &args.mind.choice) {
         (Trouble::Robot(error), _) => BadInput::new(format!("{}: {error}", args.nomad.0)),
         (Trouble::Mind(failure), MindChoice::At(address)) => {
-            BadInput::new(format!("{address}: {failure}; the robot was told to stand"))
+            BadInput::new(format!("{address}: {failure}; the robot was stopped"))
         }
         _ => BadInput::new(trouble.to_string()),
     }
 }
 
-/// A flag that Ctrl-C, a hang-up or a request to end raises.
-pub(super) fn watch() -> Result<Arc<AtomicBool>, BadInput> {
+/// A flag that Ctrl-C, a hang-up or a termination signal sets.
+pub(super) fn interrupt_flag() -> Result<Arc<AtomicBool>, BadInput> {
     let flag = Arc::new(AtomicBool::new(false));
     let raised = Arc::clone(&flag);
     ctrlc::set_handler(move || raised.store(true, Ordering::Relaxed))
-        .map_err(|error| BadInput::new(format!("Ctrl-C cannot be watched for: {error}")))?;
+        .map_err(|error| BadInput::new(format!("cannot handle Ctrl-C: {error}")))?;
     Ok(flag)
 }
 
-fn print(args: &BridgeArgs, driven: &Driven, out: &mut impl Write) -> Result<(), Failure> {
+fn print(args: &BridgeArgs, driven: &Driven, out: &mut impl Write) -> Result<(), CliError> {
     if args.json {
         serde_json::to_writer(&mut *out, driven).map_err(std::io::Error::from)?;
         return Ok(out.write_all(b"\n")?);
@@ -243,7 +243,10 @@ fn print(args: &BridgeArgs, driven: &Driven, out: &mut impl Write) -> Result<(),
             "shortened by the shield",
             format!("{} steps", driven.shield_stops),
         ),
-        ("motions cut off, mind too slow", driven.expired.to_string()),
+        (
+            "motions cut off, controller too slow",
+            driven.expired.to_string(),
+        ),
         ("robot's time", format!("{:.0} s", driven.time_s)),
     ];
     let rows: Vec<_> = rows
@@ -259,14 +262,14 @@ mod tests {
 
     #[test]
     fn a_robots_serial_port_has_its_own_speed() {
-        let baud = |text: &str| match text.parse::<Robot>().map(|robot| robot.0) {
+        let baud = |text: &str| match text.parse::<RobotAddress>().map(|robot| robot.0) {
             Ok(Address::Serial { baud, .. }) => Some(baud),
             _ => None,
         };
         assert_eq!(baud("serial:/dev/ttyS0"), Some(38_400));
         assert_eq!(baud("serial:/dev/ttyS0@9600"), Some(9_600));
         for text in ["qemu", "tcp:robot", "serial:", "robot:65001"] {
-            let error = text.parse::<Robot>().unwrap_err().to_string();
+            let error = text.parse::<RobotAddress>().unwrap_err().to_string();
             assert!(error.contains("no address of a robot"), "{error}");
         }
     }

@@ -1,6 +1,6 @@
-//! `host-sim capture`: what the robot perceives at a place, as a goal file.
+//! `host-sim capture`: writes the situation at a pose as a goal file.
 
-use super::Failure;
+use super::CliError;
 use super::run::{Preset, SonarChoice};
 use arena::loaders::parse_worlds;
 use arena::robot::COLLISION_RADIUS_M;
@@ -14,26 +14,26 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// The `capture` command's flags.
+/// Flags of the `capture` command.
 #[derive(Debug, Clone, Args)]
 pub struct CaptureArgs {
     /// World, named as for `run`: a FILE, random:SEED, or a built-in name
     #[arg(long, value_name = "WORLD", default_value = "paper")]
     world: String,
-    /// Where the robot stands, meters, and where its ring looks, degrees [default: the world's start; without
-    /// DEG the start's bearing]
-    #[arg(long, value_name = "X,Y[,DEG]", value_parser = <At as FromStr>::from_str, allow_hyphen_values = true)]
-    at: Option<At>,
-    /// What the sonars return
+    /// Position of the robot, meters, and bearing of its ring, degrees [default: the world's start;
+    /// without DEG the start's bearing]
+    #[arg(long, value_name = "X,Y[,DEG]", value_parser = <CapturePose as FromStr>::from_str, allow_hyphen_values = true)]
+    at: Option<CapturePose>,
+    /// Sonar model
     #[arg(long, value_name = "MODEL", default_value = "ideal", value_enum)]
     sonar: SonarChoice,
-    /// Seed of their noise
+    /// Seed of the sonars' noise
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
-    /// The open choices of the method: the scale of nearness is one of them
+    /// Preset of the controller's options, which define the scale of the situation
     #[arg(long, value_name = "NAME", default_value = "default", value_enum)]
     preset: Preset,
-    /// Change one open choice (see `host-sim settings`); may be given several times
+    /// Change one option (see `host-sim settings`); may be given several times
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
     /// The file to write
@@ -41,14 +41,14 @@ pub struct CaptureArgs {
     out: PathBuf,
 }
 
-/// A place, and a bearing if one was given.
+/// A position, and a bearing if one is given.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct At {
+struct CapturePose {
     place: Point,
     bearing: Option<f64>,
 }
 
-impl FromStr for At {
+impl FromStr for CapturePose {
     type Err = BadInput;
 
     fn from_str(text: &str) -> Result<Self, BadInput> {
@@ -76,8 +76,9 @@ impl FromStr for At {
 /// Captures the situation and writes the file, completely or not at all.
 ///
 /// # Errors
-/// A world that cannot be loaded, a place where the robot does not fit, a file that cannot be written, a closed pipe.
-pub fn capture(args: &CaptureArgs, out: &mut impl Write) -> Result<(), Failure> {
+/// A world that cannot be loaded, a position where the robot does not fit, a file that cannot be
+/// written, a closed pipe.
+pub fn capture(args: &CaptureArgs, out: &mut impl Write) -> Result<(), CliError> {
     let mut config = args.preset.config();
     settings::apply(&mut config, &args.sets)?;
     let world = only_world(&args.world)?;
@@ -113,9 +114,9 @@ fn only_world(name: &str) -> Result<World, BadInput> {
     }
 }
 
-fn pose(world: &World, at: Option<At>) -> Result<Pose, BadInput> {
+fn pose(world: &World, at: Option<CapturePose>) -> Result<Pose, BadInput> {
     let start = world.start();
-    let Some(At { place, bearing }) = at else {
+    let Some(CapturePose { place, bearing }) = at else {
         return Ok(start);
     };
     let (low, high) = world.bounds();
@@ -143,12 +144,12 @@ mod tests {
 
     #[test]
     fn places_are_read_or_refused_by_name() {
-        let at: At = "-1.5, 2,90".parse().unwrap();
+        let at: CapturePose = "-1.5, 2,90".parse().unwrap();
         assert_eq!(at.place, Point::new(-1.5, 2.0));
         assert!((at.bearing.unwrap() - core::f64::consts::FRAC_PI_2).abs() < 1e-12);
-        assert_eq!("1,2".parse::<At>().unwrap().bearing, None);
+        assert_eq!("1,2".parse::<CapturePose>().unwrap().bearing, None);
         for wrong in ["", "1", "1,2,3,4", "1,x", "nan,0", "1e9,0", "1;2"] {
-            let why = wrong.parse::<At>().unwrap_err().to_string();
+            let why = wrong.parse::<CapturePose>().unwrap_err().to_string();
             assert!(why.contains(&format!("\"{wrong}\"")), "{why}");
         }
     }

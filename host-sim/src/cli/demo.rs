@@ -1,8 +1,8 @@
-//! The demo: the paper's experiment with its pictures.
+//! `host-sim demo`: the paper's experiment with its pictures; the default command.
 
 use super::output::{bar, prepare};
 use super::run::Preset;
-use super::{Failure, summary, table};
+use super::{CliError, summary, table};
 use arena::sonar::SonarModel;
 use arena::world::World;
 use clap::Args;
@@ -12,7 +12,7 @@ use sim::scenes::Behavior;
 use std::io::Write;
 use std::path::PathBuf;
 
-/// The `demo` command's flags.
+/// Flags of the `demo` command.
 #[derive(Debug, Clone, Args)]
 pub struct DemoArgs {
     /// Folder for the pictures and the page
@@ -34,7 +34,7 @@ impl Default for DemoArgs {
     }
 }
 
-/// Steps after exploring: about the length of the path in Fig. 5, several times over.
+/// Steps after exploring: several times the length of the path in Fig. 5.
 const STEPS: u32 = 300;
 
 const NEXT: [&str; 6] = [
@@ -50,7 +50,7 @@ const NEXT: [&str; 6] = [
 ///
 /// # Errors
 /// When the folder cannot be written, or standard output is closed.
-pub fn demo(args: &DemoArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub fn demo(args: &DemoArgs, out: &mut impl Write) -> Result<(), CliError> {
     prepare(&args.out)?;
     let world = World::paper()?;
     let preset = Preset::Default;
@@ -92,7 +92,7 @@ fn print(
     out: &mut impl Write,
     rows: &[(String, String)],
     files: &[PathBuf],
-) -> Result<(), Failure> {
+) -> Result<(), CliError> {
     writeln!(
         out,
         "A Nomad 200 explored with 100 random moves, learned two maps of 16 neurons and avoided obstacles:\n"

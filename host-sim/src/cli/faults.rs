@@ -1,22 +1,22 @@
-//! `host-sim faults`: transducers out of order, noticed or not.
+//! `host-sim faults`: measures the effect and detection of faulty transducers.
 
 use super::output::bar;
 use super::run::{Preset, SonarChoice, Switch};
-use super::{Failure, table};
+use super::{CliError, table};
 use arena::sonar::{FaultKind, TransducerFault};
 use clap::Args;
-use experiments::faults::{Course, FAULTS, Trial, courses};
+use experiments::faults::{FAULTS, FaultEpisode, FaultTrial, fault_episodes};
 use files::error::BadInput;
 use sim::pilot::MAX_MOVES;
 use std::io::Write;
 
-/// The `faults` command's flags.
+/// Flags of the `faults` command.
 #[derive(Debug, Clone, Args)]
 pub struct FaultsArgs {
-    /// Random rooms, in each of which the fault befalls every one of the 16 sonars in turn
+    /// Random rooms; in each room the fault affects each of the 16 sonars in turn
     #[arg(long, value_name = "ROOMS", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     rooms: u32,
-    /// Seed of the first room: the limits of the detector were chosen in rooms below 1001
+    /// Seed of the first room; the detector's limits were tuned in rooms below 1001
     #[arg(long, value_name = "SEED", default_value_t = 1_001)]
     first: u64,
     /// Random moves before the behavior
@@ -25,20 +25,21 @@ pub struct FaultsArgs {
     /// Steps of obstacle avoidance
     #[arg(long, value_name = "STEPS", default_value_t = 300, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     steps: u32,
-    /// What the sonars in good order return
+    /// Model of the intact sonars
     #[arg(long, value_name = "MODEL", default_value = "nomad", value_enum)]
     sonar: SonarChoice,
-    /// Whether the robot looks for faults
+    /// Switch fault detection on or off
     #[arg(long, value_name = "ON|OFF", default_value = "on", value_enum)]
     detection: Switch,
-    /// These kinds of fault, as for `run --fault` without the sonar (swapped:N = with the sonar N places on), or none; may
-    /// be given several times [default: none, dead, stuck:2, scaled:0.5, jumping:1]
+    /// Kinds of fault as for `run --fault` without the sonar (swapped:N = with the sonar N places
+    /// on), or none; may be given several times [default: none, dead, stuck:2, scaled:0.5,
+    /// jumping:1]
     #[arg(long = "kind", value_name = "KIND")]
     kinds: Vec<String>,
-    /// The open choices of the method
+    /// Preset of the controller's options
     #[arg(long, value_name = "NAME", default_value = "default", value_enum)]
     preset: Preset,
-    /// Change one open choice (see `host-sim settings`); may be given several times
+    /// Change one option (see `host-sim settings`); may be given several times
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
     /// Print Markdown
@@ -46,35 +47,35 @@ pub struct FaultsArgs {
     markdown: bool,
 }
 
-/// What befalls the sonars where nothing else is asked for.
+/// Default kinds of fault.
 const KINDS: [&str; 5] = ["none", "dead", "stuck:2", "scaled:0.5", "jumping:1"];
 
 const HEADS: [&str; 12] = [
     "fault",
     "episodes",
-    "noticed",
+    "detected",
     "median, moves",
     "95 %, moves",
-    "named",
-    "believed again",
+    "identified",
+    "enabled again",
     "false alarms",
-    "not heard yet",
-    "contacts, believed",
-    "contacts, not believed",
+    "never heard",
+    "contacts, enabled",
+    "contacts, disabled",
     "coverage, m²",
 ];
 
 /// Measures and prints the table.
 ///
 /// # Errors
-/// A kind or setting that does not exist; an episode that fails.
-pub fn faults(args: &FaultsArgs, out: &mut impl Write) -> Result<(), Failure> {
+/// An unknown kind or setting; an episode that fails.
+pub fn faults(args: &FaultsArgs, out: &mut impl Write) -> Result<(), CliError> {
     let trial = trial(args)?;
-    let asked: Vec<_> = match args.kinds[..] {
+    let kind_names: Vec<_> = match args.kinds[..] {
         [] => KINDS.map(str::to_owned).to_vec(),
         _ => args.kinds.clone(),
     };
-    let kinds = asked.iter().map(|text| kind(text));
+    let kinds = kind_names.iter().map(|text| kind(text));
     let kinds: Vec<_> = kinds.collect::<Result<_, _>>()?;
     let episodes: u64 = kinds
         .iter()
@@ -82,10 +83,10 @@ pub fn faults(args: &FaultsArgs, out: &mut impl Write) -> Result<(), Failure> {
         .sum();
     let progress = bar(episodes * u64::from(trial.rooms), "episodes");
     let mut rows = Vec::new();
-    for (name, kind) in asked.iter().zip(kinds) {
-        let courses = courses(kind, &trial, &|| progress.inc(1))
+    for (name, kind) in kind_names.iter().zip(kinds) {
+        let fault_episodes = fault_episodes(kind, &trial, &|| progress.inc(1))
             .map_err(|failure| BadInput::new(format!("{name}: {failure}")))?;
-        rows.push(row(name, kind.is_some(), &courses));
+        rows.push(row(name, kind.is_some(), &fault_episodes));
     }
     progress.finish_and_clear();
     let text = if args.markdown {
@@ -106,11 +107,11 @@ pub fn faults(args: &FaultsArgs, out: &mut impl Write) -> Result<(), Failure> {
     )?)
 }
 
-fn trial(args: &FaultsArgs) -> Result<Trial, BadInput> {
+fn trial(args: &FaultsArgs) -> Result<FaultTrial, BadInput> {
     let mut config = args.preset.config();
     config.fault_detection = args.detection == Switch::On;
     sim::settings::apply(&mut config, &args.sets)?;
-    Ok(Trial {
+    Ok(FaultTrial {
         rooms: args.rooms,
         first: args.first,
         explore_moves: args.explore,
@@ -135,12 +136,19 @@ fn kind(text: &str) -> Result<Option<FaultKind>, BadInput> {
     Ok(Some(fault.kind))
 }
 
-fn row(name: &str, faulty: bool, courses: &[Course]) -> Vec<String> {
-    let count = courses.len();
-    let sum = |value: fn(&Course) -> u32| courses.iter().map(value).sum::<u32>().to_string();
-    let mut delays: Vec<_> = courses.iter().filter_map(|course| course.noticed).collect();
+fn row(name: &str, faulty: bool, fault_episodes: &[FaultEpisode]) -> Vec<String> {
+    let count = fault_episodes.len();
+    let sum =
+        |value: fn(&FaultEpisode) -> u32| fault_episodes.iter().map(value).sum::<u32>().to_string();
+    let mut delays: Vec<_> = fault_episodes
+        .iter()
+        .filter_map(|course| course.noticed)
+        .collect();
     delays.sort_unstable();
-    let coverage = courses.iter().map(|course| course.coverage_m2).sum::<f64>();
+    let coverage = fault_episodes
+        .iter()
+        .map(|course| course.coverage_m2)
+        .sum::<f64>();
     let of_faulty = |text: String| if faulty { text } else { "–".to_owned() };
     vec![
         name.to_owned(),
@@ -150,7 +158,7 @@ fn row(name: &str, faulty: bool, courses: &[Course]) -> Vec<String> {
         of_faulty(quantile(&delays, count, 95)),
         of_faulty(sum(|course| course.named.is_some().into())),
         of_faulty(sum(|course| course.returns)),
-        alarms(courses),
+        alarms(fault_episodes),
         sum(|course| course.unheard),
         sum(|course| course.contacts_before),
         of_faulty(sum(|course| course.contacts_after)),
@@ -158,10 +166,10 @@ fn row(name: &str, faulty: bool, courses: &[Course]) -> Vec<String> {
     ]
 }
 
-/// How often transducers in good order were taken for faulty ones, and for what.
-fn alarms(courses: &[Course]) -> String {
+/// Number of intact transducers that were disabled, by reported fault.
+fn alarms(fault_episodes: &[FaultEpisode]) -> String {
     let mut counts = [0; FAULTS.len()];
-    for course in courses {
+    for course in fault_episodes {
         for (count, more) in counts.iter_mut().zip(course.false_alarms) {
             *count += more;
         }
@@ -178,7 +186,8 @@ fn alarms(courses: &[Course]) -> String {
     }
 }
 
-/// The delay within which so many of a hundred episodes noticed the fault; *never* where fewer did at all.
+/// The delay within which `percent` percent of the episodes detected the fault; *never* if fewer
+/// did.
 fn quantile(delays: &[u32], episodes: usize, percent: usize) -> String {
     let rank = (episodes * percent).div_ceil(100).max(1);
     delays

@@ -1,6 +1,6 @@
-//! `host-sim log` and `host-sim replay`: what is in a log, and whether the mind does the same again.
+//! `host-sim log` and `host-sim replay`: prints a log's content, and verifies that it replays.
 
-use super::Failure;
+use super::CliError;
 use super::output::bar;
 use super::table::plain;
 use clap::Args;
@@ -8,27 +8,27 @@ use remote::log::{self, LogFile, Summary};
 use std::io::Write;
 use std::path::PathBuf;
 
-/// The `log` command's flags.
+/// Flags of the `log` command.
 #[derive(Debug, Clone, Args)]
 pub struct LogArgs {
-    /// The log, as written by `--log FILE.mcap` of `run`, `view` or `bridge`
+    /// The log, written by `--log FILE.mcap` of `run`, `view` or `bridge`
     #[arg(value_name = "FILE")]
     file: PathBuf,
 }
 
-/// The `replay` command's flags.
+/// Flags of the `replay` command.
 #[derive(Debug, Clone, Args)]
 pub struct ReplayArgs {
-    /// The log, as written by `--log FILE.mcap` of `run`, `view` or `bridge`
+    /// The log, written by `--log FILE.mcap` of `run`, `view` or `bridge`
     #[arg(value_name = "FILE")]
     file: PathBuf,
 }
 
-/// Prints what is in a log.
+/// Prints the content of a log.
 ///
 /// # Errors
-/// A file that is no log, a message that is not what it should be, a closed pipe.
-pub fn log(args: &LogArgs, out: &mut impl Write) -> Result<(), Failure> {
+/// A file that is no log, an invalid message, a closed pipe.
+pub fn log(args: &LogArgs, out: &mut impl Write) -> Result<(), CliError> {
     let log = log::read(&args.file)?;
     let summary = Summary::of(&log)?;
     out.write_all(plain(&["log", ""], &rows(&log, &summary), &[]).as_bytes())?;
@@ -66,7 +66,7 @@ fn rows(log: &LogFile, summary: &Summary) -> Vec<Vec<String>> {
     let commands: Vec<_> = commands
         .map(|(s, what)| format!("{what} at {s:.1} s"))
         .collect();
-    rows.push(("told to", commands.join(", ")));
+    rows.push(("commands", commands.join(", ")));
     for (topic, count) in &summary.messages {
         rows.push((topic, format!("{count} messages")));
     }
@@ -76,11 +76,11 @@ fn rows(log: &LogFile, summary: &Summary) -> Vec<Vec<String>> {
         .collect()
 }
 
-/// Runs the mind of a log again and says whether every answer is the same.
+/// Replays a log's events and compares every answer with the recorded one.
 ///
 /// # Errors
 /// As [`log`]; an answer that differs.
-pub fn replay(args: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub fn replay(args: &ReplayArgs, out: &mut impl Write) -> Result<(), CliError> {
     let log = log::read(&args.file)?;
     let progress = bar(0, "replay");
     let end_ms = log
@@ -92,7 +92,7 @@ pub fn replay(args: &ReplayArgs, out: &mut impl Write) -> Result<(), Failure> {
     progress.finish_and_clear();
     let file = args.file.display();
     if let Some(difference) = &done.difference {
-        return Err(Failure::Differs(format!("{file}: {difference}")));
+        return Err(CliError::Differs(format!("{file}: {difference}")));
     }
     writeln!(
         out,

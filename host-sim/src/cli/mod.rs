@@ -1,8 +1,8 @@
-//! The command line: what a person types, and what comes back.
+//! The command line: parses arguments, runs commands, prints results.
 //!
-//! Results go to standard output, progress and times to standard error. Exit code 0: it ran; 1: what
-//! should be the same differs; 2: bad input, with one sentence that names the file, key or value. A reader that closes the pipe ends the
-//! program quietly.
+//! Results go to standard output, progress and times to standard error. Exit code 0: success; 1: a
+//! comparison differs; 2: bad input, with one sentence that names the file, key or value. A closed
+//! pipe ends the program quietly.
 
 mod ablation;
 mod barn;
@@ -36,69 +36,69 @@ use std::process::ExitCode;
 
 pub use run::{RunArgs, SonarChoice};
 
-/// What the program calls itself in its help.
-const ABOUT: &str =
-    "A simulated Nomad 200 learns from 100 random moves and then does what its goal asks";
+/// Description in the help.
+const ABOUT: &str = "A simulated Nomad 200 learns from 100 random moves and then pursues any goal";
 
-const LONG_ABOUT: &str = "A simulated Nomad 200 with a ring of 16 sonars explores with 100 random moves, makes two \
-self-organizing maps of 16 neurons from them, and from then on pursues any goal situation. The mind is the same crate \
+const LONG_ABOUT: &str = "A simulated Nomad 200 with a ring of 16 sonars explores with 100 random moves, learns two \
+self-organizing maps of 16 neurons from them, and from then on pursues any goal situation. The controller is the crate \
 that runs on the microcontroller.\n\nWithout a command: the demo. It explores, learns and avoids obstacles in the \
-arena of the paper's Fig. 5 and leaves its pictures in out/demo/.";
+arena of the paper's Fig. 5 and writes its pictures to out/demo/.";
 
 #[derive(Debug, Parser)]
 #[command(name = "host-sim", version, about = ABOUT, long_about = LONG_ABOUT)]
 struct Cli {
     #[command(subcommand)]
-    command: Option<Command>,
+    command: Option<CliCommand>,
 }
 
 #[derive(Debug, Subcommand)]
-enum Command {
+enum CliCommand {
     /// Explore, learn and avoid in the paper's arena, with pictures in out/demo/ (the default)
     Demo(demo::DemoArgs),
     /// Run episodes in any worlds: a table, or one JSON object per world
     Run(RunArgs),
-    /// Run many episodes: any choices × worlds × behaviors × seeds, in shards, resumed where they were cut off
+    /// Run many episodes: options × worlds × behaviors × seeds, in shards; resumes an interrupted
+    /// sweep
     Sweep(sweep::SweepArgs),
-    /// Put the results of a sweep's shards together, if nothing is missing or there twice
+    /// Merge the results of a sweep's shards, if none is missing or duplicate
     Merge(sweep::MergeArgs),
-    /// Draw what a sweep found: the outcome by the values of each choice
+    /// Draw the results of a sweep: the outcome by the values of each option
     Plot(sweep_plot::PlotArgs),
-    /// Talk to a mind on a chip: watch it, give it orders, read and write what it knows
+    /// Talk to a controller on a chip: print its messages, command it, read and write its state
     Link(link::LinkArgs),
-    /// Let a mind drive a Nomad 200, real or simulated, over the robot's own line
+    /// Drive a Nomad 200, real or simulated, over the robot's own protocol
     Bridge(bridge::BridgeArgs),
-    /// Be a simulated Nomad 200 to any program written for the robot
+    /// Simulate a Nomad 200 for any program written for the robot
     Nomad(nomad::NomadArgs),
     /// Train a self-organizing map on any CSV file and report its errors
     Som(datasets::som::SomArgs),
-    /// Learn both maps from a logged run of a real robot and ask them what it did
+    /// Learn both maps from a logged run of a real robot and test what they recall
     Learn(datasets::learn::LearnArgs),
     /// Drive the worlds of the BARN navigation benchmark: success and score
     Barn(barn::BarnArgs),
     /// List and draw worlds
     Worlds(worlds::WorldsArgs),
-    /// List the open choices of the method: the keys of --set, with the presets' values
+    /// List the options of the controller: the keys of --set, with the presets' values
     Settings,
-    /// Measure each open choice by changing it alone, over many random rooms
+    /// Measure the effect of each option, changed one at a time over many random rooms
     Ablation(ablation::AblationArgs),
-    /// List the behaviors with what they reach, measured: the maps alone, and with the shield
+    /// List the behaviors with measured results, without and with the shield
     Behaviors(behaviors::BehaviorsArgs),
-    /// Write down what the robot perceives at a place: a goal for `run --behavior seek:FILE` and `link goal FILE`
+    /// Write the situation at a pose: a goal for `run --behavior seek:FILE` and `link goal FILE`
     Capture(capture::CaptureArgs),
-    /// Measure whether a behavior improves by being repeated, against frozen maps
+    /// Measure whether a behavior improves by repetition, compared with frozen maps
     Repetition(repetition::RepetitionArgs),
-    /// Measure what a sonar out of order does, and how soon the robot ceases to believe it
+    /// Measure the effect of a faulty sonar, and the time until its detection
     Faults(faults::FaultsArgs),
-    /// Say what is in a log that `run --log FILE.mcap` wrote
+    /// Print the content of a log that `run --log FILE.mcap` wrote
     Log(log::LogArgs),
-    /// Run the mind of a log again: does it decide the same, bit for bit? (exit code 1 if not)
+    /// Replay a log: does the controller decide the same, bit for bit? (exit code 1 if not)
     Replay(log::ReplayArgs),
-    /// Make the paper's figures anew and measure its claims one by one
+    /// Redraw the paper's figures and measure its claims one by one
     Paper(paper::PaperArgs),
-    /// Compare the two maps with other methods: hand-written rules, lazy samples, Q-learning
+    /// Compare the controller with other methods: hand-written rules, lazy samples, Q-learning
     Compare(compare::CompareArgs),
-    /// Watch a robot think, and steer it, in a browser
+    /// Show a running robot in a browser, with its maps and decisions, and steer it
     View(view::ViewArgs),
     /// Print a completion script for a shell
     Completions {
@@ -107,30 +107,30 @@ enum Command {
     },
 }
 
-/// Why a command ended early.
+/// Why a command failed.
 #[derive(Debug)]
-pub enum Failure {
+pub enum CliError {
     /// The input was bad.
     Bad(BadInput),
     /// Standard output could not be written.
     Output(io::Error),
-    /// What should be the same is not.
+    /// A comparison found a difference.
     Differs(String),
 }
 
-impl From<BadInput> for Failure {
+impl From<BadInput> for CliError {
     fn from(error: BadInput) -> Self {
         Self::Bad(error)
     }
 }
 
-impl From<io::Error> for Failure {
+impl From<io::Error> for CliError {
     fn from(error: io::Error) -> Self {
         Self::Output(error)
     }
 }
 
-/// Runs the program with the arguments of this process.
+/// Runs the program with the arguments of the process.
 #[must_use]
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
@@ -138,16 +138,16 @@ pub fn main() -> ExitCode {
     let done = execute(cli.command, &mut out).and_then(|()| Ok(out.flush()?));
     match done {
         Ok(()) => ExitCode::SUCCESS,
-        Err(Failure::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => {
+        Err(CliError::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => {
             ExitCode::SUCCESS
         }
-        Err(Failure::Output(error)) => complain(&format!("standard output: {error}")),
-        Err(Failure::Differs(sentence)) => {
+        Err(CliError::Output(error)) => complain(&format!("standard output: {error}")),
+        Err(CliError::Differs(sentence)) => {
             eprintln!("host-sim: {sentence}");
             ExitCode::FAILURE
         }
-        Err(Failure::Bad(error)) => {
-            // What was printed before the trouble is complete lines: it may stay.
+        Err(CliError::Bad(error)) => {
+            // Output before the error consists of complete lines: print it.
             let _ = out.flush();
             complain(&error.to_string())
         }
@@ -159,33 +159,33 @@ fn complain(sentence: &str) -> ExitCode {
     ExitCode::from(2)
 }
 
-fn execute(command: Option<Command>, out: &mut impl Write) -> Result<(), Failure> {
+fn execute(command: Option<CliCommand>, out: &mut impl Write) -> Result<(), CliError> {
     match command {
         None => demo::demo(&demo::DemoArgs::default(), out),
-        Some(Command::Demo(args)) => demo::demo(&args, out),
-        Some(Command::Run(args)) => run::run(&args, out),
-        Some(Command::Sweep(args)) => sweep::sweep(&args, out),
-        Some(Command::Merge(args)) => sweep::merge(&args, out),
-        Some(Command::Plot(args)) => sweep_plot::plot(&args, out),
-        Some(Command::Link(args)) => link::link(&args, out),
-        Some(Command::Bridge(args)) => bridge::bridge(&args, out),
-        Some(Command::Nomad(args)) => nomad::nomad(&args, out),
-        Some(Command::Som(args)) => run_som(&args, out),
-        Some(Command::Learn(args)) => learn::learn(&args, out),
-        Some(Command::Barn(args)) => barn::barn(&args, out),
-        Some(Command::Worlds(args)) => worlds::worlds(&args, out),
-        Some(Command::Settings) => settings(out),
-        Some(Command::Ablation(args)) => ablation::ablation(&args, out),
-        Some(Command::Behaviors(args)) => behaviors::behaviors(&args, out),
-        Some(Command::Capture(args)) => capture::capture(&args, out),
-        Some(Command::Repetition(args)) => repetition::repetition(&args, out),
-        Some(Command::Faults(args)) => faults::faults(&args, out),
-        Some(Command::Log(args)) => log::log(&args, out),
-        Some(Command::Replay(args)) => log::replay(&args, out),
-        Some(Command::Paper(args)) => paper::paper(&args, out),
-        Some(Command::Compare(args)) => compare::compare(&args, out),
-        Some(Command::View(args)) => view::view(&args, out),
-        Some(Command::Completions { shell }) => {
+        Some(CliCommand::Demo(args)) => demo::demo(&args, out),
+        Some(CliCommand::Run(args)) => run::run(&args, out),
+        Some(CliCommand::Sweep(args)) => sweep::sweep(&args, out),
+        Some(CliCommand::Merge(args)) => sweep::merge(&args, out),
+        Some(CliCommand::Plot(args)) => sweep_plot::plot(&args, out),
+        Some(CliCommand::Link(args)) => link::link(&args, out),
+        Some(CliCommand::Bridge(args)) => bridge::bridge(&args, out),
+        Some(CliCommand::Nomad(args)) => nomad::nomad(&args, out),
+        Some(CliCommand::Som(args)) => run_som(&args, out),
+        Some(CliCommand::Learn(args)) => learn::learn(&args, out),
+        Some(CliCommand::Barn(args)) => barn::barn(&args, out),
+        Some(CliCommand::Worlds(args)) => worlds::worlds(&args, out),
+        Some(CliCommand::Settings) => settings(out),
+        Some(CliCommand::Ablation(args)) => ablation::ablation(&args, out),
+        Some(CliCommand::Behaviors(args)) => behaviors::behaviors(&args, out),
+        Some(CliCommand::Capture(args)) => capture::capture(&args, out),
+        Some(CliCommand::Repetition(args)) => repetition::repetition(&args, out),
+        Some(CliCommand::Faults(args)) => faults::faults(&args, out),
+        Some(CliCommand::Log(args)) => log::log(&args, out),
+        Some(CliCommand::Replay(args)) => log::replay(&args, out),
+        Some(CliCommand::Paper(args)) => paper::paper(&args, out),
+        Some(CliCommand::Compare(args)) => compare::compare(&args, out),
+        Some(CliCommand::View(args)) => view::view(&args, out),
+        Some(CliCommand::Completions { shell }) => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "host-sim", &mut script);
             Ok(out.write_all(&script)?)
@@ -193,11 +193,11 @@ fn execute(command: Option<Command>, out: &mut impl Write) -> Result<(), Failure
     }
 }
 
-fn run_som(args: &datasets::som::SomArgs, out: &mut impl Write) -> Result<(), Failure> {
+fn run_som(args: &datasets::som::SomArgs, out: &mut impl Write) -> Result<(), CliError> {
     Ok(writeln!(out, "{}", datasets::som::run(args)?)?)
 }
 
-fn settings(out: &mut impl Write) -> Result<(), Failure> {
+fn settings(out: &mut impl Write) -> Result<(), CliError> {
     let presets = [
         run::Preset::Default,
         run::Preset::Probe,

@@ -1,6 +1,6 @@
-//! `host-sim nomad`: the Nomad 200's own protocol.
+//! `host-sim nomad`: a simulated Nomad 200 that speaks the robot's own protocol.
 
-use super::Failure;
+use super::CliError;
 use super::run::SonarChoice;
 use arena::loaders::parse_worlds;
 use arena::world::World;
@@ -11,55 +11,57 @@ use remote::listen::check_reach;
 use std::io::Write;
 use std::net::{TcpListener, ToSocketAddrs as _};
 
-/// Where the robot's own server listens.
+/// Default address of the robot's own server.
 const DIRECT: &str = "127.0.0.1:65001";
 
-/// Where the original simulator's server listens.
+/// Default address of the original simulator's server.
 const NSERVER: &str = "127.0.0.1:7019";
 
 const EXAMPLES: &str = "\
 Examples:
   host-sim nomad serve                               the port of the robot's own server: 65001
-  host-sim nomad serve --listen 127.0.0.1:0          any free port; the line printed says which
+  host-sim nomad serve --listen 127.0.0.1:0          any free port; the output names it
   host-sim nomad serve --protocol nserver            the original simulator's server: 7019
-  host-sim nomad serve --pty                         a serial port; the line printed says which
-  host-sim nomad serve --speed 20 --world office     twenty times real time, elsewhere
+  host-sim nomad serve --pty                         a serial port; the output names it
+  host-sim nomad serve --speed 20 --world office     twenty times real time, in another world
 
-Any program written for the robot (Nclient.h) finds a Nomad 200 there. docs/nomad.md has the protocol.";
+Any program written for the robot (Nclient.h) can connect. docs/nomad.md has the protocol.";
 
-/// The `nomad` command's verbs.
+/// The `nomad` command.
 #[derive(Debug, Clone, Args)]
 pub(super) struct NomadArgs {
     #[command(subcommand)]
-    verb: Verb,
+    verb: NomadVerb,
 }
 
 #[derive(Debug, Clone, Subcommand)]
-enum Verb {
-    /// Be a simulated Nomad 200 to whoever connects, until interrupted
+enum NomadVerb {
+    /// Simulate a Nomad 200 for the programs that connect, until interrupted
     Serve(ServeArgs),
 }
 
-/// The flags of `nomad serve`.
+/// Flags of `nomad serve`.
 #[derive(Debug, Clone, Args)]
 #[command(after_help = EXAMPLES)]
 struct ServeArgs {
-    /// Address to listen at; port 0 takes any free one [default: 127.0.0.1:65001; 127.0.0.1:7019 as nserver]
+    /// Address to listen on; port 0 takes any free one [default: 127.0.0.1:65001; 127.0.0.1:7019 as
+    /// nserver]
     #[arg(long, value_name = "HOST:PORT")]
     listen: Option<String>,
-    /// Let others reach it: needed for any address but this machine's own
+    /// Accept other machines: required for any address but this machine's own
     #[arg(long)]
     allow_remote: bool,
-    /// Be at a serial port (a pseudo terminal) instead
+    /// Open a serial port (a pseudo terminal) instead
     #[arg(long, conflicts_with_all = ["listen", "protocol"])]
     pty: bool,
-    /// How to speak: as the robot (programs linked with Ndirect) or as the original simulator's server (with Nclient)
+    /// Protocol: the robot's own (programs linked with Ndirect) or the original simulator's (with
+    /// Nclient)
     #[arg(long, value_name = "NAME", default_value = "direct", value_enum)]
     protocol: Spoken,
     /// World: a .toml or ROS .yaml FILE, random:SEED, or a built-in name (see `host-sim worlds`)
     #[arg(long, value_name = "WORLD", default_value = "paper")]
     world: String,
-    /// What the sonars return
+    /// Sonar model
     #[arg(long, value_name = "MODEL", default_value = "nomad", value_enum)]
     sonar: SonarChoice,
     /// Times real time
@@ -68,7 +70,7 @@ struct ServeArgs {
     /// Seed of the noise of sonars and wheels
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
-    /// Block the wheels when they have rolled so far, m: to try what stops the robot then
+    /// Block the wheels after this distance, m: tests what stops the robot then
     #[arg(long, value_name = "WAY", hide = true)]
     blocked_after: Option<f64>,
 }
@@ -82,17 +84,17 @@ enum Spoken {
     Nserver,
 }
 
-/// Carries the verb out.
+/// Runs the subcommand.
 ///
 /// # Errors
-/// A world that cannot be loaded, an address that cannot be listened at, a closed pipe.
-pub(super) fn nomad(args: &NomadArgs, out: &mut impl Write) -> Result<(), Failure> {
+/// A world that cannot be loaded, an address that cannot be bound, a closed pipe.
+pub(super) fn nomad(args: &NomadArgs, out: &mut impl Write) -> Result<(), CliError> {
     match &args.verb {
-        Verb::Serve(args) => serve(args, out),
+        NomadVerb::Serve(args) => serve(args, out),
     }
 }
 
-fn serve(args: &ServeArgs, out: &mut impl Write) -> Result<(), Failure> {
+fn serve(args: &ServeArgs, out: &mut impl Write) -> Result<(), CliError> {
     let robot = Simulated::new(world(&args.world)?, args.sonar.into(), args.seed)
         .with_wheels_blocked_after(args.blocked_after.unwrap_or(f64::INFINITY));
     if args.pty {
@@ -103,7 +105,7 @@ fn serve(args: &ServeArgs, out: &mut impl Write) -> Result<(), Failure> {
     }
 }
 
-/// The one world a robot can be in.
+/// Loads the single world of the robot.
 fn world(name: &str) -> Result<World, BadInput> {
     match &parse_worlds(name)?[..] {
         [source] => source.load(),
@@ -114,13 +116,13 @@ fn world(name: &str) -> Result<World, BadInput> {
     }
 }
 
-/// Says where the robot is, on one line, at once.
-fn announce(out: &mut impl Write, place: impl std::fmt::Display) -> Result<(), Failure> {
+/// Prints the robot's address on one line and flushes it.
+fn announce(out: &mut impl Write, place: impl std::fmt::Display) -> Result<(), CliError> {
     writeln!(out, "listening on {place}")?;
     Ok(out.flush()?)
 }
 
-fn serve_tcp(robot: Simulated, args: &ServeArgs, out: &mut impl Write) -> Result<(), Failure> {
+fn serve_tcp(robot: Simulated, args: &ServeArgs, out: &mut impl Write) -> Result<(), CliError> {
     let usual = match args.protocol {
         Spoken::Direct => DIRECT,
         Spoken::Nserver => NSERVER,
@@ -128,7 +130,7 @@ fn serve_tcp(robot: Simulated, args: &ServeArgs, out: &mut impl Write) -> Result
     let address = args.listen.as_deref().unwrap_or(usual);
     let refuse = |error: std::io::Error| BadInput::new(format!("--listen {address}: {error}"));
     let addresses: Vec<_> = address.to_socket_addrs().map_err(refuse)?.collect();
-    let risk = "whoever connects drives";
+    let risk = "any client can drive the robot";
     check_reach(address, &addresses, args.allow_remote, risk)?;
     let listener = TcpListener::bind(&addresses[..]).map_err(refuse)?;
     let place = listener.local_addr().map_err(refuse)?;
@@ -142,7 +144,7 @@ fn serve_tcp(robot: Simulated, args: &ServeArgs, out: &mut impl Write) -> Result
     let mut server = Server::new(Line::new(robot, protocol), args.speed);
     announce(out, place)?;
     loop {
-        // Whoever is gone before the greeting is replaced by the next one.
+        // A client that leaves before the greeting is skipped.
         if let Ok(mut host) = server.accept(&listener) {
             let error = server.speak(&mut host);
             report(&server, &error);
@@ -151,7 +153,7 @@ fn serve_tcp(robot: Simulated, args: &ServeArgs, out: &mut impl Write) -> Result
 }
 
 #[cfg(unix)]
-fn serve_pty(mut server: Server, out: &mut impl Write) -> Result<(), Failure> {
+fn serve_pty(mut server: Server, out: &mut impl Write) -> Result<(), CliError> {
     let refuse = |error: std::io::Error| BadInput::new(format!("--pty: {error}"));
     let mut pty = nomad200::Pty::open().map_err(refuse)?;
     announce(out, pty.path().display())?;
@@ -160,16 +162,16 @@ fn serve_pty(mut server: Server, out: &mut impl Write) -> Result<(), Failure> {
 }
 
 #[cfg(not(unix))]
-fn serve_pty(_: Server, _: &mut impl Write) -> Result<(), Failure> {
+fn serve_pty(_: Server, _: &mut impl Write) -> Result<(), CliError> {
     Err(BadInput::new("--pty: this system has no pseudo terminals").into())
 }
 
-/// What a host leaves behind.
+/// Prints statistics of a finished connection.
 fn report(server: &Server, error: &std::io::Error) {
     let robot = server.line().robot();
     let ledger = robot.ledger();
     eprintln!(
-        "host gone ({error}): {:.1} m rolled and {} contacts so far, {:.1} s of the robot's time",
+        "host disconnected ({error}): {:.1} m rolled and {} contacts so far, {:.1} s of the robot's time",
         ledger.traveled_m,
         ledger.contacts,
         f64::from(robot.time_ms()) / 1e3

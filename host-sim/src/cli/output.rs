@@ -1,14 +1,14 @@
-//! Output folders, worker threads and progress bars.
+//! Output folders, worker threads and progress bars of all commands.
 
 use files::error::BadInput;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;
 use std::path::Path;
 
-/// Makes the folder and proves that files can be written there, before hours of work depend on it.
+/// Creates the folder and checks that files can be written there, before the long computation.
 ///
 /// # Errors
-/// When it cannot be made or written.
+/// When it cannot be created or written.
 pub fn prepare(dir: &Path) -> Result<(), BadInput> {
     let refuse = |error: std::io::Error| BadInput::file(dir, format!("cannot be written: {error}"));
     std::fs::create_dir_all(dir).map_err(refuse)?;
@@ -17,7 +17,7 @@ pub fn prepare(dir: &Path) -> Result<(), BadInput> {
     std::fs::remove_file(&probe).map_err(refuse)
 }
 
-/// So many worker threads, or one per core.
+/// A pool of this many worker threads, or one per core.
 ///
 /// # Errors
 /// When they cannot be started.
@@ -28,7 +28,7 @@ pub fn pool(threads: Option<u16>) -> Result<ThreadPool, BadInput> {
     pool.map_err(|error| BadInput::new(format!("--threads: {error}")))
 }
 
-/// A bar on standard error that counts to `length`; silent where nobody watches.
+/// A progress bar on standard error that counts to `length`; hidden without a terminal.
 #[must_use]
 pub fn bar(length: u64, what: &'static str) -> ProgressBar {
     let template =

@@ -1,17 +1,17 @@
-//! `host-sim paper`: the paper's figures made anew, and its claims measured one by one.
+//! `host-sim paper`: redraws the paper's figures and measures its claims one by one.
 
 use super::output::{bar, prepare};
-use super::{Failure, table};
+use super::{CliError, table};
 use clap::Args;
-use experiments::paper::claims::{Claim, Verdict, claims};
-use experiments::paper::measure::{Size, Watcher, measure};
+use experiments::paper::claims::{Claim, ClaimVerdict, claims};
+use experiments::paper::measure::{ProgressListener, Size, measure};
 use files::error::BadInput;
 use files::save;
 use indicatif::ProgressBar;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// The `paper` command's flags.
+/// Flags of the `paper` command.
 #[derive(Debug, Clone, Args)]
 pub struct PaperArgs {
     /// Folder for the page, the figures and the table
@@ -20,7 +20,7 @@ pub struct PaperArgs {
     /// Seed of all randomness
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
-    /// Random rooms in which avoidance is watched, for each of three presets
+    /// Random rooms for avoidance, for each of three presets
     #[arg(long, value_name = "ROOMS", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     rooms: u32,
     /// Worlds for each of the other behaviors
@@ -47,10 +47,10 @@ const NEXT: [&str; 5] = [
     "cargo run --release -- repetition --worlds 10 --seeds 10",
 ];
 
-/// A bar for each part of the measurement.
+/// A progress bar for each part of the measurement.
 struct Bars(ProgressBar);
 
-impl Watcher for Bars {
+impl ProgressListener for Bars {
     fn begin(&self, part: &'static str, pieces: u64) {
         self.0.set_prefix(part);
         self.0.set_length(pieces);
@@ -66,7 +66,7 @@ impl Watcher for Bars {
 ///
 /// # Errors
 /// When the folder cannot be written, an episode fails, or standard output is closed.
-pub fn paper(args: &PaperArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub fn paper(args: &PaperArgs, out: &mut impl Write) -> Result<(), CliError> {
     prepare(&args.out)?;
     let size = Size {
         rooms: args.rooms,
@@ -96,7 +96,7 @@ pub fn paper(args: &PaperArgs, out: &mut impl Write) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The table as CSV and Markdown, then what `page` writes.
+/// Writes the table as CSV and Markdown, then the files of `page`.
 fn write(
     dir: &Path,
     claims: &[Claim],
@@ -138,8 +138,8 @@ fn csv(rows: &[Vec<String>]) -> Result<Vec<u8>, BadInput> {
         .map_err(|error| BadInput::new(format!("claims.csv: {error}")))
 }
 
-/// One claim after the other: six columns would be too wide for a terminal.
-fn print(out: &mut impl Write, claims: &[Claim]) -> Result<(), Failure> {
+/// Prints the claims one below the other: six columns are too wide for a terminal.
+fn print(out: &mut impl Write, claims: &[Claim]) -> Result<(), CliError> {
     for claim in claims {
         writeln!(
             out,
@@ -158,7 +158,7 @@ fn print(out: &mut impl Write, claims: &[Claim]) -> Result<(), Failure> {
         };
         writeln!(out, "    {}{of}", claim.measured)?;
     }
-    let counts = Verdict::ALL.map(|verdict| {
+    let counts = ClaimVerdict::ALL.map(|verdict| {
         let count = claims
             .iter()
             .filter(|claim| claim.verdict == verdict)

@@ -1,4 +1,4 @@
-//! `--mind`: whose mind drives, and an episode driven by one elsewhere.
+//! `--mind`: selects where the controller runs, and drives episodes by a remote one.
 
 use super::run::drive;
 use super::setup::parsed;
@@ -13,7 +13,7 @@ use sim::failure::Failure;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// Where the mind runs.
+/// Where the controller runs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum MindChoice {
     /// In this process.
@@ -34,23 +34,23 @@ impl FromStr for MindChoice {
     }
 }
 
-/// Where a mind runs.
+/// Flags for the place of the controller.
 #[derive(Debug, Clone, Args)]
 pub struct MindArgs {
-    /// Where the mind runs: host (in this process), qemu (the firmware in an emulated chip), serial:PORT[@BAUD]
-    /// or tcp:HOST:PORT (a chip); what it decides is the same
+    /// Where the controller runs: host (in this process), qemu (the firmware in an emulated chip),
+    /// serial:PORT[@BAUD] or tcp:HOST:PORT (a chip); its decisions are the same
     #[arg(long = "mind", value_name = "WHERE", default_value = "host", value_parser = parsed::<MindChoice>)]
     pub(super) choice: MindChoice,
     /// Image for --mind qemu [default: built from the project's sources]
     #[arg(long, value_name = "ELF")]
     firmware: Option<PathBuf>,
-    /// Show what the emulator says
+    /// Show the emulator's output
     #[arg(long)]
     verbose: bool,
 }
 
 impl MindArgs {
-    /// How the emulator is to be started.
+    /// How to start the emulator.
     pub(super) fn emulation(&self) -> Emulation {
         Emulation {
             firmware: self.firmware.clone(),
@@ -58,10 +58,10 @@ impl MindArgs {
         }
     }
 
-    /// Opens the way to a mind that takes so many random moves.
+    /// Connects to a controller with a memory for `moves` random moves.
     ///
     /// # Errors
-    /// When it cannot be reached, is of another kind, or has too small a memory.
+    /// When it cannot be reached, is incompatible, or has too small a memory.
     pub(super) fn place(&self, moves: u16) -> Result<MindPlace, BadInput> {
         Ok(match Remote::connect(self, moves)? {
             None => MindPlace::Host,
@@ -70,7 +70,7 @@ impl MindArgs {
     }
 }
 
-/// A mind elsewhere, for one episode after the other.
+/// A remote controller, for several episodes in sequence.
 pub(super) struct Remote {
     address: Address,
     session: Session,
@@ -78,10 +78,11 @@ pub(super) struct Remote {
 }
 
 impl Remote {
-    /// Opens the way to a mind that takes so many random moves; `None` for the mind in this process.
+    /// Connects to a controller with a memory for `moves` random moves; `None` for the controller
+    /// in this process.
     ///
     /// # Errors
-    /// When it cannot be reached, is of another kind, or has too small a memory.
+    /// When it cannot be reached, is incompatible, or has too small a memory.
     pub(super) fn connect(args: &MindArgs, moves: u16) -> Result<Option<Self>, BadInput> {
         let emulation = args.emulation();
         let qemu = matches!(args.choice, MindChoice::At(Address::Qemu));
@@ -93,7 +94,7 @@ impl Remote {
         let holds = session.hello().map_or(0, |hello| hello.samples);
         if moves > holds {
             return Err(BadInput::new(format!(
-                "--explore {moves}: the memory of the mind at {address} holds {holds} moves"
+                "--explore {moves}: the memory of the controller at {address} holds {holds} moves"
             )));
         }
         Ok(Some(Self {
@@ -103,10 +104,10 @@ impl Remote {
         }))
     }
 
-    /// Runs an episode, with a log if there is to be one.
+    /// Runs an episode, with a log if one is requested.
     ///
     /// # Errors
-    /// When the mind refuses something, falls silent or cannot be reached.
+    /// When the controller refuses a command, stops answering or cannot be reached.
     pub(super) fn episode(
         &mut self,
         world: &World,
@@ -117,10 +118,10 @@ impl Remote {
         drive(world, setup, &mut mind, log)
     }
 
-    /// The mind, with this configuration and nothing in its memory.
+    /// The controller with this configuration and an empty memory.
     ///
     /// # Errors
-    /// When it cannot be reached or does not become what it is told to.
+    /// When it cannot be reached or does not accept the configuration.
     pub(super) fn mind(
         &mut self,
         config: &Config<16>,
@@ -128,10 +129,10 @@ impl Remote {
         let number = link::next_number(self.session.number());
         let mind = RemoteMind::start(&mut self.session, number, config)?;
         let replaced = mind.replaced();
-        // From the second episode on it is what the one before left.
+        // From the second episode on it has the state of the previous one.
         if std::mem::take(&mut self.first) && !replaced.is_empty() {
             eprintln!(
-                "{}: the mind came with another {}: replaced for this run",
+                "{}: the controller had another {}: replaced for this run",
                 self.address,
                 replaced.join(", another ")
             );
@@ -140,7 +141,7 @@ impl Remote {
     }
 }
 
-/// Opens the way to a mind, and a session with it.
+/// Connects to a controller and opens a session.
 pub(super) fn open(
     address: &Address,
     emulation: &Emulation,
@@ -155,10 +156,10 @@ pub(super) fn open(
     Ok(session)
 }
 
-/// What went wrong on the way to `address`.
+/// An error of the connection to `address`.
 pub(super) fn named(address: &Address, error: &LinkError) -> BadInput {
     match error {
-        // It names what could not be opened.
+        // The reason already names what could not be opened.
         LinkError::Open { why } => BadInput::new(why.clone()),
         _ => BadInput::new(format!("{address}: {error}")),
     }

@@ -1,21 +1,20 @@
-//! `host-sim repetition`: does a behavior improve by being repeated?
+//! `host-sim repetition`: measures whether a behavior improves by repetition.
 
 use super::output::{bar, prepare};
 use super::run::{Preset, SonarChoice};
-use super::{Failure, table};
+use super::{CliError, table};
 use clap::Args;
-use experiments::behaviors::Trial;
+use experiments::behaviors::BehaviorTrial;
 use experiments::repetition::{Curve, measure};
-use experiments::scenes::{Scene, scenes_named};
+use experiments::scenes::{BehaviorScene, scenes_named};
 use files::error::BadInput;
-use files::save;
-use plots::{Curves, Key};
+use plots::{CurveKey, Curves};
 use sim::pilot::MAX_MOVES;
 use sim::statistics::Mean;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// The `repetition` command's flags.
+/// Flags of the `repetition` command.
 #[derive(Debug, Clone, Args)]
 pub struct RepetitionArgs {
     /// Worlds per scene
@@ -27,19 +26,19 @@ pub struct RepetitionArgs {
     /// Repetitions
     #[arg(long, value_name = "TIMES", default_value_t = 8, value_parser = clap::value_parser!(u32).range(2..=1_000))]
     times: u32,
-    /// Random moves before the first: the fewer, the more is left to learn
+    /// Random moves before the first repetition: fewer leave more to learn
     #[arg(long, value_name = "MOVES", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=i64::from(MAX_MOVES)))]
     explore: u16,
-    /// Number of the first world: each has its own rooms and seeds
+    /// Number of the first world; each has its own rooms and seeds
     #[arg(long, value_name = "NUMBER", default_value_t = 1)]
     first: u64,
-    /// The open choices of the method
+    /// Preset of the controller's options
     #[arg(long, value_name = "NAME", default_value = "default", value_enum)]
     preset: Preset,
-    /// Change one open choice (see `host-sim settings`); may be given several times
+    /// Change one option (see `host-sim settings`); may be given several times
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
-    /// What the sonars return
+    /// Sonar model
     #[arg(long, value_name = "MODEL", default_value = "ideal", value_enum)]
     sonar: SonarChoice,
     /// Only behaviors whose name contains this text
@@ -60,15 +59,15 @@ const HEADS: [&str; 8] = [
     "first",
     "last, learning",
     "last, frozen",
-    "learning less frozen, last half",
+    "learning minus frozen, last half",
     "differs",
 ];
 
 /// Measures and prints the table, without the shield.
 ///
 /// # Errors
-/// When no behavior has the asked name, an episode fails, or something cannot be written.
-pub fn repetition(args: &RepetitionArgs, out: &mut impl Write) -> Result<(), Failure> {
+/// When no behavior matches `--only`, an episode fails, or something cannot be written.
+pub fn repetition(args: &RepetitionArgs, out: &mut impl Write) -> Result<(), CliError> {
     let trial = trial(args)?;
     let scenes = chosen(args.only.as_deref())?;
     if let Some(dir) = &args.out {
@@ -105,11 +104,11 @@ pub fn repetition(args: &RepetitionArgs, out: &mut impl Write) -> Result<(), Fai
         .map_or(Ok(()), |dir| picture(dir, args.times, &panels, out))
 }
 
-fn trial(args: &RepetitionArgs) -> Result<Trial, BadInput> {
+fn trial(args: &RepetitionArgs) -> Result<BehaviorTrial, BadInput> {
     let mut config = args.preset.config();
     sim::settings::apply(&mut config, &args.sets)?;
     config.shield = None;
-    Ok(Trial {
+    Ok(BehaviorTrial {
         worlds: args.worlds,
         seeds: args.seeds,
         first: args.first,
@@ -121,19 +120,20 @@ fn trial(args: &RepetitionArgs) -> Result<Trial, BadInput> {
     })
 }
 
-/// A chain repeats its parts already; a scene with sonars of its own is there for them.
-fn chosen(only: Option<&str>) -> Result<Vec<&'static Scene>, BadInput> {
+/// The scenes for repetition. Skips chains, which already repeat their parts, and scenes with their
+/// own sonars.
+fn chosen(only: Option<&str>) -> Result<Vec<&'static BehaviorScene>, BadInput> {
     let mut scenes = scenes_named(only);
     scenes.retain(|scene| !scene.behavior.contains(',') && scene.sonar.is_none());
     match (scenes.is_empty(), only) {
         (true, Some(text)) => Err(BadInput::new(format!(
-            "--only \"{text}\": no behavior that is repeated has that in its name"
+            "--only \"{text}\": no behavior that is repeated has this in its name"
         ))),
         _ => Ok(scenes),
     }
 }
 
-fn row(scene: &Scene, curve: &Curve) -> Vec<String> {
+fn row(scene: &BehaviorScene, curve: &Curve) -> Vec<String> {
     let text = |mean: Option<&Mean>| mean.map(Mean::to_string).unwrap_or_default();
     let [low, high] = curve.difference.interval;
     let differs = if low > 0.0 || high < 0.0 { "yes" } else { "no" };
@@ -149,17 +149,19 @@ fn row(scene: &Scene, curve: &Curve) -> Vec<String> {
     ]
 }
 
-fn picture(dir: &Path, times: u32, panels: &[Curves], out: &mut impl Write) -> Result<(), Failure> {
-    let key = Key {
-        subtitle: "Mean and 95 % interval by repetition · orange: the maps go on learning · blue: frozen maps".to_owned(),
+fn picture(
+    dir: &Path,
+    times: u32,
+    panels: &[Curves],
+    out: &mut impl Write,
+) -> Result<(), CliError> {
+    let key = CurveKey {
+        subtitle: "Mean and 95 % interval by repetition · orange: the maps keep learning · blue: frozen maps".to_owned(),
         along: "repetition".to_owned(),
         ticks: vec![(0, "1".to_owned()), (times as usize - 1, times.to_string())],
         names: Vec::new(),
     };
     let svg = plots::curves("Does repetition improve a behavior?", &key, panels);
-    let picture = save(dir, "repetition.svg", svg.as_bytes())?;
-    let png = plots::png::render(&svg, 2.0)
-        .map_err(|error| BadInput::new(format!("repetition.png: {error}")))?;
-    save(dir, "repetition.png", &png)?;
+    let [picture, _] = plots::save_picture(dir, "repetition", &svg)?;
     Ok(writeln!(out, "Picture: {}", picture.display())?)
 }

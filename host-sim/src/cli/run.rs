@@ -1,6 +1,6 @@
-//! `host-sim run`: episodes in any worlds.
+//! `host-sim run`: runs episodes in any worlds and prints their metrics.
 
-use super::Failure;
+use super::CliError;
 use super::output::{bar, pool, prepare};
 use super::remote::{MindArgs, MindChoice, Remote};
 use super::setup::SetupArgs;
@@ -20,22 +20,23 @@ use sim::pilot::{InspectableController, Mind};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Most steps of one episode.
+/// Largest number of steps of an episode.
 const MAX_STEPS: u32 = 10_000_000;
 
-/// Worlds in the air at once: bounds memory, and keeps the lines coming in order.
+/// Worlds in progress at once: bounds memory, and keeps the lines in order.
 const CHUNK: usize = 256;
 
-/// The `run` command's flags; every one may be left out.
+/// Flags of the `run` command; all are optional.
 #[derive(Debug, Clone, Args)]
 pub struct RunArgs {
-    /// World: a .toml or ROS .yaml FILE, a FOLDER of them, random:SEED, random:A..=B, barn:FILE#N, barn:FILE#A..=B (BARN benchmark), or a built-in
-    /// name (see `host-sim worlds`); may be given several times
+    /// World: a .toml or ROS .yaml FILE, a FOLDER of them, random:SEED, random:A..=B, barn:FILE#N,
+    /// barn:FILE#A..=B (BARN benchmark), or a built-in name (see `host-sim worlds`); may be given
+    /// several times
     #[arg(long = "world", value_name = "WORLD", default_value = "paper")]
     worlds: Vec<String>,
     #[command(flatten)]
     setup: SetupArgs,
-    /// Decisions towards the goal
+    /// Decisions toward the goal
     #[arg(long, value_name = "STEPS", default_value_t = 1_000, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_STEPS)))]
     steps: u32,
     #[command(flatten)]
@@ -46,23 +47,24 @@ pub struct RunArgs {
     /// Write pictures and a page for each world into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Write what the mind knows in the end into this file, for `host-sim link … push` (one world, --mind host)
+    /// Write the controller's final state into this file, for `host-sim link … push` (one world,
+    /// --mind host)
     #[arg(long, value_name = "FILE")]
     save: Option<PathBuf>,
-    /// Write everything the mind is told and answers into a new FILE in the MCAP format (one world only), for
-    /// `replay`, `log` and other tools
+    /// Write all events and answers of the controller into a new FILE in the MCAP format (one world
+    /// only), for `replay`, `log` and other tools
     #[arg(long, value_name = "FILE")]
     log: Option<PathBuf>,
-    /// Worker threads [default: one per core]; the results do not depend on it
+    /// Worker threads [default: one per core]; they do not affect the results
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
 }
 
 impl RunArgs {
-    /// The setup of its episodes, not recorded.
+    /// The setup of its episodes, without a recording.
     ///
     /// # Errors
-    /// A setting that is unknown or takes another value.
+    /// An unknown setting or an invalid value.
     pub(super) fn setup(&self) -> Result<Setup, BadInput> {
         Ok(Setup {
             steps: self.steps,
@@ -83,11 +85,11 @@ pub enum Switch {
 /// Sonar models as named on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum SonarChoice {
-    /// Exact distances, all at once
+    /// Exact distances, measured at once
     Ideal,
-    /// A Nomad 200's ring in good order: lobes, mirrors, noise, whole inches
+    /// A Nomad 200's intact ring: lobes, mirror reflections, noise, whole inches
     Nomad,
-    /// Everything that can go wrong does
+    /// All kinds of disturbance
     Harsh,
 }
 
@@ -131,7 +133,7 @@ impl Preset {
         }
     }
 
-    /// Its open choices.
+    /// Its configuration.
     #[must_use]
     pub fn config(self) -> Config<16> {
         match self {
@@ -141,7 +143,7 @@ impl Preset {
         }
     }
 
-    /// What its ring does while the base steers.
+    /// Motion of its turret while the base steers.
     #[must_use]
     pub fn turret(self) -> TurretMode {
         match self {
@@ -151,11 +153,11 @@ impl Preset {
     }
 }
 
-/// Runs the episodes and prints their lines in the worlds' order.
+/// Runs the episodes and prints their lines in the order of the worlds.
 ///
 /// # Errors
-/// Bad input before anything is run; a world that cannot be loaded when its turn comes; a closed pipe.
-pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
+/// Bad input before the first episode; a world that cannot be loaded; a closed pipe.
+pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), CliError> {
     let setup = Setup {
         record: args.out.is_some(),
         ..args.setup()?
@@ -165,7 +167,7 @@ pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
         && (sources.len() > 1 || args.mind.choice != MindChoice::Host)
     {
         return Err(BadInput::new(format!(
-            "--save {}: only the mind in this process, of one world (a chip's: host-sim link … pull)",
+            "--save {}: only the controller in this process, of one world (a chip's: host-sim link … pull)",
             file.display()
         ))
         .into());
@@ -205,15 +207,15 @@ pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Hands on the report of each world, in their order.
-type Print<'p> = &'p mut dyn FnMut(Report) -> Result<(), Failure>;
+/// Receives the metrics of each world, in order.
+type Print<'p> = &'p mut dyn FnMut(Report) -> Result<(), CliError>;
 
 fn in_parallel(
     args: &RunArgs,
     setup: &Setup,
     sources: &[WorldSource],
     print: Print<'_>,
-) -> Result<(), Failure> {
+) -> Result<(), CliError> {
     let pool = pool(args.threads)?;
     let progress = bar(sources.len() as u64, "worlds");
     for (number, chunk) in sources.chunks(CHUNK).enumerate() {
@@ -238,14 +240,14 @@ fn in_parallel(
     Ok(())
 }
 
-/// There is one chip only.
+/// Runs the episodes in sequence: there is only one chip.
 fn one_by_one(
     args: &RunArgs,
     setup: &Setup,
     sources: &[WorldSource],
     mut remote: Remote,
     print: Print<'_>,
-) -> Result<(), Failure> {
+) -> Result<(), CliError> {
     let progress = bar(sources.len() as u64, "worlds");
     for (index, source) in sources.iter().enumerate() {
         let folder = folder(args, index, source, sources.len());
@@ -266,7 +268,7 @@ pub(super) fn sources(names: &[String]) -> Result<Vec<WorldSource>, BadInput> {
     Ok(sources)
 }
 
-/// The folder of one world's pictures: the given one, or one inside it where there are several worlds.
+/// The folder of one world's pictures: the given one, or one inside it if there are several worlds.
 fn folder(args: &RunArgs, index: usize, source: &WorldSource, count: usize) -> Option<PathBuf> {
     let dir = args.out.as_deref()?;
     if count == 1 {
@@ -299,7 +301,7 @@ fn episode(
     Ok(episode.report)
 }
 
-/// Runs an episode, with a log if there is to be one.
+/// Runs an episode, with a log if one is requested.
 pub(super) fn drive(
     world: &World,
     setup: &Setup,
@@ -312,7 +314,7 @@ pub(super) fn drive(
     }
 }
 
-fn write_json(out: &mut impl Write, report: &Report) -> Result<(), Failure> {
+fn write_json(out: &mut impl Write, report: &Report) -> Result<(), CliError> {
     serde_json::to_writer(&mut *out, report).map_err(std::io::Error::from)?;
     Ok(out.write_all(b"\n")?)
 }

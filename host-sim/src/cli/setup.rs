@@ -1,4 +1,4 @@
-//! The flags that say what an episode is made of.
+//! The flags that define an episode: behavior, options, sonars, turret.
 
 use super::run::{Preset, SonarChoice, Switch, TurretChoice};
 use amp::config::Config;
@@ -11,44 +11,46 @@ use sim::pilot::MAX_MOVES;
 use sim::scenes::Behavior;
 use sim::settings;
 
-/// What a robot is to do, and the open choices of its mind.
+/// Flags for a robot's behavior and its controller's options.
 #[derive(Debug, Clone, Args)]
 pub struct TaskArgs {
-    /// What to do after exploring: avoid, avoid-right, wall-left, wall-right, nest, follow, seek:FILE (a
-    /// captured situation), or several of them one after the other: a,b,c (see `host-sim behaviors`)
+    /// What to do after exploring: avoid, avoid-right, wall-left, wall-right, nest, follow,
+    /// seek:FILE (a captured situation), or several of them one after the other: a,b,c (see
+    /// `host-sim behaviors`)
     #[arg(long, value_name = "NAME", default_value = "avoid", value_parser = parsed::<Behavior>)]
     pub(super) behavior: Behavior,
-    /// Random moves before it
+    /// Random moves before the behavior
     #[arg(long, value_name = "MOVES", default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..=i64::from(MAX_MOVES)))]
     pub(super) explore: u16,
     /// Seed of all randomness: the same seed gives the same bytes
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     pub(super) seed: u64,
-    /// Let the sonars limit motion: what the robot does (on) or what the maps alone do (off)
+    /// Let the sonars limit motion: measures the robot (on) or the maps alone (off)
     #[arg(long, value_name = "ON|OFF", default_value = "on", value_enum)]
     shield: Switch,
-    /// Let both maps go on learning from every move
+    /// Let both maps learn from every move while behaving
     #[arg(long, value_name = "ON|OFF", default_value = "on", value_enum)]
     online: Switch,
-    /// The open choices of the method: the best found, or the most literal reading of the paper
+    /// Preset of the controller's options: the best found, or the most literal reading of the paper
     #[arg(long, value_name = "NAME", default_value = "default", value_enum)]
     pub(super) preset: Preset,
-    /// Change one open choice, e.g. --set far=1.2 (see `host-sim settings`); may be given several times
+    /// Change one option, e.g. --set far=1.2 (see `host-sim settings`); may be given several times
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
 }
 
-/// What an episode is made of, but for its world.
+/// Flags of an episode, apart from its world.
 #[derive(Debug, Clone, Args)]
 pub struct SetupArgs {
     #[command(flatten)]
     task: TaskArgs,
-    /// What the sonars return
+    /// Sonar model
     #[arg(long, value_name = "MODEL", default_value = "ideal", value_enum)]
     sonar: SonarChoice,
-    /// A sonar that is out of order: dead:N, stuck:N:METERS, scaled:N:SHARE, offset:N:METERS, jumping:N:PROBABILITY,
-    /// noisy:N:METERS, delayed:N:FIRINGS, intermittent:N:PROBABILITY, crosstalk:N:PROBABILITY or swapped:N:M; may be
-    /// given several times (see also --set fault-detection=off)
+    /// A faulty sonar: dead:N, stuck:N:METERS, scaled:N:SHARE, offset:N:METERS,
+    /// jumping:N:PROBABILITY, noisy:N:METERS, delayed:N:FIRINGS, intermittent:N:PROBABILITY,
+    /// crosstalk:N:PROBABILITY or swapped:N:M; may be given several times (see also --set
+    /// fault-detection=off)
     #[arg(long = "fault", value_name = "KIND:N", value_parser = parsed::<TransducerFault>)]
     faults: Vec<TransducerFault>,
     /// Whether the ring keeps its bearing in the world or turns with the heading
@@ -57,15 +59,15 @@ pub struct SetupArgs {
     turret: Option<TurretChoice>,
 }
 
-/// Reads a value as its type does.
+/// Parses a value by its type.
 pub(super) fn parsed<T: std::str::FromStr<Err = BadInput>>(text: &str) -> Result<T, BadInput> {
     text.parse()
 }
 
-/// The choices as the flags change them.
+/// Applies the settings of `--set`.
 ///
 /// # Errors
-/// A setting that is unknown or takes another value.
+/// An unknown setting or an invalid value.
 pub(super) fn configured(
     preset: Preset,
     sets: &[String],
@@ -84,41 +86,41 @@ pub(super) fn configured(
 }
 
 impl TaskArgs {
-    /// The preset with what was set, as if shield and learning while behaving were on.
+    /// The preset with the settings of `--set`, whatever `--shield` and `--online` say.
     ///
     /// # Errors
-    /// A setting that is unknown or takes another value.
+    /// An unknown setting or an invalid value.
     pub(super) fn whole(&self) -> Result<Config<16>, BadInput> {
         configured(self.preset, &self.sets, Switch::On, Switch::On)
     }
 
-    /// The open choices.
+    /// The configuration.
     ///
     /// # Errors
-    /// Like [`TaskArgs::whole`].
+    /// As [`TaskArgs::whole`].
     pub(super) fn config(&self) -> Result<Config<16>, BadInput> {
         configured(self.preset, &self.sets, self.shield, self.online)
     }
 }
 
 impl SetupArgs {
-    /// What a robot is to do.
+    /// The flags for behavior and options.
     pub(super) fn task(&self) -> &TaskArgs {
         &self.task
     }
 
-    /// Like [`TaskArgs::whole`].
+    /// As [`TaskArgs::whole`].
     ///
     /// # Errors
-    /// As there.
+    /// An unknown setting or an invalid value.
     pub(super) fn whole(&self) -> Result<Config<16>, BadInput> {
         self.task.whole()
     }
 
-    /// The setup of one step, not recorded.
+    /// The setup of an episode of one step, without a recording.
     ///
     /// # Errors
-    /// Like [`TaskArgs::whole`].
+    /// As [`TaskArgs::whole`].
     pub(super) fn setup(&self) -> Result<Setup, BadInput> {
         let task = &self.task;
         Ok(Setup {

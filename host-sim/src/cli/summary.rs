@@ -1,4 +1,4 @@
-//! What came of episodes, as tables.
+//! Tables of episodes' metrics.
 
 use super::table::plain;
 use sim::episode::Report;
@@ -38,7 +38,7 @@ pub(super) fn rows(report: &Report) -> Vec<(String, String)> {
     rows.map(|(label, value)| (label.to_owned(), value)).into()
 }
 
-/// The table over all worlds, with their means where there are several.
+/// The table of all worlds, with means if there are several.
 pub(super) fn table(reports: &[Report]) -> String {
     let heads = [
         "world",
@@ -99,7 +99,7 @@ fn cells(name: &str, figures: &[f64; 9]) -> Vec<String> {
     let digits = [2, 2, 1, 3, 1, 1, 1, 0, 4];
     let short = |value: f64, digits: usize| {
         let text = format!("{value:.digits$}");
-        // A whole count needs no decimals; a mean of counts does.
+        // A whole number needs no decimals; a mean of counts does.
         if value.fract() == 0.0 && digits == 2 {
             format!("{value:.0}")
         } else {

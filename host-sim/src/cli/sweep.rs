@@ -1,12 +1,12 @@
-//! `host-sim sweep` and `host-sim merge`: many episodes, in parts if need be.
+//! `host-sim sweep` and `host-sim merge`: many episodes, optionally in shards.
 
-use super::Failure;
+use super::CliError;
 use super::output::{bar, pool};
 use super::run::RunArgs;
 use super::setup::{SetupArgs, parsed};
 use amp::config::Config;
 use clap::{Args, Parser};
-use experiments::sweep::{self, Description, Plan, Progress, Shard, Vocabulary};
+use experiments::sweep::{self, Description, Shard, SweepPlan, SweepProgress, Vocabulary};
 use files::error::BadInput;
 use sim::episode::Setup;
 use sim::settings;
@@ -14,29 +14,29 @@ use std::io::{IsTerminal as _, Write};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// The `sweep` command's flags.
+/// Flags of the `sweep` command.
 #[derive(Debug, Clone, Args)]
 pub struct SweepArgs {
-    /// What to do: a TOML file with worlds, behaviors, seeds and the choices to vary (docs/sweep.md)
+    /// A TOML file with worlds, behaviors, seeds and the options to vary (docs/sweep.md)
     #[arg(value_name = "SWEEP.toml")]
     file: PathBuf,
-    /// Results; a sweep that was cut off goes on where its file ends [default: out/sweep/NAME.csv, for a shard
-    /// out/sweep/NAME.I-of-N.csv]
+    /// Results file; an interrupted sweep resumes at its end [default: out/sweep/NAME.csv, for a
+    /// shard out/sweep/NAME.I-of-N.csv]
     #[arg(long, value_name = "FILE.csv")]
     out: Option<PathBuf>,
-    /// Do only the episodes whose number leaves I when divided by N [default: what SLURM_ARRAY_TASK_ID and
-    /// SLURM_ARRAY_TASK_COUNT say, or JOB_COMPLETION_INDEX and SWEEP_SHARDS; else all]
+    /// Run only the episodes whose number modulo N is I [default: SLURM_ARRAY_TASK_ID of
+    /// SLURM_ARRAY_TASK_COUNT, or JOB_COMPLETION_INDEX of SWEEP_SHARDS; else all]
     #[arg(long, value_name = "I/N", value_parser = parsed::<Shard>)]
     shard: Option<Shard>,
-    /// Look at everything and say how many episodes there are, but run none
+    /// Check everything and print the number of episodes, without running them
     #[arg(long)]
     dry_run: bool,
-    /// Worker threads [default: one per core]; the results do not depend on it
+    /// Worker threads [default: one per core]; they do not affect the results
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
 }
 
-/// The `merge` command's flags.
+/// Flags of the `merge` command.
 #[derive(Debug, Clone, Args)]
 pub struct MergeArgs {
     /// Results of all shards of one sweep, in any order
@@ -44,16 +44,16 @@ pub struct MergeArgs {
     files: Vec<PathBuf>,
 }
 
-/// A point's choices are read as `run` reads its flags, so that both mean the same.
+/// Parses a point's options with the flags of `run`, so that both mean the same.
 #[derive(Debug, Parser)]
 #[command(no_binary_name = true)]
-struct Point {
+struct PointArgs {
     #[command(flatten)]
     run: RunArgs,
 }
 
 fn vocabulary() -> Vocabulary {
-    // What a sweep has lists of its own for, and the settings, which go by their keys.
+    // The description has its own lists for these; settings are given by their keys.
     let elsewhere = ["behavior", "seed", "set"];
     let setup = SetupArgs::augment_args(clap::Command::new("point"));
     let flags = setup.get_arguments().filter_map(|flag| flag.get_long());
@@ -86,11 +86,11 @@ fn of_point(choices: &[(String, String)]) -> Result<Setup, BadInput> {
             format!("--{key}={value}")
         }
     };
-    let parsed = Point::try_parse_from(choices.iter().map(flag));
+    let parsed = PointArgs::try_parse_from(choices.iter().map(flag));
     parsed.map_err(|error| sentence(&error))?.run.setup()
 }
 
-/// What the command line says of a flag, in one line.
+/// clap's message about a flag, in one line.
 fn sentence(error: &clap::Error) -> BadInput {
     let text = error.to_string();
     let lines = text
@@ -101,18 +101,19 @@ fn sentence(error: &clap::Error) -> BadInput {
     BadInput::new(text.trim_start_matches("error: "))
 }
 
-/// Runs what is missing of the sweep.
+/// Runs the missing episodes of the sweep.
 ///
 /// # Errors
-/// A description that is not sound, a results file that is not this sweep's or cannot be written, an episode that fails.
-pub fn sweep(args: &SweepArgs, out: &mut impl Write) -> Result<(), Failure> {
+/// An invalid description, a results file that belongs to another sweep or cannot be written, an
+/// episode that fails.
+pub fn sweep(args: &SweepArgs, out: &mut impl Write) -> Result<(), CliError> {
     let from = Shard::from_environment(|name| std::env::var(name).ok());
     let (shard, source) = match args.shard {
         Some(shard) => (shard, None),
         None => from?.map_or((Shard::WHOLE, None), |(shard, from)| (shard, Some(from))),
     };
     let vocabulary = vocabulary();
-    let plan = Plan::new(Description::load(&args.file, &vocabulary)?, vocabulary)?;
+    let plan = SweepPlan::new(Description::load(&args.file, &vocabulary)?, vocabulary)?;
     if args.dry_run {
         return Ok(writeln!(out, "{}", about(&plan, shard))?);
     }
@@ -126,7 +127,7 @@ pub fn sweep(args: &SweepArgs, out: &mut impl Write) -> Result<(), Failure> {
     let done = sweep::run(&plan, shard, &path, &pool, |progress| report.tell(progress))?;
     report.end();
     eprintln!(
-        "{} episodes in {:.1} s, {} were there already",
+        "{} episodes in {:.1} s, {} already done",
         done.done - done.before,
         began.elapsed().as_secs_f64(),
         done.before
@@ -134,7 +135,7 @@ pub fn sweep(args: &SweepArgs, out: &mut impl Write) -> Result<(), Failure> {
     Ok(writeln!(out, "{}: {} episodes", path.display(), done.all)?)
 }
 
-fn default_path(plan: &Plan, shard: Shard) -> PathBuf {
+fn default_path(plan: &SweepPlan, shard: Shard) -> PathBuf {
     let name = &plan.description().name;
     let part = if shard.is_whole() {
         String::new()
@@ -144,7 +145,7 @@ fn default_path(plan: &Plan, shard: Shard) -> PathBuf {
     PathBuf::from(format!("out/sweep/{name}{part}.csv"))
 }
 
-fn about(plan: &Plan, shard: Shard) -> String {
+fn about(plan: &SweepPlan, shard: Shard) -> String {
     let description = plan.description();
     format!(
         "{}\n{} points × {} behaviors × {} worlds × {} seeds; shard {shard} has {} episodes",
@@ -157,12 +158,12 @@ fn about(plan: &Plan, shard: Shard) -> String {
     )
 }
 
-/// How far it is, on standard error: a bar for who watches, a line a minute for a log.
+/// Progress on standard error: a bar in a terminal, a line per minute in a log.
 struct Reporter {
     bar: Option<indicatif::ProgressBar>,
     prefix: Option<String>,
     began: Instant,
-    told: Instant,
+    last_report: Instant,
 }
 
 impl Reporter {
@@ -174,11 +175,11 @@ impl Reporter {
             bar: None,
             prefix,
             began: now,
-            told: now,
+            last_report: now,
         }
     }
 
-    fn tell(&mut self, progress: Progress) {
+    fn tell(&mut self, progress: SweepProgress) {
         if std::io::stderr().is_terminal() {
             let bar = self.bar.get_or_insert_with(|| {
                 let bar = bar(progress.all, "episodes").with_position(progress.done);
@@ -186,8 +187,8 @@ impl Reporter {
                 bar
             });
             bar.set_position(progress.done);
-        } else if self.told.elapsed() >= Self::EVERY {
-            self.told = Instant::now();
+        } else if self.last_report.elapsed() >= Self::EVERY {
+            self.last_report = Instant::now();
             let new = progress.done.saturating_sub(progress.before).max(1);
             let each = self.began.elapsed().as_secs_f64() / new as f64;
             let left = each * progress.all.saturating_sub(progress.done) as f64;
@@ -208,12 +209,12 @@ impl Reporter {
     }
 }
 
-/// Prints the whole sweep's results.
+/// Prints the results of the whole sweep.
 ///
 /// # Errors
-/// Files that are not just one whole sweep; standard output that cannot be written.
-pub fn merge(args: &MergeArgs, out: &mut impl Write) -> Result<(), Failure> {
+/// Files that do not form one whole sweep; standard output that cannot be written.
+pub fn merge(args: &MergeArgs, out: &mut impl Write) -> Result<(), CliError> {
     let mut merged = sweep::merge(&args.files)?;
     out.write_all(merged.header().text().as_bytes())?;
-    merged.rows(&mut |row| Ok::<_, Failure>(out.write_all(row)?))
+    merged.rows(&mut |row| Ok::<_, CliError>(out.write_all(row)?))
 }

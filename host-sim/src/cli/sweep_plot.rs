@@ -1,21 +1,21 @@
-//! `host-sim plot`: what a sweep found, one picture for each choice.
+//! `host-sim plot`: draws the results of a sweep, one picture per option.
 
 use super::output::prepare;
-use super::{Failure, table};
+use super::{CliError, table};
 use clap::Args;
-use experiments::sweep::{SweepOutcome, SweptChoice, Table, Texts, swept_choices};
+use experiments::sweep::{ResultsTable, SweepOutcome, SweptChoice, Texts, swept_choices};
 use files::error::BadInput;
 use files::save;
-use plots::{DotPanel, DotSection, Figure, dot_plot, index_html, png};
+use plots::{DotPanel, DotSection, Figure, dot_plot, index_html, save_picture};
 use rayon::prelude::*;
 use sim::statistics::Mean;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Behaviors that are drawn.
+/// Largest number of behaviors in a picture.
 const MAX_BEHAVIORS: usize = 8;
 
-/// The `plot` command's flags.
+/// Flags of the `plot` command.
 #[derive(Debug, Clone, Args)]
 pub struct PlotArgs {
     /// Results of `sweep` or `merge`, complete or not
@@ -30,8 +30,8 @@ pub struct PlotArgs {
 ///
 /// # Errors
 /// A file that cannot be read or holds no episode, a folder that cannot be written.
-pub fn plot(args: &PlotArgs, out: &mut impl Write) -> Result<(), Failure> {
-    let results = Table::load(&args.file)?;
+pub fn plot(args: &PlotArgs, out: &mut impl Write) -> Result<(), CliError> {
+    let results = ResultsTable::load(&args.file)?;
     if results.rows() == 0 {
         return Err(BadInput::file(&args.file, "holds no episode").into());
     }
@@ -50,7 +50,7 @@ pub fn plot(args: &PlotArgs, out: &mut impl Write) -> Result<(), Failure> {
         .collect();
     out.write_all(text(&drawn).as_bytes())?;
     for key in &left_out {
-        writeln!(out, "{key}: too many values to be told apart")?;
+        writeln!(out, "{key}: too many values to distinguish")?;
     }
     let identity = results.header().identity();
     let title = identity.trim_start_matches("host-sim ");
@@ -68,35 +68,31 @@ pub fn plot(args: &PlotArgs, out: &mut impl Write) -> Result<(), Failure> {
     Ok(writeln!(out, "\nPictures: {}", page.display())?)
 }
 
-/// Writes a picture for each choice, as SVG and as PNG.
+/// Writes a picture for each option, as SVG and as PNG.
 fn draw(folder: &Path, title: &str, drawn: &[DrawnChoice<'_>]) -> Result<Vec<Figure>, BadInput> {
-    let subtitle = format!("{title}: all other choices together; dot: mean, line: 95 % interval");
+    let subtitle = format!("{title}: all other options together; dot: mean, line: 95 % interval");
     let mut figures = Vec::new();
     for (choice, found) in drawn {
         let figure = figure(&choice.key);
         let svg = dot_plot(&figure.title, &subtitle, &sections(choice, found));
-        save(folder, &figure.file, svg.as_bytes())?;
-        let bitmap = figure.file.replace(".svg", ".png");
-        let png =
-            png::render(&svg, 2.0).map_err(|error| BadInput::new(format!("{bitmap}: {error}")))?;
-        save(folder, &bitmap, &png)?;
+        save_picture(folder, figure.file.trim_end_matches(".svg"), &svg)?;
         figures.push(figure);
     }
     Ok(figures)
 }
 
-/// A choice, and what the episodes came to by its values.
+/// An option, and the outcomes by its values.
 type DrawnChoice<'c> = (&'c SweptChoice, Vec<BehaviorOutcomes>);
 
-/// A behavior, and what its episodes came to by the values of a choice.
+/// A behavior, and its outcomes by the values of an option.
 struct BehaviorOutcomes {
     name: String,
-    /// Unit of its own measure.
+    /// Unit of the behavior's own measure.
     unit: String,
     of_value: Vec<Option<SweepOutcome>>,
 }
 
-fn by_behavior(results: &Table, choice: &SweptChoice) -> Vec<BehaviorOutcomes> {
+fn by_behavior(results: &ResultsTable, choice: &SweptChoice) -> Vec<BehaviorOutcomes> {
     let (Some(names), Some(units)) = (results.texts("behavior"), results.texts("success_unit"))
     else {
         return Vec::new();
@@ -129,7 +125,7 @@ fn unit(names: &Texts, units: &Texts, behavior: usize) -> Option<String> {
 
 fn text(drawn: &[DrawnChoice<'_>]) -> String {
     let heads = [
-        "choice",
+        "option",
         "value",
         "behavior",
         "episodes",
@@ -151,7 +147,7 @@ fn text(drawn: &[DrawnChoice<'_>]) -> String {
     table::plain(&heads, &rows, &[3, 4, 5, 6])
 }
 
-/// As they stand in the table.
+/// The figures in the form of the table.
 fn figures_of(outcome: &SweepOutcome) -> [String; 4] {
     let with = |mean: Mean, digits: usize| {
         let ([low, high], mean) = (mean.interval, mean.mean);
@@ -172,7 +168,7 @@ fn percent(share: Mean) -> Mean {
     }
 }
 
-const CAPTION: &str = "Each value's episodes, all other choices together: the share without contact (interval by Wilson's score, \
+const CAPTION: &str = "Each value's episodes, all other options together: the share without contact (interval by Wilson's score, \
                        episodes taken as independent) and the behavior's own measure (interval by the bootstrap over worlds \
                        and seeds).";
 

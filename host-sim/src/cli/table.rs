@@ -1,6 +1,6 @@
-//! Tables as text: aligned for a terminal, or Markdown for the documentation.
+//! Formats tables: aligned for a terminal, or Markdown for the documentation.
 
-/// An aligned table with a line under its head; the columns in `right` are numbers.
+/// An aligned table with a line under its head; the columns in `right` are right-aligned.
 #[must_use]
 pub fn plain(heads: &[&str], rows: &[Vec<String>], right: &[usize]) -> String {
     let widths = widths(heads, rows);

@@ -1,7 +1,7 @@
-//! `host-sim view`: a page that shows the robot think.
+//! `host-sim view`: a web page that shows a running robot.
 
-use super::Failure;
-use super::bridge::{Robot, held, mind, watch};
+use super::CliError;
+use super::bridge::{RobotAddress, held_turret_config, interrupt_flag, mind};
 use super::remote::{MindArgs, named, open};
 use super::run::{Preset, sources};
 use super::setup::{SetupArgs, parsed};
@@ -21,34 +21,36 @@ use view::{
 };
 
 const EXAMPLES: &str = "\
-Opens no browser by itself: open the printed address. It ends with Ctrl-C.
+Open the printed address in a browser. Ctrl-C ends the program.
 
   host-sim view                              the paper's arena
   host-sim view --world random:7 --speed max
-  host-sim view --preset touzet              the paper's four steps, to the letter
-  host-sim view --mind qemu                  the mind in an emulated chip
+  host-sim view --preset touzet              the literal reading of the paper
+  host-sim view --mind qemu                  the controller in an emulated chip
   host-sim view --replay wall.mcap           a log
   host-sim view --nomad tcp:robot:65001      a Nomad 200
-  host-sim view --board serial:/dev/ttyUSB0  a board whose ring and base are its own
+  host-sim view --board serial:/dev/ttyUSB0  a board with its own ring and base
 
-Whoever opens the address with its token may steer, one at a time; others watch. The token is new for each run.";
+The address with its token permits to steer, one page at a time; others watch. The token is new for each run.";
 
-/// The `view` command's flags.
+/// Flags of the `view` command.
 #[derive(Debug, Clone, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct ViewArgs {
     /// World: a .toml or ROS .yaml FILE, random:SEED, or a built-in name (see `host-sim worlds`)
     #[arg(long, value_name = "WORLD", default_value = "paper")]
     world: String,
-    /// A log instead of a simulation: what `run`, `view` or `bridge` wrote with --log
+    /// Show a log instead of a simulation: a file that `run`, `view` or `bridge` wrote with --log
     #[arg(long, value_name = "FILE", conflicts_with_all = ["nomad", "world", "behavior", "explore", "seed", "shield",
         "online", "sonar", "turret", "preset", "sets", "choice", "firmware", "log"])]
     replay: Option<PathBuf>,
-    /// A Nomad 200 instead of a simulation, over its own line: tcp:HOST:PORT or serial:PORT[@BAUD] (see `bridge`)
-    #[arg(long, value_name = "WHERE", value_parser = parsed::<Robot>,
+    /// Show a Nomad 200 instead of a simulation, over its own protocol: tcp:HOST:PORT or
+    /// serial:PORT[@BAUD] (see `bridge`)
+    #[arg(long, value_name = "WHERE", value_parser = parsed::<RobotAddress>,
         conflicts_with_all = ["world", "sonar", "turret", "speed"])]
-    nomad: Option<Robot>,
-    /// A board whose ring and base are its own, instead of a simulation: serial:PORT[@BAUD], tcp:HOST:PORT or qemu
+    nomad: Option<RobotAddress>,
+    /// Show a board with its own ring and base instead of a simulation: serial:PORT[@BAUD],
+    /// tcp:HOST:PORT or qemu
     #[arg(long, value_name = "WHERE", value_parser = parsed::<Address>, conflicts_with_all = ["replay", "nomad", "world",
         "shield", "online", "sonar", "turret", "preset", "sets", "choice", "log", "speed"])]
     board: Option<Address>,
@@ -59,22 +61,22 @@ pub struct ViewArgs {
     /// Simulated seconds per second, 0.05 to 1000, or max
     #[arg(long, value_name = "FACTOR", default_value = "4", value_parser = speed)]
     speed: Speed,
-    /// Where to listen; port 0 takes any that is free
+    /// Address to listen on; port 0 takes any free one
     #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8016")]
     listen: SocketAddr,
-    /// Let others reach it: needed for any address but this machine's own
+    /// Accept other machines: required for any address but this machine's own
     #[arg(long)]
     allow_remote: bool,
-    /// A real robot or board stops when no page has steered for so long: 1 to 3600 seconds, or off
+    /// Stop a real robot or board when no page has steered for this long: 1 to 3600 seconds, or off
     #[arg(long, value_name = "SECONDS", default_value = "2", value_parser = steering_timeout)]
     steering_timeout: SteeringTimeout,
-    /// Write everything the mind is told and answers into a new FILE in the MCAP format, for `replay`, `view`, `log`
-    /// and other tools
+    /// Write all events and answers of the controller into a new FILE in the MCAP format, for
+    /// `replay`, `view`, `log` and other tools
     #[arg(long, value_name = "FILE")]
     log: Option<PathBuf>,
 }
 
-/// Simulated seconds per second; `None` = as fast as it goes.
+/// Simulated seconds per second; `None` = unlimited.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Speed(Option<f64>);
 
@@ -88,7 +90,7 @@ fn speed(text: &str) -> Result<Speed, String> {
     }
 }
 
-/// Longest time without a steering page; `None` = any.
+/// Longest time without a steering page; `None` = unlimited.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct SteeringTimeout(Option<Duration>);
 
@@ -106,11 +108,11 @@ fn steering_timeout(text: &str) -> Result<SteeringTimeout, String> {
 /// Serves the view until the process ends.
 ///
 /// # Errors
-/// Bad input, an address that cannot be listened at, a mind that cannot be reached, a closed pipe.
-pub fn view(args: &ViewArgs, out: &mut impl Write) -> Result<(), Failure> {
+/// Bad input, an address that cannot be bound, a controller that cannot be reached, a closed pipe.
+pub fn view(args: &ViewArgs, out: &mut impl Write) -> Result<(), CliError> {
     let door = Door::open(args.listen, args.allow_remote)?;
     let source = source(args)?;
-    let ended = watch()?;
+    let ended = interrupt_flag()?;
     let [watch, steer] = door.addresses();
     writeln!(out, "watch and steer: {steer}\nonly watch:      {watch}")?;
     out.flush()?;
@@ -140,9 +142,9 @@ fn board(args: &ViewArgs, address: &Address) -> Result<Box<dyn Source>, BadInput
     Ok(Box::new(board.map_err(|error| named(address, &error))?))
 }
 
-fn nomad(args: &ViewArgs, robot: &Robot) -> Result<Box<dyn Source>, BadInput> {
+fn nomad(args: &ViewArgs, robot: &RobotAddress) -> Result<Box<dyn Source>, BadInput> {
     let task = args.setup.task();
-    let config = held(task)?;
+    let config = held_turret_config(task)?;
     let host = robot.open()?;
     let mind = mind(robot, task, &args.mind, args.log.as_deref())?;
     let start = NomadStart {
@@ -172,7 +174,7 @@ fn start(args: &ViewArgs) -> Result<Start, BadInput> {
     let sources = sources(std::slice::from_ref(&args.world))?;
     let [source] = sources.as_slice() else {
         return Err(BadInput::new(format!(
-            "--world {}: one world can be watched at a time, not {}",
+            "--world {}: one world can be shown at a time, not {}",
             args.world,
             sources.len()
         )));

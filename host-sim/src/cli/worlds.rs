@@ -1,18 +1,19 @@
-//! `host-sim worlds`: what there is to drive in.
+//! `host-sim worlds`: lists and draws worlds.
 
 use super::output::prepare;
 use super::run::sources;
-use super::{Failure, table};
+use super::{CliError, table};
 use arena::world::World;
 use clap::Args;
 use files::error::BadInput;
 use std::io::Write;
 use std::path::PathBuf;
 
-/// The `worlds` command's flags.
+/// Flags of the `worlds` command.
 #[derive(Debug, Clone, Args)]
 pub struct WorldsArgs {
-    /// Worlds to list and draw, named as for `run` [default: the built-in ones and three random rooms]
+    /// Worlds to list and draw, named as for `run` [default: the built-in ones and three random
+    /// rooms]
     #[arg(long = "world", value_name = "WORLD")]
     worlds: Vec<String>,
     /// Folder for the picture
@@ -20,14 +21,14 @@ pub struct WorldsArgs {
     out: PathBuf,
 }
 
-/// Most worlds in one picture.
-const MOST: usize = 100;
+/// Largest number of worlds in one picture.
+const MAX_WORLDS: usize = 100;
 
 /// Lists the worlds and draws them.
 ///
 /// # Errors
 /// Worlds that cannot be loaded, a folder that cannot be written, a closed pipe.
-pub fn worlds(args: &WorldsArgs, out: &mut impl Write) -> Result<(), Failure> {
+pub fn worlds(args: &WorldsArgs, out: &mut impl Write) -> Result<(), CliError> {
     let mut names = args.worlds.clone();
     if names.is_empty() {
         names = World::builtin_names()
@@ -37,9 +38,9 @@ pub fn worlds(args: &WorldsArgs, out: &mut impl Write) -> Result<(), Failure> {
         names.push("random:1..=3".to_owned());
     }
     let sources = sources(&names)?;
-    if sources.len() > MOST {
+    if sources.len() > MAX_WORLDS {
         return Err(BadInput::new(format!(
-            "--world names {} worlds, a picture holds at most {MOST}",
+            "--world names {} worlds, a picture holds at most {MAX_WORLDS}",
             sources.len()
         ))
         .into());
@@ -61,10 +62,7 @@ pub fn worlds(args: &WorldsArgs, out: &mut impl Write) -> Result<(), Failure> {
 
     let all: Vec<_> = worlds.iter().collect();
     let svg = plots::worlds("Worlds", &all);
-    let picture = files::save(&args.out, "worlds.svg", svg.as_bytes())?;
-    let png = plots::png::render(&svg, 2.0)
-        .map_err(|error| BadInput::new(format!("worlds.png: {error}")))?;
-    files::save(&args.out, "worlds.png", &png)?;
+    let [picture, _] = plots::save_picture(&args.out, "worlds", &svg)?;
     writeln!(out, "\nPicture: {}", picture.display())?;
     Ok(())
 }

@@ -1,5 +1,7 @@
-//! Runs the campaigns of [`tests::campaign`]: figures to standard output, progress and times to standard error. Exit code 0: all
-//! was as it has to be; 1: it was not; 2: bad arguments.
+//! Runs the campaigns of [`tests::campaign`] and prints their figures.
+//!
+//! Progress and times go to standard error. Exit code 0: all requirements met; 1: one was not; 2:
+//! bad arguments.
 
 use amp::config::Config;
 use arena::sonar::SonarModel;
@@ -8,23 +10,23 @@ use indicatif::{ProgressBar, ProgressStyle};
 use sim::settings;
 use std::process::ExitCode;
 use std::time::Instant;
-use tests::campaign::{Verdict, chip, clock, drift, frames, link, shield, silence};
+use tests::campaign::{CampaignVerdict, chip, clock, drift, frames, link, shield, silence};
 
-/// How much less is done with `--quick`.
+/// Divisor of the counts with `--quick`.
 const QUICK: u64 = 1_000;
 
 #[derive(Debug, Parser)]
 #[command(
     name = "campaign",
-    about = "Long random runs that try to break the mind, its link and its clock"
+    about = "Long random runs that try to break the controller, its link and its clock"
 )]
-struct Cli {
+struct CampaignCli {
     #[command(subcommand)]
-    verb: Verb,
+    verb: CampaignVerb,
     /// Seed of all randomness
     #[arg(long, global = true, default_value_t = 1)]
     seed: u64,
-    /// How many [default: see the verb]
+    /// Number of cases [default: see the subcommand]
     #[arg(long, global = true)]
     count: Option<u64>,
     /// A thousandth of the default
@@ -33,14 +35,14 @@ struct Cli {
 }
 
 #[derive(Debug, Subcommand)]
-enum Verb {
+enum CampaignVerb {
     /// Damaged frames through the decoder [count: 1000000000]
     Frames,
-    /// Frames over a line that loses 30 %, repeats 10 % and reorders [count: 1000000]
+    /// Frames over a line that loses 30 %, duplicates 10 % and reorders [count: 1000000]
     Link,
-    /// Moments at which host, line or chip are gone [count: 100000 of each]
+    /// Host, line or chip fail while the robot moves [count: 100000 of each]
     Silence,
-    /// Episodes over the end of the 32-bit milliseconds [count: 1000]
+    /// Episodes across the overflow of the 32-bit milliseconds [count: 1000]
     Clock,
     /// Robots that drive for a day [count: 100]
     Drift {
@@ -56,7 +58,7 @@ enum Verb {
         /// Built-in worlds and rooms with thin walls instead of random rooms
         #[arg(long)]
         others: bool,
-        /// Change one open choice (see `host-sim settings`); may be given several times
+        /// Change one option (see `host-sim settings`); may be given several times
         #[arg(long = "set", value_name = "KEY=VALUE")]
         sets: Vec<String>,
     },
@@ -64,11 +66,11 @@ enum Verb {
     ChipFrames,
     /// Frames over a bad line to the firmware in an emulated chip [count: 1000]
     ChipLink,
-    /// Moments at which the host of an emulated chip falls silent [count: 100]
+    /// The host of an emulated chip goes silent while the robot moves [count: 100]
     ChipSilence,
 }
 
-impl Verb {
+impl CampaignVerb {
     const fn count(&self) -> u64 {
         match self {
             Self::Frames => frames::COUNT,
@@ -83,7 +85,7 @@ impl Verb {
         }
     }
 
-    /// What progress counts for each of `count`.
+    /// Number of progress steps for `count`.
     const fn steps(&self, count: u64) -> u64 {
         match self {
             Self::Silence => 4 * count,
@@ -94,7 +96,7 @@ impl Verb {
 }
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = CampaignCli::parse();
     let whole = cli.verb.count();
     let quick = cli.quick.then_some((whole / QUICK).max(1));
     let count = cli.count.or(quick).unwrap_or(whole);
@@ -116,14 +118,18 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(cli: &Cli, count: u64, progress: &(dyn Fn(u64) + Sync)) -> Result<Verdict, String> {
+fn run(
+    cli: &CampaignCli,
+    count: u64,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<CampaignVerdict, String> {
     let seed = cli.seed;
     match &cli.verb {
-        Verb::Frames => Ok(frames::run(seed, count, progress)),
-        Verb::Link => Ok(link::run(seed, count, progress)),
-        Verb::Silence => Ok(silence::run(seed, count, progress)),
-        Verb::Clock => clock::run(seed, count, progress).map_err(|why| why.to_string()),
-        Verb::Drift { hours, ideal } => {
+        CampaignVerb::Frames => Ok(frames::run(seed, count, progress)),
+        CampaignVerb::Link => Ok(link::run(seed, count, progress)),
+        CampaignVerb::Silence => Ok(silence::run(seed, count, progress)),
+        CampaignVerb::Clock => clock::run(seed, count, progress).map_err(|why| why.to_string()),
+        CampaignVerb::Drift { hours, ideal } => {
             let sonar = if *ideal {
                 SonarModel::Ideal
             } else {
@@ -131,7 +137,7 @@ fn run(cli: &Cli, count: u64, progress: &(dyn Fn(u64) + Sync)) -> Result<Verdict
             };
             drift::run(seed, count, *hours, sonar, progress).map_err(|why| why.to_string())
         }
-        Verb::Shield { others, sets } => {
+        CampaignVerb::Shield { others, sets } => {
             let worlds = if *others {
                 shield::Worlds::Others
             } else {
@@ -141,13 +147,13 @@ fn run(cli: &Cli, count: u64, progress: &(dyn Fn(u64) + Sync)) -> Result<Verdict
             settings::apply(&mut config, sets).map_err(|why| why.to_string())?;
             shield::run(seed, count, worlds, &config, progress)
         }
-        Verb::ChipFrames => Ok(chip::frames(seed, count, progress)),
-        Verb::ChipLink => Ok(chip::link(seed, count, progress)),
-        Verb::ChipSilence => Ok(chip::silence(seed, count, progress)),
+        CampaignVerb::ChipFrames => Ok(chip::frames(seed, count, progress)),
+        CampaignVerb::ChipLink => Ok(chip::link(seed, count, progress)),
+        CampaignVerb::ChipSilence => Ok(chip::silence(seed, count, progress)),
     }
 }
 
-fn tell(verdict: &Verdict) -> ExitCode {
+fn tell(verdict: &CampaignVerdict) -> ExitCode {
     print!("{}", verdict.text);
     for broken in &verdict.broken {
         eprintln!("error: {broken}");

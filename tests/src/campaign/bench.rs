@@ -1,6 +1,6 @@
-//! What the campaigns of the link have in common: a mind that knows how to seek, and the frames for it.
+//! Shared by the campaigns of the link: a controller that can seek, and frames for it.
 
-use crate::chip::{Recorded, dimensions, packed};
+use crate::chip::{RecordedBytes, dimensions, packed};
 use amp::config::Config;
 use amp::node::{Identity, NomadNode};
 use amp::som::Grid;
@@ -13,18 +13,18 @@ use amp::wire::message::{
 /// The session of a bench.
 pub(super) const SESSION: u16 = 7;
 
-/// Number before that of a bench's first frame: the 16 bits come to their end soon.
+/// Sequence number before the first frame: the 16 bits overflow soon.
 const FIRST: u16 = 65_000;
 
-/// Random moves before the maps are made.
+/// Random moves before the maps are learned.
 const MOVES: u16 = 20;
 
-/// The two clocks: both milliseconds since something, modulo 2³².
+/// The two clocks: milliseconds since some moment, modulo 2³².
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Clocks {
-    /// The device's at time 0.
+    /// The device's time at time 0.
     pub(super) device: u32,
-    /// The host's at time 0.
+    /// The host's time at time 0.
     pub(super) host: u32,
 }
 
@@ -38,14 +38,14 @@ impl Clocks {
     }
 }
 
-/// A mind that has learned and pursues free space, in session [`SESSION`] by its own clock.
+/// A controller that has learned and seeks free space, in session [`SESSION`] by its own clock.
 #[derive(Debug, Clone)]
 pub(super) struct Ready {
     pub(super) node: Box<NomadNode>,
-    /// Number of the latest frame to it.
+    /// Sequence number of the latest frame to it.
     pub(super) seq: u16,
     pub(super) clocks: Clocks,
-    /// Time since the clocks began.
+    /// Time since the start.
     pub(super) now_ms: u64,
 }
 
@@ -53,7 +53,7 @@ impl Ready {
     /// Explores with this seed and learns, over a good line.
     ///
     /// # Panics
-    /// When the mind does not do as it is told.
+    /// When the controller refuses a command.
     pub(super) fn new(seed: u64, clocks: Clocks) -> Self {
         let mut ready = Self {
             node: Box::new(NomadNode::new()),
@@ -64,7 +64,7 @@ impl Ready {
         let now = clocks.device(0);
         let config = Config::recommended();
         let identity = Identity::default();
-        let mut said = Recorded::default();
+        let mut said = RecordedBytes::default();
         let grid = Grid::rectangle(4, 4);
         ready.node.start(&config, grid, identity, now, &mut said);
         ready.tell(&hello());
@@ -98,7 +98,7 @@ impl Ready {
     fn tell(&mut self, message: &ToMind<16>) -> Vec<Report<16>> {
         self.seq = self.seq.wrapping_add(1);
         let frame = numbered(self.seq, message);
-        let mut said = Recorded::default();
+        let mut said = RecordedBytes::default();
         let now = self.clocks.device(self.now_ms);
         self.node.frame(now, coded(&frame), &mut said);
         let reports = reports(&said.0);
@@ -108,13 +108,13 @@ impl Ready {
     }
 }
 
-/// A frame of the session with its zero.
+/// A frame of the session with its delimiter.
 pub(super) fn numbered(seq: u16, message: &ToMind<16>) -> Vec<u8> {
     let session = SESSION;
     packed(Header { session, seq }, message)
 }
 
-/// A frame without its zero.
+/// A frame without its delimiter.
 pub(super) fn coded(frame: &[u8]) -> &[u8] {
     frame.split_last().map_or(frame, |(_, coded)| coded)
 }
@@ -149,7 +149,7 @@ pub(super) const fn command(at_ms: u32, ttl_ms: u16, order: Order<16>) -> ToMind
     }
 }
 
-/// A whole ring that hears `range_mm` ahead, and 20 mm more with each place.
+/// A whole ring with `range_mm` ahead, and 20 mm more for each further sensor.
 pub(super) fn scan(at_ms: u32, range_mm: u16) -> ToMind<16> {
     let echoes = (0..16).map(|sensor| Heard {
         sensor,
@@ -162,7 +162,7 @@ pub(super) fn scan(at_ms: u32, range_mm: u16) -> ToMind<16> {
     }
 }
 
-/// The report that a motion was carried out to its end.
+/// The report of a motion that was executed completely.
 pub(super) const fn carried_out(at_ms: u32, order: MotionOrder) -> ToMind<16> {
     ToMind::Odometry {
         at_ms,

@@ -1,10 +1,10 @@
-//! A bridge drives a Nomad, and its mind falls silent, or the bridge itself is gone: how long until the base stands?
+//! A bridge drives a Nomad and its controller or the bridge itself fails: time until the base
+//! stops.
 //!
-//! All of it is the code that drives a real robot: [`drive`], a mind at the end of a link, the robot's own line, and the
-//! simulated robot, which misses its host as the Nomad does. The bridge counts its mind's silence by this machine's clock, so
-//! robot and mind live by it too, and the figures are never quite the same again.
+//! Uses the code for a real robot: [`drive`], a controller behind a link, the robot's own protocol,
+//! the simulated robot. Timeouts run in real time, so results vary.
 
-use super::{Verdict, below, generator};
+use super::{CampaignVerdict, below, generator};
 use amp::config::Config;
 use arena::sonar::SonarModel;
 use arena::world::{Point, Pose, Shape, World};
@@ -19,43 +19,47 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// One of so many trials of a campaign is made with a bridge; at least so many, and so many at the same time.
+/// One in so many trials of a campaign uses a bridge; the least number of trials; trials in
+/// parallel.
 const SHARE: u64 = 1_000;
-const LEAST: u64 = 4;
+const MIN_TRIALS: u64 = 4;
 const AT_ONCE: usize = 8;
-/// So slow that even the first motion, of 80 mm, takes more than 8 s: whoever stops it is seen.
+/// So slow that even the first motion, of 80 mm, takes more than 8 s: a stop before its end is
+/// visible.
 const SPEED_MM_S: u16 = 10;
-/// The moment comes at most so long after the motors began to run, ms.
+/// Latest failure after the start of the motors, ms.
 const MAX_MS: usize = 4_000;
-/// From an order to stand to wheels that stand, if they were turning at 45 °/s, ms.
+/// Time to stop the wheels from 45 °/s, ms.
 const BRAKING_MS: u32 = 1_510;
-/// A base that does not begin to move, or goes on for so long, is not watched any longer, ms.
+/// Timeout of a trial, ms.
 const GIVE_UP_MS: u32 = 20_000;
-/// A wait is looked at so often.
+/// Poll interval.
 const STEP: Duration = Duration::from_millis(2);
 
-/// Who is gone.
+/// The component that fails.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Gone {
-    /// The mind says nothing more, and its link stays.
+enum BridgeFailure {
+    /// The controller sends nothing more; its link stays open.
     Mind,
-    /// The bridge, with its line.
+    /// The bridge and its line to the robot.
     Bridge,
 }
 
-impl Gone {
+impl BridgeFailure {
     const ALL: [Self; 2] = [Self::Mind, Self::Bridge];
 
     const fn name(self) -> &'static str {
         match self {
-            Self::Mind => "bridge whose mind falls silent",
+            Self::Mind => "bridge whose controller goes silent",
             Self::Bridge => "bridge gone",
         }
     }
 
-    /// Longest time until the motors are told to stand, ms: after 500 ms of a silent mind, and what a busy machine adds; by the
-    /// robot itself after a second, the shortest that its `conf_tm` knows.
-    const fn most_ms(self) -> u32 {
+    /// Longest time until the stop command, ms.
+    ///
+    /// A silent controller: timeout of 500 ms plus the delays of a busy machine. The robot itself
+    /// stops after one second, the shortest value of its `conf_tm`.
+    const fn max_ms(self) -> u32 {
         match self {
             Self::Mind => 900,
             Self::Bridge => 1_010,
@@ -63,26 +67,27 @@ impl Gone {
     }
 }
 
-/// The robot, and what is seen of it.
-struct Scene {
+/// The robot and its observation.
+struct BridgeScene {
     line: Line,
     began: Instant,
     lived_ms: u32,
-    /// So long the motors run before the moment, ms.
+    /// Time from the start of the motors to the failure, ms.
     after_ms: u32,
     ran_ms: u32,
-    gone: Gone,
-    /// When somebody is gone, and how far the base had rolled.
+    gone: BridgeFailure,
+    /// Time of the failure, and the distance rolled until then.
     moment: Option<(u32, f64)>,
     decoder: Decoder,
-    /// From the moment to the first order to stand, to motors that stand, and the way until then.
+    /// Time from the failure to the first stop command and to the standstill, and the distance
+    /// rolled.
     told_ms: Option<u32>,
     stood: Option<(u32, f64)>,
     is_over: Arc<AtomicBool>,
 }
 
-impl Scene {
-    fn new(gone: Gone, after_ms: u32, seed: u64) -> Self {
+impl BridgeScene {
+    fn new(gone: BridgeFailure, after_ms: u32, seed: u64) -> Self {
         let walls = Shape::room(Point::new(4.0, 4.0));
         let world = World::new("hall", Pose::default(), vec![walls]).expect("a world");
         let robot = Simulated::new(world, SonarModel::Ideal, seed);
@@ -101,19 +106,19 @@ impl Scene {
         }
     }
 
-    fn is_gone(&self, who: Gone) -> bool {
+    fn is_gone(&self, who: BridgeFailure) -> bool {
         self.gone == who && self.moment.is_some()
     }
 
-    /// Lives as long as this machine has.
-    fn live(&mut self) {
+    /// Advances the robot's time to real time.
+    fn catch_up(&mut self) {
         while u128::from(self.lived_ms) < self.began.elapsed().as_millis() {
-            self.pass();
+            self.advance_1_ms();
         }
     }
 
-    /// A millisecond.
-    fn pass(&mut self) {
+    /// Advances by one millisecond.
+    fn advance_1_ms(&mut self) {
         self.line.advance(1);
         self.lived_ms += 1;
         let robot = self.line.robot();
@@ -133,7 +138,7 @@ impl Scene {
         }
     }
 
-    /// The bridge says something.
+    /// Processes bytes of the bridge.
     fn hear(&mut self, bytes: &[u8]) {
         let mut packets = Vec::new();
         self.decoder.push(bytes, &mut packets);
@@ -147,18 +152,18 @@ impl Scene {
     }
 }
 
-fn look(scene: &Mutex<Scene>) -> MutexGuard<'_, Scene> {
+fn look(scene: &Mutex<BridgeScene>) -> MutexGuard<'_, BridgeScene> {
     scene.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The line to the robot.
-struct ToRobot(Arc<Mutex<Scene>>);
+struct RobotLink(Arc<Mutex<BridgeScene>>);
 
-impl Transport for ToRobot {
+impl Transport for RobotLink {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         let mut scene = look(&self.0);
-        scene.live();
-        if !scene.is_gone(Gone::Bridge) {
+        scene.catch_up();
+        if !scene.is_gone(BridgeFailure::Bridge) {
             scene.hear(bytes);
         }
         Ok(())
@@ -168,9 +173,9 @@ impl Transport for ToRobot {
         let until = Instant::now() + patience;
         loop {
             let mut scene = look(&self.0);
-            scene.live();
-            // A bridge that is gone waits for nothing.
-            if scene.is_gone(Gone::Bridge) {
+            scene.catch_up();
+            // A bridge that has failed waits for nothing.
+            if scene.is_gone(BridgeFailure::Bridge) {
                 return Ok(0);
             }
             let answer = scene.line.take();
@@ -185,20 +190,20 @@ impl Transport for ToRobot {
     }
 }
 
-/// The link to the mind.
-struct ToMind {
+/// The link to the controller.
+struct ControllerLink {
     mind: Local,
-    scene: Arc<Mutex<Scene>>,
+    scene: Arc<Mutex<BridgeScene>>,
     is_over: Arc<AtomicBool>,
 }
 
-impl ToMind {
+impl ControllerLink {
     fn is_mute(&self) -> bool {
-        look(&self.scene).is_gone(Gone::Mind)
+        look(&self.scene).is_gone(BridgeFailure::Mind)
     }
 }
 
-impl Transport for ToMind {
+impl Transport for ControllerLink {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         if self.is_mute() {
             return Ok(());
@@ -221,27 +226,27 @@ impl Transport for ToMind {
     }
 }
 
-/// What came of a trial: times from the moment on, ms, and the way, mm.
+/// Result of a trial: times after the failure, ms, and distance, mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Stopped {
+struct BridgeStop {
     told_ms: u32,
     stood_ms: u32,
     way_mm: f64,
 }
 
-fn try_it(gone: Gone, seed: u64, trial: u64) -> Stopped {
+fn try_it(gone: BridgeFailure, seed: u64, trial: u64) -> BridgeStop {
     let mut config = Config::recommended();
     config.robot.speed_mm_s = SPEED_MM_S;
     let after_ms = below(&mut generator(seed, trial), MAX_MS) as u32;
-    let scene = Scene::new(gone, after_ms, seed.wrapping_add(trial));
+    let scene = BridgeScene::new(gone, after_ms, seed.wrapping_add(trial));
     let is_over = Arc::clone(&scene.is_over);
     let scene = Arc::new(Mutex::new(scene));
-    let mut session = Session::new(ToMind {
+    let mut session = Session::new(ControllerLink {
         mind: Local::new(config.clone()),
         scene: Arc::clone(&scene),
         is_over: Arc::clone(&is_over),
     });
-    // Whoever asks the mind waits for longer than the base may move.
+    // The bridge must wait longer for an answer than the base may move.
     session.set_patience(Patience {
         attempt: Duration::from_millis(GIVE_UP_MS.into()),
         attempts: 1,
@@ -256,26 +261,26 @@ fn try_it(gone: Gone, seed: u64, trial: u64) -> Stopped {
         seed: seed.wrapping_add(trial),
         sonars_at_once: 16,
     };
-    let host = Host::new(ToRobot(Arc::clone(&scene)));
+    let host = Host::new(RobotLink(Arc::clone(&scene)));
     let _ = drive(host, LoggedMind::new(mind, None), &plan, &is_over, |_| {});
-    // A robot whose bridge is gone needs no clock.
+    // Without a bridge the robot's time must not advance.
     let mut scene = look(&scene);
     while scene.stood.is_none() && scene.lived_ms < GIVE_UP_MS {
-        scene.pass();
+        scene.advance_1_ms();
     }
     let (stood_ms, way_m) = scene.stood.unwrap_or((GIVE_UP_MS, f64::INFINITY));
-    Stopped {
+    BridgeStop {
         told_ms: scene.told_ms.unwrap_or(stood_ms),
         stood_ms,
         way_mm: way_m * 1e3,
     }
 }
 
-/// Makes some trials for a campaign of `count`, and says what came of them.
-pub(super) fn run(verdict: &mut Verdict, seed: u64, count: u64) {
-    let count = (count / SHARE).max(LEAST);
+/// Runs the trials for a campaign of `count`, and adds their figures to the verdict.
+pub(super) fn run(verdict: &mut CampaignVerdict, seed: u64, count: u64) {
+    let count = (count / SHARE).max(MIN_TRIALS);
     let mut rows = Vec::new();
-    for (kind, gone) in (0..).zip(Gone::ALL) {
+    for (kind, gone) in (0..).zip(BridgeFailure::ALL) {
         let next = Mutex::new(0..count);
         let all = Mutex::new(Vec::new());
         std::thread::scope(|scope| {
@@ -294,37 +299,37 @@ pub(super) fn run(verdict: &mut Verdict, seed: u64, count: u64) {
         rows.push(judge(verdict, gone, &all));
     }
     verdict.say(format_args!(
-        "\n{count} moments each at which a bridge drives a Nomad at {SPEED_MM_S} mm/s, in real time\n"
+        "\n{count} failures each while a bridge drives a Nomad at {SPEED_MM_S} mm/s, in real time\n"
     ));
     let heads = [
-        "what is gone",
-        "told to stand, ms, most",
+        "failure",
+        "stop command, ms, most",
         "allowed",
         "wheels stand, most",
-        "way mm, most",
+        "distance mm, most",
     ];
     verdict.table(heads, &rows);
 }
 
-fn judge(verdict: &mut Verdict, gone: Gone, all: &[Stopped]) -> [String; 5] {
+fn judge(verdict: &mut CampaignVerdict, gone: BridgeFailure, all: &[BridgeStop]) -> [String; 5] {
     let name = gone.name();
-    let most = |of: fn(&Stopped) -> u32| all.iter().map(of).max().unwrap_or(0);
+    let most = |of: fn(&BridgeStop) -> u32| all.iter().map(of).max().unwrap_or(0);
     let stood_ms = most(|stopped| stopped.stood_ms);
     let told_ms = most(|stopped| stopped.told_ms);
     let way_mm = all.iter().map(|stopped| stopped.way_mm).fold(0.0, f64::max);
-    // The robot itself tells nobody that it stops.
-    let is_told = gone == Gone::Bridge || told_ms <= gone.most_ms();
+    // The robot reports no stop of its own.
+    let is_told = gone == BridgeFailure::Bridge || told_ms <= gone.max_ms();
     verdict.require(is_told, format!("{name}: {told_ms} ms"));
-    let is_soon = stood_ms <= gone.most_ms() + BRAKING_MS;
+    let is_soon = stood_ms <= gone.max_ms() + BRAKING_MS;
     verdict.require(is_soon, format!("{name}: stood after {stood_ms} ms"));
     let told = match gone {
-        Gone::Mind => told_ms.to_string(),
-        Gone::Bridge => "–".to_owned(),
+        BridgeFailure::Mind => told_ms.to_string(),
+        BridgeFailure::Bridge => "–".to_owned(),
     };
     [
         name.to_owned(),
         told,
-        gone.most_ms().to_string(),
+        gone.max_ms().to_string(),
         stood_ms.to_string(),
         format!("{way_mm:.0}"),
     ]
@@ -336,20 +341,23 @@ mod tests {
 
     #[test]
     fn one_base_that_goes_on_for_too_long_is_found() {
-        let stopped = |told_ms, stood_ms| Stopped {
+        let stopped = |told_ms, stood_ms| BridgeStop {
             told_ms,
             stood_ms,
             way_mm: 20.0,
         };
-        let broken = |gone, all: &[Stopped]| {
-            let mut verdict = Verdict::default();
+        let broken = |gone, all: &[BridgeStop]| {
+            let mut verdict = CampaignVerdict::default();
             let _ = judge(&mut verdict, gone, all);
             verdict.broken.len()
         };
-        assert_eq!(broken(Gone::Mind, &[stopped(900, 2_410)]), 0);
-        assert_eq!(broken(Gone::Mind, &[stopped(1, 2), stopped(901, 2_000)]), 1);
-        assert_eq!(broken(Gone::Mind, &[stopped(900, 2_411)]), 1);
-        assert_eq!(broken(Gone::Bridge, &[stopped(2_520, 2_520)]), 0);
-        assert_eq!(broken(Gone::Bridge, &[stopped(0, 2_521)]), 1);
+        assert_eq!(broken(BridgeFailure::Mind, &[stopped(900, 2_410)]), 0);
+        assert_eq!(
+            broken(BridgeFailure::Mind, &[stopped(1, 2), stopped(901, 2_000)]),
+            1
+        );
+        assert_eq!(broken(BridgeFailure::Mind, &[stopped(900, 2_411)]), 1);
+        assert_eq!(broken(BridgeFailure::Bridge, &[stopped(2_520, 2_520)]), 0);
+        assert_eq!(broken(BridgeFailure::Bridge, &[stopped(0, 2_521)]), 1);
     }
 }

@@ -1,13 +1,15 @@
-//! A thousandth of the campaigns of frames, link and silence, against the firmware in an emulated chip: by its own clock, in
-//! real time.
+//! The campaigns of frames, link and silence against the firmware in an emulated chip, in real
+//! time.
+//!
+//! The counts are a thousandth of those against the code on the host.
 
 use super::bench::{carried_out, command, motion, scan};
-use super::channel::{Badness, Channel};
+use super::channel::{FaultRates, LossyChannel};
 use super::frames::{Example, examples};
-use super::link::{Base, Book};
-use super::mutate::Damage;
-use super::{Progress, Verdict, below, generator, grouped};
-use crate::chip::{Chip, SESSION, packed};
+use super::link::{Bookkeeper, LinkBase};
+use super::mutate::FrameDamage;
+use super::{CampaignVerdict, Progress, below, generator, grouped};
+use crate::chip::{EmulatedChip, SESSION, packed};
 use amp::controller::{Progress as Way, StopReason};
 use amp::units::Millis;
 use amp::wire::frame::{FrameError, Header, unpack};
@@ -19,45 +21,48 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use std::collections::{HashMap, VecDeque};
 use std::time::Duration;
 
-/// Bytes sent without waiting for the chip.
+/// Bytes sent ahead of the chip.
 const AHEAD: usize = 1_000;
 /// Time between two frames over the bad line, ms.
 const EVERY_MS: u64 = 20;
-/// The bad line to the chip, with a stall of up to 2 s every few seconds: an emulated one has its own delays beside these.
-const TO_CHIP: Badness = Badness {
+/// The bad line to the chip, with a stall of up to 2 s every few seconds. The emulator adds its own
+/// delays.
+const TO_CHIP: FaultRates = FaultRates {
     lost: 30,
     twice: 10,
     delay_ms: [0, 60],
     stalls: 12,
     stall_ms: 2_000,
 };
-/// The one to the base stalls more often: the chip does not miss it.
-const TO_BASE: Badness = Badness {
+/// The line to the base stalls more often: the chip does not time out on it.
+const TO_BASE: FaultRates = FaultRates {
     stalls: 25,
     ..TO_CHIP
 };
-/// Bytes that the line to the chip takes in a millisecond, as one of 115 200 baud: what a stall has held back does not come at once.
+/// Bytes per millisecond on the line to the chip, as at 115 200 baud: frames after a stall do not
+/// arrive at once.
 const BYTES_PER_MS: u64 = 11;
-/// The chip's clock is as far behind as the promptest of so many reports says.
+/// Number of reports whose minimum delay gives the offset of the chip's clock.
 const REPORTS: usize = 8;
-/// Truly older than this no motion may be executed, ms: its time to live of 500 ms, what the promptest frames take, and what an
-/// emulator on a busy machine adds.
+/// Greatest true age of an executed motion, ms: time to live of 500 ms, minimum delay, and the
+/// delays of a busy emulator.
 const OLDEST_MS: u64 = 700;
-/// Time to live of an order to the chip, ms; one that is truly older than this when it comes may not be obeyed.
+/// Time to live of a command, ms; a command with a greater true age on arrival must not be
+/// executed.
 const ORDER_TTL_MS: u16 = 300;
 const OLDEST_ORDER_MS: u64 = 500;
-/// A run over so many frames meets enough stalls for all of this to be tried.
+/// A run of this many frames has enough stalls to test all of this.
 const ENOUGH: u64 = 1_000;
-/// A host is missed after 300 ms of silence (PROTOCOL.md). A round of the control task, and what an emulator on a busy machine adds,
-/// come on top, ms.
+/// Timeout of the host (PROTOCOL.md), and the tolerance for a cycle of the control task and a busy
+/// emulator, ms.
 const SILENT_MS: [u32; 2] = [300, 400];
-/// The host falls silent within this time of a motion, ms. No echoes come meanwhile: two ring periods after the last ring the chip
-/// would stop for want of them.
+/// Latest failure of the host after the start of a motion, ms. No echoes arrive meanwhile: two ring
+/// periods after the last ring the chip stops for that reason.
 const LONGEST_MOVE_MS: usize = 700;
 
-/// What the decoder of this machine makes of damaged frames: what the chip should count.
+/// Expected counters of the chip: what this machine's decoder does with the damaged frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-struct Expected {
+struct ExpectedCounters {
     misshapen: u32,
     damaged: u32,
     unknown: u32,
@@ -65,19 +70,20 @@ struct Expected {
     sound: u32,
 }
 
-/// Sends `count` damaged frames to the chip and compares what it counts with what the decoder here says of them.
+/// Sends `count` damaged frames to the chip and compares its counters with the decoder on this
+/// machine.
 ///
 /// # Panics
-/// When there is no emulator, or the chip falls silent.
+/// When there is no emulator, or the chip stops answering.
 #[must_use]
-pub fn frames(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
+pub fn frames(seed: u64, count: u64, progress: Progress<'_>) -> CampaignVerdict {
     let examples: Vec<_> = examples().into_iter().filter(|one| one.to_mind).collect();
     let mut random = generator(seed, 0);
-    let mut chip = Chip::linked(Clock::Device);
+    let mut chip = EmulatedChip::linked(Clock::Device);
     let before = chip.counters();
-    let (mut expected, mut asked, mut ahead) = (Expected::default(), 1, 0);
+    let (mut expected, mut asked, mut ahead) = (ExpectedCounters::default(), 1, 0);
     for _ in 0..count {
-        let damage = Damage::ALL[below(&mut random, Damage::ALL.len())];
+        let damage = FrameDamage::ALL[below(&mut random, FrameDamage::ALL.len())];
         let [one, other] = [(); 2].map(|()| &examples[below(&mut random, examples.len())]);
         let mut frame = one.bytes.clone();
         damage.inflict(&mut frame, &other.bytes, &mut random);
@@ -95,8 +101,8 @@ pub fn frames(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
     judge(&expected, count, asked, &before, &chip.counters())
 }
 
-/// What a sound frame of another session is to the chip: a stranger or, if it is a hello, refused.
-fn expect(frame: &[u8], examples: &[Example], expected: &mut Expected) {
+/// Expectation for a valid frame of another session: unknown session or, for a hello, refused.
+fn expect(frame: &[u8], examples: &[Example], expected: &mut ExpectedCounters) {
     let mut receiver = Receiver::new();
     for &byte in frame {
         let Some(piece) = receiver.push(byte) else {
@@ -116,13 +122,13 @@ fn expect(frame: &[u8], examples: &[Example], expected: &mut Expected) {
 }
 
 fn judge(
-    expected: &Expected,
+    expected: &ExpectedCounters,
     count: u64,
     asked: u32,
     before: &Counters,
     after: &Counters,
-) -> Verdict {
-    let mut verdict = Verdict::default();
+) -> CampaignVerdict {
+    let mut verdict = CampaignVerdict::default();
     verdict.say(format_args!(
         "{} damaged frames to the chip\n",
         grouped(count)
@@ -150,12 +156,12 @@ fn judge(
             after.oversized - before.oversized,
         ),
         (
-            "sound, of another session",
+            "valid, of another session",
             expected.sound,
             sound(after) - sound(before),
         ),
         (
-            "accepted: our own questions",
+            "accepted: our own requests",
             asked,
             after.accepted - before.accepted,
         ),
@@ -173,8 +179,8 @@ fn judge(
     verdict
 }
 
-/// Explores and learns a little, and seeks.
-fn seeking(chip: &mut Chip) {
+/// Explores and learns a little, then seeks.
+fn seeking(chip: &mut EmulatedChip) {
     chip.order(Order::Explore { moves: 10, seed: 3 });
     for round in 0..10 {
         let order = ring(chip, 700 + 50 * round).expect("a random move");
@@ -187,18 +193,18 @@ fn seeking(chip: &mut Chip) {
     chip.order(Order::Seek);
 }
 
-fn ring(chip: &mut Chip, range_mm: u16) -> Option<MotionOrder> {
+fn ring(chip: &mut EmulatedChip, range_mm: u16) -> Option<MotionOrder> {
     let scan = scan(chip.at_ms(), range_mm);
     motion(&chip.ask(&scan))
 }
 
-/// Sends `count` frames over a bad line both ways.
+/// Sends `count` frames over a line that is bad in both directions.
 ///
 /// # Panics
-/// When there is no emulator, or the chip falls silent.
+/// When there is no emulator, or the chip stops answering.
 #[must_use]
-pub fn link(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
-    let mut chip = Chip::linked(Clock::Device);
+pub fn link(seed: u64, count: u64, progress: Progress<'_>) -> CampaignVerdict {
+    let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
     let before = chip.counters();
     let first = chip.send(&ToMind::Mode).wrapping_add(1);
@@ -206,7 +212,7 @@ pub fn link(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
     let device_ms = chip.wait(|_, report| is_done(&report).then_some(report.device_ms));
     let mut line = BadLine::new(&mut chip, first, device_ms, seed);
     while line.there.sent() < count || !line.there.is_empty() || !line.back.is_empty() {
-        line.pass();
+        line.advance_1_ms();
         if line.there.sent() < count && line.now_ms >= EVERY_MS * line.there.sent() {
             line.send();
             progress(1);
@@ -222,8 +228,8 @@ pub fn link(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
     line.judge(count, &before, &after)
 }
 
-/// How far the chip's clock is behind the one here. On a busy machine an emulated one loses ticks, a tenth of all and more, but
-/// the protocol is for clocks of the same rate: so host and base go by the chip's, as far as it is known.
+/// Lag of the chip's clock behind this machine's. A busy emulator loses a tenth of its ticks and
+/// more, but the protocol needs equal rates: host and base use the chip's time.
 #[derive(Default)]
 struct Behind {
     latest_ms: u32,
@@ -239,13 +245,13 @@ impl Behind {
         }
     }
 
-    /// Without what reports take on their way.
+    /// Without the delay of the reports.
     fn ms(&self) -> u32 {
         self.some_ms.iter().copied().min().unwrap_or(0)
     }
 }
 
-/// An order on its way through the chip.
+/// A command in transit through the chip.
 #[derive(Debug, Clone, Copy)]
 struct Given {
     age_ms: u64,
@@ -253,36 +259,36 @@ struct Given {
     is_refused: bool,
 }
 
-/// The host at the end of a bad line to the chip, with its base.
+/// The host and base behind a bad line to the chip.
 struct BadLine<'a> {
-    chip: &'a mut Chip,
-    /// Number of the first frame.
+    chip: &'a mut EmulatedChip,
+    /// Sequence number of the first frame.
     first: u16,
     behind: Behind,
-    /// The chip's time and the host's at the beginning, and the latest time since then.
+    /// Time of the chip and of the host at the start; the latest time since then.
     began_ms: [u32; 2],
     now_ms: u64,
-    there: Channel,
-    back: Channel,
+    there: LossyChannel,
+    back: LossyChannel,
     random: Xoshiro256PlusPlus,
-    base: Base,
-    book: Book,
-    /// The line to the chip has time again.
+    base: LinkBase,
+    book: Bookkeeper,
+    /// Time at which the line to the chip is free again.
     free_ms: u64,
-    /// The latest frame that has come to the chip; how many were such, and how many others.
+    /// The latest frame that reached the chip; number of frames in order and out of order.
     latest: Option<u64>,
     accepted: u32,
     replayed: u32,
-    /// Orders that the chip has not done with yet, by their numbers.
+    /// Commands without a final report, by sequence number.
     given: HashMap<u16, Given>,
-    /// Orders that were too old to be obeyed, and those of them that were.
+    /// Commands that were too old on arrival, and those of them that were executed.
     late: u64,
     obeyed: u64,
 }
 
 impl<'a> BadLine<'a> {
-    /// `device_ms` is what the chip has just said of its time.
-    fn new(chip: &'a mut Chip, first: u16, device_ms: u32, seed: u64) -> Self {
+    /// `device_ms` is the chip's reported time.
+    fn new(chip: &'a mut EmulatedChip, first: u16, device_ms: u32, seed: u64) -> Self {
         let mut behind = Behind::default();
         let here_ms = chip.at_ms();
         behind.hear(here_ms, device_ms);
@@ -292,11 +298,11 @@ impl<'a> BadLine<'a> {
             behind,
             began_ms: [device_ms, here_ms],
             now_ms: 0,
-            there: Channel::new(TO_CHIP, seed, 0),
-            back: Channel::new(TO_BASE, seed, 1),
+            there: LossyChannel::new(TO_CHIP, seed, 0),
+            back: LossyChannel::new(TO_BASE, seed, 1),
             random: generator(seed, 2),
-            base: Base::new(OLDEST_MS),
-            book: Book::default(),
+            base: LinkBase::new(OLDEST_MS),
+            book: Bookkeeper::default(),
             free_ms: 0,
             latest: None,
             accepted: 0,
@@ -307,24 +313,24 @@ impl<'a> BadLine<'a> {
         }
     }
 
-    /// The host's time, which goes as fast as the chip's.
+    /// The host's time, at the rate of the chip's.
     fn at_ms(&self) -> u32 {
         self.began_ms[1].wrapping_add(self.now_ms as u32)
     }
 
-    /// Time goes on, and the base with it.
-    fn pass(&mut self) {
+    /// Advances the time and the base.
+    fn advance_1_ms(&mut self) {
         let device_ms = self.chip.at_ms().wrapping_sub(self.behind.ms());
         let since_ms = device_ms.wrapping_sub(self.began_ms[0]).cast_signed();
-        // It never goes back.
+        // Monotonic.
         let now_ms = u64::try_from(since_ms).unwrap_or(0).max(self.now_ms);
         for ms in self.now_ms..now_ms {
-            self.base.go_on(ms);
+            self.base.advance_1_ms(ms);
         }
         self.now_ms = now_ms;
     }
 
-    /// Rings, reports and orders in no sensible order.
+    /// Sends rings, reports and commands in random order.
     fn send(&mut self) {
         let at_ms = self.at_ms();
         let random = &mut self.random;
@@ -342,10 +348,10 @@ impl<'a> BadLine<'a> {
         self.there.send(self.now_ms, &packed(header, &message));
     }
 
-    /// Gives the chip what has come.
+    /// Writes arrived frames to the chip.
     fn deliver(&mut self) {
         while self.now_ms >= self.free_ms
-            && let Some(come) = self.there.come(self.now_ms)
+            && let Some(come) = self.there.next_arrival(self.now_ms)
         {
             self.free_ms = self.now_ms + come.bytes.len() as u64 / BYTES_PER_MS;
             self.chip.raw(&come.bytes);
@@ -367,22 +373,22 @@ impl<'a> BadLine<'a> {
         }
     }
 
-    /// What the chip says goes on its way to the base.
+    /// Sends the chip's frames to the base.
     fn hear(&mut self) {
         while let Some((header, report)) = self.chip.next(Duration::from_millis(2)) {
             self.note(&report);
-            self.pass();
+            self.advance_1_ms();
             let frame = Frame::pack(header, &report).expect("it came in a frame");
             self.base.is_on_its_way(frame.as_bytes());
             self.back.send(self.now_ms, frame.as_bytes());
         }
-        while let Some(come) = self.back.come(self.now_ms) {
+        while let Some(come) = self.back.next_arrival(self.now_ms) {
             let here = Millis::from_ms(self.at_ms());
             self.base.hear(&come, self.now_ms, here, &mut self.book);
         }
     }
 
-    /// Looks for what has become of an order.
+    /// Looks for the result of a command.
     fn note(&mut self, report: &Report<16>) {
         self.behind.hear(self.chip.at_ms(), report.device_ms);
         match report.said {
@@ -398,7 +404,7 @@ impl<'a> BadLine<'a> {
                 let Some(order) = self.given.remove(&seq) else {
                     return;
                 };
-                // Ticks that the clock has lost meanwhile are none of the age that the chip can know.
+                // The chip cannot count ticks that its clock has lost meanwhile.
                 let lost_ms = self.behind.latest_ms.saturating_sub(order.behind_ms);
                 if order.age_ms.saturating_sub(lost_ms.into()) > OLDEST_ORDER_MS {
                     self.late += 1;
@@ -409,14 +415,14 @@ impl<'a> BadLine<'a> {
         }
     }
 
-    fn judge(&self, count: u64, before: &Counters, after: &Counters) -> Verdict {
-        let mut verdict = Verdict::default();
+    fn judge(&self, count: u64, before: &Counters, after: &Counters) -> CampaignVerdict {
+        let mut verdict = CampaignVerdict::default();
         verdict.say(format_args!(
             "{} frames to the chip, {} from it\n",
             grouped(count),
             grouped(self.back.sent())
         ));
-        // The question for the counters is accepted as well, and so was the one before the first.
+        // The request for the counters is accepted as well, and so was the frame before the first.
         let pairs = [
             (
                 "accepted",
@@ -424,7 +430,7 @@ impl<'a> BadLine<'a> {
                 after.accepted - before.accepted,
             ),
             (
-                "repeated or late",
+                "duplicate or late",
                 self.replayed,
                 after.replayed - before.replayed,
             ),
@@ -442,9 +448,9 @@ impl<'a> BadLine<'a> {
         let mut row = |what: &str, wanted: &str, number: u64| {
             rows.push([what.to_owned(), wanted.to_owned(), grouped(number)]);
         };
-        row("orders refused by the chip for their age", "", expired);
-        row("orders surely too old", "", self.late);
-        row("such orders not refused", "0", self.obeyed);
+        row("commands refused by the chip for their age", "", expired);
+        row("commands surely too old", "", self.late);
+        row("such commands not refused", "0", self.obeyed);
         row("motions executed", "", self.book.executed);
         row(
             "motions refused by the base for their age",
@@ -452,28 +458,29 @@ impl<'a> BadLine<'a> {
             self.book.aged,
         );
         row(
-            "age of the oldest one executed, ms",
+            "age of the oldest executed motion, ms",
             "",
             self.book.oldest_ms,
         );
-        row("stale ones executed", "0", self.book.stale);
+        row("stale motions executed", "0", self.book.stale);
         verdict.table(["what", "should be", "counted"], &rows);
         verdict.require(self.book.stale == 0, "a stale motion was executed");
-        verdict.require(self.obeyed == 0, "the chip obeyed an order of long ago");
+        verdict.require(self.obeyed == 0, "the chip executed an old command");
         let tried = [self.book.executed, self.book.aged, self.late];
         let is_enough = count < ENOUGH || !tried.contains(&0);
-        verdict.require(is_enough, "not everything was tried");
+        verdict.require(is_enough, "not everything was tested");
         verdict
     }
 }
 
-/// Falls silent at `count` moments of a motion; times by the chip's clock, from the last frame it heard to its stop.
+/// The host goes silent `count` times during a motion; measures the chip's time from the last frame
+/// to its stop.
 ///
 /// # Panics
-/// When there is no emulator, or the chip does not stop at all, or for another reason.
+/// When there is no emulator, or the chip does not stop, or for another reason.
 #[must_use]
-pub fn silence(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
-    let mut chip = Chip::linked(Clock::Device);
+pub fn silence(seed: u64, count: u64, progress: Progress<'_>) -> CampaignVerdict {
+    let mut chip = EmulatedChip::linked(Clock::Device);
     seeking(&mut chip);
     let mut random = generator(seed, 0);
     let mut times: Vec<_> = (0..count)
@@ -487,7 +494,7 @@ pub fn silence(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
         .collect();
     times.sort_unstable();
     let at = |share: usize| times.get((times.len().max(1) - 1) * share / 100).copied();
-    let mut verdict = Verdict::default();
+    let mut verdict = CampaignVerdict::default();
     let row = [50, 99, 100].map(|share| at(share).unwrap_or(0).to_string());
     verdict.say(format_args!(
         "{} moments; from the last frame heard to the stop, ms by the chip's clock\n",
@@ -501,7 +508,7 @@ pub fn silence(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
     verdict
 }
 
-fn stopped_after(chip: &mut Chip, moving_ms: u32) -> u32 {
+fn stopped_after(chip: &mut EmulatedChip, moving_ms: u32) -> u32 {
     let mut order = None;
     for range_mm in [900, 1_000, 1_100, 1_200] {
         order = order.or_else(|| ring(chip, range_mm));

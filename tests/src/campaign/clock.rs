@@ -1,7 +1,8 @@
-//! The clock of 32-bit milliseconds comes to its end after 49.7 days: an episode over that moment is the same, decision by
-//! decision and bit by bit, as one that begins at 0.
+//! Overflow of the 32-bit milliseconds after 49.7 days: an episode across it must be bit-identical.
+//!
+//! It is compared, decision by decision, with an episode that starts at 0.
 
-use super::{Progress, Verdict, below, generator, grouped};
+use super::{CampaignVerdict, Progress, below, generator, grouped};
 use amp::config::Config;
 use amp::controller::{Decision, Event, Outputs};
 use amp::units::Millis;
@@ -16,20 +17,20 @@ use sim::scenes::Behavior;
 
 /// Episodes of a full campaign.
 pub const COUNT: u64 = 1_000;
-/// Decisions towards the goal in each.
+/// Decisions toward the goal in each episode.
 const STEPS: u32 = 100;
-/// Such an episode takes at least so long, ms.
+/// Least duration of such an episode, ms.
 const SHORTEST_MS: usize = 120_000;
 
-/// A mind by a clock that is `by` ahead.
+/// A controller whose clock is ahead by `by`.
 pub(super) struct Shifted {
     pub(super) mind: Mind,
     by: u32,
-    /// What was decided, if that is kept.
+    /// Its decisions, if recorded.
     decisions: Option<Vec<Decision<16>>>,
     /// The latest time by its clock.
     pub(super) latest: Millis,
-    /// The clock came to its end and began anew.
+    /// The clock has overflowed.
     pub(super) wrapped: bool,
 }
 
@@ -71,7 +72,7 @@ impl InspectableController for Shifted {
     }
 }
 
-/// What came of an episode by two clocks.
+/// Result of an episode by two clocks.
 #[derive(Debug, Clone, Copy)]
 struct Compared {
     decisions: u64,
@@ -82,8 +83,8 @@ struct Compared {
 /// Runs `count` episodes by two clocks each.
 ///
 /// # Errors
-/// When a mind falls silent.
-pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> Result<Verdict, Failure> {
+/// When a controller does not answer.
+pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> Result<CampaignVerdict, Failure> {
     let one = |number| {
         let compared = compare(seed, number);
         progress(1);
@@ -93,7 +94,7 @@ pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> Result<Verdict, Fai
     Ok(verdict(&all?))
 }
 
-/// The behavior and sonars of an episode: each with each.
+/// Setup of an episode: all combinations of behavior and sonar model.
 fn setup(seed: u64, number: u64) -> Setup {
     let sonars = [SonarModel::Ideal, SonarModel::Nomad, SonarModel::Harsh];
     let behaviors = [Behavior::Avoid, Behavior::WallLeft, Behavior::Nest];
@@ -137,19 +138,22 @@ fn compare(seed: u64, number: u64) -> Result<Compared, Failure> {
     })
 }
 
-fn verdict(all: &[Compared]) -> Verdict {
+fn verdict(all: &[Compared]) -> CampaignVerdict {
     let count = |is: fn(&Compared) -> bool| all.iter().filter(|one| is(one)).count() as u64;
     let episodes = all.len() as u64;
     let [same, wrapped] = [count(|one| one.same), count(|one| one.wrapped)];
-    let mut verdict = Verdict::default();
+    let mut verdict = CampaignVerdict::default();
     verdict.say(format_args!(
-        "{} episodes, {} decisions; over the clock's end: {}; the same, with maps, memory and figures: {}",
+        "{} episodes, {} decisions; across the clock's overflow: {}; identical, with maps, memory and figures: {}",
         grouped(episodes),
         grouped(all.iter().map(|one| one.decisions).sum()),
         grouped(wrapped),
         grouped(same)
     ));
     verdict.require(same == episodes, "an episode differs by another clock");
-    verdict.require(wrapped == episodes, "an episode ended before the clock did");
+    verdict.require(
+        wrapped == episodes,
+        "an episode ended before the clock's overflow",
+    );
     verdict
 }

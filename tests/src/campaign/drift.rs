@@ -1,15 +1,10 @@
-//! A robot that drives for a day: does what it does, or what it knows, wander off?
+//! A robot drives for a day: do its behavior or its maps drift?
 //!
-//! Where a robot goes changes in a day though it learns nothing: it comes to ways that it goes again and again. So the mind of
-//! the day's end is set down where it was at the beginning, for one more hour, and that hour is compared with the first.
-//!
-//! Each seed is a random room of its own. The robot makes its 100 random moves and its maps, and then avoids obstacles for 24
-//! simulated hours with the shield on, learning all the while; at noon its clock comes to the end of its 32 bits. Looked at hour
-//! by hour: way, area swept, decisions, steps with a contact. After each hour what it knows has to be within bounds: values of
-//! situations from 0 to 1, changes from -1 to 1, the samples of the 100 moves as they were.
+//! Routes drift even with frozen maps. So the end-of-day maps drive from the start for one hour,
+//! which must match hour 1. Each hour: distance, area, decisions, contacts, bounds of the state.
 
 use super::clock::Shifted;
-use super::{Progress, Verdict, grouped};
+use super::{CampaignVerdict, Progress, grouped};
 use amp::config::Config;
 use amp::controller::{Command, Event, Mode};
 use amp::fixed::Weight;
@@ -29,21 +24,22 @@ use sim::statistics::{Mean, bootstrap};
 pub const COUNT: u64 = 100;
 /// Hours of a day.
 pub const HOURS: u32 = 24;
-/// The hours in the table, counted from 1; the clock ends between the twelfth and the thirteenth of 24.
+/// The hours in the table, from 1; the clock overflows between hours 12 and 13 of 24.
 const SHOWN: [usize; 8] = [1, 2, 3, 6, 12, 13, 18, 24];
-/// What the way of the hour after the day may differ from the first one's, as a share of it.
+/// Largest relative difference of the distance between the hour after the day and the first hour.
 const MAX_DRIFT: f64 = 0.05;
-/// The way of every robot in every hour is at least so long, m: a tenth of the mean. One that goes less has come to stand.
-const LEAST_WAY_M: f64 = 36.0;
+/// Least distance of every robot in every hour, m: a tenth of the mean. A shorter one means a
+/// standstill.
+const MIN_DISTANCE_M: f64 = 36.0;
 
-/// A robot's hours, and one more from where it began.
+/// The hours of a robot, and one more from its start.
 struct Day {
     seed: u64,
     hours: Vec<Hour>,
     again: Hour,
 }
 
-/// An hour.
+/// Figures of an hour.
 #[derive(Debug, Clone, Copy, Default)]
 struct Hour {
     decisions: u64,
@@ -56,14 +52,14 @@ struct Hour {
 /// Lets `count` robots drive for `hours` hours.
 ///
 /// # Errors
-/// When a mind refuses to learn or decides nothing.
+/// When a controller refuses to learn or makes no decision.
 pub fn run(
     seed: u64,
     count: u64,
     hours: u32,
     sonar: SonarModel,
     progress: Progress<'_>,
-) -> Result<Verdict, Failure> {
+) -> Result<CampaignVerdict, Failure> {
     let one = |number| day(seed.wrapping_add(number), hours, sonar, progress);
     let days: Result<Vec<_>, _> = (0..count).into_par_iter().map(one).collect();
     Ok(verdict(&days?, sonar))
@@ -110,7 +106,7 @@ fn day(seed: u64, hours: u32, sonar: SonarModel, progress: Progress<'_>) -> Resu
     })
 }
 
-/// The robot at its start, in the mind's own time; it seeks what is free of obstacles.
+/// The robot at its start, by the controller's time, with avoidance as its goal.
 fn set_down<'w>(
     world: &'w World,
     setup: &Setup,
@@ -142,7 +138,7 @@ fn drive(
     let mut touched = false;
     while body.time_s() < until_s {
         let happened = body.advance(mind);
-        // The watch over the ring, as on the chip.
+        // The monitor of the ring, as on the chip.
         let _ = mind.handle(body.now(), Event::Tick);
         if happened.decision.is_some() {
             hour.decisions += 1;
@@ -179,8 +175,8 @@ fn is_in_bounds(state: &SimState) -> bool {
     })
 }
 
-fn verdict(days: &[Day], sonar: SonarModel) -> Verdict {
-    let mut verdict = Verdict::default();
+fn verdict(days: &[Day], sonar: SonarModel) -> CampaignVerdict {
+    let mut verdict = CampaignVerdict::default();
     let hours = days.first().map_or(0, |day| day.hours.len());
     verdict.say(format_args!(
         "{} robots, {hours} simulated hours each, sonars {}\n",
@@ -199,8 +195,8 @@ fn verdict(days: &[Day], sonar: SonarModel) -> Verdict {
     let heads = [
         "hour",
         "decisions",
-        "way m, mean",
-        "way m, least",
+        "distance m, mean",
+        "distance m, least",
         "area m², mean",
         "steps with a contact",
     ];
@@ -218,18 +214,22 @@ fn verdict(days: &[Day], sonar: SonarModel) -> Verdict {
     let way = change(days, |hour| hour.distance_m);
     let area = change(days, |hour| hour.area_m2);
     verdict.say(format_args!(
-        "the hour after the day over the first, less 1: way {way}, area {area} (95 % intervals)"
+        "the hour after the day relative to the first, minus 1: distance {way}, area {area} (95 % intervals)"
     ));
     let [low, high] = way.interval;
     let stays = low > -MAX_DRIFT && high < MAX_DRIFT;
     verdict.require(
         stays,
-        "the way of the hour after the day is not that of the first",
+        "the distance of the hour after the day differs from that of the first",
     );
     for day in days {
         let mut hours = day.hours.iter().chain([&day.again]);
-        if let Some(hour) = hours.position(|hour| hour.distance_m < LEAST_WAY_M) {
-            let what = format!("the robot of seed {} stands in hour {}", day.seed, hour + 1);
+        if let Some(hour) = hours.position(|hour| hour.distance_m < MIN_DISTANCE_M) {
+            let what = format!(
+                "the robot of seed {} stands still in hour {}",
+                day.seed,
+                hour + 1
+            );
             verdict.broken.push(what);
         }
     }
@@ -237,7 +237,7 @@ fn verdict(days: &[Day], sonar: SonarModel) -> Verdict {
         .iter()
         .flat_map(|day| &day.hours)
         .all(|hour| hour.in_bounds);
-    verdict.require(in_bounds, "what is known left its bounds");
+    verdict.require(in_bounds, "the state left its bounds");
     verdict
 }
 
@@ -258,7 +258,7 @@ fn row(days: &[Day], name: &str, of: impl Fn(&Day) -> Option<&Hour>) -> [String;
     ]
 }
 
-/// The relative change from the first hour to the one after the day, over robots.
+/// Relative change from the first hour to the hour after the day, over robots.
 fn change(days: &[Day], of: fn(&Hour) -> f64) -> Mean {
     let changes = days.iter().filter_map(|day| {
         let first = day.hours.first()?;

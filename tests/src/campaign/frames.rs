@@ -1,12 +1,11 @@
-//! Damaged frames through receiver and decoder: none may panic, and no more may be taken for messages than a sum of 32
-//! bits explains.
+//! Damaged frames through receiver and decoder: no panic, and no more accepted than a CRC-32
+//! explains.
 //!
-//! The frames are the examples of PROTOCOL.md, every message of both directions among them. A damaged one goes byte by byte
-//! through [`Receiver`], which makes several of it where a zero has come in, and each through [`unpack`]. *Wrongly accepted*
-//! is what passes the CRC and is none of the examples, whether a message comes of it or not.
+//! The frames are the examples of PROTOCOL.md, with every message. *Wrongly accepted*: it passes
+//! the CRC and is none of the examples.
 
-use super::mutate::Damage;
-use super::{Progress, Verdict, below, generator, grouped, parts};
+use super::mutate::FrameDamage;
+use super::{CampaignVerdict, Progress, below, generator, grouped, parts};
 use amp::wire::frame::{FrameError, unpack};
 use amp::wire::{Receiver, Report, ToMind};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -15,12 +14,12 @@ use sim::statistics::{poisson_interval, poisson_tail};
 
 /// Frames of a full campaign.
 pub const COUNT: u64 = 1_000_000_000;
-/// Frames that one generator damages.
+/// Frames per random generator.
 const PART: u64 = 100_000;
-/// The document with a frame of every message.
+/// The document with an example of every message.
 const PROTOCOL: &str = include_str!("../../../shared/PROTOCOL.md");
 
-/// A sound frame, without its zero.
+/// A valid frame, without its delimiter.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Example {
     pub(super) bytes: Vec<u8>,
@@ -47,51 +46,51 @@ pub(super) fn examples() -> Vec<Example> {
     examples
 }
 
-/// What became of damaged frames.
+/// Counts of damaged frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-struct Metrics {
-    /// Damaged.
+struct FrameCounts {
+    /// Frames sent.
     frames: u64,
-    /// As they were in spite of it.
+    /// Identical to the original after the damage.
     unharmed: u64,
-    /// Pieces between zeros.
+    /// Parts between delimiters.
     pieces: u64,
-    /// Of them: too long for the receiver.
+    /// Parts too long for the receiver.
     oversized: u64,
-    /// Of them: not COBS, or too short.
-    misshapen: u64,
-    /// Of them: sums that did not match.
+    /// Parts that are not COBS, or too short.
+    malformed: u64,
+    /// Parts with a wrong checksum.
     wrong_sum: u64,
-    /// Of them: an example.
+    /// Parts that equal an example.
     sound: u64,
-    /// Of them: taken for something they are not.
+    /// Parts that were wrongly accepted.
     wrong: u64,
 }
 
-impl Metrics {
+impl FrameCounts {
     fn plus(mut self, other: &Self) -> Self {
         self.frames += other.frames;
         self.unharmed += other.unharmed;
         self.pieces += other.pieces;
         self.oversized += other.oversized;
-        self.misshapen += other.misshapen;
+        self.malformed += other.malformed;
         self.wrong_sum += other.wrong_sum;
         self.sound += other.sound;
         self.wrong += other.wrong;
         self
     }
 
-    /// Sums that were compared with those of other bytes.
+    /// Checksums that were compared with those of other bytes.
     const fn compared(&self) -> u64 {
         self.wrong_sum + self.wrong
     }
 }
 
-type Tallies = [Metrics; Damage::ALL.len()];
+type Tallies = [FrameCounts; FrameDamage::ALL.len()];
 
 /// Damages `count` frames.
 #[must_use]
-pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
+pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> CampaignVerdict {
     let examples = examples();
     let damaged = |(part, size): (u64, u64)| {
         let tallies = damage(&examples, &mut generator(seed, part), size);
@@ -112,11 +111,11 @@ fn damage(examples: &[Example], random: &mut Xoshiro256PlusPlus, count: u64) -> 
     let mut tallies = Tallies::default();
     let mut frame = Vec::with_capacity(1_024);
     for _ in 0..count {
-        let kind = below(random, Damage::ALL.len());
+        let kind = below(random, FrameDamage::ALL.len());
         let [one, other] = [(); 2].map(|()| &examples[below(random, examples.len())]);
         frame.clear();
         frame.extend_from_slice(&one.bytes);
-        Damage::ALL[kind].inflict(&mut frame, &other.bytes, random);
+        FrameDamage::ALL[kind].inflict(&mut frame, &other.bytes, random);
         let tally = &mut tallies[kind];
         tally.frames += 1;
         if frame == one.bytes {
@@ -128,7 +127,7 @@ fn damage(examples: &[Example], random: &mut Xoshiro256PlusPlus, count: u64) -> 
     tallies
 }
 
-fn receive(bytes: &[u8], to_mind: bool, examples: &[Example], tally: &mut Metrics) {
+fn receive(bytes: &[u8], to_mind: bool, examples: &[Example], tally: &mut FrameCounts) {
     let mut receiver = Receiver::new();
     for &byte in bytes.iter().chain(&[0]) {
         let Some(piece) = receiver.push(byte) else {
@@ -141,7 +140,7 @@ fn receive(bytes: &[u8], to_mind: bool, examples: &[Example], tally: &mut Metric
             unpack::<Report<16>>(piece).err()
         };
         match error {
-            Some(FrameError::Shape | FrameError::TooLong) => tally.misshapen += 1,
+            Some(FrameError::Shape | FrameError::TooLong) => tally.malformed += 1,
             Some(FrameError::Crc) => tally.wrong_sum += 1,
             None | Some(FrameError::Content { .. }) => {
                 if examples.iter().any(|example| example.bytes == piece) {
@@ -157,35 +156,37 @@ fn receive(bytes: &[u8], to_mind: bool, examples: &[Example], tally: &mut Metric
     tally.oversized += oversized;
 }
 
-fn verdict(tallies: &Tallies, examples: usize) -> Verdict {
-    let sum = tallies.iter().fold(Metrics::default(), Metrics::plus);
-    let row = |name: &str, tally: &Metrics| {
+fn verdict(tallies: &Tallies, examples: usize) -> CampaignVerdict {
+    let sum = tallies
+        .iter()
+        .fold(FrameCounts::default(), FrameCounts::plus);
+    let row = |name: &str, tally: &FrameCounts| {
         [
             name.to_owned(),
             grouped(tally.frames),
             grouped(tally.unharmed),
             grouped(tally.pieces),
-            grouped(tally.misshapen + tally.oversized),
+            grouped(tally.malformed + tally.oversized),
             grouped(tally.wrong_sum),
             grouped(tally.sound),
             grouped(tally.wrong),
         ]
     };
-    let mut rows: Vec<_> = Damage::ALL
+    let mut rows: Vec<_> = FrameDamage::ALL
         .iter()
         .zip(tallies)
         .map(|(damage, tally)| row(damage.name(), tally))
         .collect();
     rows.push(row("all", &sum));
-    let mut verdict = Verdict::default();
+    let mut verdict = CampaignVerdict::default();
     verdict.say(format_args!(
-        "{} damaged frames, made of {examples} sound ones\n",
+        "{} damaged frames, made of {examples} valid ones\n",
         grouped(sum.frames)
     ));
     let heads = [
         "damage",
         "frames",
-        "as it was",
+        "unchanged",
         "pieces",
         "no COBS, or too long",
         "wrong CRC",
@@ -197,8 +198,8 @@ fn verdict(tallies: &Tallies, examples: usize) -> Verdict {
     verdict
 }
 
-/// Whether chance explains what was wrongly accepted.
-fn judge(verdict: &mut Verdict, sum: &Metrics) {
+/// Checks whether chance explains the wrongly accepted parts.
+fn judge(verdict: &mut CampaignVerdict, sum: &FrameCounts) {
     let expected = sum.compared() as f64 / 4_294_967_296.0;
     let [low, high] = poisson_interval(sum.wrong);
     let tail = poisson_tail(sum.wrong, expected);
@@ -209,8 +210,8 @@ fn judge(verdict: &mut Verdict, sum: &Metrics) {
         sum.wrong
     ));
     verdict.require(tail >= 0.025, "more wrong frames than chance explains");
-    let seen = sum.misshapen + sum.oversized + sum.compared() + sum.sound;
-    verdict.require(seen == sum.pieces, "a piece was not counted");
+    let seen = sum.malformed + sum.oversized + sum.compared() + sum.sound;
+    verdict.require(seen == sum.pieces, "a part was not counted");
 }
 
 #[cfg(test)]
@@ -222,13 +223,13 @@ mod tests {
         let examples = examples();
         assert!(examples.len() > 30);
         assert!(examples.iter().any(|example| !example.to_mind));
-        let mut tally = Metrics::default();
+        let mut tally = FrameCounts::default();
         for example in &examples {
             receive(&example.bytes, example.to_mind, &examples, &mut tally);
         }
         let all = examples.len() as u64;
         assert_eq!((tally.pieces, tally.sound), (all, all));
-        // Without the examples to compare with each would be an error.
+        // Without the examples for comparison each would be an error.
         let example = &examples[0];
         receive(&example.bytes, example.to_mind, &[], &mut tally);
         assert_eq!(tally.wrong, 1);
@@ -236,19 +237,19 @@ mod tests {
 
     #[test]
     fn one_wrong_frame_in_few_is_more_than_chance() {
-        let few = Metrics {
+        let few = FrameCounts {
             pieces: 1_000,
             wrong_sum: 999,
             wrong: 1,
-            ..Metrics::default()
+            ..FrameCounts::default()
         };
-        let many = Metrics {
+        let many = FrameCounts {
             pieces: 4_000_000_000,
             wrong_sum: 3_999_999_999,
             ..few
         };
         let broken = |tally| {
-            let mut verdict = Verdict::default();
+            let mut verdict = CampaignVerdict::default();
             judge(&mut verdict, tally);
             verdict.broken.len()
         };

@@ -1,13 +1,12 @@
-//! A line that loses, repeats, overtakes and holds back frames, between a host with a base and a mind.
+//! A line that loses, duplicates, reorders and delays frames, between a controller and its host.
 //!
-//! The host sends a frame every 20 ms: rings, odometry, signs of life, and orders to seek, stop and go on, in no sensible
-//! order. Both ends judge what comes by [`amp::link`]: the mind in its [`Node`](amp::node::Node), the base by a [`Link`] of
-//! its own, which executes a motion only within its time to live. Beside them a book that knows everything, in 64-bit
-//! numbers without an end, says what should have come of each frame. Both clocks and both frame numbers run over their ends.
+//! The host sends rings, odometry, heartbeats and commands in random order; both ends use
+//! [`amp::link`]. A bookkeeper with 64-bit numbers knows the right result of each frame. Clocks
+//! and sequence numbers overflow.
 
 use super::bench::{Clocks, Ready, SESSION, coded, command, numbered, scan};
-use super::channel::{Badness, Channel, Come};
-use super::{Progress, Verdict, below, generator, grouped, parts};
+use super::channel::{Arrival, FaultRates, LossyChannel};
+use super::{CampaignVerdict, Progress, below, generator, grouped, parts};
 use amp::controller::{Mode, Progress as Way, StopReason};
 use amp::link::{FrameVerdict as Judged, Link};
 use amp::node::FrameSink;
@@ -17,67 +16,67 @@ use amp::wire::message::{Clock, FromMind, GoalBy, MotionOrder, Order, Report, To
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
-/// Frames to the mind in a full campaign.
+/// Frames to the controller in a full campaign.
 pub const COUNT: u64 = 1_000_000;
 /// Frames over one line.
 const PART: u64 = 100_000;
 /// Time between two frames of the host, ms.
 const EVERY_MS: u64 = 20;
-/// Time between two ticks of the mind, ms.
+/// Time between two ticks of the controller, ms.
 const TICK_MS: u64 = 10;
 /// The base's speed, mm/s.
 const SPEED_MM_S: u64 = 500;
-/// The lines: of ten frames three are lost, and one comes twice; a fast frame overtakes two slow ones; every few seconds the
-/// line stalls, for up to 2 s.
-const BAD: Badness = Badness {
+/// The lines: 30 % lost, 10 % duplicated, a fast frame overtakes two slow ones, and a stall of up
+/// to 2 s every few seconds.
+const BAD: FaultRates = FaultRates {
     lost: 30,
     twice: 10,
     delay_ms: [2, 60],
     stalls: 5,
     stall_ms: 2_000,
 };
-/// Truly older than this no motion may be executed: its time to live of 500 ms, and what the promptest frames take, ms.
+/// Greatest true age of an executed motion, ms: its time to live of 500 ms plus the minimum delay.
 const OLDEST_MS: u64 = 520;
-/// Both clocks come to their ends a few seconds after the mind has learned.
+/// Both clocks overflow a few seconds after the controller has learned.
 const CLOCKS: Clocks = Clocks {
     device: u32::MAX - 10_000,
     host: u32::MAX - 15_000,
 };
 
-/// What is counted.
+/// The bookkeeper's counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) struct Book {
-    /// To the mind: sent, lost on the way, those that came twice, those that only came after a later one.
+pub(super) struct Bookkeeper {
+    /// To the controller: sent, lost, duplicated, overtaken.
     sent: u64,
     lost: u64,
     repeated: u64,
     overtaken: u64,
-    /// What the mind counted, and what it should have.
+    /// Accepted by the controller: counted and expected.
     accepted: [u64; 2],
     replayed: [u64; 2],
     expired: [u64; 2],
-    /// Late, repeated or expired frames that changed what the mind knows.
+    /// Late, duplicated or expired frames that changed the controller's state.
     late_but_done: u64,
-    /// Times the mind thought the host was gone.
+    /// Times the controller reported the host as lost.
     losses: u64,
-    /// To the base: sent, and motions executed.
+    /// To the base: frames sent, motions executed.
     said: u64,
     pub(super) executed: u64,
-    /// Motions executed again, after a later one, or after their time.
+    /// Motions executed twice, after a later one, or after their time to live.
     pub(super) stale: u64,
-    /// Motions the base refused as late or repeated, by their numbers.
+    /// Motions that the base refused as late or duplicated, by sequence number.
     refused: u64,
-    /// Motions the base refused for their age.
+    /// Motions that the base refused for their age.
     pub(super) aged: u64,
-    /// Stops, whatever their numbers, that did not stop the mind.
+    /// Stops, whatever their sequence number, that did not stop the controller.
     stops_refused: u64,
-    /// Executed while the mind's stop was still on its way, or lost.
+    /// Motions executed while the controller's stop was in transit or lost.
     taken_back: u64,
-    /// Age of the oldest motion executed, ms.
+    /// Age of the oldest executed motion, ms.
     pub(super) oldest_ms: u64,
 }
 
-impl Book {
+impl Bookkeeper {
     fn plus(mut self, other: &Self) -> Self {
         let pairs = [
             (&mut self.sent, other.sent),
@@ -107,45 +106,45 @@ impl Book {
     }
 }
 
-/// Sends `count` frames to minds.
+/// Sends `count` frames to controllers.
 #[must_use]
-pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
+pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> CampaignVerdict {
     let one = |(part, size)| {
-        let book = Course::new(seed, part, size).run();
+        let book = LinkRun::new(seed, part, size).run();
         progress(size);
         book
     };
     let books: Vec<_> = parts(count, PART).into_par_iter().map(one).collect();
-    verdict(&books.iter().fold(Book::default(), Book::plus))
+    verdict(&books.iter().fold(Bookkeeper::default(), Bookkeeper::plus))
 }
 
 /// One line with its two ends.
-struct Course {
+struct LinkRun {
     mind: Ready,
-    base: Base,
-    to_mind: Channel,
-    to_base: Channel,
+    base: LinkBase,
+    to_mind: LossyChannel,
+    to_base: LossyChannel,
     random: Xoshiro256PlusPlus,
-    book: Book,
+    book: Bookkeeper,
     size: u64,
-    /// What the book knows of the frames to the mind: whether they came, whether they were the latest when they came.
+    /// By frame to the controller: whether it arrived, and whether it was the latest on arrival.
     came: Vec<[bool; 2]>,
-    /// Number of the latest frame the mind should have accepted.
+    /// Sequence number of the latest frame that the controller should have accepted.
     latest: Option<u64>,
     delays: Delays,
 }
 
-/// The delays of the frames that were accepted: by the protocol's rule, of two in a row the greater one counts, for the rest of
-/// its ten seconds and fifty more.
+/// Delays of the accepted frames. By the protocol's rule, the greater of two consecutive delays
+/// counts, for the rest of its ten seconds and fifty more.
 #[derive(Debug)]
 struct Delays {
     latest_ms: u64,
-    /// Number of ten seconds, and delay.
+    /// Index of ten seconds, and delay.
     counted: Vec<(u64, u64)>,
 }
 
 impl Delays {
-    /// While the mind learned, frames took no time at all.
+    /// While the controller learned, frames had no delay.
     fn new() -> Self {
         Self {
             latest_ms: 0,
@@ -154,7 +153,7 @@ impl Delays {
     }
 
     /// Takes a frame; returns its age.
-    fn age_ms(&mut self, come: &Come) -> u64 {
+    fn age_ms(&mut self, come: &Arrival) -> u64 {
         let delay_ms = come.at_ms - come.sent_ms;
         let slot = come.at_ms / 10_000;
         self.counted.retain(|(counted, _)| slot - counted < 6);
@@ -165,15 +164,15 @@ impl Delays {
     }
 }
 
-impl Course {
+impl LinkRun {
     fn new(seed: u64, part: u64, size: u64) -> Self {
         Self {
             mind: Ready::new(seed.wrapping_add(part), CLOCKS),
-            base: Base::new(OLDEST_MS),
-            to_mind: Channel::new(BAD, seed, 3 * part),
-            to_base: Channel::new(BAD, seed, 3 * part + 1),
+            base: LinkBase::new(OLDEST_MS),
+            to_mind: LossyChannel::new(BAD, seed, 3 * part),
+            to_base: LossyChannel::new(BAD, seed, 3 * part + 1),
             random: generator(seed, 3 * part + 2),
-            book: Book::default(),
+            book: Bookkeeper::default(),
             size,
             came: vec![[false; 2]; size as usize],
             latest: None,
@@ -181,14 +180,14 @@ impl Course {
         }
     }
 
-    fn run(mut self) -> Book {
+    fn run(mut self) -> Bookkeeper {
         let before = *self.mind.node.counters();
         while self.to_mind.sent() < self.size
             || !self.to_mind.is_empty()
             || !self.to_base.is_empty()
         {
             self.mind.now_ms += 1;
-            self.pass();
+            self.advance_1_ms();
         }
         let counters = *self.mind.node.counters();
         self.book.sent = self.to_mind.sent();
@@ -206,8 +205,8 @@ impl Course {
         self.book
     }
 
-    /// A millisecond.
-    fn pass(&mut self) {
+    /// Advances by one millisecond.
+    fn advance_1_ms(&mut self) {
         let now_ms = self.mind.now_ms;
         if now_ms.is_multiple_of(EVERY_MS) && self.to_mind.sent() < self.size {
             let message = self.message();
@@ -215,21 +214,21 @@ impl Course {
             self.to_mind
                 .send(now_ms, &numbered(self.mind.seq, &message));
         }
-        while let Some(come) = self.to_mind.come(now_ms) {
+        while let Some(come) = self.to_mind.next_arrival(now_ms) {
             self.deliver(&come);
         }
         if now_ms.is_multiple_of(TICK_MS) {
             let now = CLOCKS.device(now_ms);
-            let mut said = Said::new(now_ms, &mut self.to_base, &mut self.base);
+            let mut said = SentFrames::new(now_ms, &mut self.to_base, &mut self.base);
             while self.mind.node.tick(now, &mut said) {}
         }
-        while let Some(come) = self.to_base.come(now_ms) {
-            // Its clock is another one.
+        while let Some(come) = self.to_base.next_arrival(now_ms) {
+            // The base has another clock.
             let here = CLOCKS.device(now_ms).as_ms().wrapping_add(123_456_789);
             let here = Millis::from_ms(here);
             self.base.hear(&come, now_ms, here, &mut self.book);
         }
-        self.base.go_on(now_ms);
+        self.base.advance_1_ms(now_ms);
     }
 
     fn message(&mut self) -> ToMind<16> {
@@ -246,14 +245,14 @@ impl Course {
                     14..18 => Order::Stop,
                     _ => Order::Goal(GoalBy::Avoid),
                 };
-                // Some live no longer than a slow frame takes.
+                // Some times to live are shorter than a slow frame's delay.
                 command(at_ms, 20 + below(random, 60) as u16, order)
             }
         }
     }
 
-    /// Gives a frame to the mind, and holds what it does against what it should.
-    fn deliver(&mut self, come: &Come) {
+    /// Delivers a frame to the controller, and compares the effect with the expected one.
+    fn deliver(&mut self, come: &Arrival) {
         let is_new = self.latest.is_none_or(|latest| come.number > latest);
         let message = unpack::<ToMind<16>>(coded(&come.bytes)).map(|(_, message)| message);
         let (ttl_ms, is_stop) = match message {
@@ -275,7 +274,7 @@ impl Course {
             self.book.replayed[1] += 1;
         }
         let before = (!may_act).then(|| self.mind.node.state().clone());
-        let mut said = Said::new(come.at_ms, &mut self.to_base, &mut self.base);
+        let mut said = SentFrames::new(come.at_ms, &mut self.to_base, &mut self.base);
         let now = CLOCKS.device(come.at_ms);
         self.mind.node.frame(now, coded(&come.bytes), &mut said);
         let changed = before.is_some_and(|before| before != *self.mind.node.state());
@@ -290,20 +289,20 @@ fn count(came: &[[bool; 2]], is: impl Fn([bool; 2]) -> bool) -> u64 {
     came.iter().filter(|came| is(**came)).count() as u64
 }
 
-/// What the mind says goes on the line, and into the book.
-struct Said<'a> {
+/// Sends the controller's frames over the line and records them.
+struct SentFrames<'a> {
     now_ms: u64,
-    line: &'a mut Channel,
-    base: &'a mut Base,
+    line: &'a mut LossyChannel,
+    base: &'a mut LinkBase,
 }
 
-impl<'a> Said<'a> {
-    fn new(now_ms: u64, line: &'a mut Channel, base: &'a mut Base) -> Self {
+impl<'a> SentFrames<'a> {
+    fn new(now_ms: u64, line: &'a mut LossyChannel, base: &'a mut LinkBase) -> Self {
         Self { now_ms, line, base }
     }
 }
 
-impl FrameSink for Said<'_> {
+impl FrameSink for SentFrames<'_> {
     fn send(&mut self, frame: &[u8]) -> bool {
         self.line.send(self.now_ms, frame);
         self.base.is_on_its_way(frame);
@@ -311,27 +310,27 @@ impl FrameSink for Said<'_> {
     }
 }
 
-/// The base: its link, what it executes, and what the book knows of the frames to it.
+/// The base: its link, its motion, and the record of the frames to it.
 #[derive(Default)]
-pub(super) struct Base {
-    /// Truly older than this it may execute no motion, ms.
+pub(super) struct LinkBase {
+    /// Greatest true age of an executed motion, ms.
     oldest_ms: u64,
     link: Option<Link>,
     order: Option<MotionOrder>,
-    /// When the order ends unless it is renewed, ms.
+    /// End of the motion unless it is renewed, ms.
     until_ms: u64,
-    /// Executed of the order and not yet reported, µm; all of it, µm.
+    /// Executed and not yet reported, µm; the whole motion, µm.
     unreported_um: u64,
     executed_um: u64,
-    /// Numbers of the frames on the line, without an end, by their order on it.
+    /// Sequence numbers of the frames sent, without overflow, in order.
     numbers: Vec<i64>,
-    /// The mind's latest stop.
+    /// The controller's latest stop.
     latest_stop: i64,
-    /// Number of the latest motion executed.
+    /// Sequence number of the latest executed motion.
     latest: Option<i64>,
 }
 
-impl Base {
+impl LinkBase {
     pub(super) fn new(oldest_ms: u64) -> Self {
         Self {
             oldest_ms,
@@ -339,7 +338,7 @@ impl Base {
         }
     }
 
-    /// Has to be told every frame, in the order in which they are sent.
+    /// Must be called for every frame, in the order of sending.
     pub(super) fn is_on_its_way(&mut self, frame: &[u8]) {
         let Ok((header, report)) = unpack::<Report<16>>(coded(frame)) else {
             return;
@@ -354,8 +353,14 @@ impl Base {
         }
     }
 
-    /// Takes a frame, `here` by its own clock.
-    pub(super) fn hear(&mut self, come: &Come, now_ms: u64, here: Millis, book: &mut Book) {
+    /// Processes a frame; `here` is its own time.
+    pub(super) fn hear(
+        &mut self,
+        come: &Arrival,
+        now_ms: u64,
+        here: Millis,
+        book: &mut Bookkeeper,
+    ) {
         let Ok((header, report)) = unpack::<Report<16>>(coded(&come.bytes)) else {
             return;
         };
@@ -398,8 +403,8 @@ impl Base {
         self.until_ms = until_ms;
     }
 
-    /// A millisecond of motion.
-    pub(super) fn go_on(&mut self, now_ms: u64) {
+    /// Advances the motion by one millisecond.
+    pub(super) fn advance_1_ms(&mut self, now_ms: u64) {
         if self.is_moving(now_ms) {
             self.executed_um += SPEED_MM_S;
             self.unreported_um += SPEED_MM_S;
@@ -413,7 +418,7 @@ impl Base {
         })
     }
 
-    /// What it has done since its last report.
+    /// Its motion since the last report.
     pub(super) fn report(&mut self, at_ms: u32) -> ToMind<16> {
         let order = self.order;
         let moved_mm = (self.unreported_um / 1_000) as u16;
@@ -436,7 +441,7 @@ const fn is_stop(order: MotionOrder) -> bool {
     order.dx_mm == 0 && order.dy_mm == 0
 }
 
-/// The link of a base that has just heard its first frame.
+/// The link of a base after its first frame.
 fn opened(first: Header) -> Link {
     let mut link = Link::new();
     let before = Header {
@@ -447,10 +452,10 @@ fn opened(first: Header) -> Link {
     link
 }
 
-fn verdict(book: &Book) -> Verdict {
-    let mut verdict = Verdict::default();
+fn verdict(book: &Bookkeeper) -> CampaignVerdict {
+    let mut verdict = CampaignVerdict::default();
     verdict.say(format_args!(
-        "{} frames to the mind and {} from it; {} % lost, {} % of the others twice, {} to {} ms on the way, {} in 1000 meet a stall of up to {} ms\n",
+        "{} frames to the controller and {} from it; {} % lost, {} % of the others duplicated, {} to {} ms in transit, {} in 1000 meet a stall of up to {} ms\n",
         grouped(book.sent),
         grouped(book.said),
         BAD.lost,
@@ -462,35 +467,41 @@ fn verdict(book: &Book) -> Verdict {
     ));
     let row = |what: &str, number| [what.to_owned(), grouped(number)];
     let rows = [
-        row("lost on the way to the mind", book.lost),
+        row("lost in transit to the controller", book.lost),
         row("overtaken by a later one", book.overtaken),
-        row("came twice", book.repeated),
-        row("accepted by the mind", book.accepted[0]),
-        row("repeated or late, by the mind's count", book.replayed[0]),
+        row("duplicated", book.repeated),
+        row("accepted by the controller", book.accepted[0]),
         row(
-            "orders past their time to live, by the mind's count",
+            "duplicate or late, by the controller's count",
+            book.replayed[0],
+        ),
+        row(
+            "commands past their time to live, by the controller's count",
             book.expired[0],
         ),
         row(
-            "such frames that changed what the mind knows",
+            "such frames that changed the controller's state",
             book.late_but_done,
         ),
-        row("times the mind held the host for gone", book.losses),
+        row(
+            "times the controller reported the host as lost",
+            book.losses,
+        ),
         row("motions and renewals executed by the base", book.executed),
         row("refused by the base as late or repeated", book.refused),
         row("refused by the base for their age", book.aged),
-        row("stops that did not stop the mind", book.stops_refused),
-        row("**stale ones executed**", book.stale),
-        row("age of the oldest one executed, ms", book.oldest_ms),
+        row("stops that did not stop the controller", book.stops_refused),
+        row("**stale motions executed**", book.stale),
+        row("age of the oldest executed motion, ms", book.oldest_ms),
         row(
-            "executed though the mind's stop was on its way or lost",
+            "executed while the controller's stop was in transit or lost",
             book.taken_back,
         ),
     ];
     verdict.table(["what", "number"], &rows);
     let unaccepted = book.sent - book.accepted[0];
     verdict.say(format_args!(
-        "\nsent less accepted: {}; lost and overtaken, by the line's book: {}",
+        "\nsent minus accepted: {}; lost and overtaken, by the bookkeeper: {}",
         grouped(unaccepted),
         grouped(book.lost + book.overtaken)
     ));
@@ -506,10 +517,10 @@ fn verdict(book: &Book) -> Verdict {
         let broken = format!("{what}: {counted} counted, {right} were");
         verdict.require(counted == right, broken);
     }
-    verdict.require(book.late_but_done == 0, "a late frame was acted upon");
+    verdict.require(book.late_but_done == 0, "a late frame had an effect");
     verdict.require(book.stale == 0, "a stale motion was executed");
     verdict.require(book.stops_refused == 0, "a stop was refused");
     let enough = book.executed > 0 && book.replayed[1] > 0 && book.expired[1] > 0 && book.aged > 0;
-    verdict.require(enough, "nothing was tried");
+    verdict.require(enough, "nothing was tested");
     verdict
 }

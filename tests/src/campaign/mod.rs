@@ -1,17 +1,7 @@
-//! Long runs that try to break the mind, its link and its clock: random, but the same for the same seed on any number of
-//! threads.
+//! Long randomized runs that try to break the controller, its link and its clock.
 //!
-//! | module | what is tried |
-//! |---|---|
-//! | [`frames`] | damaged frames through receiver and decoder |
-//! | [`link`] | a line that loses, repeats and overtakes frames, between host and mind |
-//! | [`silence`] | hosts, minds and lines that are gone from one moment to the next, while the base moves |
-//! | [`clock`] | episodes over the end of the 32-bit milliseconds |
-//! | [`drift`] | a robot that drives for a day |
-//! | [`shield`] | every behavior, for contacts of the robot's own |
-//! | [`chip`] | the first three against the firmware in an emulated chip |
-//!
-//! Each returns a [`Verdict`]: the figures, and what was not as it has to be.
+//! The same seed gives the same figures on any number of threads. Each campaign returns a
+//! [`CampaignVerdict`]: its figures and the violated requirements.
 
 mod bench;
 mod bridged;
@@ -30,16 +20,16 @@ use rand_core::{Rng as _, SeedableRng as _};
 use rand_xoshiro::{SplitMix64, Xoshiro256PlusPlus};
 use std::fmt::Write as _;
 
-/// What a campaign found.
+/// Result of a campaign.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Verdict {
+pub struct CampaignVerdict {
     /// The figures, as Markdown.
     pub text: String,
-    /// What was not as it has to be; empty if all was well.
+    /// Violated requirements; empty on success.
     pub broken: Vec<String>,
 }
 
-impl Verdict {
+impl CampaignVerdict {
     fn say(&mut self, line: impl std::fmt::Display) {
         let _ = writeln!(self.text, "{line}");
     }
@@ -62,10 +52,10 @@ impl Verdict {
     }
 }
 
-/// Hears how much of a campaign is done.
+/// Called with the number of finished steps.
 pub type Progress<'a> = &'a (dyn Fn(u64) + Sync);
 
-/// A generator for part `part` of a campaign.
+/// The random generator of part `part` of a campaign.
 fn generator(seed: u64, part: u64) -> Xoshiro256PlusPlus {
     let start = SplitMix64::seed_from_u64(seed).next_u64();
     Xoshiro256PlusPlus::seed_from_u64(start.wrapping_add(part))
@@ -76,7 +66,7 @@ fn below(random: &mut Xoshiro256PlusPlus, bound: usize) -> usize {
     ((u128::from(random.next_u64()) * bound as u128) >> 64) as usize
 }
 
-/// Whether something of this probability, in percent, happens.
+/// True with this probability, in percent.
 fn happens(random: &mut Xoshiro256PlusPlus, percent: usize) -> bool {
     below(random, 100) < percent
 }
@@ -88,7 +78,7 @@ fn parts(count: u64, size: u64) -> Vec<(u64, u64)> {
         .collect()
 }
 
-/// A number with its thousands apart.
+/// A number with separated thousands.
 fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::new();

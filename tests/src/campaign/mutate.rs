@@ -1,32 +1,32 @@
-//! Ways in which a frame is damaged.
+//! Kinds of damage to a frame.
 
 use super::below;
 use rand_core::Rng as _;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// A way to damage a frame.
+/// A kind of damage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Damage {
+pub enum FrameDamage {
     /// 1 to 3 bits flipped.
     FewBits,
     /// 4 to 8 bits flipped.
     ManyBits,
-    /// 2 to 8 neighboring bytes are noise.
+    /// 2 to 8 neighboring bytes replaced by noise.
     Burst,
-    /// A piece is missing: beginning, middle or end.
+    /// A part is missing: start, middle or end.
     Cut,
-    /// A piece comes twice.
+    /// A part is duplicated.
     Repeated,
-    /// Two pieces of the same length have changed places.
+    /// Two parts of equal length are swapped.
     Swapped,
-    /// The beginning of one frame and the end of another.
+    /// The start of one frame and the end of another.
     Spliced,
-    /// Nothing but noise.
+    /// Only noise.
     Noise,
 }
 
-impl Damage {
-    /// All of them.
+impl FrameDamage {
+    /// All kinds.
     pub const ALL: [Self; 8] = [
         Self::FewBits,
         Self::ManyBits,
@@ -38,22 +38,23 @@ impl Damage {
         Self::Noise,
     ];
 
-    /// In words.
+    /// Name in tables.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::FewBits => "1 to 3 bits flipped",
             Self::ManyBits => "4 to 8 bits flipped",
             Self::Burst => "2 to 8 bytes of noise in it",
-            Self::Cut => "a piece missing",
-            Self::Repeated => "a piece twice",
-            Self::Swapped => "two pieces changed places",
-            Self::Spliced => "beginning of one, end of another",
-            Self::Noise => "nothing but noise",
+            Self::Cut => "a part missing",
+            Self::Repeated => "a part duplicated",
+            Self::Swapped => "two parts swapped",
+            Self::Spliced => "start of one, end of another",
+            Self::Noise => "only noise",
         }
     }
 
-    /// Damages a frame, given without its zero and at least two bytes long; it may come out as it was.
+    /// Damages a frame, given without its delimiter and at least two bytes long. The result may
+    /// equal the original.
     pub fn inflict(self, frame: &mut Vec<u8>, other: &[u8], random: &mut Xoshiro256PlusPlus) {
         match self {
             Self::FewBits => flip(frame, 1, 3, random),
@@ -90,7 +91,7 @@ impl Damage {
     }
 }
 
-/// Flips `least` to `most` bits, some of them perhaps twice.
+/// Flips `least` to `most` bits; the same bit may be flipped twice.
 fn flip(frame: &mut [u8], least: usize, most: usize, random: &mut Xoshiro256PlusPlus) {
     for _ in 0..least + below(random, most - least + 1) {
         let bit = below(random, 8 * frame.len());
@@ -106,7 +107,7 @@ fn noise(bytes: &mut [u8], random: &mut Xoshiro256PlusPlus) {
     }
 }
 
-/// Ends of a piece of 1 to `most` bytes of `length`.
+/// Ends of a part of 1 to `most` bytes of `length`.
 fn piece(length: usize, most: usize, random: &mut Xoshiro256PlusPlus) -> (usize, usize) {
     let size = 1 + below(random, most.min(length));
     let start = below(random, length - size + 1);
@@ -123,7 +124,7 @@ mod tests {
         let mut random = generator(1, 0);
         let whole: Vec<u8> = (1..=20).collect();
         let other: Vec<u8> = (101..=110).collect();
-        for damage in Damage::ALL {
+        for damage in FrameDamage::ALL {
             let mut damaged = 0;
             for _ in 0..200 {
                 let mut frame = whole.clone();
@@ -131,20 +132,20 @@ mod tests {
                 damaged += u32::from(frame != whole);
                 let length = frame.len();
                 match damage {
-                    Damage::Cut => assert!(length < 20),
-                    Damage::Repeated => assert!((21..=28).contains(&length)),
-                    Damage::Swapped => {
+                    FrameDamage::Cut => assert!(length < 20),
+                    FrameDamage::Repeated => assert!((21..=28).contains(&length)),
+                    FrameDamage::Swapped => {
                         frame.sort_unstable();
                         assert_eq!(frame, whole);
                     }
-                    Damage::Spliced => assert!((1..=30).contains(&length)),
+                    FrameDamage::Spliced => assert!((1..=30).contains(&length)),
                     _ => assert_eq!(length, 20),
                 }
             }
             assert!(damaged > 150, "{damage:?}: {damaged}");
         }
-        // The shortest frame there may be.
-        for damage in Damage::ALL {
+        // The shortest possible frame.
+        for damage in FrameDamage::ALL {
             damage.inflict(&mut vec![1, 2], &[3], &mut random);
         }
     }

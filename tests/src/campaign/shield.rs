@@ -1,10 +1,10 @@
-//! With the shield on, the robot touches nothing by its own motion, and it does move: whoever stands touches nothing either.
+//! With the shield on, the robot touches nothing by its own motion, and it still moves.
 //!
-//! Every behavior drives with both sonar models and both turret modes. A *cell* is one such combination. Episodes go round the
-//! cells, each with the seed and the random room of its round. The random moves before the behavior count as well. Worlds of other
-//! kinds form a second set: the built-in ones and rooms with free-standing thin walls.
+//! A *cell* is one combination of behavior, sonar model and turret mode; episodes cycle through the
+//! cells, each round with its own seed and random room. Random moves count as well. A second set of
+//! worlds: the built-in ones and rooms with thin walls.
 
-use super::{Progress, Verdict, grouped};
+use super::{CampaignVerdict, Progress, grouped};
 use amp::config::Config;
 use arena::noise::Noise;
 use arena::robot::TurretMode;
@@ -24,11 +24,13 @@ pub const CELLS: u64 = 32;
 pub const COUNT: u64 = 313 * CELLS;
 /// Decisions of an episode after its random moves.
 const STEPS: u32 = 1_000;
-/// An episode's way is at least so long, m, in the mean of all and in the mean of each cell of so many episodes. In 313 episodes
-/// per cell they were 193 m and, behind a leader with ideal sonars and a turret that follows, 8.6 m. There it stands in every
-/// seventh episode and goes 67 m in another, so the mean of a few says nothing.
-const LEAST_MEAN_M: f64 = 50.0;
-const LEAST_CELL_M: f64 = 3.0;
+/// Least mean distance of an episode, m: over all, and in each cell with enough episodes.
+///
+/// In 313 episodes per cell the means were 193 m and, behind a leader with ideal sonars and a
+/// following turret, 8.6 m. There every seventh robot stands still and another drives 67 m, so the
+/// mean of a few is meaningless.
+const MIN_MEAN_M: f64 = 50.0;
+const MIN_CELL_M: f64 = 3.0;
 const ENOUGH: u64 = 100;
 /// A chain of three behaviors.
 const CHAIN: &str = "avoid-right,wall-right,nest";
@@ -36,10 +38,10 @@ const CHAIN: &str = "avoid-right,wall-right,nest";
 const THIN_WALLS: usize = 10;
 /// Half of such a room, m.
 const HALF_M: f64 = 4.0;
-/// Room kept free around the start, m.
+/// Free space around the start, m.
 const FREE_M: f64 = 1.0;
 
-/// Worlds of a campaign.
+/// The set of worlds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Worlds {
     /// Rooms with 12 boxes.
@@ -48,9 +50,9 @@ pub enum Worlds {
     Others,
 }
 
-/// What came of one cell.
+/// Result of one cell.
 #[derive(Debug, Clone, Default)]
-struct Cell {
+struct ShieldCell {
     episodes: u64,
     explore_contacts: u64,
     contacts: u64,
@@ -64,14 +66,14 @@ struct Cell {
 /// Runs `count` episodes with this configuration of the robot.
 ///
 /// # Errors
-/// A controller that refuses a command or decides nothing; a built-in world that cannot be read.
+/// A controller that refuses a command or makes no decision; a built-in world that cannot be read.
 pub fn run(
     seed: u64,
     count: u64,
     worlds: Worlds,
     config: &Config<16>,
     progress: Progress<'_>,
-) -> Result<Verdict, String> {
+) -> Result<CampaignVerdict, String> {
     let one = |number: u64| {
         let world =
             world(worlds, seed.wrapping_add(number / CELLS)).map_err(|why| why.to_string())?;
@@ -86,7 +88,7 @@ pub fn run(
         Ok((number, cell))
     };
     let all: Result<Vec<_>, String> = (0..count).into_par_iter().map(one).collect();
-    let mut cells = vec![Cell::default(); CELLS as usize];
+    let mut cells = vec![ShieldCell::default(); CELLS as usize];
     for (number, episode) in all? {
         cells[(number % CELLS) as usize].add(episode);
     }
@@ -101,14 +103,19 @@ fn parts(number: u64) -> (usize, SonarModel, TurretMode) {
     ((cell / 4) as usize, sonar, turret)
 }
 
-/// Name of a behavior by its place in the table.
+/// Name of a behavior by its index in the table.
 fn name(behavior: usize) -> &'static str {
     let others = ["seek", CHAIN];
     let mut names = Behavior::NAMES.iter().chain(&others);
     names.nth(behavior).copied().unwrap_or(CHAIN)
 }
 
-fn episode(world: &World, seed: u64, number: u64, config: &Config<16>) -> Result<Cell, Failure> {
+fn episode(
+    world: &World,
+    seed: u64,
+    number: u64,
+    config: &Config<16>,
+) -> Result<ShieldCell, Failure> {
     let (behavior, sonar, turret) = parts(number);
     let seed = seed.wrapping_add(number / CELLS);
     let behavior = match name(behavior) {
@@ -130,7 +137,7 @@ fn episode(world: &World, seed: u64, number: u64, config: &Config<16>) -> Result
     };
     let report = run_episode(world, &setup, |_, _, _| {})?.report;
     let touched = report.contacts + report.explore_contacts > 0;
-    Ok(Cell {
+    Ok(ShieldCell {
         episodes: 1,
         explore_contacts: report.explore_contacts.into(),
         contacts: report.contacts.into(),
@@ -145,7 +152,7 @@ fn episode(world: &World, seed: u64, number: u64, config: &Config<16>) -> Result
     })
 }
 
-/// To a place elsewhere, by what is perceived there.
+/// A behavior that seeks another place by its situation.
 fn captured(world: &World, config: &Config<16>, seed: u64) -> Behavior {
     let start = world.start();
     let place = elsewhere(world, start.position, &mut Noise::new(seed));
@@ -181,7 +188,7 @@ fn thin_walls(seed: u64) -> Result<World, BadInput> {
     World::new(format!("thin-walls:{seed}"), Pose::default(), shapes)
 }
 
-impl Cell {
+impl ShieldCell {
     fn add(&mut self, other: Self) {
         self.episodes += other.episodes;
         self.explore_contacts += other.explore_contacts;
@@ -216,8 +223,8 @@ impl Cell {
     }
 }
 
-fn verdict(cells: &[Cell]) -> Verdict {
-    let mut verdict = Verdict::default();
+fn verdict(cells: &[ShieldCell]) -> CampaignVerdict {
+    let mut verdict = CampaignVerdict::default();
     let heads = [
         "behavior",
         "sonar",
@@ -230,19 +237,19 @@ fn verdict(cells: &[Cell]) -> Verdict {
         "success",
         "least clearance m",
     ];
-    let mut all = Cell::default();
+    let mut all = ShieldCell::default();
     let mut rows = Vec::new();
     for (number, cell) in (0..).zip(cells).filter(|(_, cell)| cell.episodes > 0) {
         let (behavior, sonar, turret) = parts(number);
         let words = [name(behavior), sonar.name(), turret.name()];
         let way_m = cell.mean_way_m();
-        let moves = cell.episodes < ENOUGH || way_m >= LEAST_CELL_M;
+        let moves = cell.episodes < ENOUGH || way_m >= MIN_CELL_M;
         verdict.require(moves, format!("{}: {way_m:.1} m", words.join(", ")));
         rows.push(cell.row(words));
         all.add(cell.clone());
     }
     let way_m = all.mean_way_m();
-    let moves = way_m >= LEAST_MEAN_M;
+    let moves = way_m >= MIN_MEAN_M;
     verdict.require(moves, format!("the robot hardly moves: {way_m:.1} m"));
     rows.push(all.row(["all", "", ""]));
     verdict.table(heads, &rows);
@@ -274,21 +281,21 @@ mod tests {
     fn a_robot_that_stands_is_found() {
         let cells = |episodes: u64, standing: usize| {
             let way = |cell| if cell == standing { 2.9 } else { 200.0 };
-            let cell = |cell| Cell {
+            let cell = |cell| ShieldCell {
                 episodes,
                 distance_m: way(cell) * episodes as f64,
-                ..Cell::default()
+                ..ShieldCell::default()
             };
             (0..CELLS as usize).map(cell).collect::<Vec<_>>()
         };
         assert!(verdict(&cells(ENOUGH, CELLS as usize)).broken.is_empty());
         assert_eq!(verdict(&cells(ENOUGH, 21)).broken.len(), 1);
-        // Too few to tell.
+        // Too few for a verdict.
         assert!(verdict(&cells(ENOUGH - 1, 21)).broken.is_empty());
-        let stands = Cell {
+        let stands = ShieldCell {
             episodes: 1,
             distance_m: 49.0,
-            ..Cell::default()
+            ..ShieldCell::default()
         };
         assert_eq!(verdict(&[stands]).broken.len(), 1);
     }

@@ -1,18 +1,13 @@
-//! Something is gone from one moment to the next while the base moves: how long until it is told to stand, or has been told
-//! nothing for too long?
+//! A component fails while the base moves: time until the base is stopped or its motion expires.
 //!
-//! The firmware's control task runs as on the chip: every 10 ms and when a frame has come. Bytes take 87 µs on a line of 115 200
-//! baud. The ring is heard echo by echo, every 40 ms; the base reports every 100 ms. The base is the simulated Nomad 200: it
-//! steers, accelerates, brakes, and obeys the times to live. The mind's orders are at most 250 mm long and would soon end by
-//! themselves, so from the moment on the base's order leads on and on: only a stop or a time to live ends it. The device's clock
-//! comes to its end of 32 bits during the trials.
-//!
-//! Beside these there are a few trials of the bridge that drives a real Nomad: see `bridged`.
+//! The control task, echoes and reports run as on the chip; the base is the simulated Nomad 200.
+//! After the failure its motion has no end: only a stop or its time to live ends it. The device's
+//! clock overflows. See `bridged` for trials with the bridge.
 
 use super::bench::{Clocks, Ready, SESSION, hello, scan};
 use super::bridged;
 use super::wheels::Wheels;
-use super::{Progress, Verdict, below, generator, grouped, parts};
+use super::{CampaignVerdict, Progress, below, generator, grouped, parts};
 use crate::chip::packed;
 use amp::wire::Receiver;
 use amp::wire::frame::{Header, unpack};
@@ -34,60 +29,60 @@ const ROUND_MS: u64 = 10;
 /// Between two echoes; between two reports of the base, ms.
 const ECHO_MS: u64 = 40;
 const REPORT_MS: u64 = 100;
-/// Bytes on the line per 100 ms: 115 200 baud, ten bits to a byte.
+/// Bytes per 100 ms: 115 200 baud, ten bits per byte.
 const BYTES: u32 = 1_152;
-/// Longest time from the motion's beginning to the moment, ms; to a host's return, ms.
+/// Longest time from the start of the motion to the failure, and from there to a host's return, ms.
 const MAX_MS: usize = 2_000;
 const RETURN_MS: usize = 1_000;
-/// A base that goes on for so long is not watched any longer, ms.
+/// Timeout of a trial, ms.
 const GIVE_UP_MS: u64 = 20_000;
-/// So long it is watched afterwards, ms.
+/// Observation time after the stop, ms.
 const WATCHED_MS: u64 = 1_500;
-/// From an order to stand, or the end of an order, a base at 508 mm/s brakes at 762 mm/s²: 667 ms and 169 mm. The wheels may
-/// still have to stop turning: at 45 °/s and 30 °/s² 1.5 s.
+/// Braking after a stop, from 508 mm/s at 762 mm/s²: 667 ms and 169 mm. Wheels that turn at 45 °/s
+/// stop after 1.5 s at 30 °/s².
 const BRAKING_MS: u64 = 1_510;
 const CLOCKS: Clocks = Clocks {
-    // Maps are made in 4.2 s.
+    // Learning the maps takes 4.2 s.
     device: u32::MAX - 5_500,
     host: 77_000,
 };
 
-/// What is gone.
+/// The component that fails.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Gone {
-    /// The host says nothing any more; the base still hears the mind.
+enum FailedPart {
+    /// The host sends nothing more; the base still receives the controller's frames.
     Host,
-    /// The line, both ways.
+    /// The line, in both directions.
     Line,
-    /// The host, which comes back within a second in a new session.
+    /// The host, which returns within a second in a new session.
     HostForAWhile,
-    /// The mind: its chip is reset.
+    /// The controller: its chip is reset.
     Mind,
 }
 
-impl Gone {
+impl FailedPart {
     const ALL: [Self; 4] = [Self::Host, Self::Line, Self::HostForAWhile, Self::Mind];
 
     const fn name(self) -> &'static str {
         match self {
-            Self::Host => "host silent, base still hears the mind",
-            Self::Line => "line cut both ways",
-            Self::HostForAWhile => "host starts anew within 1 s, in a new session",
+            Self::Host => "host silent, base still receives the controller",
+            Self::Line => "line cut in both directions",
+            Self::HostForAWhile => "host restarts within 1 s, in a new session",
             Self::Mind => "chip reset",
         }
     }
 
-    /// Longest time until the base has been told to stand or its motion has expired, ms: a silence of 300 ms or a time to
-    /// live of 500 ms, a round of the control task and two frames on the line.
-    const fn most_ms(self) -> u64 {
+    /// Longest time until the stop command or the end of the motion's time to live, ms: a timeout
+    /// of 300 ms or 500 ms, a cycle of the control task and two frames on the line.
+    const fn max_ms(self) -> u64 {
         match self {
             Self::Host | Self::HostForAWhile => 320,
             Self::Line | Self::Mind => 520,
         }
     }
 
-    /// Longest way from the moment on, mm: at 508 mm/s for that long, and 169 mm to brake.
-    const fn most_mm(self) -> f64 {
+    /// Longest distance after the failure, mm: at 508 mm/s for that time, plus 169 mm of braking.
+    const fn max_mm(self) -> f64 {
         match self {
             Self::Host | Self::HostForAWhile => 340.0,
             Self::Line | Self::Mind => 440.0,
@@ -95,32 +90,32 @@ impl Gone {
     }
 }
 
-/// What came of a trial.
+/// Result of a trial.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Stopped {
-    /// Until the base was told to stand, or its motion had ended or expired.
+struct SilenceStop {
+    /// Time until the stop command, or until the motion ended or expired.
     after_ms: u64,
-    /// Until its wheels stood.
+    /// Time until the wheels stood still.
     stood_ms: u64,
-    /// Way from the moment on.
+    /// Distance after the failure.
     way_mm: f64,
     moved_again: bool,
 }
 
-/// Makes `count` trials of each kind.
+/// Runs `count` trials of each kind.
 ///
 /// # Panics
-/// When a mind that has learned does not set its base moving.
+/// When a trained controller does not move its base.
 #[must_use]
-pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
-    let mut verdict = Verdict::default();
+pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> CampaignVerdict {
+    let mut verdict = CampaignVerdict::default();
     verdict.say(format_args!(
-        "{} moments each at which the base moves; time from the moment until it is told to stand or its motion has ended, ms; time until its wheels stand, ms; way until then, mm\n",
+        "{} failures each while the base moves; time from the failure to the stop command or the end of its motion, ms; time until its wheels stand, ms; distance until then, mm\n",
         grouped(count)
     ));
     let hall = hall();
     let mut rows = Vec::new();
-    for (kind, gone) in (0..).zip(Gone::ALL) {
+    for (kind, gone) in (0..).zip(FailedPart::ALL) {
         let trials = |(part, size): (u64, u64)| {
             let ready = Ready::new(seed.wrapping_add(part), CLOCKS);
             let first = (kind * count) + part * PART;
@@ -137,13 +132,13 @@ pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> Verdict {
         rows.push(judge(&mut verdict, gone, &all));
     }
     let heads = [
-        "what is gone",
+        "failure",
         "p50",
         "p99",
         "most",
         "allowed",
         "wheels stand, most",
-        "way mm, most",
+        "distance mm, most",
         "allowed",
         "moved again",
     ];
@@ -158,7 +153,7 @@ fn hall() -> World {
     World::new("hall", Pose::default(), vec![walls]).expect("a world")
 }
 
-fn judge(verdict: &mut Verdict, gone: Gone, all: &[Stopped]) -> [String; 9] {
+fn judge(verdict: &mut CampaignVerdict, gone: FailedPart, all: &[SilenceStop]) -> [String; 9] {
     let mut times: Vec<_> = all.iter().map(|stopped| stopped.after_ms).collect();
     times.sort_unstable();
     let at = |share: usize| times.get((times.len().max(1) - 1) * share / 100).copied();
@@ -168,29 +163,29 @@ fn judge(verdict: &mut Verdict, gone: Gone, all: &[Stopped]) -> [String; 9] {
     let stood = stood.unwrap_or(0);
     let way_mm = all.iter().map(|stopped| stopped.way_mm).fold(0.0, f64::max);
     let name = gone.name();
-    let is_short = way_mm <= gone.most_mm();
+    let is_short = way_mm <= gone.max_mm();
     verdict.require(is_short, format!("{name}: {way_mm:.0} mm"));
-    let allowed_ms = gone.most_ms() + BRAKING_MS;
+    let allowed_ms = gone.max_ms() + BRAKING_MS;
     verdict.require(
         stood <= allowed_ms,
         format!("{name}: stood after {stood} ms"),
     );
-    verdict.require(most <= gone.most_ms(), format!("{name}: {most} ms"));
+    verdict.require(most <= gone.max_ms(), format!("{name}: {most} ms"));
     verdict.require(again == 0, format!("{name}: moved again"));
     [
         name.to_owned(),
         median.to_string(),
         rare.to_string(),
         most.to_string(),
-        gone.most_ms().to_string(),
+        gone.max_ms().to_string(),
         stood.to_string(),
         format!("{way_mm:.0}"),
-        gone.most_mm().to_string(),
+        gone.max_mm().to_string(),
         again.to_string(),
     ]
 }
 
-fn try_it(ready: &Ready, hall: &World, gone: Gone, seed: u64, trial: u64) -> Stopped {
+fn try_it(ready: &Ready, hall: &World, gone: FailedPart, seed: u64, trial: u64) -> SilenceStop {
     let mut random = generator(seed, trial);
     let mut node = ready.node.clone();
     let (mut received, mut to_send) = (Queue::<u8, 512>::new(), Queue::<u8, 2_048>::new());
@@ -199,18 +194,18 @@ fn try_it(ready: &Ready, hall: &World, gone: Gone, seed: u64, trial: u64) -> Sto
     let (to_send, outgoing) = to_send.split();
     let control = Control::new(&mut node, consumer, TxQueue::new(to_send), &errors, None);
     let wheels = Wheels::new(hall, trial);
-    let mut scene = Scene::new(ready, control, wheels, producer, outgoing);
-    // Somewhere between two rounds, echoes and reports.
+    let mut scene = SilenceScene::new(ready, control, wheels, producer, outgoing);
+    // At a random time between cycles, echoes and reports.
     scene.now_ms += below(&mut random, 200) as u64;
     scene.set_off();
     for _ in 0..below(&mut random, MAX_MS) {
-        scene.pass();
+        scene.advance_1_ms();
     }
     while !scene.wheels.is_ordered() {
-        scene.pass();
+        scene.advance_1_ms();
     }
     scene.is_gone(gone);
-    scene.wheels.never_arrive();
+    scene.wheels.extend_without_end();
     let (began_ms, began_mm) = (scene.now_ms, scene.wheels.way_mm());
     let returns_ms = began_ms + below(&mut random, RETURN_MS) as u64;
     let (mut after_ms, mut stood_ms) = (None, None);
@@ -227,12 +222,12 @@ fn try_it(ready: &Ready, hall: &World, gone: Gone, seed: u64, trial: u64) -> Sto
             stood_ms = Some(passed_ms);
             stood_mm = scene.wheels.way_mm();
         }
-        if gone == Gone::HostForAWhile && scene.now_ms == returns_ms {
+        if gone == FailedPart::HostForAWhile && scene.now_ms == returns_ms {
             scene.comes_back();
         }
-        scene.pass();
+        scene.advance_1_ms();
     }
-    Stopped {
+    SilenceStop {
         after_ms: after_ms.unwrap_or(u64::MAX),
         stood_ms: stood_ms.unwrap_or(u64::MAX),
         way_mm: scene.wheels.way_mm() - began_mm,
@@ -241,11 +236,12 @@ fn try_it(ready: &Ready, hall: &World, gone: Gone, seed: u64, trial: u64) -> Sto
 }
 
 /// A chip, a host and a base with a line between them.
-struct Scene<'a> {
+struct SilenceScene<'a> {
     control: Control<'a>,
     incoming: Producer<'a, u8>,
     outgoing: Consumer<'a, u8>,
-    /// On the line to the chip, and the line's spare time both ways, hundredths of bytes.
+    /// Bytes on the line to the chip, and the line's capacity left in both directions, hundredths
+    /// of bytes.
     to_chip: VecDeque<u8>,
     credit: [u32; 2],
     receiver: Receiver,
@@ -259,7 +255,7 @@ struct Scene<'a> {
     wheels: Wheels<'a>,
 }
 
-impl<'a> Scene<'a> {
+impl<'a> SilenceScene<'a> {
     fn new(
         ready: &Ready,
         control: Control<'a>,
@@ -285,24 +281,24 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// A whole ring, and the motion that comes of it.
+    /// Sends a whole ring and starts the motion that follows.
     fn set_off(&mut self) {
         self.say(|at_ms| scan(at_ms, 900));
         let until_ms = self.now_ms + 1_000;
         while !self.wheels.is_ordered() {
             assert!(self.now_ms < until_ms, "no motion");
-            self.pass();
+            self.advance_1_ms();
         }
     }
 
-    fn is_gone(&mut self, gone: Gone) {
+    fn is_gone(&mut self, gone: FailedPart) {
         match gone {
-            Gone::Host | Gone::HostForAWhile => self.host_is_there = false,
-            Gone::Line => {
+            FailedPart::Host | FailedPart::HostForAWhile => self.host_is_there = false,
+            FailedPart::Line => {
                 (self.host_is_there, self.base_hears) = (false, false);
                 self.to_chip.clear();
             }
-            Gone::Mind => self.chip_is_there = false,
+            FailedPart::Mind => self.chip_is_there = false,
         }
     }
 
@@ -323,8 +319,8 @@ impl<'a> Scene<'a> {
         self.to_chip.extend(packed(header, &message));
     }
 
-    /// A millisecond.
-    fn pass(&mut self) {
+    /// Advances by one millisecond.
+    fn advance_1_ms(&mut self) {
         self.now_ms += 1;
         if self.host_is_there {
             self.host();
@@ -333,7 +329,7 @@ impl<'a> Scene<'a> {
         if self.chip_is_there && (look || self.now_ms.is_multiple_of(ROUND_MS)) {
             while self.control.run(CLOCKS.device(self.now_ms)) {}
         }
-        self.wheels.pass(self.now_ms);
+        self.wheels.advance_1_ms(self.now_ms);
     }
 
     fn host(&mut self) {
@@ -354,7 +350,7 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// Moves what goes over the line in a millisecond; returns whether a frame has come to the chip.
+    /// Transfers the bytes of one millisecond; returns whether a frame has reached the chip.
     fn move_bytes(&mut self) -> bool {
         let mut look = false;
         let [to_chip, from_chip] = &mut self.credit;
@@ -364,7 +360,7 @@ impl<'a> Scene<'a> {
             && let Some(byte) = self.to_chip.pop_front()
         {
             *to_chip -= 100;
-            // A chip that is gone hears nothing.
+            // A failed chip receives nothing.
             if self.chip_is_there {
                 look |= byte == 0;
                 let _ = self.incoming.enqueue(byte);
@@ -380,7 +376,7 @@ impl<'a> Scene<'a> {
                 && let Ok((_, report)) = unpack::<Report<16>>(frame)
                 && let FromMind::Motion(order) = report.said
             {
-                self.wheels.obey(order, self.now_ms);
+                self.wheels.execute(order, self.now_ms);
             }
         }
         look
@@ -402,38 +398,38 @@ mod tests {
         let control = Control::new(&mut node, consumer, TxQueue::new(to_send), &errors, None);
         let hall = hall();
         let wheels = Wheels::new(&hall, 1);
-        let mut scene = Scene::new(&ready, control, wheels, producer, outgoing);
+        let mut scene = SilenceScene::new(&ready, control, wheels, producer, outgoing);
         scene.set_off();
         let mut moving_ms = 0;
         for _ in 0..20_000 {
-            scene.pass();
+            scene.advance_1_ms();
             moving_ms += u64::from(scene.wheels.is_ordered());
         }
-        // The rest is spent waiting for whole rings.
+        // The remaining time is spent waiting for whole rings.
         assert!(moving_ms > 6_000, "{moving_ms} ms");
         assert!(scene.wheels.way_mm() > 700.0);
     }
 
     #[test]
     fn one_trial_that_takes_too_long_is_found() {
-        let slow = Stopped {
+        let slow = SilenceStop {
             after_ms: 321,
             stood_ms: 900,
             way_mm: 300.0,
             moved_again: false,
         };
-        let mut verdict = Verdict::default();
-        let _ = judge(&mut verdict, Gone::Line, &[slow]);
+        let mut verdict = CampaignVerdict::default();
+        let _ = judge(&mut verdict, FailedPart::Line, &[slow]);
         assert!(verdict.broken.is_empty());
-        let _ = judge(&mut verdict, Gone::Host, &[slow]);
+        let _ = judge(&mut verdict, FailedPart::Host, &[slow]);
         assert_eq!(verdict.broken.len(), 1);
-        let far = Stopped {
+        let far = SilenceStop {
             way_mm: 441.0,
             stood_ms: 2_031,
             after_ms: 521,
             ..slow
         };
-        let _ = judge(&mut verdict, Gone::Mind, &[far]);
+        let _ = judge(&mut verdict, FailedPart::Mind, &[far]);
         assert_eq!(verdict.broken.len(), 4);
     }
 }

@@ -1,5 +1,4 @@
-//! The base of the campaigns: the simulated Nomad 200, which steers, accelerates and brakes as the machine does, and obeys
-//! motions with their times to live.
+//! The base of the campaigns: the simulated Nomad 200, which executes motions with times to live.
 
 use amp::units::Displacement;
 use amp::wire::message::{MotionOrder, ToMind};
@@ -8,10 +7,10 @@ use arena::noise::Noise;
 use arena::robot::{Base, BaseLimits, BaseMotion, TurretMode};
 use arena::world::{Point, World};
 
-/// Time between two looks at the motors, ms.
+/// Time between two updates of the motors, ms.
 const STRIDE_MS: u64 = 10;
 
-/// Farther than anything here goes, m.
+/// Longer than any motion here, m.
 const FAR_M: f64 = 100.0;
 
 /// The base, in the middle of an empty room.
@@ -20,9 +19,9 @@ pub(super) struct Wheels<'a> {
     base: Base,
     noise: Noise,
     order: Option<MotionOrder>,
-    /// When the order ends unless it is renewed, ms.
+    /// End of the motion unless it is renewed, ms.
     until_ms: u64,
-    /// The order has not ended.
+    /// The motion has not ended.
     under_way: bool,
     reported: Point,
     way_m: f64,
@@ -30,7 +29,7 @@ pub(super) struct Wheels<'a> {
 
 impl<'a> Wheels<'a> {
     pub(super) fn new(world: &'a World, seed: u64) -> Self {
-        // Its odometry is right: what wheels slip is nothing that a link could limit.
+        // Exact odometry: no link can limit the slip of wheels.
         let limits = BaseLimits {
             slip: 0.0,
             ..BaseLimits::default()
@@ -48,8 +47,9 @@ impl<'a> Wheels<'a> {
         }
     }
 
-    /// Takes a motion: a new one, a shortened one, or the same again, which renews its time to live.
-    pub(super) fn obey(&mut self, order: MotionOrder, now_ms: u64) {
+    /// Executes a motion: a new one, a shortened one, or the same again, which renews its time to
+    /// live.
+    pub(super) fn execute(&mut self, order: MotionOrder, now_ms: u64) {
         self.until_ms = now_ms + u64::from(order.ttl_ms);
         let mark = |order: MotionOrder| (order.id, order.revision);
         if self.order.map(mark) == Some(mark(order)) {
@@ -60,15 +60,15 @@ impl<'a> Wheels<'a> {
         self.under_way = true;
     }
 
-    /// The present order leads on and on: now nothing ends it but a stop or its time to live.
-    pub(super) fn never_arrive(&mut self) {
+    /// Extends the present motion without end: only a stop or its time to live ends it.
+    pub(super) fn extend_without_end(&mut self) {
         if let Some(order) = self.order.filter(|_| self.is_ordered()) {
             let length_mm = f64::from(order.motion().displacement.length_mm());
             self.set_off(order, FAR_M / length_mm.max(1.0));
         }
     }
 
-    /// Rolls where an order leads, with so many meters to its millimeter.
+    /// Starts a motion, with `scale` meters per millimeter of the command.
     fn set_off(&mut self, order: MotionOrder, scale: f64) {
         self.command(BaseMotion {
             dx_m: f64::from(order.dx_mm) * scale,
@@ -81,8 +81,8 @@ impl<'a> Wheels<'a> {
         self.base.command(motion, &mut self.noise);
     }
 
-    /// A millisecond.
-    pub(super) fn pass(&mut self, now_ms: u64) {
+    /// Advances by one millisecond.
+    pub(super) fn advance_1_ms(&mut self, now_ms: u64) {
         if self.under_way && now_ms >= self.until_ms {
             self.command(BaseMotion::default());
             self.under_way = false;
@@ -93,7 +93,7 @@ impl<'a> Wheels<'a> {
         }
     }
 
-    /// Whether it has an order to move that has neither ended nor expired.
+    /// Whether it has a motion that has neither ended nor expired.
     pub(super) fn is_ordered(&self) -> bool {
         let moves = |order: MotionOrder| (order.dx_mm, order.dy_mm) != (0, 0);
         self.under_way && self.order.is_some_and(moves) && self.base.is_moving()
@@ -104,12 +104,12 @@ impl<'a> Wheels<'a> {
         self.base.is_moving()
     }
 
-    /// Way rolled so far, mm.
+    /// Distance rolled so far, mm.
     pub(super) fn way_mm(&self) -> f64 {
         self.way_m * 1e3
     }
 
-    /// What it has done since its last report.
+    /// Its motion since the last report.
     pub(super) fn report(&mut self, at_ms: u32) -> ToMind<16> {
         let way = (self.base.odometry() - self.reported) * 1e3;
         let moved = Displacement::saturating(libm::rint(way.x) as i32, libm::rint(way.y) as i32);

@@ -1,15 +1,14 @@
-//! Breaks the code on purpose, one place at a time, and asks whether a check notices: `tests/defects.toml` lists the defects
-//! and the check that has to fail for each.
+//! Mutation test: inserts the defects of `tests/defects.toml` and expects their checks to fail.
 //!
-//! Works in a copy of the committed tree, so that nothing here changes. A check that passes with the defect, a place that is
-//! not found exactly once, a defect that does not compile, and a check that fails without any defect are errors. Prints a
-//! Markdown table; progress and times go to standard error. Exit code 0: every defect was noticed; 1: one was not.
+//! Works in a copy of the committed tree. Errors: a check that passes with the defect or fails
+//! without it, text not found exactly once, code that does not compile. Prints a Markdown table;
+//! exit code 1 if a defect is not detected.
 
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::{Command, ExitCode, Output, Stdio};
 use std::time::Instant;
-use tests::defects::{Defect, builds, list};
+use tests::defects::{DeliberateDefect, builds, list};
 use tests::root;
 
 fn main() -> ExitCode {
@@ -23,20 +22,20 @@ fn main() -> ExitCode {
     }
 }
 
-/// Tries the defects whose description or check contains `part`. Returns whether all were noticed.
+/// Tests the defects whose description or check contains `part`. Returns whether all were detected.
 fn run(part: &str) -> Result<bool, String> {
     let mut defects = list()?;
     defects.retain(|defect| defect.what.contains(part) || defect.check.contains(part));
     let copy = tempfile::tempdir().map_err(|error| error.to_string())?;
     let copy = copy.path();
-    // With the time of now (-m): cargo takes what is older than its last build, of another commit, for built.
+    // `tar -m` sets the current time: cargo would take files older than its last build for built.
     shell(
         root(),
         &format!("git archive HEAD | tar -xm -C '{}'", copy.display()),
     )?;
     let target = root().join("target/defects");
 
-    // A check that fails anyway, as without an emulator, says nothing.
+    // A check that fails without a defect, such as one without an emulator, proves nothing.
     let checks: BTreeSet<_> = defects.iter().map(|defect| &defect.check).collect();
     for check in checks {
         eprintln!("without a defect: {check}");
@@ -44,19 +43,19 @@ fn run(part: &str) -> Result<bool, String> {
             return Err(format!("`{check}` fails without any defect"));
         }
     }
-    println!("| defect | check | noticed |\n| --- | --- | --- |");
+    println!("| defect | check | detected |\n| --- | --- | --- |");
     let mut all = true;
     for defect in &defects {
         eprintln!("{}", defect.what);
         let tried = timed(|| with(copy, defect, || passes(copy, &target, &defect.check)));
-        let noticed = !tried.map_err(|why| format!("{}: {why}", defect.what))?;
-        all &= noticed;
-        println!("{}", defect.row(noticed));
+        let detected = !tried.map_err(|why| format!("{}: {why}", defect.what))?;
+        all &= detected;
+        println!("{}", defect.row(detected));
     }
     Ok(all)
 }
 
-/// Does something and says how long it took.
+/// Runs `action` and prints its duration.
 fn timed<T>(action: impl FnOnce() -> T) -> T {
     let began = Instant::now();
     let result = action();
@@ -64,10 +63,10 @@ fn timed<T>(action: impl FnOnce() -> T) -> T {
     result
 }
 
-/// Does something while the copy has the defect.
+/// Runs `action` while the copy has the defect.
 fn with<T>(
     copy: &Path,
-    defect: &Defect,
+    defect: &DeliberateDefect,
     action: impl FnOnce() -> Result<T, String>,
 ) -> Result<T, String> {
     let file = copy.join(&defect.file);
@@ -79,7 +78,7 @@ fn with<T>(
     result
 }
 
-/// Whether a check passes. Code that does not compile is no answer, for the host and for the chip.
+/// Whether a check passes. An error if host or chip code does not compile.
 fn passes(copy: &Path, target: &Path, check: &str) -> Result<bool, String> {
     for build in builds(check)? {
         let built = output(copy, target, &build)?;

@@ -1,45 +1,45 @@
-//! `tests/figures.toml`: which command prints which figure.
+//! Reads `tests/figures.toml`: commands, and the figures in their output.
 
 use regex::Regex;
 use serde::Deserialize;
 use std::path::Path;
 
-/// All that is measured, in the order of the page.
+/// All measurements, in the order of the page.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct List {
+pub struct FigureList {
     /// Commands, in groups.
     #[serde(rename = "command")]
-    pub commands: Vec<Command>,
+    pub commands: Vec<MeasuredCommand>,
 }
 
 /// A shell command, run in the workspace's folder.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Command {
-    /// The section its figures stand in.
+pub struct MeasuredCommand {
+    /// Section of its figures.
     pub group: String,
-    /// For `sh -c`.
+    /// The command for `sh -c`.
     pub run: String,
-    /// The figures in what it prints.
-    pub row: Vec<Row>,
+    /// The figures in its output.
+    pub row: Vec<FigureRow>,
 }
 
 /// A figure.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Row {
-    /// What it is; names the row.
+pub struct FigureRow {
+    /// Name of the row.
     pub what: String,
     /// A regular expression; its groups are the figure.
     pub find: String,
-    /// The figure as text, `$1` the first group and so on; `$1` alone if left out.
+    /// The figure as text, `$1` for the first group and so on; default `$1`.
     #[serde(default = "first_group")]
     pub show: String,
-    /// What was aimed at.
+    /// Target value.
     #[serde(default)]
     pub aim: String,
-    /// Of all that match, the one whose first group is the greatest number; else the first.
+    /// Of all matches, use the one whose first group is the greatest number; else the first.
     #[serde(default)]
     pub greatest: bool,
 }
@@ -48,8 +48,8 @@ fn first_group() -> String {
     "$1".into()
 }
 
-impl List {
-    /// Reads it; an error names the file and the line.
+impl FigureList {
+    /// Reads the file; an error names the file and the line.
     pub fn read(path: &Path) -> Result<Self, String> {
         let failed = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
         let text = std::fs::read_to_string(path).map_err(|error| failed(&error))?;
@@ -57,8 +57,8 @@ impl List {
     }
 }
 
-impl Command {
-    /// Whether one of the words is in its group or its command.
+impl MeasuredCommand {
+    /// Whether its group or command contains one of the words.
     pub fn is_meant(&self, words: &[String]) -> bool {
         let has =
             |word: &String| self.group.contains(word.as_str()) || self.run.contains(word.as_str());
@@ -66,7 +66,7 @@ impl Command {
     }
 }
 
-impl Row {
+impl FigureRow {
     /// The figure in `output`.
     pub fn value(&self, output: &str) -> Result<String, String> {
         let find = Regex::new(&self.find).map_err(|error| format!("{}: {error}", self.what))?;
@@ -86,12 +86,12 @@ impl Row {
     }
 }
 
-/// What a text says, perhaps in groups of digits; no number if it is none.
+/// Parses a number with optional digit groups; NaN if it is none.
 fn number(text: &str) -> f64 {
     text.replace(' ', "").parse().unwrap_or(f64::NAN)
 }
 
-/// A whole number of five digits and more in groups of three; anything else as it is.
+/// Groups the digits of a whole number with at least five digits; other texts stay unchanged.
 fn grouped(text: &str) -> String {
     if text.len() < 5 || !text.bytes().all(|byte| byte.is_ascii_digit()) {
         return text.into();
@@ -112,8 +112,8 @@ fn grouped(text: &str) -> String {
 mod tests {
     use super::*;
 
-    fn row(find: &str) -> Row {
-        Row {
+    fn row(find: &str) -> FigureRow {
+        FigureRow {
             what: "steps".into(),
             find: find.into(),
             show: "$1".into(),
@@ -135,7 +135,7 @@ mod tests {
         let output = "peak 900\npeak 1200\npeak 1100";
         let row = row(r"peak (\d+)");
         assert_eq!(row.value(output), Ok("900".into()));
-        let row = Row {
+        let row = FigureRow {
             greatest: true,
             ..row
         };
@@ -145,7 +145,7 @@ mod tests {
     #[test]
     fn the_list_is_readable_and_names_each_row_once() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("figures.toml");
-        let list = List::read(&path).expect("it is there");
+        let list = FigureList::read(&path).expect("it is there");
         let rows: Vec<_> = list
             .commands
             .iter()

@@ -1,21 +1,16 @@
-//! Writes `docs/FIGURES.md`: runs the commands of `tests/figures.toml`, finds each figure in what they print, and notes with it
-//! the day, the commit and the machine.
+//! Writes `docs/FIGURES.md`: runs the commands of `tests/figures.toml` and extracts each figure.
 //!
-//! ```sh
-//! cargo run -p tests --bin figures                 # everything: hours
-//! cargo run -p tests --bin figures -- chip "cargo bench"  # commands and groups that contain one of these words
-//! ```
-//!
-//! A row that is not measured again keeps what it had. The page is replaced after each command, so a run that is
-//! interrupted loses nothing.
+//! `cargo run -p tests --bin figures` measures everything (hours); arguments select commands and
+//! groups that contain one of these words: `figures -- chip "cargo bench"`. Other rows keep their
+//! value. The page is replaced after each command.
 
 mod list;
 mod measure;
 mod page;
 
-use list::{List, Row};
-use measure::Place;
-use page::{Measured, Page};
+use list::{FigureList, FigureRow};
+use measure::MeasurementSite;
+use page::{MeasuredFigure, Page};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -36,9 +31,9 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// Measures what `words` choose (all, without words) and replaces the page.
+/// Measures what `words` select (everything without words) and replaces the page.
 fn write(root: &Path, words: &[String]) -> Result<(), String> {
-    let list = List::read(&root.join("tests/figures.toml"))?;
+    let list = FigureList::read(&root.join("tests/figures.toml"))?;
     let page = root.join("docs/FIGURES.md");
     let old = std::fs::read_to_string(&page).unwrap_or_default();
     let mut measured = Page::parse(&old).measured;
@@ -49,7 +44,7 @@ fn write(root: &Path, words: &[String]) -> Result<(), String> {
             words.join(" or ")
         ));
     }
-    let place = Place::here(root)?;
+    let place = MeasurementSite::here(root)?;
     for (index, command) in chosen.iter().enumerate() {
         eprintln!("[{}/{}] {}", index + 1, chosen.len(), command.run);
         let output = measure::output(root, &command.run)?;
@@ -61,7 +56,7 @@ fn write(root: &Path, words: &[String]) -> Result<(), String> {
         replace(
             &page,
             &Page {
-                measured: kept(&list, &measured),
+                measured: still_listed(&list, &measured),
             }
             .text(&list),
         )?;
@@ -69,10 +64,13 @@ fn write(root: &Path, words: &[String]) -> Result<(), String> {
     Ok(())
 }
 
-/// What belongs to rows that are still asked for, by the command that is asked for.
-fn kept(list: &List, measured: &BTreeMap<String, Measured>) -> BTreeMap<String, Measured> {
-    let asked = |(what, found): &(&String, &Measured)| {
-        let of = |row: &Row, run: &str| row.what == **what && run == found.command;
+/// The measured figures whose row and command are still in the list.
+fn still_listed(
+    list: &FigureList,
+    measured: &BTreeMap<String, MeasuredFigure>,
+) -> BTreeMap<String, MeasuredFigure> {
+    let asked = |(what, found): &(&String, &MeasuredFigure)| {
+        let of = |row: &FigureRow, run: &str| row.what == **what && run == found.command;
         let commands = &list.commands;
         commands
             .iter()
@@ -83,7 +81,7 @@ fn kept(list: &List, measured: &BTreeMap<String, Measured>) -> BTreeMap<String, 
         .collect()
 }
 
-/// Writes beside the page, then puts it in its place.
+/// Replaces the page atomically, by a temporary file.
 fn replace(page: &Path, text: &str) -> Result<(), String> {
     let beside = page.with_extension("md.new");
     let failed = |error| format!("{}: {error}", page.display());

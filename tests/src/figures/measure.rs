@@ -1,12 +1,12 @@
-//! Running a command, and where and when that was.
+//! Runs a command and records machine, commit and date.
 
-use crate::page::Measured;
+use crate::page::MeasuredFigure;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-/// What `run` prints on both its streams; an error if it fails.
+/// Output of `run` on both streams; an error if it fails.
 pub fn output(root: &Path, run: &str) -> Result<String, String> {
     let spinner = ProgressBar::new_spinner();
     if let Ok(style) = ProgressStyle::with_template("        {spinner} {elapsed}") {
@@ -38,16 +38,16 @@ pub fn output(root: &Path, run: &str) -> Result<String, String> {
     Ok(text(&output.stdout) + &text(&output.stderr))
 }
 
-/// Where and when something is measured.
+/// Machine, commit and date of a measurement.
 #[derive(Debug)]
-pub struct Place {
+pub struct MeasurementSite {
     day: String,
     commit: String,
     machine: String,
 }
 
-impl Place {
-    /// Today, this commit (`+` if the tree has changes that are not in it), this machine.
+impl MeasurementSite {
+    /// Today, the current commit (`+` with uncommitted changes), this machine.
     pub fn here(root: &Path) -> Result<Self, String> {
         let ask = |run: &str| output(root, run).map(|text| text.trim().to_string());
         let changed = !ask("git status --porcelain -- . ':!docs/FIGURES.md'")?.is_empty();
@@ -70,9 +70,9 @@ impl Place {
         })
     }
 
-    /// A figure that was found here and now.
-    pub fn measured(&self, value: String, command: &str) -> Measured {
-        Measured {
+    /// A figure measured here and now.
+    pub fn measured(&self, value: String, command: &str) -> MeasuredFigure {
+        MeasuredFigure {
             value,
             day: self.day.clone(),
             commit: self.commit.clone(),

@@ -1,42 +1,43 @@
-//! The page: written from what was measured, and read back so that a row can outlast a run that does not measure it.
+//! Writes the page of figures, and reads it back: rows that are not measured again keep their
+//! value.
 
-use crate::list::List;
+use crate::list::FigureList;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-/// A figure with all that is needed to find it again.
+/// A figure with its origin.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Measured {
-    /// With its unit.
+pub struct MeasuredFigure {
+    /// Value with unit.
     pub value: String,
     /// YYYY-MM-DD.
     pub day: String,
-    /// Short hash; `+`: with changes that were not in it.
+    /// Short hash; `+` with uncommitted changes.
     pub commit: String,
     /// Processor, cores, compiler.
     pub machine: String,
-    /// What printed it.
+    /// The command that printed it.
     pub command: String,
 }
 
-/// All figures by what they are.
+/// All figures by name.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct Page {
-    /// Row's name to figure.
-    pub measured: BTreeMap<String, Measured>,
+    /// Figures by the name of their row.
+    pub measured: BTreeMap<String, MeasuredFigure>,
 }
 
 const HEAD: &str = "# Figures\n\n\
-    Written by `cargo run -p tests --bin figures`, which runs each command and finds its figures in what it prints. \
-    A figure that missed its aim stands here like the others. Instructions are exact and the same on every machine; \
-    times and what hangs on them hold for the machine named.\n";
-const TABLE: &str = "| figure | value | aim | measured | commit | machine | command |\n\
+    Written by `cargo run -p tests --bin figures`, which runs each command and extracts its figures from the output. \
+    Figures that miss their target are listed like the others. Instructions are exact and the same on every machine; \
+    times and derived figures are for the named machine.\n";
+const TABLE: &str = "| figure | value | target | measured | commit | machine | command |\n\
     | --- | ---: | ---: | --- | --- | --- | --- |\n";
 const MACHINES: &str = "## Machines\n";
 
 impl Page {
-    /// As Markdown, in the order of `list`.
-    pub fn text(&self, list: &List) -> String {
+    /// The page as Markdown, in the order of `list`.
+    pub fn text(&self, list: &FigureList) -> String {
         let mut machines: Vec<&str> = self.measured.values().map(|m| m.machine.as_str()).collect();
         machines.sort_unstable();
         machines.dedup();
@@ -67,7 +68,7 @@ impl Page {
         text
     }
 
-    /// Reads what [`Page::text`] wrote; lines that are no row of it are passed over.
+    /// Reads the output of [`Page::text`]; skips all other lines.
     pub fn parse(text: &str) -> Self {
         let (rows, machines) = text.split_once(MACHINES).unwrap_or((text, ""));
         let machine = |line: &str| line.split_once(". ").map(|(_, name)| name.to_string());
@@ -80,7 +81,7 @@ impl Page {
     }
 }
 
-impl Measured {
+impl MeasuredFigure {
     fn line(&self, machines: &[&str], what: &str, aim: &str) -> String {
         let machine = machines.iter().position(|&name| name == self.machine);
         let machine = machine.map_or(0, |index| index + 1);
@@ -95,7 +96,7 @@ fn escaped(text: &str) -> String {
 }
 
 /// A row's cells; `None` for any other line.
-fn parsed(line: &str, machines: &[String]) -> Option<(String, Measured)> {
+fn parsed(line: &str, machines: &[String]) -> Option<(String, MeasuredFigure)> {
     let line = line.replace("\\|", "\u{0}");
     let line = line.strip_prefix("| ")?.strip_suffix(" |")?;
     let cells: Vec<_> = line
@@ -106,7 +107,7 @@ fn parsed(line: &str, machines: &[String]) -> Option<(String, Measured)> {
         return None;
     };
     let machine = machines.get(machine.parse::<usize>().ok()?.checked_sub(1)?)?;
-    let measured = Measured {
+    let measured = MeasuredFigure {
         value: value.clone(),
         day: day.clone(),
         commit: commit.clone(),
@@ -120,7 +121,7 @@ fn parsed(line: &str, machines: &[String]) -> Option<(String, Measured)> {
 mod tests {
     use super::*;
 
-    fn list() -> List {
+    fn list() -> FigureList {
         toml::from_str(
             r#"
             [[command]]
@@ -138,8 +139,8 @@ mod tests {
         .expect("a list")
     }
 
-    fn measured(value: &str, machine: &str) -> Measured {
-        Measured {
+    fn measured(value: &str, machine: &str) -> MeasuredFigure {
+        MeasuredFigure {
             value: value.into(),
             day: "2026-01-02".into(),
             commit: "abc+".into(),

@@ -1,13 +1,8 @@
-//! The BARN benchmark: through a field of cylinders to a place 10 m ahead, `host-sim barn`.
+//! The BARN benchmark: through a field of cylinders to a goal 10 m ahead, `host-sim barn`.
 //!
-//! D. Perille et al., *Benchmarking metric ground navigation*, 2020 (the worlds, see [`barn`](arena::loaders::barn)); X. Xiao et
-//! al., *Autonomous ground navigation in highly constrained spaces: lessons learned from the BARN Challenge at ICRA 2022*,
-//! IEEE Robotics & Automation Magazine 29(4), 2022, 148–156 (rules and score). A run succeeds when the robot's center comes
-//! within 1 m of the goal in 100 s without touching anything. Its score is [`score`].
-//!
-//! All methods drive the same Nomad 200: a disc of 0.269 m, 16 sonars, at most 0.508 m/s, a decision after each ring, under
-//! the same shield. They know the bearing of the goal by dead reckoning and nothing else of the world. The maps learn
-//! from their random moves in a random room, never in the field.
+//! Worlds: D. Perille et al., *Benchmarking metric ground navigation*, 2020
+//! ([`barn`](arena::loaders::barn)). Rules and score: X. Xiao et al., IEEE Robotics & Automation
+//! Magazine 29(4), 2022, 148–156.
 
 mod route;
 mod routes;
@@ -15,7 +10,7 @@ mod seeker;
 
 pub use route::{length, route};
 pub use routes::{RoutePanel, routes};
-pub use seeker::{Seeker, Tuning};
+pub use seeker::{Seeker, SeekerTuning};
 
 use crate::baselines::{PotentialField, VfhPlus, potential_field, vfh_plus};
 
@@ -35,38 +30,40 @@ use sim::scenes::Behavior;
 
 /// A run succeeds within this distance of the goal, m.
 pub const REACHED_M: f64 = 1.0;
-/// Time for a run, s.
+/// Time limit of a run, s.
 pub const LIMIT_S: f64 = 100.0;
 /// Highest speed of the challenge's robot, m/s.
 pub const CHALLENGE_M_S: f64 = 2.0;
 
-/// The challenge's score of a successful run, 0.125 to 0.25: the time the way takes at the highest speed, divided by the time
-/// it took, which counts as at least four and at most eight times that. A run that fails scores 0.
+/// The challenge's score of a run, 0.125 to 0.25; a failed run scores 0.
+///
+/// Optimal time (path length at the highest speed) divided by the actual time, which is clamped to
+/// 4 to 8 times the optimal time.
 #[must_use]
-pub fn score(time_s: Option<f64>, way_m: f64, speed_m_s: f64) -> f64 {
-    let best_s = way_m / speed_m_s;
+pub fn score(time_s: Option<f64>, path_m: f64, speed_m_s: f64) -> f64 {
+    let best_s = path_m / speed_m_s;
     time_s.map_or(0.0, |time_s| {
         best_s / time_s.clamp(4.0 * best_s, 8.0 * best_s)
     })
 }
 
-/// Who drives.
+/// What drives the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum Method {
-    /// The maps, told the goal's bearing
+pub enum BarnMethod {
+    /// The maps, given the goal's bearing
     Maps,
-    /// The maps without the bearing: obstacle avoidance on a course that begins towards the goal
+    /// The maps without the bearing: obstacle avoidance with the first heading toward the goal
     MapsUntold,
-    /// VFH+, told the goal's bearing
+    /// VFH+, given the goal's bearing
     VfhPlus,
-    /// The potential field, told the goal's bearing
+    /// The potential field, given the goal's bearing
     PotentialField,
-    /// Straight towards the goal as far as the shield lets it
+    /// Straight toward the goal as far as the shield allows
     Straight,
 }
 
-impl Method {
-    /// All of them.
+impl BarnMethod {
+    /// All methods.
     pub const ALL: [Self; 5] = [
         Self::Maps,
         Self::MapsUntold,
@@ -88,40 +85,40 @@ impl Method {
     }
 }
 
-/// What all runs have in common.
+/// What all runs share.
 #[derive(Debug, Clone)]
-pub struct Rules {
-    /// The mind's open choices; its shield is everybody's.
+pub struct RunConditions {
+    /// The controller's configuration; its shield applies to every method.
     pub config: Config<16>,
-    /// What the sonars return.
+    /// Sonar model.
     pub sonar: SonarModel,
-    /// Random moves the maps learn from.
+    /// Number of random moves from which the maps learn.
     pub explore_moves: u16,
-    /// Seed of the first world's run; each further world has the next one.
+    /// Seed of the first world's run; each further world uses the next seed.
     pub seed: u64,
-    /// What the maps want on the way.
-    pub tuning: Tuning,
+    /// Clearance and attraction of the maps.
+    pub tuning: SeekerTuning,
 }
 
 /// How a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum End {
-    /// At the goal.
+pub enum RunEnd {
+    /// The robot reached the goal.
     Reached,
-    /// Something was touched.
+    /// The robot touched something.
     Touched,
-    /// The time was over.
+    /// The time limit passed.
     TimedOut,
 }
 
-/// What came of a run.
+/// Result of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
     /// How it ended.
-    pub end: End,
-    /// When it ended, s.
+    pub end: RunEnd,
+    /// When it ended, s after the start.
     pub time_s: f64,
-    /// Where the robot has been, from the start on.
+    /// Positions of the robot, beginning at the start.
     pub places: Vec<Point>,
 }
 
@@ -129,15 +126,20 @@ impl Run {
     /// Time of a run that reached the goal, s.
     #[must_use]
     pub fn success_s(&self) -> Option<f64> {
-        (self.end == End::Reached).then_some(self.time_s)
+        (self.end == RunEnd::Reached).then_some(self.time_s)
     }
 }
 
-/// One method in one world; `number` counts the worlds.
+/// Runs one method in one world; `number` counts the worlds.
 ///
 /// # Errors
-/// A world without a goal, a mind that cannot learn.
-pub fn run(world: &World, method: Method, rules: &Rules, number: u64) -> Result<Run, BadInput> {
+/// When the world has no goal or the controller cannot learn.
+pub fn run(
+    world: &World,
+    method: BarnMethod,
+    rules: &RunConditions,
+    number: u64,
+) -> Result<Run, BadInput> {
     let goal = world
         .goal()
         .ok_or_else(|| BadInput::new(format!("world {}: it has no goal", world.name())))?;
@@ -147,28 +149,35 @@ pub fn run(world: &World, method: Method, rules: &Rules, number: u64) -> Result<
     let shield = rules.config.shield;
     let body = Body::new(world, rules.sonar, TurretMode::Held, Seeds::of(seed).noise);
     let course = target.angle();
-    let told = Some(target);
+    let known_target = Some(target);
     let maps = || {
-        let taught = taught(rules, seed).and_then(|mind| Seeker::new(mind, rules.tuning, course));
-        taught.map_err(|failure| BadInput::new(format!("world {}: {failure}", world.name())))
+        let trained_controller = trained_controller(rules, seed)
+            .and_then(|mind| Seeker::new(mind, rules.tuning, course));
+        trained_controller
+            .map_err(|failure| BadInput::new(format!("world {}: {failure}", world.name())))
     };
     Ok(match method {
-        Method::Maps => drive(goal, body, Homing::new(maps()?, shield, told)),
-        Method::MapsUntold => drive(goal, body, Homing::new(maps()?, shield, None)),
-        Method::VfhPlus => {
-            let policy = VfhPlus::new(vfh_plus::Tuning::of(shield.is_some()), course);
-            drive(goal, body, Homing::new(policy, shield, told))
+        BarnMethod::Maps => drive(goal, body, Homing::new(maps()?, shield, known_target)),
+        BarnMethod::MapsUntold => drive(goal, body, Homing::new(maps()?, shield, None)),
+        BarnMethod::VfhPlus => {
+            let policy = VfhPlus::new(vfh_plus::VfhPlusTuning::of(shield.is_some()), course);
+            drive(goal, body, Homing::new(policy, shield, known_target))
         }
-        Method::PotentialField => {
-            let policy = PotentialField::new(potential_field::Tuning::default(), course);
-            drive(goal, body, Homing::new(policy, shield, told))
+        BarnMethod::PotentialField => {
+            let policy =
+                PotentialField::new(potential_field::PotentialFieldTuning::default(), course);
+            drive(goal, body, Homing::new(policy, shield, known_target))
         }
-        Method::Straight => drive(goal, body, Homing::new(Straight(course), shield, told)),
+        BarnMethod::Straight => drive(
+            goal,
+            body,
+            Homing::new(StraightLine(course), shield, known_target),
+        ),
     })
 }
 
-/// A mind that has explored a random room and learned.
-fn taught(rules: &Rules, seed: u64) -> Result<Mind, Failure> {
+/// A controller that has explored a random room and learned.
+fn trained_controller(rules: &RunConditions, seed: u64) -> Result<Mind, Failure> {
     let room = World::random(seed);
     let setup = Setup {
         config: rules.config.clone(),
@@ -205,19 +214,19 @@ fn drive<P: Steered>(goal: Point, mut body: Body<'_>, mut pilot: Homing<P>) -> R
         }
         places.push(moved.to);
         if moved.touched {
-            return ended(End::Touched, body.time_s(), places);
+            return ended(RunEnd::Touched, body.time_s(), places);
         }
         if moved.to.distance(goal) <= REACHED_M && body.time_s() <= LIMIT_S {
-            return ended(End::Reached, body.time_s(), places);
+            return ended(RunEnd::Reached, body.time_s(), places);
         }
     }
-    ended(End::TimedOut, LIMIT_S, places)
+    ended(RunEnd::TimedOut, LIMIT_S, places)
 }
 
-/// A policy that is steered towards a place, as far as dead reckoning tells where that is.
+/// A policy that is steered toward a point, which it knows by dead reckoning.
 struct Homing<P> {
     pilot: RingPilot<P>,
-    /// From the start, in the ring's frame there; `None` = it is not told.
+    /// The point relative to the start, in the ring's frame there; `None` = not given.
     target: Option<Point>,
 }
 
@@ -240,25 +249,26 @@ impl<P: Steered> Pilot for Homing<P> {
     }
 }
 
-/// Whole steps along a bearing, whatever is heard: what the shield alone is worth.
-struct Straight(f64);
+/// Whole steps along one bearing, whatever the sonars report: measures the shield alone.
+struct StraightLine(f64);
 
-impl Policy for Straight {
+impl Policy for StraightLine {
     fn decide(&mut self, perceived: &Perceived) -> Point {
         Point::unit(self.0).turned_back(Point::unit(perceived.pose.heading)) * STEP_M
     }
 }
 
-impl Steered for Straight {
+impl Steered for StraightLine {
     fn steer(&mut self, target: Option<f64>) {
         self.0 = target.unwrap_or(self.0);
     }
 }
 
-/// The shortest way of the robot's body to the goal, with `margin_m` more around it; `None` where there is none.
+/// The shortest path of the robot's body to the goal with `margin_m` of clearance; `None` if there
+/// is none.
 ///
 /// # Errors
-/// A world without a goal or too large to be searched.
+/// When the world has no goal or is too large for the search.
 pub fn shortest(world: &World, margin_m: f64) -> Result<Option<Vec<Point>>, BadInput> {
     let goal = world
         .goal()

@@ -1,34 +1,36 @@
-//! The shortest way of a disc through a world, by one who sees it all: the yardstick of a run's time.
+//! The shortest path of a disc through a known world: the reference for a run's time.
 
 use arena::world::{Point, World};
 use files::error::BadInput;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Side of a cell of the search, m.
+/// Side of a cell of the search grid, m.
 const CELL_M: f64 = 0.05;
-/// How far around everything is searched, m.
+/// Margin of the search grid around all shapes, m.
 const RIM_M: f64 = 1.0;
-/// Cells a search may have.
+/// Largest number of cells.
 const MAX_CELLS: usize = 4_000_000;
-/// Cost of a step to a cell beside and to one across a corner.
+/// Cost of a step to a direct and to a diagonal neighbor.
 const COSTS: [u32; 2] = [1_000, 1_414];
 
-/// The way of a disc of `radius` m from `start` to `goal`: A* over cells of 5 cm whose centers the disc may take, eight
-/// neighbors each, then pulled taut (the shortest chain of straight free lines between its cells). `None` where there is
-/// none. The way that is shortest over cells need not lie on the side that is shortest in truth: a few centimeters.
+/// The path of a disc of `radius` m from `start` to `goal`; `None` if there is none.
+///
+/// A* over the free cells of 5 cm with eight neighbors, then shortened to the shortest chain of
+/// free straight lines between its cells. The result may pass an obstacle on the wrong side where
+/// both sides differ by a few centimeters.
 ///
 /// # Errors
-/// A world too large to be searched.
+/// When the world is too large for the search.
 pub fn route(
     world: &World,
     start: Point,
     goal: Point,
     radius: f64,
 ) -> Result<Option<Vec<Point>>, BadInput> {
-    let Some(grid) = Grid::around(world, start, goal) else {
+    let Some(grid) = SearchGrid::around(world, start, goal) else {
         return Err(BadInput::new(format!(
-            "world {}: more than {MAX_CELLS} cells to search for a way",
+            "world {}: more than {MAX_CELLS} cells to search for a path",
             world.name()
         )));
     };
@@ -39,23 +41,23 @@ pub fn route(
         return Ok(None);
     };
     let inner = cells.into_iter().map(|cell| grid.place(cell));
-    let way: Vec<_> = [start].into_iter().chain(inner).chain([goal]).collect();
-    Ok(Some(taut(world, &way, radius)))
+    let path: Vec<_> = [start].into_iter().chain(inner).chain([goal]).collect();
+    Ok(Some(shorten(world, &path, radius)))
 }
 
-/// Length of a way, m.
+/// Length of a path, m.
 #[must_use]
-pub fn length(way: &[Point]) -> f64 {
-    way.windows(2).map(|ends| ends[0].distance(ends[1])).sum()
+pub fn length(path: &[Point]) -> f64 {
+    path.windows(2).map(|ends| ends[0].distance(ends[1])).sum()
 }
 
-struct Grid {
+struct SearchGrid {
     low: Point,
     columns: usize,
     rows: usize,
 }
 
-impl Grid {
+impl SearchGrid {
     fn around(world: &World, start: Point, goal: Point) -> Option<Self> {
         let (low, high) = world.bounds();
         let least = |a: f64, b: f64, c: f64| a.min(b).min(c) - RIM_M;
@@ -82,7 +84,7 @@ impl Grid {
         index(away.y, self.rows) * self.columns + index(away.x, self.columns)
     }
 
-    /// The cells around one, and the cost to get there.
+    /// The neighbors of a cell, each with the cost of the step.
     fn around_cell(&self, cell: usize) -> impl Iterator<Item = (usize, u32)> {
         let (column, row) = (
             (cell % self.columns) as isize,
@@ -98,7 +100,7 @@ impl Grid {
         })
     }
 
-    /// Cost to `goal` if nothing were in the way.
+    /// Lower bound of the cost to `goal`: the cost without obstacles.
     fn left(&self, cell: usize, goal: usize) -> u32 {
         let across = (cell % self.columns).abs_diff(goal % self.columns);
         let up = (cell / self.columns).abs_diff(goal / self.columns);
@@ -107,7 +109,7 @@ impl Grid {
     }
 }
 
-fn search(grid: &Grid, free: &[bool], start: usize, goal: usize) -> Option<Vec<usize>> {
+fn search(grid: &SearchGrid, free: &[bool], start: usize, goal: usize) -> Option<Vec<usize>> {
     let mut costs = vec![u32::MAX; free.len()];
     let mut from = vec![usize::MAX; free.len()];
     let mut open = BinaryHeap::from([Reverse((grid.left(start, goal), 0, start))]);
@@ -115,9 +117,9 @@ fn search(grid: &Grid, free: &[bool], start: usize, goal: usize) -> Option<Vec<u
     while let Some(Reverse((_, cost, cell))) = open.pop() {
         if cell == goal {
             let back = |cell: &usize| Some(from[*cell]).filter(|from| *from != usize::MAX);
-            let mut way: Vec<_> = std::iter::successors(Some(goal), back).collect();
-            way.reverse();
-            return Some(way);
+            let mut path: Vec<_> = std::iter::successors(Some(goal), back).collect();
+            path.reverse();
+            return Some(path);
         }
         if cost > costs[cell] {
             continue;
@@ -133,23 +135,23 @@ fn search(grid: &Grid, free: &[bool], start: usize, goal: usize) -> Option<Vec<u
     None
 }
 
-/// The shortest chain of straight free lines between points of a way, from its first to its last.
-fn taut(world: &World, way: &[Point], radius: f64) -> Vec<Point> {
-    let mut best = vec![(0.0, 0); way.len()];
-    for (to, place) in way.iter().enumerate().skip(1) {
-        // The one before is always seen: the search came that way.
-        let mut found = (best[to - 1].0 + way[to - 1].distance(*place), to - 1);
+/// The shortest chain of free straight lines between points of a path, from first to last.
+fn shorten(world: &World, path: &[Point], radius: f64) -> Vec<Point> {
+    let mut best = vec![(0.0, 0); path.len()];
+    for (to, place) in path.iter().enumerate().skip(1) {
+        // The previous point is always visible: the search came from there.
+        let mut found = (best[to - 1].0 + path[to - 1].distance(*place), to - 1);
         for from in (0..to - 1).rev() {
-            let length = best[from].0 + way[from].distance(*place);
-            if length <= found.0 && !world.sweep(way[from], *place, radius).touched() {
+            let length = best[from].0 + path[from].distance(*place);
+            if length <= found.0 && !world.sweep(path[from], *place, radius).touched() {
                 found = (length, from);
             }
         }
         best[to] = found;
     }
     let back = |&at: &usize| (at > 0).then(|| best[at].1);
-    let chain = std::iter::successors(Some(way.len() - 1), back);
-    let mut corners: Vec<_> = chain.map(|at| way[at]).collect();
+    let chain = std::iter::successors(Some(path.len() - 1), back);
+    let mut corners: Vec<_> = chain.map(|at| path[at]).collect();
     corners.reverse();
     corners
 }
@@ -175,22 +177,23 @@ mod tests {
             radius: 0.1,
         };
         let goal = Point::new(4.0, 0.0);
-        let way = route(&world(vec![far.clone()]), Point::default(), goal, 0.25)
+        let path = route(&world(vec![far.clone()]), Point::default(), goal, 0.25)
             .unwrap()
             .unwrap();
-        assert_eq!(way, [Point::default(), goal]);
-        // By hand: two tangents to the circle of 0.25 m around the wall's end at (2, 1), and the arc between them.
+        assert_eq!(path, [Point::default(), goal]);
+        // Calculated by hand: two tangents to the circle of 0.25 m around the wall's end at (2, 1),
+        // and the arc between them.
         let blocked = world(vec![far, wall(&[(2.0, -5.0), (2.0, 1.0)])]);
-        let way = route(&blocked, Point::default(), goal, 0.25)
+        let path = route(&blocked, Point::default(), goal, 0.25)
             .unwrap()
             .unwrap();
         let tangent: f64 = (5.0_f64 - 0.0625).sqrt();
         let turn = libm::atan2(1.0, 2.0) + libm::asin(0.25 / 5.0_f64.sqrt());
         let exact = 2.0 * tangent + 0.25 * 2.0 * turn;
         assert!(
-            (exact - 0.01..exact + 0.08).contains(&length(&way)),
+            (exact - 0.01..exact + 0.08).contains(&length(&path)),
             "{} {exact}",
-            length(&way)
+            length(&path)
         );
     }
 
@@ -207,8 +210,8 @@ mod tests {
             ]),
         ];
         let world = world(walls);
-        let way = |radius| route(&world, Point::default(), Point::new(3.0, 0.0), radius).unwrap();
-        assert!((length(&way(0.25).unwrap()) - 3.0).abs() < 0.01);
-        assert_eq!(way(0.35), None);
+        let path = |radius| route(&world, Point::default(), Point::new(3.0, 0.0), radius).unwrap();
+        assert!((length(&path(0.25).unwrap()) - 3.0).abs() < 0.01);
+        assert_eq!(path(0.35), None);
     }
 }

@@ -1,36 +1,37 @@
-//! Ways of several drivers through worlds side by side.
+//! Draws the paths of several methods through several worlds side by side.
 
-use crate::barn::End;
+use crate::barn::RunEnd;
 use arena::robot::COLLISION_RADIUS_M;
 use arena::world::{Point, World};
 
 use plots::draw::color::{self, GRAY, INK, VERMILLION};
 use plots::draw::layout::{MARGIN, PAGE, TOP, heading, shortened};
 use plots::draw::marks::contact_mark;
-use plots::draw::scene::{self, View};
+use plots::draw::scene::{self, SceneView};
 use plots::draw::svg::{Anchor, Font, Svg, fill, filled, num, stroke};
 
 /// Panels in a row.
 const COLUMNS: usize = 4;
-/// Height of the row that explains the lines, px.
+/// Height of the legend, px.
 const KEY: f64 = 26.0;
-/// Height of a panel's name, px.
+/// Height of a panel's title, px.
 const NAME: f64 = 26.0;
 
-/// One world with the ways driven in it.
+/// One world with the paths driven in it.
 #[derive(Debug, Clone)]
 pub struct RoutePanel {
     /// The world; its start and goal are marked.
     pub world: World,
-    /// The shortest way; empty = there is none.
+    /// The shortest path; empty = there is none.
     pub shortest: Vec<Point>,
-    /// By driver, where it has been.
-    pub ways: Vec<Vec<Point>>,
-    /// By driver, how it ended.
-    pub marks: Vec<End>,
+    /// Positions of the robot, by method.
+    pub paths: Vec<Vec<Point>>,
+    /// How the run ended, by method.
+    pub marks: Vec<RunEnd>,
 }
 
-/// Draws the worlds as small multiples, a line for each driver: a dot at its end, a cross where it touched something.
+/// Draws the worlds as small multiples with one line per method: a dot marks its end, a cross a
+/// contact.
 ///
 /// Returns an SVG document.
 #[must_use]
@@ -44,7 +45,7 @@ pub fn routes(title: &str, drivers: &[&str], panels: &[RoutePanel]) -> String {
         .collect();
     let height: f64 = heights.iter().map(|height| height + NAME).sum();
     let mut svg = Svg::new(PAGE, TOP + KEY + height + MARGIN);
-    let subtitle = "Dashed: the shortest way · dot: the end of a run · cross: contact · circle: 1 m around the goal";
+    let subtitle = "Dashed: the shortest path · dot: the end of a run · cross: contact · circle: 1 m around the goal";
     heading(&mut svg, title, subtitle);
     key(&mut svg, drivers);
     let mut top = TOP + KEY;
@@ -70,7 +71,7 @@ fn key(svg: &mut Svg, drivers: &[&str]) {
     }
 }
 
-/// What a panel shows: the world, its start and its goal with the circle around it.
+/// Extent of a panel: the world, its start and its goal with the circle around it.
 fn extent(panel: &RoutePanel) -> [Point; 2] {
     let [mut low, mut high] = scene::extent(&panel.world);
     let goal = panel.world.goal().into_iter();
@@ -85,29 +86,29 @@ fn extent(panel: &RoutePanel) -> [Point; 2] {
 }
 
 fn tallest(row: &[RoutePanel], room: [f64; 2]) -> f64 {
-    let height = |panel: &RoutePanel| View::new(extent(panel), [0.0; 2], room).size[1];
+    let height = |panel: &RoutePanel| SceneView::new(extent(panel), [0.0; 2], room).size[1];
     row.iter().map(height).fold(0.0, f64::max)
 }
 
 fn draw(svg: &mut Svg, panel: &RoutePanel, corner: [f64; 2], room: [f64; 2]) {
-    let view = View::new(extent(panel), corner, room);
+    let view = SceneView::new(extent(panel), corner, room);
     scene::obstacles(svg, &view, &panel.world);
     if let Some(goal) = panel.world.goal() {
         svg.circle(view.at(goal), view.scale, &stroke(GRAY, 1.0));
         svg.circle(view.at(goal), 2.5, &fill(GRAY));
     }
-    let on_page = |way: &[Point]| way.iter().map(|&place| view.at(place)).collect::<Vec<_>>();
+    let on_page = |path: &[Point]| path.iter().map(|&place| view.at(place)).collect::<Vec<_>>();
     let dashed = format!(r#"{} stroke-dasharray="5 4""#, stroke(GRAY, 1.3));
     svg.polyline(&on_page(&panel.shortest), &dashed);
-    for (index, way) in panel.ways.iter().enumerate() {
-        svg.polyline(&on_page(way), &stroke(color::class(index), 1.9));
+    for (index, path) in panel.paths.iter().enumerate() {
+        svg.polyline(&on_page(path), &stroke(color::class(index), 1.9));
     }
-    let ends = panel.ways.iter().zip(&panel.marks).enumerate();
-    for (index, (way, mark)) in ends {
-        let Some(&last) = way.last() else { continue };
+    let ends = panel.paths.iter().zip(&panel.marks).enumerate();
+    for (index, (path, mark)) in ends {
+        let Some(&last) = path.last() else { continue };
         match mark {
-            End::Touched => contact_mark(svg, view.at(last), VERMILLION),
-            End::Reached | End::TimedOut => {
+            RunEnd::Touched => contact_mark(svg, view.at(last), VERMILLION),
+            RunEnd::Reached | RunEnd::TimedOut => {
                 svg.circle(
                     view.at(last),
                     3.6,
@@ -132,12 +133,12 @@ mod tests {
 
     #[test]
     fn every_driver_has_its_line_in_every_world() {
-        let way = vec![Point::new(1.0, 1.0), Point::new(2.0, 1.5)];
+        let path = vec![Point::new(1.0, 1.0), Point::new(2.0, 1.5)];
         let panel = RoutePanel {
             world: World::random(1).with_goal(Point::new(7.0, 5.0)),
-            shortest: way.clone(),
-            ways: vec![way.clone(), way],
-            marks: vec![End::Reached, End::Touched],
+            shortest: path.clone(),
+            paths: vec![path.clone(), path],
+            marks: vec![RunEnd::Reached, RunEnd::Touched],
         };
         let picture = routes("ways", &["a", "<b>"], &vec![panel; 5]);
         assert_well_formed(&picture);

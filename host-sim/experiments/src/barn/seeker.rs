@@ -1,10 +1,7 @@
-//! The mind's maps on the way to a place: the bearing of the place as one more component of the situation.
+//! The controller's maps on the way to a goal position, whose bearing extends the situation.
 //!
-//! The maps know 16 sonars. In free space nothing they perceive says where a distant place is; a component more does: the
-//! place's bearing. How it changes need not be learned: a step towards the place brings the robot nearer by the whole step, one
-//! aside by nothing, so a direction is worth the cosine of its angle to the bearing. That is what the look-ahead does with
-//! the direction of travel already (`Goal::progress_q16`): the crate's own planner is asked with the bearing in the course's
-//! place. The maps stay those of 16 components, learned as always, and the chip's program stays as it is.
+//! A step's effect on the bearing is the cosine of its angle to it, so nothing has to be learned.
+//! The crate's planner computes it if the bearing replaces the heading (`Goal::progress_q16`).
 
 use amp::config::Config;
 use amp::fixed::Mask;
@@ -16,26 +13,26 @@ use sim::failure::Failure;
 use sim::pilot::{InspectableController as _, Mind, SimState};
 use sim::ring_pilot::{Perceived, Policy, Steered};
 
-/// What is wanted on the way.
+/// Weights of the goal on the way.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tuning {
-    /// Nothing is to be nearer than this, m from the ring.
+pub struct SeekerTuning {
+    /// Least distance to obstacles, m from the ring.
     pub clearance_m: f64,
-    /// What a step towards the place weighs against deviation, in units of a squared deviation of 1.
+    /// Weight of progress toward the goal, in units of a squared deviation of 1.
     pub pull: f64,
 }
 
-impl Default for Tuning {
+impl Default for SeekerTuning {
     fn default() -> Self {
         Self {
-            // Found in 50 fields grown like the benchmark's, none of them its own.
+            // Tuned in 50 fields generated like those of the benchmark, none of them part of it.
             clearance_m: 0.45,
             pull: 0.0025,
         }
     }
 }
 
-/// Maps learned elsewhere that are told where to go.
+/// Learned maps that are steered toward a position.
 #[derive(Debug, Clone)]
 pub struct Seeker {
     config: Config<16>,
@@ -47,11 +44,12 @@ pub struct Seeker {
 }
 
 impl Seeker {
-    /// With what a mind has learned; it starts along `course`, rad from the ring's x axis.
+    /// Takes what a controller has learned; the robot starts along `course`, rad from the ring's x
+    /// axis.
     ///
     /// # Errors
-    /// When the mind cannot tell what it knows.
-    pub fn new(mut mind: Mind, tuning: Tuning, course: f64) -> Result<Self, Failure> {
+    /// When the controller cannot return its state.
+    pub fn new(mut mind: Mind, tuning: SeekerTuning, course: f64) -> Result<Self, Failure> {
         let config = mind.config().clone();
         let clearance = Range::from_mm((tuning.clearance_m * 1e3) as u16);
         let goal = Goal {
@@ -87,11 +85,11 @@ impl Policy for Seeker {
             cut: false,
         };
         let action = planner.plan(&situation, &self.goal).action;
-        let way = Point::new(f64::from(action.dx_mm), f64::from(action.dy_mm)) * 1e-3;
-        if way.length() > 0.0 {
-            self.course = way.turned(heading).angle();
+        let step = Point::new(f64::from(action.dx_mm), f64::from(action.dy_mm)) * 1e-3;
+        if step.length() > 0.0 {
+            self.course = step.turned(heading).angle();
         }
-        way
+        step
     }
 }
 

@@ -1,20 +1,20 @@
-//! The benchmark's rules and what they say of simple fields.
+//! The benchmark's rules, and runs in simple fields.
 
 use super::*;
 use arena::world::{Pose, Shape};
 use std::f64::consts::FRAC_PI_2;
 
-fn rules(shield: bool) -> Rules {
+fn rules(shield: bool) -> RunConditions {
     let mut config = Config::recommended();
     if !shield {
         config.shield = None;
     }
-    Rules {
+    RunConditions {
         config,
         sonar: SonarModel::Ideal,
         explore_moves: 100,
         seed: 1,
-        tuning: Tuning::default(),
+        tuning: SeekerTuning::default(),
     }
 }
 
@@ -34,7 +34,8 @@ fn field(posts: &[(f64, f64)]) -> World {
 
 #[test]
 fn scores_are_those_of_the_challenge() {
-    // 12 m at 2 m/s are 6 s: 24 s and less score a quarter, 48 s and more an eighth, 30 s are five times 6 s.
+    // 12 m at 2 m/s are 6 s: 24 s and less score a quarter, 48 s and more an eighth, 30 s are five
+    // times 6 s.
     for (time_s, expected) in [
         (10.0, 0.25),
         (24.0, 0.25),
@@ -57,13 +58,13 @@ fn an_empty_field_is_crossed_by_all_that_are_told() {
     let world = field(&[]);
     assert!((length(&shortest(&world, 0.0).unwrap().unwrap()) - 10.0).abs() < 1e-9);
     for method in [
-        Method::Maps,
-        Method::VfhPlus,
-        Method::PotentialField,
-        Method::Straight,
+        BarnMethod::Maps,
+        BarnMethod::VfhPlus,
+        BarnMethod::PotentialField,
+        BarnMethod::Straight,
     ] {
         let run = run(&world, method, &rules(true), 0).unwrap();
-        assert_eq!(run.end, End::Reached, "{method:?}");
+        assert_eq!(run.end, RunEnd::Reached, "{method:?}");
         assert!(run.places.last().unwrap().distance(Point::new(-2.0, 13.0)) <= REACHED_M);
         assert!(
             (40.0..70.0).contains(&run.time_s),
@@ -76,12 +77,12 @@ fn an_empty_field_is_crossed_by_all_that_are_told() {
 #[test]
 fn a_post_in_the_way_is_passed_by_the_maps_and_touched_by_who_does_not_listen() {
     let world = field(&[(-2.0, 6.0), (-1.85, 6.0), (-2.15, 6.0)]);
-    let maps = run(&world, Method::Maps, &rules(false), 0).unwrap();
-    assert_eq!(maps.end, End::Reached);
-    let straight = |shield| run(&world, Method::Straight, &rules(shield), 0).unwrap();
-    assert_eq!(straight(false).end, End::Touched);
-    // The shield's detours lead round it.
-    assert_eq!(straight(true).end, End::Reached);
+    let maps = run(&world, BarnMethod::Maps, &rules(false), 0).unwrap();
+    assert_eq!(maps.end, RunEnd::Reached);
+    let straight = |shield| run(&world, BarnMethod::Straight, &rules(shield), 0).unwrap();
+    assert_eq!(straight(false).end, RunEnd::Touched);
+    // The shield's detours lead around it.
+    assert_eq!(straight(true).end, RunEnd::Reached);
 }
 
 #[test]
@@ -94,7 +95,7 @@ fn a_closed_field_has_no_way_and_a_run_repeats_itself() {
         .collect();
     let world = field(&[across, below].concat());
     assert_eq!(shortest(&world, 0.0).unwrap(), None);
-    let [a, b] = [(); 2].map(|()| run(&world, Method::Maps, &rules(true), 3).unwrap());
-    assert_eq!(a.end, End::TimedOut);
+    let [a, b] = [(); 2].map(|()| run(&world, BarnMethod::Maps, &rules(true), 3).unwrap());
+    assert_eq!(a.end, RunEnd::TimedOut);
     assert_eq!(a, b);
 }

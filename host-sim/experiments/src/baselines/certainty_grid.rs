@@ -1,8 +1,8 @@
-//! A square window of cells around the robot that counts how often something was heard in each.
+//! Histogram grid: a square window of cells around the robot, each with a count of its echoes.
 //!
-//! The rule of J. Borenstein and Y. Koren, *Histogramic in-motion mapping for mobile robot obstacle avoidance*, IEEE
-//! Transactions on Robotics and Automation 7(4), 1991, 535–539: an echo adds 3 to the one cell on its axis (at most 15) and
-//! takes 1 from every cell before it. Cells keep their place in the frame of the dead-reckoned pose.
+//! J. Borenstein and Y. Koren, *Histogramic in-motion mapping*, IEEE Transactions on Robotics and
+//! Automation 7(4), 1991, 535–539. An echo adds 3 to its cell (15 at most) and subtracts 1 from
+//! each cell before it. Cells are fixed in the frame of dead reckoning.
 
 use arena::sonar::FACE_RADIUS_M;
 use arena::world::Point;
@@ -12,18 +12,18 @@ use sim::ring_pilot::{Perceived, axis};
 pub const CELL_M: f64 = 0.1;
 /// Cells along a side of the window.
 pub const SIDE: i32 = 33;
-/// Least distance from the robot's cell to the window's rim, m.
+/// Least distance from the robot's cell to the edge of the window, m.
 pub const REACH_M: f64 = (SIDE / 2) as f64 * CELL_M;
 
 const HIT: u8 = 3;
-const MOST: u8 = 15;
+const MAX_COUNT: u8 = 15;
 
-/// What was heard lately, cell by cell.
+/// Counts of recent echoes, by cell.
 #[derive(Debug, Clone)]
 pub struct CertaintyGrid {
-    /// By place in the window, which wraps: cell (column, row) lies at both modulo [`SIDE`].
+    /// The window wraps: cell (column, row) has the index of both modulo [`SIDE`].
     counts: Vec<u8>,
-    /// The robot's cell.
+    /// The cell with the robot.
     middle: [i32; 2],
 }
 
@@ -37,7 +37,7 @@ impl Default for CertaintyGrid {
 }
 
 impl CertaintyGrid {
-    /// Moves the window to the robot and takes a complete ring.
+    /// Moves the window to the robot and adds a complete ring.
     pub fn hear(&mut self, perceived: &Perceived) {
         self.move_to(cell(perceived.pose.position));
         let heading = Point::unit(perceived.pose.heading);
@@ -48,12 +48,12 @@ impl CertaintyGrid {
             let hit = range.is_finite().then(|| cell(face + axis * range));
             self.clear(face, axis, range.min(REACH_M), hit);
             if let Some(count) = hit.and_then(|hit| self.count_mut(hit)) {
-                *count = count.saturating_add(HIT).min(MOST);
+                *count = count.saturating_add(HIT).min(MAX_COUNT);
             }
         }
     }
 
-    /// Takes 1 from every cell along the axis but the one that was hit.
+    /// Subtracts 1 from every cell along the axis except the cell of the echo.
     fn clear(&mut self, face: Point, axis: Point, range: f64, hit: Option<[i32; 2]>) {
         let mut last = None;
         let samples = (range / (CELL_M / 2.0)) as i32;
@@ -69,7 +69,7 @@ impl CertaintyGrid {
         }
     }
 
-    /// Cells that come into the window are empty.
+    /// Clears the cells that enter the window.
     fn move_to(&mut self, middle: [i32; 2]) {
         let before = self.middle;
         if before == middle {
@@ -96,7 +96,7 @@ impl CertaintyGrid {
         self.counts.get_mut(index(column, row))
     }
 
-    /// Cells with a count, as vectors from `place` to their middles (m), and the count of each, 1 … 15.
+    /// Cells with a count: the vector from `place` to each center (m) and the count, 1 … 15.
     pub fn occupied(&self, place: Point) -> impl Iterator<Item = (Point, u8)> + '_ {
         let half = SIDE / 2;
         let [column0, row0] = self.middle;
@@ -148,7 +148,7 @@ mod tests {
             assert!(cells[0].0.distance(Point::new(1.0, 0.0)) < 1e-9);
             assert_eq!(cells[0].1, expected);
         }
-        // Something farther is heard through it.
+        // A farther echo clears the cell before it.
         grid.hear(&at(place, 0, 1_100));
         assert_eq!(
             found(&grid).iter().map(|cell| cell.1).collect::<Vec<_>>(),

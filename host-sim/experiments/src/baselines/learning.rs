@@ -1,42 +1,40 @@
-//! What the learning baselines share: situations, rewards, exploration, and a policy that lets a [`Learner`] drive.
+//! What the learning baselines share: situations, rewards, exploration, and their policy.
 //!
-//! The reinforcement is that of C. Touzet, *Neural reinforcement learning for behavior synthesis*, Robotics and Autonomous
-//! Systems 22, 1997, 251–281, as generally known (only the abstract was at hand): +1 when the sum of all values has fallen
-//! by more than a threshold, −1 when those in front or those behind sum above theirs, else 0. The Khepera's front is its
-//! way of driving: our ring, held in the world, counts as in front what looks within a quarter turn of the move. Our
-//! addition: −1 for a touch, which the Nomad's bumpers report.
+//! Reward after C. Touzet, Robotics and Autonomous Systems 22, 1997, 251–281 (abstract): +1 when
+//! the sum of values falls, −1 when front or rear exceed a threshold. Front: sensors within 90° of
+//! the move. Ours: −1 for a contact.
 
 use arena::noise::Noise;
 use arena::world::Point;
 use sim::ring_pilot::{Done, Perceived, Policy, STEP_M, axis};
 use std::f64::consts::{PI, TAU};
 
-/// A situation: per transducer 1 = something at its face, 0 = nothing within the far limit.
+/// A situation: per transducer 1 = obstacle at its face, 0 = nothing within the far limit.
 pub type Values = [f64; 16];
 
-/// One move and what came of it.
+/// One move and its result.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Experience {
-    /// What was perceived before.
+    /// Situation before the move.
     pub before: Values,
-    /// What was asked for, in whole steps (length at most 1) in the ring's frame.
-    pub asked: Point,
-    /// What was carried out, in the same unit.
+    /// Commanded move in units of a whole step (length at most 1), in the ring's frame.
+    pub commanded: Point,
+    /// Executed move, in the same unit.
     pub moved: Point,
-    /// What was perceived afterwards.
+    /// Situation after the move.
     pub after: Values,
-    /// The reinforcement.
+    /// The reward.
     pub reward: f64,
 }
 
 impl Experience {
-    /// The same with the ring turned by `places` of its 16 places: ring and body are symmetric.
+    /// The same experience rotated by `places` of the ring's 16 steps: ring and body are symmetric.
     #[must_use]
-    pub fn turned(&self, places: usize) -> Self {
+    pub fn rotated(&self, places: usize) -> Self {
         let turn = axis(places);
         Self {
             before: amp::scan::rotated(&self.before, places),
-            asked: self.asked.turned(turn),
+            commanded: self.commanded.turned(turn),
             moved: self.moved.turned(turn),
             after: amp::scan::rotated(&self.after, places),
             reward: self.reward,
@@ -44,45 +42,45 @@ impl Experience {
     }
 }
 
-/// Something that learns from moves which move is best.
+/// A method that learns from moves which move is best.
 pub trait Learner: Clone {
-    /// The move it thinks best, in whole steps in the ring's frame; where several are equally good, that nearest to
+    /// The best move, in units of a whole step in the ring's frame; among equals the one nearest to
     /// `course` (a unit vector).
     fn best(&self, situation: &Values, course: Point) -> Point;
 
     /// Learns from one move.
     fn learn(&mut self, experience: &Experience);
 
-    /// A move to find out more, `None` = any direction.
+    /// An exploring move; `None` = a random direction.
     fn variation(&self, _situation: &Values, _course: Point, _noise: &mut Noise) -> Option<Point> {
         None
     }
 
-    /// Exploring is over: what is to be worked out from all experiences, now is the time.
+    /// Called once when exploration ends: precomputes what depends on all experiences.
     fn settle(&mut self) {}
 
-    /// Bytes of what it has learned.
+    /// Bytes of the learned state.
     fn bytes(&self) -> usize;
 }
 
-/// The thresholds of the reinforcement.
+/// The thresholds of the reward.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reward {
-    /// +1 when the sum of the 16 values has fallen by more than this.
+    /// +1 when the sum of the 16 values falls by more than this.
     pub fallen: f64,
-    /// −1 when the nine values in front sum above this.
+    /// −1 when the nine values in front sum to more than this.
     pub in_front: f64,
-    /// −1 when the seven values behind sum above this.
+    /// −1 when the seven values behind sum to more than this.
     pub behind: f64,
 }
 
 impl Reward {
-    /// The reinforcement of a move.
+    /// The reward of a move.
     #[must_use]
     pub fn of(&self, before: &Values, moved: Point, after: &Values, touched: bool) -> f64 {
         let (mut in_front, mut behind) = (0.0, 0.0);
         for (sensor, value) in after.iter().enumerate() {
-            // A quarter turn to either side still is in front, whatever the cosine's rounding.
+            // A sensor at exactly 90° counts as front, whatever the cosine's rounding.
             if axis(sensor).dot(moved) > -1e-9 {
                 in_front += value;
             } else {
@@ -100,49 +98,50 @@ impl Reward {
     }
 }
 
-/// How a learner is taught.
+/// How a learner is trained.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Schooling {
-    /// What is farther than this is not perceived, m.
+pub struct LearnerTraining {
+    /// Far limit: obstacles beyond it are not perceived, m.
     pub far_m: f64,
-    /// The reinforcement.
+    /// The reward.
     pub reward: Reward,
-    /// Share of exploring moves after n moves: `explores_least` + (1 − `explores_least`) e^(−n/`explores_for`).
+    /// Share of exploring moves after n moves: `explores_least` + (1 − `explores_least`)
+    /// e^(−n/`explores_for`).
     pub explores_for: f64,
-    /// Share of exploring moves in the end, 0 … 1.
+    /// Final share of exploring moves, 0 … 1.
     pub explores_least: f64,
-    /// Each move is taught turned by so many of the ring's places as well, 1 (as it was) or 16 (all).
+    /// Each move is learned in this many rotations of the ring: 1 (as executed) or 16 (all).
     pub turns: usize,
-    /// Unless it explores, it keeps its course while no value is above this, as the mind does while its goal holds; below
-    /// 0 = it never does.
+    /// While no value exceeds this, a move that does not explore keeps the heading. Below 0 =
+    /// never.
     pub free_below: f64,
-    /// It goes on learning from what it does when exploring is over.
+    /// Learning continues after exploration.
     pub learns_on: bool,
 }
 
-/// A learner that drives.
+/// A policy that drives by a learner and trains it.
 #[derive(Debug, Clone)]
-pub struct Trainee<L> {
+pub struct LearnerDriver<L> {
     learner: L,
-    schooling: Schooling,
+    training: LearnerTraining,
     noise: Noise,
     exploring: bool,
     learning: bool,
     moves: u32,
     contacts: u32,
-    /// What was perceived when the move under way was decided.
+    /// Situation in which the current move was chosen.
     before: Option<Values>,
     /// Unit vector of the last move in the ring's present frame.
     course: Point,
 }
 
-impl<L: Learner> Trainee<L> {
-    /// A trainee that knows nothing; `seed` fixes its exploration.
+impl<L: Learner> LearnerDriver<L> {
+    /// An untrained learner; `seed` fixes its exploration.
     #[must_use]
-    pub fn new(learner: L, schooling: Schooling, seed: u64) -> Self {
+    pub fn new(learner: L, training: LearnerTraining, seed: u64) -> Self {
         Self {
             learner,
-            schooling,
+            training,
             noise: Noise::new(seed),
             exploring: true,
             learning: true,
@@ -153,31 +152,31 @@ impl<L: Learner> Trainee<L> {
         }
     }
 
-    /// Moves it has learned from.
+    /// Moves from which it has learned.
     #[must_use]
     pub fn moves(&self) -> u32 {
         self.moves
     }
 
-    /// Those of them that touched something.
+    /// Those of them with contact.
     #[must_use]
     pub fn contacts(&self) -> u32 {
         self.contacts
     }
 
-    /// What has learned.
+    /// The learner.
     #[must_use]
     pub fn learner(&self) -> &L {
         &self.learner
     }
 
-    /// The same, done with exploring: from now on it only does what it thinks best, and starts along `course` (rad).
+    /// A copy without exploration: it takes the best move only, and starts along `course` (rad).
     #[must_use]
     pub fn settled(&self, course: f64) -> Self {
         let mut settled = self.clone();
         settled.learner.settle();
         settled.exploring = false;
-        settled.learning = self.schooling.learns_on;
+        settled.learning = self.training.learns_on;
         settled.before = None;
         settled.course = Point::unit(course);
         settled
@@ -185,7 +184,7 @@ impl<L: Learner> Trainee<L> {
 
     fn perceive(&self, perceived: &Perceived) -> Values {
         std::array::from_fn(|sensor| {
-            (1.0 - perceived.range_m(sensor) / self.schooling.far_m).max(0.0)
+            (1.0 - perceived.range_m(sensor) / self.training.far_m).max(0.0)
         })
     }
 
@@ -193,28 +192,28 @@ impl<L: Learner> Trainee<L> {
         let steps = 1.0 / STEP_M;
         let experience = Experience {
             before: *before,
-            asked: done.wanted * steps,
+            commanded: done.wanted * steps,
             moved: done.moved * steps,
             after: *after,
             reward: self
-                .schooling
+                .training
                 .reward
                 .of(before, done.wanted, after, done.touched),
         };
         self.moves += 1;
         self.contacts += u32::from(done.touched);
-        for turn in 0..self.schooling.turns {
+        for turn in 0..self.training.turns {
             self.learner
-                .learn(&experience.turned(turn * 16 / self.schooling.turns));
+                .learn(&experience.rotated(turn * 16 / self.training.turns));
         }
     }
 
     fn explores(&mut self) -> bool {
-        let Schooling {
+        let LearnerTraining {
             explores_for,
             explores_least,
             ..
-        } = self.schooling;
+        } = self.training;
         let fading = libm::exp(-f64::from(self.moves) / explores_for);
         let share = explores_least + (1.0 - explores_least) * fading;
         self.exploring && self.noise.chance(share)
@@ -228,7 +227,7 @@ impl<L: Learner> Trainee<L> {
             varied.unwrap_or_else(|| Point::unit(self.noise.uniform_in(0.0, TAU)))
         } else if situation
             .iter()
-            .all(|value| *value <= self.schooling.free_below)
+            .all(|value| *value <= self.training.free_below)
         {
             self.course
         } else {
@@ -237,7 +236,7 @@ impl<L: Learner> Trainee<L> {
     }
 }
 
-impl<L: Learner> Policy for Trainee<L> {
+impl<L: Learner> Policy for LearnerDriver<L> {
     fn decide(&mut self, perceived: &Perceived) -> Point {
         let situation = self.perceive(perceived);
         if let (true, Some(before), Some(done)) = (self.learning, self.before, &perceived.last) {
@@ -259,7 +258,7 @@ impl<L: Learner> Policy for Trainee<L> {
     }
 }
 
-/// The candidate of greatest value; among equals that nearest to `course`.
+/// The candidate with the greatest value; among equals the one nearest to `course`.
 pub(super) fn best_of(candidates: impl Iterator<Item = (Point, f64)>, course: Point) -> Point {
     let better = |(best, most): (Point, f64), (move_, value): (Point, f64)| {
         let nearer = move_.dot(course) > best.dot(course);
@@ -293,7 +292,7 @@ mod tests {
         let quiet = [0.1; 16];
         let of = |before: &Values, after: &Values| REWARD.of(before, ahead, after, false);
         assert_eq!(of(&quiet, &quiet), 0.0);
-        // From 16 · 0.2 to 16 · 0.1 is a fall of 1.6.
+        // From 16 · 0.2 to 16 · 0.1 the sum falls by 1.6.
         assert_eq!(of(&[0.2; 16], &quiet), 1.0);
         assert_eq!(REWARD.of(&[0.2; 16], ahead, &quiet, true), -1.0);
         // Nine in front of 0.34 are 3.06, seven behind 2.38; of 0.29 they are 2.61 and 2.03.
@@ -315,16 +314,16 @@ mod tests {
         before[1] = 0.5;
         let experience = Experience {
             before,
-            asked: Point::new(1.0, 0.0),
+            commanded: Point::new(1.0, 0.0),
             moved: Point::new(0.0, 0.5),
             after: [0.0; 16],
             reward: 1.0,
         };
-        let turned = experience.turned(4);
+        let turned = experience.rotated(4);
         assert_eq!(turned.before[5], 0.5);
-        assert!(turned.asked.distance(Point::new(0.0, 1.0)) < 1e-12);
+        assert!(turned.commanded.distance(Point::new(0.0, 1.0)) < 1e-12);
         assert!(turned.moved.distance(Point::new(-0.5, 0.0)) < 1e-12);
-        assert_eq!(experience.turned(0), experience);
+        assert_eq!(experience.rotated(0), experience);
     }
 
     #[test]

@@ -1,5 +1,7 @@
-//! What the mind is compared with: other methods on the same robot, with the same sonars, the same shield and the same
-//! budget of moves. A rule is a [`Policy`](sim::ring_pilot::Policy); [`RingPilot`](sim::ring_pilot::RingPilot) makes it a driver; a [`Learner`] becomes a rule as a [`Trainee`].
+//! Baselines: other methods with the same robot, sonars, shield and number of moves.
+//!
+//! A rule is a [`Policy`](sim::ring_pilot::Policy), which [`RingPilot`](sim::ring_pilot::RingPilot)
+//! drives. A [`Learner`] becomes a policy as a [`LearnerDriver`].
 
 mod certainty_grid;
 pub mod learning;
@@ -10,11 +12,11 @@ pub mod q_som;
 pub mod q_table;
 pub mod q_two_soms;
 mod random_moves;
-mod turned;
+mod rotation;
 pub mod vfh_plus;
 
-pub use learning::{Learner, Trainee};
-pub use nearest::Nearest;
+pub use learning::{Learner, LearnerDriver};
+pub use nearest::NearestSample;
 pub use potential_field::PotentialField;
 pub use q_lazy::QLazy;
 pub use q_som::QSom;

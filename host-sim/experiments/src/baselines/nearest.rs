@@ -1,33 +1,31 @@
-//! The lazy memory without maps: the move that is to bring the goal situation is that of the nearest sample.
+//! Baseline: the lazy memory without maps; the nearest sample supplies the move.
 //!
-//! What the paper's maps have to be better than (C. Touzet, *Modeling and simulation of elementary robot behaviors using
-//! associative memories*, International Journal of Advanced Robotic Systems 3(2), 2006, section 2.2, argues that the samples
-//! alone are too few). The same random moves and the same goal as the mind's: nothing nearer than a distance; when the
-//! goal holds the course is kept. Either the nearest *change* of situation is looked for, or the nearest *pair* of
-//! (situation, situation afterwards). As for the mind's maps every sample counts turned by each of the ring's places as
-//! well, where that is asked for.
+//! C. Touzet, *Modeling and simulation of elementary robot behaviors using associative memories*,
+//! International Journal of Advanced Robotic Systems 3(2), 2006, section 2.2, argues that samples
+//! alone are too few. Same random moves and goal as the controller.
 
-use super::learning::{Experience, Learner, Reward, Schooling, Values};
-use super::turned::Ring;
+use super::learning::{Experience, Learner, LearnerTraining, Reward, Values};
+use super::rotation::RotatableRing;
 use arena::noise::Noise;
 use arena::world::Point;
 
-/// What of a sample has to be near.
+/// Which part of a sample is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Key {
-    /// The direction of its change of situation, to that of the change wanted.
+pub enum SampleKey {
+    /// The direction of its change of situation with the wanted change.
     Change,
-    /// Its situations before and afterwards, to the present one and the one wanted.
+    /// Its situations before and after with the present and the wanted situation.
     Pair,
 }
 
-/// What is farther than this is not perceived, m.
+/// Far limit: obstacles beyond it are not perceived, m.
 pub const FAR_M: f64 = 1.5;
 
-/// Random moves only, and the course is kept while the goal holds; what is farther than this counts as nothing. The reward is not used.
+/// Random moves only, without reward; the heading is kept while the goal is met. `far_m`: far
+/// limit.
 #[must_use]
-pub const fn schooling(tuning: &Tuning, far_m: f64) -> Schooling {
-    Schooling {
+pub const fn training(tuning: &NearestTuning, far_m: f64) -> LearnerTraining {
+    LearnerTraining {
         far_m,
         reward: Reward {
             fallen: 0.0,
@@ -42,76 +40,76 @@ pub const fn schooling(tuning: &Tuning, far_m: f64) -> Schooling {
     }
 }
 
-/// The method's constants; the default values were searched for in rooms that nothing is compared in.
+/// The method's constants; the defaults were tuned in rooms that no comparison uses.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tuning {
-    /// What has to be near.
-    pub key: Key,
-    /// The goal holds when no value is above this.
+pub struct NearestTuning {
+    /// Which part of a sample is compared.
+    pub key: SampleKey,
+    /// The goal is met when no value exceeds this.
     pub goal: f64,
-    /// Each sample counts turned by so many of the ring's places, 1 or 16.
+    /// Each sample counts in this many rotations of the ring: 1 or 16.
     pub turns: usize,
 }
 
-impl Tuning {
-    /// By the direction of the change.
+impl NearestTuning {
+    /// Compares the direction of the change.
     pub const CHANGE: Self = Self {
-        key: Key::Change,
+        key: SampleKey::Change,
         goal: 0.6,
         turns: 16,
     };
 
-    /// By the pair of situations.
+    /// Compares the pair of situations.
     pub const PAIR: Self = Self {
-        key: Key::Pair,
+        key: SampleKey::Pair,
         goal: 0.2,
         turns: 16,
     };
 }
 
-/// The samples as they were.
+/// The stored samples.
 #[derive(Debug, Clone)]
-pub struct Nearest {
-    tuning: Tuning,
-    samples: Vec<Sample>,
+pub struct NearestSample {
+    tuning: NearestTuning,
+    samples: Vec<StoredSample>,
 }
 
-/// What of an experience is looked up.
+/// The compared parts of an experience.
 #[derive(Debug, Clone)]
-struct Sample {
-    before: Ring,
-    after: Ring,
-    /// Change of situation, brought to length 1; 0 where nothing changed.
-    change: Ring,
+struct StoredSample {
+    before: RotatableRing,
+    after: RotatableRing,
+    /// Change of situation, normalized to length 1; 0 where nothing changed.
+    change: RotatableRing,
     moved: Point,
 }
 
-impl Nearest {
+impl NearestSample {
     /// An empty memory.
     #[must_use]
-    pub fn new(tuning: Tuning) -> Self {
+    pub fn new(tuning: NearestTuning) -> Self {
         Self {
             tuning,
             samples: Vec::new(),
         }
     }
 
-    /// How far a sample turned by `places` is from what is wanted.
-    fn mismatch(&self, now: &Values, wanted: &Values, sample: &Sample, places: usize) -> f64 {
+    /// Distance of a sample, rotated by `places`, from the wanted one.
+    fn mismatch(&self, now: &Values, wanted: &Values, sample: &StoredSample, places: usize) -> f64 {
         match self.tuning.key {
-            Key::Pair => {
+            SampleKey::Pair => {
                 sample.before.squared_distance(now, places)
                     + sample.after.squared_distance(wanted, places)
             }
-            Key::Change => {
-                let asked: Values = std::array::from_fn(|i| wanted[i] - now[i]);
-                -sample.change.product(&asked, places)
+            SampleKey::Change => {
+                let commanded: Values = std::array::from_fn(|i| wanted[i] - now[i]);
+                -sample.change.product(&commanded, places)
             }
         }
     }
 }
 
-impl Learner for Nearest {
+impl Learner for NearestSample {
     fn best(&self, situation: &Values, course: Point) -> Point {
         let goal = self.tuning.goal;
         let wanted = situation.map(|value| value.min(goal));
@@ -125,7 +123,7 @@ impl Learner for Nearest {
                 }
             }
         }
-        // Moves are made with whole steps, as the mind's are.
+        // Moves are whole steps, as those of the controller.
         let length = best.1.length();
         if length > 1e-3 {
             best.1 * (1.0 / length)
@@ -138,23 +136,23 @@ impl Learner for Nearest {
         let Experience { before, after, .. } = experience;
         let change: Values = std::array::from_fn(|i| after[i] - before[i]);
         let length = change.iter().map(|part| part * part).sum::<f64>().sqrt();
-        // A sample that changed nothing points nowhere.
+        // A sample without change has no direction.
         let scale = if length > 1e-6 { 1.0 / length } else { 0.0 };
-        self.samples.push(Sample {
-            before: Ring::new(before),
-            after: Ring::new(after),
-            change: Ring::new(&change.map(|part| part * scale)),
+        self.samples.push(StoredSample {
+            before: RotatableRing::new(before),
+            after: RotatableRing::new(after),
+            change: RotatableRing::new(&change.map(|part| part * scale)),
             moved: experience.moved,
         });
     }
 
     fn variation(&self, _: &Values, _: Point, noise: &mut Noise) -> Option<Point> {
-        let way = Point::unit(noise.uniform_in(0.0, std::f64::consts::TAU));
-        Some(way * noise.uniform())
+        let direction = Point::unit(noise.uniform_in(0.0, std::f64::consts::TAU));
+        Some(direction * noise.uniform())
     }
 
     fn bytes(&self) -> usize {
-        // Two situations and a displacement; the rest is kept for speed only.
+        // Two situations and a displacement; the other fields are caches.
         self.samples.len() * (2 * size_of::<Values>() + size_of::<Point>())
     }
 }
@@ -170,9 +168,9 @@ mod tests {
         values
     }
 
-    /// Towards what sensor 0 perceives, and away from it.
-    fn taught(key: Key, turns: usize) -> Nearest {
-        let mut nearest = Nearest::new(Tuning {
+    /// Toward what sensor 0 perceives, and away from it.
+    fn trained(key: SampleKey, turns: usize) -> NearestSample {
+        let mut nearest = NearestSample::new(NearestTuning {
             key,
             goal: 0.2,
             turns,
@@ -180,7 +178,7 @@ mod tests {
         for (heading, before, after) in [(0, 0.4, 0.6), (8, 0.7, 0.5)] {
             nearest.learn(&Experience {
                 before: value(0, before),
-                asked: axis(heading),
+                commanded: axis(heading),
                 moved: axis(heading) * 0.5,
                 after: value(0, after),
                 reward: 0.0,
@@ -191,10 +189,10 @@ mod tests {
 
     #[test]
     fn the_sample_whose_change_is_wanted_is_repeated() {
-        for key in [Key::Change, Key::Pair] {
-            let plain = taught(key, 1);
+        for key in [SampleKey::Change, SampleKey::Pair] {
+            let plain = trained(key, 1);
             assert!(plain.best(&value(0, 0.8), axis(0)).distance(axis(8)) < 1e-9);
-            let turned = taught(key, 16);
+            let turned = trained(key, 16);
             assert!(turned.best(&value(3, 0.8), axis(0)).distance(axis(11)) < 1e-9);
         }
     }

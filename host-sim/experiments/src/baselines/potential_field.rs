@@ -1,36 +1,31 @@
-//! The artificial potential field: the target attracts, what is near repels, the robot follows the sum.
+//! Baseline: artificial potential field; the target attracts, obstacles repel.
 //!
-//! O. Khatib, *Real-time obstacle avoidance for manipulators and mobile robots*, International Journal of Robotics
-//! Research 5(1), 1986, 90–98: an obstacle at distance ρ below ρ₀ repels with η (1/ρ − 1/ρ₀) / ρ². Each echo counts as one
-//! obstacle on its transducer's axis, as in the virtual force field (J. Borenstein, Y. Koren, *Real-time obstacle
-//! avoidance for fast mobile robots*, IEEE Transactions on Systems, Man, and Cybernetics 19(5), 1989, 1179–1187), but by the
-//! latest ring alone, without a certainty grid. Our reading: only a bearing is known of the target, so it attracts with
-//! the constant force 1; without a target the course does.
-//!
-//! Where the forces balance the robot trembles on the spot, as the method is known to: there is no cure for local minima here.
+//! O. Khatib, International Journal of Robotics Research 5(1), 1986, 90–98: an obstacle at ρ < ρ₀
+//! repels with η (1/ρ − 1/ρ₀) / ρ². Each echo of the latest ring is one obstacle on its axis. The
+//! attraction is a constant force of 1 along bearing or heading.
 
 use arena::robot::COLLISION_RADIUS_M;
 use arena::sonar::FACE_RADIUS_M;
 use arena::world::Point;
 use sim::ring_pilot::{Perceived, Policy, STEP_M, Steered, axis};
 
-/// From a transducer's face to the rim of the body that must not touch, m.
+/// From a transducer's face to the edge of the collision disc, m.
 const RIM_M: f64 = COLLISION_RADIUS_M - FACE_RADIUS_M;
-/// No distance counts as shorter than this, m: forces stay finite.
-const LEAST_M: f64 = 0.01;
+/// Lower limit of the distances, m: keeps the forces finite.
+const MIN_DISTANCE_M: f64 = 0.01;
 /// A sum of forces weaker than this has no direction.
 const BALANCE: f64 = 1e-6;
 
-/// The field's constants; the default values were searched for in rooms that nothing is compared in.
+/// The method's constants; the defaults were tuned in rooms that no comparison uses.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tuning {
-    /// ρ₀: obstacles farther than this do not repel, m from the rim of the body.
+pub struct PotentialFieldTuning {
+    /// ρ₀: obstacles beyond this distance do not repel, m from the edge of the body.
     pub reach_m: f64,
     /// η, m³ (the attraction is 1).
     pub strength: f64,
 }
 
-impl Default for Tuning {
+impl Default for PotentialFieldTuning {
     fn default() -> Self {
         Self {
             reach_m: 0.8,
@@ -42,17 +37,17 @@ impl Default for Tuning {
 /// A robot in a potential field.
 #[derive(Debug, Clone)]
 pub struct PotentialField {
-    tuning: Tuning,
-    /// Bearing to go along, rad in the frame of the pose.
+    tuning: PotentialFieldTuning,
+    /// Bearing of the target, rad in the frame of the pose.
     target: Option<f64>,
     /// Direction of the last step, rad in the frame of the pose.
     course: f64,
 }
 
 impl PotentialField {
-    /// A robot that starts along `course` (rad from the ring's x axis) and goes wherever the way is free.
+    /// A robot that starts along `course` (rad from the ring's x axis) and has no target.
     #[must_use]
-    pub fn new(tuning: Tuning, course: f64) -> Self {
+    pub fn new(tuning: PotentialFieldTuning, course: f64) -> Self {
         Self {
             tuning,
             target: None,
@@ -60,11 +55,11 @@ impl PotentialField {
         }
     }
 
-    /// What repels, in the ring's frame.
+    /// The repelling force, in the ring's frame.
     fn repulsion(&self, perceived: &Perceived) -> Point {
         let mut sum = Point::default();
         for sensor in 0..16 {
-            let distance = (perceived.range_m(sensor) - RIM_M).max(LEAST_M);
+            let distance = (perceived.range_m(sensor) - RIM_M).max(MIN_DISTANCE_M);
             if distance < self.tuning.reach_m {
                 let force = self.tuning.strength * (1.0 / distance - 1.0 / self.tuning.reach_m)
                     / (distance * distance);
@@ -102,7 +97,7 @@ mod tests {
     use arena::world::Pose;
     use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
-    const TUNING: Tuning = Tuning {
+    const TUNING: PotentialFieldTuning = PotentialFieldTuning {
         reach_m: 1.0,
         strength: 0.25,
     };
@@ -120,13 +115,13 @@ mod tests {
 
     #[test]
     fn forces_add_up_as_by_hand() {
-        // Half a meter from the rim: 0.25 · (2 − 1) / 0.25 = 1, just the attraction.
+        // Half a meter from the edge: 0.25 · (2 − 1) / 0.25 = 1 balances the attraction.
         let left = hearing(4, 538, 0.0);
         let mut field = PotentialField::new(TUNING, 0.0);
         let step = field.decide(&left);
         assert!((step.angle() + FRAC_PI_4).abs() < 5e-3, "{step:?}");
         assert!((step.length() - STEP_M).abs() < 1e-12);
-        // A meter away nothing repels any more: without a target the course goes on.
+        // Nothing repels at 1 m: without a target the heading is kept.
         let far = field.decide(&hearing(4, 1_039, 0.0));
         assert!(far.distance(step) < 1e-12);
     }
@@ -135,7 +130,7 @@ mod tests {
     fn a_target_is_gone_to_whatever_the_course_and_the_ring() {
         let mut field = PotentialField::new(TUNING, 0.0);
         field.steer(Some(FRAC_PI_2));
-        // The ring looks backwards: a target to the left of the start is to its right.
+        // The ring looks backward: a target to the left of the start is to its right.
         let step = field.decide(&hearing(0, 5_000, PI));
         assert!(step.distance(Point::new(0.0, -STEP_M)) < 1e-12);
         field.steer(None);

@@ -1,33 +1,24 @@
-//! Lazy Q-learning: the moves are remembered as they were, values are worked out from the memory, no map is made.
+//! Baseline: lazy Q-learning; stores the moves and computes values from the memory, without a map.
 //!
-//! J. Sheppard, S. Salzberg, *A teaching strategy for memory-based control*, Artificial Intelligence Review 11, 1997,
-//! 343–370; for one robot C. Touzet, *Distributed lazy Q-learning for cooperative mobile robots*, International Journal of
-//! Advanced Robotic Systems 1(1), 2004. Only the abstracts were at hand; our reading: all moves are random; then the memory
-//! is swept until nothing changes,
-//!
-//! ```text
-//! Q_i ← r_i + γ max Q̂(s'_i, a)        Q̂(s, a) = mean of the k nearest Q_i, weighted by 1/(d² + ε)
-//! d² = |s − s_i|² + λ² |a − a_i|²
-//! ```
-//!
-//! and the robot takes the action of greatest Q̂ of the 16 along its transducers' axes. As for the mind's maps every
-//! sample counts turned by each of the ring's places as well, where that is asked for.
+//! J. Sheppard, S. Salzberg, Artificial Intelligence Review 11, 1997, 343–370; C. Touzet,
+//! International Journal of Advanced Robotic Systems 1(1), 2004. From the abstracts: all moves are
+//! random, then the memory is swept until no value changes. See [`QLazy`].
 
-use super::learning::{Experience, Learner, Reward, Schooling, Values, best_of, headings};
-use super::turned::Ring;
+use super::learning::{Experience, Learner, LearnerTraining, Reward, Values, best_of, headings};
+use super::rotation::RotatableRing;
 use arena::noise::Noise;
 use arena::world::Point;
 
-/// Most neighbors a value is a mean of.
+/// Largest number of neighbors in a mean.
 const MAX_NEIGHBORS: usize = 8;
-/// Sweeps of the memory at most, and the change at which they end.
+/// Largest number of sweeps, and the change at which they end.
 const SWEEPS: u32 = 500;
 const SETTLED: f64 = 1e-3;
-/// ε: how near is as near as can be.
+/// ε: limits the weight of a neighbor at distance 0.
 const NEAR: f64 = 1e-3;
 
-/// How it is taught; searched for likewise.
-pub const SCHOOLING: Schooling = Schooling {
+/// How it is trained; tuned as the constants.
+pub const TRAINING: LearnerTraining = LearnerTraining {
     far_m: 1.5,
     reward: Reward {
         fallen: 0.1,
@@ -41,20 +32,20 @@ pub const SCHOOLING: Schooling = Schooling {
     learns_on: false,
 };
 
-/// The learner's constants; the default values were searched for in rooms that nothing is compared in.
+/// The learner's constants; the defaults were tuned in rooms that no comparison uses.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tuning {
+pub struct QLazyTuning {
     /// k, 1 … 8.
     pub neighbors: usize,
     /// γ, 0 … below 1.
     pub discount: f64,
-    /// λ, the weight of an action beside the situation's components.
+    /// λ, the weight of an action relative to the situation's components.
     pub action_weight: f64,
-    /// Each sample counts turned by so many of the ring's places, 1 or 16.
+    /// Each sample counts in this many rotations of the ring: 1 or 16.
     pub turns: usize,
 }
 
-impl Default for Tuning {
+impl Default for QLazyTuning {
     fn default() -> Self {
         Self {
             neighbors: 4,
@@ -66,23 +57,30 @@ impl Default for Tuning {
 }
 
 /// A memory of moves and their values.
+///
+/// ```text
+/// Q_i ← r_i + γ max Q̂(s'_i, a)        Q̂(s, a) = mean of the k nearest Q_i, weighted by 1/(d² + ε)
+/// d² = |s − s_i|² + λ² |a − a_i|²
+/// ```
+///
+/// The robot takes the action with the greatest Q̂ among the 16 transducer axes.
 #[derive(Debug, Clone)]
 pub struct QLazy {
-    tuning: Tuning,
+    tuning: QLazyTuning,
     memory: Vec<Experience>,
-    /// The situations before each of them, for the search.
-    before: Vec<Ring>,
+    /// The situation before each move, for the search.
+    before: Vec<RotatableRing>,
     values: Vec<f64>,
 }
 
-/// The nearest samples found so far: squared distance and index, the nearest first.
+/// The nearest samples found so far: squared distance and index, nearest first.
 #[derive(Debug, Clone, Copy)]
-struct Nearest {
+struct NearestSamples {
     found: [(f64, usize); MAX_NEIGHBORS],
     wanted: usize,
 }
 
-impl Nearest {
+impl NearestSamples {
     fn new(wanted: usize) -> Self {
         Self {
             found: [(f64::INFINITY, 0); MAX_NEIGHBORS],
@@ -90,12 +88,12 @@ impl Nearest {
         }
     }
 
-    /// Nothing farther than this is taken any more.
+    /// Samples farther than this are not accepted.
     fn limit(&self) -> f64 {
         self.found.get(self.wanted - 1).map_or(0.0, |last| last.0)
     }
 
-    /// Takes a sample if it is near enough; whether it is.
+    /// Inserts a sample if it is near enough; returns whether it was.
     fn offer(&mut self, distance: f64, index: usize) -> bool {
         if distance >= self.limit() {
             return false;
@@ -109,7 +107,7 @@ impl Nearest {
         true
     }
 
-    /// The weighted mean of their values; 0 where there is none.
+    /// The weighted mean of the values; 0 without samples.
     fn mean(&self, values: &[f64]) -> f64 {
         let (mut sum, mut weights) = (0.0, 0.0);
         for (distance, index) in self.found.iter().take(self.wanted) {
@@ -126,7 +124,7 @@ impl Nearest {
 impl QLazy {
     /// An empty memory.
     #[must_use]
-    pub fn new(tuning: Tuning) -> Self {
+    pub fn new(tuning: QLazyTuning) -> Self {
         Self {
             tuning,
             memory: Vec::new(),
@@ -135,11 +133,11 @@ impl QLazy {
         }
     }
 
-    /// For each of the 16 actions, the samples nearest to it in this situation.
-    fn neighbors(&self, situation: &Values) -> [Nearest; 16] {
+    /// For each of the 16 actions, the nearest samples in this situation.
+    fn neighbors(&self, situation: &Values) -> [NearestSamples; 16] {
         let actions = headings();
         let weight = self.tuning.action_weight * self.tuning.action_weight;
-        let mut nearest = [Nearest::new(self.tuning.neighbors); 16];
+        let mut nearest = [NearestSamples::new(self.tuning.neighbors); 16];
         let mut farthest = f64::INFINITY;
         for turn in 0..self.tuning.turns {
             let places = turn * 16 / self.tuning.turns;
@@ -149,14 +147,17 @@ impl QLazy {
                 if apart >= farthest {
                     continue;
                 }
-                let taken = sample.asked.turned(direction);
+                let taken = sample.commanded.turned(direction);
                 let mut changed = false;
                 for (nearest, action) in nearest.iter_mut().zip(&actions) {
-                    let way = *action - taken;
-                    changed |= nearest.offer(apart + weight * way.dot(way), index);
+                    let difference = *action - taken;
+                    changed |= nearest.offer(apart + weight * difference.dot(difference), index);
                 }
                 if changed {
-                    farthest = nearest.iter().map(Nearest::limit).fold(0.0, f64::max);
+                    farthest = nearest
+                        .iter()
+                        .map(NearestSamples::limit)
+                        .fold(0.0, f64::max);
                 }
             }
         }
@@ -173,14 +174,14 @@ impl Learner for QLazy {
 
     fn learn(&mut self, experience: &Experience) {
         self.memory.push(*experience);
-        self.before.push(Ring::new(&experience.before));
+        self.before.push(RotatableRing::new(&experience.before));
         self.values.push(experience.reward);
     }
 
-    /// The samples are random ones: whatever it thinks, it does not act on it before the sweeps.
+    /// Samples are random: values do not exist before the sweeps.
     fn variation(&self, _: &Values, _: Point, noise: &mut Noise) -> Option<Point> {
-        let way = Point::unit(noise.uniform_in(0.0, std::f64::consts::TAU));
-        Some(way * noise.uniform())
+        let direction = Point::unit(noise.uniform_in(0.0, std::f64::consts::TAU));
+        Some(direction * noise.uniform())
     }
 
     fn settle(&mut self) {
@@ -222,7 +223,7 @@ mod tests {
     fn moved(before: usize, heading: usize, reward: f64, after: usize) -> Experience {
         Experience {
             before: place(before),
-            asked: axis(heading),
+            commanded: axis(heading),
             moved: axis(heading),
             after: place(after),
             reward,
@@ -231,13 +232,13 @@ mod tests {
 
     #[test]
     fn the_memory_is_swept_to_the_discounted_reward() {
-        let mut lazy = QLazy::new(Tuning {
+        let mut lazy = QLazy::new(QLazyTuning {
             neighbors: 1,
             discount: 0.9,
             action_weight: 0.1,
             turns: 1,
         });
-        // Three places in a row, a reward at the third, and back to the first.
+        // Three situations in a row with a reward at the third, and back to the first.
         for experience in [
             moved(0, 3, 0.0, 4),
             moved(4, 3, 0.0, 8),
@@ -254,13 +255,13 @@ mod tests {
 
     #[test]
     fn what_was_good_is_done_again_also_turned() {
-        let mut lazy = QLazy::new(Tuning {
+        let mut lazy = QLazy::new(QLazyTuning {
             neighbors: 1,
             discount: 0.0,
             action_weight: 1.0,
             turns: 16,
         });
-        // Every direction was tried in one place; one of them was good.
+        // Every direction was tried in one situation; one of them was good.
         for heading in 0..16 {
             let reward = if heading == 8 { 1.0 } else { -1.0 };
             lazy.learn(&moved(0, heading, reward, 4));

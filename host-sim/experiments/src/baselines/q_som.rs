@@ -1,13 +1,10 @@
-//! Q-learning with one self-organizing map (Q-KOHON) after C. Touzet, *Neural reinforcement learning for behavior
-//! synthesis*, Robotics and Autonomous Systems 22, 1997, 251–281.
+//! Baseline: Q-learning with one self-organizing map (Q-KOHON).
 //!
-//! Known from the abstract: a map learns obstacle avoidance more than 40 times faster than plain Q-learning. Our reading of
-//! the rest, as generally known: 16 neurons hold (situation, action, Q). The move is the action of the neuron nearest to
-//! (situation, any, Q = 1); while exploring it is varied. Afterwards the neuron nearest to (situation, action, any) and
-//! its four neighbors are drawn to (situation, action, Q + α (r + γ max Q' − Q)). Q is held in units of 1/(1 − γ), which
-//! bounds it by 1.
+//! C. Touzet, Robotics and Autonomous Systems 22, 1997, 251–281, from the abstract: a map learns
+//! obstacle avoidance more than 40 times faster than plain Q-learning. See [`QSom`] for our
+//! reading.
 
-use super::learning::{Experience, Learner, Reward, Schooling, Values};
+use super::learning::{Experience, Learner, LearnerTraining, Reward, Values};
 use amp::fixed::{Mask, Weight};
 use amp::som::Update;
 use amp::som::{Grid, Neighborhood, Som};
@@ -18,8 +15,8 @@ const DIMS: usize = 19;
 const ACTION: usize = 16;
 const VALUE: usize = 18;
 
-/// How it is taught; searched for likewise.
-pub const SCHOOLING: Schooling = Schooling {
+/// How it is trained; tuned as the constants.
+pub const TRAINING: LearnerTraining = LearnerTraining {
     far_m: 1.0,
     reward: Reward {
         fallen: 0.2,
@@ -33,29 +30,29 @@ pub const SCHOOLING: Schooling = Schooling {
     learns_on: false,
 };
 
-/// The learner's constants; the default values were searched for in rooms that nothing is compared in.
+/// The learner's constants; the defaults were tuned in rooms that no comparison uses.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tuning {
+pub struct QSomTuning {
     /// α of the Q rule, 0 … 1.
     pub rate: f64,
     /// γ, 0 … below 1.
     pub discount: f64,
-    /// Learning rate of the map at first; after n moves (turned ones counted) it is this times e^(−n/`fades`), but at
-    /// least `pull_least`.
+    /// Initial learning rate of the map. After n moves (rotations counted) it is this times
+    /// e^(−n/`fades`), but at least `pull_least`.
     pub pull: f64,
-    /// Learning rate of the map in the end.
+    /// Final learning rate of the map.
     pub pull_least: f64,
-    /// Moves over which the map's learning rate falls.
+    /// Time constant of the map's learning rate, in moves.
     pub fades: f64,
     /// The neighbors' share of the learning rate.
     pub share: f64,
-    /// Weight of the action's components beside the situation's, 0 … 1.
+    /// Weight of the action's components relative to the situation's, 0 … 1.
     pub action_weight: f64,
-    /// Weight of Q beside the situation's components, 0 … 1.
+    /// Weight of Q relative to the situation's components, 0 … 1.
     pub value_weight: f64,
 }
 
-impl Default for Tuning {
+impl Default for QSomTuning {
     fn default() -> Self {
         Self {
             rate: 0.5,
@@ -70,18 +67,22 @@ impl Default for Tuning {
     }
 }
 
-/// A map of (situation, action, Q).
+/// A map of 16 neurons (situation, action, Q).
+///
+/// The move is the action of the neuron nearest to (situation, any, Q = 1), varied while exploring.
+/// Then the neuron nearest to (situation, action, any) and its four neighbors are updated toward
+/// (situation, action, Q + α (r + γ max Q' − Q)). Q is in units of 1/(1 − γ), which bounds it by 1.
 #[derive(Debug, Clone)]
 pub struct QSom {
-    tuning: Tuning,
+    tuning: QSomTuning,
     map: Som<NEURONS, DIMS>,
     learned: u32,
 }
 
 impl QSom {
-    /// A map that knows nothing: every neuron has an action of its own, one for each of the ring's directions.
+    /// An untrained map: each neuron has an action along another of the ring's directions.
     #[must_use]
-    pub fn new(tuning: Tuning) -> Self {
+    pub fn new(tuning: QSomTuning) -> Self {
         let nowhere = [0.0; 16];
         let row = |neuron: usize| vector(&tuning, &nowhere, sim::ring_pilot::axis(neuron), 0.0);
         Self {
@@ -97,7 +98,7 @@ impl QSom {
             .map_or(0.0, |value| value.to_num())
     }
 
-    /// The neuron that answers what would be best here.
+    /// The neuron whose action is best in this situation.
     fn answering(&self, situation: &Values) -> usize {
         let probe = vector(&self.tuning, situation, Point::default(), 1.0);
         let mask = Mask::ALL.without(ACTION).without(ACTION + 1);
@@ -110,7 +111,7 @@ impl QSom {
     }
 }
 
-fn vector(tuning: &Tuning, situation: &Values, action: Point, value: f64) -> [Weight; DIMS] {
+fn vector(tuning: &QSomTuning, situation: &Values, action: Point, value: f64) -> [Weight; DIMS] {
     std::array::from_fn(|index| {
         let component = match index {
             ACTION => action.x * tuning.action_weight,
@@ -138,8 +139,8 @@ impl Learner for QSom {
     }
 
     fn learn(&mut self, experience: &Experience) {
-        let Tuning { rate, discount, .. } = self.tuning;
-        let probe = vector(&self.tuning, &experience.before, experience.asked, 0.0);
+        let QSomTuning { rate, discount, .. } = self.tuning;
+        let probe = vector(&self.tuning, &experience.before, experience.commanded, 0.0);
         let winner = self.map.bmu(&probe, Mask::ALL.without(VALUE));
         let most = self.value(self.answering(&experience.after));
         let value = self.value(winner);
@@ -149,7 +150,12 @@ impl Learner for QSom {
         let pull = (self.tuning.pull * fading).max(self.tuning.pull_least);
         let q16 = |value: f64| (value * 65_536.0 + 0.5) as u32;
         let pull = Update::from_q16(Neighborhood::Direct, q16(pull), q16(self.tuning.share));
-        let lesson = vector(&self.tuning, &experience.before, experience.asked, value);
+        let lesson = vector(
+            &self.tuning,
+            &experience.before,
+            experience.commanded,
+            value,
+        );
         self.map.update(winner, &lesson, Mask::ALL, &pull);
         self.learned = self.learned.saturating_add(1);
     }
@@ -164,7 +170,7 @@ mod tests {
     use super::*;
     use sim::ring_pilot::axis;
 
-    const TUNING: Tuning = Tuning {
+    const TUNING: QSomTuning = QSomTuning {
         rate: 1.0,
         discount: 0.5,
         pull: 1.0,
@@ -182,13 +188,13 @@ mod tests {
         near[2] = 1.0;
         let moved = |heading: usize, reward: f64| Experience {
             before: near,
-            asked: axis(heading),
+            commanded: axis(heading),
             moved: axis(heading),
             after: free,
             reward,
         };
         map.learn(&moved(10, 1.0));
-        // With rate and pull 1 the neuron becomes the experience: Q = 1 · (1 − γ) + γ · 0.
+        // With both rates 1 the neuron becomes the experience: Q = 1 · (1 − γ) + γ · 0.
         let winner = map.answering(&near);
         assert_eq!(winner, 10);
         assert!((map.value(winner) - 0.5).abs() < 1e-3);
@@ -205,13 +211,13 @@ mod tests {
         let here = [0.3; 16];
         let moved = Experience {
             before: here,
-            asked: axis(3),
+            commanded: axis(3),
             moved: axis(3),
             after: here,
             reward: 1.0,
         };
         (0..50).for_each(|_| map.learn(&moved));
-        // A reward of 1 for ever is 1/(1 − γ): 1 in the map's unit.
+        // A constant reward of 1 has the value 1/(1 − γ): 1 in the map's unit.
         assert!((map.value(map.answering(&here)) - 1.0).abs() < 1e-2);
     }
 }

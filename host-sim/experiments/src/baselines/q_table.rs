@@ -1,21 +1,17 @@
-//! Q-learning with a table: C. Watkins, P. Dayan, *Q-learning*, Machine Learning 8, 1992, 279–292.
+//! Baseline: Q-learning with a table (C. Watkins, P. Dayan, Machine Learning 8, 1992, 279–292).
 //!
-//! ```text
-//! Q(s, a) ← Q(s, a) + α (r + γ max Q(s', ·) − Q(s, a))
-//! ```
-//!
-//! States as in Touzet 1997 (our reading of what is generally known): values thresholded to eight bits, here one for each
-//! pair of neighboring sonars, so 256 situations. 16 actions: a whole step along each transducer's axis.
+//! States as in Touzet 1997: values thresholded to eight bits, here one per pair of neighboring
+//! sonars, so 256 situations. 16 actions: a whole step along each transducer's axis.
 
-use super::learning::{Experience, Learner, Reward, Schooling, Values, best_of, headings};
+use super::learning::{Experience, Learner, LearnerTraining, Reward, Values, best_of, headings};
 use arena::world::Point;
 use std::f64::consts::TAU;
 
 const STATES: usize = 256;
 const ACTIONS: usize = 16;
 
-/// How it is taught; searched for likewise.
-pub const SCHOOLING: Schooling = Schooling {
+/// How it is trained; tuned as the constants.
+pub const TRAINING: LearnerTraining = LearnerTraining {
     far_m: 0.6,
     reward: Reward {
         fallen: 0.4,
@@ -29,10 +25,10 @@ pub const SCHOOLING: Schooling = Schooling {
     learns_on: true,
 };
 
-/// The learner's constants; the default values were searched for in rooms that nothing is compared in.
+/// The learner's constants; the defaults were tuned in rooms that no comparison uses.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tuning {
-    /// A bit is set when one of its two values is above this.
+pub struct QTableTuning {
+    /// A bit is set when one of its two values exceeds this.
     pub threshold: f64,
     /// α, 0 … 1.
     pub rate: f64,
@@ -40,7 +36,7 @@ pub struct Tuning {
     pub discount: f64,
 }
 
-impl Default for Tuning {
+impl Default for QTableTuning {
     fn default() -> Self {
         Self {
             threshold: 0.2,
@@ -50,17 +46,17 @@ impl Default for Tuning {
     }
 }
 
-/// A table of Q values.
+/// A table of Q values: `Q(s, a) ← Q(s, a) + α (r + γ max Q(s', ·) − Q(s, a))`.
 #[derive(Debug, Clone)]
 pub struct QTable {
-    tuning: Tuning,
+    tuning: QTableTuning,
     values: Vec<[f32; ACTIONS]>,
 }
 
 impl QTable {
     /// All zero.
     #[must_use]
-    pub fn new(tuning: Tuning) -> Self {
+    pub fn new(tuning: QTableTuning) -> Self {
         Self {
             tuning,
             values: vec![[0.0; ACTIONS]; STATES],
@@ -80,8 +76,8 @@ impl QTable {
     }
 }
 
-fn action(asked: Point) -> usize {
-    let place = libm::rint(asked.angle() / TAU * ACTIONS as f64);
+fn action(commanded: Point) -> usize {
+    let place = libm::rint(commanded.angle() / TAU * ACTIONS as f64);
     place.rem_euclid(ACTIONS as f64) as usize % ACTIONS
 }
 
@@ -97,7 +93,7 @@ impl Learner for QTable {
         let target = experience.reward + self.tuning.discount * f64::from(most);
         let (state, rate) = (self.state(&experience.before), self.tuning.rate);
         let row = self.values.get_mut(state);
-        if let Some(value) = row.and_then(|row| row.get_mut(action(experience.asked))) {
+        if let Some(value) = row.and_then(|row| row.get_mut(action(experience.commanded))) {
             *value += (rate * (target - f64::from(*value))) as f32;
         }
     }
@@ -112,7 +108,7 @@ mod tests {
     use super::*;
     use sim::ring_pilot::axis;
 
-    const TUNING: Tuning = Tuning {
+    const TUNING: QTableTuning = QTableTuning {
         threshold: 0.5,
         rate: 0.5,
         discount: 0.9,
@@ -121,7 +117,7 @@ mod tests {
     fn moved(before: Values, heading: usize, reward: f64, after: Values) -> Experience {
         Experience {
             before,
-            asked: axis(heading),
+            commanded: axis(heading),
             moved: axis(heading),
             after,
             reward,
@@ -136,7 +132,7 @@ mod tests {
         assert_eq!((table.state(&free), table.state(&near)), (0, 4));
         table.learn(&moved(near, 13, 1.0, free));
         assert_eq!(table.row(4)[13], 0.5);
-        // 0 + 0.5 · (0 + 0.9 · 0.5) = 0.225 for the way there.
+        // 0 + 0.5 · (0 + 0.9 · 0.5) = 0.225 for the approach.
         table.learn(&moved(free, 5, 0.0, near));
         assert!((table.row(0)[5] - 0.225).abs() < 1e-6);
         // 0.5 + 0.5 · (1 + 0.9 · 0.225 − 0.5) = 0.85125.
@@ -145,7 +141,7 @@ mod tests {
         assert!(table.best(&near, axis(0)).distance(axis(13)) < 1e-12);
     }
 
-    /// A corridor of three situations with the reward at its end: known values γ² and γ and 1.
+    /// A corridor of three situations with the reward at its end: the values are γ², γ and 1.
     #[test]
     fn values_converge_to_the_discounted_reward() {
         let mut table = QTable::new(TUNING);

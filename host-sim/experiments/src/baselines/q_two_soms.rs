@@ -1,20 +1,10 @@
-//! Q-learning between two self-organizing maps: A. J. Smith, *Applications of the self-organizing map to reinforcement
-//! learning*, Neural Networks 15, 2002, 1107–1124.
+//! Baseline: Q-learning between a map of situations and a map of actions.
 //!
-//! One map of situations, one of actions, and a Q value for each pair of their neurons. For a situation with winner j an
-//! action neuron k is chosen by Q and its code vector varied to u. With reward r and the next situation's winner j':
-//!
-//! ```text
-//! if r + γ max Q[j', ·] > Q[j, k]:  the action map is drawn to u around k
-//! Q[m, n] ← Q[m, n] + α φ(j, m) φ(k, n) (r + γ max Q[j', ·] − Q[m, n])     for all m, n
-//! the situation map is drawn to the situation
-//! ```
-//!
-//! Our reading (only the paper's opening was at hand, and a later implementation of the algorithm for another task): φ is a
-//! Gaussian over the grid whose width and the maps' learning rates fall; exploring is ε-greedy as for the other learners,
-//! and k is the action neuron nearest to what was tried.
+//! A. J. Smith, Neural Networks 15, 2002, 1107–1124. Our reading of its opening: φ is a Gaussian
+//! whose width and learning rates fall; exploration is ε-greedy; k is the action neuron nearest to
+//! the tried action. See [`QTwoSoms`].
 
-use super::learning::{Experience, Learner, Reward, Schooling, Values, best_of};
+use super::learning::{Experience, Learner, LearnerTraining, Reward, Values, best_of};
 use amp::fixed::{Mask, Weight};
 use amp::som::Update;
 use amp::som::{Grid, Neighborhood, Som};
@@ -23,8 +13,8 @@ use arena::world::Point;
 /// Neurons of each map.
 const NEURONS: usize = 16;
 
-/// How it is taught; searched for likewise.
-pub const SCHOOLING: Schooling = Schooling {
+/// How it is trained; tuned as the constants.
+pub const TRAINING: LearnerTraining = LearnerTraining {
     far_m: 0.6,
     reward: Reward {
         fallen: 0.2,
@@ -38,24 +28,25 @@ pub const SCHOOLING: Schooling = Schooling {
     learns_on: true,
 };
 
-/// The learner's constants; the default values were searched for in rooms that nothing is compared in.
+/// The learner's constants; the defaults were tuned in rooms that no comparison uses.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tuning {
+pub struct QTwoSomsTuning {
     /// α of the Q rule, 0 … 1.
     pub rate: f64,
     /// γ, 0 … below 1.
     pub discount: f64,
-    /// Learning rate of both maps at first; it falls as e^(−n/`fades`) over the moves (turned ones counted).
+    /// Initial learning rate of both maps; it falls as e^(−n/`fades`) over the moves (rotations
+    /// counted).
     pub pull: f64,
-    /// Width σ of φ at first, in grid steps; it falls likewise.
+    /// Initial width σ of φ, in grid steps; it falls with the learning rate.
     pub width: f64,
-    /// Moves over which both fall.
+    /// Time constant of both, in moves.
     pub fades: f64,
-    /// Neither falls below this share of what it was.
+    /// Lower limit of both, as a share of their initial value.
     pub least: f64,
 }
 
-impl Default for Tuning {
+impl Default for QTwoSomsTuning {
     fn default() -> Self {
         Self {
             rate: 0.3,
@@ -68,10 +59,18 @@ impl Default for Tuning {
     }
 }
 
-/// Two maps and the values between them.
+/// Two maps and a Q value for each pair of their neurons.
+///
+/// With situation winner j, action neuron k varied to u, reward r and next winner j':
+///
+/// ```text
+/// if r + γ max Q[j', ·] > Q[j, k]:  the action map learns u around k
+/// Q[m, n] ← Q[m, n] + α φ(j, m) φ(k, n) (r + γ max Q[j', ·] − Q[m, n])     for all m, n
+/// the situation map learns the situation
+/// ```
 #[derive(Debug, Clone)]
 pub struct QTwoSoms {
-    tuning: Tuning,
+    tuning: QTwoSomsTuning,
     situations: Som<NEURONS, 16>,
     actions: Som<NEURONS, 2>,
     values: [[f64; NEURONS]; NEURONS],
@@ -79,10 +78,10 @@ pub struct QTwoSoms {
 }
 
 impl QTwoSoms {
-    /// Maps that know nothing: each situation neuron stands for something ahead of another transducer, each action neuron
-    /// for a step along another one, both in the order of a walk around the grid.
+    /// Untrained maps: each situation neuron has an obstacle before another transducer, each action
+    /// neuron a step along another axis, both in the order of a path around the grid.
     #[must_use]
-    pub fn new(tuning: Tuning) -> Self {
+    pub fn new(tuning: QTwoSomsTuning) -> Self {
         let grid = Grid::rectangle(4, 4);
         let ahead = |neuron: usize| {
             std::array::from_fn(|sensor| {
@@ -112,7 +111,7 @@ impl QTwoSoms {
         self.values.get(neuron).copied().unwrap_or([0.0; NEURONS])
     }
 
-    /// Learning rate and width of this move.
+    /// Factor of learning rate and width at this move.
     fn faded(&self) -> f64 {
         libm::exp(-f64::from(self.learned) / self.tuning.fades).max(self.tuning.least)
     }
@@ -126,7 +125,7 @@ fn weights(action: Point) -> [Weight; 2] {
     [weight(action.x), weight(action.y)]
 }
 
-/// φ between a neuron of a 4 × 4 grid and each of them.
+/// φ between one neuron of a 4 × 4 grid and each of them.
 fn nearness(neuron: usize, width: f64) -> [f64; NEURONS] {
     // The distance along one side is 0 … 3.
     let along: [f64; 4] = std::array::from_fn(|apart| {
@@ -142,16 +141,16 @@ impl Learner for QTwoSoms {
         let values = self.row(self.situation_neuron(situation));
         let unit = |row: &[amp::fixed::Weight32; 2]| {
             let [x, y] = row.map(|part| part.to_num::<f64>());
-            let way = Point::new(x, y);
-            way * (1.0 / way.length().max(1e-6))
+            let direction = Point::new(x, y);
+            direction * (1.0 / direction.length().max(1e-6))
         };
         best_of(self.actions.code().iter().map(unit).zip(values), course)
     }
 
     fn learn(&mut self, experience: &Experience) {
-        let asked = weights(experience.asked);
+        let commanded = weights(experience.commanded);
         let state = self.situation_neuron(&experience.before);
-        let action = self.actions.bmu(&asked, Mask::ALL);
+        let action = self.actions.bmu(&commanded, Mask::ALL);
         let next = self.row(self.situation_neuron(&experience.after));
         let most = next.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let target = experience.reward + self.tuning.discount * most;
@@ -161,7 +160,7 @@ impl Learner for QTwoSoms {
         let rate = q16(self.tuning.pull * faded);
         let pull = Update::from_q16(Neighborhood::Gaussian, rate, q16(width));
         if target > self.row(state).get(action).copied().unwrap_or(0.0) {
-            self.actions.update(action, &asked, Mask::ALL, &pull);
+            self.actions.update(action, &commanded, Mask::ALL, &pull);
         }
         let actions = nearness(action, width);
         for (row, near) in self.values.iter_mut().zip(nearness(state, width)) {
@@ -192,7 +191,7 @@ mod tests {
 
     #[test]
     fn values_and_maps_follow_the_rule_by_hand() {
-        let tuning = Tuning {
+        let tuning = QTwoSomsTuning {
             rate: 0.5,
             discount: 0.9,
             pull: 0.5,
@@ -204,19 +203,19 @@ mod tests {
         let mut near = [0.0; 16];
         near[0] = 0.5;
         let state = maps.situation_neuron(&near);
-        let asked = axis(5) * 0.9;
+        let commanded = axis(5) * 0.9;
         let moved = Experience {
             before: near,
-            asked,
-            moved: asked,
+            commanded,
+            moved: commanded,
             after: [0.0; 16],
             reward: 1.0,
         };
         maps.learn(&moved);
-        // The pair itself moves by α, the neighbor of one of the two by α e^(−1/2).
+        // The pair itself moves by α, a neighbor of one of the two by α e^(−1/2).
         assert!((maps.values[state][5] - 0.5).abs() < 1e-9);
         assert!((maps.values[state][6] - 0.5 * libm::exp(-0.5)).abs() < 1e-9);
-        // It was better than expected: the action map has come half the way.
+        // Better than expected: the action map moves half the distance.
         let [x, y] = maps.actions.code()[5].map(|part| part.to_num::<f64>());
         assert!(Point::new(x, y).distance(axis(5) * 0.95) < 2e-3);
         let value = maps.situations.code()[state][0].to_num::<f64>();
@@ -224,7 +223,7 @@ mod tests {
             reward: -1.0,
             ..moved
         });
-        // Worse than expected: the actions stay; the situations are drawn nearer all the same.
+        // Worse than expected: the action map does not change; the situation map still learns.
         let [x2, y2] = maps.actions.code()[5].map(|part| part.to_num::<f64>());
         assert_eq!([x, y], [x2, y2]);
         let closer = maps.situations.code()[state][0].to_num::<f64>();

@@ -1,16 +1,16 @@
-//! Random moves for ever: bearing and length uniform, as in the mind's exploration. What any method has to be better than.
+//! Baseline: random moves without end, as in the controller's exploration.
 
 use arena::noise::Noise;
 use arena::world::Point;
 use sim::ring_pilot::{Perceived, Policy, STEP_M};
 use std::f64::consts::TAU;
 
-/// A robot that moves at random.
+/// A robot that moves at random; bearing and length are uniform.
 #[derive(Debug, Clone)]
 pub struct RandomMoves(Noise);
 
 impl RandomMoves {
-    /// One whose moves are fixed by `seed`.
+    /// A robot whose moves are fixed by `seed`.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         Self(Noise::new(seed))
@@ -39,14 +39,14 @@ mod tests {
             last: None,
         };
         let mut moves = RandomMoves::new(3);
-        let (mut sum, mut way) = (Point::default(), 0.0);
+        let (mut sum, mut distance) = (Point::default(), 0.0);
         for _ in 0..10_000 {
             let step = moves.decide(&perceived);
             assert!(step.length() <= STEP_M);
             sum = sum + step;
-            way += step.length();
+            distance += step.length();
         }
         // Four standard errors: 0.144 m / 2 per component and 0.072 m, over a hundred.
-        assert!(sum.length() / 1e4 < 4.0 * 1.5e-3 && (way / 1e4 - 0.125).abs() < 4.0 * 7.3e-4);
+        assert!(sum.length() / 1e4 < 4.0 * 1.5e-3 && (distance / 1e4 - 0.125).abs() < 4.0 * 7.3e-4);
     }
 }

@@ -1,17 +1,7 @@
-//! VFH+: obstacles become a histogram over directions, its openings candidate directions, the cheapest one is driven.
+//! Baseline: VFH+; a histogram over directions has openings, the cheapest candidate is driven.
 //!
-//! I. Ulrich, J. Borenstein, *VFH+: reliable obstacle avoidance for fast mobile robots*, Proceedings of the IEEE
-//! International Conference on Robotics and Automation, 1998, 1572–1577. Four stages: primary polar histogram of the
-//! certainty grid, every cell enlarged by the robot's size; binary histogram with hysteresis; masked by what a robot that
-//! cannot turn on the spot could reach; candidates and their cost. What the paper leaves to the robot:
-//!
-//! * Each decision is a displacement, the Nomad steers on the spot: its turning radius is 0 and the mask equals the binary
-//!   histogram; a robot that cannot sets [`Tuning::turning_radius_m`].
-//! * Thresholds are given as distances: those at which a cell heard once counts as just as much.
-//! * Without a target the course is kept: it takes the target's place in the cost.
-//! * Where no direction is free (the paper's robot stops) the one with least in the way is taken, at the slowest.
-//! * The step is the shorter the more lies in its direction, as the speed in J. Borenstein, Y. Koren, *The vector field
-//!   histogram*, IEEE Transactions on Robotics and Automation 7(3), 1991, 278–288.
+//! I. Ulrich, J. Borenstein, *VFH+: reliable obstacle avoidance for fast mobile robots*, IEEE
+//! International Conference on Robotics and Automation, 1998, 1572–1577. See [`VfhPlus`].
 
 use super::certainty_grid::{CELL_M, CertaintyGrid, REACH_M, SIDE};
 use arena::robot::COLLISION_RADIUS_M;
@@ -23,26 +13,27 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 pub const SECTORS: usize = 72;
 const SECTOR: f64 = TAU / SECTORS as f64;
 
-/// The method's constants; the default values were searched for in rooms that nothing is compared in.
+/// The method's constants; the defaults were tuned in rooms that no comparison uses.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tuning {
-    /// Distance to keep from obstacles, m: the robot's radius and this enlarge each cell.
+pub struct VfhPlusTuning {
+    /// Distance to keep from obstacles, m: each cell is enlarged by the robot's radius and this.
     pub safety_m: f64,
-    /// A sector becomes blocked by a cell heard once at this distance or nearer, m.
+    /// A cell with one echo at this distance or nearer blocks a sector, m.
     pub blocked_m: f64,
-    /// A sector becomes free when a cell heard once at this distance would say as much, m; not below `blocked_m`.
+    /// A sector becomes free below the value of a cell with one echo at this distance, m; at least
+    /// `blocked_m`.
     pub free_m: f64,
-    /// Openings wider than this are driven along their edges, in sectors.
+    /// Openings wider than this have candidates at their edges, in sectors.
     pub wide: usize,
-    /// Weights of the difference from target, from the course and from the last choice.
+    /// Cost weights: difference from the target, from the heading, from the last direction.
     pub weights: [f64; 3],
-    /// The shortest step, as a share of the whole.
+    /// The shortest step, as a share of a whole step.
     pub slowest: f64,
-    /// Radius of the tightest turn, m; 0 = it turns on the spot.
+    /// Radius of the tightest turn, m; 0 = turns on the spot.
     pub turning_radius_m: f64,
 }
 
-impl Default for Tuning {
+impl Default for VfhPlusTuning {
     fn default() -> Self {
         Self {
             safety_m: 0.05,
@@ -56,9 +47,9 @@ impl Default for Tuning {
     }
 }
 
-impl Tuning {
-    /// The constants found for a robot with the mind's shield, or without one: where the shield keeps its margin, a way
-    /// that passes closer is none.
+impl VfhPlusTuning {
+    /// The constants found with or without the shield. The shield keeps its own margin, which makes
+    /// narrower openings useless.
     #[must_use]
     pub fn of(shield: bool) -> Self {
         let free = Self::default();
@@ -73,33 +64,43 @@ impl Tuning {
     }
 }
 
-/// A robot driven by VFH+.
+/// A robot driven by VFH+. Points that the paper leaves open:
+///
+/// * The Nomad steers on the spot: the mask equals the binary histogram unless
+///   [`VfhPlusTuning::turning_radius_m`] is set.
+/// * Thresholds are distances: that of a cell with one echo that has just the threshold's value.
+/// * Without a target, the heading replaces it in the cost.
+/// * If every direction is blocked, the robot takes the direction with the lowest value at the
+///   least speed.
+/// * The step shrinks with the value of its direction, as the speed in J. Borenstein, Y. Koren,
+///   *The vector field histogram*, IEEE Transactions on Robotics and Automation 7(3), 1991,
+///   278–288.
 #[derive(Debug, Clone)]
 pub struct VfhPlus {
-    tuning: Tuning,
+    tuning: VfhPlusTuning,
     grid: CertaintyGrid,
     blocked: [bool; SECTORS],
     target: Option<f64>,
     /// Direction of the last step, rad in the frame of the pose.
     course: f64,
-    /// The direction chosen last, likewise.
+    /// Direction of the last decision, rad in the frame of the pose.
     chosen: f64,
 }
 
-/// An occupied cell as the histogram sees it.
+/// An occupied cell as an entry of the histogram.
 #[derive(Debug, Clone, Copy)]
 struct Obstacle {
-    way: Point,
+    offset: Point,
     bearing: f64,
-    /// Half the angle it is enlarged to.
+    /// Half the angle to which it is enlarged.
     enlarged: f64,
     magnitude: f64,
 }
 
 impl VfhPlus {
-    /// A robot that starts along `course` (rad from the ring's x axis) and goes wherever the way is free.
+    /// A robot that starts along `course` (rad from the ring's x axis) and has no target.
     #[must_use]
-    pub fn new(tuning: Tuning, course: f64) -> Self {
+    pub fn new(tuning: VfhPlusTuning, course: f64) -> Self {
         Self {
             tuning,
             grid: CertaintyGrid::default(),
@@ -110,19 +111,19 @@ impl VfhPlus {
         }
     }
 
-    /// Radius to which the robot and its safety distance enlarge a cell, m.
+    /// Radius of an enlarged cell, m.
     fn enlargement(&self) -> f64 {
         COLLISION_RADIUS_M + self.tuning.safety_m
     }
 
     fn obstacles(&self, place: Point) -> Vec<Obstacle> {
-        let inside = |(way, count): (Point, u8)| {
-            let distance = way.length();
+        let inside = |(offset, count): (Point, u8)| {
+            let distance = offset.length();
             (distance < REACH_M).then(|| {
                 let ratio = self.enlargement() / distance;
                 Obstacle {
-                    way,
-                    bearing: way.angle(),
+                    offset,
+                    bearing: offset.angle(),
                     enlarged: if ratio < 1.0 {
                         libm::asin(ratio)
                     } else {
@@ -152,7 +153,7 @@ impl VfhPlus {
         histogram
     }
 
-    /// Stage 2: between the two thresholds a sector stays what it was.
+    /// Stage 2: between the two thresholds a sector keeps its state.
     fn update_blocked(&mut self, primary: &[f64; SECTORS]) {
         let blocks = magnitude(3, self.tuning.blocked_m.min(REACH_M));
         let frees = magnitude(3, self.tuning.free_m.min(REACH_M));
@@ -161,7 +162,7 @@ impl VfhPlus {
         }
     }
 
-    /// Stage 3: what a turn from the course would run into is blocked as well.
+    /// Stage 3: directions that a turn cannot reach without a collision are blocked.
     fn masked(&self, obstacles: &[Obstacle]) -> [bool; SECTORS] {
         let radius = self.tuning.turning_radius_m;
         if radius <= 0.0 {
@@ -169,15 +170,15 @@ impl VfhPlus {
         }
         let ahead = Point::unit(self.course);
         let aside = Point::new(-ahead.y, ahead.x) * radius;
-        // How far the robot can turn to the left and to the right of its course.
+        // Largest turn to the left and to the right.
         let (mut left, mut right) = (PI, PI);
         for obstacle in obstacles {
             let turn = wrap_angle(obstacle.bearing - self.course);
             let reach = radius + self.enlargement();
-            if turn >= 0.0 && obstacle.way.distance(aside) < reach {
+            if turn >= 0.0 && obstacle.offset.distance(aside) < reach {
                 left = left.min(turn);
             }
-            if turn <= 0.0 && obstacle.way.distance(-aside) < reach {
+            if turn <= 0.0 && obstacle.offset.distance(-aside) < reach {
                 right = right.min(-turn);
             }
         }
@@ -238,18 +239,19 @@ impl Steered for VfhPlus {
     }
 }
 
-/// Magnitude of a cell: its squared certainty times a − b d², where a − b d² is 1 at the window's rim (b = 1, d in cells).
+/// Magnitude of a cell: its squared certainty times a − b d², where a − b d² is 1 at the window's
+/// rim (b = 1, d in cells).
 fn magnitude(count: u8, distance_m: f64) -> f64 {
     let cells = |m: f64| (m / CELL_M) * (m / CELL_M);
     f64::from(count) * f64::from(count) * (1.0 + cells(REACH_M) - cells(distance_m))
 }
 
-/// Middle of a sector, rad.
+/// Center of a sector, rad.
 fn middle(sector: usize) -> f64 {
     sector as f64 * SECTOR
 }
 
-/// The sector whose middle is nearest to a direction.
+/// The sector whose center is nearest to a direction.
 fn sector_of(direction: f64) -> usize {
     libm::rint(direction / SECTOR).rem_euclid(SECTORS as f64) as usize % SECTORS
 }
@@ -259,15 +261,15 @@ fn difference(a: f64, b: f64) -> f64 {
     wrap_angle(a - b).abs()
 }
 
-/// Directions to choose from: the middle of narrow openings; of wide ones both edges, half the width of a wide opening
-/// inside, and the target where it lies between these.
+/// Candidate directions: the middle of narrow openings; of wide ones both edges, half a wide
+/// opening inside, and the target if it lies between these.
 fn candidates(blocked: &[bool; SECTORS], wide: usize, target: f64) -> Vec<f64> {
     let Some(first) = blocked.iter().position(|&blocked| blocked) else {
         return vec![target];
     };
     let mut candidates = Vec::new();
     let mut begin = None;
-    // From the blocked sector once around and back to it, so that no opening is cut in two.
+    // One turn from a blocked sector back to it: no opening is split.
     for place in first..=first + SECTORS {
         let is_blocked = blocked.get(place % SECTORS).copied().unwrap_or(true);
         match (begin, is_blocked) {
@@ -307,10 +309,10 @@ mod tests {
     use sim::episode::{Body, drive_pilot};
     use sim::ring_pilot::RingPilot;
 
-    /// 1 m away, enlarged to ±32°: no sector's middle lies on its rim.
+    /// 1 m away, enlarged to ±32°: no sector's center lies on its edge.
     fn obstacle(bearing: f64) -> Obstacle {
         Obstacle {
-            way: Point::unit(bearing),
+            offset: Point::unit(bearing),
             bearing,
             enlarged: 32.0_f64.to_radians(),
             magnitude: magnitude(3, 1.0),
@@ -330,7 +332,7 @@ mod tests {
 
     #[test]
     fn a_cell_weighs_by_certainty_and_distance() {
-        // At the rim c², a cell nearer by 1 m of 16: 9 · (1 + 256 − 100).
+        // c² at the edge; 1 m of 16 nearer: 9 · (1 + 256 − 100).
         assert!((magnitude(3, REACH_M) - 9.0).abs() < 1e-9);
         assert!((magnitude(3, 1.0) - 9.0 * 157.0).abs() < 1e-9);
         assert!((magnitude(15, 1.0) - 225.0 * 157.0).abs() < 1e-9);
@@ -353,10 +355,10 @@ mod tests {
     #[test]
     fn between_the_thresholds_a_sector_stays_what_it_was() {
         let mut vfh = VfhPlus::new(
-            Tuning {
+            VfhPlusTuning {
                 blocked_m: 0.8,
                 free_m: 1.0,
-                ..Tuning::default()
+                ..VfhPlusTuning::default()
             },
             0.0,
         );
@@ -371,10 +373,11 @@ mod tests {
 
     #[test]
     fn candidates_are_those_of_the_paper() {
-        // Blocked all around but for ±10°: a narrow opening's middle.
+        // Blocked except for ±10°: the middle of a narrow opening.
         let narrow = blocking(3..70);
         assert_eq!(degrees(&candidates(&narrow, 16, PI)), [0]);
-        // Free but for ±30°: a wide opening's edges, 40° inside, and the target between them.
+        // Free except for ±30°: the edges of a wide opening, 40° inside, and the target between
+        // them.
         let wide = blocking(66..79);
         assert_eq!(degrees(&candidates(&wide, 16, 0.0)), [75, -75]);
         assert_eq!(degrees(&candidates(&wide, 16, 1.6)), [75, -75, 92]);
@@ -384,34 +387,38 @@ mod tests {
 
     #[test]
     fn the_cost_prefers_the_target_and_then_the_course() {
-        let tuning = Tuning {
+        let tuning = VfhPlusTuning {
             wide: 16,
-            ..Tuning::default()
+            ..VfhPlusTuning::default()
         };
         let mut vfh = VfhPlus::new(tuning, -0.3);
         let wide = blocking(66..79);
         vfh.steer(Some(0.0));
-        // Both edges are as far from the target: the course settles it.
+        // Both edges are equally far from the target: the heading decides.
         assert_eq!(
-            vfh.choose(&wide).map(|way| degrees(&[way])),
+            vfh.choose(&wide).map(|direction| degrees(&[direction])),
             Some(vec![-75])
         );
         vfh.steer(Some(0.3));
-        assert_eq!(vfh.choose(&wide).map(|way| degrees(&[way])), Some(vec![75]));
+        assert_eq!(
+            vfh.choose(&wide).map(|direction| degrees(&[direction])),
+            Some(vec![75])
+        );
     }
 
     #[test]
     fn what_cannot_be_turned_to_is_masked() {
-        let mut tuning = Tuning::default();
+        let mut tuning = VfhPlusTuning::default();
         let left = obstacle(1.0);
-        let free = |tuning: Tuning| {
+        let free = |tuning: VfhPlusTuning| {
             let vfh = VfhPlus::new(tuning, 0.0);
             let masked = vfh.masked(&[left]);
             move |angle: f64| !masked[sector_of(angle)]
         };
         let on_the_spot = free(tuning);
         assert!(on_the_spot(0.5) && on_the_spot(1.5) && on_the_spot(-1.5));
-        // The circle around (0, 1 m) meets what is 1 m away at 57°, that around (0, −1 m) does not.
+        // The circle around (0, 1 m) hits the obstacle 1 m away at 57°, the circle around (0, −1 m)
+        // does not.
         tuning.turning_radius_m = 1.0;
         let in_a_curve = free(tuning);
         assert!(in_a_curve(0.5) && !in_a_curve(1.5) && in_a_curve(-1.5));
@@ -421,17 +428,17 @@ mod tests {
     fn it_goes_where_it_is_steered_and_touches_nothing() {
         let world = World::random(20_001);
         let drive = |target: Option<f64>, steps: u32| {
-            let mut pilot = RingPilot::new(VfhPlus::new(Tuning::default(), 0.0), None);
+            let mut pilot = RingPilot::new(VfhPlus::new(VfhPlusTuning::default(), 0.0), None);
             pilot.policy_mut().steer(target);
             let body = Body::new(&world, SonarModel::Ideal, TurretMode::Held, 1);
             let tally = drive_pilot(&world, &mut pilot, body, steps).expect("it drives");
             assert_eq!(tally.contacts, 0, "{target:?}");
             pilot.pose().position
         };
-        // Nothing is nearer than 1 m to the start.
+        // Everything is more than 1 m from the start.
         for target in [0.0, 1.0, -2.0] {
-            let way = drive(Some(target), 2);
-            assert!(difference(way.angle(), target) < 0.2, "{way:?}");
+            let direction = drive(Some(target), 2);
+            assert!(difference(direction.angle(), target) < 0.2, "{direction:?}");
             drive(Some(target), 100);
         }
         drive(None, 300);

@@ -1,10 +1,11 @@
-//! One method in one world with one seed: it learns, is set down at the start again, and is measured.
+//! Drives one method in one world with one seed: it learns, restarts at the world's start, is
+//! measured.
 
-use super::method::{Constants, MOVES, Method};
-use super::watch::{Seen, Watched};
+use super::method::{ComparedMethod, Constants, MOVES};
+use super::observer::{DriverObservation, ObservedDriver};
 use crate::baselines::{
-    Learner, Nearest, PotentialField, QLazy, QSom, QTable, QTwoSoms, RandomMoves, Trainee, VfhPlus,
-    learning::Schooling, nearest,
+    Learner, LearnerDriver, NearestSample, PotentialField, QLazy, QSom, QTable, QTwoSoms,
+    RandomMoves, VfhPlus, learning::LearnerTraining, nearest,
 };
 use amp::config::Config;
 use amp::controller::StatePart;
@@ -23,57 +24,58 @@ use std::f64::consts::TAU;
 /// How a method is measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Conditions {
-    /// Decisions that are measured, after learning.
+    /// Measured decisions, after learning.
     pub steps: u32,
-    /// What the sonars return.
+    /// Sonar model.
     pub sonar: SonarModel,
-    /// The shield limits every motion, while learning too.
+    /// The shield limits every motion, including those of learning.
     pub shield: bool,
-    /// Look at the machine's clock.
+    /// Measures wall time.
     pub timed: bool,
 }
 
-/// What came of one method with one budget, world and seed.
+/// Result of one method with one budget, world and seed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Outcome {
+pub struct MethodOutcome {
     /// Contacts while learning.
     pub learning_contacts: u32,
-    /// Steps with contact, of those measured.
+    /// Measured steps with contact.
     pub contacts: u32,
-    /// Way traveled, m.
+    /// Distance traveled, m.
     pub distance_m: f64,
     /// Area swept, m².
     pub coverage_m2: f64,
-    /// Least gap to any surface, m.
+    /// Smallest gap to any surface, m.
     pub clearance_m: f64,
-    /// Bytes of what it has learned or remembers.
+    /// Bytes of the learned state.
     pub bytes: usize,
-    /// What was seen of its decisions.
-    pub seen: Seen,
+    /// Observation of its decisions.
+    pub observation: DriverObservation,
 }
 
-/// A method about to be measured.
-pub struct Candidate<'a> {
+/// A method with its constants and budgets.
+pub struct MethodUnderTest<'a> {
     /// The method.
-    pub method: Method,
+    pub method: ComparedMethod,
     /// Its constants.
     pub constants: &'a Constants,
-    /// Learning moves after which it is measured, rising; those of [`Method::budgets`].
+    /// Numbers of learning moves after which it is measured, rising; those of
+    /// [`ComparedMethod::budgets`].
     pub budgets: &'a [u32],
 }
 
-/// Measures a method after each of its budgets of learning moves; the longer trainings go on from the shorter ones.
+/// Measures a method after each of its budgets; a longer training continues the shorter one.
 ///
 /// # Errors
-/// When the mind refuses a command or falls silent.
+/// When the controller refuses a command or does not answer.
 pub fn drive(
-    candidate: &Candidate<'_>,
+    candidate: &MethodUnderTest<'_>,
     world: &World,
     seed: u64,
     conditions: &Conditions,
-) -> Result<Vec<Outcome>, Failure> {
+) -> Result<Vec<MethodOutcome>, Failure> {
     let constants = candidate.constants;
-    let place = Place {
+    let place = MeasuredSite {
         world,
         seeds: Seeds::of(seed),
         conditions,
@@ -81,45 +83,47 @@ pub fn drive(
     let budgets = candidate.budgets;
     let course = place.course();
     match candidate.method {
-        Method::Random => place.fixed(RandomMoves::new(place.seeds.exploration)),
-        Method::Braitenberg => place.fixed(Braitenberg::towards(constants.braitenberg, course)),
-        Method::PotentialField => {
+        ComparedMethod::Random => place.fixed(RandomMoves::new(place.seeds.exploration)),
+        ComparedMethod::Braitenberg => {
+            place.fixed(Braitenberg::towards(constants.braitenberg, course))
+        }
+        ComparedMethod::PotentialField => {
             place.fixed(PotentialField::new(constants.potential_field, course))
         }
-        Method::VfhPlus => place.fixed(VfhPlus::new(constants.vfh_plus, course)),
-        Method::NearestChange => place.nearest(constants.nearest_change, budgets),
-        Method::NearestPair => place.nearest(constants.nearest_pair, budgets),
-        Method::QLazy => {
-            let (tuning, schooling) = constants.q_lazy;
-            place.taught(QLazy::new(tuning), schooling, budgets)
+        ComparedMethod::VfhPlus => place.fixed(VfhPlus::new(constants.vfh_plus, course)),
+        ComparedMethod::NearestChange => place.nearest(constants.nearest_change, budgets),
+        ComparedMethod::NearestPair => place.nearest(constants.nearest_pair, budgets),
+        ComparedMethod::QLazy => {
+            let (tuning, training) = constants.q_lazy;
+            place.train_and_measure(QLazy::new(tuning), training, budgets)
         }
-        Method::QTable => {
-            let (tuning, schooling) = constants.q_table;
-            place.taught(QTable::new(tuning), schooling, budgets)
+        ComparedMethod::QTable => {
+            let (tuning, training) = constants.q_table;
+            place.train_and_measure(QTable::new(tuning), training, budgets)
         }
-        Method::QSom => {
-            let (tuning, schooling) = constants.q_som;
-            place.taught(QSom::new(tuning), schooling, budgets)
+        ComparedMethod::QSom => {
+            let (tuning, training) = constants.q_som;
+            place.train_and_measure(QSom::new(tuning), training, budgets)
         }
-        Method::QTwoSoms => {
-            let (tuning, schooling) = constants.q_two_soms;
-            place.taught(QTwoSoms::new(tuning), schooling, budgets)
+        ComparedMethod::QTwoSoms => {
+            let (tuning, training) = constants.q_two_soms;
+            place.train_and_measure(QTwoSoms::new(tuning), training, budgets)
         }
-        Method::Default => place.mind(Config::recommended(), TurretMode::Held, seed),
-        Method::Probe => place.mind(Config::probing(), TurretMode::Held, seed),
-        Method::Touzet => place.mind(Config::touzet(), TurretMode::Follow, seed),
+        ComparedMethod::Default => place.mind(Config::recommended(), TurretMode::Held, seed),
+        ComparedMethod::Probe => place.mind(Config::probing(), TurretMode::Held, seed),
+        ComparedMethod::Touzet => place.mind(Config::touzet(), TurretMode::Follow, seed),
     }
 }
 
-/// A world, a seed and how it is measured there.
-struct Place<'a> {
+/// A world, a seed and the conditions.
+struct MeasuredSite<'a> {
     world: &'a World,
     seeds: Seeds,
     conditions: &'a Conditions,
 }
 
-impl Place<'_> {
-    /// The course with which a driver begins that has none of its own.
+impl MeasuredSite<'_> {
+    /// First heading of a driver that has none of its own.
     fn course(&self) -> f64 {
         Noise::new(self.seeds.exploration).uniform_in(0.0, TAU)
     }
@@ -134,34 +138,43 @@ impl Place<'_> {
         RingPilot::new(policy, shield.filter(|_| self.conditions.shield))
     }
 
-    /// Measures a policy as it is.
-    fn measured<P: Policy>(&self, policy: P, learning_contacts: u32) -> Result<Outcome, Failure> {
-        let mut watched = Watched::new(self.pilot(policy), self.conditions.timed);
-        let tally = drive_pilot(self.world, &mut watched, self.body(), self.conditions.steps)?;
-        Ok(Outcome {
+    /// Measures a policy without training.
+    fn measured<P: Policy>(
+        &self,
+        policy: P,
+        learning_contacts: u32,
+    ) -> Result<MethodOutcome, Failure> {
+        let mut observer = ObservedDriver::new(self.pilot(policy), self.conditions.timed);
+        let tally = drive_pilot(
+            self.world,
+            &mut observer,
+            self.body(),
+            self.conditions.steps,
+        )?;
+        Ok(MethodOutcome {
             learning_contacts,
             contacts: tally.contacts,
             distance_m: tally.distance_m,
             coverage_m2: tally.coverage_m2(),
             clearance_m: tally.min_clearance_m.unwrap_or(0.0),
-            bytes: watched.driver().policy().bytes(),
-            seen: watched.seen(),
+            bytes: observer.driver().policy().bytes(),
+            observation: observer.observation(),
         })
     }
 
-    fn fixed<P: Policy>(&self, policy: P) -> Result<Vec<Outcome>, Failure> {
+    fn fixed<P: Policy>(&self, policy: P) -> Result<Vec<MethodOutcome>, Failure> {
         Ok(vec![self.measured(policy, 0)?])
     }
 
-    /// Teaches a learner in this world and measures it after each budget. Nothing is reset in between: after a contact the
-    /// robot stays where it is.
-    fn taught<L: Learner>(
+    /// Trains a learner in this world and measures it after each budget. Nothing is reset in
+    /// between: after a contact the robot stays where it is.
+    fn train_and_measure<L: Learner>(
         &self,
         learner: L,
-        schooling: Schooling,
+        training: LearnerTraining,
         budgets: &[u32],
-    ) -> Result<Vec<Outcome>, Failure> {
-        let trainee = Trainee::new(learner, schooling, self.seeds.exploration);
+    ) -> Result<Vec<MethodOutcome>, Failure> {
+        let trainee = LearnerDriver::new(learner, training, self.seeds.exploration);
         let mut pilot = self.pilot(trainee);
         let mut body = self.body();
         let mut outcomes = Vec::new();
@@ -177,11 +190,11 @@ impl Place<'_> {
 
     fn nearest(
         &self,
-        (tuning, far_m): (nearest::Tuning, f64),
+        (tuning, far_m): (nearest::NearestTuning, f64),
         budgets: &[u32],
-    ) -> Result<Vec<Outcome>, Failure> {
-        let schooling = nearest::schooling(&tuning, far_m);
-        self.taught(Nearest::new(tuning), schooling, budgets)
+    ) -> Result<Vec<MethodOutcome>, Failure> {
+        let training = nearest::training(&tuning, far_m);
+        self.train_and_measure(NearestSample::new(tuning), training, budgets)
     }
 
     fn mind(
@@ -189,7 +202,7 @@ impl Place<'_> {
         mut config: Config<16>,
         turret: TurretMode,
         seed: u64,
-    ) -> Result<Vec<Outcome>, Failure> {
+    ) -> Result<Vec<MethodOutcome>, Failure> {
         if !self.conditions.shield {
             config.shield = None;
         }
@@ -202,28 +215,28 @@ impl Place<'_> {
             seed,
             sonar: self.conditions.sonar,
             turret,
-            // All methods are measured from the world's start.
+            // Every method is measured from the world's start.
             set_down: Some(self.world.start().position),
             faults: Vec::new(),
             record: false,
         };
-        let mut watched = Watched::new(Mind::new(config), self.conditions.timed);
-        let report = run_with(self.world, &setup, &mut watched, |_, _, _| {})?.report;
-        let state = watched.driver().state();
+        let mut observer = ObservedDriver::new(Mind::new(config), self.conditions.timed);
+        let report = run_with(self.world, &setup, &mut observer, |_, _, _| {})?.report;
+        let state = observer.driver().state();
         let parts = [
             StatePart::Situations,
             StatePart::Changes,
             StatePart::Actions,
             StatePart::Memory,
         ];
-        Ok(vec![Outcome {
+        Ok(vec![MethodOutcome {
             learning_contacts: report.explore_contacts,
             contacts: report.contacts,
             distance_m: report.distance_m,
             coverage_m2: report.coverage_m2,
             clearance_m: report.min_clearance_m,
             bytes: parts.iter().map(|part| state.part_len(*part)).sum(),
-            seen: watched.seen(),
+            observation: observer.observation(),
         }])
     }
 }
@@ -239,8 +252,8 @@ mod tests {
         timed: false,
     };
 
-    fn outcomes(method: Method, budgets: &[u32], shield: bool) -> Vec<Outcome> {
-        let candidate = Candidate {
+    fn outcomes(method: ComparedMethod, budgets: &[u32], shield: bool) -> Vec<MethodOutcome> {
+        let candidate = MethodUnderTest {
             method,
             constants: &Constants::of(false),
             budgets,
@@ -254,7 +267,7 @@ mod tests {
 
     #[test]
     fn every_method_drives_and_touches_nothing_with_the_shield() {
-        for method in Method::ALL {
+        for method in ComparedMethod::ALL {
             let budgets = method.budgets(&[20, 40]);
             let outcomes = outcomes(method, &budgets, true);
             assert_eq!(outcomes.len(), budgets.len());
@@ -265,15 +278,15 @@ mod tests {
                     "{method:?}"
                 );
                 assert!(outcome.distance_m > 0.5 && outcome.bytes > 0, "{method:?}");
-                assert!(outcome.seen.decisions >= 60, "{method:?}");
+                assert!(outcome.observation.decisions >= 60, "{method:?}");
             }
         }
     }
 
     #[test]
     fn a_long_training_goes_on_from_the_short_one() {
-        let alone = outcomes(Method::QTable, &[150], false);
-        let both = outcomes(Method::QTable, &[50, 150], false);
+        let alone = outcomes(ComparedMethod::QTable, &[150], false);
+        let both = outcomes(ComparedMethod::QTable, &[50, 150], false);
         assert_eq!(alone[0], both[1]);
         assert_ne!(both[0], both[1]);
     }

@@ -1,7 +1,8 @@
-//! The methods that are compared, their names and their constants.
+//! The compared methods, their names and their constants.
 
 use crate::baselines::{
-    learning::Schooling, nearest, potential_field, q_lazy, q_som, q_table, q_two_soms, vfh_plus,
+    learning::LearnerTraining, nearest, potential_field, q_lazy, q_som, q_table, q_two_soms,
+    vfh_plus,
 };
 
 use files::error::BadInput;
@@ -10,18 +11,18 @@ use std::str::FromStr;
 
 /// A method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Method {
-    /// Random moves for ever.
+pub enum ComparedMethod {
+    /// Random moves without end.
     Random,
-    /// The hand-written yardstick.
+    /// The hand-written reference.
     Braitenberg,
-    /// Khatib's forces.
+    /// Khatib's potential field.
     PotentialField,
-    /// Ulrich and Borenstein's histogram.
+    /// VFH+ of Ulrich and Borenstein.
     VfhPlus,
-    /// The sample with the nearest change, no maps.
+    /// The sample with the nearest change, without maps.
     NearestChange,
-    /// The sample with the nearest pair of situations, no maps.
+    /// The sample with the nearest pair of situations, without maps.
     NearestPair,
     /// Lazy Q-learning.
     QLazy,
@@ -31,16 +32,16 @@ pub enum Method {
     QSom,
     /// Q-learning between two maps.
     QTwoSoms,
-    /// The mind, preset `default`.
+    /// The controller with the preset `default`.
     Default,
-    /// The mind, preset `probe`.
+    /// The controller with the preset `probe`.
     Probe,
-    /// The mind, preset `touzet`.
+    /// The controller with the preset `touzet`.
     Touzet,
 }
 
-impl Method {
-    /// All of them, in the tables' order.
+impl ComparedMethod {
+    /// All methods, in the order of the tables.
     pub const ALL: [Self; 13] = [
         Self::Default,
         Self::Probe,
@@ -57,7 +58,7 @@ impl Method {
         Self::QTwoSoms,
     ];
 
-    /// Its name on the command line and in tables.
+    /// Name on the command line and in tables.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -77,29 +78,31 @@ impl Method {
         }
     }
 
-    /// Whether it learns by reward, move by move, so that more moves may make it better.
+    /// Whether it learns by reward, move by move: more moves may improve it.
     #[must_use]
-    pub const fn goes_on_learning(self) -> bool {
+    pub const fn learns_by_reward(self) -> bool {
         matches!(self, Self::QTable | Self::QSom | Self::QTwoSoms)
     }
 
-    /// The budgets of learning moves it is measured with, of those asked for: all of them where more moves may make it
-    /// better; the mind's 100 for what learns from a memory (lazy Q-learning also 200); none for what does not learn.
+    /// Numbers of learning moves with which the method is measured, from those in `requested`.
+    ///
+    /// All of them for learners by reward; the controller's 100 for methods with a memory (lazy
+    /// Q-learning also 200); 0 for methods that do not learn.
     #[must_use]
-    pub fn budgets(self, asked: &[u32]) -> Vec<u32> {
+    pub fn budgets(self, requested: &[u32]) -> Vec<u32> {
         match self {
             Self::Random | Self::Braitenberg | Self::PotentialField | Self::VfhPlus => vec![0],
             Self::QLazy => vec![MOVES, 2 * MOVES],
-            _ if self.goes_on_learning() => asked.to_vec(),
+            _ if self.learns_by_reward() => requested.to_vec(),
             _ => vec![MOVES],
         }
     }
 }
 
-/// Random moves of the mind and of the methods with a lazy memory.
+/// Random moves of the controller and of the methods with a lazy memory.
 pub const MOVES: u32 = 100;
 
-impl FromStr for Method {
+impl FromStr for ComparedMethod {
     type Err = BadInput;
 
     fn from_str(text: &str) -> Result<Self, BadInput> {
@@ -108,43 +111,43 @@ impl FromStr for Method {
     }
 }
 
-/// The constants of all methods; those of [`Constants::of`] are what the search found.
+/// The constants of all methods; [`Constants::of`] returns those that the search found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Constants {
-    /// Of the yardstick.
+    /// Of the hand-written reference.
     pub braitenberg: braitenberg::Tuning,
     /// Of the potential field.
-    pub potential_field: potential_field::Tuning,
+    pub potential_field: potential_field::PotentialFieldTuning,
     /// Of VFH+.
-    pub vfh_plus: vfh_plus::Tuning,
+    pub vfh_plus: vfh_plus::VfhPlusTuning,
     /// Of the nearest change, and its far limit in m.
-    pub nearest_change: (nearest::Tuning, f64),
-    /// Of the nearest pair, and its far limit in m.
-    pub nearest_pair: (nearest::Tuning, f64),
+    pub nearest_change: (nearest::NearestTuning, f64),
+    /// Of the nearest change, and its far limit in m.
+    pub nearest_pair: (nearest::NearestTuning, f64),
     /// Of lazy Q-learning.
-    pub q_lazy: (q_lazy::Tuning, Schooling),
+    pub q_lazy: (q_lazy::QLazyTuning, LearnerTraining),
     /// Of Q-learning with a table.
-    pub q_table: (q_table::Tuning, Schooling),
+    pub q_table: (q_table::QTableTuning, LearnerTraining),
     /// Of Q-learning with one map.
-    pub q_som: (q_som::Tuning, Schooling),
+    pub q_som: (q_som::QSomTuning, LearnerTraining),
     /// Of Q-learning between two maps.
-    pub q_two_soms: (q_two_soms::Tuning, Schooling),
+    pub q_two_soms: (q_two_soms::QTwoSomsTuning, LearnerTraining),
 }
 
 impl Constants {
-    /// Those for robots with the mind's shield, or without one.
+    /// The constants found with or without the shield.
     #[must_use]
     pub fn of(shield: bool) -> Self {
         Self {
             braitenberg: braitenberg::Tuning::default(),
-            potential_field: potential_field::Tuning::default(),
-            vfh_plus: vfh_plus::Tuning::of(shield),
-            nearest_change: (nearest::Tuning::CHANGE, nearest::FAR_M),
-            nearest_pair: (nearest::Tuning::PAIR, nearest::FAR_M),
-            q_lazy: (q_lazy::Tuning::default(), q_lazy::SCHOOLING),
-            q_table: (q_table::Tuning::default(), q_table::SCHOOLING),
-            q_som: (q_som::Tuning::default(), q_som::SCHOOLING),
-            q_two_soms: (q_two_soms::Tuning::default(), q_two_soms::SCHOOLING),
+            potential_field: potential_field::PotentialFieldTuning::default(),
+            vfh_plus: vfh_plus::VfhPlusTuning::of(shield),
+            nearest_change: (nearest::NearestTuning::CHANGE, nearest::FAR_M),
+            nearest_pair: (nearest::NearestTuning::PAIR, nearest::FAR_M),
+            q_lazy: (q_lazy::QLazyTuning::default(), q_lazy::TRAINING),
+            q_table: (q_table::QTableTuning::default(), q_table::TRAINING),
+            q_som: (q_som::QSomTuning::default(), q_som::TRAINING),
+            q_two_soms: (q_two_soms::QTwoSomsTuning::default(), q_two_soms::TRAINING),
         }
     }
 }
@@ -155,10 +158,12 @@ mod tests {
 
     #[test]
     fn names_are_taken_back_and_the_nearest_is_suggested() {
-        for method in Method::ALL {
+        for method in ComparedMethod::ALL {
             assert_eq!(method.name().parse(), Ok(method));
         }
-        let error = "q-tabel".parse::<Method>().expect_err("no such method");
+        let error = "q-tabel"
+            .parse::<ComparedMethod>()
+            .expect_err("no such method");
         assert!(error.to_string().contains("did you mean \"q-table\"?"));
     }
 }

@@ -1,63 +1,68 @@
-//! The mind against other methods: the same robot, sonars, worlds, seeds and budgets of moves; means with intervals,
-//! differences from the preset `default` paired by world and seed.
+//! Comparison with other methods: the same robot, sonars, worlds, seeds and numbers of moves.
+//!
+//! Prints means with intervals, and differences from the preset `default` paired by world and seed.
 
 mod drive;
 mod method;
+mod observer;
 mod row;
 pub mod search;
-mod watch;
 
-pub use drive::{Candidate, Conditions, Outcome, drive};
-pub use method::{Constants, MOVES, Method};
-pub use row::{Differences, Figures, Row};
-pub use watch::Seen;
+pub use drive::{Conditions, MethodOutcome, MethodUnderTest, drive};
+pub use method::{ComparedMethod, Constants, MOVES};
+pub use observer::DriverObservation;
+pub use row::{ComparisonRow, Differences, MethodFigures};
 
 use arena::world::World;
 use rayon::prelude::*;
 use sim::failure::Failure;
 
-/// What is compared where.
+/// What is compared.
 #[derive(Debug, Clone)]
-pub struct Plan {
+pub struct ComparisonPlan {
     /// The worlds.
     pub worlds: Vec<World>,
-    /// Seed of the first episode in each world; each further one has the next.
+    /// Seed of the first episode in each world; each further episode uses the next seed.
     pub first_seed: u64,
     /// Episodes in each world.
     pub seeds: u32,
-    /// Methods, in the tables' order.
-    pub methods: Vec<Method>,
-    /// Budgets of those that go on learning, rising.
+    /// Methods, in the order of the tables.
+    pub methods: Vec<ComparedMethod>,
+    /// Learning moves of the methods that learn by reward, rising.
     pub moves: Vec<u32>,
-    /// Shield off, on, or both one after the other; the rest is the same for all.
+    /// Shield off, on, or both one after the other; everything else is equal.
     pub conditions: Vec<Conditions>,
 }
 
-impl Plan {
-    /// How many (world, seed, method, conditions) there are: how often `done` will be called.
+impl ComparisonPlan {
+    /// Number of (world, seed, method, conditions): how often `done` is called.
     #[must_use]
     pub fn len(&self) -> usize {
         self.worlds.len() * self.seeds as usize * self.methods.len() * self.conditions.len()
     }
 
-    /// Whether nothing is to be measured.
+    /// Whether there is nothing to measure.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 }
 
-/// Measures everything, on all cores; the rows come by condition, method and budget. `done` is called after each episode.
+/// Measures everything on all cores; rows are ordered by condition, method and budget. `done` is
+/// called after each episode.
 ///
 /// # Errors
 /// When an episode fails.
-pub fn measure(plan: &Plan, done: &(impl Fn() + Sync)) -> Result<Vec<Row>, Failure> {
+pub fn measure(
+    plan: &ComparisonPlan,
+    done: &(impl Fn() + Sync),
+) -> Result<Vec<ComparisonRow>, Failure> {
     let mut rows = Vec::new();
     for conditions in &plan.conditions {
         let constants = Constants::of(conditions.shield);
         for method in &plan.methods {
             let budgets = method.budgets(&plan.moves);
-            let candidate = Candidate {
+            let candidate = MethodUnderTest {
                 method: *method,
                 constants: &constants,
                 budgets: &budgets,
@@ -72,17 +77,17 @@ pub fn measure(plan: &Plan, done: &(impl Fn() + Sync)) -> Result<Vec<Row>, Failu
                 let seeds = (0..plan.seeds).into_par_iter();
                 seeds.map(|seed| of_seed(world, seed)).collect()
             };
-            let measured: Result<Vec<Vec<Vec<Outcome>>>, Failure> =
+            let measured: Result<Vec<Vec<Vec<MethodOutcome>>>, Failure> =
                 plan.worlds.par_iter().map(of_world).collect();
             let measured = measured?;
             for (index, moves) in budgets.iter().enumerate() {
-                let of_world = |world: &Vec<Vec<Outcome>>| {
+                let of_world = |world: &Vec<Vec<MethodOutcome>>| {
                     world
                         .iter()
                         .filter_map(|all| all.get(index).copied())
                         .collect()
                 };
-                rows.push(Row {
+                rows.push(ComparisonRow {
                     method: *method,
                     moves: *moves,
                     shield: conditions.shield,

@@ -1,26 +1,27 @@
-//! The search for the methods' constants: one after the other each is tried with every value of its range, the best is
-//! kept, and all of them once more. It is made in rooms that nothing is compared in.
+//! Coordinate search for the methods' constants, in rooms that no comparison uses.
+//!
+//! Tries each value of one constant after another, keeps the best, and repeats the round.
 
-use super::drive::{Candidate, Conditions, Outcome, drive};
-use super::method::{Constants, Method};
+use super::drive::{Conditions, MethodOutcome, MethodUnderTest, drive};
+use super::method::{ComparedMethod, Constants};
 use arena::world::World;
 use rayon::prelude::*;
 use sim::failure::Failure;
 
 /// A constant and the values it may take.
-pub struct Knob {
+pub struct TunedConstant {
     /// Its name.
     pub name: &'static str,
-    /// Values tried.
+    /// Values to try.
     pub range: &'static [f64],
     get: fn(&Constants) -> f64,
     set: fn(&mut Constants, f64),
 }
 
-/// Shorthand: the place of a number inside the constants.
-macro_rules! knob {
+/// Defines a constant: accessor and values.
+macro_rules! constant {
     ($name:literal, $range:expr, $($place:tt)+) => {
-        Knob {
+        TunedConstant {
             name: $name,
             range: &$range,
             get: |constants| constants.$($place)+,
@@ -29,10 +30,10 @@ macro_rules! knob {
     };
 }
 
-/// As [`knob!`], for a whole number.
+/// As [`constant!`], for a whole number.
 macro_rules! whole {
     ($name:literal, $range:expr, $($place:tt)+) => {
-        Knob {
+        TunedConstant {
             name: $name,
             range: &$range,
             get: |constants| constants.$($place)+ as f64,
@@ -41,10 +42,10 @@ macro_rules! whole {
     };
 }
 
-/// As [`knob!`], for what is done (1) or not (0).
+/// As [`constant!`], for a switch: on (1) or off (0).
 macro_rules! switch {
     ($name:literal, $($place:tt)+) => {
-        Knob {
+        TunedConstant {
             name: $name,
             range: &[0.0, 1.0],
             get: |constants| f64::from(u8::from(constants.$($place)+)),
@@ -53,193 +54,201 @@ macro_rules! switch {
     };
 }
 
-/// Below 0: the course is never kept.
+/// Below 0: the heading is never kept.
 const FREE: [f64; 4] = [-1.0, 0.0, 0.2, 0.4];
 
-/// The constants of how a learner by reward is taught.
-macro_rules! schooling {
+/// The constants of a learner's training.
+macro_rules! training {
     ($method:ident) => {
         [
-            knob!("far m", [0.6, 0.8, 1.0, 1.5, 2.5], $method.1.far_m),
-            knob!(
+            constant!("far m", [0.6, 0.8, 1.0, 1.5, 2.5], $method.1.far_m),
+            constant!(
                 "fallen",
                 [0.05, 0.1, 0.2, 0.4, 0.8],
                 $method.1.reward.fallen
             ),
-            knob!(
+            constant!(
                 "in front",
                 [0.5, 1.0, 1.5, 2.5, 4.0],
                 $method.1.reward.in_front
             ),
-            knob!("behind", [0.5, 1.0, 1.5, 2.5, 7.0], $method.1.reward.behind),
-            knob!(
+            constant!("behind", [0.5, 1.0, 1.5, 2.5, 7.0], $method.1.reward.behind),
+            constant!(
                 "explores for",
                 [50.0, 150.0, 300.0, 600.0],
                 $method.1.explores_for
             ),
-            knob!(
+            constant!(
                 "explores least",
                 [0.0, 0.05, 0.1, 0.3],
                 $method.1.explores_least
             ),
             whole!("turns", [1.0, 16.0], $method.1.turns),
-            knob!("free below", FREE, $method.1.free_below),
+            constant!("free below", FREE, $method.1.free_below),
             switch!("learns on", $method.1.learns_on),
         ]
     };
 }
 
-static POTENTIAL_FIELD: [Knob; 2] = [
-    knob!(
+static POTENTIAL_FIELD: [TunedConstant; 2] = [
+    constant!(
         "reach m",
         [0.4, 0.6, 0.8, 1.0, 1.5],
         potential_field.reach_m
     ),
-    knob!(
+    constant!(
         "strength",
         [0.005, 0.01, 0.02, 0.05, 0.1, 0.2],
         potential_field.strength
     ),
 ];
 
-static BRAITENBERG: [Knob; 2] = [
-    knob!("far m", [0.5, 0.7, 0.9, 1.2, 1.6], braitenberg.far_m),
-    knob!("push", [1.0, 2.0, 4.0, 8.0], braitenberg.push),
+static BRAITENBERG: [TunedConstant; 2] = [
+    constant!("far m", [0.5, 0.7, 0.9, 1.2, 1.6], braitenberg.far_m),
+    constant!("push", [1.0, 2.0, 4.0, 8.0], braitenberg.push),
 ];
 
-static VFH_PLUS: [Knob; 6] = [
-    knob!("safety m", [0.05, 0.1, 0.15, 0.2], vfh_plus.safety_m),
-    knob!("blocked m", [0.5, 0.6, 0.8, 1.0], vfh_plus.blocked_m),
-    knob!("free m", [0.8, 1.0, 1.2, 1.4], vfh_plus.free_m),
+static VFH_PLUS: [TunedConstant; 6] = [
+    constant!("safety m", [0.05, 0.1, 0.15, 0.2], vfh_plus.safety_m),
+    constant!("blocked m", [0.5, 0.6, 0.8, 1.0], vfh_plus.blocked_m),
+    constant!("free m", [0.8, 1.0, 1.2, 1.4], vfh_plus.free_m),
     whole!("wide", [8.0, 12.0, 16.0, 24.0], vfh_plus.wide),
-    knob!("slowest", [0.2, 0.5, 1.0], vfh_plus.slowest),
-    knob!("last choice", [0.0, 1.0, 2.0], vfh_plus.weights[2]),
+    constant!("slowest", [0.2, 0.5, 1.0], vfh_plus.slowest),
+    constant!("last choice", [0.0, 1.0, 2.0], vfh_plus.weights[2]),
 ];
 
-static NEAREST_CHANGE: [Knob; 3] = [
-    knob!("far m", [0.8, 1.0, 1.5, 2.5, 4.5], nearest_change.1),
-    knob!("goal", [0.05, 0.2, 0.4, 0.6, 0.8], nearest_change.0.goal),
+static NEAREST_CHANGE: [TunedConstant; 3] = [
+    constant!("far m", [0.8, 1.0, 1.5, 2.5, 4.5], nearest_change.1),
+    constant!("goal", [0.05, 0.2, 0.4, 0.6, 0.8], nearest_change.0.goal),
     whole!("turns", [1.0, 16.0], nearest_change.0.turns),
 ];
 
-static NEAREST_PAIR: [Knob; 3] = [
-    knob!("far m", [0.8, 1.0, 1.5, 2.5, 4.5], nearest_pair.1),
-    knob!("goal", [0.05, 0.2, 0.4, 0.6, 0.8], nearest_pair.0.goal),
+static NEAREST_PAIR: [TunedConstant; 3] = [
+    constant!("far m", [0.8, 1.0, 1.5, 2.5, 4.5], nearest_pair.1),
+    constant!("goal", [0.05, 0.2, 0.4, 0.6, 0.8], nearest_pair.0.goal),
     whole!("turns", [1.0, 16.0], nearest_pair.0.turns),
 ];
 
-static Q_LAZY: [Knob; 9] = [
+static Q_LAZY: [TunedConstant; 9] = [
     whole!("neighbors", [1.0, 2.0, 4.0, 8.0], q_lazy.0.neighbors),
-    knob!("discount", [0.0, 0.5, 0.8, 0.9], q_lazy.0.discount),
-    knob!(
+    constant!("discount", [0.0, 0.5, 0.8, 0.9], q_lazy.0.discount),
+    constant!(
         "action weight",
         [0.2, 0.5, 0.7, 1.0, 1.5],
         q_lazy.0.action_weight
     ),
     whole!("turns", [1.0, 16.0], q_lazy.0.turns),
-    knob!("far m", [0.6, 0.8, 1.0, 1.5, 2.5], q_lazy.1.far_m),
-    knob!("fallen", [0.05, 0.1, 0.2, 0.4, 0.8], q_lazy.1.reward.fallen),
-    knob!(
+    constant!("far m", [0.6, 0.8, 1.0, 1.5, 2.5], q_lazy.1.far_m),
+    constant!("fallen", [0.05, 0.1, 0.2, 0.4, 0.8], q_lazy.1.reward.fallen),
+    constant!(
         "in front",
         [0.5, 1.0, 1.5, 2.5, 4.0],
         q_lazy.1.reward.in_front
     ),
-    knob!("behind", [0.5, 1.0, 1.5, 2.5, 7.0], q_lazy.1.reward.behind),
-    knob!("free below", FREE, q_lazy.1.free_below),
+    constant!("behind", [0.5, 1.0, 1.5, 2.5, 7.0], q_lazy.1.reward.behind),
+    constant!("free below", FREE, q_lazy.1.free_below),
 ];
 
-static Q_TABLE: [Knob; 3] = [
-    knob!("threshold", [0.05, 0.1, 0.2, 0.3, 0.5], q_table.0.threshold),
-    knob!("rate", [0.05, 0.1, 0.3, 0.6], q_table.0.rate),
-    knob!("discount", [0.0, 0.5, 0.8, 0.9], q_table.0.discount),
+static Q_TABLE: [TunedConstant; 3] = [
+    constant!("threshold", [0.05, 0.1, 0.2, 0.3, 0.5], q_table.0.threshold),
+    constant!("rate", [0.05, 0.1, 0.3, 0.6], q_table.0.rate),
+    constant!("discount", [0.0, 0.5, 0.8, 0.9], q_table.0.discount),
 ];
-static Q_TABLE_SCHOOLING: [Knob; 9] = schooling!(q_table);
+static Q_TABLE_TRAINING: [TunedConstant; 9] = training!(q_table);
 
-static Q_SOM: [Knob; 8] = [
-    knob!("rate", [0.1, 0.3, 0.5, 0.9], q_som.0.rate),
-    knob!("discount", [0.0, 0.5, 0.8, 0.9], q_som.0.discount),
-    knob!("pull", [0.1, 0.3, 0.5, 0.9], q_som.0.pull),
-    knob!("pull least", [0.005, 0.02, 0.05], q_som.0.pull_least),
-    knob!("fades", [500.0, 2_000.0, 10_000.0], q_som.0.fades),
-    knob!("share", [0.0, 0.1, 0.25, 0.5], q_som.0.share),
-    knob!("action weight", [0.3, 0.5, 0.7, 1.0], q_som.0.action_weight),
-    knob!("value weight", [0.1, 0.25, 0.5, 1.0], q_som.0.value_weight),
+static Q_SOM: [TunedConstant; 8] = [
+    constant!("rate", [0.1, 0.3, 0.5, 0.9], q_som.0.rate),
+    constant!("discount", [0.0, 0.5, 0.8, 0.9], q_som.0.discount),
+    constant!("pull", [0.1, 0.3, 0.5, 0.9], q_som.0.pull),
+    constant!("pull least", [0.005, 0.02, 0.05], q_som.0.pull_least),
+    constant!("fades", [500.0, 2_000.0, 10_000.0], q_som.0.fades),
+    constant!("share", [0.0, 0.1, 0.25, 0.5], q_som.0.share),
+    constant!("action weight", [0.3, 0.5, 0.7, 1.0], q_som.0.action_weight),
+    constant!("value weight", [0.1, 0.25, 0.5, 1.0], q_som.0.value_weight),
 ];
-static Q_SOM_SCHOOLING: [Knob; 9] = schooling!(q_som);
+static Q_SOM_TRAINING: [TunedConstant; 9] = training!(q_som);
 
-static Q_TWO_SOMS: [Knob; 6] = [
-    knob!("rate", [0.1, 0.3, 0.5, 0.9], q_two_soms.0.rate),
-    knob!("discount", [0.0, 0.5, 0.8, 0.9], q_two_soms.0.discount),
-    knob!("pull", [0.05, 0.1, 0.3, 0.6], q_two_soms.0.pull),
-    knob!("width", [0.3, 0.5, 1.0, 1.5], q_two_soms.0.width),
-    knob!("fades", [500.0, 2_000.0, 10_000.0], q_two_soms.0.fades),
-    knob!("least", [0.02, 0.1, 0.3], q_two_soms.0.least),
+static Q_TWO_SOMS: [TunedConstant; 6] = [
+    constant!("rate", [0.1, 0.3, 0.5, 0.9], q_two_soms.0.rate),
+    constant!("discount", [0.0, 0.5, 0.8, 0.9], q_two_soms.0.discount),
+    constant!("pull", [0.05, 0.1, 0.3, 0.6], q_two_soms.0.pull),
+    constant!("width", [0.3, 0.5, 1.0, 1.5], q_two_soms.0.width),
+    constant!("fades", [500.0, 2_000.0, 10_000.0], q_two_soms.0.fades),
+    constant!("least", [0.02, 0.1, 0.3], q_two_soms.0.least),
 ];
-static Q_TWO_SOMS_SCHOOLING: [Knob; 9] = schooling!(q_two_soms);
+static Q_TWO_SOMS_TRAINING: [TunedConstant; 9] = training!(q_two_soms);
 
-/// The constants of a method that are searched for: its own, and those of how it is taught. None for the mind, whose open
-/// choices have an ablation of their own, and for random moves.
+/// The constants to search for: those of the method and of its training. None for random moves and
+/// for the controller, which has an ablation.
 #[must_use]
-pub fn knobs(method: Method) -> Vec<&'static Knob> {
-    let (own, schooling): (&[Knob], &[Knob]) = match method {
-        Method::Braitenberg => (&BRAITENBERG, &[]),
-        Method::PotentialField => (&POTENTIAL_FIELD, &[]),
-        Method::VfhPlus => (&VFH_PLUS, &[]),
-        Method::NearestChange => (&NEAREST_CHANGE, &[]),
-        Method::NearestPair => (&NEAREST_PAIR, &[]),
-        Method::QLazy => (&Q_LAZY, &[]),
-        Method::QTable => (&Q_TABLE, &Q_TABLE_SCHOOLING),
-        Method::QSom => (&Q_SOM, &Q_SOM_SCHOOLING),
-        Method::QTwoSoms => (&Q_TWO_SOMS, &Q_TWO_SOMS_SCHOOLING),
-        Method::Random | Method::Default | Method::Probe | Method::Touzet => (&[], &[]),
+pub fn tuned_constants(method: ComparedMethod) -> Vec<&'static TunedConstant> {
+    let (own, training): (&[TunedConstant], &[TunedConstant]) = match method {
+        ComparedMethod::Braitenberg => (&BRAITENBERG, &[]),
+        ComparedMethod::PotentialField => (&POTENTIAL_FIELD, &[]),
+        ComparedMethod::VfhPlus => (&VFH_PLUS, &[]),
+        ComparedMethod::NearestChange => (&NEAREST_CHANGE, &[]),
+        ComparedMethod::NearestPair => (&NEAREST_PAIR, &[]),
+        ComparedMethod::QLazy => (&Q_LAZY, &[]),
+        ComparedMethod::QTable => (&Q_TABLE, &Q_TABLE_TRAINING),
+        ComparedMethod::QSom => (&Q_SOM, &Q_SOM_TRAINING),
+        ComparedMethod::QTwoSoms => (&Q_TWO_SOMS, &Q_TWO_SOMS_TRAINING),
+        ComparedMethod::Random
+        | ComparedMethod::Default
+        | ComparedMethod::Probe
+        | ComparedMethod::Touzet => (&[], &[]),
     };
-    own.iter().chain(schooling).collect()
+    own.iter().chain(training).collect()
 }
 
-/// First room of the search.
+/// Seed of the first room of the search.
 pub const FIRST_ROOM: u64 = 20_001;
 /// Rounds over all constants.
 pub const ROUNDS: usize = 2;
 
-/// What is searched with.
+/// Conditions of the search.
 #[derive(Debug, Clone)]
-pub struct Search {
+pub struct ConstantSearch {
     /// The method.
-    pub method: Method,
-    /// Learning moves of those that go on learning.
+    pub method: ComparedMethod,
+    /// Learning moves of the methods that learn by reward.
     pub moves: u32,
-    /// Rooms, from [`FIRST_ROOM`] on.
+    /// Number of rooms, beginning at [`FIRST_ROOM`].
     pub rooms: u32,
-    /// How it is measured.
+    /// Conditions of the measurement.
     pub conditions: Conditions,
 }
 
-impl Search {
-    /// What a method is worth with these constants: mean area swept in m², divided by 1 + contacts per 100 m.
+impl ConstantSearch {
+    /// Score of a method with these constants: mean area swept in m², divided by 1 + contacts per
+    /// 100 m.
     ///
     /// # Errors
     /// When an episode fails.
     pub fn score(&self, constants: &Constants) -> Result<f64, Failure> {
         let budgets = self.method.budgets(&[self.moves]);
-        let candidate = Candidate {
+        let candidate = MethodUnderTest {
             method: self.method,
             constants,
             budgets: budgets.get(..1).unwrap_or_default(),
         };
         let rooms = (FIRST_ROOM..FIRST_ROOM + u64::from(self.rooms)).into_par_iter();
-        let outcomes: Result<Vec<Vec<Outcome>>, Failure> = rooms
+        let outcomes: Result<Vec<Vec<MethodOutcome>>, Failure> = rooms
             .map(|room| drive(&candidate, &World::random(room), room, &self.conditions))
             .collect();
-        let (mut contacts, mut way, mut area) = (0.0, 0.0, 0.0);
+        let (mut contacts, mut distance, mut area) = (0.0, 0.0, 0.0);
         for outcome in outcomes?.iter().flatten() {
             contacts += f64::from(outcome.contacts);
-            way += outcome.distance_m;
+            distance += outcome.distance_m;
             area += outcome.coverage_m2;
         }
-        Ok(area / f64::from(self.rooms.max(1)) / (1.0 + 100.0 * contacts / f64::max(way, 1.0)))
+        Ok(
+            area / f64::from(self.rooms.max(1))
+                / (1.0 + 100.0 * contacts / f64::max(distance, 1.0)),
+        )
     }
 
-    /// Searches; `tried` hears of every constant that was settled: its name, its value and the score reached.
+    /// Runs the search. Calls `tried` for every constant that is settled: its name, its value and
+    /// the score reached.
     ///
     /// # Errors
     /// When an episode fails.
@@ -251,7 +260,7 @@ impl Search {
         let (mut best, mut most) = (from, self.score(&from)?);
         tried("as it is", f64::NAN, most);
         for _ in 0..ROUNDS {
-            for knob in knobs(self.method) {
+            for knob in tuned_constants(self.method) {
                 for value in knob.range {
                     let mut changed = best;
                     (knob.set)(&mut changed, *value);
@@ -271,12 +280,12 @@ impl Search {
 mod tests {
     use super::*;
 
-    /// What is documented as found has to be what is used: every default lies in its range.
+    /// The documented constants must be those in use: every default lies in its range.
     #[test]
     fn every_default_is_one_of_the_values_tried() {
         let constants = Constants::of(false);
-        for method in Method::ALL {
-            for knob in knobs(method) {
+        for method in ComparedMethod::ALL {
+            for knob in tuned_constants(method) {
                 let value = (knob.get)(&constants);
                 assert!(
                     knob.range.contains(&value),

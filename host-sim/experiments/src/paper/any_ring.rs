@@ -1,7 +1,8 @@
-//! A robot with any ring of transducers around the same mind: exact sensors, exact motion.
+//! A simulated robot with any ring of transducers, exact sensors and exact motion.
 //!
-//! The [episodes](sim::episode) drive a Nomad 200. Here body and ring come from the mind's own
-//! [`RobotSpec`](amp::robot::RobotSpec), so that the paper's miniature robot and rings of 8 or 24 run the very same crate.
+//! [Episodes](sim::episode) drive a Nomad 200. Here body and ring come from the controller's
+//! [`RobotSpec`](amp::robot::RobotSpec): the same crate drives the miniature robot and rings of 8
+//! or 24.
 
 use amp::config::Config;
 use amp::controller::{Command, Decision, Event, Mode, Motion, Outputs, Progress, State, handle};
@@ -12,15 +13,15 @@ use arena::robot::TurretMode;
 use arena::world::{ConeShape, ConeView, Point, Pose, World, wrap_angle};
 use std::f64::consts::TAU;
 
-/// Random moves the memory holds: the paper's.
+/// Random moves in the memory, as in the paper.
 pub const MOVES: u16 = 100;
 
-/// What a transducer perceives.
+/// Sensor model of a transducer.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sight {
+pub struct SensorModel {
     /// Half the opening of its cone, rad.
     pub half_angle_rad: f64,
-    /// Greatest range from its face, m.
+    /// Longest range from its face, m.
     pub reach_m: f64,
 }
 
@@ -30,56 +31,56 @@ pub struct AnyRing<'w, const SENSORS: usize> {
     state: Box<State<SENSORS, 16, { MOVES as usize }>>,
     world: &'w World,
     turret: TurretMode,
-    sight: Sight,
+    sensor_model: SensorModel,
     pose: Pose,
     time_ms: u32,
 }
 
-/// What was counted while it drove.
+/// Counts while it drives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Count {
-    /// Decisions carried out.
+    /// Executed decisions.
     pub steps: u32,
-    /// Of them, those that touched something.
+    /// Steps with contact.
     pub contacts: u32,
-    /// Of them, those decided while the goal held.
+    /// Steps decided while the goal was met.
     pub goal_steps: u32,
 }
 
-/// A ring and the motion it brought about.
-struct Turn<const SENSORS: usize> {
+/// A ring and the motion that followed it.
+struct RingStep<const SENSORS: usize> {
     decision: Option<Decision<SENSORS>>,
     touched: bool,
     mode_changed: bool,
 }
 
 impl<'w, const SENSORS: usize> AnyRing<'w, SENSORS> {
-    /// A robot at the world's start that knows nothing yet.
+    /// An untrained robot at the world's start.
     #[must_use]
     pub fn new(
         config: Config<SENSORS>,
         world: &'w World,
         turret: TurretMode,
-        sight: Sight,
+        sensor_model: SensorModel,
     ) -> Self {
         Self {
             config,
             state: Box::new(State::new(Grid::rectangle(4, 4))),
             world,
             turret,
-            sight,
+            sensor_model,
             pose: world.start(),
             time_ms: 0,
         }
     }
 
-    /// What it knows.
+    /// The controller's state.
     #[must_use]
     pub fn state(&self) -> &State<SENSORS, 16, { MOVES as usize }> {
         &self.state
     }
 
-    /// Makes the random moves and both maps; each place where it stood is told.
+    /// Makes the random moves and learns both maps. Calls `stood` with each pose at rest.
     pub fn explore_and_learn(&mut self, seed: u64, mut stood: impl FnMut(Pose)) -> Count {
         let _ = self.send(Event::Command(Command::Explore { moves: MOVES, seed }));
         let mut count = Count::default();
@@ -118,14 +119,14 @@ impl<'w, const SENSORS: usize> AnyRing<'w, SENSORS> {
         handle(&self.config, &mut self.state, now, event)
     }
 
-    fn turn(&mut self) -> Turn<SENSORS> {
+    fn turn(&mut self) -> RingStep<SENSORS> {
         self.time_ms = self
             .time_ms
             .wrapping_add(u32::from(self.config.robot.ring_period_ms));
         let face_m = f64::from(self.config.robot.face_radius_mm) / 1e3;
-        let reach_m = self.sight.reach_m;
+        let reach_m = self.sensor_model.reach_m;
         let view = self.world.view(self.pose.position, face_m, reach_m);
-        let mut turn = Turn {
+        let mut turn = RingStep {
             decision: None,
             touched: false,
             mode_changed: false,
@@ -147,31 +148,31 @@ impl<'w, const SENSORS: usize> AnyRing<'w, SENSORS> {
         let direction = self.config.robot.directions.get(sensor)?;
         let axis = Point::new(f64::from(direction.x_q14), f64::from(direction.y_q14));
         let axis = (axis * (1.0 / axis.length().max(1.0))).turned(Point::unit(self.pose.heading));
-        let cone = ConeShape::new(self.sight.half_angle_rad);
+        let cone = ConeShape::new(self.sensor_model.half_angle_rad);
         let range = view.nearest_in_cone(axis, cone);
-        // A range beyond 65 m is no range; the cast saturates.
-        (range <= self.sight.reach_m).then(|| Range::from_mm((range * 1e3) as u16))
+        // The cast saturates: a range beyond 65 m counts as 65 m.
+        (range <= self.sensor_model.reach_m).then(|| Range::from_mm((range * 1e3) as u16))
     }
 
-    /// Moves straight up to the first touch and reports it; returns whether it touched.
+    /// Moves straight up to the first contact and reports it; returns whether there was one.
     fn carry_out(&mut self, motion: Motion) -> bool {
         let Displacement { dx_mm, dy_mm } = motion.displacement;
-        let asked = Point::new(f64::from(dx_mm), f64::from(dy_mm)) * 1e-3;
+        let commanded = Point::new(f64::from(dx_mm), f64::from(dy_mm)) * 1e-3;
         let (from, ring) = (self.pose.position, Point::unit(self.pose.heading));
         let radius_m = f64::from(self.config.robot.body_radius_mm) / 1e3;
-        let to = from + asked.turned(ring);
+        let to = from + commanded.turned(ring);
         let sweep = self.world.sweep(from, to, radius_m);
-        let length = asked.length();
+        let length = commanded.length();
         let share = if sweep.touched() && length > 0.0 {
             (sweep.traveled_m / length).min(1.0)
         } else {
             1.0
         };
-        let done = asked * share;
+        let done = commanded * share;
         self.pose.position = from + done.turned(ring);
         let mut turned = Bearing::ZERO;
         if self.turret == TurretMode::Follow && length > 0.0 {
-            let turns = libm::rint(asked.angle() / TAU * 65_536.0);
+            let turns = libm::rint(commanded.angle() / TAU * 65_536.0);
             turned = Bearing::from_turns(turns as i64 as u16);
             let angle = f64::from(turned.as_signed_turns()) / 65_536.0 * TAU;
             self.pose.heading = wrap_angle(self.pose.heading + angle);
@@ -206,11 +207,11 @@ mod tests {
         let world = World::random(3);
         let mut config = Config::recommended();
         config.shield = None;
-        let sight = Sight {
+        let sensor_model = SensorModel {
             half_angle_rad: 12.5_f64.to_radians(),
             reach_m: 255.0 * 0.0254,
         };
-        let mut robot = AnyRing::new(config.clone(), &world, TurretMode::Held, sight);
+        let mut robot = AnyRing::new(config.clone(), &world, TurretMode::Held, sensor_model);
         let moves = robot.explore_and_learn(Seeds::of(3).exploration, |_| {});
         let setup = sim::episode::Setup {
             config: config.clone(),

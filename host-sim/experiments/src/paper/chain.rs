@@ -1,8 +1,8 @@
-//! Fig. 1: a chain of 32 neurons over points in space, trained as the robot's maps, bit for bit.
+//! Fig. 1: a chain of 32 neurons over points in space, trained by the robot's own map code.
 //!
-//! Three clouds of points: the paper's two (uniform in the unit cube; two clusters), and an uneven one for the sentences
-//! that go with them (three points in four lie in one half of the cube). The figure does not say how its chain was
-//! trained; here: 40 000 presentations, a Gaussian neighborhood whose radius falls from 8 to 0.5 neurons.
+//! Clouds: uniform and two clusters, as in the paper, and an uneven one (three of four points in
+//! one half). The paper states no training; here: 40 000 presentations, a Gaussian neighborhood
+//! whose radius falls from 8 to 0.5.
 
 use arena::noise::Noise;
 use datasets::som::measures::Measures;
@@ -11,28 +11,28 @@ use tinysom::{Decay, Grid, Neighborhood, SampleOrder, Schedule, TrainConfig, Wei
 
 /// Neurons of the chain.
 pub const NEURONS: usize = 32;
-/// Points the chain learns from.
+/// Points from which the chain learns.
 const POINTS: usize = 2_000;
 /// Presentations of each.
 const EPOCHS: u32 = 20;
-/// Fresh points on which a chain is judged: 500 per neuron on the average.
+/// Fresh points for the evaluation of a chain: 500 per neuron on average.
 pub const PROBES: usize = 16_000;
 /// Side of a cluster; the two lie in opposite corners of the cube.
 const CLUSTER: f64 = 0.35;
-/// Of the uneven cloud, the share of the points that lies in the half with small x.
+/// Share of the uneven cloud's points in the half with small x.
 const DENSE_SHARE: f64 = 0.75;
 
 /// A point of the unit cube.
 pub type Point3 = [f64; 3];
 
-/// Where the points lie.
+/// Distribution of the points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cloud {
     /// Anywhere in the unit cube (Fig. 1a).
     Uniform,
     /// In one of two cubes in opposite corners (Fig. 1b).
     Clusters,
-    /// Three in four in the half with x below 0.5.
+    /// Three of four points in the half with x below 0.5.
     Uneven,
 }
 
@@ -56,7 +56,7 @@ impl Cloud {
         }
     }
 
-    /// Whether points may lie there.
+    /// Whether the cloud can contain the point.
     fn covers(self, point: &Point3) -> bool {
         let within = |low: f64, high: f64| point.iter().all(|v| (low..=high).contains(v));
         match self {
@@ -66,12 +66,12 @@ impl Cloud {
     }
 }
 
-/// A trained chain and what it was trained on.
+/// A trained chain and its training data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chain {
     /// The cloud.
     pub cloud: Cloud,
-    /// The points it learned from.
+    /// The points from which it learned.
     pub points: Vec<Point3>,
     /// Code vectors along the chain.
     pub code: Vec<Point3>,
@@ -79,9 +79,9 @@ pub struct Chain {
     pub hits: Vec<usize>,
     /// Share of the unit cube that each neuron wins: its receptive field.
     pub volumes: Vec<f64>,
-    /// Share of fresh points whose best two neurons are not neighbors in the chain.
+    /// Share of fresh points whose two best neurons are not neighbors in the chain.
     pub topographic_error: f64,
-    /// Neurons whose code vector lies where no point can.
+    /// Neurons whose code vector lies outside the cloud.
     pub in_the_void: usize,
 }
 
@@ -115,21 +115,21 @@ impl Chain {
         }
     }
 
-    /// Whether points of its cloud may lie there.
+    /// Whether the cloud can contain the point.
     #[must_use]
     pub fn covers(&self, point: &Point3) -> bool {
         self.cloud.covers(point)
     }
 
-    /// Each neuron's hits over the mean.
+    /// Each neuron's hits divided by the mean.
     #[must_use]
     pub fn relative_hits(&self) -> Vec<f64> {
         let mean = self.hits.iter().sum::<usize>() as f64 / NEURONS as f64;
         self.hits.iter().map(|&hits| hits as f64 / mean).collect()
     }
 
-    /// Mean hits (over the mean of all) and mean receptive field (share of the cube) of the neurons in the half with small
-    /// x and in the other one; `None` where there is no neuron.
+    /// Mean hits (relative to the mean of all) and mean receptive field of the neurons in the half
+    /// with small x and in the other half; `None` for a half without neurons.
     #[must_use]
     pub fn halves(&self) -> [Option<[f64; 2]>; 2] {
         let hits = self.relative_hits();
@@ -147,7 +147,7 @@ impl Chain {
     }
 }
 
-/// How the chain learns; the rate falls from 0.5 to 0.02.
+/// Training schedule; the learning rate falls from 0.5 to 0.02.
 fn train_config() -> TrainConfig {
     TrainConfig {
         neighborhood: Neighborhood::Gaussian,

@@ -1,11 +1,10 @@
-//! Fig. 3: one real decision with every value in it.
+//! Fig. 3: one real decision with all its values.
 //!
-//! The paper shows a decision that aims at a neighbor, with an obstacle on the left. Here it is the one with most to the
-//! left, compared with what is to the right, of the first episode (its seed and the following ones) that has such a
-//! decision at all.
+//! The paper's decision aims at a neighbor, with an obstacle on the left. Here: the decision with
+//! the largest difference between left and right, in the first episode that has such a decision.
 
-use super::watch::{Seen, Watched};
-use super::{Reading, rooms};
+use super::observer::{ObservedController, ObservedDecision};
+use super::{PaperReading, rooms};
 use amp::fixed::{Weight, Weight32, to_weight16};
 use amp::goal::Goal;
 use amp::memory::from_bytes;
@@ -17,16 +16,16 @@ use sim::failure::Failure;
 use sim::pilot::SimState;
 use sim::scenes::Behavior;
 
-/// Decisions of an episode: as long as the path in Fig. 5, several times over.
+/// Decisions of an episode: several times the length of the path in Fig. 5.
 pub const STEPS: u32 = 300;
-/// Episodes searched.
+/// Largest number of episodes searched.
 const EPISODES: u64 = 100;
-/// Samples shown.
+/// Number of samples shown.
 const SHOWN: usize = 3;
 
-/// One random move as it is remembered.
+/// One random move from the memory.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Remembered {
+pub struct MemorySample {
     /// Situation before it.
     pub before: Vec<f64>,
     /// Situation after it.
@@ -35,76 +34,81 @@ pub struct Remembered {
     pub moved_m: [f64; 2],
 }
 
-/// Everything Fig. 3 shows; letters as in the paper.
+/// All values of Fig. 3; letters as in the paper.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DecisionFigure {
     /// The preset.
     pub preset: &'static str,
     /// Seed of the episode.
     pub seed: u64,
-    /// Which of its decisions, counted from 1.
+    /// Number of the decision in its episode, counted from 1.
     pub number: usize,
-    /// How the neuron aimed at was chosen, as the mind names it.
+    /// How the subgoal was chosen, in the controller's words.
     pub why: String,
-    /// A: some of the samples, those that changed most.
-    pub samples: Vec<Remembered>,
-    /// How many samples there are.
+    /// A: the samples that changed most.
+    pub samples: Vec<MemorySample>,
+    /// Number of samples in the memory.
     pub memory: usize,
-    /// The situation map at that moment.
+    /// Code vectors of the situation map at that moment.
     pub situations: Vec<Vec<f64>>,
-    /// The action map at that moment: changes.
+    /// Changes of the action map at that moment.
     pub changes: Vec<Vec<f64>>,
-    /// The action map at that moment: displacements, m.
+    /// Displacements of the action map at that moment, m.
     pub actions_m: Vec<[f64; 2]>,
-    /// Neurons: of the goal, of the present situation, aimed at, that answered.
+    /// Neurons: goal, present situation, subgoal, answer of the action map.
     pub neurons: [usize; 4],
     /// D: the present situation.
     pub present: Vec<f64>,
-    /// E: the greatest value the goal allows each transducer.
+    /// E: the largest value that the goal allows each transducer.
     pub goal: Vec<f64>,
-    /// F: the situation aimed at.
+    /// F: the situation of the subgoal.
     pub aim: Vec<f64>,
-    /// G: the change wanted.
+    /// G: the wanted change.
     pub wanted: Vec<f64>,
-    /// Components that already are as the goal wants them are left out of G.
+    /// G leaves out the components that already meet the goal.
     pub unmet_only: bool,
-    /// The displacement asked for, m in the ring's frame.
+    /// The displacement commanded, m in the ring's frame.
     pub action_m: [f64; 2],
 }
 
-/// The decision, in the arena after Fig. 5.
+/// Finds the decision, in the arena of Fig. 5.
 ///
 /// # Errors
-/// When an episode fails; [`Failure::Silent`] when none of a hundred has a decision that aims at a neighbor.
-pub fn decision(reading: &Reading, world: &World, seed: u64) -> Result<DecisionFigure, Failure> {
+/// When an episode fails; [`Failure::Silent`] when none of a hundred episodes has a decision that
+/// aims at a neighbor.
+pub fn decision(
+    reading: &PaperReading,
+    world: &World,
+    seed: u64,
+) -> Result<DecisionFigure, Failure> {
     for seed in (0..EPISODES).map(|i| seed.wrapping_add(i)) {
         let setup = rooms::setup(reading, Behavior::Avoid, seed, STEPS);
-        let watch = |keep_after| {
-            let mut watched = Watched::new(reading.config.clone(), keep_after);
-            run_with(world, &setup, &mut watched, |_, _, _| {}).map(|_| watched)
+        let run_observed = |keep_after| {
+            let mut observer = ObservedController::new(reading.config.clone(), keep_after);
+            run_with(world, &setup, &mut observer, |_, _, _| {}).map(|_| observer)
         };
-        let Some(chosen) = telling(&watch(0)?.seen) else {
+        let Some(chosen) = most_lateral(&run_observed(0)?.observed) else {
             continue;
         };
-        // Once more: the maps go on learning, and are shown as they were at that moment.
-        let watched = watch(chosen + 1)?;
-        if let (Some(seen), Some(state)) = (watched.seen.get(chosen), &watched.later) {
-            return Ok(figure(reading, seed, chosen + 1, seen, state));
+        // Second run: the maps keep learning, and the figure shows them at that decision.
+        let observer = run_observed(chosen + 1)?;
+        if let (Some(observed), Some(state)) = (observer.observed.get(chosen), &observer.later) {
+            return Ok(figure(reading, seed, chosen + 1, observed, state));
         }
     }
     Err(Failure::Silent)
 }
 
-/// The decision that aims at a neighbor with most to the left, the first of equals.
-fn telling(seen: &[Seen]) -> Option<usize> {
-    let to_the_left = |now: &Seen| -> i32 {
+/// The decision toward a neighbor with the largest values on the left; the first among equals.
+fn most_lateral(observed: &[ObservedDecision]) -> Option<usize> {
+    let to_the_left = |now: &ObservedDecision| -> i32 {
         let sum = |places: std::ops::Range<usize>| -> i32 {
             let values = now.situation.get(places).unwrap_or_default();
             values.iter().map(|value| i32::from(value.to_bits())).sum()
         };
         sum(2..7) - sum(10..15)
     };
-    let decisions = seen.iter().enumerate();
+    let decisions = observed.iter().enumerate();
     decisions
         .filter(|(_, now)| now.plan.why == Why::Neighbour && to_the_left(now) > 0)
         .max_by_key(|(i, now)| (to_the_left(now), std::cmp::Reverse(*i)))
@@ -112,15 +116,15 @@ fn telling(seen: &[Seen]) -> Option<usize> {
 }
 
 fn figure(
-    reading: &Reading,
+    reading: &PaperReading,
     seed: u64,
     number: usize,
-    seen: &Seen,
+    observed: &ObservedDecision,
     state: &SimState,
 ) -> DecisionFigure {
     let config = &reading.config;
     let goal = Goal::avoiding(config);
-    let plan = &seen.plan;
+    let plan = &observed.plan;
     let rows = |code: &[[Weight32; 16]; 16]| -> Vec<Vec<f64>> {
         code.iter()
             .map(|row| row.iter().map(|value| value.to_num()).collect())
@@ -148,28 +152,28 @@ fn figure(
             plan.action_neuron,
         ]
         .map(usize::from),
-        present: values(&seen.situation),
+        present: values(&observed.situation),
         goal: goal.components.iter().map(|c| c.high.to_num()).collect(),
-        aim: values(&seen.aim),
+        aim: values(&observed.aim),
         wanted: values(&plan.wanted),
         unmet_only: config.planning.unmet_only,
         action_m: meters(plan.action),
     }
 }
 
-/// Those samples of the memory that changed most, in their order.
-fn samples(state: &SimState) -> Vec<Remembered> {
+/// The samples of the memory that changed most, in their order.
+fn samples(state: &SimState) -> Vec<MemorySample> {
     let all: Vec<_> = state
         .memory()
         .samples()
         .iter()
-        .map(|sample| Remembered {
+        .map(|sample| MemorySample {
             before: values(&from_bytes(&sample.before).0),
             after: values(&from_bytes(&sample.after).0),
             moved_m: meters(sample.executed),
         })
         .collect();
-    let changed = |sample: &Remembered| -> f64 {
+    let changed = |sample: &MemorySample| -> f64 {
         let pairs = sample.before.iter().zip(&sample.after);
         pairs.map(|(a, b)| (a - b).abs()).sum()
     };

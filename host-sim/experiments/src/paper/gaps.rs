@@ -1,13 +1,14 @@
-//! How far the robot keeps from walls and from small obstacles (Fig. 5).
+//! Distances kept from walls and from small obstacles (Fig. 5).
 //!
-//! A *pass* is a stretch of the way on which the nearest surface is of one kind and within a meter of the body; its gap is
-//! the least one on the stretch. The paper's figure suggests that gaps to walls are wider.
+//! A *pass* is a part of the path where the nearest surface is of one kind and within 1 m of the
+//! body; its gap is the smallest distance. In the paper's figure gaps to walls look wider.
 
 use arena::robot::COLLISION_RADIUS_M;
 use arena::world::{Shape, World};
 use sim::recording::Step;
+use sim::statistics::mean;
 
-/// Farther away nothing is being passed, m from the body.
+/// Surfaces farther away do not count as passed, m from the body.
 const PASSED_M: f64 = 1.0;
 
 /// Gaps of passes, m, by kind of surface.
@@ -20,7 +21,7 @@ pub struct Gaps {
 }
 
 impl Gaps {
-    /// The passes of an episode; none where the world has but one kind of things.
+    /// The passes of an episode; empty if the world has only one kind of surface.
     #[must_use]
     pub fn of(world: &World, steps: &[Step]) -> Self {
         let is_wall = |shape: &Shape| matches!(shape, Shape::Wall { .. } | Shape::Outline { .. });
@@ -33,7 +34,7 @@ impl Gaps {
             return Self::default();
         };
         let mut gaps = Self::default();
-        // The pass under way: beside a wall or not, and its least gap so far.
+        // The current pass: along a wall or not, and its smallest gap so far.
         let mut pass: Option<(bool, f64)> = None;
         for step in steps {
             let place = step.pose.position;
@@ -64,9 +65,8 @@ impl Gaps {
     /// Mean gaps to walls and to obstacles, m; `None` unless both were passed.
     #[must_use]
     pub fn means(&self) -> Option<[f64; 2]> {
-        let mean = |gaps: &[f64]| gaps.iter().sum::<f64>() / gaps.len() as f64;
         let both = !self.walls.is_empty() && !self.obstacles.is_empty();
-        both.then(|| [mean(&self.walls), mean(&self.obstacles)])
+        both.then(|| [&self.walls, &self.obstacles].map(|gaps| mean(gaps.iter().copied())))
     }
 }
 
@@ -94,7 +94,7 @@ mod tests {
             },
         ];
         let world = World::new("one post", Pose::default(), shapes).expect("a world");
-        let way: Vec<Step> = [
+        let steps: Vec<Step> = [
             (0.0, -3.0),
             (0.0, -3.4),
             (0.0, 0.0),
@@ -108,7 +108,7 @@ mod tests {
             ..Step::default()
         })
         .collect();
-        let gaps = Gaps::of(&world, &way);
+        let gaps = Gaps::of(&world, &steps);
         assert_eq!((gaps.walls.len(), gaps.obstacles.len()), (1, 1));
         assert!((gaps.walls[0] - (0.6 - COLLISION_RADIUS_M)).abs() < 1e-9);
         assert!((gaps.obstacles[0] - (0.3 - COLLISION_RADIUS_M)).abs() < 1e-9);

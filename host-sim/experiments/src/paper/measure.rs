@@ -1,107 +1,106 @@
-//! All measurements, from one seed.
+//! Runs all measurements for the paper's claims from one seed.
 
-use super::any_ring::{AnyRing, Count, MOVES, Sight};
-use super::at_once::{self, AtOnce};
+use super::any_ring::{Count, MOVES};
 use super::chain::{Chain, Cloud};
 use super::decision::{self, DecisionFigure, decision};
 use super::gaps::Gaps;
+use super::goal_switch::{self, GoalSwitches};
 use super::miniature::{self, Miniature};
-use super::rooms::{self, Room};
-use super::{Reading, STEPS, readings};
-use crate::ablation::{self, Driver, Figures, Variant};
-use crate::behaviors::{self, Outcome};
-use crate::compare::{self, Conditions, Method, Plan, Row};
+use super::ring_sizes;
+use super::rooms::{self, RoomResult};
+use super::{PaperReading, STEPS, readings};
+use crate::ablation::{self, AblationFigures, Variant, VariantDriver};
+use crate::behaviors::{self, SceneOutcome};
+use crate::compare::{self, ComparedMethod, ComparisonPlan, ComparisonRow, Conditions};
 use crate::repetition::{self, Curve};
-use crate::scenes::{SCENES, Scene};
-use amp::config::Config;
-use amp::goal::Goal;
-use amp::robot::{RobotSpec, evenly_spaced};
+use crate::scenes::{BehaviorScene, SCENES};
 use arena::robot::TurretMode;
-use arena::sonar::{SonarConfig, SonarModel};
+use arena::sonar::SonarModel;
 use arena::world::World;
 use files::error::BadInput;
 use rayon::prelude::*;
-use sim::episode::{Seeds, run};
+use sim::episode::run;
 use sim::failure::Failure;
 use sim::recording::Recording;
 use sim::scenes::Behavior;
 
-/// Random moves with which avoidance is tried.
+/// Numbers of random moves for the measurement of avoidance.
 pub const FEWER_MOVES: [u16; 5] = [10, 25, 50, 100, 200];
 
-/// Moves after which Q-learners are measured.
+/// Numbers of moves after which Q-learners are measured.
 pub const LEARNING_MOVES: [u32; 4] = [100, 200, 1_000, 5_000];
 
-/// How much is measured.
+/// Size of the measurements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Size {
-    /// Random rooms in which every decision is watched.
+    /// Random rooms in which every decision is observed.
     pub rooms: u32,
-    /// Worlds of each behavior.
+    /// Worlds per behavior.
     pub worlds: u32,
-    /// Seeds per world of the behaviors and repetitions.
+    /// Seeds per world, for behaviors and repetitions.
     pub seeds: u32,
-    /// Chains of each kind, miniature robots, and episodes in the arena.
+    /// Chains of each kind, miniature robots, and episodes in the arena of Fig. 5.
     pub draws: u32,
     /// Repetitions of each behavior, at least 2.
     pub times: u32,
-    /// Seed of everything.
+    /// Base seed of all measurements.
     pub seed: u64,
 }
 
-/// What hears of the progress.
-pub trait Watcher: Sync {
-    /// A part begins that has so many pieces.
+/// Receives the progress.
+pub trait ProgressListener: Sync {
+    /// A part begins that consists of `pieces` pieces.
     fn begin(&self, part: &'static str, pieces: u64);
     /// One piece is done.
     fn done(&self);
 }
 
-/// A behavior's scene and what came of it by each reading.
-pub type Reached = (&'static Scene, [Outcome; 3]);
+/// A behavior's scene and its result by reading.
+pub type SceneResult = (&'static BehaviorScene, [SceneOutcome; 3]);
 
-/// Everything that was measured.
+/// All measurements.
 pub struct Measured {
-    /// How much.
+    /// Size of the measurements.
     pub size: Size,
-    /// Of each cloud (uniform, clusters, uneven) the chain that is drawn and those of the other seeds.
+    /// For each cloud (uniform, clusters, uneven): the drawn chain, then those of the other seeds.
     pub chains: [Vec<Chain>; 3],
-    /// The miniature robot that is drawn and those of the other seeds.
+    /// The drawn miniature robot, then those of the other seeds.
     pub miniatures: Vec<Miniature>,
-    /// A decision of `probe` and one of `touzet`.
+    /// A decision of `probe` and a decision of `touzet`.
     pub decisions: [DecisionFigure; 2],
-    /// An episode in the arena after Fig. 5 by each of them.
+    /// An episode of each of them in the arena of Fig. 5.
     pub episodes: [Recording; 2],
     /// Gaps to walls and to small obstacles in that arena, by reading and seed.
     pub arena: [Vec<Gaps>; 3],
     /// Rooms by reading.
-    pub rooms: [Vec<Room>; 3],
+    pub rooms: [Vec<RoomResult>; 3],
     /// Changes of goal by reading and behavior, in the order of [`Behavior::NAMES`].
-    pub at_once: [Vec<AtOnce>; 3],
-    /// Avoidance after fewer and more random moves, by [`FEWER_MOVES`], `default` and `probe`.
-    pub moves: Vec<[Figures; 2]>,
-    /// Behaviors by scene.
-    pub behaviors: Vec<Reached>,
-    /// Repetitions by scene, `default`.
-    pub repetitions: Vec<(&'static Scene, Curve)>,
-    /// Avoidance by rings of 8, 16 and 24 transducers: clean rooms and steps with contact, `default`.
+    pub goal_switches: [Vec<GoalSwitches>; 3],
+    /// Avoidance by number of random moves ([`FEWER_MOVES`]), for `default` and `probe`.
+    pub moves: Vec<[AblationFigures; 2]>,
+    /// Behaviors, by scene.
+    pub behaviors: Vec<SceneResult>,
+    /// Repetitions, by scene, for `default`.
+    pub repetitions: Vec<(&'static BehaviorScene, Curve)>,
+    /// Avoidance by rings of 8, 16 and 24 transducers, for `default`: clean rooms and steps with
+    /// contact.
     pub rings: Vec<(usize, Vec<Count>)>,
-    /// Avoidance with a ring that turns with the heading, `default`.
-    pub following: Figures,
-    /// Avoidance by the presets and by Q-learners after [`LEARNING_MOVES`].
-    pub compared: Vec<Row>,
+    /// Avoidance with a ring that turns with the heading, for `default`.
+    pub following: AblationFigures,
+    /// Avoidance of the presets and of Q-learners after [`LEARNING_MOVES`].
+    pub compared: Vec<ComparisonRow>,
 }
 
-/// Why not everything was measured.
+/// Why a measurement failed.
 #[derive(Debug)]
-pub enum Unmeasured {
+pub enum MeasureError {
     /// An episode failed.
     Episode(Failure),
-    /// A world could not be made.
+    /// A world could not be built.
     World(BadInput),
 }
 
-impl std::fmt::Display for Unmeasured {
+impl std::fmt::Display for MeasureError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Episode(failure) => failure.fmt(f),
@@ -110,56 +109,56 @@ impl std::fmt::Display for Unmeasured {
     }
 }
 
-impl std::error::Error for Unmeasured {}
+impl std::error::Error for MeasureError {}
 
-impl From<Failure> for Unmeasured {
+impl From<Failure> for MeasureError {
     fn from(failure: Failure) -> Self {
         Self::Episode(failure)
     }
 }
 
-impl From<BadInput> for Unmeasured {
+impl From<BadInput> for MeasureError {
     fn from(bad: BadInput) -> Self {
         Self::World(bad)
     }
 }
 
-/// Measures everything; results are put together in a fixed order whatever the number of threads.
+/// Runs all measurements. Results are combined in a fixed order, whatever the number of threads.
 ///
 /// # Errors
 /// When an episode fails.
-pub fn measure(size: Size, watcher: &impl Watcher) -> Result<Measured, Unmeasured> {
+pub fn measure(size: Size, progress: &impl ProgressListener) -> Result<Measured, MeasureError> {
     let readings = readings();
     Ok(Measured {
         size,
-        chains: chains(size, watcher),
-        miniatures: miniatures(size, watcher)?,
-        decisions: decisions(size, &readings, watcher)?,
+        chains: chains(size, progress),
+        miniatures: miniatures(size, progress)?,
+        decisions: decisions(size, &readings, progress)?,
         episodes: [
             episode(&World::paper()?, &readings[1], size.seed)?,
             episode(&World::paper()?, &readings[2], size.seed)?,
         ],
         arena: arena(size, &readings)?,
         rooms: by_reading(&readings, |reading| {
-            watcher.begin("rooms", u64::from(size.rooms));
-            rooms::measure(reading, size.rooms, size.seed, &|| watcher.done())
+            progress.begin("rooms", u64::from(size.rooms));
+            rooms::measure(reading, size.rooms, size.seed, &|| progress.done())
         })?,
-        at_once: by_reading(&readings, |reading| {
+        goal_switches: by_reading(&readings, |reading| {
             let rooms = size.rooms.div_ceil(10);
-            at_once::measure(reading, &Behavior::NAMES, rooms, size.seed)
+            goal_switch::measure(reading, &Behavior::NAMES, rooms, size.seed)
         })?,
-        moves: moves(size, &readings, watcher)?,
-        behaviors: reached(size, &readings, watcher)?,
-        repetitions: repetitions(size, &readings[0], watcher)?,
-        rings: rings(size, &readings[0], watcher),
+        moves: moves(size, &readings, progress)?,
+        behaviors: reached(size, &readings, progress)?,
+        repetitions: repetitions(size, &readings[0], progress)?,
+        rings: ring_sizes::measure(size, &readings[0], progress),
         following: following(size, &readings[0])?,
-        compared: compared(size, watcher)?,
+        compared: compared(size, progress)?,
     })
 }
 
 fn by_reading<T>(
-    readings: &[Reading; 3],
-    one: impl Fn(&Reading) -> Result<T, Failure>,
+    readings: &[PaperReading; 3],
+    one: impl Fn(&PaperReading) -> Result<T, Failure>,
 ) -> Result<[T; 3], Failure> {
     let [first, second, third] = readings;
     Ok([one(first)?, one(second)?, one(third)?])
@@ -171,23 +170,23 @@ fn seeds(size: Size) -> impl ParallelIterator<Item = u64> {
         .map(move |i| size.seed.wrapping_add(i))
 }
 
-fn chains(size: Size, watcher: &impl Watcher) -> [Vec<Chain>; 3] {
-    watcher.begin("chains", 3 * u64::from(size.draws));
+fn chains(size: Size, progress: &impl ProgressListener) -> [Vec<Chain>; 3] {
+    progress.begin("chains", 3 * u64::from(size.draws));
     [Cloud::Uniform, Cloud::Clusters, Cloud::Uneven].map(|cloud| {
         let of_seed = |seed| {
             let chain = Chain::trained(cloud, seed);
-            watcher.done();
+            progress.done();
             chain
         };
         seeds(size).map(of_seed).collect()
     })
 }
 
-fn miniatures(size: Size, watcher: &impl Watcher) -> Result<Vec<Miniature>, BadInput> {
-    watcher.begin("minis", u64::from(size.draws));
+fn miniatures(size: Size, progress: &impl ProgressListener) -> Result<Vec<Miniature>, BadInput> {
+    progress.begin("minis", u64::from(size.draws));
     let of_seed = |seed| {
         let walked = miniature::walk(seed);
-        watcher.done();
+        progress.done();
         walked
     };
     seeds(size).map(of_seed).collect()
@@ -195,26 +194,26 @@ fn miniatures(size: Size, watcher: &impl Watcher) -> Result<Vec<Miniature>, BadI
 
 fn decisions(
     size: Size,
-    readings: &[Reading; 3],
-    watcher: &impl Watcher,
-) -> Result<[DecisionFigure; 2], Unmeasured> {
-    watcher.begin("decision", 2);
+    readings: &[PaperReading; 3],
+    progress: &impl ProgressListener,
+) -> Result<[DecisionFigure; 2], MeasureError> {
+    progress.begin("decision", 2);
     let world = World::paper()?;
     let one = |reading| {
         let shown = decision(reading, &world, size.seed);
-        watcher.done();
+        progress.done();
         shown
     };
     Ok([one(&readings[1])?, one(&readings[2])?])
 }
 
-fn episode(world: &World, reading: &Reading, seed: u64) -> Result<Recording, Failure> {
+fn episode(world: &World, reading: &PaperReading, seed: u64) -> Result<Recording, Failure> {
     let setup = rooms::setup(reading, Behavior::Avoid, seed, decision::STEPS);
     let episode = run(world, &setup, |_, _, _| {})?;
     episode.recording.ok_or(Failure::Silent)
 }
 
-fn arena(size: Size, readings: &[Reading; 3]) -> Result<[Vec<Gaps>; 3], Unmeasured> {
+fn arena(size: Size, readings: &[PaperReading; 3]) -> Result<[Vec<Gaps>; 3], MeasureError> {
     let world = World::paper()?;
     let gaps = by_reading(readings, |reading| {
         let of_seed = |seed| {
@@ -226,9 +225,9 @@ fn arena(size: Size, readings: &[Reading; 3]) -> Result<[Vec<Gaps>; 3], Unmeasur
     Ok(gaps?)
 }
 
-/// A measurement of avoidance in half of the rooms.
-fn trial(size: Size, explore_moves: u16) -> ablation::Trial {
-    ablation::Trial {
+/// Conditions for avoidance in half of the rooms.
+fn trial(size: Size, explore_moves: u16) -> ablation::AblationTrial {
+    ablation::AblationTrial {
         first: 1,
         rooms: size.rooms.div_ceil(2),
         explore_moves,
@@ -238,22 +237,22 @@ fn trial(size: Size, explore_moves: u16) -> ablation::Trial {
     }
 }
 
-fn variant(reading: &Reading, turret: TurretMode) -> Variant {
+fn variant(reading: &PaperReading, turret: TurretMode) -> Variant {
     Variant {
         name: reading.name.to_owned(),
-        driver: Driver::Mind(Box::new(reading.config.clone()), turret),
+        driver: VariantDriver::Mind(Box::new(reading.config.clone()), turret),
     }
 }
 
 fn moves(
     size: Size,
-    readings: &[Reading; 3],
-    watcher: &impl Watcher,
-) -> Result<Vec<[Figures; 2]>, Failure> {
-    watcher.begin("moves", 2 * FEWER_MOVES.len() as u64);
-    let one = |reading: &Reading, moves| {
+    readings: &[PaperReading; 3],
+    progress: &impl ProgressListener,
+) -> Result<Vec<[AblationFigures; 2]>, Failure> {
+    progress.begin("moves", 2 * FEWER_MOVES.len() as u64);
+    let one = |reading: &PaperReading, moves| {
         let figures = ablation::measure(&variant(reading, reading.turret), &trial(size, moves));
-        watcher.done();
+        progress.done();
         figures
     };
     FEWER_MOVES
@@ -262,22 +261,22 @@ fn moves(
         .collect()
 }
 
-fn following(size: Size, reading: &Reading) -> Result<Figures, Failure> {
+fn following(size: Size, reading: &PaperReading) -> Result<AblationFigures, Failure> {
     ablation::measure(&variant(reading, TurretMode::Follow), &trial(size, MOVES))
 }
 
-fn compared(size: Size, watcher: &impl Watcher) -> Result<Vec<Row>, Failure> {
-    let plan = Plan {
+fn compared(size: Size, progress: &impl ProgressListener) -> Result<Vec<ComparisonRow>, Failure> {
+    let plan = ComparisonPlan {
         worlds: (1..=u64::from(size.worlds)).map(World::random).collect(),
         first_seed: size.seed,
         seeds: size.seeds,
         methods: vec![
-            Method::Default,
-            Method::Probe,
-            Method::Touzet,
-            Method::QTable,
-            Method::QSom,
-            Method::QTwoSoms,
+            ComparedMethod::Default,
+            ComparedMethod::Probe,
+            ComparedMethod::Touzet,
+            ComparedMethod::QTable,
+            ComparedMethod::QSom,
+            ComparedMethod::QTwoSoms,
         ],
         moves: LEARNING_MOVES.into(),
         conditions: vec![Conditions {
@@ -287,12 +286,12 @@ fn compared(size: Size, watcher: &impl Watcher) -> Result<Vec<Row>, Failure> {
             timed: false,
         }],
     };
-    watcher.begin("learners", plan.len() as u64);
-    compare::measure(&plan, &|| watcher.done())
+    progress.begin("learners", plan.len() as u64);
+    compare::measure(&plan, &|| progress.done())
 }
 
-fn behavior_trial(size: Size, reading: &Reading) -> behaviors::Trial {
-    behaviors::Trial {
+fn behavior_trial(size: Size, reading: &PaperReading) -> behaviors::BehaviorTrial {
+    behaviors::BehaviorTrial {
         first: size.seed,
         worlds: size.worlds,
         seeds: size.seeds,
@@ -305,92 +304,48 @@ fn behavior_trial(size: Size, reading: &Reading) -> behaviors::Trial {
 }
 
 /// The scenes with exact sonars.
-fn scenes() -> impl Iterator<Item = &'static Scene> {
+fn scenes() -> impl Iterator<Item = &'static BehaviorScene> {
     SCENES.iter().filter(|scene| scene.sonar.is_none())
 }
 
 fn reached(
     size: Size,
-    readings: &[Reading; 3],
-    watcher: &impl Watcher,
-) -> Result<Vec<Reached>, Failure> {
-    // Avoidance has rooms of its own, and a way is no success.
-    let asked: Vec<_> = scenes()
-        .filter(|scene| scene.behavior != "avoid" && scene.measure != "way m")
+    readings: &[PaperReading; 3],
+    progress: &impl ProgressListener,
+) -> Result<Vec<SceneResult>, Failure> {
+    // Avoidance is measured in other rooms, and a distance is no success.
+    let selected: Vec<_> = scenes()
+        .filter(|scene| scene.behavior != "avoid" && scene.measure != "distance m")
         .collect();
     let each = 3 * u64::from(size.worlds) * u64::from(size.seeds);
-    watcher.begin("goals", asked.len() as u64 * each);
-    let of_scene = |scene: &'static Scene| {
+    progress.begin("goals", selected.len() as u64 * each);
+    let of_scene = |scene: &'static BehaviorScene| {
         let outcomes = by_reading(readings, |reading| {
-            behaviors::measure(scene, &behavior_trial(size, reading), &|| watcher.done())
+            behaviors::measure(scene, &behavior_trial(size, reading), &|| progress.done())
         })?;
         Ok((scene, outcomes))
     };
-    asked.into_iter().map(of_scene).collect()
+    selected.into_iter().map(of_scene).collect()
 }
 
 fn repetitions(
     size: Size,
-    reading: &Reading,
-    watcher: &impl Watcher,
-) -> Result<Vec<(&'static Scene, Curve)>, Failure> {
-    // What is perfect from the first time on cannot improve; a chain repeats its parts already.
-    let asked: Vec<_> = scenes()
+    reading: &PaperReading,
+    progress: &impl ProgressListener,
+) -> Result<Vec<(&'static BehaviorScene, Curve)>, Failure> {
+    // A perfect first result cannot improve; a chain already repeats its parts.
+    let selected: Vec<_> = scenes()
         .filter(|scene| {
-            let settled = ["clean rooms", "way m"].contains(&scene.measure);
+            let settled = ["clean rooms", "distance m"].contains(&scene.measure);
             !settled && scene.place != "4 m × 4 m" && !scene.behavior.contains(',')
         })
         .collect();
     let each = 2 * u64::from(size.worlds) * u64::from(size.seeds);
-    watcher.begin("repeat", asked.len() as u64 * each);
-    let of_scene = |scene: &'static Scene| {
+    progress.begin("repeat", selected.len() as u64 * each);
+    let of_scene = |scene: &'static BehaviorScene| {
         let trial = behavior_trial(size, reading);
-        let curve = repetition::measure(scene, &trial, size.times, &|| watcher.done())?;
+        let curve = repetition::measure(scene, &trial, size.times, &|| progress.done())?;
         Ok((scene, curve))
     };
-    asked.into_iter().map(of_scene).collect()
-}
-
-fn rings(size: Size, reading: &Reading, watcher: &impl Watcher) -> Vec<(usize, Vec<Count>)> {
-    watcher.begin("rings", 3);
-    let one = |counts: Vec<Count>, sensors| {
-        watcher.done();
-        (sensors, counts)
-    };
-    vec![
-        one(ring::<8>(size, reading), 8),
-        one(ring::<16>(size, reading), 16),
-        one(ring::<24>(size, reading), 24),
-    ]
-}
-
-/// Avoidance in half of the rooms by a Nomad with another ring, whose cones together leave no gap: ±200° by their number.
-fn ring<const SENSORS: usize>(size: Size, reading: &Reading) -> Vec<Count> {
-    let nomad = RobotSpec::nomad200();
-    let robot = RobotSpec {
-        directions: evenly_spaced::<SENSORS>(),
-        symmetric: true,
-        face_radius_mm: nomad.face_radius_mm,
-        body_radius_mm: nomad.body_radius_mm,
-        step_mm: nomad.step_mm,
-        speed_mm_s: nomad.speed_mm_s,
-        braking_mm_s2: nomad.braking_mm_s2,
-        ring_period_ms: nomad.ring_period_ms,
-        steer_ms: nomad.steer_ms,
-    };
-    let config: Config<SENSORS> = reading.config.for_robot(robot);
-    let sight = Sight {
-        half_angle_rad: 200.0_f64.to_radians() / SENSORS as f64,
-        reach_m: SonarConfig::ideal().max_range_m,
-    };
-    (0..u64::from(size.rooms.div_ceil(2)))
-        .into_par_iter()
-        .map(|room| {
-            let world = World::random(room.wrapping_add(1));
-            let mut robot = AnyRing::new(config.clone(), &world, reading.turret, sight);
-            let seed = size.seed.wrapping_add(room);
-            robot.explore_and_learn(Seeds::of(seed).exploration, |_| {});
-            robot.seek(Goal::avoiding(&config), STEPS)
-        })
-        .collect()
+    selected.into_iter().map(of_scene).collect()
 }

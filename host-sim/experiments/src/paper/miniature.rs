@@ -1,11 +1,11 @@
-//! Fig. 2: what the situation map of a miniature robot with eight sensors has learned from 100 random moves.
+//! Fig. 2: the situation map of a miniature robot with eight sensors after 100 random moves.
 //!
-//! The robot is [`RobotSpec::miniature`]: a body of 55 mm with the Khepera's eight bearings, six in front and two behind.
-//! It has no turret, so its ring turns with it. Nearness runs from 1 at 2 cm to 0 at 5 cm, as in the figure. What the
-//! paper does not say: the sensors here see ±20° and the robot walks in a box of 30 cm × 20 cm with two blocks and a post.
+//! The robot is [`RobotSpec::miniature`]: a body of 55 mm with the Khepera's eight bearings, which
+//! turn with it. Value 1 = 2 cm, 0 = 5 cm, as in the figure. Our choice: sensors see ±20°; a box of
+//! 30 cm × 20 cm with two blocks and a post.
 
-use super::any_ring::{AnyRing, Count, Sight};
-use super::order::{Order, order_of};
+use super::any_ring::{AnyRing, Count, SensorModel};
+use super::topology::{MapTopology, topology_of};
 use amp::config::Config;
 use amp::goal::Goal;
 use amp::memory::from_bytes;
@@ -18,43 +18,43 @@ use sim::episode::Seeds;
 use sim::recording::MapRecord;
 use std::f64::consts::PI;
 
-/// Decisions in which the goal is pursued.
+/// Decisions toward the goal.
 const STEPS: u32 = 300;
 
-/// Everything Fig. 2 shows.
+/// All values of Fig. 2.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Miniature {
     /// Bearings of the eight sensors, rad counter-clockwise from the front.
     pub bearings_rad: Vec<f64>,
     /// The situation map: 16 neurons of 8 values.
     pub map: MapRecord,
-    /// The box it walked in.
+    /// The box in which it moves.
     pub world: World,
-    /// Where it stood before each random move, and at the end.
+    /// Pose before each random move, and at the end.
     pub walk: Vec<Pose>,
     /// Radius of its body, m.
     pub radius_m: f64,
-    /// How orderly the map is.
-    pub order: Order,
-    /// The random moves.
+    /// Topology of the map.
+    pub topology: MapTopology,
+    /// Counts of the random moves.
     pub exploration: Count,
-    /// Afterwards: away from everything, with the maps as they were learned.
+    /// Counts of the avoidance that follows, with frozen maps.
     pub seeking: Count,
 }
 
-/// The figure's walk, drawn by `seed`.
+/// Makes the random moves of the figure, drawn by `seed`.
 ///
 /// # Errors
-/// None in practice: the box is part of the program, and tested.
+/// None in practice: the box is part of the program and tested.
 pub fn walk(seed: u64) -> Result<Miniature, BadInput> {
     let config = config();
     let radius_m = f64::from(config.robot.body_radius_mm) / 1e3;
     let world = arena(radius_m)?;
-    let sight = Sight {
+    let sensor_model = SensorModel {
         half_angle_rad: PI / 9.0,
         reach_m: 0.1,
     };
-    let mut robot = AnyRing::new(config.clone(), &world, TurretMode::Follow, sight);
+    let mut robot = AnyRing::new(config.clone(), &world, TurretMode::Follow, sensor_model);
     let mut walk = Vec::new();
     let exploration = robot.explore_and_learn(Seeds::of(seed).exploration, |pose| walk.push(pose));
     let situations = robot.state().situations();
@@ -65,7 +65,7 @@ pub fn walk(seed: u64) -> Result<Miniature, BadInput> {
         .iter()
         .map(|sample| from_bytes(&sample.after).0)
         .collect();
-    let order = order_of(situations, &perceived, seed);
+    let topology = topology_of(situations, &perceived, seed);
     let (_, hits) = situations.quality(&perceived);
     let map = MapRecord {
         grid: [4, 4],
@@ -91,14 +91,14 @@ pub fn walk(seed: u64) -> Result<Miniature, BadInput> {
         map,
         walk,
         radius_m,
-        order,
+        topology,
         exploration,
         seeking,
         world,
     })
 }
 
-/// The choices that keep the paper's four steps, on the miniature robot's scale.
+/// A configuration with the paper's four steps at the scale of the miniature robot.
 fn config() -> Config<8> {
     Config {
         encoding: Encoding {

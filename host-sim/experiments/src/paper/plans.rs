@@ -1,54 +1,55 @@
-//! What became of the plans of one episode: the algorithm of section 2.5, decision by decision.
+//! Outcome of the plans of one episode: the algorithm of section 2.5, decision by decision.
 
-use super::watch::{Seen, change, cosine, length};
+use super::observer::{ObservedDecision, change, cosine, length};
 use amp::fixed::{Mask, Weight, squared_distance};
 use amp::goal::Goal;
 use amp::planner::Why;
 use amp::som::Som;
 use sim::pilot::SimState;
 
-/// Counts over decisions; they add up over episodes.
+/// Counts over decisions; counts of several episodes can be added.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Plans {
-    /// Decisions taken while the goal did not hold.
+    /// Decisions taken while the goal was not met.
     pub unmet: u32,
-    /// Of them: a neighbor was aimed at.
+    /// Of `unmet`: the subgoal was a neighbor.
     pub neighbor: u32,
-    /// Of them: the present neuron was the goal neuron, or its code vector is as the goal wants it, too.
+    /// Of `unmet`: the present neuron was the goal neuron, or its code vector meets the goal too.
     pub at_goal_neuron: u32,
-    /// Of them: it was not, and no neighbor was nearer to the goal.
+    /// Of `unmet`: neither, and no neighbor was nearer to the goal.
     pub no_nearer: u32,
-    /// Of those that aimed at a neighbor: it was nearer to the goal in its code vector, too.
+    /// Of `neighbor`: its code vector was nearer to the goal, too.
     pub nearer_neighbor: u32,
-    /// Of them: that neuron was the best-matching unit afterwards.
+    /// Of `neighbor`: that neuron was the best-matching unit after the move.
     pub at_aim: u32,
-    /// Moves for which a change was wanted.
+    /// Moves with a wanted change.
     pub moves: u32,
-    /// Of them: afterwards the situation was nearer to the wanted one, over the transducers whose change was wanted.
+    /// Of `moves`: the situation came nearer to the wanted one, over the transducers with a wanted
+    /// change.
     pub nearer: u32,
-    /// Of them: those values changed in the wanted direction (cosine above 0).
+    /// Of `moves`: those values changed in the wanted direction (cosine above 0).
     pub along: u32,
-    /// Moves that changed one of those transducers at all.
+    /// Moves that changed one of those transducers.
     pub changes: u32,
-    /// Sum over them of the cosines between the wanted and the measured change.
+    /// Sum of the cosines between wanted and measured change, over `changes`.
     pub agreement: f64,
-    /// Stretches without the goal that ended with the goal, and the decisions they took.
+    /// Periods without the goal that ended with the goal.
     pub reached: u32,
-    /// Decisions those took.
+    /// Number of decisions in those periods.
     pub reached_in: u32,
-    /// Of them, those that took at most ten.
+    /// Of `reached`: periods of at most ten decisions.
     pub reached_soon: u32,
-    /// Stretches that the episode's end cut off.
+    /// Periods that the end of the episode cut off.
     pub unfinished: u32,
 }
 
 impl Plans {
-    /// The plans of one episode.
+    /// Counts the plans of one episode.
     #[must_use]
-    pub fn of(seen: &[Seen]) -> Self {
+    pub fn of(observed: &[ObservedDecision]) -> Self {
         let mut plans = Self::default();
         let mut stretch = 0;
-        for (i, now) in seen.iter().enumerate() {
+        for (i, now) in observed.iter().enumerate() {
             if now.plan.at_goal {
                 plans.end(&mut stretch);
                 continue;
@@ -62,7 +63,7 @@ impl Plans {
             plans.at_goal_neuron += u32::from(!neighbor && there);
             let lost = now.plan.why == Why::NoNearerNeighbour;
             plans.no_nearer += u32::from(lost && !there);
-            if let Some(next) = seen.get(i + 1) {
+            if let Some(next) = observed.get(i + 1) {
                 plans.follow(now, next);
             }
         }
@@ -70,7 +71,7 @@ impl Plans {
         plans
     }
 
-    /// The goal holds again.
+    /// The goal is met again.
     fn end(&mut self, stretch: &mut u32) {
         if *stretch > 0 {
             self.reached += 1;
@@ -80,7 +81,7 @@ impl Plans {
         }
     }
 
-    fn follow(&mut self, now: &Seen, next: &Seen) {
+    fn follow(&mut self, now: &ObservedDecision, next: &ObservedDecision) {
         if now.plan.why == Why::Neighbour {
             let there = next.plan.current_neuron == now.plan.intermediate_neuron;
             self.at_aim += u32::from(there);
@@ -106,7 +107,7 @@ impl Plans {
         }
     }
 
-    /// Both together.
+    /// The sum of both.
     #[must_use]
     pub fn plus(self, other: Self) -> Self {
         Self {
@@ -129,23 +130,24 @@ impl Plans {
     }
 }
 
-/// The neurons of a map seen from a goal: is there a way over neighbors?
+/// Paths over neighbors to a goal, on a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Ways {
-    /// Neurons that do not stand for the goal.
+pub struct GoalPaths {
+    /// Neurons that do not represent the goal.
     pub neurons: u32,
-    /// Of them, those with a direct neighbor nearer to the goal in its code vector.
+    /// Of `neurons`: a direct neighbor's code vector is nearer to the goal.
     pub with_nearer: u32,
-    /// Of them, those whose neighbor fewest grid steps from the goal neuron is nearer in its code vector.
+    /// Of `neurons`: the neighbor with the fewest grid steps to the goal neuron is nearer in its
+    /// code vector.
     pub by_hops: u32,
-    /// Pairs of neurons: from one to the other as a goal.
+    /// Ordered pairs of neurons: start and end.
     pub pairs: u32,
-    /// Of them, those between which a way leads over neighbors each of which is nearer to the other's code vector.
+    /// Of `pairs`: a path leads over neighbors, each nearer to the end's code vector.
     pub joined: u32,
 }
 
-impl Ways {
-    /// The ways of a map of situations to a goal.
+impl GoalPaths {
+    /// Counts the paths of a situation map to a goal.
     #[must_use]
     pub fn of(state: &SimState, goal: &Goal<16>) -> Self {
         let map: &Som<16, 16> = state.situations();
@@ -154,25 +156,25 @@ impl Ways {
             .map(|k| goal.distance(&map.code_vector(k), Mask::ALL))
             .collect();
         let goal_neuron = (0..away.len()).min_by_key(|&k| away[k]).unwrap_or(0);
-        let mut ways = Self::default();
+        let mut goal_paths = Self::default();
         for k in (0..away.len()).filter(|&k| k != goal_neuron && away[k] > 0) {
-            ways.neurons += 1;
+            goal_paths.neurons += 1;
             let nearest = grid.neighbors(k).map(|n| away[n]).min();
-            ways.with_nearer += u32::from(nearest.is_some_and(|n| n < away[k]));
+            goal_paths.with_nearer += u32::from(nearest.is_some_and(|n| n < away[k]));
             let by_hops = grid
                 .neighbors(k)
                 .min_by_key(|&n| (grid.hops(n, goal_neuron), away[n], n));
-            ways.by_hops += u32::from(by_hops.is_some_and(|n| away[n] < away[k]));
+            goal_paths.by_hops += u32::from(by_hops.is_some_and(|n| away[n] < away[k]));
         }
         for end in 0..away.len() {
             let starts = (0..away.len()).filter(|&start| start != end);
-            ways.pairs += away.len() as u32 - 1;
-            ways.joined += starts.filter(|&start| leads(map, start, end)).count() as u32;
+            goal_paths.pairs += away.len() as u32 - 1;
+            goal_paths.joined += starts.filter(|&start| leads(map, start, end)).count() as u32;
         }
-        ways
+        goal_paths
     }
 
-    /// Both together.
+    /// The sum of both.
     #[must_use]
     pub fn plus(self, other: Self) -> Self {
         Self {
@@ -185,7 +187,8 @@ impl Ways {
     }
 }
 
-/// Whether going to the neighbor whose code vector is nearest to that of `end`, as long as that is nearer, leads there.
+/// Whether greedy steps lead from `start` to `end`: each to the neighbor whose code vector is
+/// nearest to that of `end`.
 fn leads(map: &Som<16, 16>, start: usize, end: usize) -> bool {
     let code = map.code();
     let away = |k: usize| match (code.get(k), code.get(end)) {
@@ -209,9 +212,9 @@ mod tests {
     use amp::planner::Plan;
     use amp::units::Displacement;
 
-    fn seen(value: f64, at_goal: bool, why: Why) -> Seen {
+    fn observed(value: f64, at_goal: bool, why: Why) -> ObservedDecision {
         let all = |value: f64| [Weight::from_num(value); 16];
-        Seen {
+        ObservedDecision {
             situation: all(value),
             plan: Plan {
                 goal_neuron: 0,
@@ -233,11 +236,11 @@ mod tests {
     #[test]
     fn stretches_and_aims_are_counted() {
         let episode = [
-            seen(0.75, false, Why::Neighbour),
-            seen(0.5, false, Why::NoNearerNeighbour),
-            seen(0.0, true, Why::KeepCourse),
-            seen(0.25, false, Why::Neighbour),
-            seen(0.5, false, Why::GoalNeuron),
+            observed(0.75, false, Why::Neighbour),
+            observed(0.5, false, Why::NoNearerNeighbour),
+            observed(0.0, true, Why::KeepCourse),
+            observed(0.25, false, Why::Neighbour),
+            observed(0.5, false, Why::GoalNeuron),
         ];
         let plans = Plans::of(&episode);
         assert_eq!(
@@ -259,7 +262,7 @@ mod tests {
             ),
             (1, 2, 1, 1)
         );
-        // Two moves went the wanted way, one the other way.
+        // Two moves in the wanted direction, one against it.
         assert_eq!(
             (plans.moves, plans.nearer, plans.along, plans.changes),
             (3, 2, 2, 3)

@@ -1,11 +1,11 @@
-//! Avoidance in many random rooms by the maps alone, each decision watched: what most rows of the table are made of.
+//! Avoidance in many random rooms by the maps alone: the source of most rows of the claims.
 
 use super::gaps::Gaps;
-use super::knowing::{Discreteness, Recalled, samples_alike};
-use super::order::{Order, order_of};
-use super::plans::{Plans, Ways};
-use super::watch::Watched;
-use super::{Reading, STEPS};
+use super::observer::ObservedController;
+use super::plans::{GoalPaths, Plans};
+use super::recall::{ActionRecall, Discreteness, samples_alike};
+use super::topology::{MapTopology, topology_of};
+use super::{PaperReading, STEPS};
 use amp::goal::Goal;
 use amp::memory::from_bytes;
 use amp::scan::{Situation, rotated};
@@ -17,33 +17,33 @@ use sim::failure::Failure;
 use sim::pilot::SimState;
 use sim::scenes::Behavior;
 
-/// Added to an episode's seed for random moves that its maps have not learned.
+/// Added to an episode's seed: draws random moves that its maps have not learned.
 const OTHER_MOVES: u64 = 1_000_000;
 
-/// What was found in one room.
+/// Results of one room.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Room {
-    /// The episode's figures.
+pub struct RoomResult {
+    /// Metrics of the episode.
     pub report: Report,
-    /// What became of its plans.
+    /// Outcome of its plans.
     pub plans: Plans,
-    /// Ways over the situation map as the random moves made it.
-    pub ways: Ways,
-    /// The order of that map.
-    pub order: Order,
-    /// Gaps to what was passed.
+    /// Paths over the situation map after the random moves.
+    pub goal_paths: GoalPaths,
+    /// Topology of that map.
+    pub topology: MapTopology,
+    /// Gaps to passed surfaces.
     pub gaps: Gaps,
     /// Recall of moves that were not learned.
-    pub recalled: Recalled,
-    /// Samples like the present situation.
+    pub recalled: ActionRecall,
+    /// Number of samples like the present situation.
     pub alike: Vec<usize>,
-    /// What going on to learn did to the situation map.
+    /// Effect of online learning on the situation map.
     pub discreteness: Option<Discreteness>,
 }
 
-/// An episode's setup in a room of its own seed, without the shield.
+/// Setup of an episode without the shield; `seed` also draws the room.
 #[must_use]
-pub fn setup(reading: &Reading, behavior: Behavior, seed: u64, steps: u32) -> Setup {
+pub fn setup(reading: &PaperReading, behavior: Behavior, seed: u64, steps: u32) -> Setup {
     Setup {
         config: reading.config.clone(),
         preset: reading.name.to_owned(),
@@ -59,16 +59,17 @@ pub fn setup(reading: &Reading, behavior: Behavior, seed: u64, steps: u32) -> Se
     }
 }
 
-/// All rooms of one reading in order, on all cores; `done` is called after each.
+/// Measures all rooms of one reading, on all cores; results are in order. `done` is called after
+/// each.
 ///
 /// # Errors
 /// When an episode fails.
 pub fn measure(
-    reading: &Reading,
+    reading: &PaperReading,
     rooms: u32,
     seed: u64,
     done: &(impl Fn() + Sync),
-) -> Result<Vec<Room>, Failure> {
+) -> Result<Vec<RoomResult>, Failure> {
     (0..u64::from(rooms))
         .into_par_iter()
         .map(|room| {
@@ -80,33 +81,34 @@ pub fn measure(
         .collect()
 }
 
-fn one(reading: &Reading, world: &World, seed: u64) -> Result<Room, Failure> {
+fn one(reading: &PaperReading, world: &World, seed: u64) -> Result<RoomResult, Failure> {
     let half = STEPS as usize / 2;
     let setup = setup(reading, Behavior::Avoid, seed, STEPS);
-    let mut watched = Watched::new(reading.config.clone(), half);
-    let episode = run_with(world, &setup, &mut watched, |_, _, _| {})?;
+    let mut observer = ObservedController::new(reading.config.clone(), half);
+    let episode = run_with(world, &setup, &mut observer, |_, _, _| {})?;
     let others = other_moves(&setup, world)?;
     let steps = episode.recording.map_or(Vec::new(), |r| r.seeking);
     let goal = Goal::avoiding(&reading.config);
-    let learned = watched.learned.as_deref().ok_or(Failure::Silent)?;
-    let late = watched.seen.get(half..).unwrap_or_default();
-    Ok(Room {
+    let learned = observer.learned.as_deref().ok_or(Failure::Silent)?;
+    let late = observer.observed.get(half..).unwrap_or_default();
+    Ok(RoomResult {
         report: episode.report,
-        plans: Plans::of(&watched.seen),
-        ways: Ways::of(learned, &goal),
-        order: order_of(learned.situations(), &lessons(learned, reading), seed),
+        plans: Plans::of(&observer.observed),
+        goal_paths: GoalPaths::of(learned, &goal),
+        topology: topology_of(learned.situations(), &lessons(learned, reading), seed),
         gaps: Gaps::of(world, &steps),
-        recalled: Recalled::of(learned, &others, &reading.config),
-        alike: samples_alike(learned, &watched.seen),
-        discreteness: watched
+        recalled: ActionRecall::of(learned, &others, &reading.config),
+        alike: samples_alike(learned, &observer.observed),
+        discreteness: observer
             .later
             .as_deref()
             .map(|later| Discreteness::of(learned, later, late)),
     })
 }
 
-/// The situations the map has learned from: where every sample counts turned by each ring step, all of those.
-fn lessons(state: &SimState, reading: &Reading) -> Vec<Situation<16>> {
+/// The situations from which the map has learned, in all rotations if the configuration learns
+/// those.
+fn lessons(state: &SimState, reading: &PaperReading) -> Vec<Situation<16>> {
     let turns = if reading.config.learning.augment_rotations {
         16
     } else {
@@ -121,7 +123,7 @@ fn lessons(state: &SimState, reading: &Reading) -> Vec<Situation<16>> {
         .collect()
 }
 
-/// What a mind knows after other random moves in the same room.
+/// State of a controller after other random moves in the same room.
 fn other_moves(setup: &Setup, world: &World) -> Result<Box<SimState>, Failure> {
     let other = Setup {
         seed: setup.seed.wrapping_add(OTHER_MOVES),
@@ -129,7 +131,7 @@ fn other_moves(setup: &Setup, world: &World) -> Result<Box<SimState>, Failure> {
         record: false,
         ..setup.clone()
     };
-    let mut watched = Watched::new(other.config.clone(), 0);
-    run_with(world, &other, &mut watched, |_, _, _| {})?;
-    watched.learned.ok_or(Failure::Silent)
+    let mut observer = ObservedController::new(other.config.clone(), 0);
+    run_with(world, &other, &mut observer, |_, _, _| {})?;
+    observer.learned.ok_or(Failure::Silent)
 }

@@ -1,4 +1,4 @@
-//! Chains of neurons over points in space (Fig. 1 of the paper).
+//! Draws chains of neurons over points in space (Fig. 1 of the paper).
 
 use crate::paper::chain::{Chain, Cloud, Point3};
 
@@ -8,22 +8,22 @@ use plots::draw::svg::{Font, Svg, fill, filled, stroke};
 
 /// Side of a panel, px.
 const SIDE: f64 = 370.0;
-/// Room for the caption below, px.
+/// Space for the caption below, px.
 const CAPTION: f64 = 74.0;
-/// Points drawn per panel: more would only be black.
+/// Largest number of points drawn in a panel.
 const POINTS: usize = 700;
-/// Turn about the upright axis and view from above, rad.
+/// Rotation about the vertical axis and elevation of the view, rad.
 const TURN: f64 = 0.55;
 const ABOVE: f64 = 0.35;
 
-/// Draws chains side by side as the paper's Fig. 1: points, neurons as circles, lines between neighbors in the chain,
-/// seen from the side and a little above.
+/// Draws chains side by side as the paper's Fig. 1: points, neurons as circles, lines between
+/// neighbors in the chain, seen from slightly above.
 ///
 /// Returns an SVG document.
 #[must_use]
 pub fn chains(title: &str, chains: [&Chain; 2]) -> String {
     let mut svg = Svg::new(PAGE, TOP + SIDE + CAPTION);
-    let subtitle = "dots: points learned · circles: neurons · lines: neighbors in the chain · orange: a neuron where no point is";
+    let subtitle = "dots: points learned · circles: neurons · lines: neighbors in the chain · orange: a neuron outside the points";
     heading(&mut svg, title, subtitle);
     for (number, chain) in chains.into_iter().enumerate() {
         let left = MARGIN + number as f64 * (PAGE - 2.0 * MARGIN - SIDE);
@@ -70,13 +70,13 @@ fn cube(svg: &mut Svg, corner: [f64; 2]) {
     }
 }
 
-/// Where a point of the unit cube lies on the page.
+/// Position of a point of the unit cube on the page.
 fn place([left, top]: [f64; 2], point: &Point3) -> [f64; 2] {
     let [x, y, z] = point.map(|value| value - 0.5);
     let (sin, cos) = libm::sincos(TURN);
     let (across, away) = (x * cos - y * sin, x * sin + y * cos);
     let (rise, fall) = (libm::cos(ABOVE), libm::sin(ABOVE));
-    // The cube's widest diagonal fills the panel.
+    // The longest diagonal of the cube fills the panel.
     let scale = SIDE / 1.5;
     [
         left + SIDE / 2.0 + scale * across,
@@ -100,7 +100,7 @@ fn caption(svg: &mut Svg, [x, y]: [f64; 2], letter: &str, chain: &Chain) {
         "each of {neurons} neurons wins {least:.2} to {most:.2} times 1/{neurons} of fresh points"
     );
     svg.text([x, y + 17.0], font, &share);
-    let void = format!("{} of them where no point is", chain.in_the_void);
+    let void = format!("{} of them outside the points", chain.in_the_void);
     svg.text([x, y + 33.0], font, &void);
 }
 

@@ -1,4 +1,4 @@
-//! One decision from the samples to the action, with its real values (Fig. 3 of the paper).
+//! Draws one decision from the samples to the action, with its values (Fig. 3 of the paper).
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
@@ -26,9 +26,11 @@ fn ring() -> Vec<f64> {
     (0..16).map(|i| f64::from(i) * PI / 8.0).collect()
 }
 
-/// Draws the flow of the paper's Fig. 3 for one decision: (A) samples, (B) and (C) what the two maps learn, the maps with
-/// the neurons that took part, (D) present situation, (E) goal, (F) intermediate situation, (G) the change wanted, the
-/// action, and all values as figures.
+/// Draws the flow of the paper's Fig. 3 for one decision.
+///
+/// (A) samples, (B) and (C) what the two maps learn, the maps with the neurons involved, (D)
+/// present situation, (E) goal, (F) subgoal, (G) wanted change, the action, and all values as
+/// numbers.
 ///
 /// Returns an SVG document.
 #[must_use]
@@ -93,8 +95,8 @@ fn samples(svg: &mut Svg, shown: &DecisionFigure, ring: &[f64]) {
     let mut legend = Legend::new(x, below + 10.0, 238.0);
     legend.note(
         svg,
-        "Bars outwards: nearness of obstacles around the ring, its front up. Red and blue: what comes nearer and goes away. \
-         Arrows: displacements.",
+        "Bars outward: nearness of obstacles around the ring, its front up. Red and blue: obstacles \
+     that come nearer and move away. Arrows: displacements.",
     );
 }
 
@@ -133,19 +135,19 @@ fn bases(svg: &mut Svg, shown: &DecisionFigure, ring: &[f64]) {
     arrow(svg, [from + 234.0, TOP + 46.0], -FRAC_PI_2, 32.0, 2.0);
     let style = stroke(INK, 2.0);
     let (above, edge) = (TOP - 12.0, second + 220.0);
-    let way = [
+    let line = [
         [from + 246.0, TOP + 46.0],
         [from + 246.0, above],
         [edge, above],
     ];
-    svg.polyline(&way, &style);
+    svg.polyline(&line, &style);
     arrow(svg, [edge, above - 1.0], PI, 26.0, 2.0);
     for x in [first, second] {
         arrow(svg, [x + 2.0 * TILE, TOP + 77.0], PI, 18.0, 2.0);
     }
 }
 
-/// Both maps with the neurons that took part.
+/// Both maps with the neurons of the decision.
 fn maps(svg: &mut Svg, shown: &DecisionFigure, ring: &[f64]) {
     let [_, first, second] = COLUMNS;
     let [goal, present, aim, answer] = shown.neurons;

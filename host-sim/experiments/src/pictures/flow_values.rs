@@ -1,4 +1,4 @@
-//! The values of a decision as figures, below its flow.
+//! Draws the values of a decision as a table below its flow.
 
 use crate::paper::decision::DecisionFigure;
 
@@ -6,13 +6,13 @@ use plots::draw::color::{BLUE, GRAY, PALE, VERMILLION};
 use plots::draw::layout::{Legend, PAGE};
 use plots::draw::svg::{Anchor, Font, Svg, decimal, fill};
 
-/// Distance of the rows and of the columns, px.
+/// Height of the rows and width of the columns, px.
 const ROW: f64 = 18.0;
 const COLUMN: f64 = 43.0;
-/// Room for the letters, px.
+/// Space for the letters, px.
 const LETTERS: f64 = 66.0;
 
-/// A row per letter, a column per transducer.
+/// Draws a row per letter, a column per transducer.
 pub fn table(svg: &mut Svg, [x, y]: [f64; 2], shown: &DecisionFigure) {
     let font = Font::new(11.0).color(GRAY).at(Anchor::End);
     svg.text([x, y], Font::new(11.0).color(GRAY), "transducer");
@@ -56,7 +56,7 @@ pub fn table(svg: &mut Svg, [x, y]: [f64; 2], shown: &DecisionFigure) {
 fn words(shown: &DecisionFigure) -> String {
     let [x, y] = shown.action_m.map(|m| decimal(100.0 * m, 1));
     let left_out = if shown.unmet_only {
-        " G leaves out the transducers that already are as the goal wants them."
+        " G leaves out the transducers that already meet the goal."
     } else {
         ""
     };

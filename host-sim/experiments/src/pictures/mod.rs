@@ -1,4 +1,4 @@
-//! Pictures of the paper's experiments.
+//! Pictures of the paper's experiments, as SVG.
 
 mod chain;
 mod flow;
@@ -11,7 +11,7 @@ pub use chain::chains;
 pub use flow::flow;
 pub use situation_values::situation_values;
 
-/// Fails unless `svg` is a picture that a browser shows.
+/// Fails unless `svg` is a well-formed SVG document.
 #[cfg(test)]
 pub(crate) fn assert_well_formed(svg: &str) {
     plots::png::check(svg).unwrap_or_else(|error| panic!("{error}\n{svg}"));

@@ -1,4 +1,5 @@
-//! All figures of the paper made anew in a folder, with a page that shows and explains them beside the table of claims.
+//! Writes all figures of the paper into a folder, with a page that explains them and lists the
+//! claims.
 
 use std::path::{Path, PathBuf};
 
@@ -9,18 +10,17 @@ use super::paper_page::paper_html;
 use super::{chains, flow, situation_values};
 use files::error::BadInput;
 use files::save;
-use plots::demo::PNG_SCALE;
 use plots::page::Figure;
-use plots::{path, png, sequence};
+use plots::{path, save_picture, sequence};
 
-/// Writes every figure as SVG and PNG, and `index.html` with them and the claims, into `dir`, which must be there.
+/// Writes every figure as SVG and PNG, and `index.html` with the claims, into the existing folder
+/// `dir`.
 ///
-/// Each file appears under its name only when it is complete. Returns the files in the order they were written,
-/// `index.html` last.
+/// A file appears under its name only when it is complete. Returns the files in the order of
+/// writing, `index.html` last.
 ///
 /// # Errors
-///
-/// The first file that could not be written; those before it stay.
+/// The first file that cannot be written; earlier files stay.
 pub fn write(
     dir: &Path,
     measured: &Measured,
@@ -30,14 +30,9 @@ pub fn write(
     let mut written = Vec::new();
     let mut figures = Vec::new();
     for (name, title, caption, svg) in pictures(measured) {
-        let file = format!("{name}.svg");
-        written.push(save(dir, &file, svg.as_bytes())?);
-        let bitmap = format!("{name}.png");
-        let png = png::render(&svg, PNG_SCALE)
-            .map_err(|error| BadInput::file(&dir.join(&bitmap), error))?;
-        written.push(save(dir, &bitmap, &png)?);
+        written.extend(save_picture(dir, name, &svg)?);
         figures.push(Figure {
-            file,
+            file: format!("{name}.svg"),
             title: title.into(),
             caption: caption.iter().map(|&paragraph| paragraph.into()).collect(),
         });
@@ -53,12 +48,12 @@ fn about(measured: &Measured) -> Vec<String> {
     let size = measured.size;
     vec![
         "C. Touzet, “Modeling and Simulation of Elementary Robot Behaviors using Associative Memories”, International Journal \
-         of Advanced Robotic Systems 3(2), 2006, 165–170: its figures made anew, and what each sentence of its sections 2, 3 \
-         and 5.1 that can be tested comes to. Everything here is the maps alone, without the shield."
+         of Advanced Robotic Systems 3(2), 2006, 165–170: its figures redrawn, and every testable \
+     sentence of its sections 2, 3 and 5.1 measured. All by the maps alone, without the shield."
             .to_owned(),
         "Three readings of what the paper leaves open: touzet is the most literal one; probe the best found that keeps the \
-         paper's four steps; default looks one step ahead instead of probing. A claim about the method holds when all readings \
-         asked meet its rule, and partly when some do."
+         paper's four steps; default looks one step ahead instead of probing. A claim about the method holds when all \
+     tested readings meet its rule, and partly when some do."
             .to_owned(),
         format!(
             "Seed {}; {} random rooms, {} worlds × {} seeds per behavior, {} repetitions, {} chains and miniature robots. The same \
@@ -123,8 +118,9 @@ fn pictures(measured: &Measured) -> Vec<Picture> {
 }
 
 const FIGURE_1: &[&str] = &[
-    "The chain winds through the points so that each neuron stands for about as many of them: (a) points anywhere, (b) points \
-     in two clusters. A neuron between the clusters stands for nothing; the chain has to cross there.",
+    "The chain winds through the points so that each neuron represents about as many of them: (a) \
+     points anywhere, (b) points in two clusters. A neuron between the clusters represents nothing; \
+     the chain crosses there.",
 ];
 const FIGURE_2: &[&str] = &[
     "What a robot of 55 mm with the eight bearings of a Khepera has learned from 100 random moves in a small box. The robot has \
@@ -134,8 +130,8 @@ const FIGURE_3: &[&str] = &[
     "From the samples (A) come the learning bases of the two maps (B, C). For the decision: (1) the neuron of the goal E, (2) \
      that of the present situation D, (3) a neighbor nearer to the goal, F; (4) the difference G = F − D probes the second map, \
      which answers with the action.",
-    "All values are those of a real decision by preset probe: of the first episode, from the given seed on, that has a decision \
-     which aims at a neighbor with something to the left. Such decisions are rare in this preset (see § 2.5).",
+    "All values are from a real decision by preset probe, in the first episode from the given seed \
+     on with a decision toward a neighbor with an obstacle on the left. Such decisions are rare in this preset (see § 2.5).",
 ];
 const FIGURE_3_LITERAL: &[&str] = &[
     "The same by preset touzet: nothing nearer than 1 m is the goal, G is F − D in every component, and the action is a turn and \
@@ -143,12 +139,13 @@ const FIGURE_3_LITERAL: &[&str] = &[
 ];
 const FIGURE_4: &[&str] = &[
     "Successive situations, their differences S(t) − S(t−1), and the robot's positions beside the obstacle in the box. Preset \
-     probe; the stretch is chosen as the one in which most happens.",
+     probe; the part with the clearest avoidance is shown.",
 ];
 const FIGURE_5: &[&str] = &[
     "An arena after the paper's figure, which has no scale. The robot explores with 100 random moves and then avoids for 300 \
      decisions by preset probe, without the shield.",
 ];
 const FIGURE_5_LITERAL: &[&str] = &[
-    "The same by the most literal reading of the paper, preset touzet. In most random rooms it touches something (see § 3).",
+    "The same by the most literal reading of the paper, preset touzet. In most random rooms it has contacts \
+     (see § 3).",
 ];

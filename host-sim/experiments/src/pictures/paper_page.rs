@@ -1,13 +1,14 @@
-//! The page of the paper made anew: its figures, and the table of its claims.
+//! The HTML page with the paper's figures and the table of its claims.
 
 use std::fmt::Write as _;
 
-use crate::paper::claims::{Claim, Verdict};
+use crate::paper::claims::{Claim, ClaimVerdict};
 
 use plots::draw::svg::escape;
 use plots::page::{CLOSING, Figure, commands, opening, picture};
 
-/// The HTML page. Refers to the picture files by name only; light and dark, phone and paper.
+/// Builds the page. It refers to the picture files by name only; it supports dark mode, small
+/// screens and print.
 #[must_use]
 pub fn paper_html(
     title: &str,
@@ -30,26 +31,26 @@ pub fn paper_html(
     html
 }
 
-const fn class(verdict: Verdict) -> &'static str {
+const fn class(verdict: ClaimVerdict) -> &'static str {
     match verdict {
-        Verdict::Holds => "holds",
-        Verdict::Partly => "partly",
-        Verdict::DoesNotHold => "not",
-        Verdict::NotTestable => "untestable",
+        ClaimVerdict::Holds => "holds",
+        ClaimVerdict::Partly => "partly",
+        ClaimVerdict::DoesNotHold => "not",
+        ClaimVerdict::NotTestable => "untestable",
     }
 }
 
-/// How many claims hold.
+/// Number of claims by verdict.
 fn count(html: &mut String, claims: &[Claim]) {
     html.push_str("<ul class=\"count\">\n");
-    for verdict in Verdict::ALL {
+    for verdict in ClaimVerdict::ALL {
         let has = |claim: &&Claim| claim.verdict == verdict;
         let count = claims.iter().filter(has).count();
         let words = match (verdict, count) {
-            (Verdict::NotTestable, _) | (_, 1) => verdict.words(),
-            (Verdict::Holds, _) => "hold",
-            (Verdict::Partly, _) => "hold partly",
-            (Verdict::DoesNotHold, _) => "do not hold",
+            (ClaimVerdict::NotTestable, _) | (_, 1) => verdict.words(),
+            (ClaimVerdict::Holds, _) => "hold",
+            (ClaimVerdict::Partly, _) => "hold partly",
+            (ClaimVerdict::DoesNotHold, _) => "do not hold",
         };
         let class = class(verdict);
         let _ = writeln!(
@@ -101,7 +102,7 @@ fn table(html: &mut String, claims: &[Claim]) {
 mod tests {
     use super::*;
 
-    fn claim(words: &'static str, verdict: Verdict) -> Claim {
+    fn claim(words: &'static str, verdict: ClaimVerdict) -> Claim {
         Claim {
             section: "2.3",
             words,
@@ -115,9 +116,9 @@ mod tests {
     #[test]
     fn every_claim_is_counted_and_escaped() {
         let claims = [
-            claim("<a>", Verdict::Holds),
-            claim("b", Verdict::DoesNotHold),
-            claim("c", Verdict::DoesNotHold),
+            claim("<a>", ClaimVerdict::Holds),
+            claim("b", ClaimVerdict::DoesNotHold),
+            claim("c", ClaimVerdict::DoesNotHold),
         ];
         let html = paper_html("T", &["about".to_owned()], &claims, &[], &[]);
         for part in [

@@ -1,4 +1,4 @@
-//! The situations of a map with their values in figures, for rings of few sensors (Fig. 2 of the paper).
+//! Draws the situations of a map with their values as numbers, for rings of few sensors (Fig. 2).
 
 use crate::paper::miniature::Miniature;
 use arena::world::Point;
@@ -7,13 +7,14 @@ use plots::draw::color::{self, GRAY, PURPLE};
 use plots::draw::layout::{Legend, TOP, Tiles, heading, normalized, u_matrix_legend};
 use plots::draw::rosette::Rosette;
 use plots::draw::rosette::{corner, tile};
-use plots::draw::scene::{self, View};
+use plots::draw::scene::{self, SceneView};
 use plots::draw::svg::{Anchor, Font, Svg, decimal, filled, stroke};
 
-/// Figures of two sensors that look nearly the same way are moved apart to this bearing from the axis, rad.
+/// Numbers of two sensors with similar bearings are moved apart to this angle from the axis, rad.
 const APART: f64 = 0.3;
 
-/// Draws the 16 situations of the miniature robot's map, each value as a bar and as a figure, and the walk they come from.
+/// Draws the 16 situations of the miniature robot's map, each value as a bar and a number, and the
+/// path of its random moves.
 ///
 /// Returns an SVG document.
 #[must_use]
@@ -77,7 +78,7 @@ fn figures(svg: &mut Svg, rosette: &Rosette<'_>, values: &[f64]) {
     }
 }
 
-/// The bearing at which a figure is written: away from the axis, where two sensors are close to each other.
+/// The bearing of a number: farther from the axis where two sensors are close to each other.
 fn apart(bearing: f64) -> f64 {
     use core::f64::consts::PI;
     if bearing.abs() < APART {
@@ -89,12 +90,12 @@ fn apart(bearing: f64) -> f64 {
     }
 }
 
-/// The box with the way of the random moves.
+/// The box with the path of the random moves.
 fn walk(svg: &mut Svg, legend: &mut Legend, shown: &Miniature) {
     legend.headline(svg, "The random walk");
     let (middle, width) = legend.column();
     let corner = [middle - width / 2.0, legend.bottom() + 2.0];
-    let view = View::new(scene::extent(&shown.world), corner, [width, 200.0]);
+    let view = SceneView::new(scene::extent(&shown.world), corner, [width, 200.0]);
     scene::obstacles(svg, &view, &shown.world);
     let places: Vec<_> = shown
         .walk

@@ -1,32 +1,9 @@
-//! A sweep's description:
-//!
-//! ```toml
-//! name = "range-and-shield"            # [default: the file's]
-//! worlds = ["random:1..=20", "paper"]  # as for `run --world` [default: paper]
-//! behaviors = ["avoid", "nest"]        # as for `run --behavior` [default: avoid]
-//! seeds = "1..=10"                     # or a number, or a list of numbers [default: 1]
-//!
-//! [fixed]                              # for every episode
-//! steps = 500
-//! shield = false                       # true and false are on and off
-//!
-//! [grid]                               # points: every combination, the last key fastest
-//! far = [1.5, 3.0, 4.5]
-//! explore = [50, 100]
-//!
-//! [[list]]                             # one more point
-//! preset = "probe"
-//! far = 2.0
-//! ```
-//!
-//! Keys are the flags of `run` that say what an episode is made of, and the keys of `--set`. Points
-//! are numbered as they stand above: the grid, then the list; without any there is one. A key that
-//! is not known is an error, with its line.
+//! The description of a sweep: a TOML file with fixed options, a grid and a list of points.
 
 mod choice_value;
 
 use super::plan::Vocabulary;
-use super::points::{Points, Row};
+use super::points::{PointOptions, SweepPoints};
 use arena::loaders::{WorldSource, parse_worlds};
 use choice_value::{ChoiceTable, ChoiceValue};
 use files::error::{BadInput, suggestion};
@@ -39,14 +16,37 @@ use std::ops::Range;
 use std::path::Path;
 use toml::Spanned;
 
-/// Larger files are refused, bytes.
+/// Largest accepted file, bytes.
 const MAX_FILE_BYTES: u64 = 16 << 20;
-/// Most seeds of a sweep.
+/// Largest number of seeds.
 const MAX_SEEDS: u64 = 1_000_000;
-/// Most points: each of them is looked at before anything is run.
+/// Largest number of points: each is checked before the first run.
 const MAX_POINTS: u64 = 100_000;
 
-/// What a sweep's file says.
+/// Content of a sweep's file.
+///
+/// ```toml
+/// name = "range-and-shield"            # [default: the file's]
+/// worlds = ["random:1..=20", "paper"]  # as for `run --world` [default: paper]
+/// behaviors = ["avoid", "nest"]        # as for `run --behavior` [default: avoid]
+/// seeds = "1..=10"                     # or a number, or a list of numbers [default: 1]
+///
+/// [fixed]                              # for every episode
+/// steps = 500
+/// shield = false                       # true and false are on and off
+///
+/// [grid]                               # points: every combination, the last key fastest
+/// far = [1.5, 3.0, 4.5]
+/// explore = [50, 100]
+///
+/// [[list]]                             # one more point
+/// preset = "probe"
+/// far = 2.0
+/// ```
+///
+/// Keys are the flags of `run` that define an episode, and the keys of `--set`. Points are numbered
+/// in this order: the grid, then the list. Without both there is one point. An unknown key is an
+/// error that names its line.
 #[derive(Debug, Clone)]
 pub struct Description {
     /// The sweep's name: letters, digits, `-`, `_` and `.`.
@@ -57,22 +57,28 @@ pub struct Description {
     pub behaviors: Vec<Behavior>,
     /// Its seeds.
     pub seeds: Vec<u64>,
-    /// Its sets of choices.
-    pub points: Points,
+    /// Its points: sets of options.
+    pub points: SweepPoints,
 }
 
 impl Description {
-    /// Reads the file of a sweep whose keys are those of `vocabulary`.
+    /// Reads a sweep's file; `vocabulary` defines the keys.
     ///
     /// # Errors
-    /// A sentence that names the file, the line and what is wrong there.
+    /// A sentence that names the file, the line and the fault.
     pub fn load(path: &Path, vocabulary: &Vocabulary) -> Result<Self, BadInput> {
         let text = read_text(path, MAX_FILE_BYTES)?;
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-        Self::read(&text, &path.display().to_string(), &tame(&stem), vocabulary)
+        Self::read(
+            &text,
+            &path.display().to_string(),
+            &safe_name(&stem),
+            vocabulary,
+        )
     }
 
-    /// Reads the text of a sweep's file; `source` names it in errors, and the sweep is called `default_name` if it has no name.
+    /// Reads the text of a sweep's file. `source` names it in errors; `default_name` is the sweep's
+    /// name if the text has none.
     ///
     /// # Errors
     /// As [`Description::load`].
@@ -82,7 +88,7 @@ impl Description {
         default_name: &str,
         vocabulary: &Vocabulary,
     ) -> Result<Self, BadInput> {
-        let file = File {
+        let file = DescriptionReader {
             toml: TomlText { text, source },
             vocabulary,
         };
@@ -105,17 +111,17 @@ impl Description {
     }
 }
 
-/// A file's name as a sweep's.
-fn tame(name: &str) -> String {
-    let tame = |c: char| if is_plain(c) { c } else { '-' };
-    name.chars().map(tame).collect()
+/// Turns a file's name into a valid name of a sweep.
+fn safe_name(name: &str) -> String {
+    let safe_name = |c: char| if is_plain(c) { c } else { '-' };
+    name.chars().map(safe_name).collect()
 }
 
 fn is_plain(c: char) -> bool {
     c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.')
 }
 
-/// The file as it stands there.
+/// The file as serde reads it.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SweepFile {
@@ -131,15 +137,15 @@ struct SweepFile {
     list: Vec<ChoiceTable>,
 }
 
-/// A choice that the file makes: its key, where that stands, and its value.
+/// An option of the file: its key, the key's position, and its value.
 type Choice<'t> = (String, Range<usize>, &'t Spanned<ChoiceValue>);
 
-struct File<'a> {
+struct DescriptionReader<'a> {
     toml: TomlText<'a>,
     vocabulary: &'a Vocabulary,
 }
 
-impl File<'_> {
+impl DescriptionReader<'_> {
     fn name(&self, name: &Spanned<String>) -> Result<String, BadInput> {
         let text = name.get_ref();
         if text.chars().all(is_plain) && (1..=100).contains(&text.len()) {
@@ -149,7 +155,7 @@ impl File<'_> {
         Err(self.toml.error(name.span(), what))
     }
 
-    /// What the texts of the list `key` mean; of `default` if there is none.
+    /// Parses the texts of the list `key`, or `default` without such a list.
     fn each<T>(
         &self,
         key: &str,
@@ -170,7 +176,7 @@ impl File<'_> {
     }
 
     fn empty(&self, key: &str, at: Range<usize>) -> BadInput {
-        let what = format!("{key} must be a list with something in it: [ … ]");
+        let what = format!("{key} must be a list with at least one entry: [ … ]");
         self.toml.error(at, what)
     }
 
@@ -208,8 +214,8 @@ impl File<'_> {
         fixed: &ChoiceTable,
         grid: &ChoiceTable,
         list: &[ChoiceTable],
-    ) -> Result<Points, BadInput> {
-        let mut points = Points::default();
+    ) -> Result<SweepPoints, BadInput> {
+        let mut points = SweepPoints::default();
         for (key, at, value) in self.choices(fixed)? {
             let text = self.text(&key, at, value)?;
             points.fixed.push((key, text));
@@ -241,8 +247,8 @@ impl File<'_> {
     }
 
     /// A point of the list.
-    fn row(&self, points: &Points, table: &ChoiceTable) -> Result<Row, BadInput> {
-        let mut row = Row::new();
+    fn row(&self, points: &SweepPoints, table: &ChoiceTable) -> Result<PointOptions, BadInput> {
+        let mut row = PointOptions::new();
         for (key, at, value) in self.choices(table)? {
             self.check_varied(points, &key, &at)?;
             let text = self.text(&key, at, value)?;
@@ -251,7 +257,7 @@ impl File<'_> {
         Ok(row)
     }
 
-    /// The choices of a table in the file's order; `a.b = 1` is the key "a.b".
+    /// The options of a table in the order of the file; `a.b = 1` is the key "a.b".
     fn choices<'t>(&self, table: &'t ChoiceTable) -> Result<Vec<Choice<'t>>, BadInput> {
         let mut choices = Vec::new();
         flatten(table, "", &mut choices);
@@ -259,7 +265,7 @@ impl File<'_> {
         for (index, (key, at, _)) in choices.iter().enumerate() {
             self.known(key, at)?;
             if choices.iter().take(index).any(|(other, ..)| other == key) {
-                let what = format!("\"{key}\" is there twice");
+                let what = format!("\"{key}\" occurs twice");
                 return Err(self.toml.error(at.clone(), what));
             }
         }
@@ -276,8 +282,7 @@ impl File<'_> {
         }
         let elsewhere = match key {
             "world" | "worlds" | "behavior" | "behaviors" | "seed" | "seeds" => {
-                ": worlds, behaviors and seeds are lists of their own at the top of the file"
-                    .to_owned()
+                ": worlds, behaviors and seeds are lists at the top of the file".to_owned()
             }
             _ => format!(
                 "{} (keys: {}, and those of `host-sim settings`)",
@@ -289,8 +294,13 @@ impl File<'_> {
         Err(self.toml.error(at.clone(), what))
     }
 
-    /// Refuses a key that is the same for all points already.
-    fn check_varied(&self, points: &Points, key: &str, at: &Range<usize>) -> Result<(), BadInput> {
+    /// Refuses a key that `[fixed]` already sets for all points.
+    fn check_varied(
+        &self,
+        points: &SweepPoints,
+        key: &str,
+        at: &Range<usize>,
+    ) -> Result<(), BadInput> {
         if points.fixed.iter().any(|(fixed, _)| fixed == key) {
             let what = format!("\"{key}\" is in [fixed] already");
             return Err(self.toml.error(at.clone(), what));
@@ -298,7 +308,7 @@ impl File<'_> {
         Ok(())
     }
 
-    /// A value as the command line takes it, once it is known to be good.
+    /// A value in the form of the command line, after validation.
     fn text(
         &self,
         key: &str,

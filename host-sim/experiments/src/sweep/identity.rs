@@ -1,4 +1,4 @@
-//! A sweep's hash: over everything that its figures depend on.
+//! A sweep's hash, over everything that affects its results.
 
 use arena::world::World;
 use crc::{CRC_64_XZ, Crc, Digest};
@@ -6,23 +6,23 @@ use std::fmt::{self, Write};
 
 static CRC: Crc<u64> = Crc::<u64>::new(&CRC_64_XZ);
 
-/// A checksum (CRC-64/XZ) over the text written into it.
+/// A checksum (CRC-64/XZ) over the text written to it.
 pub struct Hasher(Digest<'static, u64>);
 
 impl Hasher {
-    /// Of nothing yet.
+    /// The checksum of an empty text.
     pub fn new() -> Self {
         Self(CRC.digest())
     }
 
-    /// A part of its own: what lies between two parts counts as well.
+    /// Adds a part. The border between two parts counts as well.
     pub fn part(&mut self, part: fmt::Arguments<'_>) {
-        // Writing into a checksum cannot fail.
+        // Writing to a checksum cannot fail.
         let _ = self.write_fmt(part);
         self.0.update(&[0]);
     }
 
-    /// A world as it stands: its name, where it starts and ends, its shapes.
+    /// Adds a world: its name, start, goal and shapes.
     pub fn world(&mut self, world: &World) {
         self.part(format_args!(
             "{} {:?} {:?} {:?}",
@@ -33,7 +33,7 @@ impl Hasher {
         ));
     }
 
-    /// Sixteen hexadecimal digits.
+    /// The checksum as sixteen hexadecimal digits.
     pub fn finish(self) -> String {
         format!("{:016x}", self.0.finalize())
     }

@@ -1,17 +1,17 @@
-//! Work on all cores whose results come in the order of the jobs, as soon as they can.
+//! Runs jobs on all cores and delivers their results in the order of the jobs.
 
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError, mpsc};
 
-/// Jobs begun at most before the oldest one under way is done: bounds what waits for its turn.
+/// Largest number of jobs started before the oldest one ends: bounds the waiting results.
 const AHEAD: u64 = 1_024;
 
-/// Does `work` on each job in `pool`; `sink` takes the results in the jobs' order.
+/// Runs `work` on each job in `pool`; `sink` receives the results in the order of the jobs.
 ///
 /// # Errors
-/// The first error of `sink`; what is under way then is thrown away, nothing new is begun.
+/// The first error of `sink`. Running jobs are then discarded and no new job starts.
 pub fn in_order<J: Send, R: Send, E>(
     pool: &ThreadPool,
     jobs: impl Iterator<Item = J> + Send,
@@ -29,7 +29,7 @@ pub fn in_order<J: Send, R: Send, E>(
                 paced
                     .par_bridge()
                     .for_each_with(sender, |sender, (number, job)| {
-                        // Nobody listens any more after an error.
+                        // After an error the receiver is gone.
                         let _ = sender.send((number, work(job)));
                     });
             });
@@ -51,27 +51,27 @@ pub fn in_order<J: Send, R: Send, E>(
     })
 }
 
-/// Holds back jobs that are too far ahead of the results taken.
+/// Delays jobs that are too far ahead of the received results.
 #[derive(Default)]
 struct Gate {
-    state: Mutex<State>,
+    state: Mutex<GateState>,
     changed: Condvar,
 }
 
 #[derive(Default)]
-struct State {
-    /// Results taken.
+struct GateState {
+    /// Number of received results.
     taken: u64,
-    /// Nothing more is wanted.
+    /// No further job may start.
     closed: bool,
 }
 
 impl Gate {
-    fn lock(&self) -> MutexGuard<'_, State> {
+    fn lock(&self) -> MutexGuard<'_, GateState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Waits until job `number` may begin; false if it is not wanted any more.
+    /// Waits until job `number` may start; false if it is canceled.
     fn passes(&self, number: u64) -> bool {
         let mut state = self.lock();
         while !state.closed && number >= state.taken + AHEAD {

@@ -1,6 +1,6 @@
-//! The results of shards as those of the whole sweep.
+//! Merges the results of shards into those of the whole sweep.
 
-use super::results::{Header, number_of, read_row};
+use super::results::{ResultsHeader, number_of, read_row};
 use files::error::BadInput;
 use files::{open_regular, unreadable};
 use std::cmp::Reverse;
@@ -9,31 +9,31 @@ use std::fs::File;
 use std::io::{BufReader, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
 
-/// Results of shards that were found to be one whole sweep.
+/// Result files of shards that form one whole sweep.
 #[derive(Debug)]
 pub struct Merged {
-    header: Header,
-    parts: Vec<Part>,
+    header: ResultsHeader,
+    parts: Vec<ShardFile>,
 }
 
 /// One file, and its next row.
 #[derive(Debug)]
-struct Part {
+struct ShardFile {
     path: PathBuf,
     input: BufReader<File>,
     row: Vec<u8>,
 }
 
-/// Looks whether the files hold every episode of one sweep just once.
+/// Checks that the files hold every episode of one sweep exactly once.
 ///
 /// # Errors
-/// A file that cannot be read, is no results file or is still being written; results of different sweeps; a torn row; an episode
-/// that is missing or there twice.
+/// A file that cannot be read, is no results file or is still being written; results of different
+/// sweeps; a torn row; a missing or duplicate episode.
 pub fn merge(paths: &[PathBuf]) -> Result<Merged, BadInput> {
-    let mut found: Option<(Header, &Path)> = None;
+    let mut found: Option<(ResultsHeader, &Path)> = None;
     let mut parts = Vec::new();
     for path in paths {
-        let (header, part) = Part::open(path)?;
+        let (header, part) = ShardFile::open(path)?;
         match &found {
             Some((first, other)) if *first != header => {
                 let what = format!(
@@ -57,16 +57,16 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged, BadInput> {
 }
 
 impl Merged {
-    /// The head of the whole sweep's results.
+    /// The header of the whole sweep's results.
     #[must_use]
-    pub fn header(&self) -> &Header {
+    pub fn header(&self) -> &ResultsHeader {
         &self.header
     }
 
-    /// Hands on all rows in the order of their numbers.
+    /// Passes all rows to `sink` in the order of their numbers.
     ///
     /// # Errors
-    /// The first of `sink`; a file that has changed since it was looked at.
+    /// The first error of `sink`; a file that has changed since the check.
     pub fn rows<E: From<BadInput>>(
         &mut self,
         sink: &mut impl FnMut(&[u8]) -> Result<(), E>,
@@ -102,7 +102,7 @@ impl Merged {
             }
             Some(Reverse((number, index))) => {
                 let what = format!(
-                    "episode {number} is none of this sweep's {}",
+                    "episode {number} is not one of this sweep's {}",
                     self.header.episodes()
                 );
                 Err(BadInput::file(self.path(index), what).into())
@@ -144,15 +144,15 @@ impl Merged {
     }
 }
 
-impl Part {
-    fn open(path: &Path) -> Result<(Header, Self), BadInput> {
+impl ShardFile {
+    fn open(path: &Path) -> Result<(ResultsHeader, Self), BadInput> {
         let file = open_regular(path)?;
         if let Err(std::fs::TryLockError::WouldBlock) = file.try_lock_shared() {
             let what = "a sweep is still adding results to it";
             return Err(BadInput::file(path, what));
         }
         let mut input = BufReader::new(file);
-        let header = Header::read(path, &mut input)?;
+        let header = ResultsHeader::read(path, &mut input)?;
         let row = Vec::new();
         Ok((
             header,
@@ -171,14 +171,14 @@ impl Part {
             .map_err(|error| unreadable(&self.path, &error))
     }
 
-    /// Reads the next row; its number, or `None` at the file's end.
+    /// Reads the next row; returns its number, or `None` at the end of the file.
     fn advance(&mut self, last: Option<u64>) -> Result<Option<u64>, BadInput> {
         let whole = read_row(&mut self.input, &mut self.row);
         if !whole.map_err(|error| unreadable(&self.path, &error))? {
             if self.row.is_empty() {
                 return Ok(None);
             }
-            let what = format!("{} is torn: let the sweep go on", place(last));
+            let what = format!("{} is torn: resume the sweep", place(last));
             return Err(BadInput::file(&self.path, what));
         }
         match (number_of(&self.row), last) {
@@ -187,7 +187,7 @@ impl Part {
                 Err(BadInput::file(&self.path, what))
             }
             (Some(number), Some(last)) if number <= last => {
-                let what = format!("episode {number} stands behind episode {last}");
+                let what = format!("episode {number} follows episode {last}");
                 Err(BadInput::file(&self.path, what))
             }
             (number, _) => Ok(number),
@@ -197,7 +197,7 @@ impl Part {
 
 fn place(last: Option<u64>) -> String {
     last.map_or("the first row".to_owned(), |last| {
-        format!("the row behind episode {last}")
+        format!("the row after episode {last}")
     })
 }
 

@@ -1,28 +1,28 @@
-//! What the episodes of a sweep came to, by the values of each choice: all other choices together.
+//! Results of a sweep's episodes, grouped by the values of one option over all others.
 
-use super::table::{Table, Texts};
-use sim::statistics::{Mean, bootstrap, wilson};
+use super::table::{ResultsTable, Texts};
+use sim::statistics::{Mean, bootstrap, mean, wilson};
 use std::collections::BTreeMap;
 
-/// Most values of a choice that are told apart.
+/// Largest number of values of an option that are distinguished.
 const MAX_VALUES: usize = 40;
-/// What stands where a point leaves a choice to the preset.
+/// Text of an option that a point does not set.
 const UNSET: &str = "unset";
 
-/// A choice that is not the same in all episodes.
+/// An option that differs between episodes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SweptChoice {
     /// Its key.
     pub key: String,
-    /// Its values: numbers rising, texts as they come.
+    /// Its values: numbers ascending, then texts in order of appearance.
     pub values: Vec<String>,
-    /// By row: a place in `values`.
+    /// By row: index into `values`.
     pub of_row: Vec<usize>,
 }
 
-/// The choices that vary, and the world if it does. Then the keys left out for too many values.
+/// The options that vary, and the world if it does; then the keys omitted for too many values.
 #[must_use]
-pub fn swept_choices(table: &Table) -> (Vec<SweptChoice>, Vec<String>) {
+pub fn swept_choices(table: &ResultsTable) -> (Vec<SweptChoice>, Vec<String>) {
     let world = table.texts("world").map(|texts| ("world", texts));
     let varies = |(_, texts): &(&str, &Texts)| texts.distinct.len() > 1;
     let (shown, left_out): (Vec<_>, Vec<_>) = table
@@ -41,7 +41,7 @@ fn swept((key, texts): (&str, &Texts)) -> SweptChoice {
     let number = |text: &str| text.parse::<f64>().unwrap_or(f64::INFINITY);
     let mut order: Vec<_> = (0..texts.distinct.len()).collect();
     let text = |index: usize| texts.distinct.get(index).map_or("", String::as_str);
-    // Stable: texts keep their order, behind the numbers.
+    // A stable sort: texts keep their order, after the numbers.
     order.sort_by(|&a, &b| number(text(a)).total_cmp(&number(text(b))));
     let value = |&index: &usize| match text(index) {
         "" => UNSET.to_owned(),
@@ -55,23 +55,23 @@ fn swept((key, texts): (&str, &Texts)) -> SweptChoice {
     }
 }
 
-/// What some episodes came to.
+/// Result of a group of episodes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SweepOutcome {
-    /// How many episodes.
+    /// Number of episodes.
     pub episodes: usize,
-    /// Share of those without contact while seeking, with its interval by Wilson's score.
+    /// Share of episodes without contact while seeking, with Wilson's interval.
     pub clean: Mean,
-    /// The behavior's own measure, its interval by the bootstrap over worlds and seeds.
+    /// The behavior's own measure, with a bootstrap interval over worlds and seeds.
     pub success: Mean,
-    /// Mean way, meters.
+    /// Mean distance traveled, meters.
     pub distance_m: f64,
 }
 
 impl SweepOutcome {
-    /// Of the rows that `wanted` takes; `None` if it takes none.
+    /// Result of the rows that `wanted` accepts; `None` without such rows.
     #[must_use]
-    pub fn of(table: &Table, wanted: impl Fn(usize) -> bool) -> Option<Self> {
+    pub fn of(table: &ResultsTable, wanted: impl Fn(usize) -> bool) -> Option<Self> {
         let rows: Vec<_> = (0..table.rows()).filter(|&row| wanted(row)).collect();
         if rows.is_empty() {
             return None;
@@ -90,22 +90,22 @@ impl SweepOutcome {
                 .or_default()
                 .push(successes);
         }
-        let ways = rows.iter().map(|&row| value(distances, row));
+        let driven = rows.iter().map(|&row| value(distances, row));
         Some(Self {
             episodes: rows.len(),
             clean: wilson(rows.iter().filter(is_clean).count(), rows.len()),
             success: bootstrap(&by_world.into_values().collect::<Vec<_>>()),
-            distance_m: ways.sum::<f64>() / rows.len() as f64,
+            distance_m: mean(driven),
         })
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::results::Header;
+    use super::super::results::ResultsHeader;
     use super::*;
 
-    fn table(rows: &[&str]) -> Table {
+    fn table(rows: &[&str]) -> ResultsTable {
         let columns = [
             "config.far",
             "config.recall",
@@ -115,7 +115,7 @@ mod tests {
             "success",
         ];
         let columns = columns.map(str::to_owned).into_iter();
-        let mut table = Table::new(Header::new("s", "0", 9, columns));
+        let mut table = ResultsTable::new(ResultsHeader::new("s", "0", 9, columns));
         for (number, row) in rows.iter().enumerate() {
             let row = format!("{number},{row}");
             table.add(&row.split(',').collect::<Vec<_>>()).expect(&row);

@@ -1,51 +1,51 @@
-//! The episodes of a sweep by number.
+//! The numbered episodes of a sweep.
 
 use super::CHOICE_PREFIX;
 use super::description::Description;
 use super::identity::Hasher;
 use super::points::Assignment;
-use super::results::Header;
+use super::results::ResultsHeader;
 use arena::loaders::WorldSource;
 use files::error::BadInput;
 use sim::episode::{Report, Setup};
 
-/// What a point's keys mean. The command line knows its flags; a sweep only hands them on.
+/// Meaning of a point's keys. The command line defines its flags; a sweep only passes them on.
 #[derive(Debug, Clone)]
 pub struct Vocabulary {
-    /// Keys beside those of [`settings`](sim::settings).
+    /// Keys other than those of [`settings`](sim::settings).
     pub flags: Vec<String>,
-    /// Whether a key takes a value.
+    /// Checks that a key accepts a value.
     pub check: fn(&str, &str) -> Result<(), BadInput>,
-    /// An episode's setup from keys and values, with behavior `avoid` and seed 1.
+    /// Builds an episode's setup from keys and values, with behavior `avoid` and seed 1.
     pub setup: fn(&[Assignment]) -> Result<Setup, BadInput>,
 }
 
-/// What an episode is, by the places of its parts in the description.
+/// An episode as indices into the description.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Place {
-    /// Point.
+pub struct EpisodeIndex {
+    /// Index of the point.
     pub point: u64,
-    /// Behavior.
+    /// Index of the behavior.
     pub behavior: usize,
-    /// World.
+    /// Index of the world.
     pub world: usize,
-    /// Seed.
+    /// Index of the seed.
     pub seed: usize,
 }
 
-/// A sweep that is known to be sound: every point makes a setup, every world file loads.
+/// A checked sweep: every point makes a setup, every world file loads.
 #[derive(Debug, Clone)]
-pub struct Plan {
+pub struct SweepPlan {
     description: Description,
     vocabulary: Vocabulary,
-    header: Header,
+    header: ResultsHeader,
 }
 
-impl Plan {
-    /// Looks at every point, and at every world that comes from a file.
+impl SweepPlan {
+    /// Checks every point, and every world that is a file.
     ///
     /// # Errors
-    /// The first point whose choices do not go together, the first world that cannot be loaded, too many episodes.
+    /// The first invalid point, the first world that cannot be loaded, or too many episodes.
     pub fn new(description: Description, vocabulary: Vocabulary) -> Result<Self, BadInput> {
         let Description {
             name,
@@ -89,7 +89,7 @@ impl Plan {
             .keys()
             .iter()
             .map(|key| format!("{CHOICE_PREFIX}{key}"));
-        let header = Header::new(
+        let header = ResultsHeader::new(
             name,
             &hash.finish(),
             episodes,
@@ -102,27 +102,27 @@ impl Plan {
         })
     }
 
-    /// What the sweep's file says.
+    /// The sweep's description.
     #[must_use]
     pub fn description(&self) -> &Description {
         &self.description
     }
 
-    /// The head of its results.
+    /// The header of its results.
     #[must_use]
-    pub fn header(&self) -> &Header {
+    pub fn header(&self) -> &ResultsHeader {
         &self.header
     }
 
-    /// Number of its episodes.
+    /// Number of episodes.
     #[must_use]
     pub fn episodes(&self) -> u64 {
         self.header.episodes()
     }
 
-    /// What episode `number` is.
+    /// The indices of episode `number`.
     #[must_use]
-    pub fn place(&self, number: u64) -> Place {
+    pub fn place(&self, number: u64) -> EpisodeIndex {
         let mut rest = number;
         let mut next = |count: usize| {
             let count = count.max(1) as u64;
@@ -133,7 +133,7 @@ impl Plan {
         let seed = next(self.description.seeds.len());
         let world = next(self.description.worlds.len());
         let behavior = next(self.description.behaviors.len());
-        Place {
+        EpisodeIndex {
             point: rest,
             behavior,
             world,
@@ -141,11 +141,11 @@ impl Plan {
         }
     }
 
-    /// The setup of the episodes at a place, but for their seed.
+    /// The setup of the episodes at these indices, apart from the seed.
     ///
     /// # Errors
-    /// None for a place of this plan: they were all looked at.
-    pub fn setup(&self, place: Place) -> Result<Setup, BadInput> {
+    /// None for indices of this plan: they are all checked.
+    pub fn setup(&self, place: EpisodeIndex) -> Result<Setup, BadInput> {
         let setup = (self.vocabulary.setup)(&self.description.points.choices(place.point))?;
         let behavior = self.description.behaviors.get(place.behavior).cloned();
         Ok(setup.pursuing(behavior.unwrap_or(sim::scenes::Behavior::Avoid)))

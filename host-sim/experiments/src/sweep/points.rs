@@ -1,24 +1,24 @@
-//! The sets of choices of a sweep, by number.
+//! The numbered points of a sweep: sets of options.
 
 /// A key and its value.
 pub type Assignment = (String, String);
-/// The choices of a point.
-pub type Row = Vec<Assignment>;
+/// The options of a point.
+pub type PointOptions = Vec<Assignment>;
 
-/// The points: those of a grid, then those that stand by themselves. Of a grid only its axes are kept.
+/// The points: those of a grid, then single ones. Of a grid only the axes are stored.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Points {
-    /// What is the same for all: keys and values.
-    pub fixed: Row,
-    /// Keys that are not the same for all, as they come.
+pub struct SweepPoints {
+    /// Keys and values that all points share.
+    pub fixed: PointOptions,
+    /// Keys that differ between points, in order of appearance.
     keys: Vec<String>,
-    /// The grid's keys (by their places in `keys`) with their values; the last varies fastest.
+    /// The grid's keys (as indices into `keys`) with their values; the last varies fastest.
     axes: Vec<(usize, Vec<String>)>,
-    /// Points by themselves, their values by the places of their keys.
+    /// Single points: values with indices into `keys`.
     rows: Vec<Vec<(usize, String)>>,
 }
 
-impl Points {
+impl SweepPoints {
     fn place(&mut self, key: &str) -> usize {
         let place = self.keys.iter().position(|known| known == key);
         place.unwrap_or_else(|| {
@@ -27,14 +27,14 @@ impl Points {
         })
     }
 
-    /// One more axis of the grid, with at least one value.
+    /// Adds an axis of the grid, with at least one value.
     pub fn add_axis(&mut self, key: &str, values: Vec<String>) {
         let place = self.place(key);
         self.axes.push((place, values));
     }
 
-    /// One more point behind the grid.
-    pub fn add(&mut self, row: Row) {
+    /// Adds a single point after the grid.
+    pub fn add(&mut self, row: PointOptions) {
         let row = row
             .into_iter()
             .map(|(key, value)| (self.place(&key), value))
@@ -42,7 +42,7 @@ impl Points {
         self.rows.push(row);
     }
 
-    /// Keys that are not the same for all points.
+    /// Keys that differ between points.
     #[must_use]
     pub fn keys(&self) -> &[String] {
         &self.keys
@@ -50,20 +50,21 @@ impl Points {
 
     fn grid_len(&self) -> Option<u64> {
         if self.axes.is_empty() {
-            // Nothing at all is one point as well.
+            // Without grid and list there is one point.
             return Some(u64::from(self.rows.is_empty()));
         }
         let lengths = self.axes.iter().map(|(_, values)| values.len() as u64);
         lengths.into_iter().try_fold(1, u64::checked_mul)
     }
 
-    /// How many there are; `None` if more than 2⁶⁴ − 1.
+    /// Number of points; `None` above 2⁶⁴ − 1.
     #[must_use]
     pub fn count(&self) -> Option<u64> {
         self.grid_len()?.checked_add(self.rows.len() as u64)
     }
 
-    /// The values of point `index`, one for each of [`Points::keys`]; empty where the point leaves it to the preset.
+    /// The values of point `index`, one per key of [`SweepPoints::keys`]; empty where the point
+    /// does not set the key.
     #[must_use]
     pub fn cells(&self, index: u64) -> Vec<String> {
         let mut cells = vec![String::new(); self.keys.len()];
@@ -88,9 +89,9 @@ impl Points {
         cells
     }
 
-    /// All choices of point `index`: those of all points and its own.
+    /// All options of point `index`: the shared ones and its own.
     #[must_use]
-    pub fn choices(&self, index: u64) -> Row {
+    pub fn choices(&self, index: u64) -> PointOptions {
         let own = self.keys.iter().cloned().zip(self.cells(index));
         let own = own.filter(|(_, value)| !value.is_empty());
         self.fixed.iter().cloned().chain(own).collect()
@@ -107,7 +108,7 @@ mod tests {
 
     #[test]
     fn the_grid_comes_first_its_last_key_fastest() {
-        let mut points = Points::default();
+        let mut points = SweepPoints::default();
         points.fixed.push(("steps".into(), "5".into()));
         points.add_axis("far", texts(["1", "2"]));
         points.add_axis("near", texts(["a", "b", "c"]));
@@ -130,9 +131,9 @@ mod tests {
 
     #[test]
     fn without_any_there_is_one_and_too_many_are_told() {
-        assert_eq!(Points::default().count(), Some(1));
-        assert!(Points::default().choices(0).is_empty());
-        let mut points = Points::default();
+        assert_eq!(SweepPoints::default().count(), Some(1));
+        assert!(SweepPoints::default().choices(0).is_empty());
+        let mut points = SweepPoints::default();
         for key in 0..20 {
             points.add_axis(&key.to_string(), vec!["x".to_owned(); 100]);
         }

@@ -1,8 +1,7 @@
-//! The file of a sweep's results.
+//! The file of a sweep's results: two header lines, then one CSV row per episode in order.
 //!
-//! Two lines of head, then one row per episode in the order of their numbers, each with a line feed behind it. Rows are only ever
-//! added at the end, so that whatever ends the program leaves whole rows and at most one torn one, which is cut off before
-//! anything is added. A field may hold line feeds (a world's name): it stands in quotes then.
+//! Rows are only appended. After a crash the file has whole rows and at most one torn row, which is
+//! cut off before the next write. A field with a line feed (a world's name) is quoted.
 
 use super::Shard;
 use files::error::BadInput;
@@ -13,22 +12,22 @@ use std::io::{self, BufRead, BufReader, Read as _, Seek as _, SeekFrom, Write as
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// What a power failure may cost at most.
+/// Longest time between two syncs to disk: the most that a power failure can lose.
 const SYNC_EVERY: Duration = Duration::from_secs(5);
-/// Longest head, bytes.
+/// Longest header, bytes.
 const MAX_HEAD: u64 = 1 << 20;
-/// How the first line begins.
+/// Start of the first line.
 const MARK: &str = "# host-sim sweep ";
 
-/// The first two lines of a results file: which sweep by which version, and the columns.
+/// The first two lines of a results file: sweep with version and hash, and the columns.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Header {
+pub struct ResultsHeader {
     text: String,
     episodes: u64,
 }
 
-impl Header {
-    /// The head of the sweep `name` with this hash.
+impl ResultsHeader {
+    /// The header of the sweep `name` with this hash.
     pub fn new(
         name: &str,
         hash: &str,
@@ -54,7 +53,7 @@ impl Header {
         &self.text
     }
 
-    /// The line that names the sweep.
+    /// The line that identifies the sweep.
     #[must_use]
     pub fn identity(&self) -> &str {
         self.text
@@ -64,7 +63,7 @@ impl Header {
             .trim_start_matches("# ")
     }
 
-    /// The columns' names.
+    /// The names of the columns.
     pub fn columns(&self) -> impl Iterator<Item = &str> {
         self.text.lines().nth(1).unwrap_or_default().split(',')
     }
@@ -75,10 +74,10 @@ impl Header {
         self.episodes
     }
 
-    /// The head of the file `path`.
+    /// Reads the header of the file `path`.
     ///
     /// # Errors
-    /// When it cannot be read or has no such head.
+    /// When it cannot be read or has no such header.
     pub fn read(path: &Path, input: &mut impl BufRead) -> Result<Self, BadInput> {
         let stranger = || BadInput::file(path, "is not a results file of `host-sim sweep`");
         let mut text = String::new();
@@ -103,7 +102,8 @@ impl Header {
     }
 }
 
-/// Reads the next row with its line feed into `row`; says whether it is whole. An empty row is the file's end.
+/// Reads the next row with its line feed into `row`; returns whether it is whole. An empty row
+/// means the end of the file.
 ///
 /// # Errors
 /// When the input cannot be read.
@@ -123,17 +123,17 @@ pub fn read_row(input: &mut impl BufRead, row: &mut Vec<u8>) -> io::Result<bool>
     }
 }
 
-/// The episode's number at a row's beginning.
+/// The episode's number at the start of a row.
 #[must_use]
 pub fn number_of(row: &[u8]) -> Option<u64> {
     let digits = row.split(|&byte| byte == b',').next()?;
     std::str::from_utf8(digits).ok()?.parse().ok()
 }
 
-/// A row: the episode's number, its point's values, its report.
+/// Formats a row: the episode's number, its point's values, its metrics.
 ///
 /// # Errors
-/// None in practice: there is no value that CSV cannot hold.
+/// None in practice: CSV can hold every value.
 pub fn row(number: u64, cells: &[String], report: &Report) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::WriterBuilder::new()
         .has_headers(false)
@@ -144,7 +144,7 @@ pub fn row(number: u64, cells: &[String], report: &Report) -> Result<Vec<u8>, cs
         .map_err(|error| error.into_error().into())
 }
 
-/// A results file that rows are added to; nobody else can meanwhile.
+/// A results file opened for appending, locked against other writers.
 #[derive(Debug)]
 pub struct ResultsFile {
     file: File,
@@ -153,12 +153,17 @@ pub struct ResultsFile {
 }
 
 impl ResultsFile {
-    /// Opens the file of a shard, or makes it; cuts off a torn row. Says how many of the shard's episodes are in it.
+    /// Opens or creates the file of a shard and cuts off a torn row. Returns how many of the
+    /// shard's episodes it holds.
     ///
     /// # Errors
-    /// When it cannot be made, read or written, is being written by someone else, or holds anything but the first
-    /// episodes of this shard of this sweep.
-    pub fn open(path: &Path, header: &Header, shard: Shard) -> Result<(Self, u64), BadInput> {
+    /// When it cannot be created, read or written, is locked by another process, or holds anything
+    /// but the first episodes of this shard of this sweep.
+    pub fn open(
+        path: &Path,
+        header: &ResultsHeader,
+        shard: Shard,
+    ) -> Result<(Self, u64), BadInput> {
         if let Some(folder) = path.parent() {
             fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
         }
@@ -180,10 +185,10 @@ impl ResultsFile {
                 let what = "another process is adding results to it";
                 return Err(BadInput::file(path, what));
             }
-            // Some network file systems know no locks.
+            // Some network file systems have no locks.
             Ok(()) | Err(TryLockError::Error(_)) => {}
         }
-        let (whole, done) = look(path, &file, header, shard)?;
+        let (whole, done) = scan_rows(path, &file, header, shard)?;
         let mut results = Self {
             file,
             path: path.to_owned(),
@@ -204,10 +209,10 @@ impl ResultsFile {
         Ok(())
     }
 
-    /// Adds a whole row.
+    /// Appends a whole row.
     ///
     /// # Errors
-    /// When it cannot be written, or not completely.
+    /// When it cannot be written completely.
     pub fn add(&mut self, row: &[u8]) -> Result<(), BadInput> {
         self.file
             .write_all(row)
@@ -221,10 +226,10 @@ impl ResultsFile {
             .map_err(|error| unwritable(&self.path, &error))
     }
 
-    /// Sees to it that all is on the disk.
+    /// Writes all data to the disk.
     ///
     /// # Errors
-    /// When it is not.
+    /// When that fails.
     pub fn finish(self) -> Result<(), BadInput> {
         self.file
             .sync_all()
@@ -236,20 +241,25 @@ fn unwritable(path: &Path, error: &io::Error) -> BadInput {
     BadInput::file(path, format!("cannot be written: {error}"))
 }
 
-/// Length of what is whole, and the number of rows in it.
-fn look(path: &Path, file: &File, header: &Header, shard: Shard) -> Result<(u64, u64), BadInput> {
+/// Length of the whole rows, and their number.
+fn scan_rows(
+    path: &Path,
+    file: &File,
+    header: &ResultsHeader,
+    shard: Shard,
+) -> Result<(u64, u64), BadInput> {
     let mut input = BufReader::new(file);
     let mut start = Vec::new();
     let length = header.text().len() as u64;
     let read = input.by_ref().take(length).read_to_end(&mut start);
     read.map_err(|error| unreadable(path, &error))?;
     if start != header.text().as_bytes() {
-        // Killed while the head was written.
+        // The process was killed while it wrote the header.
         if header.text().as_bytes().starts_with(&start) {
             return Ok((0, 0));
         }
         input.rewind().map_err(|error| unreadable(path, &error))?;
-        let other = Header::read(path, &mut input)?;
+        let other = ResultsHeader::read(path, &mut input)?;
         let what = format!(
             "holds results of another sweep ({}), not of {}",
             other.identity(),

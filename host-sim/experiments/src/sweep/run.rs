@@ -1,7 +1,7 @@
-//! Does a shard's episodes.
+//! Runs the episodes of a shard and appends their results.
 
 use super::in_order::in_order;
-use super::plan::{Place, Plan};
+use super::plan::{EpisodeIndex, SweepPlan};
 use super::results::{ResultsFile, row};
 use super::shard::Shard;
 use arena::loaders::WorldSource;
@@ -13,42 +13,44 @@ use sim::pilot::Mind;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
-/// How far a shard is, in episodes.
+/// Progress of a shard, in episodes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Progress {
-    /// In the file already when the program began.
+pub struct SweepProgress {
+    /// Episodes in the file at the start of the program.
     pub before: u64,
-    /// In the file now.
+    /// Episodes in the file now.
     pub done: u64,
-    /// To be done altogether.
+    /// All episodes of the shard.
     pub all: u64,
 }
 
-/// Adds the rows of a shard that are not yet in the file at `path`; tells `progress` at the beginning and after each row.
+/// Appends the missing rows of a shard to the file at `path`; calls `progress` at the start and
+/// after each row.
 ///
 /// # Errors
-/// Those of [`ResultsFile`]; a world that cannot be loaded any more; an episode that fails. Rows written before stay.
+/// Those of [`ResultsFile`]; a world that no longer loads; an episode that fails. Earlier rows
+/// stay.
 pub fn run(
-    plan: &Plan,
+    plan: &SweepPlan,
     shard: Shard,
     path: &Path,
     pool: &ThreadPool,
-    mut progress: impl FnMut(Progress),
-) -> Result<Progress, BadInput> {
+    mut progress: impl FnMut(SweepProgress),
+) -> Result<SweepProgress, BadInput> {
     let (mut file, before) = ResultsFile::open(path, plan.header(), shard)?;
     let all = shard.len(plan.episodes());
-    let mut now = Progress {
+    let mut now = SweepProgress {
         before,
         done: before,
         all,
     };
     progress(now);
-    let mut jobs = Jobs { plan, held: None };
+    let mut jobs = EpisodeJobs { plan, held: None };
     let jobs = (before..all).map(|nth| jobs.job(shard.number(nth)));
     in_order(
         pool,
         jobs,
-        |job: Result<Job, BadInput>| job?.row(),
+        |job: Result<EpisodeJob, BadInput>| job?.row(),
         |row: Result<Vec<u8>, BadInput>| {
             file.add(&row?)?;
             now.done += 1;
@@ -60,39 +62,39 @@ pub fn run(
     Ok(now)
 }
 
-/// A world that is loaded by the first episode in it.
+/// A world, loaded by the first episode that needs it.
 struct Arena {
     source: WorldSource,
     world: OnceLock<Result<World, BadInput>>,
 }
 
-/// What episodes that follow each other share.
+/// What consecutive episodes share.
 #[derive(Clone)]
-struct Shared {
-    place: Place,
+struct SharedSetup {
+    place: EpisodeIndex,
     setup: Arc<Setup>,
     cells: Arc<Vec<String>>,
     arena: Arc<Arena>,
 }
 
-/// Makes jobs; keeps what the last one had, for the next one mostly needs the same.
-struct Jobs<'p> {
-    plan: &'p Plan,
-    held: Option<Shared>,
+/// Creates jobs; reuses the data of the previous job where it is the same.
+struct EpisodeJobs<'p> {
+    plan: &'p SweepPlan,
+    held: Option<SharedSetup>,
 }
 
-struct Job {
+struct EpisodeJob {
     number: u64,
     seed: u64,
-    shared: Shared,
+    shared: SharedSetup,
 }
 
-impl Jobs<'_> {
-    fn job(&mut self, number: u64) -> Result<Job, BadInput> {
+impl EpisodeJobs<'_> {
+    fn job(&mut self, number: u64) -> Result<EpisodeJob, BadInput> {
         let place = self.plan.place(number);
         let description = self.plan.description();
         let held = self.held.take();
-        let same = |held: &&Shared| {
+        let same = |held: &&SharedSetup| {
             (held.place.point, held.place.behavior) == (place.point, place.behavior)
         };
         let (setup, cells) = match held.as_ref().filter(same) {
@@ -113,7 +115,7 @@ impl Jobs<'_> {
                 })
             }
         };
-        let shared = Shared {
+        let shared = SharedSetup {
             place,
             setup,
             cells,
@@ -121,7 +123,7 @@ impl Jobs<'_> {
         };
         self.held = Some(shared.clone());
         let seed = description.seeds.get(place.seed).copied().unwrap_or(0);
-        Ok(Job {
+        Ok(EpisodeJob {
             number,
             seed,
             shared,
@@ -129,8 +131,8 @@ impl Jobs<'_> {
     }
 }
 
-impl Job {
-    /// Drives the episode; its row.
+impl EpisodeJob {
+    /// Runs the episode; returns its row.
     fn row(self) -> Result<Vec<u8>, BadInput> {
         let Self {
             number,

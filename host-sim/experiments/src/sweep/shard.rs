@@ -1,9 +1,9 @@
-//! Which part of a sweep a process does.
+//! The part of a sweep that one process runs.
 
 use files::error::BadInput;
 use std::str::FromStr;
 
-/// Shard `index` of `count`: the episodes whose number leaves `index` when divided by `count`.
+/// Shard `index` of `count`: the episodes whose number modulo `count` is `index`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
     index: u64,
@@ -11,7 +11,7 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Everything.
+    /// The whole sweep.
     pub const WHOLE: Self = Self { index: 0, count: 1 };
 
     /// Shard `index` of `count`; `None` unless `index < count`.
@@ -20,13 +20,13 @@ impl Shard {
         (index < count).then_some(Self { index, count })
     }
 
-    /// Whether it is all there is.
+    /// Whether it is the whole sweep.
     #[must_use]
     pub fn is_whole(self) -> bool {
         self.count == 1
     }
 
-    /// How many of `episodes` it does.
+    /// Number of its episodes in a sweep of `episodes`.
     #[must_use]
     pub fn len(self, episodes: u64) -> u64 {
         (episodes / self.count) + u64::from(self.index < episodes % self.count)
@@ -38,12 +38,15 @@ impl Shard {
         nth * self.count + self.index
     }
 
-    /// The shard that a scheduler's environment names, and by which variables: a Slurm array job
-    /// (`SLURM_ARRAY_TASK_ID` of `SLURM_ARRAY_TASK_COUNT`) or a Kubernetes indexed Job (`JOB_COMPLETION_INDEX` of
-    /// `SWEEP_SHARDS`, which the manifest sets). `None` without either.
+    /// The shard that a scheduler's environment defines, with the names of the variables; `None`
+    /// without them.
+    ///
+    /// Slurm array jobs (`SLURM_ARRAY_TASK_ID` of `SLURM_ARRAY_TASK_COUNT`) and Kubernetes indexed
+    /// Jobs (`JOB_COMPLETION_INDEX` of `SWEEP_SHARDS`, which the manifest sets).
     ///
     /// # Errors
-    /// A variable without its partner, which is no number, or an index that is not below the count.
+    /// A variable without its partner, a value that is no number, or an index that is not below the
+    /// count.
     pub fn from_environment(
         variable: impl Fn(&str) -> Option<String>,
     ) -> Result<Option<(Self, &'static str)>, BadInput> {
@@ -148,7 +151,7 @@ mod tests {
     #[test]
     fn an_array_that_begins_at_one_is_refused() {
         let say = |set: &[(&str, &str)]| of(set).expect_err("a bad environment").to_string();
-        // Task 2 alone, run again, would otherwise do the whole sweep.
+        // A rerun of task 2 alone must not run the whole sweep.
         let alone = [
             ("SLURM_ARRAY_TASK_ID", "2"),
             ("SLURM_ARRAY_TASK_COUNT", "1"),

@@ -1,22 +1,22 @@
-//! The results of a sweep, or of a part of it, as far as pictures need them.
+//! The columns of a sweep's results that pictures need.
 
 use super::CHOICE_PREFIX;
-use super::results::{Header, read_row};
+use super::results::{ResultsHeader, read_row};
 use files::error::BadInput;
 use files::{open_regular, unreadable};
 use std::collections::HashMap;
 use std::io::BufReader;
 use std::path::Path;
 
-/// Columns of numbers that are read.
+/// Numeric columns that are read.
 const NUMBERS: [&str; 3] = ["contacts", "distance_m", "success"];
-/// Columns of texts that are read, beside those of the points' choices.
+/// Text columns that are read, in addition to the points' options.
 const TEXTS: [&str; 3] = ["world", "behavior", "success_unit"];
 
 /// Rows of results, by column.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Table {
-    header: Header,
+pub struct ResultsTable {
+    header: ResultsHeader,
     columns: Vec<(String, Column)>,
     rows: usize,
 }
@@ -28,24 +28,24 @@ enum Column {
     Skipped,
 }
 
-/// A column of texts: each different text once, and which of them each row has.
+/// A text column: each distinct text once, and an index per row.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Texts {
-    /// The texts, in the order of the rows they come in first.
+    /// The texts, in order of appearance.
     pub distinct: Vec<String>,
-    /// By row: a place in `distinct`.
+    /// By row: index into `distinct`.
     pub of_row: Vec<usize>,
     known: HashMap<String, usize>,
 }
 
-impl Table {
-    /// Reads a results file. A torn last row is left out.
+impl ResultsTable {
+    /// Reads a results file. Skips a torn last row.
     ///
     /// # Errors
     /// When it cannot be read or is no results file.
     pub fn load(path: &Path) -> Result<Self, BadInput> {
         let mut input = BufReader::new(open_regular(path)?);
-        let mut table = Self::new(Header::read(path, &mut input)?);
+        let mut table = Self::new(ResultsHeader::read(path, &mut input)?);
         if let Some(missing) = table.missing() {
             return Err(BadInput::file(path, format!("has no column \"{missing}\"")));
         }
@@ -59,8 +59,8 @@ impl Table {
         Ok(table)
     }
 
-    /// No rows yet.
-    pub(super) fn new(header: Header) -> Self {
+    /// A table without rows.
+    pub(super) fn new(header: ResultsHeader) -> Self {
         let column = |name: &str| {
             let column = if NUMBERS.contains(&name) {
                 Column::Numbers(Vec::new())
@@ -78,7 +78,7 @@ impl Table {
         }
     }
 
-    /// A column that results have and these have not.
+    /// A column that results have and these lack.
     fn missing(&self) -> Option<&'static str> {
         let is_there = |name: &str| self.columns.iter().any(|(known, _)| known == name);
         NUMBERS
@@ -87,11 +87,11 @@ impl Table {
             .find(|name| !is_there(name))
     }
 
-    /// One more row.
+    /// Adds a row.
     pub(super) fn add(&mut self, fields: &[&str]) -> Result<(), String> {
         if fields.len() != self.columns.len() {
             let (found, wanted) = (fields.len(), self.columns.len());
-            return Err(format!("it has {found} fields, the head has {wanted}"));
+            return Err(format!("it has {found} fields, the header has {wanted}"));
         }
         for (field, (name, column)) in fields.iter().zip(&mut self.columns) {
             match column {
@@ -114,14 +114,14 @@ impl Table {
         self.rows
     }
 
-    /// The head of the file.
+    /// The header of the file.
     #[must_use]
-    pub fn header(&self) -> &Header {
+    pub fn header(&self) -> &ResultsHeader {
         &self.header
     }
 
-    /// Keys and values of the points' choices; a value is empty where a point leaves it to the
-    /// preset.
+    /// Keys and values of the points' options; a value is empty where a point does not set the
+    /// option.
     pub fn choices(&self) -> impl Iterator<Item = (&str, &Texts)> {
         self.columns.iter().filter_map(|(name, column)| {
             let key = name.strip_prefix(CHOICE_PREFIX)?;
@@ -132,7 +132,7 @@ impl Table {
         })
     }
 
-    /// The numbers of a column, by row.
+    /// The values of a numeric column, by row.
     #[must_use]
     pub fn numbers(&self, name: &str) -> &[f64] {
         match self.column(name) {
@@ -141,7 +141,7 @@ impl Table {
         }
     }
 
-    /// A column of texts.
+    /// A text column.
     #[must_use]
     pub fn texts(&self, name: &str) -> Option<&Texts> {
         match self.column(name) {

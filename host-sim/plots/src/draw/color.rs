@@ -1,4 +1,4 @@
-//! Colors that people who see colors differently can tell apart, and continuous ramps.
+//! Color-blind-safe colors and continuous color ramps.
 
 /// Text and outlines.
 pub const INK: &str = "#1f2933";
@@ -6,7 +6,7 @@ pub const INK: &str = "#1f2933";
 pub const GRAY: &str = "#5a6673";
 /// Axes, zero lines, empty cells.
 pub const PALE: &str = "#c5ccd3";
-/// Filling of obstacles.
+/// Fill of obstacles.
 pub const OBSTACLE: &str = "#e3e6e9";
 /// Bars of values in [0, 1].
 pub const VALUE: &str = "#3f5871";
@@ -26,7 +26,7 @@ pub const SKY: &str = "#56b4e9";
 /// Okabe and Ito's yellow.
 pub const YELLOW: &str = "#f0e442";
 
-/// The color of class `index`; they come again after eight.
+/// The color of class `index`; colors repeat after eight.
 pub fn class(index: usize) -> &'static str {
     const CLASSES: [&str; 8] = [BLUE, ORANGE, GREEN, PURPLE, SKY, VERMILLION, YELLOW, PALE];
     CLASSES[index % CLASSES.len()]

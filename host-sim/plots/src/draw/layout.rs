@@ -1,13 +1,13 @@
-//! What all pictures share: the page with title and legend column, tiles for map neurons, number words.
+//! Page layout of all pictures: title, legend column, tiles for map neurons, text helpers.
 
 use super::color::{self, GRAY, INK, PALE};
 use super::svg::{Anchor, Font, Svg, decimal, fill, stroke};
 
 /// Width of a page, px.
 pub const PAGE: f64 = 800.0;
-/// Empty rim of a page, px.
+/// Margin of a page, px.
 pub const MARGIN: f64 = 20.0;
-/// Where pictures begin below the title, px.
+/// Top of the drawing, below the title, px.
 pub const TOP: f64 = 76.0;
 /// Width left of the legend column, px.
 pub const PLOT: f64 = 570.0;
@@ -27,7 +27,7 @@ pub fn heading(svg: &mut Svg, title: &str, subtitle: &str) {
     svg.text([MARGIN, 55.0], Font::new(12.5).color(GRAY), &subtitle);
 }
 
-/// A column of symbols with their meaning, from top to bottom; the page grows with it.
+/// A legend: symbols with their meaning, from top to bottom; the page grows with it.
 #[derive(Debug)]
 pub struct Legend {
     x: f64,
@@ -36,7 +36,7 @@ pub struct Legend {
 }
 
 impl Legend {
-    /// The column right of a drawing `drawn` px wide.
+    /// The legend right of a drawing that is `drawn` px wide.
     pub fn right_of(drawn: f64) -> Self {
         Self::new(
             MARGIN + drawn + GUTTER,
@@ -50,7 +50,7 @@ impl Legend {
         Self { x, y, width }
     }
 
-    /// Where the next entry would begin, px from the top of the page.
+    /// Top of the next entry, px from the top of the page.
     pub fn bottom(&self) -> f64 {
         self.y
     }
@@ -66,7 +66,7 @@ impl Legend {
         self.y += 22.0;
     }
 
-    /// A symbol drawn around the center it is given, and what it means.
+    /// An entry: `draw` draws the symbol around the given center.
     pub fn entry(&mut self, svg: &mut Svg, meaning: &str, draw: impl FnOnce(&mut Svg, [f64; 2])) {
         draw(svg, [self.x + SYMBOL / 2.0 - 4.0, self.y + 9.0]);
         self.lines(svg, meaning, SYMBOL, 12.0, INK);
@@ -87,7 +87,7 @@ impl Legend {
         let top = self.y + 3.0;
         for i in 0..PARTS {
             let color = ramp(i as f64 / (PARTS - 1) as f64);
-            // Each part reaches under the next, so that no gap shows between them.
+            // Each part overlaps the next, so that no gap is visible.
             let width = if i + 1 < PARTS { part + 1.0 } else { part };
             svg.rect([self.x + i as f64 * part, top, width, 12.0], &fill(&color));
         }
@@ -103,7 +103,7 @@ impl Legend {
         svg.grow(self.y + MARGIN);
     }
 
-    /// Makes room for one line of small print; returns where its baseline begins.
+    /// Adds one line of small print; returns the start of its baseline.
     pub fn next_line(&mut self, svg: &mut Svg) -> [f64; 2] {
         self.y += 16.0;
         svg.grow(self.y + MARGIN);
@@ -129,19 +129,19 @@ impl Legend {
     }
 }
 
-/// The places of the neurons of a map on the page.
+/// Tiles of a map's neurons on the page.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tiles {
     columns: usize,
     count: usize,
     side: f64,
-    /// The map is a chain, folded into rows.
+    /// The map is a chain, drawn in several rows.
     folded: bool,
 }
 
-/// Tiles are no wider than this, px.
+/// Widest tile, px.
 const MAX_TILE: f64 = 150.0;
-/// A folded chain has this many columns.
+/// Number of columns of a folded chain.
 const CHAIN_COLUMNS: usize = 6;
 
 impl Tiles {
@@ -156,7 +156,7 @@ impl Tiles {
             grid[0].clamp(1, count.max(1))
         };
         let rows = count.div_ceil(columns).max(1);
-        // A tall grid should not make an endless page.
+        // A tall grid must not make an endless page.
         let side = (PLOT / columns as f64).min(960.0 / rows as f64);
         let side = side.min(MAX_TILE).max(smallest);
         Self {
@@ -187,7 +187,7 @@ impl Tiles {
         PAGE.max(PAGE - PLOT + self.width())
     }
 
-    /// How a reader finds a neuron's neighbors.
+    /// Explains which tiles are neighbors.
     pub fn neighbors(&self) -> &'static str {
         if self.folded {
             "The map is a chain, folded like lines of text: N1 and N2 are neighbors, and so on."
@@ -214,7 +214,8 @@ pub fn shortened(text: &str, limit: usize) -> String {
     short
 }
 
-/// `text` broken between words into lines of at most `limit` characters; longer words are shortened.
+/// `text` broken between words into lines of at most `limit` characters; longer words are
+/// shortened.
 ///
 /// A no-break space does not end a word.
 pub fn wrapped(text: &str, limit: usize) -> Vec<String> {
@@ -238,7 +239,8 @@ pub fn counted(count: usize, noun: &str) -> String {
     format!("{count} {noun}{plural}")
 }
 
-/// Places 0 to `values` − 1 scaled to [0, 1] between the smallest and the largest finite one; 0 when all are equal.
+/// The values scaled to [0, 1] between the smallest and the largest finite one, and both; 0 when
+/// all are equal.
 pub fn normalized(values: &[f64]) -> (Vec<f64>, [f64; 2]) {
     let finite = || values.iter().copied().filter(|v| v.is_finite());
     let low = finite().fold(f64::INFINITY, f64::min);

@@ -1,4 +1,4 @@
-//! What a behavior adds to a path: the robot that is followed, the place that is sought, the parts of a chain.
+//! Marks of a behavior on a path: the leading robot, the sought place, the parts of a chain.
 
 use arena::world::Point;
 use sim::episode::NEST_M;
@@ -6,11 +6,11 @@ use sim::recording::Recording;
 
 use super::color::{BLUE, INK, ORANGE};
 use super::layout::Legend;
-use super::scene::{self, View};
+use super::scene::{self, SceneView};
 use super::svg::{Anchor, Font, Svg, filled, num, stroke};
 
-/// The way of the robot that is followed, and where it is at the end.
-pub fn leader(svg: &mut Svg, view: &View, recording: &Recording) {
+/// The path of the leading robot, and its last position.
+pub fn leader(svg: &mut Svg, view: &SceneView, recording: &Recording) {
     let places: Vec<Point> = recording
         .seeking
         .iter()
@@ -30,8 +30,8 @@ fn leader_style() -> String {
     format!(r#"{} stroke-dasharray="6 3""#, stroke(BLUE, 2.0))
 }
 
-/// The place that is sought, with the distance that counts as being there.
-pub fn goal_place(svg: &mut Svg, view: &View, recording: &Recording) {
+/// The sought place, with the distance that counts as reached.
+pub fn goal_place(svg: &mut Svg, view: &SceneView, recording: &Recording) {
     if let Some(place) = recording.goal_place {
         let [x, y] = view.at(place);
         let radius = (NEST_M * view.scale).max(5.0);
@@ -45,8 +45,8 @@ fn goal_style() -> String {
     format!(r#"{} stroke-dasharray="4 2""#, stroke(ORANGE, 3.0))
 }
 
-/// Where each part of a chain begins.
-pub fn parts(svg: &mut Svg, view: &View, recording: &Recording) {
+/// The start of each part of a chain.
+pub fn parts(svg: &mut Svg, view: &SceneView, recording: &Recording) {
     let mut last = 0;
     for step in &recording.seeking {
         if step.part != last {
@@ -62,20 +62,16 @@ fn number(svg: &mut Svg, [x, y]: [f64; 2], number: usize) {
     svg.text([x, y + 4.2], font, &number.to_string());
 }
 
-/// What of it is there.
+/// Legend entries for the marks that are present.
 pub fn legend(legend: &mut Legend, svg: &mut Svg, recording: &Recording) {
     if recording.seeking.iter().any(|step| step.leader.is_some()) {
-        legend.entry(
-            svg,
-            "the robot that is followed; L: its end",
-            |svg, [x, y]| {
-                svg.line([x - 11.0, y], [x + 11.0, y], &leader_style());
-            },
-        );
+        legend.entry(svg, "the leading robot; L: its end", |svg, [x, y]| {
+            svg.line([x - 11.0, y], [x + 11.0, y], &leader_style());
+        });
     }
     if recording.goal_place.is_some() {
         let what = if recording.behavior.starts_with("seek") {
-            "the place that was shown"
+            "the sought place"
         } else {
             "the nest"
         };

@@ -1,4 +1,4 @@
-//! What pictures are made of: SVG text, colors, page layout, rosettes of a ring, worlds seen from above.
+//! Drawing primitives: SVG text, colors, page layout, rosettes of a ring, worlds seen from above.
 
 pub mod color;
 pub mod layout;

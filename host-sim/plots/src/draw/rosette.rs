@@ -1,4 +1,4 @@
-//! Values of the sonar ring as bars around a circle, front of the ring up, left to the left.
+//! Draws values of the sonar ring as bars around a circle, front up, left to the left.
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -10,7 +10,7 @@ const HUB: f64 = 0.27;
 /// Radius of the zero circle of a rosette of changes, as part of its radius.
 const ZERO: f64 = 0.62;
 
-/// The place of one rosette.
+/// Position and size of one rosette.
 #[derive(Debug, Clone, Copy)]
 pub struct Rosette<'a> {
     /// Page coordinates, px.
@@ -22,7 +22,7 @@ pub struct Rosette<'a> {
 }
 
 impl Rosette<'_> {
-    /// One bar outwards per transducer; `full` is the value at the outer circle.
+    /// One outward bar per transducer; `full` is the value at the outer circle.
     pub fn values(&self, svg: &mut Svg, values: &[f64], full: f64) {
         svg.circle(self.center, self.radius, &filled("#ffffff", PALE, 1.0));
         for (i, &value) in values.iter().enumerate() {
@@ -40,8 +40,8 @@ impl Rosette<'_> {
         self.front(svg);
     }
 
-    /// One bar per transducer from the zero circle: outwards for an increase, inwards for a decrease; `full` is the
-    /// change that reaches the outer circle.
+    /// One bar per transducer from the zero circle: outward for an increase, inward for a decrease;
+    /// `full` is the change that reaches the outer circle.
     pub fn changes(&self, svg: &mut Svg, changes: &[f64], full: f64) {
         svg.circle(self.center, self.radius, &filled("#ffffff", PALE, 1.0));
         for (i, &change) in changes.iter().enumerate() {
@@ -64,7 +64,8 @@ impl Rosette<'_> {
         self.front(svg);
     }
 
-    /// An arrow from the center along `displacement` (ring frame, m); `full` m reach nearly to the zero circle.
+    /// An arrow from the center along `displacement` (ring frame, m); `full` m nearly reach the
+    /// zero circle.
     pub fn arrow(&self, svg: &mut Svg, displacement: [f64; 2], full: f64) {
         let [x, y] = displacement;
         let length = libm::hypot(x, y);
@@ -81,7 +82,7 @@ impl Rosette<'_> {
         svg.circle(self.center, self.radius * HUB, &filled(color, color, 1.0));
     }
 
-    /// Numbers of the transducers at front, left, back and right with these words around the rosette.
+    /// Labels front, left, back and right around the rosette, with transducer numbers.
     pub fn annotate(&self, svg: &mut Svg) {
         let [x, y] = self.center;
         let r = self.radius;
@@ -106,7 +107,7 @@ impl Rosette<'_> {
         );
     }
 
-    /// A small mark on the outside where the front is.
+    /// A small mark at the front, outside the circle.
     fn front(&self, svg: &mut Svg) {
         let [x, y] = self.center;
         let top = y - self.radius;
@@ -129,21 +130,21 @@ impl Rosette<'_> {
         svg.polygon(&corners, &fill(color));
     }
 
-    /// The page point at `radius` (parts of the rosette's) and `bearing`.
+    /// The page point at `radius` (relative to the rosette's) and `bearing`.
     fn at(&self, radius: f64, bearing: f64) -> [f64; 2] {
         toward(self.center, bearing, radius * self.radius)
     }
 
-    /// Bearing of transducer `i` of `count`; spread evenly when the ring does not say.
+    /// Bearing of transducer `i` of `count`; evenly spread without given bearings.
     fn bearing(&self, i: usize, count: usize) -> f64 {
         let even = TAU * i as f64 / count.max(1) as f64;
         self.bearings.get(i).copied().unwrap_or(even)
     }
 }
 
-/// An arrow of `length` px from `tail` towards `bearing`, with a white rim.
+/// An arrow of `length` px from `tail` toward `bearing`, with a white rim.
 pub fn arrow(svg: &mut Svg, tail: [f64; 2], bearing: f64, length: f64, width: f64) {
-    // Short arrows are drawn finer, so that they keep their shape.
+    // Short arrows are thinner, which keeps their shape.
     let width = width.min(0.2 * length);
     let head = (3.2 * width).min(0.7 * length);
     let neck = toward(tail, bearing, length - head * 0.8);
@@ -157,13 +158,13 @@ pub fn arrow(svg: &mut Svg, tail: [f64; 2], bearing: f64, length: f64, width: f6
     svg.polygon(&point, &fill(INK));
 }
 
-/// `distance` px from `origin` towards `bearing`, 0 up the page and counter-clockwise positive.
+/// `distance` px from `origin` toward `bearing`, 0 up the page and counter-clockwise positive.
 fn toward([x, y]: [f64; 2], bearing: f64, distance: f64) -> [f64; 2] {
     let (sin, cos) = libm::sincos(bearing);
     [x - distance * sin, y - distance * cos]
 }
 
-/// The transducer whose bearing is nearest to `wanted` (rad), the first of equals.
+/// The transducer whose bearing is nearest to `wanted` (rad), the first among equals.
 pub fn nearest(bearings: &[f64], wanted: f64) -> Option<usize> {
     let away = |bearing: f64| -libm::cos(bearing - wanted);
     let mut best: Option<(usize, f64)> = None;
@@ -175,7 +176,7 @@ pub fn nearest(bearings: &[f64], wanted: f64) -> Option<usize> {
     best.map(|(i, _)| i)
 }
 
-/// `value` between `low` and 1; what is no number counts as 0.
+/// `value` clamped to [`low`, 1]; NaN counts as 0.
 fn part(value: f64, low: f64) -> f64 {
     if value.is_nan() {
         0.0
@@ -184,7 +185,7 @@ fn part(value: f64, low: f64) -> f64 {
     }
 }
 
-/// Background and number of neuron `index`; returns the place of its rosette.
+/// Draws background and number of neuron `index`; returns its rosette.
 pub fn tile<'a>(
     svg: &mut Svg,
     area: [f64; 4],

@@ -1,4 +1,4 @@
-//! The world on the page: meters to pixels, obstacles, scale bar, places along an episode.
+//! Draws the world: meters to pixels, obstacles, scale bar, positions of an episode.
 
 use arena::world::{Point, Shape, World};
 use sim::recording::Step;
@@ -11,9 +11,9 @@ pub fn extent(world: &World) -> [Point; 2] {
     world.bounds().into()
 }
 
-/// Where a stretch of world lies on the page.
+/// Maps a rectangle of the world to the page.
 #[derive(Debug, Clone, Copy)]
-pub struct View {
+pub struct SceneView {
     /// World point at the lower left corner of the drawing, m.
     low: Point,
     /// Page point of that corner, px.
@@ -24,8 +24,8 @@ pub struct View {
     pub size: [f64; 2],
 }
 
-impl View {
-    /// The world between two corners in a drawing whose top left is given and that is at most `room` (px) large.
+impl SceneView {
+    /// The rectangle between two world corners, in a drawing at `[left, top]` of at most `room` px.
     pub fn new([low, high]: [Point; 2], [left, top]: [f64; 2], room: [f64; 2]) -> Self {
         let (width, height) = ((high.x - low.x).max(1e-3), (high.y - low.y).max(1e-3));
         let scale = (room[0] / width).min(room[1] / height);
@@ -52,7 +52,7 @@ impl View {
 }
 
 /// Draws walls as lines and bodies as filled outlines.
-pub fn obstacles(svg: &mut Svg, view: &View, world: &World) {
+pub fn obstacles(svg: &mut Svg, view: &SceneView, world: &World) {
     let body = filled(OBSTACLE, INK, 1.3);
     let wall = format!(r#"{} stroke-linecap="round""#, stroke(INK, 2.4));
     let on_page = |points: &[Point]| {
@@ -98,27 +98,27 @@ pub fn scale_bar(svg: &mut Svg, [x, y]: [f64; 2], scale: f64, room: f64) {
     );
 }
 
-/// A letter or number in the middle of a place, on a white rim.
+/// A letter or number centered on a point, with a white rim.
 pub fn label(svg: &mut Svg, [x, y]: [f64; 2], size: f64, text: &str) {
     let font = Font::new(size).at(Anchor::Middle);
     svg.text([x, y + size * 0.35], font.halo(), text);
     svg.text([x, y + size * 0.35], font.bold(), text);
 }
 
-/// The places an episode passed: where each decision was taken, and where the last one led.
+/// The positions of an episode: one per decision, and the end of the last motion.
 pub fn places(steps: &[Step]) -> Vec<Point> {
     let mut places: Vec<Point> = steps.iter().map(|step| step.pose.position).collect();
     places.extend(steps.last().map(end_of));
     places
 }
 
-/// Where the motion of one step ended, as far as the step itself says.
+/// End of a step's motion, as far as the step itself records it.
 fn end_of(step: &Step) -> Point {
     let [x, y] = step.executed_m;
     step.pose.position + Point::new(x, y).turned(Point::unit(step.pose.heading))
 }
 
-/// The way traveled, m.
+/// The distance traveled, m.
 pub fn distance(steps: &[Step]) -> f64 {
     steps
         .iter()
@@ -132,7 +132,7 @@ mod tests {
 
     #[test]
     fn a_view_keeps_proportions_and_turns_y_up() {
-        let view = View::new(
+        let view = SceneView::new(
             [Point::new(-1.0, 2.0), Point::new(3.0, 4.0)],
             [10.0, 20.0],
             [400.0, 400.0],

@@ -1,26 +1,27 @@
-//! Finds the stretch of an episode that tells most: the robot meets an obstacle and turns away.
+//! Selects the part of an episode that shows an avoidance best: approach and turn away.
 
 use core::ops::Range;
 
 use sim::recording::Step;
 
-/// What a meeting gains by a half turn.
+/// Score of a half turn.
 const TURN: f64 = 1.0;
-/// What a meeting gains by getting away instead of going to and fro.
+/// Score of straight progress, as opposed to moving to and fro.
 const PROGRESS: f64 = 1.0;
-/// What a decision that perceives nothing counts, against one that does.
+/// Weight of a decision that perceives nothing.
 const QUIET: f64 = 0.1;
-/// From which value on a decision perceives something worth showing.
+/// Smallest value that counts as perceived.
 const SEEN: f64 = 0.005;
-/// Weight of the mean change of situation, against a meeting.
+/// Weight of the mean change of situation.
 const CHANGE: f64 = 0.1;
-/// What a contact takes away: an avoidance should show avoiding.
+/// Penalty of a contact: an avoidance must avoid.
 const CONTACT: f64 = 20.0;
 
-/// The `count` successive decisions that show most of an avoidance; all of them when there are fewer.
+/// The `count` consecutive decisions with the best avoidance; all if there are fewer.
 ///
-/// Each has a decision before it where possible, so that its change of situation is known.
-pub fn telling(steps: &[Step], count: usize) -> Range<usize> {
+/// The first decision of the episode is left out where possible: its change of situation is
+/// unknown.
+pub fn best_avoidance(steps: &[Step], count: usize) -> Range<usize> {
     if steps.len() <= count {
         return 0..steps.len();
     }
@@ -42,7 +43,7 @@ fn score(steps: &[Step], range: Range<usize>) -> f64 {
     let steps = &steps[range];
     let nearness: Vec<f64> = steps.iter().map(nearness).collect();
     let peak = nearness.iter().copied().fold(0.0, f64::max);
-    // The peak above both ends: going to and fro before a wall is no meeting.
+    // Peak above both ends: moving to and fro before a wall does not count.
     let met = peak - nearness[0].max(nearness[nearness.len() - 1]);
     let contacts = steps.iter().filter(|step| step.touched).count();
     let turned = turn(&steps[0], &steps[steps.len() - 1]);
@@ -68,8 +69,7 @@ pub fn difference(before: &[f64], after: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// How much the situation asks for a change: the largest one wanted, or, where nobody planned, the
-/// largest value perceived.
+/// Urgency of a change: the largest wanted one, or, without a plan, the largest value perceived.
 fn nearness(step: &Step) -> f64 {
     let largest = |values: &[f64]| values.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
     match &step.plan {
@@ -79,7 +79,7 @@ fn nearness(step: &Step) -> f64 {
     }
 }
 
-/// The straight way between both ends as part of the way traveled, 0 when the robot stood still.
+/// Straight distance between both ends divided by the distance traveled; 0 for a robot at rest.
 fn progress(steps: &[Step]) -> f64 {
     let places: Vec<_> = steps.iter().map(|step| step.pose.position).collect();
     let traveled: f64 = places
@@ -94,7 +94,7 @@ fn progress(steps: &[Step]) -> f64 {
     }
 }
 
-/// How much the direction of motion differs, 0 to 1 half turn; 0 when the robot stood still.
+/// Difference of the directions of motion, 0 to 1 half turn; 0 for a robot at rest.
 fn turn(first: &Step, last: &Step) -> f64 {
     let ([ax, ay], [bx, by]) = (first.executed_m, last.executed_m);
     let angle = libm::atan2(ax * by - ay * bx, ax * bx + ay * by);
@@ -118,21 +118,21 @@ mod tests {
         for (t, value) in [(33, 0.4), (34, 0.9), (35, 0.5)] {
             steps[t].situation[0] = value;
         }
-        let range = telling(&steps, 8);
+        let range = best_avoidance(&steps, 8);
         assert_eq!(range.len(), 8);
         assert!(range.start < 33 && range.end > 36, "{range:?}");
-        // Long straight ways through the open do not count as a meeting.
+        // A long straight path through free space does not count.
         steps[50].pose.position.x += 3.0;
-        assert_eq!(telling(&steps, 8), range);
+        assert_eq!(best_avoidance(&steps, 8), range);
         steps[34].touched = true;
-        assert!(!telling(&steps, 8).contains(&34));
+        assert!(!best_avoidance(&steps, 8).contains(&34));
     }
 
     #[test]
     fn short_episodes_are_taken_whole() {
         let steps = recording().seeking;
-        assert_eq!(telling(&steps[..3], 8), 0..3);
-        assert_eq!(telling(&[], 8), 0..0);
-        assert_eq!(telling(&steps[..9], 8), 1..9);
+        assert_eq!(best_avoidance(&steps[..3], 8), 0..3);
+        assert_eq!(best_avoidance(&[], 8), 0..0);
+        assert_eq!(best_avoidance(&steps[..9], 8), 1..9);
     }
 }

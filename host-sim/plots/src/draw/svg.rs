@@ -1,22 +1,22 @@
-//! A small SVG writer: shapes in page units, numbers with two decimals, text escaped.
+//! A small SVG writer: shapes in page units, numbers with two decimals, escaped text.
 
 use std::fmt::Write as _;
 
-/// The families asked for in a browser; bitmaps use the bundled first one.
+/// Font families for browsers; bitmaps use the bundled first one.
 pub const FONT_FAMILY: &str = "Ubuntu, 'Segoe UI', Helvetica, Arial, sans-serif";
 
-/// Where the given x lies in a text.
+/// Alignment of a text relative to its x.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Anchor {
-    /// At its left end.
+    /// x is the left end.
     Start,
-    /// In its middle.
+    /// x is the middle.
     Middle,
-    /// At its right end.
+    /// x is the right end.
     End,
 }
 
-/// How a text looks.
+/// Size, color, alignment and weight of a text.
 #[derive(Debug, Clone, Copy)]
 pub struct Font {
     size: f64,
@@ -48,12 +48,12 @@ impl Font {
         Self { anchor, ..self }
     }
 
-    /// The same, heavier (drawn with a thin outline, so that it needs no second font).
+    /// The same, bold (drawn with a thin outline, which needs no second font).
     pub const fn bold(self) -> Self {
         Self { bold: true, ..self }
     }
 
-    /// The same with a white rim, to stay readable on top of a drawing.
+    /// The same with a white rim, readable on top of a drawing.
     pub const fn halo(self) -> Self {
         Self { halo: true, ..self }
     }
@@ -68,7 +68,7 @@ pub struct Svg {
 }
 
 impl Svg {
-    /// An empty white page, px.
+    /// An empty white page of this size, px.
     pub fn new(width: f64, height: f64) -> Self {
         Self {
             width,
@@ -82,7 +82,7 @@ impl Svg {
         self.height = self.height.max(height);
     }
 
-    /// Adds one element verbatim; its text must be escaped already.
+    /// Adds one element verbatim; its text must already be escaped.
     pub fn raw(&mut self, element: &str) {
         self.body.push_str(element);
         self.body.push('\n');
@@ -133,7 +133,7 @@ impl Svg {
         self.text_element(&place, font, content);
     }
 
-    /// Text that reads upwards, centered on (x, y).
+    /// Text that reads upward, centered on (x, y).
     pub fn text_upwards(&mut self, [x, y]: [f64; 2], font: Font, content: &str) {
         let place = format!(
             r#"transform="translate({} {}) rotate(-90)""#,
@@ -162,7 +162,8 @@ impl Svg {
         self.raw(&format!("<text {place} {style}>{content}</text>"));
     }
 
-    /// What `draw` adds is cut off at the rectangle `[left, top, width, height]`; `id` must be unique in the picture.
+    /// Clips what `draw` adds at the rectangle `[left, top, width, height]`; `id` must be unique in
+    /// the picture.
     pub fn clipped(&mut self, id: &str, area: [f64; 4], draw: impl FnOnce(&mut Self)) {
         self.raw(&format!(r#"<clipPath id="{id}">"#));
         self.rect(area, "");
@@ -189,7 +190,7 @@ pub fn fill(color: &str) -> String {
     format!(r#"fill="{color}""#)
 }
 
-/// Style of an outline without filling.
+/// Style of an outline without fill.
 pub fn stroke(color: &str, width: f64) -> String {
     let width = num(width);
     format!(r#"fill="none" stroke="{color}" stroke-width="{width}" stroke-linejoin="round""#)
@@ -201,7 +202,7 @@ pub fn filled(color: &str, outline: &str, width: f64) -> String {
     format!(r#"fill="{color}" stroke="{outline}" stroke-width="{width}" stroke-linejoin="round""#)
 }
 
-/// A coordinate with two decimals; what is no number becomes 0.
+/// A coordinate with two decimals; NaN becomes 0.
 pub fn num(value: f64) -> String {
     let value = if value.is_finite() { value } else { 0.0 };
     let text = format!("{value:.2}");
@@ -213,7 +214,7 @@ pub fn num(value: f64) -> String {
     }
 }
 
-/// A value as people read it, with a true minus sign; what is no number becomes 0.
+/// A value for readers, with a true minus sign; NaN becomes 0.
 pub fn decimal(value: f64, decimals: usize) -> String {
     let value = if value.is_finite() { value } else { 0.0 };
     let text = format!("{:.decimals$}", value.abs());

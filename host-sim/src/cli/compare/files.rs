@@ -1,25 +1,25 @@
-//! What `compare --out` leaves behind.
+//! Writes the files of `compare --out`.
 
 use super::picture::picture;
-use super::tables::{Line, Report};
-use crate::cli::Failure;
+use super::tables::{ComparisonTables, MethodLine};
+use crate::cli::CliError;
 use ::files::error::BadInput;
 use ::files::save;
-use plots::png;
+use plots::save_picture;
 use sim::statistics::Mean;
 use std::io::Write;
 use std::path::Path;
 
-/// Writes everything and says where.
+/// Writes all files and prints their names.
 ///
 /// # Errors
 /// When a file cannot be written or the pipe is closed.
 pub fn write(
     dir: &Path,
-    report: &Report,
+    report: &ComparisonTables,
     about: &str,
     out: &mut impl Write,
-) -> Result<(), Failure> {
+) -> Result<(), CliError> {
     let csv = csv(report).map_err(|error| BadInput::new(format!("compare.csv: {error}")))?;
     save(dir, "compare.csv", &csv)?;
     let markdown = format!("{}{about}\n", report.markdown());
@@ -32,11 +32,8 @@ pub fn write(
     picture(report).map_or(Ok(()), |svg| draw(dir, &svg, out))
 }
 
-fn draw(dir: &Path, svg: &str, out: &mut impl Write) -> Result<(), Failure> {
-    let picture = save(dir, "compare.svg", svg.as_bytes())?;
-    let png =
-        png::render(svg, 2.0).map_err(|error| BadInput::new(format!("compare.png: {error}")))?;
-    save(dir, "compare.png", &png)?;
+fn draw(dir: &Path, svg: &str, out: &mut impl Write) -> Result<(), CliError> {
+    let [picture, _] = save_picture(dir, "compare", svg)?;
     Ok(writeln!(out, "Picture: {}", picture.display())?)
 }
 
@@ -55,7 +52,7 @@ const MEANS: [&str; 11] = [
     "less_default_coverage_m2",
 ];
 
-fn csv(report: &Report) -> Result<Vec<u8>, csv::Error> {
+fn csv(report: &ComparisonTables) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let heads = ["method", "learning_moves", "shield"].map(str::to_owned);
     let means = MEANS
@@ -71,7 +68,7 @@ fn csv(report: &Report) -> Result<Vec<u8>, csv::Error> {
         .map_err(|error| error.into_error().into())
 }
 
-fn record(line: &Line) -> Vec<String> {
+fn record(line: &MethodLine) -> Vec<String> {
     let shield = if line.shield { "on" } else { "off" };
     let mut cells = vec![
         line.method.name().to_owned(),
@@ -89,7 +86,7 @@ fn record(line: &Line) -> Vec<String> {
     cells
 }
 
-fn means(line: &Line) -> [Option<Mean>; 11] {
+fn means(line: &MethodLine) -> [Option<Mean>; 11] {
     let figures = &line.figures;
     let less = line.differences.as_ref();
     [

@@ -1,45 +1,49 @@
-//! `host-sim compare`: the mind against other methods.
+//! `host-sim compare`: the controller compared with other methods.
 
 mod files;
 mod picture;
 mod tables;
 
-use super::Failure;
+use super::CliError;
 use super::output::{bar, pool, prepare};
 use super::run::{SonarChoice, sources};
 use ::files::error::BadInput;
 use clap::{Args, ValueEnum};
-use experiments::compare::search::{self, Search};
-use experiments::compare::{Conditions, Constants, Method, Plan, Row, measure};
+use experiments::compare::search::{self, ConstantSearch};
+use experiments::compare::{
+    ComparedMethod, ComparisonPlan, ComparisonRow, Conditions, Constants, measure,
+};
 use std::io::Write;
 use std::path::PathBuf;
 
-/// The `compare` command's flags.
+/// Flags of the `compare` command.
 #[derive(Debug, Clone, Args)]
 pub struct CompareArgs {
-    /// World: a file, a folder, random:SEED, random:A..=B or a built-in name; may be given several times
+    /// World: a file, a folder, random:SEED, random:A..=B or a built-in name; may be given several
+    /// times
     #[arg(long = "world", value_name = "WORLD", default_value = "random:1..=6")]
     worlds: Vec<String>,
-    /// Methods, separated by commas: default, probe, touzet (the two maps), random, braitenberg, potential-field, vfh-plus,
-    /// nearest-change, nearest-pair, q-lazy, q-table, q-som, q-two-soms; or all
+    /// Methods, separated by commas: default, probe, touzet (the two maps), random, braitenberg,
+    /// potential-field, vfh-plus, nearest-change, nearest-pair, q-lazy, q-table, q-som, q-two-soms;
+    /// or all
     #[arg(long, value_name = "NAMES", default_value = "all", value_parser = parse_methods)]
     methods: Methods,
     /// Seeds in each world
     #[arg(long, value_name = "SEEDS", default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     seeds: u32,
-    /// First of these seeds
+    /// The first of these seeds
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
     /// Measure without the shield, with it, or both one after the other
     #[arg(long, value_name = "ON|OFF|BOTH", default_value = "both", value_enum)]
     shield: Shields,
-    /// Decisions measured in each episode, after learning
+    /// Measured decisions of each episode, after learning
     #[arg(long, value_name = "STEPS", default_value_t = 1_000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     steps: u32,
-    /// Learning moves of the methods that go on learning by reward, rising
+    /// Learning moves of the methods that learn by reward, ascending
     #[arg(long, value_name = "MOVES", value_delimiter = ',', default_value = "100,200,1000,5000,20000", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     moves: Vec<u32>,
-    /// What the sonars return
+    /// Sonar model
     #[arg(long, value_name = "MODEL", default_value = "ideal", value_enum)]
     sonar: SonarChoice,
     /// Write compare.csv, compare.md and pictures into this folder
@@ -48,24 +52,24 @@ pub struct CompareArgs {
     /// Print the time each method takes per decision, on standard error
     #[arg(long)]
     time: bool,
-    /// Search the constants of one method instead, with its first budget of --moves, in as many of the rooms from
-    /// random:20001 on as there are --seeds
+    /// Search the constants of one method instead, with the first number in --moves, in --seeds
+    /// rooms from random:20001 on
     #[arg(long, value_name = "METHOD", conflicts_with_all = ["worlds", "methods", "seed", "out", "time"], value_parser = parse_method)]
-    tune: Option<Method>,
-    /// Worker threads [default: one per core]; the results do not depend on it
+    tune: Option<ComparedMethod>,
+    /// Worker threads [default: one per core]; they do not affect the results
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
 }
 
 /// Methods as named on the command line.
 #[derive(Debug, Clone, PartialEq, Eq)]
-struct Methods(Vec<Method>);
+struct Methods(Vec<ComparedMethod>);
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Shields {
     /// With the shield
     On,
-    /// Without it
+    /// Without the shield
     Off,
     /// Without, then with it
     Both,
@@ -81,18 +85,18 @@ impl Shields {
     }
 }
 
-fn parse_method(text: &str) -> Result<Method, BadInput> {
+fn parse_method(text: &str) -> Result<ComparedMethod, BadInput> {
     text.parse()
 }
 
-/// In the order of the tables, each once.
+/// Parses a list of methods; the result is in the order of the tables, without duplicates.
 fn parse_methods(text: &str) -> Result<Methods, BadInput> {
     if text == "all" {
-        return Ok(Methods(Method::ALL.to_vec()));
+        return Ok(Methods(ComparedMethod::ALL.to_vec()));
     }
-    let named: Result<Vec<Method>, _> = text.split(',').map(str::parse).collect();
+    let named: Result<Vec<ComparedMethod>, _> = text.split(',').map(str::parse).collect();
     let named = named?;
-    let listed = Method::ALL.into_iter();
+    let listed = ComparedMethod::ALL.into_iter();
     Ok(Methods(
         listed.filter(|method| named.contains(method)).collect(),
     ))
@@ -101,8 +105,9 @@ fn parse_methods(text: &str) -> Result<Methods, BadInput> {
 /// Measures and prints the tables, or searches constants.
 ///
 /// # Errors
-/// A world that cannot be loaded, budgets that do not rise, an episode that fails, a folder that cannot be written.
-pub fn compare(args: &CompareArgs, out: &mut impl Write) -> Result<(), Failure> {
+/// A world that cannot be loaded, numbers of moves that do not ascend, an episode that fails, a
+/// folder that cannot be written.
+pub fn compare(args: &CompareArgs, out: &mut impl Write) -> Result<(), CliError> {
     if !args.moves.is_sorted_by(|a, b| a < b) {
         return Err(
             BadInput::new("--moves: each number must be greater than the one before").into(),
@@ -122,7 +127,7 @@ pub fn compare(args: &CompareArgs, out: &mut impl Write) -> Result<(), Failure> 
     let rows = pool.install(|| measure(&plan, &|| progress.inc(1)));
     progress.finish_and_clear();
     let rows = rows.map_err(|failure| BadInput::new(failure.to_string()))?;
-    let report = pool.install(|| tables::Report::of(&rows));
+    let report = pool.install(|| tables::ComparisonTables::of(&rows));
     eprintln!(
         "{} episodes in {:.1} s",
         plan.len(),
@@ -138,13 +143,13 @@ pub fn compare(args: &CompareArgs, out: &mut impl Write) -> Result<(), Failure> 
     })
 }
 
-fn plan(args: &CompareArgs) -> Result<Plan, BadInput> {
+fn plan(args: &CompareArgs) -> Result<ComparisonPlan, BadInput> {
     let mut worlds = Vec::new();
     for source in sources(&args.worlds)? {
         worlds.push(source.load()?);
     }
     let shields = args.shield.each().iter();
-    Ok(Plan {
+    Ok(ComparisonPlan {
         worlds,
         first_seed: args.seed,
         seeds: args.seeds,
@@ -163,8 +168,8 @@ fn conditions(args: &CompareArgs, shield: bool) -> Conditions {
     }
 }
 
-/// What the figures are of, in a sentence or two.
-fn about(plan: &Plan, args: &CompareArgs) -> String {
+/// Describes the figures in one or two sentences.
+fn about(plan: &ComparisonPlan, args: &CompareArgs) -> String {
     format!(
         "Mean [95 % interval] of {} worlds ({}) × {} seeds, {} steps each, measured from the world's start after learning in the \
          same world; sonars: {}. Intervals by the bootstrap over worlds and seeds.",
@@ -176,21 +181,21 @@ fn about(plan: &Plan, args: &CompareArgs) -> String {
     )
 }
 
-fn tune(method: Method, args: &CompareArgs) -> Result<String, BadInput> {
-    let knobs = search::knobs(method);
-    if knobs.is_empty() {
+fn tune(method: ComparedMethod, args: &CompareArgs) -> Result<String, BadInput> {
+    let tuned_constants = search::tuned_constants(method);
+    if tuned_constants.is_empty() {
         let name = method.name();
         return Err(BadInput::new(format!(
             "--tune {name}: it has no constants to search"
         )));
     }
-    let search = Search {
+    let search = ConstantSearch {
         method,
         moves: args.moves.first().copied().unwrap_or(1),
         rooms: args.seeds,
         conditions: conditions(args, args.shield == Shields::On),
     };
-    let progress = bar((search::ROUNDS * knobs.len()) as u64, "constants");
+    let progress = bar((search::ROUNDS * tuned_constants.len()) as u64, "constants");
     let mut lines = Vec::new();
     let found = search.run(
         Constants::of(search.conditions.shield),
@@ -204,7 +209,7 @@ fn tune(method: Method, args: &CompareArgs) -> Result<String, BadInput> {
     Ok(tables::search(&lines))
 }
 
-/// Its rows by condition: without the shield, with it.
-fn by_shield(rows: &[Row]) -> impl Iterator<Item = &[Row]> {
+/// The rows by condition: without the shield, with it.
+fn by_shield(rows: &[ComparisonRow]) -> impl Iterator<Item = &[ComparisonRow]> {
     rows.chunk_by(|a, b| a.shield == b.shield)
 }

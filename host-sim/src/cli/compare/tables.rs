@@ -1,29 +1,30 @@
-//! The comparison as tables.
+//! The tables of the comparison, as text and Markdown.
 
 use super::by_shield;
 use crate::cli::table::{markdown, plain};
-use experiments::compare::{Differences, Figures, Method, Row};
+use experiments::compare::{ComparedMethod, ComparisonRow, Differences, MethodFigures};
 use rayon::prelude::*;
 use sim::statistics::Mean;
 
 /// A row with all its figures.
-pub struct Line {
+pub struct MethodLine {
     /// The row's method.
-    pub method: Method,
+    pub method: ComparedMethod,
     /// Its learning moves.
     pub moves: u32,
     /// With the shield.
     pub shield: bool,
     /// Its figures.
-    pub figures: Figures,
-    /// Less the preset `default` under the same conditions; `None` for that itself, or where it is not compared.
+    pub figures: MethodFigures,
+    /// Minus the preset `default` under the same conditions; `None` for that preset, or if it is
+    /// not compared.
     pub differences: Option<Differences>,
 }
 
-/// Everything that is printed and written.
-pub struct Report {
+/// All rows of the output.
+pub struct ComparisonTables {
     /// The rows, as measured.
-    pub lines: Vec<Line>,
+    pub lines: Vec<MethodLine>,
 }
 
 const HEADS: [&str; 10] = [
@@ -50,23 +51,26 @@ const DIFFERENCE_HEADS: [&str; 6] = [
 
 const RIGHT: [usize; 9] = [1, 2, 3, 4, 5, 6, 7, 8, 9];
 
-/// How a table is set: heads, rows, columns of numbers.
+/// Formats a table: heads, rows, numeric columns.
 type Set = fn(&[&str], &[Vec<String>], &[usize]) -> String;
 
-impl Report {
-    /// Works out all figures, on all cores.
-    pub fn of(rows: &[Row]) -> Self {
+impl ComparisonTables {
+    /// Computes all figures, on all cores.
+    pub fn of(rows: &[ComparisonRow]) -> Self {
         let conditions: Vec<_> = by_shield(rows).collect();
-        let with_base = |rows: &&[Row]| {
-            let base = rows.iter().find(|row| row.method == Method::Default);
+        let with_base = |rows: &&[ComparisonRow]| {
+            let base = rows
+                .iter()
+                .find(|row| row.method == ComparedMethod::Default);
             let pairs: Vec<_> = rows
                 .iter()
                 .map(|row| (row.clone(), base.cloned()))
                 .collect();
             pairs
         };
-        let pairs: Vec<(Row, Option<Row>)> = conditions.iter().flat_map(with_base).collect();
-        let line = |(row, base): &(Row, Option<Row>)| Line {
+        let pairs: Vec<(ComparisonRow, Option<ComparisonRow>)> =
+            conditions.iter().flat_map(with_base).collect();
+        let line = |(row, base): &(ComparisonRow, Option<ComparisonRow>)| MethodLine {
             method: row.method,
             moves: row.moves,
             shield: row.shield,
@@ -81,17 +85,17 @@ impl Report {
         }
     }
 
-    /// The lines by condition.
-    pub fn by_shield(&self) -> impl Iterator<Item = &[Line]> {
+    /// The rows by condition.
+    pub fn by_shield(&self) -> impl Iterator<Item = &[MethodLine]> {
         self.lines.chunk_by(|a, b| a.shield == b.shield)
     }
 
-    /// For a terminal.
+    /// The tables for a terminal.
     pub fn text(&self) -> String {
         self.set(plain, |title| format!("{title}\n\n"))
     }
 
-    /// For the documentation.
+    /// The tables as Markdown.
     pub fn markdown(&self) -> String {
         self.set(markdown, |title| format!("## {title}\n\n"))
     }
@@ -110,16 +114,16 @@ impl Report {
             text += &format!("{}\n", table(&HEADS, &rows, &RIGHT));
             let rows: Vec<_> = lines.iter().filter_map(difference_cells).collect();
             if !rows.is_empty() {
-                text += &head(&format!("{who}: less the preset `default`, paired"));
+                text += &head(&format!("{who}: minus the preset `default`, paired"));
                 text += &format!("{}\n", table(&DIFFERENCE_HEADS, &rows, &RIGHT[..5]));
             }
         }
         text
     }
 
-    /// Wall time per decision.
+    /// Wall time per decision, as a table.
     pub fn times(&self) -> String {
-        let cells = |line: &Line| {
+        let cells = |line: &MethodLine| {
             let shield = if line.shield { "on" } else { "off" };
             vec![
                 line.method.name().to_owned(),
@@ -134,13 +138,13 @@ impl Report {
     }
 }
 
-/// Mean and interval with as many decimals.
+/// Mean and interval with `digits` decimals.
 pub fn short(mean: &Mean, digits: usize) -> String {
     let [low, high] = mean.interval;
     format!("{:.digits$} [{low:.digits$}, {high:.digits$}]", mean.mean)
 }
 
-fn cells(line: &Line) -> Vec<String> {
+fn cells(line: &MethodLine) -> Vec<String> {
     let figures = &line.figures;
     let goal = figures.to_goal_s.as_ref();
     vec![
@@ -157,7 +161,7 @@ fn cells(line: &Line) -> Vec<String> {
     ]
 }
 
-fn difference_cells(line: &Line) -> Option<Vec<String>> {
+fn difference_cells(line: &MethodLine) -> Option<Vec<String>> {
     let differences = line.differences.as_ref()?;
     Some(vec![
         line.method.name().to_owned(),
@@ -169,7 +173,7 @@ fn difference_cells(line: &Line) -> Option<Vec<String>> {
     ])
 }
 
-/// The search for constants, step by step.
+/// The steps of the search for constants, as a table.
 pub fn search(lines: &[(String, f64, f64)]) -> String {
     let cells = |(name, value, score): &(String, f64, f64)| {
         let value = if value.is_nan() {

@@ -1,9 +1,9 @@
-//! `host-sim learn`: what both maps make of a logged run.
+//! `host-sim learn`: learns both maps from a logged run and prints what they recall.
 
 mod pictures;
 
 use super::output::bar;
-use super::{Failure, table};
+use super::{CliError, table};
 use datasets::learn::{
     Actions, LearnArgs, Log, Map, Recalled, Score, Study, Task, study, task::Part,
 };
@@ -14,8 +14,8 @@ use std::io::Write;
 /// Learns the maps and prints what they recall.
 ///
 /// # Errors
-/// One sentence about a flag, the log or the folder for the results; a closed pipe.
-pub fn learn(args: &LearnArgs, out: &mut impl Write) -> Result<(), Failure> {
+/// An invalid flag, log or output folder; a closed pipe.
+pub fn learn(args: &LearnArgs, out: &mut impl Write) -> Result<(), CliError> {
     let log = Log::load(&args.log, &args.columns())?;
     let task = Task::of(&log, &args.options())?;
     if let Some(folder) = &args.out {
@@ -24,7 +24,7 @@ pub fn learn(args: &LearnArgs, out: &mut impl Write) -> Result<(), Failure> {
     let progress = bar(args.map.0.len() as u64, "maps");
     let found = study(&task, &args.map.0, &args.lesson(), &|| progress.inc(1))?;
     progress.finish_and_clear();
-    let told = Told {
+    let results = LearnResults {
         args,
         log: &log,
         task: &task,
@@ -32,13 +32,13 @@ pub fn learn(args: &LearnArgs, out: &mut impl Write) -> Result<(), Failure> {
     };
     if args.json {
         for map in &found.maps {
-            writeln!(out, "{}", told.object(map))?;
+            writeln!(out, "{}", results.object(map))?;
         }
     } else {
-        told.tables(out)?;
+        results.tables(out)?;
     }
     if let Some(folder) = &args.out {
-        told.pictures(folder)?;
+        results.pictures(folder)?;
         if !args.json {
             writeln!(
                 out,
@@ -50,27 +50,27 @@ pub fn learn(args: &LearnArgs, out: &mut impl Write) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Everything there is to tell.
-struct Told<'a> {
+/// All results of the command.
+struct LearnResults<'a> {
     args: &'a LearnArgs,
     log: &'a Log,
     task: &'a Task,
     found: &'a Study,
 }
 
-impl Told<'_> {
+impl LearnResults<'_> {
     fn named(&self) -> bool {
         self.task.classes.is_some()
     }
 
-    /// What each component of an action is called.
+    /// The names of an action's components.
     fn components(&self) -> &[String] {
         match &self.log.actions {
             Actions::Labels { names, .. } | Actions::Velocities { names, .. } => names,
         }
     }
 
-    /// The unit of distances between situations, of a distance of 1.
+    /// Distance between situations in the log's unit that corresponds to 1.
     fn span(&self) -> f64 {
         self.task.far - self.task.near
     }
@@ -105,7 +105,7 @@ impl Told<'_> {
         .to_vec()
     }
 
-    fn tables(&self, out: &mut impl Write) -> Result<(), Failure> {
+    fn tables(&self, out: &mut impl Write) -> Result<(), CliError> {
         for (name, value) in self.facts() {
             writeln!(out, "{name:<26}  {value}")?;
         }
@@ -147,11 +147,11 @@ impl Told<'_> {
     }
 
     fn recall<'r>(&self, all: impl Iterator<Item = &'r Recalled>) -> String {
-        let mut heads = vec!["recalled by", "asked with"];
+        let mut heads = vec!["recalled by", "probed with"];
         if self.named() {
             heads.extend(["right %", "[95 %]", "mean of classes %"]);
         } else {
-            heads.push("error beside the mean's");
+            heads.push("error relative to the mean's");
         }
         let classes: Vec<_> = self
             .components()
@@ -200,7 +200,7 @@ impl Told<'_> {
         row
     }
 
-    /// What a curve shows: accuracy, or the error divided by that of the mean.
+    /// The value of a curve: accuracy, or the error divided by that of the mean.
     fn headline(&self, recalled: &Recalled) -> f64 {
         let accuracy = recalled.score.accuracy().map(|accuracy| accuracy.mean);
         accuracy.unwrap_or_else(|| self.beside_the_mean(recalled))

@@ -1,7 +1,7 @@
-//! Pictures of what `host-sim learn` found, and the page that shows them.
+//! Pictures of the results of `host-sim learn`, and the page that shows them.
 
-use super::{Told, size};
-use crate::cli::Failure;
+use super::{LearnResults, size};
+use crate::cli::CliError;
 use datasets::learn::{Map, Method, Score};
 use datasets::som::measures::u_matrix;
 use datasets::som::report::{code_vectors_csv, write_files};
@@ -9,15 +9,15 @@ use plots::{Figure, LabeledMap};
 use sim::recording::MapRecord;
 use std::path::Path;
 
-/// Decimals of code vectors on file: finer than any range finder.
+/// Decimals of code vectors in files: finer than any range finder.
 const DECIMALS: usize = 6;
 
-impl Told<'_> {
-    /// Writes them all.
+impl LearnResults<'_> {
+    /// Writes all pictures.
     ///
     /// # Errors
     /// A folder that cannot be written.
-    pub(super) fn pictures(&self, folder: &Path) -> Result<(), Failure> {
+    pub(super) fn pictures(&self, folder: &Path) -> Result<(), CliError> {
         let mut files = Vec::new();
         let mut figures = Vec::new();
         if self.found.maps.len() > 1 {
@@ -63,7 +63,7 @@ impl Told<'_> {
             };
             let svg = name(&format!("confusion_{}", recalled.method.key()), "svg");
             let [by, with] = recalled.method.words(true);
-            let title = format!("{by}, asked with the {with}, {}", size(map));
+            let title = format!("{by}, probed with the {with}, {}", size(map));
             figures.push(figure(&svg, &title, CONFUSION));
             files.push((svg, plots::confusion(&title, self.components(), confusion)));
         }
@@ -105,9 +105,9 @@ impl Told<'_> {
             levels.map(|recalled| (self.line_name(recalled.method), self.headline(recalled)));
         let sizes: Vec<_> = self.found.maps.iter().map(size).collect();
         let measure = if self.named() {
-            "share of the held-out actions recalled rightly"
+            "share of the held-out actions recalled correctly"
         } else {
-            "error beside that of the mean"
+            "error relative to that of the mean"
         };
         plots::sizes(
             "Recall by map size",
@@ -137,7 +137,9 @@ fn figure(file: &str, title: &str, caption: &str) -> Figure {
 }
 
 const CURVE: &str =
-    "How much of the part held out is recalled, by the size of the maps, beside what needs no map.";
-const MAP: &str = "Each tile is a neuron: in maps of large tiles bars show how near something is around the ring, first column up and the \
-    others counter-clockwise from there; the color is what was done most often in the situations the neuron won.";
-const CONFUSION: &str = "Rows: what was done; columns: what was recalled; in each cell its share of the row and its number.";
+    "Recall of the held-out part by the size of the maps, and of methods without maps.";
+const MAP: &str = "Each tile is a neuron: in maps of large tiles bars show the nearness of obstacles \
+     around the ring, first column up and the others counter-clockwise; the color is the most \
+     frequent action in the situations that the neuron won.";
+const CONFUSION: &str = "Rows: true actions; columns: recalled actions; each cell has its share of \
+     the row and its count.";

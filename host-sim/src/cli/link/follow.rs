@@ -1,4 +1,4 @@
-//! Listening to a mind while keeping its link alive.
+//! Prints the messages of a remote controller while it keeps the link alive.
 
 use crate::cli::remote::named;
 use amp::wire::message::{Clock, FromMind};
@@ -10,18 +10,18 @@ use remote::link::{
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
 
-/// Time between two signs of life: a mind bears three times as long a silence.
-const ALIVE: Duration = Duration::from_millis(100);
+/// Time between two heartbeats, a third of the controller's timeout.
+const HEARTBEAT: Duration = Duration::from_millis(100);
 
-/// Signs of life between two questions whether the mind is still there.
+/// Heartbeats between two checks that the controller still answers.
 const CHECK: u32 = 20;
 
-/// Time between two attempts to reach a mind that was lost.
-const AGAIN: Duration = Duration::from_secs(1);
+/// Time between two attempts to reconnect.
+const RECONNECT: Duration = Duration::from_secs(1);
 
-/// Why listening ended.
+/// Why following ended.
 #[derive(Debug)]
-pub(super) enum Trouble {
+pub(super) enum FollowError {
     /// The link failed.
     Link(LinkError),
     /// A file could not be read or written.
@@ -30,37 +30,37 @@ pub(super) enum Trouble {
     Output(io::Error),
 }
 
-impl From<LinkError> for Trouble {
+impl From<LinkError> for FollowError {
     fn from(error: LinkError) -> Self {
         Self::Link(error)
     }
 }
 
-impl From<BadInput> for Trouble {
+impl From<BadInput> for FollowError {
     fn from(error: BadInput) -> Self {
         Self::Input(error)
     }
 }
 
-impl From<io::Error> for Trouble {
+impl From<io::Error> for FollowError {
     fn from(error: io::Error) -> Self {
         Self::Output(error)
     }
 }
 
-/// Prints a report, at once.
+/// Prints a report and flushes it.
 pub(super) fn print(report: &Report<16>, out: &mut impl Write) -> io::Result<()> {
     writeln!(out, "{}", describe(report))?;
     out.flush()
 }
 
-/// Prints what the mind says until `until`, or until `over` says so.
+/// Prints the controller's messages until `until`, or until `over` returns true.
 pub(super) fn follow(
     session: &mut Session,
     until: Option<Instant>,
     out: &mut impl Write,
     mut over: impl FnMut(&FromMind<16>) -> bool,
-) -> Result<(), Trouble> {
+) -> Result<(), FollowError> {
     let mut count = 0_u32;
     loop {
         let now = Instant::now();
@@ -68,7 +68,7 @@ pub(super) fn follow(
             return Ok(());
         }
         session.alive(session.elapsed_ms())?;
-        let pause = now + ALIVE;
+        let pause = now + HEARTBEAT;
         let pause = until.map_or(pause, |until| until.min(pause));
         while let Some(report) = session.next_report(pause)? {
             print(&report, out)?;
@@ -77,7 +77,7 @@ pub(super) fn follow(
             }
         }
         count = count.wrapping_add(1);
-        // Signs of life are not answered: a mind that is gone would never be missed.
+        // Heartbeats have no answer: without this request a lost controller would go unnoticed.
         if count.is_multiple_of(CHECK) && check(session, out, &mut over)? {
             return Ok(());
         }
@@ -88,7 +88,7 @@ fn check(
     session: &mut Session,
     out: &mut impl Write,
     over: &mut impl FnMut(&FromMind<16>) -> bool,
-) -> Result<bool, Trouble> {
+) -> Result<bool, FollowError> {
     let mut is_over = false;
     let answer = session.request(&ToMind::Counters)?;
     for report in &answer.reports {
@@ -98,22 +98,22 @@ fn check(
         }
     }
     if answer.missing > 0 {
-        eprintln!("{} reports were lost on the way", answer.missing);
+        eprintln!("{} reports were lost", answer.missing);
     }
     Ok(is_over)
 }
 
-/// Prints what the mind says until `until`; reaches for it again when it is lost.
+/// Prints the controller's messages until `until`; reconnects when the link is lost.
 pub(super) fn monitor(
     session: &mut Session,
     address: &Address,
     emulation: &Emulation,
     until: Option<Instant>,
     out: &mut impl Write,
-) -> Result<(), Trouble> {
+) -> Result<(), FollowError> {
     loop {
         let error = match follow(session, until, out, |_| false) {
-            Err(Trouble::Link(error)) if error.may_pass() => error,
+            Err(FollowError::Link(error)) if error.may_pass() => error,
             other => return other,
         };
         eprintln!("{}; trying again", named(address, &error));
@@ -123,13 +123,13 @@ pub(super) fn monitor(
                 return Err(error.into());
             }
             broken = true;
-            let pause = Instant::now() + AGAIN;
+            let pause = Instant::now() + RECONNECT;
             if until.is_some_and(|until| pause >= until) {
                 return Err(error.into());
             }
-            std::thread::sleep(AGAIN);
+            std::thread::sleep(RECONNECT);
         }
-        eprintln!("{address}: the mind is there again");
+        eprintln!("{address}: reconnected");
     }
 }
 

@@ -1,9 +1,9 @@
-//! `host-sim link`: talk to a mind on a chip.
+//! `host-sim link`: commands a controller on a chip and reads its state.
 
 mod follow;
 mod tables;
 
-use super::Failure;
+use super::CliError;
 use super::remote::{named, open};
 use amp::config::Config;
 use amp::fixed::Weight;
@@ -12,7 +12,7 @@ use amp::wire::ToMind;
 use amp::wire::message::{Clock, Flash, FromMind, GoalBy, ModeReport, Order};
 use clap::{Args, Subcommand, ValueEnum};
 use files::error::BadInput;
-use follow::{Trouble, follow, monitor};
+use follow::{FollowError, follow, monitor};
 use remote::link::{Address, Emulation, Knowledge, LinkError, Session};
 use sim::goal_file::GoalFile;
 use sim::scenes::Behavior;
@@ -22,13 +22,13 @@ use std::time::{Duration, Instant};
 
 const EXAMPLES: &str = "\
 Examples, each after `host-sim link --to serial:/dev/ttyUSB0`:
-  hello              who is at the other end?
-  monitor            watch it until Ctrl-C
+  hello              print the controller's version and sizes
+  monitor            print its messages until Ctrl-C
   explore 100        make 100 random moves (the robot drives!)
-  learn              make the maps from them
-  pull robot.mind    keep what it has learned
-  push robot.mind    give it back, to this chip or another
-  flash save         let it outlive being switched off
+  learn              learn the maps from them
+  pull robot.mind    download the learned state
+  push robot.mind    upload it, to this chip or another
+  flash save         save it in flash
   goal wall-right    set the goal ...
   seek               ... and pursue it (the robot drives!)
   params far 1200    change a parameter
@@ -36,11 +36,11 @@ Examples, each after `host-sim link --to serial:/dev/ttyUSB0`:
 Without any hardware, in an emulated chip:
   host-sim link --to qemu hello
 
-A robot stops when its link falls silent: explore, seek and resume keep it alive until they end. Each command opens a \
-session of its own, and a robot that moves stops when another session begins.
+A robot stops when its link goes silent: explore, seek and resume keep it alive until they end. Each command opens a \
+new session, and a moving robot stops when another session begins.
 
-A goal FILE holds a captured situation (host-sim capture writes one) or says what the sonars (0 ahead, 4 to the left, counter-clockwise) should perceive, from 0 = nothing within \
-the far limit to 1 = something as near as the near limit; sonars it does not name may perceive anything:
+A goal FILE holds a captured situation (host-sim capture writes one) or lists values for the sonars (0 ahead, 4 to the left, counter-clockwise), \
+from 0 = nothing within the far limit to 1 = an obstacle at the near limit; other sonars may have any value:
   [[sonar]]
   numbers = [4]
   at_least = 0.6
@@ -49,100 +49,101 @@ the far limit to 1 = something as near as the near limit; sonars it does not nam
   numbers = [15, 0, 1]
   at_most = 0.1";
 
-/// The `link` command's flags.
+/// Flags of the `link` command.
 #[derive(Debug, Clone, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct LinkArgs {
-    /// The mind: serial:PORT[@BAUD] (115200 unless said otherwise), tcp:HOST:PORT, or qemu
+    /// The controller: serial:PORT[@BAUD] (default 115200 baud), tcp:HOST:PORT, or qemu
     #[arg(long, value_name = "WHERE")]
     to: Address,
     /// Image for --to qemu [default: built from the project's sources]
     #[arg(long, value_name = "ELF")]
     firmware: Option<PathBuf>,
-    /// Show what the emulator says
+    /// Show the emulator's output
     #[arg(long)]
     verbose: bool,
     #[command(subcommand)]
-    verb: Verb,
+    verb: LinkVerb,
 }
 
 #[derive(Debug, Clone, Subcommand)]
-enum Verb {
-    /// Say who the mind is
+enum LinkVerb {
+    /// Print the controller's version, sizes and capabilities
     Hello,
-    /// Watch what the mind says, one line per message, until interrupted
-    Monitor(Span),
-    /// Set the goal: perceived (what is heard now), a behavior by name, or a goal FILE
+    /// Print the controller's messages, one per line, until interrupted
+    Monitor(DurationArgs),
+    /// Set the goal: perceived (the present situation), a behavior by name, or a goal FILE
     Goal {
         /// perceived, avoid, avoid-right, wall-left, wall-right, follow, kept:NAME, or a TOML file
         goal: String,
     },
-    /// Make random moves and remember them
+    /// Make random moves and store them in the memory
     Explore {
-        /// How many
+        /// Number of moves
         moves: u16,
-        /// Seed of the mind's own randomness
+        /// Seed of the controller's random numbers
         #[arg(long, default_value_t = 1)]
         seed: u64,
         #[command(flatten)]
-        span: Span,
+        span: DurationArgs,
     },
-    /// Make the maps from the remembered moves
+    /// Learn the maps from the memory
     Learn,
     /// Pursue the goal until interrupted
-    Seek(Span),
-    /// Stand still
+    Seek(DurationArgs),
+    /// Stop moving
     Stop,
-    /// Go on with what a stop interrupted, until interrupted
-    Resume(Span),
-    /// Show the parameters, or one of them, or set it
+    /// Resume after a stop, until interrupted
+    Resume(DurationArgs),
+    /// Print all parameters, print one of them, or set it
     Params {
-        /// Its name
+        /// Name of the parameter
         name: Option<String>,
         /// Its new value, in its unit
         #[arg(allow_negative_numbers = true)]
         value: Option<i32>,
     },
-    /// Save what the mind knows in its flash, recall what it saved last, or erase all it saved
+    /// Save the controller's state in its flash, recall the last saved state, or erase all saved
+    /// states
     Flash {
-        /// What to do
+        /// Action
         #[arg(value_enum)]
         action: FlashAction,
     },
-    /// Keep the present goal under a name (then: goal kept:NAME); flash save makes it last
+    /// Save the present goal under a name (then: goal kept:NAME); flash save makes it persistent
     Keep {
         /// 1 to 12 characters
         name: String,
     },
-    /// Forget the goal kept under a name
+    /// Delete the goal with a name
     Drop {
-        /// Its name
+        /// Name of the goal
         name: String,
     },
-    /// Show the names of the goals kept
+    /// Print the names of the saved goals
     Goals,
-    /// Show what the mind has counted since it started
+    /// Print the controller's counters since its start
     Counters,
-    /// Save configuration, maps, memory and goals to a file
+    /// Download configuration, maps, memory and goals to a file
     Pull {
         /// The file
         file: PathBuf,
     },
-    /// Replace configuration, maps, memory and goals by those of a file
+    /// Upload configuration, maps, memory and goals from a file
     Push {
-        /// A file that pull wrote, or `host-sim run --save`
+        /// A file written by pull or `host-sim run --save`
         file: PathBuf,
     },
 }
 
-/// What to do with the flash.
+/// Action on the flash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum FlashAction {
-    /// Configuration, maps, memory and goals, to be there after the next start
+    /// Save configuration, maps, memory and goals for the next start
     Save,
-    /// Replace them by what was saved last, as the next start does
+    /// Replace them by the last saved state, as the next start does
     Recall,
-    /// The mind keeps what it knows until it is switched off
+    /// Erase all saved states; the running controller keeps its state until it is switched off
     Erase,
 }
 
@@ -156,9 +157,9 @@ impl From<FlashAction> for Flash {
     }
 }
 
-/// How long to go on.
+/// Duration of a command.
 #[derive(Debug, Clone, Copy, Args)]
-struct Span {
+struct DurationArgs {
     /// End after this time
     #[arg(long = "for", value_name = "SECONDS", value_parser = seconds)]
     time: Option<Duration>,
@@ -172,61 +173,62 @@ fn seconds(text: &str) -> Result<Duration, String> {
     sane.ok_or_else(|| "it must be a number of seconds, as in 2.5".into())
 }
 
-impl Span {
+impl DurationArgs {
     fn end(self) -> Option<Instant> {
         self.time.map(|time| Instant::now() + time)
     }
 }
 
-/// Carries the verb out.
+/// Runs the subcommand.
 ///
 /// # Errors
-/// Bad arguments, a mind that cannot be reached or refuses, files that cannot be read or written, a closed pipe.
-pub(super) fn link(args: &LinkArgs, out: &mut impl Write) -> Result<(), Failure> {
+/// Invalid arguments, a controller that cannot be reached or refuses, files that cannot be read or
+/// written, a closed pipe.
+pub(super) fn link(args: &LinkArgs, out: &mut impl Write) -> Result<(), CliError> {
     let emulation = Emulation {
         firmware: args.firmware.clone(),
         verbose: args.verbose,
     };
-    // Whatever can be wrong without the mind is found before it is disturbed.
-    let task = Task::prepare(&args.verb)?;
+    // Arguments are checked before the controller is contacted.
+    let task = CheckedVerb::prepare(&args.verb)?;
     let mut session = open(&args.to, &emulation, Clock::Device)?;
     let done = match &args.verb {
-        Verb::Monitor(span) => monitor(&mut session, &args.to, &emulation, span.end(), out),
+        LinkVerb::Monitor(span) => monitor(&mut session, &args.to, &emulation, span.end(), out),
         verb => perform(&mut session, verb, task, out),
     };
     done.map_err(|trouble| match trouble {
-        Trouble::Link(error) => Failure::Bad(named(&args.to, &error)),
-        Trouble::Input(error) => Failure::Bad(error),
-        Trouble::Output(error) => Failure::Output(error),
+        FollowError::Link(error) => CliError::Bad(named(&args.to, &error)),
+        FollowError::Input(error) => CliError::Bad(error),
+        FollowError::Output(error) => CliError::Output(error),
     })
 }
 
-/// What a verb needs from this side.
-enum Task {
+/// A subcommand with its checked arguments.
+enum CheckedVerb {
     Nothing,
     Goal(GoalBy<16>),
     Push(Box<Knowledge>),
-    Parameters(tables::Wanted),
+    Parameters(tables::RequestedParameters),
     Ask(ToMind<16>),
 }
 
-impl Task {
-    fn prepare(verb: &Verb) -> Result<Self, BadInput> {
+impl CheckedVerb {
+    fn prepare(verb: &LinkVerb) -> Result<Self, BadInput> {
         Ok(match verb {
-            Verb::Goal { goal } => Self::Goal(match goal.as_str() {
+            LinkVerb::Goal { goal } => Self::Goal(match goal.as_str() {
                 "avoid" => GoalBy::Avoid,
                 "perceived" => GoalBy::Perceived,
-                kept if kept.starts_with("kept:") => {
-                    GoalBy::Kept(name(kept.trim_start_matches("kept:"))?)
+                saved if saved.starts_with("kept:") => {
+                    GoalBy::Kept(name(saved.trim_start_matches("kept:"))?)
                 }
                 name => GoalBy::Components(goal_by_name(name)?),
             }),
-            Verb::Push { file } => Self::Push(Box::new(Knowledge::load(file)?)),
-            Verb::Flash { action } => Self::Ask(ToMind::Flash((*action).into())),
-            Verb::Keep { name: text } => Self::Ask(ToMind::Keep { name: name(text)? }),
-            Verb::Drop { name: text } => Self::Ask(ToMind::Drop { name: name(text)? }),
-            Verb::Goals => Self::Ask(ToMind::Goals),
-            Verb::Params { name, value } => {
+            LinkVerb::Push { file } => Self::Push(Box::new(Knowledge::load(file)?)),
+            LinkVerb::Flash { action } => Self::Ask(ToMind::Flash((*action).into())),
+            LinkVerb::Keep { name: text } => Self::Ask(ToMind::Keep { name: name(text)? }),
+            LinkVerb::Drop { name: text } => Self::Ask(ToMind::Drop { name: name(text)? }),
+            LinkVerb::Goals => Self::Ask(ToMind::Goals),
+            LinkVerb::Params { name, value } => {
                 Self::Parameters(tables::wanted(name.as_deref(), *value)?)
             }
             _ => Self::Nothing,
@@ -234,13 +236,13 @@ impl Task {
     }
 }
 
-/// A name to keep a goal under.
+/// Parses the name of a saved goal.
 fn name(text: &str) -> Result<Name, BadInput> {
     let name = Name::new(text);
     name.ok_or_else(|| BadInput::new(format!("\"{text}\": {}", SaveGoalError::Name)))
 }
 
-/// A behavior's goal, for the ranges of the preset `default`, or a file's.
+/// The goal of a behavior with the ranges of the preset `default`, or the goal of a file.
 fn goal_by_name(name: &str) -> Result<Goal<16>, BadInput> {
     let is_file = name.contains(['.', '/']) || Path::new(name).exists();
     if is_file {
@@ -248,7 +250,7 @@ fn goal_by_name(name: &str) -> Result<Goal<16>, BadInput> {
     }
     match name.parse()? {
         Behavior::Nest | Behavior::Chain(_) => Err(BadInput::new(format!(
-            "goal {name}: a mind on a chip takes one goal at a time; at the nest, `goal perceived` captures it"
+            "goal {name}: a controller on a chip takes one goal at a time; at the nest, `goal perceived` captures it"
         ))),
         behavior => Ok(behavior.goal(&Config::recommended(), &[Weight::ZERO; 16])),
     }
@@ -256,24 +258,24 @@ fn goal_by_name(name: &str) -> Result<Goal<16>, BadInput> {
 
 fn perform(
     session: &mut Session,
-    verb: &Verb,
-    task: Task,
+    verb: &LinkVerb,
+    task: CheckedVerb,
     out: &mut impl Write,
-) -> Result<(), Trouble> {
+) -> Result<(), FollowError> {
     match (verb, task) {
-        (_, Task::Goal(goal)) => order(session, Order::Goal(goal), out),
-        (_, Task::Parameters(wanted)) => tables::parameters(session, wanted, out),
-        (_, Task::Ask(message)) => ask(session, &message, out),
-        (Verb::Push { file }, Task::Push(knowledge)) => {
+        (_, CheckedVerb::Goal(goal)) => order(session, Order::Goal(goal), out),
+        (_, CheckedVerb::Parameters(wanted)) => tables::parameters(session, wanted, out),
+        (_, CheckedVerb::Ask(message)) => ask(session, &message, out),
+        (LinkVerb::Push { file }, CheckedVerb::Push(knowledge)) => {
             knowledge.push(session)?;
             let samples = knowledge.samples();
             let file = file.display();
             Ok(writeln!(
                 out,
-                "{file}: configuration, maps and {samples} samples are in the mind"
+                "{file}: configuration, maps and {samples} samples uploaded"
             )?)
         }
-        (Verb::Pull { file }, _) => {
+        (LinkVerb::Pull { file }, _) => {
             let knowledge = Knowledge::pull(session)?;
             knowledge.save(file)?;
             let samples = knowledge.samples();
@@ -283,21 +285,25 @@ fn perform(
                 "{file}: configuration, maps and {samples} samples"
             )?)
         }
-        (Verb::Explore { moves, seed, span }, _) => {
+        (LinkVerb::Explore { moves, seed, span }, _) => {
             let (moves, seed) = (*moves, *seed);
             drive(session, Order::Explore { moves, seed }, *span, out)
         }
-        (Verb::Seek(span), _) => drive(session, Order::Seek, *span, out),
-        (Verb::Resume(span), _) => drive(session, Order::Resume, *span, out),
-        (Verb::Learn, _) => follow_order(session, Order::Learn, None, out),
-        (Verb::Stop, _) => order(session, Order::Stop, out),
-        (Verb::Counters, _) => tables::counters(session, out),
+        (LinkVerb::Seek(span), _) => drive(session, Order::Seek, *span, out),
+        (LinkVerb::Resume(span), _) => drive(session, Order::Resume, *span, out),
+        (LinkVerb::Learn, _) => follow_order(session, Order::Learn, None, out),
+        (LinkVerb::Stop, _) => order(session, Order::Stop, out),
+        (LinkVerb::Counters, _) => tables::counters(session, out),
         _ => tables::hello(session, out),
     }
 }
 
-/// Asks once: what is done twice wears the flash.
-fn ask(session: &mut Session, message: &ToMind<16>, out: &mut impl Write) -> Result<(), Trouble> {
+/// Sends once, without retries: a repeated write wears the flash.
+fn ask(
+    session: &mut Session,
+    message: &ToMind<16>,
+    out: &mut impl Write,
+) -> Result<(), FollowError> {
     let answer = session.request(message)?;
     if let Some(why) = answer.refusal {
         return Err(LinkError::Refused(why).into());
@@ -308,7 +314,7 @@ fn ask(session: &mut Session, message: &ToMind<16>, out: &mut impl Write) -> Res
     Ok(writeln!(out, "done")?)
 }
 
-fn order(session: &mut Session, order: Order<16>, out: &mut impl Write) -> Result<(), Trouble> {
+fn order(session: &mut Session, order: Order<16>, out: &mut impl Write) -> Result<(), FollowError> {
     let at_ms = session.elapsed_ms();
     for report in session.order(at_ms, order)? {
         follow::print(&report, out)?;
@@ -316,16 +322,16 @@ fn order(session: &mut Session, order: Order<16>, out: &mut impl Write) -> Resul
     Ok(writeln!(out, "done")?)
 }
 
-/// Gives an order that makes the robot move, listening to its own sonars if it has any, and keeps the link alive.
+/// Sends a command that moves the robot, prints its sonars' messages, and keeps the link alive.
 fn drive(
     session: &mut Session,
     order: Order<16>,
-    span: Span,
+    span: DurationArgs,
     out: &mut impl Write,
-) -> Result<(), Trouble> {
+) -> Result<(), FollowError> {
     if !session.use_own_ring()? {
         eprintln!(
-            "This mind has no sonars of its own and waits for echoes over the link; a simulated robot sends them: host-sim run --mind …"
+            "This controller has no sonars of its own and waits for echoes over the link; a simulated robot sends them: host-sim run --mind …"
         );
     }
     follow_order(session, order, span.end(), out)
@@ -336,7 +342,7 @@ fn follow_order(
     order: Order<16>,
     until: Option<Instant>,
     out: &mut impl Write,
-) -> Result<(), Trouble> {
+) -> Result<(), FollowError> {
     let at_ms = session.elapsed_ms();
     for report in session.order(at_ms, order)? {
         follow::print(&report, out)?;

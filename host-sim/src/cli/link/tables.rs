@@ -1,26 +1,29 @@
-//! What a mind is, counts and may be told, as tables.
+//! Tables of a remote controller's properties, counters and parameters.
 
-use super::Trouble;
+use super::FollowError;
 use crate::cli::table::plain;
 use amp::parameters::{Parameter, ParameterError, Spec};
 use files::error::BadInput;
 use remote::link::{Session, build, oscillator, reset};
 use std::io::Write;
 
-/// Which parameters, and a new value for the only one.
-pub(super) struct Wanted {
+/// The requested parameters; with a single one optionally its new value.
+pub(super) struct RequestedParameters {
     parameters: Vec<Parameter>,
     value: Option<i32>,
 }
 
-/// Finds the parameters by name; all without one.
+/// Finds the parameters by name; all of them without a name.
 ///
 /// # Errors
-/// A name that is none, a value outside its range.
-pub(super) fn wanted(name: Option<&str>, value: Option<i32>) -> Result<Wanted, BadInput> {
+/// An unknown name, a value outside its range.
+pub(super) fn wanted(
+    name: Option<&str>,
+    value: Option<i32>,
+) -> Result<RequestedParameters, BadInput> {
     let Some(name) = name else {
         let parameters = Parameter::ALL.to_vec();
-        return Ok(Wanted { parameters, value });
+        return Ok(RequestedParameters { parameters, value });
     };
     let known: Vec<_> = Parameter::ALL.iter().map(|known| known.name()).collect();
     let found = Parameter::ALL
@@ -36,7 +39,7 @@ pub(super) fn wanted(name: Option<&str>, value: Option<i32>) -> Result<Wanted, B
                 "parameter {name} cannot be {value}: {why}"
             )))
         }
-        _ => Ok(Wanted {
+        _ => Ok(RequestedParameters {
             parameters: vec![parameter],
             value,
         }),
@@ -46,9 +49,9 @@ pub(super) fn wanted(name: Option<&str>, value: Option<i32>) -> Result<Wanted, B
 /// Reads or sets the parameters and prints them.
 pub(super) fn parameters(
     session: &mut Session,
-    wanted: Wanted,
+    wanted: RequestedParameters,
     out: &mut impl Write,
-) -> Result<(), Trouble> {
+) -> Result<(), FollowError> {
     let mut rows = Vec::new();
     for parameter in wanted.parameters {
         let (value, spec) = session.parameter(parameter, wanted.value)?;
@@ -69,40 +72,40 @@ fn row(parameter: Parameter, value: i32, spec: &Spec) -> Vec<String> {
 }
 
 /// Reads the counters and prints them.
-pub(super) fn counters(session: &mut Session, out: &mut impl Write) -> Result<(), Trouble> {
+pub(super) fn counters(session: &mut Session, out: &mut impl Write) -> Result<(), FollowError> {
     let c = session.counters()?;
     let rows = [
         ("frames accepted", c.accepted),
-        ("frames of no shape", c.misshapen),
+        ("malformed frames", c.misshapen),
         ("frames with a wrong CRC", c.damaged),
         ("frames without a known message", c.unknown),
         ("frames too long", c.oversized),
         ("frames of another session", c.strangers),
-        ("frames that came again or too late", c.replayed),
-        ("orders that came too late", c.expired),
+        ("duplicate or late frames", c.replayed),
+        ("commands that came too late", c.expired),
         ("requests refused", c.refused),
         ("frames sent", c.sent),
-        ("frames that found no room to be sent", c.dropped),
+        ("frames lost by a full send queue", c.dropped),
         ("times the link was lost", c.link_losses),
         ("echoes too old to be used", c.stale_echoes),
         ("bytes lost by the serial port", c.device.overruns),
         ("bytes lost by the receive queue", c.device.queue_losses),
-        ("most stack used, bytes", c.device.stack_peak_bytes),
+        ("peak stack use, bytes", c.device.stack_peak_bytes),
         ("control ticks", c.device.ticks),
         ("longest time between two, ms", c.device.longest_tick_ms),
-        ("spoilt firings of its ring", c.device.ring_faults),
+        ("invalid firings of its ring", c.device.ring_faults),
     ];
     let rows = rows.map(|(what, count)| vec![what.to_owned(), count.to_string()]);
     let drift = vec![
-        "ms the clock here fell behind".to_owned(),
+        "ms that this clock fell behind".to_owned(),
         c.clock_drift_ms.to_string(),
     ];
     let rows = [&rows[..], &[drift]].concat();
     Ok(out.write_all(plain(&["counter", "since the start"], &rows, &[1]).as_bytes())?)
 }
 
-/// Prints the mind's hello.
-pub(super) fn hello(session: &Session, out: &mut impl Write) -> Result<(), Trouble> {
+/// Prints the controller's hello message.
+pub(super) fn hello(session: &Session, out: &mut impl Write) -> Result<(), FollowError> {
     let Some(hello) = session.hello() else {
         return Ok(());
     };
@@ -127,5 +130,5 @@ pub(super) fn hello(session: &Session, out: &mut impl Write) -> Result<(), Troub
         ),
     ];
     let rows = rows.map(|(what, value)| vec![what.to_owned(), value]);
-    Ok(out.write_all(plain(&["mind", ""], &rows, &[]).as_bytes())?)
+    Ok(out.write_all(plain(&["controller", ""], &rows, &[]).as_bytes())?)
 }

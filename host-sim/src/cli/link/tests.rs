@@ -1,6 +1,6 @@
-//! The verbs with a mind behind a socket.
+//! The subcommands with a controller behind a socket.
 
-use crate::cli::{Cli, Failure, execute};
+use crate::cli::{Cli, CliError, execute};
 use amp::config::Config;
 use clap::Parser;
 use remote::link::{Knowledge, Served};
@@ -12,9 +12,9 @@ fn host_sim(served: &Served, line: &str) -> Result<String, String> {
     let mut out = Vec::new();
     match execute(cli.command, &mut out) {
         Ok(()) => Ok(String::from_utf8(out).unwrap()),
-        Err(Failure::Bad(error)) => Err(error.to_string()),
-        Err(Failure::Output(error)) => panic!("{error}"),
-        Err(Failure::Differs(sentence)) => panic!("{sentence}"),
+        Err(CliError::Bad(error)) => Err(error.to_string()),
+        Err(CliError::Output(error)) => panic!("{error}"),
+        Err(CliError::Differs(sentence)) => panic!("{sentence}"),
     }
 }
 
@@ -76,7 +76,7 @@ fn what_an_episode_taught_is_pulled_and_pushed() {
     host_sim(&one, "link --to MIND keep kept").unwrap();
     let pulled = host_sim(&one, &format!("link --to MIND pull {file}"));
     assert!(pulled.unwrap().contains("and 100 samples"));
-    // The mind in this process came to know the same.
+    // A controller in this process has the same state.
     let own = folder.path().join("own.mind");
     let line = format!(
         "run --world random:1 --steps 5 --json --save {}",
@@ -86,7 +86,7 @@ fn what_an_episode_taught_is_pulled_and_pushed() {
     let known = |path: &std::path::Path| Knowledge::load(path).unwrap().fingerprint();
     assert_eq!(known(&own), known(&folder.path().join("robot.mind")));
     let pushed = host_sim(&two, &format!("link --to MIND push {file}"));
-    assert!(pushed.unwrap().contains("100 samples are in the mind"));
+    assert!(pushed.unwrap().contains("100 samples uploaded"));
     let goals = host_sim(&two, "link --to MIND goals").unwrap();
     assert!(goals.contains("goal       kept"), "{goals}");
     let learned = host_sim(&two, "link --to MIND learn").unwrap();

@@ -1,30 +1,31 @@
-//! Sections 3 and 5.1: obstacle avoidance (Figs. 5 and 6), other behaviors at once, any robot.
+//! Claims of sections 3 and 5.1: obstacle avoidance (Figs. 5 and 6), other behaviors, any robot.
 
-use super::{Claim, PRESETS, Verdict, each, mean, percent, percents, reinforcement};
-use crate::behaviors::Outcome;
+use super::{Claim, ClaimVerdict, PRESETS, by_preset, percent, percents, reinforcement};
+use crate::behaviors::SceneOutcome;
 use crate::paper::any_ring::Count;
-use crate::paper::at_once::AtOnce;
 use crate::paper::gaps::Gaps;
-use crate::paper::measure::{FEWER_MOVES, Measured, Reached};
+use crate::paper::goal_switch::GoalSwitches;
+use crate::paper::measure::{FEWER_MOVES, Measured, SceneResult};
 use sim::scenes::Behavior;
+use sim::statistics::mean;
 use sim::statistics::{Mean, bootstrap};
 
-/// The claims of these sections, in their order.
+/// The claims of these sections, in order.
 pub(super) fn claims(measured: &Measured) -> Vec<Claim> {
     let mut claims = vec![no_bumps(measured)];
     claims.push(reinforcement::similar_quality(measured));
     claims.push(no_iterations());
     claims.push(hundred_moves(measured));
     claims.push(reinforcement::fewer_moves(measured));
-    claims.push(at_once(measured));
-    claims.push(asked(
+    claims.push(goal_switches(measured));
+    claims.push(requirement_claim(
         measured,
         "avoid-right",
         "3",
         "avoidance that avoids by the right side",
     ));
-    claims.push(asked(measured, "wall-", "3", "wall following"));
-    claims.push(asked(measured, "nest", "3", "go-to-the-nest"));
+    claims.push(requirement_claim(measured, "wall-", "3", "wall following"));
+    claims.push(requirement_claim(measured, "nest", "3", "go-to-the-nest"));
     claims.extend([
         Claim::new("Fig. 5", "starts in the center and moves towards the right")
             .untestable("Neither the figure's arena nor its seed is given; the path drawn here is one of many."),
@@ -32,7 +33,7 @@ pub(super) fn claims(measured: &Measured) -> Vec<Claim> {
         Claim::new("Fig. 5", "both maps use 16 neurons and a neighborhood of 4")
             .by_construction("So do all presets here"),
         any_behavior(measured),
-        asked(measured, "follow", "5.1", "many different behaviors, such as following another robot"),
+        requirement_claim(measured, "follow", "5.1", "many different behaviors, such as following another robot"),
         any_robot(measured),
         Claim::new("5.1", "the amount of supervision required is minimal").untestable(
             "An opinion; what is given here is one goal: 16 intervals with weights, no reward, no examples.",
@@ -63,10 +64,10 @@ fn no_bumps(measured: &Measured) -> Claim {
     )
     .holds_if("nothing touched in 1000 decisions in ≥ 99 % of rooms, by the maps alone")
     .measured(
-        each(&PRESETS, &clean, text),
+        by_preset(&PRESETS, &clean, text),
         format!("{} rooms of 12 boxes per preset", measured.size.rooms),
     )
-    .verdict(Verdict::of(&clean.map(|[clean, _]| clean >= 99.0)))
+    .verdict(ClaimVerdict::of(&clean.map(|[clean, _]| clean >= 99.0)))
 }
 
 fn no_iterations() -> Claim {
@@ -82,7 +83,7 @@ fn no_iterations() -> Claim {
             ),
             "all presets",
         )
-        .verdict(Verdict::Partly)
+        .verdict(ClaimVerdict::Partly)
 }
 
 fn hundred_moves(measured: &Measured) -> Claim {
@@ -112,16 +113,16 @@ fn hundred_moves(measured: &Measured) -> Claim {
             format!("% clean rooms by moves: {}; {}", of(0), of(1)),
             format!("{rooms} rooms per number"),
         )
-        .verdict(Verdict::of(&enough))
+        .verdict(ClaimVerdict::of(&enough))
 }
 
-fn at_once(measured: &Measured) -> Claim {
+fn goal_switches(measured: &Measured) -> Claim {
     // The first behavior is the one that is left.
-    let sums = measured.at_once.each_ref().map(|answers| {
+    let sums = measured.goal_switches.each_ref().map(|answers| {
         answers
             .iter()
             .skip(1)
-            .fold((0, 0, 0), |sum, answer: &AtOnce| {
+            .fold((0, 0, 0), |sum, answer: &GoalSwitches| {
                 (
                     sum.0 + answer.tried,
                     sum.1 + answer.unchanged,
@@ -142,37 +143,43 @@ fn at_once(measured: &Measured) -> Claim {
         "3",
         "the same 100 iterations can be used to generate another behavior instantaneously",
     )
-    .holds_if("memory and maps the same to the bit, and the very next action another one in ≥ 50 %")
+    .holds_if("memory and maps bit-identical, and another next action in ≥ 50 %")
     .measured(
-        each(&PRESETS, &sums, text),
+        by_preset(&PRESETS, &sums, text),
         format!(
             "{} changes from avoidance to {others} other goals per preset",
             sums[0].0
         ),
     )
-    .verdict(Verdict::of(&met))
+    .verdict(ClaimVerdict::of(&met))
 }
 
-/// Whether an outcome is what the scene asks ("≥ 0.80", "≤ 0.20"); without a figure, all of a share.
-fn is_reached(asked: &str, outcome: &Outcome) -> bool {
+/// Whether an outcome meets the scene's requirement ("≥ 0.80", "≤ 0.20"); without a number, a share
+/// must be 1.
+fn is_reached(required: &str, outcome: &SceneOutcome) -> bool {
     let number = |text: &str| text.trim().parse::<f64>().unwrap_or(f64::NAN);
     let value = outcome.value.mean;
-    match (asked.strip_prefix('≥'), asked.strip_prefix('≤')) {
+    match (required.strip_prefix('≥'), required.strip_prefix('≤')) {
         (Some(least), _) => value >= number(least),
         (_, Some(most)) => value <= number(most),
         _ => value >= 0.95,
     }
 }
 
-fn asked(measured: &Measured, name: &str, section: &'static str, words: &'static str) -> Claim {
-    let scenes: Vec<&Reached> = measured
+fn requirement_claim(
+    measured: &Measured,
+    name: &str,
+    section: &'static str,
+    words: &'static str,
+) -> Claim {
+    let scenes: Vec<&SceneResult> = measured
         .behaviors
         .iter()
         .filter(|(scene, _)| scene.behavior.starts_with(name) && !scene.behavior.contains(','))
         .collect();
     let first = scenes
         .first()
-        .map_or(("", ""), |(scene, _)| (scene.measure, scene.asked));
+        .map_or(("", ""), |(scene, _)| (scene.measure, scene.required));
     let texts = [0, 1, 2].map(|i| {
         let values = scenes
             .iter()
@@ -181,7 +188,7 @@ fn asked(measured: &Measured, name: &str, section: &'static str, words: &'static
     });
     let met = [0, 1, 2].map(|i| {
         let mut all = scenes.iter();
-        all.all(|(scene, outcomes)| is_reached(scene.asked, &outcomes[i]))
+        all.all(|(scene, outcomes)| is_reached(scene.required, &outcomes[i]))
     });
     let places: Vec<_> = scenes.iter().map(|(scene, _)| scene.title()).collect();
     let episodes = scenes
@@ -193,13 +200,17 @@ fn asked(measured: &Measured, name: &str, section: &'static str, words: &'static
             _ => format!("{} {} in every scene", first.0, first.1),
         })
         .measured(
-            format!("{}: {}", first.0, each(&PRESETS, &texts, String::clone)),
+            format!(
+                "{}: {}",
+                first.0,
+                by_preset(&PRESETS, &texts, String::clone)
+            ),
             format!("{}; {episodes} episodes each", places.join(" / ")),
         )
-        .verdict(Verdict::of(&met))
+        .verdict(ClaimVerdict::of(&met))
 }
 
-/// Wall gap less obstacle gap, m, by room or seed.
+/// Wall gap minus obstacle gap, m, by room or seed.
 fn difference<'a>(gaps: impl Iterator<Item = &'a Gaps>) -> Mean {
     let pairs = gaps.filter_map(Gaps::means);
     let values: Vec<_> = pairs
@@ -232,16 +243,16 @@ fn wider_gaps(measured: &Measured) -> Claim {
         .map(|mean| mean.interval[0] > 0.0)
         .collect();
     Claim::new("Fig. 5", "avoids walls from a greater distance than the smaller obstacles")
-        .holds_if("least gap of a pass: wall less obstacle > 0 (95 % interval), in the arena and in random rooms")
+        .holds_if("smallest gap of a pass: wall minus obstacle > 0 (95 % interval), in the arena and in random rooms")
         .measured(
             format!(
                 "arena: {}; rooms: {}",
-                each(&PRESETS, &arena, text),
-                each(&PRESETS, &rooms, text)
+                by_preset(&PRESETS, &arena, text),
+                by_preset(&PRESETS, &rooms, text)
             ),
             format!("{} seeds, {} rooms", measured.arena[0].len(), measured.size.rooms),
         )
-        .verdict(Verdict::of(&met))
+        .verdict(ClaimVerdict::of(&met))
 }
 
 fn any_behavior(measured: &Measured) -> Claim {
@@ -249,7 +260,7 @@ fn any_behavior(measured: &Measured) -> Claim {
     let reached = [0, 1, 2].map(|i| {
         let met = scenes
             .iter()
-            .filter(|(scene, all)| is_reached(scene.asked, &all[i]));
+            .filter(|(scene, all)| is_reached(scene.required, &all[i]));
         met.count()
     });
     let all = scenes.len();
@@ -257,14 +268,14 @@ fn any_behavior(measured: &Measured) -> Claim {
         .first()
         .map_or(0, |(_, outcomes)| outcomes[0].episodes);
     Claim::new("5.1", "any behavior can be generated")
-        .holds_if("every behavior reaches what docs/behaviors.md asks of it, in every scene")
+        .holds_if("every behavior meets its requirement in docs/behaviors.md, in every scene")
         .measured(
-            each(&PRESETS, &reached, |count| {
+            by_preset(&PRESETS, &reached, |count| {
                 format!("{count} of {all} scenes")
             }),
             format!("{all} scenes × {episodes} episodes per preset"),
         )
-        .verdict(Verdict::of(&reached.map(|count| count == all)))
+        .verdict(ClaimVerdict::of(&reached.map(|count| count == all)))
 }
 
 fn any_robot(measured: &Measured) -> Claim {
@@ -309,5 +320,5 @@ fn any_robot(measured: &Measured) -> Claim {
                 measured.miniatures.len()
             ),
         )
-        .verdict(Verdict::of(&met))
+        .verdict(ClaimVerdict::of(&met))
 }

@@ -1,17 +1,19 @@
-//! Sections 2.1 to 2.4: goals that are perceived, lazy memory, self-organizing maps (Figs. 1 and 2).
+//! Claims of sections 2.1 to 2.4: perceived goals, lazy memory, self-organizing maps (Figs. 1 and
+//! 2).
 
-use super::{Claim, PRESETS, Verdict, each, mean, median, percent, percents};
+use super::{Claim, ClaimVerdict, PRESETS, by_preset, percent, percents};
 use crate::paper::chain::{Chain, NEURONS, PROBES};
 use crate::paper::measure::Measured;
-use crate::paper::order::{Order, SHUFFLINGS};
-use crate::paper::rooms::Room;
+use crate::paper::rooms::RoomResult;
+use crate::paper::topology::{MapTopology, SHUFFLINGS};
+use sim::statistics::{mean, median};
 
-/// The claims of these sections, in their order.
+/// The claims of these sections, in order.
 pub(super) fn claims(measured: &Measured) -> Vec<Claim> {
     let mut claims = vec![perceived(measured), similar_samples(measured)];
     claims.push(
         Claim::new("2.2", "no guarantee that lazy learning leads to the goal").untestable(
-            "A guarantee cannot be measured; how rarely the memory knows the situation: see above.",
+            "A guarantee cannot be measured; for how rarely the memory knows the situation see above.",
         ),
     );
     claims.push(by_content(measured));
@@ -33,8 +35,8 @@ pub(super) fn claims(measured: &Measured) -> Vec<Claim> {
     claims
 }
 
-/// A figure of each room by reading.
-fn by_room(measured: &Measured, figure: impl Fn(&Room) -> f64) -> [f64; 3] {
+/// A figure of each room, by reading.
+fn by_room(measured: &Measured, figure: impl Fn(&RoomResult) -> f64) -> [f64; 3] {
     std::array::from_fn(|i| mean(measured.rooms[i].iter().map(&figure)))
 }
 
@@ -64,12 +66,12 @@ fn perceived(measured: &Measured) -> Claim {
         "the robot must be able to perceive such an achievement",
     )
     .holds_if("the goal \"free of obstacles\" is perceived in ≥ 99 % of rooms")
-    .measured(each(&PRESETS, &texts, String::clone), rooms(measured))
-    .verdict(Verdict::of(&ever.map(|share| share >= 99.0)))
+    .measured(by_preset(&PRESETS, &texts, String::clone), rooms(measured))
+    .verdict(ClaimVerdict::of(&ever.map(|share| share >= 99.0)))
 }
 
 fn similar_samples(measured: &Measured) -> Claim {
-    let of = |rooms: &Vec<Room>| -> Vec<f64> {
+    let of = |rooms: &Vec<RoomResult>| -> Vec<f64> {
         rooms
             .iter()
             .flat_map(|room| room.alike.iter().map(|&count| count as f64))
@@ -96,10 +98,10 @@ fn similar_samples(measured: &Measured) -> Claim {
     )
     .holds_if("median ≤ 5 of the 100 samples lie nearer than one move changes a situation")
     .measured(
-        each(&PRESETS, &texts, String::clone),
+        by_preset(&PRESETS, &texts, String::clone),
         format!("{} situations per preset", counts[0].len()),
     )
-    .verdict(Verdict::of(&middle.map(|middle| middle <= 5.0)))
+    .verdict(ClaimVerdict::of(&middle.map(|middle| middle <= 5.0)))
 }
 
 fn by_content(measured: &Measured) -> Claim {
@@ -109,7 +111,7 @@ fn by_content(measured: &Measured) -> Claim {
             .flat_map(|room| room.recalled.errors_deg.clone())
             .collect()
     });
-    let sample = each(&PRESETS[1..], &errors, |errors| {
+    let sample = by_preset(&PRESETS[1..], &errors, |errors| {
         format!("{} moves", errors.len())
     });
     let middle = errors.map(median);
@@ -118,8 +120,11 @@ fn by_content(measured: &Measured) -> Claim {
         "associative memories are accessible using part of their content",
     )
     .holds_if("median error < 45° of the action recalled from a change not learned (chance: 90°)")
-    .measured(each(&PRESETS[1..], &middle, |m| format!("{m:.0}°")), sample)
-    .verdict(Verdict::of(&middle.map(|middle| middle < 45.0)))
+    .measured(
+        by_preset(&PRESETS[1..], &middle, |m| format!("{m:.0}°")),
+        sample,
+    )
+    .verdict(ClaimVerdict::of(&middle.map(|middle| middle < 45.0)))
 }
 
 fn chains(measured: &Measured) -> [Claim; 3] {
@@ -155,18 +160,18 @@ fn chains(measured: &Measured) -> [Claim; 3] {
             ),
             format!("{sample}, {PROBES} fresh points each"),
         )
-        .verdict(Verdict::of(&[least >= 0.5 && most <= 2.0])),
+        .verdict(ClaimVerdict::of(&[least >= 0.5 && most <= 2.0])),
         Claim::new("Fig. 1b", "neurons code preferably these 2 regions")
             .holds_if("≥ 90 % of the neurons lie inside the two clusters")
             .measured(percents(mean(inside.iter().copied())), sample.clone())
-            .verdict(Verdict::of(&[mean(inside.iter().copied()) >= 90.0])),
+            .verdict(ClaimVerdict::of(&[mean(inside.iter().copied()) >= 90.0])),
         Claim::new(
             "Fig. 1b",
             "a few neurons code space regions devoid of input points",
         )
         .holds_if("every chain has at least one such neuron")
         .measured(format!("{from}{greatest} of {NEURONS} neurons"), sample)
-        .verdict(Verdict::of(&[fewest >= 1])),
+        .verdict(ClaimVerdict::of(&[fewest >= 1])),
     ]
 }
 
@@ -178,8 +183,8 @@ fn spread(shares: &[f64]) -> f64 {
 fn same_number(measured: &Measured) -> Claim {
     let [uniform, _, uneven] = &measured.chains;
     let of = |chains: &[Chain]| mean(chains.iter().map(|chain| spread(&chain.relative_hits())));
-    let maps = by_room(measured, |room| room.order.hit_spread);
-    // Both maps of `default` and `probe` are the same.
+    let maps = by_room(measured, |room| room.topology.hit_spread);
+    // Both maps of `default` and `probe` are identical.
     let spreads = [of(uniform), of(uneven), maps[1], maps[2]];
     let names = [
         "uniform chain",
@@ -187,7 +192,7 @@ fn same_number(measured: &Measured) -> Claim {
         "situation map of probe",
         "of touzet",
     ];
-    let idle = by_room(measured, |room| room.order.idle as f64);
+    let idle = by_room(measured, |room| room.topology.idle as f64);
     Claim::new(
         "2.3",
         "each neuron corresponds to (approximately) the same number of input points",
@@ -196,13 +201,13 @@ fn same_number(measured: &Measured) -> Claim {
     .measured(
         format!(
             "{} of the mean; neurons without any: probe {:.1}, touzet {:.1} of 16",
-            each(&names, &spreads, |s| format!("{:.0} %", 100.0 * s)),
+            by_preset(&names, &spreads, |s| format!("{:.0} %", 100.0 * s)),
             idle[1],
             idle[2]
         ),
         format!("{} chains, {}", uniform.len(), rooms(measured)),
     )
-    .verdict(Verdict::of(&spreads.map(|spread| spread <= 0.25)))
+    .verdict(ClaimVerdict::of(&spreads.map(|spread| spread <= 0.25)))
 }
 
 fn larger_fields(measured: &Measured) -> Claim {
@@ -214,27 +219,32 @@ fn larger_fields(measured: &Measured) -> Claim {
         })
         .collect();
     let larger = ratios.iter().filter(|&&ratio| ratio > 1.0).count();
-    Claim::new("2.3", "where the input data are scarce: neurons with larger fields of attraction")
-        .holds_if("the sparse half's receptive fields are larger in ≥ 95 % of chains")
-        .measured(
-            format!(
-                "larger in {larger} of {}; {:.2} times on the average where points are 3 times as sparse",
-                ratios.len(),
-                mean(ratios.iter().copied())
-            ),
-            format!("{} chains", ratios.len()),
-        )
-        .verdict(Verdict::of(&[20 * larger >= 19 * ratios.len() && larger > 0]))
+    Claim::new(
+        "2.3",
+        "where the input data are scarce: neurons with larger fields of attraction",
+    )
+    .holds_if("the sparse half's receptive fields are larger in ≥ 95 % of chains")
+    .measured(
+        format!(
+            "larger in {larger} of {}; {:.2} times on average where points are 3 times as sparse",
+            ratios.len(),
+            mean(ratios.iter().copied())
+        ),
+        format!("{} chains", ratios.len()),
+    )
+    .verdict(ClaimVerdict::of(&[
+        20 * larger >= 19 * ratios.len() && larger > 0
+    ]))
 }
 
 fn continuous(measured: &Measured) -> Claim {
-    let errors = by_room(measured, |room| 100.0 * room.order.topographic_error);
+    let errors = by_room(measured, |room| 100.0 * room.topology.topographic_error);
     let [_, probe, touzet] = errors;
     let mini = mean(
         measured
             .miniatures
             .iter()
-            .map(|m| 100.0 * m.order.topographic_error),
+            .map(|m| 100.0 * m.topology.topographic_error),
     );
     Claim::new(
         "2.4",
@@ -242,7 +252,7 @@ fn continuous(measured: &Measured) -> Claim {
     )
     .holds_if("≤ 10 % of what was learned has its best two neurons apart (topographic error)")
     .measured(
-        each(
+        by_preset(
             &["probe", "touzet", "miniature"],
             &[probe, touzet, mini],
             |e| percents(*e),
@@ -253,14 +263,21 @@ fn continuous(measured: &Measured) -> Claim {
             measured.miniatures.len()
         ),
     )
-    .verdict(Verdict::of(&[probe <= 10.0, touzet <= 10.0, mini <= 10.0]))
+    .verdict(ClaimVerdict::of(&[
+        probe <= 10.0,
+        touzet <= 10.0,
+        mini <= 10.0,
+    ]))
 }
 
 fn paths(measured: &Measured) -> Claim {
     let joined = [1, 2].map(|i| {
         let rooms = measured.rooms[i].iter();
         let (joined, pairs) = rooms.fold((0, 0), |(joined, pairs), room| {
-            (joined + room.ways.joined, pairs + room.ways.pairs)
+            (
+                joined + room.goal_paths.joined,
+                pairs + room.goal_paths.pairs,
+            )
         });
         percent(joined, pairs)
     });
@@ -272,18 +289,18 @@ fn paths(measured: &Measured) -> Claim {
     .measured(
         format!(
             "over grid steps all (the grid is connected); over ever nearer neighbors {}",
-            each(&PRESETS[1..], &joined, |share| percents(*share))
+            by_preset(&PRESETS[1..], &joined, |share| percents(*share))
         ),
         format!("240 pairs of neurons in {}", rooms(measured)),
     )
-    .verdict(Verdict::of(&[true, joined[0] >= 95.0, joined[1] >= 95.0]))
+    .verdict(ClaimVerdict::of(&[true, joined[0] >= 95.0, joined[1] >= 95.0]))
 }
 
 fn alike(measured: &Measured) -> Claim {
-    let minis: Vec<Order> = measured.miniatures.iter().map(|m| m.order).collect();
-    let nomads = [1, 2].map(|i| -> Vec<Order> {
+    let minis: Vec<MapTopology> = measured.miniatures.iter().map(|m| m.topology).collect();
+    let nomads = [1, 2].map(|i| -> Vec<MapTopology> {
         let rooms = measured.rooms[i].iter();
-        rooms.map(|room| room.order).collect()
+        rooms.map(|room| room.topology).collect()
     });
     let [probe, touzet] = nomads;
     let maps = [minis, probe, touzet];
@@ -295,7 +312,7 @@ fn alike(measured: &Measured) -> Claim {
             mean(orders.iter().map(|order| order.others))
         )
     });
-    let orderly = |order: &Order| {
+    let orderly = |order: &MapTopology| {
         let by_chance = order.as_good_by_chance * 100 < SHUFFLINGS;
         order.neighbors < order.others && by_chance
     };
@@ -310,12 +327,12 @@ fn alike(measured: &Measured) -> Claim {
         .measured(
             format!(
                 "code distance {}; in {} of maps",
-                each(&names, &texts, String::clone),
-                each(&names, &share, |share| percents(*share))
+                by_preset(&names, &texts, String::clone),
+                by_preset(&names, &share, |share| percents(*share))
             ),
             format!("{} miniature robots, {}", maps[0].len(), rooms(measured)),
         )
-        .verdict(Verdict::of(&share.map(|share| share >= 95.0)))
+        .verdict(ClaimVerdict::of(&share.map(|share| share >= 95.0)))
 }
 
 fn discreteness(measured: &Measured) -> Claim {
@@ -335,11 +352,11 @@ fn discreteness(measured: &Measured) -> Claim {
     });
     let text = |[finer, before, after, used, uses]: &[f64; 5]| {
         format!(
-            "error {before:.2} → {after:.2} (less in {finer:.0} % of rooms), answering neurons {used:.1} → {uses:.1}"
+            "error {before:.2} → {after:.2} (smaller in {finer:.0} % of rooms), answering neurons {used:.1} → {uses:.1}"
         )
     };
     Claim::new("2.4", "a greater discreteness in the areas of interest")
-        .holds_if("after 500 decisions the map's quantization error on the next 500 is less in ≥ 90 % of rooms")
-        .measured(each(&PRESETS, &figures, text), rooms(measured))
-        .verdict(Verdict::of(&figures.map(|[finer, ..]| finer >= 90.0)))
+        .holds_if("after 500 decisions the map's quantization error on the next 500 is smaller in ≥ 90 % of rooms")
+        .measured(by_preset(&PRESETS, &figures, text), rooms(measured))
+        .verdict(ClaimVerdict::of(&figures.map(|[finer, ..]| finer >= 90.0)))
 }

@@ -1,7 +1,7 @@
-//! The table: what the paper says, when that counts as true, what was measured, and the verdict.
+//! The table of claims: statement of the paper, rule, measurement, verdict.
 //!
-//! The rules are ours (the paper has none) and the same for all readings. A claim about the method is asked of every
-//! preset; it *holds* when all meet the rule, *holds partly* when some do.
+//! The rules are ours and equal for all readings of the paper. A claim *holds* when all presets
+//! meet its rule, and *holds partly* when some do.
 
 mod behaviors;
 mod maps;
@@ -11,21 +11,21 @@ mod repetition;
 
 use super::measure::Measured;
 
-/// What a measurement says about a claim.
+/// Result of a claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verdict {
-    /// It is so.
+pub enum ClaimVerdict {
+    /// The measurement confirms it.
     Holds,
-    /// For some readings or cases only.
+    /// Confirmed for some readings or cases only.
     Partly,
-    /// It is not so.
+    /// The measurement contradicts it.
     DoesNotHold,
-    /// Nothing measured here can say.
+    /// Not testable here.
     NotTestable,
 }
 
-impl Verdict {
-    /// All verdicts, from the most favorable.
+impl ClaimVerdict {
+    /// All verdicts, most favorable first.
     pub const ALL: [Self; 4] = [
         Self::Holds,
         Self::Partly,
@@ -33,7 +33,7 @@ impl Verdict {
         Self::NotTestable,
     ];
 
-    /// In words.
+    /// The verdict in words.
     #[must_use]
     pub const fn words(self) -> &'static str {
         match self {
@@ -44,7 +44,7 @@ impl Verdict {
         }
     }
 
-    /// All cases meet the rule, some do, or none.
+    /// From the cases: all meet the rule, some do, or none.
     fn of(cases: &[bool]) -> Self {
         match cases.iter().filter(|&&met| met).count() {
             0 => Self::DoesNotHold,
@@ -57,18 +57,18 @@ impl Verdict {
 /// One line of the table.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Claim {
-    /// Section or figure of the paper, as a number or "Fig.".
+    /// Section or figure of the paper: a number or "Fig.".
     pub section: &'static str,
-    /// The claim in a few of its words.
+    /// The claim, in words of the paper.
     pub words: &'static str,
-    /// When it counts as true.
+    /// The rule for the verdict.
     pub rule: String,
-    /// What was measured; why nothing was, where nothing could be.
+    /// The measurement, or the reason why there is none.
     pub measured: String,
-    /// Of how many.
+    /// Size of the sample.
     pub sample: String,
     /// The verdict.
-    pub verdict: Verdict,
+    pub verdict: ClaimVerdict,
 }
 
 impl Claim {
@@ -79,11 +79,11 @@ impl Claim {
             rule: String::new(),
             measured: String::new(),
             sample: String::new(),
-            verdict: Verdict::NotTestable,
+            verdict: ClaimVerdict::NotTestable,
         }
     }
 
-    /// Where in the paper it is said: "§ 2.3", "Fig. 5".
+    /// Place in the paper: "§ 2.3", "Fig. 5".
     #[must_use]
     pub fn place(&self) -> String {
         let mark = if self.section.starts_with(|c: char| c.is_ascii_digit()) {
@@ -104,27 +104,27 @@ impl Claim {
         self
     }
 
-    fn verdict(mut self, verdict: Verdict) -> Self {
+    fn verdict(mut self, verdict: ClaimVerdict) -> Self {
         self.verdict = verdict;
         self
     }
 
-    /// The system is built so: nothing to measure.
+    /// The design guarantees the claim: no measurement.
     fn by_construction(mut self, why: &'static str) -> Self {
         self.rule = "by construction".to_owned();
         self.measured = why.to_owned();
-        self.verdict = Verdict::Holds;
+        self.verdict = ClaimVerdict::Holds;
         self
     }
 
-    /// Nothing can be measured, for this reason.
+    /// The claim cannot be measured, for this reason.
     fn untestable(mut self, why: &'static str) -> Self {
         self.measured = why.to_owned();
         self
     }
 }
 
-/// The whole table, in the paper's order.
+/// The whole table, in the order of the paper.
 #[must_use]
 pub fn claims(measured: &Measured) -> Vec<Claim> {
     let mut claims = maps::claims(measured);
@@ -134,11 +134,11 @@ pub fn claims(measured: &Measured) -> Vec<Claim> {
     claims
 }
 
-/// The names of the presets, in the order of the readings.
+/// Names of the presets, in the order of the readings.
 const PRESETS: [&str; 3] = ["default", "probe", "touzet"];
 
-/// A value for each of some presets: "default 1, probe 2".
-fn each<T>(presets: &[&str], values: &[T], text: impl Fn(&T) -> String) -> String {
+/// A value for each preset: "default 1, probe 2".
+fn by_preset<T>(presets: &[&str], values: &[T], text: impl Fn(&T) -> String) -> String {
     let parts = presets.iter().zip(values);
     let parts: Vec<_> = parts
         .map(|(name, v)| format!("{name} {}", text(v)))
@@ -146,7 +146,7 @@ fn each<T>(presets: &[&str], values: &[T], text: impl Fn(&T) -> String) -> Strin
     parts.join(", ")
 }
 
-/// Part of a whole in per cent; 0 of nothing.
+/// Part of a whole in percent; 0 if the whole is 0.
 fn percent(part: u32, whole: u32) -> f64 {
     100.0 * f64::from(part) / f64::from(whole.max(1))
 }
@@ -156,34 +156,16 @@ fn percents(value: f64) -> String {
     format!("{value:.1} %")
 }
 
-/// The mean; 0 of nothing.
-fn mean(values: impl IntoIterator<Item = f64>) -> f64 {
-    let (mut sum, mut count) = (0.0, 0_u32);
-    for value in values {
-        sum += value;
-        count += 1;
-    }
-    sum / f64::from(count.max(1))
-}
-
-/// The middle one; 0 of nothing.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn verdicts_follow_the_cases() {
-        let of = Verdict::of;
-        assert_eq!(of(&[true, true]), Verdict::Holds);
-        assert_eq!(of(&[true, false]), Verdict::Partly);
-        assert_eq!(of(&[false]), Verdict::DoesNotHold);
-        assert_eq!((mean([1.0, 3.0]), mean([])), (2.0, 0.0));
-        assert_eq!(median(vec![3.0, 1.0, 2.0]), 2.0);
-        assert_eq!(each(&["a", "b"], &[1, 2], i32::to_string), "a 1, b 2");
+        let of = ClaimVerdict::of;
+        assert_eq!(of(&[true, true]), ClaimVerdict::Holds);
+        assert_eq!(of(&[true, false]), ClaimVerdict::Partly);
+        assert_eq!(of(&[false]), ClaimVerdict::DoesNotHold);
+        assert_eq!(by_preset(&["a", "b"], &[1, 2], i32::to_string), "a 1, b 2");
     }
 }

@@ -1,10 +1,11 @@
-//! Sections 2.4 and 2.5: the two maps together, from a goal to an action (Figs. 3 and 4).
+//! Claims of sections 2.4 and 2.5: the two maps together, from a goal to an action (Figs. 3 and 4).
 
-use super::{Claim, PRESETS, Verdict, each, mean, percent, percents};
+use super::{Claim, ClaimVerdict, PRESETS, by_preset, percent, percents};
 use crate::paper::measure::Measured;
 use crate::paper::plans::Plans;
+use sim::statistics::mean;
 
-/// The claims of these sections, in their order.
+/// The claims of these sections, in order.
 pub(super) fn claims(measured: &Measured) -> Vec<Claim> {
     let plans = measured.rooms.each_ref().map(|rooms| {
         let all = rooms.iter().map(|room| room.plans);
@@ -25,7 +26,7 @@ fn decisions(plans: &[Plans], count: impl Fn(&Plans) -> u32) -> String {
     format!("{} decisions", counts.join(", "))
 }
 
-/// Of the readings that probe the action map with the change wanted.
+/// For the readings that probe the action map with the wanted change.
 fn brings_about([_, probe, touzet]: &[Plans; 3]) -> Claim {
     let plans = [*probe, *touzet];
     let shares = plans.map(|plans| {
@@ -43,18 +44,18 @@ fn brings_about([_, probe, touzet]: &[Plans; 3]) -> Claim {
     )
     .holds_if("≥ 75 % of the moves change the wanted values in the wanted direction (cosine > 0)")
     .measured(
-        each(&PRESETS[1..], &shares, text),
+        by_preset(&PRESETS[1..], &shares, text),
         decisions(&plans, |plans| plans.moves),
     )
-    .verdict(Verdict::of(&shares.map(|[along, _]| along >= 75.0)))
+    .verdict(ClaimVerdict::of(&shares.map(|[along, _]| along >= 75.0)))
 }
 
 fn metric(measured: &Measured) -> Claim {
     let [_, probe, touzet] = measured
         .rooms
         .each_ref()
-        .map(|rooms| mean(rooms.iter().map(|room| room.order.correlation)));
-    let mini = mean(measured.miniatures.iter().map(|m| m.order.correlation));
+        .map(|rooms| mean(rooms.iter().map(|room| room.topology.correlation)));
+    let mini = mean(measured.miniatures.iter().map(|m| m.topology.correlation));
     let all = [probe, touzet, mini];
     Claim::new(
         "2.5 (1)",
@@ -62,7 +63,7 @@ fn metric(measured: &Measured) -> Claim {
     )
     .holds_if("grid steps and code distance correlate by ≥ 0.7 (Pearson)")
     .measured(
-        each(&["probe", "touzet", "miniature"], &all, |r| {
+        by_preset(&["probe", "touzet", "miniature"], &all, |r| {
             format!("{r:.2}")
         }),
         format!(
@@ -71,7 +72,7 @@ fn metric(measured: &Measured) -> Claim {
             measured.miniatures.len()
         ),
     )
-    .verdict(Verdict::of(&all.map(|r| r >= 0.7)))
+    .verdict(ClaimVerdict::of(&all.map(|r| r >= 0.7)))
 }
 
 fn nearer_neighbor(plans: &[Plans; 3]) -> Claim {
@@ -98,10 +99,10 @@ fn nearer_neighbor(plans: &[Plans; 3]) -> Claim {
         "in ≥ 90 % of decisions away from the goal there is one, or the present neuron meets the goal already",
     )
     .measured(
-        each(&PRESETS[1..], &shares, text),
+        by_preset(&PRESETS[1..], &shares, text),
         decisions(&plans[1..], |plans| plans.unmet),
     )
-    .verdict(Verdict::of(&met))
+    .verdict(ClaimVerdict::of(&met))
 }
 
 fn becomes_intermediate(plans: &[Plans; 3]) -> Claim {
@@ -112,10 +113,10 @@ fn becomes_intermediate(plans: &[Plans; 3]) -> Claim {
     )
     .holds_if("after ≥ 50 % of the moves the neuron aimed at is the best-matching one")
     .measured(
-        each(&PRESETS[1..], &there, |share| percents(*share)),
+        by_preset(&PRESETS[1..], &there, |share| percents(*share)),
         decisions(&plans[1..], |plans| plans.neighbor),
     )
-    .verdict(Verdict::of(&there.map(|share| share >= 50.0)))
+    .verdict(ClaimVerdict::of(&there.map(|share| share >= 50.0)))
 }
 
 fn until_goal(plans: &[Plans; 3]) -> Claim {
@@ -126,7 +127,7 @@ fn until_goal(plans: &[Plans; 3]) -> Claim {
         .zip(&soon)
         .map(|(plans, soon)| {
             let mean = f64::from(plans.reached_in) / f64::from(plans.reached.max(1));
-            format!("{soon:.1} % ({mean:.1} decisions on the average)")
+            format!("{soon:.1} % ({mean:.1} decisions on average)")
         })
         .collect();
     let counts: Vec<_> = plans.iter().map(|p| stretches(p).to_string()).collect();
@@ -134,12 +135,12 @@ fn until_goal(plans: &[Plans; 3]) -> Claim {
         "2.5 (3)",
         "repeated until the robot is in the desired goal situation",
     )
-    .holds_if("free of obstacles again within 10 decisions in ≥ 95 % of the stretches away from it")
+    .holds_if("free of obstacles again within 10 decisions in ≥ 95 % of the periods without it")
     .measured(
-        each(&PRESETS, &texts, String::clone),
+        by_preset(&PRESETS, &texts, String::clone),
         format!("{} stretches", counts.join(", ")),
     )
-    .verdict(Verdict::of(&soon.map(|share| share >= 95.0)))
+    .verdict(ClaimVerdict::of(&soon.map(|share| share >= 95.0)))
 }
 
 fn differences([_, probe, touzet]: &[Plans; 3]) -> Claim {
@@ -153,8 +154,8 @@ fn differences([_, probe, touzet]: &[Plans; 3]) -> Claim {
         "mean cosine ≥ 0.5 between the change probed with and the one measured after the move",
     )
     .measured(
-        each(&PRESETS[1..], &agreement, |cosine| format!("{cosine:.2}")),
+        by_preset(&PRESETS[1..], &agreement, |cosine| format!("{cosine:.2}")),
         decisions(&plans, |plans| plans.changes),
     )
-    .verdict(Verdict::of(&agreement.map(|cosine| cosine >= 0.5)))
+    .verdict(ClaimVerdict::of(&agreement.map(|cosine| cosine >= 0.5)))
 }

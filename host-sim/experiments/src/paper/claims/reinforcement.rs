@@ -1,22 +1,22 @@
-//! Section 3 beside reinforcement learning: how good, and after how many moves.
+//! Claims of section 3 about reinforcement learning: quality, and number of moves.
 
-use super::{Claim, Verdict, percents};
-use crate::compare::{Method, Row};
+use super::{Claim, ClaimVerdict, percents};
+use crate::compare::{ComparedMethod, ComparisonRow};
 use crate::paper::measure::{LEARNING_MOVES, Measured};
 
 /// Share of clean episodes in %, contacts per 100 m.
-fn figures(row: &Row) -> (f64, f64) {
+fn figures(row: &ComparisonRow) -> (f64, f64) {
     let figures = row.figures();
     (figures.clean_percent.mean, figures.contacts_per_100_m.mean)
 }
 
-fn of(measured: &Measured, method: Method) -> impl Iterator<Item = &Row> {
+fn of(measured: &Measured, method: ComparedMethod) -> impl Iterator<Item = &ComparisonRow> {
     let rows = measured.compared.iter();
     rows.filter(move |row| row.method == method)
 }
 
-/// What a method reaches by its learning moves: "q-table 77.0 / 89.0 % (2.10 / 0.50 contacts per 100 m)".
-fn by_moves(measured: &Measured, method: Method) -> String {
+/// Results of a method by learning moves: "q-table 77.0 / 89.0 % (2.10 / 0.50 contacts per 100 m)".
+fn by_moves(measured: &Measured, method: ComparedMethod) -> String {
     let (clean, contacts): (Vec<_>, Vec<_>) = of(measured, method)
         .map(figures)
         .map(|(clean, contacts)| (format!("{clean:.0}"), format!("{contacts:.2}")))
@@ -28,15 +28,19 @@ fn by_moves(measured: &Measured, method: Method) -> String {
     )
 }
 
-/// The cleanest that the learners are, at any number of moves that `counts`.
+/// Best share of clean episodes of any learner, over the numbers of moves that `counts` accepts.
 fn cleanest(measured: &Measured, counts: impl Fn(u32) -> bool) -> f64 {
     let learners = measured.compared.iter();
-    let learners = learners.filter(|row| row.method.goes_on_learning() && counts(row.moves));
+    let learners = learners.filter(|row| row.method.learns_by_reward() && counts(row.moves));
     learners.map(|row| figures(row).0).fold(0.0, f64::max)
 }
 
-fn presets(measured: &Measured) -> Vec<(Method, f64)> {
-    let presets = [Method::Default, Method::Probe, Method::Touzet];
+fn presets(measured: &Measured) -> Vec<(ComparedMethod, f64)> {
+    let presets = [
+        ComparedMethod::Default,
+        ComparedMethod::Probe,
+        ComparedMethod::Touzet,
+    ];
     let clean = |method| of(measured, method).map(|row| figures(row).0).sum();
     presets.map(|method| (method, clean(method))).into()
 }
@@ -55,7 +59,11 @@ pub(super) fn similar_quality(measured: &Measured) -> Claim {
         .iter()
         .map(|(method, clean)| format!("{} {clean:.0} %", method.name()))
         .collect();
-    let learners = [Method::QTable, Method::QSom, Method::QTwoSoms];
+    let learners = [
+        ComparedMethod::QTable,
+        ComparedMethod::QSom,
+        ComparedMethod::QTwoSoms,
+    ];
     let theirs = learners.map(|method| by_moves(measured, method)).join(", ");
     let verdicts: Vec<_> = presets.iter().map(|(_, clean)| *clean >= best).collect();
     Claim::new(
@@ -72,7 +80,7 @@ pub(super) fn similar_quality(measured: &Measured) -> Claim {
         ),
         sample(measured),
     )
-    .verdict(Verdict::of(&verdicts))
+    .verdict(ClaimVerdict::of(&verdicts))
 }
 
 /// "100 moves (compared to 200 minimum for Q-learning)."
@@ -101,5 +109,5 @@ pub(super) fn fewer_moves(measured: &Measured) -> Claim {
             ),
             sample(measured),
         )
-        .verdict(Verdict::of(&verdicts))
+        .verdict(ClaimVerdict::of(&verdicts))
 }

@@ -1,9 +1,9 @@
-//! Section 2.4 (and the abstract): a behavior improves by being repeated.
+//! Claims of section 2.4 (and the abstract): a behavior improves by repetition.
 
-use super::{Claim, Verdict};
+use super::{Claim, ClaimVerdict};
 use crate::paper::measure::Measured;
 use crate::repetition::Curve;
-use crate::scenes::Scene;
+use crate::scenes::BehaviorScene;
 use sim::statistics::Mean;
 
 /// The claims about repetition.
@@ -29,26 +29,26 @@ pub(super) fn claims(measured: &Measured) -> [Claim; 2] {
         Claim::new("2.4", "the behavior performance will improve with repetition")
             .holds_if("later repetitions (last half) better than the first, paired (95 % interval), in every scene")
             .measured(counted(&gains), sample.clone())
-            .verdict(Verdict::of(&helped(&gains))),
+            .verdict(ClaimVerdict::of(&helped(&gains))),
         Claim::new("2.4", "learning occurs by the mere realization of the behavior")
-            .holds_if("maps that go on learning do better than frozen ones (last half, paired, 95 % interval), in every scene")
+            .holds_if("maps that keep learning do better than frozen ones (last half, paired, 95 % interval), in every scene")
             .measured(counted(&against_frozen), sample)
-            .verdict(Verdict::of(&helped(&against_frozen))),
+            .verdict(ClaimVerdict::of(&helped(&against_frozen))),
     ]
 }
 
-/// A change of a scene's measure.
+/// A change of a scene's measure between repetitions.
 struct Change {
-    /// For the better (1), for the worse (−1), or neither for certain (0).
+    /// Better (1), worse (−1), or not significant (0).
     sign: i8,
     text: String,
 }
 
 impl Change {
-    fn of(scene: &Scene, change: Mean) -> Self {
+    fn of(scene: &BehaviorScene, change: Mean) -> Self {
         let [low, high] = change.interval;
         let up = i8::from(low > 0.0) - i8::from(high < 0.0);
-        // Of errors less is better.
+        // An error is better when it is smaller.
         let is_error = scene.measure.starts_with("error");
         Self {
             sign: if is_error { -up } else { up },

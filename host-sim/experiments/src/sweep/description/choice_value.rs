@@ -1,4 +1,4 @@
-//! A value of a point's key, where any key may stand.
+//! A value of an option in a sweep's file; unlike other TOML tables, any key may stand there.
 
 use serde::de::{Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
@@ -6,12 +6,12 @@ use std::collections::BTreeMap;
 use std::fmt;
 use toml::Spanned;
 
-/// Keys and values, with their places in the text.
+/// Keys and values, with their positions in the text.
 pub(super) type ChoiceTable = BTreeMap<Spanned<String>, Spanned<ChoiceValue>>;
 
 /// A value.
 pub(super) enum ChoiceValue {
-    /// Text, number, true or false, as the command line takes it.
+    /// Text, number, true or false, in the form of the command line.
     Scalar(String),
     List(Vec<Spanned<ChoiceValue>>),
     Table(ChoiceTable),
@@ -52,7 +52,7 @@ impl<'de> Visitor<'de> for ChoiceVisitor {
 
     fn visit_str<E: Error>(self, text: &str) -> Result<ChoiceValue, E> {
         match text {
-            "" => Err(E::custom("expected a text that is not empty")),
+            "" => Err(E::custom("expected a non-empty text")),
             text => Ok(ChoiceValue::Scalar(text.to_owned())),
         }
     }

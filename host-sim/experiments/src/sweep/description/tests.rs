@@ -1,7 +1,7 @@
 use super::*;
 use sim::settings;
 
-/// Flags that take anything; settings as they are.
+/// Flags that accept any value; settings as they are.
 fn vocabulary() -> Vocabulary {
     Vocabulary {
         flags: ["steps", "preset"].map(str::to_owned).into(),
@@ -62,7 +62,10 @@ fn what_is_wrong_is_named_with_its_line() {
             "seed = 1",
             "line 1: the file has no key \"seed\", did you mean \"seeds\"?",
         ),
-        ("worlds = []", "worlds must be a list with something in it"),
+        (
+            "worlds = []",
+            "worlds must be a list with at least one entry",
+        ),
         (
             "worlds = [\n\"paepr\"]",
             "line 2: unknown world \"paepr\", did you mean \"paper\"?",
@@ -86,14 +89,14 @@ fn what_is_wrong_is_named_with_its_line() {
             "line 2: grid.far: expected a finite number",
         ),
         ("[grid]\nfar = [[1]]", "a value of far must be"),
-        ("[grid]\nseed = [1]", "lists of their own at the top"),
+        ("[grid]\nseed = [1]", "lists at the top"),
         (
             "[fixed]\nfar = 2\n[grid]\nfar = [1]",
             "line 4: \"far\" is in [fixed] already",
         ),
         (
             "[grid]\nexplore.draws = [1]\n\"explore.draws\" = [2]",
-            "is there twice",
+            "occurs twice",
         ),
         (
             "\n[random]\npoints = 20\nfar = { min = 1.0, max = 6.0 }",

@@ -4,7 +4,7 @@ use tempfile::TempDir;
 
 fn file(folder: &TempDir, name: &str, head: &str, numbers: &[u64], tail: &str) -> PathBuf {
     let columns = ["world".to_owned()].into_iter();
-    let header = Header::new(head, "00", 6, columns);
+    let header = ResultsHeader::new(head, "00", 6, columns);
     let rows: String = numbers
         .iter()
         .map(|number| format!("{number},w\n"))
@@ -61,7 +61,7 @@ fn gaps_doubles_and_strangers_are_refused_by_name() {
         ),
         (
             part("last", &[1, 3, 5, 5], ""),
-            ["last: episode 5 stands behind", "episode 5"],
+            ["last: episode 5 follows", "episode 5"],
         ),
         (
             part("mixed", &[3, 1, 5], ""),
@@ -69,15 +69,15 @@ fn gaps_doubles_and_strangers_are_refused_by_name() {
         ),
         (
             part("more", &[1, 3, 5, 6], ""),
-            ["more: episode 6 is none of", "sweep's 6"],
+            ["more: episode 6 is not one of", "sweep's 6"],
         ),
         (
             part("torn", &[1, 3], "5,\"w\n"),
-            ["torn: the row behind episode 3", "is torn"],
+            ["torn: the row after episode 3", "is torn"],
         ),
         (
             part("bad", &[1, 3], "x,w\n"),
-            ["bad: the row behind episode 3", "not a row"],
+            ["bad: the row after episode 3", "not a row"],
         ),
         (
             file(&folder, "foreign", "t", &[1, 3, 5], ""),
@@ -94,7 +94,7 @@ fn gaps_doubles_and_strangers_are_refused_by_name() {
             "{words:?}: {error}"
         );
     }
-    // Nothing is left to put against episode 0 but itself.
+    // The only possible duplicate of episode 0 is itself.
     let error = merged(&[even.clone(), even.clone()]).expect_err("twice the same");
     assert!(error.contains("episode 0 is in "), "{error}");
 }

@@ -1,7 +1,7 @@
 use super::*;
 
-fn header() -> Header {
-    Header::new("s", "00", 9, ["world".to_owned()].into_iter())
+fn header() -> ResultsHeader {
+    ResultsHeader::new("s", "00", 9, ["world".to_owned()].into_iter())
 }
 
 fn rows(numbers: &[u64]) -> String {
@@ -11,7 +11,7 @@ fn rows(numbers: &[u64]) -> String {
     header().text().to_owned() + &rows.collect::<String>()
 }
 
-/// Opens a file of this content as that of a shard.
+/// Opens a file with this content as that of a shard.
 fn open(content: &str, shard: &str) -> Result<(u64, String), String> {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("below/results.csv");

@@ -1,6 +1,6 @@
-//! What the maps and the memory know: recall by a part of the content, samples alike, discreteness where it is needed.
+//! Measures what maps and memory recall: actions from changes, samples like the present, map error.
 
-use super::watch::{Seen, change, length};
+use super::observer::{ObservedDecision, change, length};
 use amp::action_map::Probe;
 use amp::config::Config;
 use amp::fixed::{Mask, Weight};
@@ -8,16 +8,17 @@ use amp::memory::from_bytes;
 use amp::planner::difference;
 use amp::som::Som;
 use sim::pilot::SimState;
+use sim::statistics::mean;
 
 /// Recall of actions from changes that were not learned.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Recalled {
-    /// Angle between the displacement recalled and the one that brought the change, degrees in [0, 180], move by move.
+pub struct ActionRecall {
+    /// Angle between the recalled and the true displacement, degrees in [0, 180], by move.
     pub errors_deg: Vec<f64>,
 }
 
-impl Recalled {
-    /// Probes the action map of `state` with the changes of another memory's moves.
+impl ActionRecall {
+    /// Probes the action map of `state` with the changes in another memory.
     #[must_use]
     pub fn of(state: &SimState, others: &SimState, config: &Config<16>) -> Self {
         let probe = Probe {
@@ -46,10 +47,10 @@ impl Recalled {
     }
 }
 
-/// Samples in the memory that are like the present situation: nearer to it than a move changes a situation on the average.
-/// Every tenth situation of an episode is looked at.
+/// Number of samples that resemble the present situation: nearer than the mean change of a move.
+/// Looks at every tenth situation of an episode.
 #[must_use]
-pub fn samples_alike(state: &SimState, seen: &[Seen]) -> Vec<usize> {
+pub fn samples_alike(state: &SimState, observed: &[ObservedDecision]) -> Vec<usize> {
     let samples: Vec<_> = state
         .memory()
         .samples()
@@ -59,32 +60,32 @@ pub fn samples_alike(state: &SimState, seen: &[Seen]) -> Vec<usize> {
     let changes = samples
         .iter()
         .map(|(before, after)| length(&change(after, before)));
-    let usual = changes.sum::<f64>() / samples.len().max(1) as f64;
-    let alike = |now: &Seen| {
+    let usual = mean(changes);
+    let alike = |now: &ObservedDecision| {
         let near = |before: &[Weight]| length(&change(before, &now.situation)) < usual;
         samples.iter().filter(|(before, _)| near(before)).count()
     };
-    seen.iter().step_by(10).map(alike).collect()
+    observed.iter().step_by(10).map(alike).collect()
 }
 
-/// A situation map before and after it went on learning, judged by what was perceived later on.
+/// A situation map before and after online learning, evaluated on later situations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Discreteness {
-    /// Mean distance of situations to their code vectors, with the map as the random moves made it.
+    /// Mean quantization error of the map after the random moves.
     pub error_before: f64,
-    /// The same with the map as the behavior made it.
+    /// The same for the map after the behavior.
     pub error_after: f64,
-    /// Neurons that answer, before.
+    /// Number of neurons that win a situation, before.
     pub used_before: usize,
-    /// Neurons that answer, after.
+    /// Number of neurons that win a situation, after.
     pub used_after: usize,
 }
 
 impl Discreteness {
-    /// Judges both maps by the same situations.
+    /// Evaluates both maps on the same situations.
     #[must_use]
-    pub fn of(before: &SimState, after: &SimState, seen: &[Seen]) -> Self {
-        let situations: Vec<_> = seen.iter().map(|seen| seen.situation).collect();
+    pub fn of(before: &SimState, after: &SimState, observed: &[ObservedDecision]) -> Self {
+        let situations: Vec<_> = observed.iter().map(|observed| observed.situation).collect();
         let judge = |map: &Som<16, 16>| {
             let (quality, hits) = map.quality(&situations);
             let error = quality.quantization_error();
@@ -104,7 +105,7 @@ impl Discreteness {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::{readings, rooms, watch::Watched};
+    use crate::paper::{observer::ObservedController, readings, rooms};
     use arena::world::World;
     use sim::scenes::Behavior;
 
@@ -113,27 +114,27 @@ mod tests {
         let reading = &readings()[1];
         let world = World::random(1);
         let setup = rooms::setup(reading, Behavior::Avoid, 1, 20);
-        let mut watched = Watched::new(reading.config.clone(), 10);
-        sim::episode::run_with(&world, &setup, &mut watched, |_, _, _| {}).expect("an episode");
-        let (Some(learned), Some(later)) = (watched.learned, watched.later) else {
+        let mut observer = ObservedController::new(reading.config.clone(), 10);
+        sim::episode::run_with(&world, &setup, &mut observer, |_, _, _| {}).expect("an episode");
+        let (Some(learned), Some(later)) = (observer.learned, observer.later) else {
             panic!("both states are kept");
         };
-        let own = Recalled::of(&learned, &learned, &reading.config);
+        let own = ActionRecall::of(&learned, &learned, &reading.config);
         assert!(own.errors_deg.len() >= 90);
-        // Chance would be 90° off on the average.
-        let mean = own.errors_deg.iter().sum::<f64>() / own.errors_deg.len() as f64;
+        // The mean error of a random answer is 90°.
+        let mean = mean(own.errors_deg.iter().copied());
         assert!(mean < 80.0, "{mean}");
         assert!(
             own.errors_deg
                 .iter()
                 .all(|error| (0.0..=180.0).contains(error))
         );
-        // Put back to where a sample began, the robot finds at least that sample.
-        let mut there = watched.seen.first().copied().expect("a decision");
+        // At the start of a sample the robot finds at least that sample.
+        let mut there = observer.observed.first().copied().expect("a decision");
         there.situation = from_bytes(&learned.memory().samples()[7].before).0;
         assert!(samples_alike(&learned, &[there])[0] >= 1);
-        let same = Discreteness::of(&learned, &learned, &watched.seen);
+        let same = Discreteness::of(&learned, &learned, &observer.observed);
         assert_eq!(same.error_before, same.error_after);
-        assert_ne!(Discreteness::of(&learned, &later, &watched.seen), same);
+        assert_ne!(Discreteness::of(&learned, &later, &observer.observed), same);
     }
 }

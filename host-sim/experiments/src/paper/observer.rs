@@ -1,4 +1,4 @@
-//! A mind that is watched while it decides: every plan with the situation it was made for, and what was known when.
+//! Observes a controller's decisions: every plan with its situation, and copies of its state.
 
 use amp::config::Config;
 use amp::controller::{Command, Event, Outputs};
@@ -10,51 +10,51 @@ use amp::units::Millis;
 use sim::failure::Failure;
 use sim::pilot::{InspectableController, Mind, Pilot, SimState};
 
-/// One decision towards the goal.
+/// One decision toward the goal.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Seen {
-    /// What was perceived (D in Fig. 3).
+pub struct ObservedDecision {
+    /// The situation (D in Fig. 3).
     pub situation: Situation<16>,
-    /// How the action was found.
+    /// The plan.
     pub plan: Plan<16>,
-    /// Code vector, at that moment, of the neuron aimed at (F in Fig. 3).
+    /// Code vector of the subgoal's neuron at that moment (F in Fig. 3).
     pub aim: Situation<16>,
     /// That code vector is nearer to the goal than the present neuron's.
     pub aim_is_nearer: bool,
-    /// The present neuron's code vector is as the goal wants it.
+    /// The present neuron's code vector meets the goal.
     pub neuron_meets_goal: bool,
 }
 
-/// The mind and what has been seen of it.
-pub struct Watched {
+/// A controller with its observation.
+pub struct ObservedController {
     mind: Mind,
-    /// Decisions after which [`Watched::later`] is kept.
+    /// Number of decisions after which [`ObservedController::later`] is copied.
     keep_after: usize,
     goal: Option<Goal<16>>,
-    /// All decisions towards the goal.
-    pub seen: Vec<Seen>,
-    /// What it knew when it was given its goal.
+    /// All decisions toward the goal.
+    pub observed: Vec<ObservedDecision>,
+    /// State when the goal arrived.
     pub learned: Option<Box<SimState>>,
-    /// What it knew some decisions later.
+    /// State `keep_after` decisions later.
     pub later: Option<Box<SimState>>,
 }
 
-impl Watched {
-    /// A mind that knows nothing yet; what it knows is kept once more after `keep_after` decisions.
+impl ObservedController {
+    /// An untrained controller; its state is copied again after `keep_after` decisions.
     #[must_use]
     pub fn new(config: Config<16>, keep_after: usize) -> Self {
         Self {
             mind: Mind::new(config),
             keep_after,
             goal: None,
-            seen: Vec::new(),
+            observed: Vec::new(),
             learned: None,
             later: None,
         }
     }
 }
 
-impl Pilot for Watched {
+impl Pilot for ObservedController {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
         if let Event::Command(Command::Seek(goal)) = event {
             self.goal = Some(goal);
@@ -73,14 +73,14 @@ impl Pilot for Watched {
                 goal.map_or(0, |goal| goal.distance(&code(neuron), Mask::ALL))
             };
             let now = away(plan.current_neuron);
-            self.seen.push(Seen {
+            self.observed.push(ObservedDecision {
                 situation: decision.situation,
                 plan,
                 aim: code(plan.intermediate_neuron),
                 aim_is_nearer: away(plan.intermediate_neuron) < now,
                 neuron_meets_goal: now == 0,
             });
-            if self.seen.len() == self.keep_after {
+            if self.observed.len() == self.keep_after {
                 self.later = Some(Box::new(self.mind.state().clone()));
             }
         }
@@ -88,13 +88,13 @@ impl Pilot for Watched {
     }
 }
 
-impl InspectableController for Watched {
+impl InspectableController for ObservedController {
     fn knowledge(&mut self) -> Result<&SimState, Failure> {
         self.mind.knowledge()
     }
 }
 
-/// Component by component `to − from`.
+/// `to − from`, by component.
 #[must_use]
 pub fn change(to: &[Weight], from: &[Weight]) -> Vec<f64> {
     let values = to.iter().zip(from);
@@ -109,7 +109,7 @@ pub fn length(vector: &[f64]) -> f64 {
     vector.iter().map(|value| value * value).sum::<f64>().sqrt()
 }
 
-/// Cosine of the angle between two vectors; `None` where one has no length.
+/// Cosine of the angle between two vectors; `None` if one has length 0.
 #[must_use]
 pub fn cosine(a: &[f64], b: &[f64]) -> Option<f64> {
     let lengths = length(a) * length(b);

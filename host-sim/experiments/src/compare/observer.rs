@@ -1,4 +1,4 @@
-//! Looks over a driver's shoulder: how long it takes until nothing is near again, and how long it thinks.
+//! Observes a driver: time until no obstacle is near again, and wall time per decision.
 
 use amp::controller::{Command, Event, Outputs};
 use amp::units::{Millis, Range};
@@ -6,37 +6,37 @@ use sim::failure::Failure;
 use sim::pilot::{InspectableController, Pilot, SimState};
 use std::time::{Duration, Instant};
 
-/// The goal situation of obstacle avoidance for every method: nothing heard nearer than this, mm from the faces (what the
-/// preset `default` asks for).
+/// Goal of obstacle avoidance for every method: no echo nearer than this, mm from the faces (as the
+/// preset `default`).
 const CLEAR_MM: u16 = 600;
 
-/// What was seen of a driver.
+/// Observation of a driver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Seen {
-    /// Times that something came near.
+pub struct DriverObservation {
+    /// Number of times an obstacle came near.
     pub losses: u32,
-    /// Time in which something was near, ms.
+    /// Time with an obstacle near, ms.
     pub lost_ms: u64,
-    /// Decisions.
+    /// Number of decisions.
     pub decisions: u32,
-    /// Wall time spent inside the driver; zero unless it is timed.
+    /// Wall time spent in the driver; zero unless it is measured.
     pub thought: Duration,
 }
 
-/// A driver that is watched.
+/// A driver with its observation.
 #[derive(Debug)]
-pub struct Watched<P> {
+pub struct ObservedDriver<P> {
     driver: P,
     timed: bool,
     ranges: [Option<Range>; 16],
-    /// Something was near at the last decision, which was then.
+    /// An obstacle was near at the last decision.
     lost: bool,
     last: Millis,
-    seen: Seen,
+    observation: DriverObservation,
 }
 
-impl<P> Watched<P> {
-    /// Watches `driver`; with a clock in hand if `timed`.
+impl<P> ObservedDriver<P> {
+    /// Observes `driver`; measures its wall time if `timed`.
     pub fn new(driver: P, timed: bool) -> Self {
         Self {
             driver,
@@ -44,34 +44,34 @@ impl<P> Watched<P> {
             ranges: [None; 16],
             lost: false,
             last: Millis::from_ms(0),
-            seen: Seen::default(),
+            observation: DriverObservation::default(),
         }
     }
 
-    /// The driver.
+    /// The observed driver.
     pub fn driver(&self) -> &P {
         &self.driver
     }
 
-    /// What was seen since it was last given a goal.
-    pub fn seen(&self) -> Seen {
-        self.seen
+    /// The observation since the driver's last goal.
+    pub fn observation(&self) -> DriverObservation {
+        self.observation
     }
 
     fn decided(&mut self, at: Millis) {
         let near = |range: &Option<Range>| range.is_some_and(|range| range.as_mm() < CLEAR_MM);
         let near = self.ranges.iter().any(near);
-        self.seen.decisions += 1;
+        self.observation.decisions += 1;
         if self.lost {
-            self.seen.lost_ms += u64::from(at.since(self.last));
+            self.observation.lost_ms += u64::from(at.since(self.last));
         } else {
-            self.seen.losses += u32::from(near);
+            self.observation.losses += u32::from(near);
         }
         (self.lost, self.last) = (near, at);
     }
 }
 
-impl<P: Pilot> Pilot for Watched<P> {
+impl<P: Pilot> Pilot for ObservedDriver<P> {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
         match event {
             Event::Echo { sensor, range } => {
@@ -79,12 +79,14 @@ impl<P: Pilot> Pilot for Watched<P> {
                     *place = range;
                 }
             }
-            Event::Command(Command::Seek(_)) => (self.seen, self.lost) = (Seen::default(), false),
+            Event::Command(Command::Seek(_)) => {
+                (self.observation, self.lost) = (DriverObservation::default(), false)
+            }
             _ => {}
         }
         let began = self.timed.then(Instant::now);
         let outputs = self.driver.handle(at, event);
-        self.seen.thought += began.map_or(Duration::ZERO, |began| began.elapsed());
+        self.observation.thought += began.map_or(Duration::ZERO, |began| began.elapsed());
         if outputs.decision.is_some() {
             self.decided(at);
         }
@@ -96,7 +98,7 @@ impl<P: Pilot> Pilot for Watched<P> {
     }
 }
 
-impl<P: InspectableController> InspectableController for Watched<P> {
+impl<P: InspectableController> InspectableController for ObservedDriver<P> {
     fn knowledge(&mut self) -> Result<&SimState, Failure> {
         self.driver.knowledge()
     }
@@ -120,14 +122,14 @@ mod tests {
 
     #[test]
     fn the_time_until_nothing_is_near_is_counted_from_decision_to_decision() {
-        let mut watched = Watched::new(RingPilot::new(Stand, None), false);
-        // Something is near at 2 s, 3 s and 5 s; 600 mm away is far enough.
+        let mut observer = ObservedDriver::new(RingPilot::new(Stand, None), false);
+        // An obstacle is near at 2 s, 3 s and 5 s; 600 mm is far enough.
         let nearest = [600, 599, 300, 700, 100, 900];
         for (second, mm) in (1..).zip(nearest) {
             let at = Millis::from_ms(second * 1_000);
             for sensor in 0..16 {
                 let range = (sensor == 3).then(|| Range::from_mm(mm));
-                let _ = watched.handle(at, Event::Echo { sensor, range });
+                let _ = observer.handle(at, Event::Echo { sensor, range });
             }
             let ended = Event::Odometry {
                 motion: second as u16,
@@ -135,9 +137,16 @@ mod tests {
                 turned: Bearing::ZERO,
                 progress: Progress::Ended,
             };
-            let _ = watched.handle(at, ended);
+            let _ = observer.handle(at, ended);
         }
-        let seen = watched.seen();
-        assert_eq!((seen.decisions, seen.losses, seen.lost_ms), (6, 2, 3_000));
+        let observation = observer.observation();
+        assert_eq!(
+            (
+                observation.decisions,
+                observation.losses,
+                observation.lost_ms
+            ),
+            (6, 2, 3_000)
+        );
     }
 }

@@ -1,38 +1,40 @@
-//! How orderly a map is: are situations that are alike coded by neurons that are neighbors?
+//! Topology of a map: do neighboring neurons code similar situations?
 
 use amp::fixed::{Weight, Weight32};
 use amp::som::{Grid, Som};
 use arena::noise::Noise;
+use sim::statistics::pearson;
 
-/// Shufflings of a map's code vectors with which its order is compared.
+/// Number of random permutations of the code vectors with which a map is compared.
 pub const SHUFFLINGS: usize = 999;
 
-/// The order of a map.
+/// Topology measures of a map.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Order {
-    /// Mean distance of the code vectors of two direct neighbors (1 = a whole sensor's scale).
+pub struct MapTopology {
+    /// Mean distance between the code vectors of direct neighbors (1 = the whole scale of a
+    /// sensor).
     pub neighbors: f64,
-    /// The same of two neurons that are not.
+    /// The same for neurons that are not direct neighbors.
     pub others: f64,
-    /// Share of samples whose best two neurons are not direct neighbors.
+    /// Share of samples whose two best neurons are not direct neighbors.
     pub topographic_error: f64,
-    /// Correlation (Pearson) of grid steps and distance of the code vectors over all pairs of neurons.
+    /// Pearson correlation of grid distance and code vector distance, over all pairs of neurons.
     pub correlation: f64,
-    /// Shufflings of the same code vectors, of [`SHUFFLINGS`], whose neighbors are as near or nearer.
+    /// Permutations, of [`SHUFFLINGS`], whose neighbors are as near or nearer.
     pub as_good_by_chance: usize,
-    /// Standard deviation of the samples won by a neuron over their mean.
+    /// Standard deviation of the samples per neuron, divided by their mean.
     pub hit_spread: f64,
     /// Neurons that win no sample.
     pub idle: usize,
 }
 
-/// The order of `map`, judged by `samples`; the shufflings are drawn by `seed`.
+/// Measures `map` with `samples`; `seed` draws the permutations.
 #[must_use]
-pub fn order_of<const NEURONS: usize, const DIMS: usize>(
+pub fn topology_of<const NEURONS: usize, const DIMS: usize>(
     map: &Som<NEURONS, DIMS>,
     samples: &[[Weight; DIMS]],
     seed: u64,
-) -> Order {
+) -> MapTopology {
     let grid = map.grid();
 
     let distance = |a: usize, b: usize| match (map.code().get(a), map.code().get(b)) {
@@ -60,7 +62,7 @@ pub fn order_of<const NEURONS: usize, const DIMS: usize>(
         .iter()
         .map(|&hit| (f64::from(hit) - mean) * (f64::from(hit) - mean))
         .sum::<f64>();
-    Order {
+    MapTopology {
         neighbors,
         others,
         topographic_error: f64::from(quality.apart()) / f64::from(quality.samples().max(1)),
@@ -71,7 +73,8 @@ pub fn order_of<const NEURONS: usize, const DIMS: usize>(
     }
 }
 
-/// Mean distances between neighbors and between the others when neuron `k` has the code vector of `places[k]`.
+/// Mean distances of neighbors and of other pairs when neuron `k` has the code vector of
+/// `places[k]`.
 fn means(
     grid: Grid,
     neurons: usize,
@@ -88,25 +91,6 @@ fn means(
     }
     let mean = |(sum, count): (f64, u32)| sum / f64::from(count.max(1));
     (mean(sums[0]), mean(sums[1]))
-}
-
-/// Pearson's correlation of pairs; 0 where either side does not vary.
-#[must_use]
-pub fn pearson(pairs: &[[f64; 2]]) -> f64 {
-    let count = pairs.len().max(1) as f64;
-    let mean = [0, 1].map(|i| pairs.iter().map(|pair| pair[i]).sum::<f64>() / count);
-    let product = |i: usize, j: usize| {
-        pairs
-            .iter()
-            .map(|pair| (pair[i] - mean[i]) * (pair[j] - mean[j]))
-            .sum::<f64>()
-    };
-    let scale = (product(0, 0) * product(1, 1)).sqrt();
-    if scale > 0.0 {
-        product(0, 1) / scale
-    } else {
-        0.0
-    }
 }
 
 fn difference(a: &[Weight32], b: &[Weight32]) -> f64 {
@@ -131,22 +115,15 @@ mod tests {
             .map(|i| [Weight::from_num(f64::from(i) / 8.0)])
             .collect();
         let sorted = std::array::from_fn(|i| i as f64 / 8.0);
-        let good = order_of(&chain(sorted), &samples, 1);
+        let good = topology_of(&chain(sorted), &samples, 1);
         assert!((good.neighbors - 0.125).abs() < 1e-3);
         assert!((good.correlation - 1.0).abs() < 1e-6);
         assert_eq!((good.topographic_error, good.idle), (0.0, 0));
         assert_eq!(good.hit_spread, 0.0);
         assert!(good.as_good_by_chance <= 2);
         let mixed = [0.0, 0.5, 0.125, 0.625, 0.25, 0.75, 0.375, 0.875];
-        let bad = order_of(&chain(mixed), &samples, 1);
+        let bad = topology_of(&chain(mixed), &samples, 1);
         assert!(bad.neighbors > 3.0 * good.neighbors);
         assert!(bad.as_good_by_chance > 200 && bad.topographic_error > 0.5);
-    }
-
-    #[test]
-    fn correlations_of_known_pairs() {
-        assert!((pearson(&[[0.0, 1.0], [1.0, 3.0], [2.0, 5.0]]) - 1.0).abs() < 1e-12);
-        assert!((pearson(&[[0.0, 1.0], [1.0, 0.0], [2.0, -1.0]]) + 1.0).abs() < 1e-12);
-        assert_eq!(pearson(&[[0.0, 1.0], [1.0, 1.0]]), 0.0);
     }
 }

@@ -1,6 +1,6 @@
-//! Another behavior at once: what a change of goal does to memory, maps and the very next decision.
+//! Effect of a change of goal on memory, maps and the very next decision.
 
-use super::Reading;
+use super::PaperReading;
 use super::rooms::setup;
 use amp::controller::{Command, Decision, Event, Outputs, handle};
 use amp::goal::Goal;
@@ -13,25 +13,25 @@ use sim::failure::Failure;
 use sim::pilot::{InspectableController, Mind, Pilot, SimState};
 use sim::scenes::Behavior;
 
-/// Decisions from one question to the next: every 50th.
+/// A goal is changed at every 50th decision.
 const EVERY: usize = 50;
 /// Decisions of an episode.
 const STEPS: u32 = 500;
 /// The transducer that completes an exact ring.
 const LAST: u8 = 15;
 
-/// Changes of goal that were tried.
+/// Results of the changes of goal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct AtOnce {
-    /// How many.
+pub struct GoalSwitches {
+    /// Number of changes.
     pub tried: u32,
-    /// After how many memory and both maps were the same, to the bit.
+    /// Changes after which memory and both maps were identical, to the bit.
     pub unchanged: u32,
-    /// After how many the next decision, from the same echoes, was another action.
+    /// Changes after which the next decision, from the same echoes, was another action.
     pub other_action: u32,
 }
 
-impl AtOnce {
+impl GoalSwitches {
     fn plus(self, other: Self) -> Self {
         Self {
             tried: self.tried + other.tried,
@@ -41,25 +41,25 @@ impl AtOnce {
     }
 }
 
-/// Asks, while a robot avoids, what it would do next if it were given each of these goals now.
-struct Asked {
+/// While a robot avoids, finds what it would do next with each of these goals.
+struct GoalSwitchProbe {
     mind: Mind,
     goals: Vec<Behavior>,
-    /// What was perceived before the first move.
+    /// Situation before the first move.
     nest: Option<Situation<16>>,
     decisions: usize,
-    answers: Vec<AtOnce>,
+    answers: Vec<GoalSwitches>,
 }
 
-impl Asked {
+impl GoalSwitchProbe {
     fn ask(&mut self, before: &SimState, at: Millis, echo: Event<16>, own: &Decision<16>) {
         let Some(nest) = self.nest else { return };
         for (behavior, answer) in self.goals.iter().zip(&mut self.answers) {
             let config = self.mind.config();
             let goal: Goal<16> = behavior.goal(config, &nest);
             let mut twin = before.clone();
-            let told = Event::Command(Command::Seek(goal));
-            let _ = handle(config, &mut twin, at, told);
+            let command = Event::Command(Command::Seek(goal));
+            let _ = handle(config, &mut twin, at, command);
             answer.tried += 1;
             let same = twin.memory() == before.memory()
                 && twin.situations() == before.situations()
@@ -71,7 +71,7 @@ impl Asked {
     }
 }
 
-impl Pilot for Asked {
+impl Pilot for GoalSwitchProbe {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
         let last = matches!(event, Event::Echo { sensor: LAST, .. });
         let due = last && self.decisions % EVERY == EVERY - 1;
@@ -90,22 +90,22 @@ impl Pilot for Asked {
     }
 }
 
-impl InspectableController for Asked {
+impl InspectableController for GoalSwitchProbe {
     fn knowledge(&mut self) -> Result<&SimState, Failure> {
         self.mind.knowledge()
     }
 }
 
-/// What a change to each of `names` does, over rooms in order.
+/// Effect of a change to each of `names`, over rooms in order.
 ///
 /// # Errors
 /// When an episode fails.
 pub fn measure(
-    reading: &Reading,
+    reading: &PaperReading,
     names: &[&str],
     rooms: u32,
     seed: u64,
-) -> Result<Vec<AtOnce>, Failure> {
+) -> Result<Vec<GoalSwitches>, Failure> {
     let goals: Vec<Behavior> = names.iter().filter_map(|name| name.parse().ok()).collect();
     let answers: Result<Vec<_>, Failure> = (0..u64::from(rooms))
         .into_par_iter()
@@ -113,18 +113,18 @@ pub fn measure(
             let world = World::random(room.wrapping_add(1));
             let mut setup = setup(reading, Behavior::Avoid, seed.wrapping_add(room), STEPS);
             setup.record = false;
-            let mut asked = Asked {
+            let mut probe = GoalSwitchProbe {
                 mind: Mind::new(reading.config.clone()),
-                answers: vec![AtOnce::default(); goals.len()],
+                answers: vec![GoalSwitches::default(); goals.len()],
                 goals: goals.clone(),
                 nest: None,
                 decisions: 0,
             };
-            run_with(&world, &setup, &mut asked, |_, _, _| {})?;
-            Ok(asked.answers)
+            run_with(&world, &setup, &mut probe, |_, _, _| {})?;
+            Ok(probe.answers)
         })
         .collect();
-    let none = vec![AtOnce::default(); goals.len()];
+    let none = vec![GoalSwitches::default(); goals.len()];
     Ok(answers?.iter().fold(none, |sums, room| {
         sums.into_iter()
             .zip(room)
@@ -142,11 +142,11 @@ mod tests {
     fn the_same_goal_changes_nothing_and_another_one_the_action_alone() {
         let names = ["avoid", "wall-right"];
         let answers = measure(&readings()[0], &names, 2, 1).expect("episodes");
-        let asked = 2 * STEPS / EVERY as u32;
+        let probe = 2 * STEPS / EVERY as u32;
         for answer in &answers {
-            assert_eq!((answer.tried, answer.unchanged), (asked, asked));
+            assert_eq!((answer.tried, answer.unchanged), (probe, probe));
         }
         assert_eq!(answers[0].other_action, 0);
-        assert!(answers[1].other_action > asked / 2);
+        assert!(answers[1].other_action > probe / 2);
     }
 }

@@ -1,38 +1,38 @@
-//! A situation that is compared with others in every place the ring can be turned to, without turning it.
+//! Compares a situation with another one in every rotation of the ring, without copying it.
 
 use super::learning::Values;
 
-/// Values twice around the ring: turned by p places they are those from place 16 − p on.
+/// The values twice: rotated by p steps they begin at index 16 − p.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Ring([f64; 32]);
+pub struct RotatableRing([f64; 32]);
 
-impl Ring {
-    /// These values.
+impl RotatableRing {
+    /// Stores these values.
     #[must_use]
     pub fn new(values: &Values) -> Self {
         Self(std::array::from_fn(|i| values[i % 16]))
     }
 
-    /// The values turned by `places`.
-    fn turned(&self, places: usize) -> &[f64] {
+    /// The values rotated by `places`.
+    fn rotated(&self, places: usize) -> &[f64] {
         let first = 16 - places % 16;
         self.0.get(first..first + 16).unwrap_or(&[])
     }
 
-    /// Squared distance of `values` to these turned by `places`.
+    /// Squared distance of `values` to these, rotated by `places`.
     #[must_use]
     pub fn squared_distance(&self, values: &Values, places: usize) -> f64 {
-        sum(values, self.turned(places), |a, b| (a - b) * (a - b))
+        sum(values, self.rotated(places), |a, b| (a - b) * (a - b))
     }
 
-    /// Scalar product of `values` and these turned by `places`.
+    /// Scalar product of `values` and these, rotated by `places`.
     #[must_use]
     pub fn product(&self, values: &Values, places: usize) -> f64 {
-        sum(values, self.turned(places), |a, b| a * b)
+        sum(values, self.rotated(places), |a, b| a * b)
     }
 }
 
-/// Four sums side by side, which a processor adds at once; always in the same order.
+/// Four partial sums in a fixed order, for SIMD.
 fn sum(a: &Values, b: &[f64], term: impl Fn(f64, f64) -> f64) -> f64 {
     let mut sums = [0.0; 4];
     for (a, b) in a.chunks_exact(4).zip(b.chunks_exact(4)) {
@@ -52,13 +52,13 @@ mod tests {
         let a: Values = std::array::from_fn(|i| i as f64);
         let b: Values = std::array::from_fn(|i| (i * i % 7) as f64);
         for places in 0..16 {
-            let turned = amp::scan::rotated(&b, places);
-            let pairs = || a.iter().zip(&turned);
+            let rotated = amp::scan::rotated(&b, places);
+            let pairs = || a.iter().zip(&rotated);
             let apart: f64 = pairs().map(|(a, b)| (a - b) * (a - b)).sum();
             let product: f64 = pairs().map(|(a, b)| a * b).sum();
             // Whole numbers: no rounding.
-            assert_eq!(Ring::new(&b).squared_distance(&a, places), apart);
-            assert_eq!(Ring::new(&b).product(&a, places), product);
+            assert_eq!(RotatableRing::new(&b).squared_distance(&a, places), apart);
+            assert_eq!(RotatableRing::new(&b).product(&a, places), product);
         }
     }
 }
