@@ -7,7 +7,7 @@ use arena::world::World;
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use remote::link::MindPlace;
 use sim::episode::Setup;
-use sim::scenes::Behavior;
+use sim::behavior::Behavior;
 use view::order::Order;
 use view::{Simulator, Source, Start, Stepped};
 

@@ -6,8 +6,8 @@ use arena::robot::TurretMode;
 use arena::sonar::{SonarModel, TransducerFault};
 use arena::world::World;
 use sim::episode::{Setup, run_with};
-use sim::pilot::Mind;
-use sim::scenes::Behavior;
+use sim::pilot::LocalController;
+use sim::behavior::Behavior;
 use tests::{host_sim, words};
 
 /// What a mind that watches its transducers decides about them in a random room, and how often the robot touches something.
@@ -29,7 +29,7 @@ fn verdicts(room: u64, sonar: SonarModel, faults: &[&str]) -> (Vec<Verdict>, u32
         faults: faults.collect(),
         record: false,
     };
-    let mut mind = Mind::new(config);
+    let mut mind = LocalController::new(config);
     let run = run_with(&World::random(room), &setup, &mut mind, |_, _, _| {});
     let report = run.expect("an episode").report;
     (

@@ -12,7 +12,7 @@ use arena::sonar::SonarModel;
 use arena::world::World;
 use sim::episode::{Body, Seeds, perceive};
 use sim::pilot::{Pilot, SimState};
-use sim::scenes::Behavior;
+use sim::behavior::Behavior;
 
 /// A mind and, from some moment on, its twin: it hears the same and is not obeyed.
 struct Robot {

@@ -1,7 +1,7 @@
 //! What each open choice is worth: the recommended preset with one choice changed at a time, the
 //! literal preset, and the hand-written yardstick, over the same random rooms.
 
-use sim::braitenberg::{Braitenberg, Tuning};
+use sim::braitenberg::{Braitenberg, BraitenbergTuning};
 
 use amp::config::Config;
 use arena::robot::TurretMode;
@@ -10,9 +10,9 @@ use arena::world::World;
 use files::error::BadInput;
 use rayon::prelude::*;
 use sim::episode::{Body, Seeds, Setup, drive_pilot, run};
-use sim::failure::Failure;
+use sim::error::EpisodeError;
 use sim::ring_pilot::RingPilot;
-use sim::scenes::Behavior;
+use sim::behavior::Behavior;
 use sim::settings;
 
 /// One row: a preset with some choices changed.
@@ -221,7 +221,7 @@ fn changed(mut config: Config<16>, change: &str, name: &str) -> Result<Variant, 
 ///
 /// # Errors
 /// When an episode fails.
-pub fn measure(variant: &Variant, trial: &Trial) -> Result<Figures, Failure> {
+pub fn measure(variant: &Variant, trial: &Trial) -> Result<Figures, EpisodeError> {
     let rooms: Result<Vec<_>, _> = (0..u64::from(trial.rooms))
         .into_par_iter()
         .map(|room| {
@@ -242,7 +242,7 @@ pub fn measure(variant: &Variant, trial: &Trial) -> Result<Figures, Failure> {
     }))
 }
 
-fn one(variant: &Variant, trial: &Trial, world: &World) -> Result<Figures, Failure> {
+fn one(variant: &Variant, trial: &Trial, world: &World) -> Result<Figures, EpisodeError> {
     match &variant.driver {
         Driver::Mind(config, turret) => mind(config, *turret, trial, world),
         Driver::Braitenberg => braitenberg(trial, world),
@@ -254,7 +254,7 @@ fn mind(
     turret: TurretMode,
     trial: &Trial,
     world: &World,
-) -> Result<Figures, Failure> {
+) -> Result<Figures, EpisodeError> {
     let setup = Setup {
         config: config.clone(),
         preset: String::new(),
@@ -280,7 +280,7 @@ fn mind(
     })
 }
 
-fn braitenberg(trial: &Trial, world: &World) -> Result<Figures, Failure> {
+fn braitenberg(trial: &Trial, world: &World) -> Result<Figures, EpisodeError> {
     let body = Body::new(
         world,
         trial.sonar,
@@ -289,7 +289,7 @@ fn braitenberg(trial: &Trial, world: &World) -> Result<Figures, Failure> {
     );
     let tally = drive_pilot(
         world,
-        &mut RingPilot::new(Braitenberg::new(Tuning::default()), None),
+        &mut RingPilot::new(Braitenberg::new(BraitenbergTuning::default()), None),
         body,
         trial.steps,
     )?;

@@ -9,9 +9,9 @@ use arena::sonar::{FaultKind, SonarModel, TransducerFault};
 use arena::world::World;
 use rayon::prelude::*;
 use sim::episode::{Setup, run_with};
-use sim::failure::Failure;
-use sim::pilot::{HeardEcho, InspectableController, Mind, Pilot, SimState};
-use sim::scenes::Behavior;
+use sim::error::EpisodeError;
+use sim::pilot::{HeardEcho, InspectableController, LocalController, Pilot, SimState};
+use sim::behavior::Behavior;
 
 /// What is the same for every episode.
 #[derive(Debug, Clone)]
@@ -69,7 +69,7 @@ pub fn courses(
     kind: Option<FaultKind>,
     trial: &Trial,
     done: &(impl Fn() + Sync),
-) -> Result<Vec<Course>, Failure> {
+) -> Result<Vec<Course>, EpisodeError> {
     let faults: Vec<_> = match kind {
         Some(kind) => (0..16)
             .map(|sensor| {
@@ -92,7 +92,7 @@ pub fn courses(
     courses.collect()
 }
 
-fn course(fault: Option<TransducerFault>, room: u64, trial: &Trial) -> Result<Course, Failure> {
+fn course(fault: Option<TransducerFault>, room: u64, trial: &Trial) -> Result<Course, EpisodeError> {
     let world = World::random(room);
     let setup = Setup {
         config: trial.config.clone(),
@@ -108,7 +108,7 @@ fn course(fault: Option<TransducerFault>, room: u64, trial: &Trial) -> Result<Co
         record: false,
     };
     let mut witness = Witness {
-        mind: Mind::new(setup.config.clone()),
+        mind: LocalController::new(setup.config.clone()),
         faulty: fault.map(|fault| fault.sensor as u8),
         course: Course::default(),
         moves: 0,
@@ -125,7 +125,7 @@ fn course(fault: Option<TransducerFault>, room: u64, trial: &Trial) -> Result<Co
 
 /// A mind, and what happens to it.
 struct Witness {
-    mind: Mind,
+    mind: LocalController,
     faulty: Option<u8>,
     course: Course,
     moves: u32,
@@ -168,7 +168,7 @@ impl Pilot for Witness {
 }
 
 impl InspectableController for Witness {
-    fn knowledge(&mut self) -> Result<&SimState, Failure> {
+    fn knowledge(&mut self) -> Result<&SimState, EpisodeError> {
         self.mind.knowledge()
     }
 }

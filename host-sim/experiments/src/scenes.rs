@@ -3,7 +3,7 @@
 use arena::rooms;
 use arena::sonar::SonarModel;
 use arena::world::{Point, World};
-use sim::episode::Report;
+use sim::episode::EpisodeReport;
 
 /// A behavior, its worlds and what it is to reach.
 pub struct Scene {
@@ -22,7 +22,7 @@ pub struct Scene {
     /// Where the robot is set down after exploring, by the episode's seed; `None` = where its behavior says.
     pub set_down: Option<fn(u64) -> Point>,
     make: fn(u64) -> World,
-    value: fn(&Report) -> f64,
+    value: fn(&EpisodeReport) -> f64,
 }
 
 /// All scenes, in the table's order.
@@ -63,19 +63,19 @@ pub static SCENES: &[Scene] = &[
     .set_down_at(rooms::inside),
 ];
 
-fn clean(report: &Report) -> f64 {
+fn clean(report: &EpisodeReport) -> f64 {
     f64::from(u8::from(report.contacts == 0))
 }
 
-fn area(report: &Report) -> f64 {
+fn area(report: &EpisodeReport) -> f64 {
     report.coverage_m2
 }
 
-fn success(report: &Report) -> f64 {
+fn success(report: &EpisodeReport) -> f64 {
     report.success
 }
 
-fn way(report: &Report) -> f64 {
+fn way(report: &EpisodeReport) -> f64 {
     report.distance_m
 }
 
@@ -96,7 +96,7 @@ impl Scene {
 
     const fn asks(
         mut self,
-        value: fn(&Report) -> f64,
+        value: fn(&EpisodeReport) -> f64,
         measure: &'static str,
         asked: &'static str,
     ) -> Self {
@@ -123,7 +123,7 @@ impl Scene {
 
     /// The scene's measure of an episode.
     #[must_use]
-    pub fn value(&self, report: &Report) -> f64 {
+    pub fn value(&self, report: &EpisodeReport) -> f64 {
         (self.value)(report)
     }
 
@@ -150,7 +150,7 @@ pub fn scenes_named(text: Option<&str>) -> Vec<&'static Scene> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sim::scenes::Behavior;
+    use sim::behavior::Behavior;
 
     #[test]
     fn every_scene_names_a_behavior_and_every_behavior_has_a_scene() {

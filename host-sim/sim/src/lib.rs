@@ -6,11 +6,11 @@
 pub mod braitenberg;
 pub mod coverage;
 pub mod episode;
-pub mod failure;
+pub mod error;
 pub mod goal_file;
 pub mod pilot;
 pub mod recording;
 pub mod ring_pilot;
-pub mod scenes;
+pub mod behavior;
 pub mod settings;
 pub mod statistics;

@@ -1,6 +1,6 @@
 //! Whoever drives: takes what happens to the robot, says what the base is to do.
 
-use crate::failure::Failure;
+use crate::error::EpisodeError;
 use amp::config::Config;
 use amp::controller::{self, Event, Outputs, State};
 use amp::faults::Verdict;
@@ -66,7 +66,7 @@ pub trait Pilot {
     }
 
     /// Why it cannot go on driving; `None` while it can.
-    fn failure(&self) -> Option<Failure> {
+    fn failure(&self) -> Option<EpisodeError> {
         None
     }
 }
@@ -77,7 +77,7 @@ pub trait InspectableController: Pilot {
     ///
     /// # Errors
     /// When that lies elsewhere and cannot be fetched.
-    fn knowledge(&mut self) -> Result<&SimState, Failure>;
+    fn knowledge(&mut self) -> Result<&SimState, EpisodeError>;
 }
 
 impl<P: Pilot> Pilot for &mut P {
@@ -89,25 +89,25 @@ impl<P: Pilot> Pilot for &mut P {
         (**self).echoes(at, echoes)
     }
 
-    fn failure(&self) -> Option<Failure> {
+    fn failure(&self) -> Option<EpisodeError> {
         (**self).failure()
     }
 }
 
 impl<P: InspectableController> InspectableController for &mut P {
-    fn knowledge(&mut self) -> Result<&SimState, Failure> {
+    fn knowledge(&mut self) -> Result<&SimState, EpisodeError> {
         (**self).knowledge()
     }
 }
 
 /// The robot's mind: the very crate that runs on the microcontroller.
-pub struct Mind {
+pub struct LocalController {
     config: Config<16>,
     state: Box<SimState>,
     verdicts: Vec<Verdict>,
 }
 
-impl Mind {
+impl LocalController {
     /// A mind that knows nothing yet.
     #[must_use]
     pub fn new(config: Config<16>) -> Self {
@@ -155,7 +155,7 @@ impl Mind {
     }
 }
 
-impl Pilot for Mind {
+impl Pilot for LocalController {
     // Who calls it says which event it is: there it is only a call of what that event does.
     #[inline(always)]
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
@@ -167,8 +167,8 @@ impl Pilot for Mind {
     }
 }
 
-impl InspectableController for Mind {
-    fn knowledge(&mut self) -> Result<&SimState, Failure> {
+impl InspectableController for LocalController {
+    fn knowledge(&mut self) -> Result<&SimState, EpisodeError> {
         Ok(&self.state)
     }
 }

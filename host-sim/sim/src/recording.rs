@@ -17,7 +17,7 @@ pub struct Step {
     /// The situation made of them, one value in [0, 1] per transducer: 1 = obstacle at the near limit, 0 = none.
     pub situation: Vec<f64>,
     /// How the planner came to the action; `None` while exploring.
-    pub plan: Option<PlanRecord>,
+    pub plan: Option<PlanTrace>,
     /// Displacement the mind asked for, meters in the ring's frame (x along transducer 0, y to its left).
     pub commanded_m: [f64; 2],
     /// Displacement the base carried out, meters in the same frame.
@@ -34,7 +34,7 @@ pub struct Step {
 
 /// The planner's intermediate values for one decision (steps 1 to 4 of the paper, Fig. 3).
 #[derive(Debug, Clone, PartialEq)]
-pub struct PlanRecord {
+pub struct PlanTrace {
     /// Neuron of the situation map that stands for the goal.
     pub goal_neuron: usize,
     /// Best-matching unit of the present situation.

@@ -16,7 +16,7 @@ pub const STEP_M: f64 = 0.25;
 
 /// What a [`Policy`] decides by.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Perceived {
+pub struct Perception {
     /// Latest range of each transducer from its face; `None` = nothing answered.
     pub ranges: [Option<Range>; 16],
     /// Dead-reckoned pose of the ring, counted from where the driver began: place in m, heading in rad.
@@ -24,12 +24,12 @@ pub struct Perceived {
     /// How far the ring has turned since the last decision.
     pub turned: Bearing,
     /// What came of the last decision; `None` before the first.
-    pub last: Option<Done>,
+    pub last: Option<MotionOutcome>,
 }
 
 /// A motion that has ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Done {
+pub struct MotionOutcome {
     /// Displacement that was tried, m in the ring's frame at that decision: what the policy asked for, or the detour that the
     /// shield made of it.
     pub wanted: Point,
@@ -39,7 +39,7 @@ pub struct Done {
     pub touched: bool,
 }
 
-impl Perceived {
+impl Perception {
     /// Range of a transducer, m from its face; infinite where nothing answered.
     #[must_use]
     pub fn range_m(&self, sensor: usize) -> f64 {
@@ -57,7 +57,7 @@ pub fn axis(sensor: usize) -> Point {
 /// A rule that answers each complete ring with a displacement.
 pub trait Policy {
     /// The displacement to try next, m in the ring's present frame, at most [`STEP_M`] long.
-    fn decide(&mut self, perceived: &Perceived) -> Point;
+    fn decide(&mut self, perceived: &Perception) -> Point;
 
     /// Bytes of what it remembers, as the simulator holds it.
     fn bytes(&self) -> usize {
@@ -66,8 +66,8 @@ pub trait Policy {
 }
 
 /// A policy that can be told where to go.
-pub trait Steered: Policy {
-    /// From now on the robot is to go along `target`, rad counter-clockwise in the frame of [`Perceived::pose`] (with a
+pub trait Steerable: Policy {
+    /// From now on the robot is to go along `target`, rad counter-clockwise in the frame of [`Perception::pose`] (with a
     /// held turret: from where the ring looks); `None` = wherever the way is free.
     fn steer(&mut self, target: Option<f64>);
 }
@@ -189,11 +189,11 @@ impl<P: Policy> RingPilot<P> {
     /// A ring is complete and the base stands.
     fn decide(&mut self, now: Millis) -> Outputs<16> {
         let ended = self.under_way.take();
-        let perceived = Perceived {
+        let perceived = Perception {
             ranges: self.scan.echoes().map(|echo| echo.range),
             pose: self.pose,
             turned: ended.map_or(Bearing::ZERO, |ended| ended.turned),
-            last: ended.map(|ended| Done {
+            last: ended.map(|ended| MotionOutcome {
                 wanted: ended.wanted,
                 moved: ended.moved,
                 touched: self.touched,
@@ -301,9 +301,9 @@ fn radians(turned: Bearing) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::episode::{Body, Setup, drive_pilot, educate};
-    use crate::pilot::{Mind, SimState};
-    use crate::scenes::Behavior;
+    use crate::episode::{Body, Setup, drive_pilot, explore_and_learn};
+    use crate::pilot::{LocalController, SimState};
+    use crate::behavior::Behavior;
     use amp::controller::{Command, Part};
     use amp::goal::{Goal, Side};
     use amp::som::Grid;
@@ -315,14 +315,14 @@ mod tests {
     struct Script(Displacement);
 
     impl Policy for Script {
-        fn decide(&mut self, _: &Perceived) -> Point {
+        fn decide(&mut self, _: &Perception) -> Point {
             meters(self.0)
         }
     }
 
     /// Two drivers side by side: every motion of the one has to be one of the other.
     struct Both {
-        mind: Mind,
+        mind: LocalController,
         other: RingPilot<Script>,
         shortened: u32,
         /// Motions in another direction than was asked for.
@@ -355,7 +355,7 @@ mod tests {
 
     /// What a mind has learned that has heard nothing yet.
     fn learned(config: &Config<16>) -> SimState {
-        let mut mind = Mind::new(config.clone());
+        let mut mind = LocalController::new(config.clone());
         let setup = Setup {
             config: config.clone(),
             preset: "default".to_owned(),
@@ -369,7 +369,7 @@ mod tests {
             set_down: None,
             record: false,
         };
-        educate(&small(2), &setup, &mut mind).expect("it learns");
+        explore_and_learn(&small(2), &setup, &mut mind).expect("it learns");
         // Only what it has learned, not what it has heard.
         let mut fresh = SimState::new(Grid::rectangle(4, 4));
         for part in [Part::Situations, Part::Changes, Part::Actions, Part::Memory] {
@@ -391,7 +391,7 @@ mod tests {
             (SonarModel::Harsh, TurretMode::Held),
             (SonarModel::Nomad, TurretMode::Follow),
         ] {
-            let mut mind = Mind::with_state(config.clone(), learned.clone());
+            let mut mind = LocalController::with_state(config.clone(), learned.clone());
             // So near that the shield has much to do.
             let goal = Goal::wall(Side::Right, Range::from_mm(150), &config);
             let _ = mind.handle(Millis::from_ms(0), Event::Command(Command::Seek(goal)));

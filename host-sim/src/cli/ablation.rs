@@ -116,7 +116,7 @@ pub fn ablation(args: &AblationArgs, out: &mut impl Write) -> Result<(), Failure
 fn avoidance_row(
     variant: &Variant,
     args: &AblationArgs,
-) -> Result<Vec<String>, sim::failure::Failure> {
+) -> Result<Vec<String>, sim::error::EpisodeError> {
     let trial = Trial {
         first: args.first,
         rooms: args.rooms,
@@ -132,7 +132,7 @@ fn avoidance_row(
 fn behavior_row(
     variant: &Variant,
     args: &AblationArgs,
-) -> Result<Vec<String>, sim::failure::Failure> {
+) -> Result<Vec<String>, sim::error::EpisodeError> {
     let mut row = vec![variant.name.clone()];
     let Driver::Mind(config, turret) = &variant.driver else {
         return Ok(row);

@@ -9,7 +9,7 @@ use experiments::scenes::{Scene, scenes_named};
 use files::error::BadInput;
 use files::save;
 use plots::Shown;
-use sim::scenes::Behavior;
+use sim::behavior::Behavior;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 

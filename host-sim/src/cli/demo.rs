@@ -8,7 +8,7 @@ use arena::world::World;
 use clap::Args;
 use files::error::BadInput;
 use sim::episode::{self, Phase, Setup};
-use sim::scenes::Behavior;
+use sim::behavior::Behavior;
 use std::io::Write;
 use std::path::PathBuf;
 

@@ -9,7 +9,7 @@ use clap::Args;
 use files::error::BadInput;
 use remote::link::{self, Address, Emulation, LinkError, MindPlace, RemoteMind, Session};
 use sim::episode::{Episode, Setup};
-use sim::failure::Failure;
+use sim::error::EpisodeError;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -112,8 +112,8 @@ impl Remote {
         world: &World,
         setup: &Setup,
         log: Option<&Path>,
-    ) -> Result<Episode, Failure> {
-        let mut mind = self.mind(&setup.config).map_err(Failure::from)?;
+    ) -> Result<Episode, EpisodeError> {
+        let mut mind = self.mind(&setup.config).map_err(EpisodeError::from)?;
         drive(world, setup, &mut mind, log)
     }
 

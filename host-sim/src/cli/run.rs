@@ -14,8 +14,8 @@ use files::error::BadInput;
 use rayon::prelude::*;
 use remote::link::Knowledge;
 use remote::log;
-use sim::episode::{self, Episode, Report, Setup};
-use sim::pilot::{InspectableController, Mind};
+use sim::episode::{self, Episode, EpisodeReport, Setup};
+use sim::pilot::{InspectableController, LocalController};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -182,7 +182,7 @@ pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
     }
     let began = std::time::Instant::now();
     let mut reports = Vec::new();
-    let mut print = |report: Report| {
+    let mut print = |report: EpisodeReport| {
         if args.json {
             return write_json(out, &report);
         }
@@ -205,7 +205,7 @@ pub fn run(args: &RunArgs, out: &mut impl Write) -> Result<(), Failure> {
 }
 
 /// Hands on the report of each world, in their order.
-type Print<'p> = &'p mut dyn FnMut(Report) -> Result<(), Failure>;
+type Print<'p> = &'p mut dyn FnMut(EpisodeReport) -> Result<(), Failure>;
 
 fn in_parallel(
     args: &RunArgs,
@@ -218,7 +218,7 @@ fn in_parallel(
     for (number, chunk) in sources.chunks(CHUNK).enumerate() {
         let one = |(index, source): (usize, &WorldSource)| {
             let folder = folder(args, number * CHUNK + index, source, sources.len());
-            let mut mind = Mind::new(setup.config.clone());
+            let mut mind = LocalController::new(setup.config.clone());
             let report = episode(source, folder.as_deref(), |world| {
                 drive(world, setup, &mut mind, args.log.as_deref())
             })?;
@@ -287,8 +287,8 @@ fn folder(args: &RunArgs, index: usize, source: &WorldSource, count: usize) -> O
 fn episode(
     source: &WorldSource,
     folder: Option<&Path>,
-    run: impl FnOnce(&World) -> Result<Episode, sim::failure::Failure>,
-) -> Result<Report, BadInput> {
+    run: impl FnOnce(&World) -> Result<Episode, sim::error::EpisodeError>,
+) -> Result<EpisodeReport, BadInput> {
     let world = source.load()?;
     let episode = run(&world)
         .map_err(|failure| BadInput::new(format!("world {}: {failure}", world.name())))?;
@@ -304,14 +304,14 @@ pub(super) fn drive(
     setup: &Setup,
     mind: &mut impl InspectableController,
     log: Option<&Path>,
-) -> Result<Episode, sim::failure::Failure> {
+) -> Result<Episode, sim::error::EpisodeError> {
     match log {
         Some(path) => log::run(world, setup, mind, path),
         None => episode::run_with(world, setup, mind, |_, _, _| {}),
     }
 }
 
-fn write_json(out: &mut impl Write, report: &Report) -> Result<(), Failure> {
+fn write_json(out: &mut impl Write, report: &EpisodeReport) -> Result<(), Failure> {
     serde_json::to_writer(&mut *out, report).map_err(std::io::Error::from)?;
     Ok(out.write_all(b"\n")?)
 }

@@ -8,7 +8,7 @@ use clap::Args;
 use files::error::BadInput;
 use sim::episode::Setup;
 use sim::pilot::MAX_MOVES;
-use sim::scenes::Behavior;
+use sim::behavior::Behavior;
 use sim::settings;
 
 /// What a robot is to do, and the open choices of its mind.

@@ -21,9 +21,9 @@ use amp::wire::message::{self, GoalBy, ModeReport};
 use arena::world::Point;
 use files::hex::unhex;
 use remote::link::{Knowledge, LinkError, Session};
-use sim::episode::{Seeds, Stride};
+use sim::episode::{Seeds, StepFlags};
 use sim::pilot::SimState;
-use sim::scenes::Behavior;
+use sim::behavior::Behavior;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -144,7 +144,7 @@ impl Board {
         if before != mode {
             self.note = match mode {
                 ModeReport::Stopped(reason) => {
-                    Some(format!("It stands: {}", sim::failure::stop_reason(reason)))
+                    Some(format!("It stands: {}", sim::error::stop_reason(reason)))
                 }
                 _ => None,
             };
@@ -156,7 +156,7 @@ impl Board {
         self.nest.get_or_insert(decision.situation);
         self.before = self.decision.map(|before| before.situation);
         self.decision = Some(*decision);
-        let stride = Stride {
+        let stride = StepFlags {
             at_goal: decision.at_goal,
             shielded: decision.allowed != decision.wanted,
             touched: false,

@@ -11,7 +11,7 @@ use arena::world::Point;
 use files::error::BadInput;
 use sim::goal_file::{self, GoalFile};
 use sim::pilot::SimState;
-use sim::scenes::{Behavior, is_reached};
+use sim::behavior::{Behavior, is_reached};
 
 /// A goal and where it came from.
 #[derive(Debug, Clone)]

@@ -3,7 +3,7 @@
 use super::snapshot::{MAX_PIECES, Mark, PIECE, Part, Short, Showable};
 use arena::world::Point;
 use serde::Serialize;
-use sim::episode::Stride;
+use sim::episode::StepFlags;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -107,7 +107,7 @@ pub(super) fn mark(
     time_s: f64,
     place: Point,
     seeks: bool,
-    stride: Stride,
+    stride: StepFlags,
     neuron: Option<usize>,
     nearest_m: Option<f64>,
 ) -> Mark {
@@ -136,10 +136,10 @@ mod tests {
     fn full_pieces_stay_and_the_oldest_are_forgotten() {
         let mut trail = Trail::latest();
         let add = |trail: &mut Trail| {
-            let stride = Stride {
+            let stride = StepFlags {
                 touched: true,
                 at_goal: true,
-                ..Stride::default()
+                ..StepFlags::default()
             };
             trail.push(mark(1.0, Point::new(2.0, 3.0), true, stride, Some(4), None));
         };

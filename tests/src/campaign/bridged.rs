@@ -12,7 +12,7 @@ use nomad200::bridge::{Plan, drive};
 use nomad200::{Command, Decoder, Host, Line, MAX_TO_ROBOT, Protocol, Simulated};
 use remote::link::{AnyMind, Local, MindPlace, Patience, Session, Transport};
 use remote::log::LoggedMind;
-use sim::scenes::Behavior;
+use sim::behavior::Behavior;
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

@@ -10,9 +10,9 @@ use arena::sonar::SonarModel;
 use arena::world::World;
 use rayon::prelude::*;
 use sim::episode::{Setup, run_with};
-use sim::failure::Failure;
-use sim::pilot::{InspectableController, Mind, Pilot, SimState};
-use sim::scenes::Behavior;
+use sim::error::EpisodeError;
+use sim::pilot::{InspectableController, LocalController, Pilot, SimState};
+use sim::behavior::Behavior;
 
 /// Episodes of a full campaign.
 pub const COUNT: u64 = 1_000;
@@ -23,7 +23,7 @@ const SHORTEST_MS: usize = 120_000;
 
 /// A mind by a clock that is `by` ahead.
 pub(super) struct Shifted {
-    pub(super) mind: Mind,
+    pub(super) mind: LocalController,
     by: u32,
     /// What was decided, if that is kept.
     decisions: Option<Vec<Decision<16>>>,
@@ -36,7 +36,7 @@ pub(super) struct Shifted {
 impl Shifted {
     pub(super) fn new(config: Config<16>, by: u32) -> Self {
         Self {
-            mind: Mind::new(config),
+            mind: LocalController::new(config),
             by,
             decisions: None,
             latest: Millis::from_ms(by),
@@ -66,7 +66,7 @@ impl Pilot for Shifted {
 }
 
 impl InspectableController for Shifted {
-    fn knowledge(&mut self) -> Result<&SimState, Failure> {
+    fn knowledge(&mut self) -> Result<&SimState, EpisodeError> {
         self.mind.knowledge()
     }
 }
@@ -83,7 +83,7 @@ struct Compared {
 ///
 /// # Errors
 /// When a mind falls silent.
-pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> Result<Verdict, Failure> {
+pub fn run(seed: u64, count: u64, progress: Progress<'_>) -> Result<Verdict, EpisodeError> {
     let one = |number| {
         let compared = compare(seed, number);
         progress(1);
@@ -113,7 +113,7 @@ fn setup(seed: u64, number: u64) -> Setup {
     }
 }
 
-fn compare(seed: u64, number: u64) -> Result<Compared, Failure> {
+fn compare(seed: u64, number: u64) -> Result<Compared, EpisodeError> {
     let setup = setup(seed, number);
     let world = World::random(setup.seed);
     let before_ms = 1 + below(&mut generator(seed, number), SHORTEST_MS) as u32;

@@ -14,10 +14,10 @@ use arena::sonar::SonarModel;
 use arena::world::World;
 use sim::braitenberg::Braitenberg;
 use sim::episode::{Body, Seeds, Setup, drive_pilot, run_with};
-use sim::failure::Failure;
-use sim::pilot::Mind;
+use sim::error::EpisodeError;
+use sim::pilot::LocalController;
 use sim::ring_pilot::{Policy, RingPilot};
-use sim::scenes::Behavior;
+use sim::behavior::Behavior;
 use std::f64::consts::TAU;
 
 /// How a method is measured.
@@ -71,7 +71,7 @@ pub fn drive(
     world: &World,
     seed: u64,
     conditions: &Conditions,
-) -> Result<Vec<Outcome>, Failure> {
+) -> Result<Vec<Outcome>, EpisodeError> {
     let constants = candidate.constants;
     let place = Place {
         world,
@@ -135,7 +135,7 @@ impl Place<'_> {
     }
 
     /// Measures a policy as it is.
-    fn measured<P: Policy>(&self, policy: P, learning_contacts: u32) -> Result<Outcome, Failure> {
+    fn measured<P: Policy>(&self, policy: P, learning_contacts: u32) -> Result<Outcome, EpisodeError> {
         let mut watched = Watched::new(self.pilot(policy), self.conditions.timed);
         let tally = drive_pilot(self.world, &mut watched, self.body(), self.conditions.steps)?;
         Ok(Outcome {
@@ -149,7 +149,7 @@ impl Place<'_> {
         })
     }
 
-    fn fixed<P: Policy>(&self, policy: P) -> Result<Vec<Outcome>, Failure> {
+    fn fixed<P: Policy>(&self, policy: P) -> Result<Vec<Outcome>, EpisodeError> {
         Ok(vec![self.measured(policy, 0)?])
     }
 
@@ -160,7 +160,7 @@ impl Place<'_> {
         learner: L,
         schooling: Schooling,
         budgets: &[u32],
-    ) -> Result<Vec<Outcome>, Failure> {
+    ) -> Result<Vec<Outcome>, EpisodeError> {
         let trainee = Trainee::new(learner, schooling, self.seeds.exploration);
         let mut pilot = self.pilot(trainee);
         let mut body = self.body();
@@ -179,7 +179,7 @@ impl Place<'_> {
         &self,
         (tuning, far_m): (nearest::Tuning, f64),
         budgets: &[u32],
-    ) -> Result<Vec<Outcome>, Failure> {
+    ) -> Result<Vec<Outcome>, EpisodeError> {
         let schooling = nearest::schooling(&tuning, far_m);
         self.taught(Nearest::new(tuning), schooling, budgets)
     }
@@ -189,7 +189,7 @@ impl Place<'_> {
         mut config: Config<16>,
         turret: TurretMode,
         seed: u64,
-    ) -> Result<Vec<Outcome>, Failure> {
+    ) -> Result<Vec<Outcome>, EpisodeError> {
         if !self.conditions.shield {
             config.shield = None;
         }
@@ -207,7 +207,7 @@ impl Place<'_> {
             faults: Vec::new(),
             record: false,
         };
-        let mut watched = Watched::new(Mind::new(config), self.conditions.timed);
+        let mut watched = Watched::new(LocalController::new(config), self.conditions.timed);
         let report = run_with(self.world, &setup, &mut watched, |_, _, _| {})?.report;
         let state = watched.driver().state();
         let parts = [Part::Situations, Part::Changes, Part::Actions, Part::Memory];

@@ -112,7 +112,7 @@ impl FromStr for Method {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Constants {
     /// Of the yardstick.
-    pub braitenberg: braitenberg::Tuning,
+    pub braitenberg: braitenberg::BraitenbergTuning,
     /// Of the potential field.
     pub potential_field: potential_field::Tuning,
     /// Of VFH+.
@@ -136,7 +136,7 @@ impl Constants {
     #[must_use]
     pub fn of(shield: bool) -> Self {
         Self {
-            braitenberg: braitenberg::Tuning::default(),
+            braitenberg: braitenberg::BraitenbergTuning::default(),
             potential_field: potential_field::Tuning::default(),
             vfh_plus: vfh_plus::Tuning::of(shield),
             nearest_change: (nearest::Tuning::CHANGE, nearest::FAR_M),

@@ -14,7 +14,7 @@ pub use watch::Seen;
 
 use arena::world::World;
 use rayon::prelude::*;
-use sim::failure::Failure;
+use sim::error::EpisodeError;
 
 /// What is compared where.
 #[derive(Debug, Clone)]
@@ -51,7 +51,7 @@ impl Plan {
 ///
 /// # Errors
 /// When an episode fails.
-pub fn measure(plan: &Plan, done: &(impl Fn() + Sync)) -> Result<Vec<Row>, Failure> {
+pub fn measure(plan: &Plan, done: &(impl Fn() + Sync)) -> Result<Vec<Row>, EpisodeError> {
     let mut rows = Vec::new();
     for conditions in &plan.conditions {
         let constants = Constants::of(conditions.shield);
@@ -72,7 +72,7 @@ pub fn measure(plan: &Plan, done: &(impl Fn() + Sync)) -> Result<Vec<Row>, Failu
                 let seeds = (0..plan.seeds).into_par_iter();
                 seeds.map(|seed| of_seed(world, seed)).collect()
             };
-            let measured: Result<Vec<Vec<Vec<Outcome>>>, Failure> =
+            let measured: Result<Vec<Vec<Vec<Outcome>>>, EpisodeError> =
                 plan.worlds.par_iter().map(of_world).collect();
             let measured = measured?;
             for (index, moves) in budgets.iter().enumerate() {

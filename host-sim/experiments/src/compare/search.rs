@@ -5,7 +5,7 @@ use super::drive::{Candidate, Conditions, Outcome, drive};
 use super::method::{Constants, Method};
 use arena::world::World;
 use rayon::prelude::*;
-use sim::failure::Failure;
+use sim::error::EpisodeError;
 
 /// A constant and the values it may take.
 pub struct Knob {
@@ -219,7 +219,7 @@ impl Search {
     ///
     /// # Errors
     /// When an episode fails.
-    pub fn score(&self, constants: &Constants) -> Result<f64, Failure> {
+    pub fn score(&self, constants: &Constants) -> Result<f64, EpisodeError> {
         let budgets = self.method.budgets(&[self.moves]);
         let candidate = Candidate {
             method: self.method,
@@ -227,7 +227,7 @@ impl Search {
             budgets: budgets.get(..1).unwrap_or_default(),
         };
         let rooms = (FIRST_ROOM..FIRST_ROOM + u64::from(self.rooms)).into_par_iter();
-        let outcomes: Result<Vec<Vec<Outcome>>, Failure> = rooms
+        let outcomes: Result<Vec<Vec<Outcome>>, EpisodeError> = rooms
             .map(|room| drive(&candidate, &World::random(room), room, &self.conditions))
             .collect();
         let (mut contacts, mut way, mut area) = (0.0, 0.0, 0.0);
@@ -247,7 +247,7 @@ impl Search {
         &self,
         from: Constants,
         mut tried: impl FnMut(&str, f64, f64),
-    ) -> Result<Constants, Failure> {
+    ) -> Result<Constants, EpisodeError> {
         let (mut best, mut most) = (from, self.score(&from)?);
         tried("as it is", f64::NAN, most);
         for _ in 0..ROUNDS {

@@ -201,8 +201,8 @@ mod tests {
     use super::*;
     use arena::sonar::SonarModel;
     use sim::episode::Seeds;
-    use sim::pilot::Mind;
-    use sim::scenes::Behavior;
+    use sim::pilot::LocalController;
+    use sim::behavior::Behavior;
 
     #[test]
     fn a_ring_of_16_remembers_what_the_nomad_does() {
@@ -228,7 +228,7 @@ mod tests {
             faults: Vec::new(),
             record: false,
         };
-        let mut mind = Mind::new(config);
+        let mut mind = LocalController::new(config);
         let episode = sim::episode::run_with(&world, &setup, &mut mind, |_, _, _| {});
         let report = episode.expect("an episode").report;
         assert_eq!(

@@ -9,9 +9,9 @@ use amp::units::Millis;
 use arena::world::World;
 use rayon::prelude::*;
 use sim::episode::run_with;
-use sim::failure::Failure;
-use sim::pilot::{InspectableController, Mind, Pilot, SimState};
-use sim::scenes::Behavior;
+use sim::error::EpisodeError;
+use sim::pilot::{InspectableController, LocalController, Pilot, SimState};
+use sim::behavior::Behavior;
 
 /// Decisions from one question to the next: every 50th.
 const EVERY: usize = 50;
@@ -43,7 +43,7 @@ impl AtOnce {
 
 /// Asks, while a robot avoids, what it would do next if it were given each of these goals now.
 struct Asked {
-    mind: Mind,
+    mind: LocalController,
     goals: Vec<Behavior>,
     /// What was perceived before the first move.
     nest: Option<Situation<16>>,
@@ -91,7 +91,7 @@ impl Pilot for Asked {
 }
 
 impl InspectableController for Asked {
-    fn knowledge(&mut self) -> Result<&SimState, Failure> {
+    fn knowledge(&mut self) -> Result<&SimState, EpisodeError> {
         self.mind.knowledge()
     }
 }
@@ -105,16 +105,16 @@ pub fn measure(
     names: &[&str],
     rooms: u32,
     seed: u64,
-) -> Result<Vec<AtOnce>, Failure> {
+) -> Result<Vec<AtOnce>, EpisodeError> {
     let goals: Vec<Behavior> = names.iter().filter_map(|name| name.parse().ok()).collect();
-    let answers: Result<Vec<_>, Failure> = (0..u64::from(rooms))
+    let answers: Result<Vec<_>, EpisodeError> = (0..u64::from(rooms))
         .into_par_iter()
         .map(|room| {
             let world = World::random(room.wrapping_add(1));
             let mut setup = setup(reading, Behavior::Avoid, seed.wrapping_add(room), STEPS);
             setup.record = false;
             let mut asked = Asked {
-                mind: Mind::new(reading.config.clone()),
+                mind: LocalController::new(reading.config.clone()),
                 answers: vec![AtOnce::default(); goals.len()],
                 goals: goals.clone(),
                 nest: None,

@@ -13,9 +13,9 @@ use amp::planner::Why;
 use amp::units::Displacement;
 use arena::world::World;
 use sim::episode::run_with;
-use sim::failure::Failure;
+use sim::error::EpisodeError;
 use sim::pilot::SimState;
-use sim::scenes::Behavior;
+use sim::behavior::Behavior;
 
 /// Decisions of an episode: as long as the path in Fig. 5, several times over.
 pub const STEPS: u32 = 300;
@@ -75,8 +75,8 @@ pub struct DecisionFigure {
 /// The decision, in the arena after Fig. 5.
 ///
 /// # Errors
-/// When an episode fails; [`Failure::Silent`] when none of a hundred has a decision that aims at a neighbor.
-pub fn decision(reading: &Reading, world: &World, seed: u64) -> Result<DecisionFigure, Failure> {
+/// When an episode fails; [`EpisodeError::Silent`] when none of a hundred has a decision that aims at a neighbor.
+pub fn decision(reading: &Reading, world: &World, seed: u64) -> Result<DecisionFigure, EpisodeError> {
     for seed in (0..EPISODES).map(|i| seed.wrapping_add(i)) {
         let setup = rooms::setup(reading, Behavior::Avoid, seed, STEPS);
         let watch = |keep_after| {
@@ -92,7 +92,7 @@ pub fn decision(reading: &Reading, world: &World, seed: u64) -> Result<DecisionF
             return Ok(figure(reading, seed, chosen + 1, seen, state));
         }
     }
-    Err(Failure::Silent)
+    Err(EpisodeError::Silent)
 }
 
 /// The decision that aims at a neighbor with most to the left, the first of equals.

@@ -22,9 +22,9 @@ use arena::world::World;
 use files::error::BadInput;
 use rayon::prelude::*;
 use sim::episode::{Seeds, run};
-use sim::failure::Failure;
+use sim::error::EpisodeError;
 use sim::recording::Recording;
-use sim::scenes::Behavior;
+use sim::behavior::Behavior;
 
 /// Random moves with which avoidance is tried.
 pub const FEWER_MOVES: [u16; 5] = [10, 25, 50, 100, 200];
@@ -96,7 +96,7 @@ pub struct Measured {
 #[derive(Debug)]
 pub enum Unmeasured {
     /// An episode failed.
-    Episode(Failure),
+    Episode(EpisodeError),
     /// A world could not be made.
     World(BadInput),
 }
@@ -112,8 +112,8 @@ impl std::fmt::Display for Unmeasured {
 
 impl std::error::Error for Unmeasured {}
 
-impl From<Failure> for Unmeasured {
-    fn from(failure: Failure) -> Self {
+impl From<EpisodeError> for Unmeasured {
+    fn from(failure: EpisodeError) -> Self {
         Self::Episode(failure)
     }
 }
@@ -159,8 +159,8 @@ pub fn measure(size: Size, watcher: &impl Watcher) -> Result<Measured, Unmeasure
 
 fn by_reading<T>(
     readings: &[Reading; 3],
-    one: impl Fn(&Reading) -> Result<T, Failure>,
-) -> Result<[T; 3], Failure> {
+    one: impl Fn(&Reading) -> Result<T, EpisodeError>,
+) -> Result<[T; 3], EpisodeError> {
     let [first, second, third] = readings;
     Ok([one(first)?, one(second)?, one(third)?])
 }
@@ -208,10 +208,10 @@ fn decisions(
     Ok([one(&readings[1])?, one(&readings[2])?])
 }
 
-fn episode(world: &World, reading: &Reading, seed: u64) -> Result<Recording, Failure> {
+fn episode(world: &World, reading: &Reading, seed: u64) -> Result<Recording, EpisodeError> {
     let setup = rooms::setup(reading, Behavior::Avoid, seed, decision::STEPS);
     let episode = run(world, &setup, |_, _, _| {})?;
-    episode.recording.ok_or(Failure::Silent)
+    episode.recording.ok_or(EpisodeError::Silent)
 }
 
 fn arena(size: Size, readings: &[Reading; 3]) -> Result<[Vec<Gaps>; 3], Unmeasured> {
@@ -249,7 +249,7 @@ fn moves(
     size: Size,
     readings: &[Reading; 3],
     watcher: &impl Watcher,
-) -> Result<Vec<[Figures; 2]>, Failure> {
+) -> Result<Vec<[Figures; 2]>, EpisodeError> {
     watcher.begin("moves", 2 * FEWER_MOVES.len() as u64);
     let one = |reading: &Reading, moves| {
         let figures = ablation::measure(&variant(reading, reading.turret), &trial(size, moves));
@@ -262,11 +262,11 @@ fn moves(
         .collect()
 }
 
-fn following(size: Size, reading: &Reading) -> Result<Figures, Failure> {
+fn following(size: Size, reading: &Reading) -> Result<Figures, EpisodeError> {
     ablation::measure(&variant(reading, TurretMode::Follow), &trial(size, MOVES))
 }
 
-fn compared(size: Size, watcher: &impl Watcher) -> Result<Vec<Row>, Failure> {
+fn compared(size: Size, watcher: &impl Watcher) -> Result<Vec<Row>, EpisodeError> {
     let plan = Plan {
         worlds: (1..=u64::from(size.worlds)).map(World::random).collect(),
         first_seed: size.seed,
@@ -313,7 +313,7 @@ fn reached(
     size: Size,
     readings: &[Reading; 3],
     watcher: &impl Watcher,
-) -> Result<Vec<Reached>, Failure> {
+) -> Result<Vec<Reached>, EpisodeError> {
     // Avoidance has rooms of its own, and a way is no success.
     let asked: Vec<_> = scenes()
         .filter(|scene| scene.behavior != "avoid" && scene.measure != "way m")
@@ -333,7 +333,7 @@ fn repetitions(
     size: Size,
     reading: &Reading,
     watcher: &impl Watcher,
-) -> Result<Vec<(&'static Scene, Curve)>, Failure> {
+) -> Result<Vec<(&'static Scene, Curve)>, EpisodeError> {
     // What is perfect from the first time on cannot improve; a chain repeats its parts already.
     let asked: Vec<_> = scenes()
         .filter(|scene| {

@@ -12,10 +12,10 @@ use amp::scan::{Situation, rotated};
 use arena::sonar::SonarModel;
 use arena::world::World;
 use rayon::prelude::*;
-use sim::episode::{Report, Setup, run_with};
-use sim::failure::Failure;
+use sim::episode::{EpisodeReport, Setup, run_with};
+use sim::error::EpisodeError;
 use sim::pilot::SimState;
-use sim::scenes::Behavior;
+use sim::behavior::Behavior;
 
 /// Added to an episode's seed for random moves that its maps have not learned.
 const OTHER_MOVES: u64 = 1_000_000;
@@ -24,7 +24,7 @@ const OTHER_MOVES: u64 = 1_000_000;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Room {
     /// The episode's figures.
-    pub report: Report,
+    pub report: EpisodeReport,
     /// What became of its plans.
     pub plans: Plans,
     /// Ways over the situation map as the random moves made it.
@@ -68,7 +68,7 @@ pub fn measure(
     rooms: u32,
     seed: u64,
     done: &(impl Fn() + Sync),
-) -> Result<Vec<Room>, Failure> {
+) -> Result<Vec<Room>, EpisodeError> {
     (0..u64::from(rooms))
         .into_par_iter()
         .map(|room| {
@@ -80,7 +80,7 @@ pub fn measure(
         .collect()
 }
 
-fn one(reading: &Reading, world: &World, seed: u64) -> Result<Room, Failure> {
+fn one(reading: &Reading, world: &World, seed: u64) -> Result<Room, EpisodeError> {
     let half = STEPS as usize / 2;
     let setup = setup(reading, Behavior::Avoid, seed, STEPS);
     let mut watched = Watched::new(reading.config.clone(), half);
@@ -88,7 +88,7 @@ fn one(reading: &Reading, world: &World, seed: u64) -> Result<Room, Failure> {
     let others = other_moves(&setup, world)?;
     let steps = episode.recording.map_or(Vec::new(), |r| r.seeking);
     let goal = Goal::avoiding(&reading.config);
-    let learned = watched.learned.as_deref().ok_or(Failure::Silent)?;
+    let learned = watched.learned.as_deref().ok_or(EpisodeError::Silent)?;
     let late = watched.seen.get(half..).unwrap_or_default();
     Ok(Room {
         report: episode.report,
@@ -122,7 +122,7 @@ fn lessons(state: &SimState, reading: &Reading) -> Vec<Situation<16>> {
 }
 
 /// What a mind knows after other random moves in the same room.
-fn other_moves(setup: &Setup, world: &World) -> Result<Box<SimState>, Failure> {
+fn other_moves(setup: &Setup, world: &World) -> Result<Box<SimState>, EpisodeError> {
     let other = Setup {
         seed: setup.seed.wrapping_add(OTHER_MOVES),
         steps: 1,
@@ -131,5 +131,5 @@ fn other_moves(setup: &Setup, world: &World) -> Result<Box<SimState>, Failure> {
     };
     let mut watched = Watched::new(other.config.clone(), 0);
     run_with(world, &other, &mut watched, |_, _, _| {})?;
-    watched.learned.ok_or(Failure::Silent)
+    watched.learned.ok_or(EpisodeError::Silent)
 }

@@ -7,7 +7,7 @@ use super::points::Assignment;
 use super::results::Header;
 use arena::world::WorldSource;
 use files::error::BadInput;
-use sim::episode::{Report, Setup};
+use sim::episode::{EpisodeReport, Setup};
 
 /// What a point's keys mean. The command line knows its flags; a sweep only hands them on.
 #[derive(Debug, Clone)]
@@ -93,7 +93,7 @@ impl Plan {
             name,
             &hash.finish(),
             episodes,
-            keys.chain(Report::FIELDS.map(str::to_owned)),
+            keys.chain(EpisodeReport::FIELDS.map(str::to_owned)),
         );
         Ok(Self {
             description,
@@ -148,6 +148,6 @@ impl Plan {
     pub fn setup(&self, place: Place) -> Result<Setup, BadInput> {
         let setup = (self.vocabulary.setup)(&self.description.points.choices(place.point))?;
         let behavior = self.description.behaviors.get(place.behavior).cloned();
-        Ok(setup.pursuing(behavior.unwrap_or(sim::scenes::Behavior::Avoid)))
+        Ok(setup.pursuing(behavior.unwrap_or(sim::behavior::Behavior::Avoid)))
     }
 }

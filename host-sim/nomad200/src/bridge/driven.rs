@@ -3,8 +3,8 @@
 use crate::RobotError;
 use amp::config::Config;
 use serde::Serialize;
-use sim::failure::Failure;
-use sim::scenes::Behavior;
+use sim::error::EpisodeError;
+use sim::behavior::Behavior;
 use std::fmt;
 
 /// What is to be done with the robot.
@@ -30,7 +30,7 @@ pub enum Trouble {
     /// The robot.
     Robot(RobotError),
     /// The mind.
-    Mind(Failure),
+    Mind(EpisodeError),
     /// Somebody wanted it to end.
     Interrupted,
 }

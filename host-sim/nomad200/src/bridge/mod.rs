@@ -28,8 +28,8 @@ use amp::scan::Situation;
 use reins::refused;
 use remote::log::LoggedMind;
 use sim::episode::{Seeds, rounded};
-use sim::failure::Failure;
-use sim::scenes::is_reached;
+use sim::error::EpisodeError;
+use sim::behavior::is_reached;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
@@ -140,7 +140,7 @@ impl<'p> Bridge<'p> {
     fn conclude(&mut self, thought: &Thought) -> Result<(), Trouble> {
         let outputs = &thought.outputs;
         if let Some(reason) = outputs.stopped.filter(|_| thought.about != About::Command) {
-            return Err(Trouble::Mind(Failure::Stopped(reason)));
+            return Err(Trouble::Mind(EpisodeError::Stopped(reason)));
         }
         if outputs.decision.is_some() || outputs.mode_changed {
             self.close();

@@ -11,7 +11,7 @@ use amp::node::MOTION_TTL_MS;
 use arena::sonar::{FIRING_ORDER, FIRING_SLOT_S};
 use arena::world::{Point, Pose};
 use remote::log::{Log, LogOutput, LoggedMind, SharedLog};
-use sim::failure::Failure;
+use sim::error::EpisodeError;
 use std::time::Duration;
 
 /// The base's own time-out, s: the shortest there is.
@@ -170,7 +170,7 @@ impl Reins {
         }
         let silent_ms = self.state.time_ms.wrapping_sub(self.decided_ms);
         if at == At::Work && silent_ms > self.silence_ms && is_idle {
-            return Err(Trouble::Mind(Failure::Silent));
+            return Err(Trouble::Mind(EpisodeError::Silent));
         }
         Ok(())
     }
@@ -313,6 +313,6 @@ impl Reins {
 
 /// A command was refused, if it was.
 pub(super) fn refused(outputs: &Outputs<16>) -> Result<(), Trouble> {
-    let refused = outputs.refusal.map(Failure::Refused);
+    let refused = outputs.refusal.map(EpisodeError::Refused);
     refused.map_or(Ok(()), |failure| Err(Trouble::Mind(failure)))
 }

@@ -6,7 +6,7 @@ use amp::controller::{Command, Event, Motion, Outputs};
 use amp::units::Millis;
 use arena::world::Point;
 use remote::log::LoggedMind;
-use sim::failure::Failure;
+use sim::error::EpisodeError;
 use sim::pilot::{HeardEcho, Pilot, SimState};
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::thread::JoinHandle;
@@ -58,7 +58,7 @@ pub struct Thought {
 /// The other end of the mind's thread, which ends with it.
 pub(super) struct Mind {
     tasks: Option<Sender<Task>>,
-    thoughts: Receiver<Result<Thought, Failure>>,
+    thoughts: Receiver<Result<Thought, EpisodeError>>,
     thread: Option<JoinHandle<()>>,
     /// Tasks in the air, and since when the eldest is.
     pending: u32,
@@ -93,7 +93,7 @@ impl Mind {
     }
 
     /// What came of a task, if something has.
-    pub(super) fn thought(&mut self) -> Option<Result<Thought, Failure>> {
+    pub(super) fn thought(&mut self) -> Option<Result<Thought, EpisodeError>> {
         match self.thoughts.try_recv() {
             Ok(thought) => {
                 self.pending = self.pending.saturating_sub(1);
@@ -101,7 +101,7 @@ impl Mind {
                 Some(thought)
             }
             Err(TryRecvError::Empty) => None,
-            Err(TryRecvError::Disconnected) => Some(Err(Failure::Silent)),
+            Err(TryRecvError::Disconnected) => Some(Err(EpisodeError::Silent)),
         }
     }
 
@@ -132,7 +132,7 @@ impl Mind {
     }
 }
 
-fn think(mut pilot: LoggedMind, todo: &Receiver<Task>, done: &Sender<Result<Thought, Failure>>) {
+fn think(mut pilot: LoggedMind, todo: &Receiver<Task>, done: &Sender<Result<Thought, EpisodeError>>) {
     while let Ok(task) = todo.recv() {
         let thought = obey(&mut pilot, task);
         let thought = pilot.failure().map_or(thought, Err);
@@ -142,7 +142,7 @@ fn think(mut pilot: LoggedMind, todo: &Receiver<Task>, done: &Sender<Result<Thou
     }
 }
 
-fn obey(pilot: &mut LoggedMind, task: Task) -> Result<Thought, Failure> {
+fn obey(pilot: &mut LoggedMind, task: Task) -> Result<Thought, EpisodeError> {
     Ok(match task {
         Task::Happenings(happenings) => hear(pilot, &happenings),
         Task::Command(at, command) => {
@@ -150,7 +150,7 @@ fn obey(pilot: &mut LoggedMind, task: Task) -> Result<Thought, Failure> {
         }
         Task::Learn(at) => learn(pilot, at),
         Task::Configure(at, config) => {
-            pilot.configure(at, &config).map_err(Failure::from)?;
+            pilot.configure(at, &config).map_err(EpisodeError::from)?;
             Thought::of(About::Else, Outputs::NONE)
         }
         Task::Tell => {

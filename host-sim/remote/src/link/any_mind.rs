@@ -6,8 +6,8 @@ use amp::controller::{Event, Outputs};
 use amp::fixed::Mask;
 use amp::units::Millis;
 use files::error::BadInput;
-use sim::failure::Failure;
-use sim::pilot::{HeardEcho, InspectableController as _, Mind, Pilot, SimState};
+use sim::error::EpisodeError;
+use sim::pilot::{HeardEcho, InspectableController as _, LocalController, Pilot, SimState};
 
 /// Where a mind is.
 pub enum MindPlace {
@@ -23,7 +23,7 @@ const FETCH: u32 = 20;
 /// A mind, wherever it is.
 pub enum AnyMind {
     /// In this process.
-    Host(Box<Mind>),
+    Host(Box<LocalController>),
     /// At the end of a link.
     Link(Box<Elsewhere>),
 }
@@ -61,7 +61,7 @@ impl AnyMind {
     /// One in this process that knows nothing.
     #[must_use]
     pub fn here(config: &Config<16>) -> Self {
-        Self::Host(Box::new(Mind::new(config.clone())))
+        Self::Host(Box::new(LocalController::new(config.clone())))
     }
 
     /// The same mind as when it knew nothing, with another configuration.
@@ -117,7 +117,7 @@ impl AnyMind {
     ///
     /// # Errors
     /// When it is elsewhere and cannot be reached.
-    pub fn known(&mut self) -> Result<&SimState, Failure> {
+    pub fn known(&mut self) -> Result<&SimState, EpisodeError> {
         match self {
             Self::Host(mind) => Ok(mind.state()),
             Self::Link(elsewhere) => {
@@ -163,7 +163,7 @@ impl AnyMind {
     pub fn replace(&mut self, knowledge: &Knowledge) {
         if let Self::Host(mind) = self {
             let (config, state) = (knowledge.config(), knowledge.state());
-            **mind = Mind::with_state(config.clone(), state.clone());
+            **mind = LocalController::with_state(config.clone(), state.clone());
         }
     }
 }
@@ -183,7 +183,7 @@ impl Pilot for AnyMind {
         }
     }
 
-    fn failure(&self) -> Option<Failure> {
+    fn failure(&self) -> Option<EpisodeError> {
         match self {
             Self::Host(_) => None,
             Self::Link(elsewhere) => elsewhere.mind.failure(),

@@ -4,7 +4,7 @@ use super::words;
 use amp::controller::StopReason;
 use amp::wire::message::{Dimensions, Refusal, ResetCause};
 use amp::wire::{PROTOCOL, SCHEMA};
-use sim::failure::Failure;
+use sim::error::EpisodeError;
 use std::fmt;
 use std::time::Duration;
 
@@ -90,7 +90,7 @@ impl fmt::Display for LinkError {
                 f,
                 "{reports} of the mind's reports were lost on the way: the link is too bad or too slow"
             ),
-            Self::Stopped(reason) => write!(f, "the mind stopped: {}", sim::failure::stop_reason(*reason)),
+            Self::Stopped(reason) => write!(f, "the mind stopped: {}", sim::error::stop_reason(*reason)),
             Self::Learning { waited } => write!(
                 f,
                 "the mind has not learned within {} s",
@@ -132,7 +132,7 @@ fn incompatible(f: &mut fmt::Formatter<'_>, theirs: &Dimensions) -> fmt::Result 
 
 impl std::error::Error for LinkError {}
 
-impl From<LinkError> for Failure {
+impl From<LinkError> for EpisodeError {
     fn from(error: LinkError) -> Self {
         Self::Link(error.to_string())
     }

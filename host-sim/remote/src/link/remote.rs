@@ -14,7 +14,7 @@ use amp::wire::message::{
     Refusal, Report,
 };
 use amp::wire::{ToMind, message};
-use sim::failure::Failure;
+use sim::error::EpisodeError;
 use sim::pilot::{HeardEcho, InspectableController, Pilot, SimState};
 use std::borrow::BorrowMut;
 use std::time::{Duration, Instant};
@@ -368,16 +368,16 @@ impl<S: BorrowMut<Session>> Pilot for RemoteMind<S> {
         (count, self.keep(result))
     }
 
-    fn failure(&self) -> Option<Failure> {
-        self.error.clone().map(Failure::from)
+    fn failure(&self) -> Option<EpisodeError> {
+        self.error.clone().map(EpisodeError::from)
     }
 }
 
 impl<S: BorrowMut<Session>> InspectableController for RemoteMind<S> {
-    fn knowledge(&mut self) -> Result<&SimState, Failure> {
+    fn knowledge(&mut self) -> Result<&SimState, EpisodeError> {
         // Nothing happens in the mind while nothing is said to it, whatever its mode.
         let pulled = Knowledge::read(self.session.borrow_mut()).map(Knowledge::into_state);
-        self.knowledge = pulled.map_err(Failure::from)?;
+        self.knowledge = pulled.map_err(EpisodeError::from)?;
         Ok(&self.knowledge)
     }
 }

@@ -6,7 +6,7 @@ use amp::units::Displacement;
 use amp::wire::message::{
     FromMind, MindHello, ModeReport, MotionOrder, Notice, Oscillator, Refusal, Report, ResetCause,
 };
-use sim::failure::stop_reason;
+use sim::error::stop_reason;
 
 /// Why a mind started.
 #[must_use]

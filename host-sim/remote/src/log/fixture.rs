@@ -6,8 +6,8 @@ use arena::robot::TurretMode;
 use arena::sonar::SonarModel;
 use arena::world::World;
 use sim::episode::Setup;
-use sim::pilot::Mind;
-use sim::scenes::Behavior;
+use sim::pilot::LocalController;
+use sim::behavior::Behavior;
 use std::io::Cursor;
 use std::path::Path;
 
@@ -36,7 +36,7 @@ pub fn logged(sonar: SonarModel) -> Vec<u8> {
     run(
         &world,
         &setup(sonar),
-        Mind::new(Config::recommended()),
+        LocalController::new(Config::recommended()),
         &path,
     )
     .unwrap();

@@ -5,7 +5,7 @@ use crate::link::Knowledge;
 use amp::controller::{Event, Mode, Outputs};
 use amp::units::Millis;
 use files::hex::unhex;
-use sim::pilot::{Mind, Pilot as _};
+use sim::pilot::{LocalController, Pilot as _};
 use std::collections::VecDeque;
 
 /// Ticks after which a mind counts as one that never stops learning.
@@ -13,7 +13,7 @@ const MAX_TICKS: u32 = 10_000_000;
 
 /// A mind of a log, and what it has answered that the log has not yet said.
 pub struct Replayer {
-    mind: Mind,
+    mind: LocalController,
     answers: VecDeque<Answer>,
 }
 
@@ -22,14 +22,14 @@ impl Replayer {
     #[must_use]
     pub fn new(setup: &Setup) -> Self {
         Self {
-            mind: Mind::new(setup.config.clone()),
+            mind: LocalController::new(setup.config.clone()),
             answers: VecDeque::new(),
         }
     }
 
     /// The mind as it is now.
     #[must_use]
-    pub fn mind(&self) -> &Mind {
+    pub fn mind(&self) -> &LocalController {
         &self.mind
     }
 
@@ -103,11 +103,11 @@ impl Replayer {
     }
 }
 
-fn known(hex: &str) -> Result<Mind, String> {
+fn known(hex: &str) -> Result<LocalController, String> {
     let bytes = unhex(hex).ok_or("knowledge: not in hexadecimal")?;
     let knowledge = Knowledge::from_bytes(&bytes).map_err(|why| format!("knowledge: {why}"))?;
     let (config, state) = (knowledge.config(), knowledge.state());
-    Ok(Mind::with_state(config.clone(), state.clone()))
+    Ok(LocalController::with_state(config.clone(), state.clone()))
 }
 
 fn differs(logged: Option<&Answer>, found: Option<&Answer>) -> String {

@@ -6,22 +6,22 @@ use super::tap::{Tap, Watcher};
 use super::write::Log;
 use arena::world::World;
 use sim::episode::{self, Episode, Setup};
-use sim::failure::Failure;
+use sim::error::EpisodeError;
 use sim::pilot::InspectableController;
 use std::path::Path;
 
 /// Runs an episode and writes down what the mind is told and answers, into a new file.
 ///
 /// # Errors
-/// As [`episode::run_with`], and [`Failure::Log`] where the file is there already or cannot be written. What was written
+/// As [`episode::run_with`], and [`EpisodeError::Log`] where the file is there already or cannot be written. What was written
 /// until then stays.
 pub fn run(
     world: &World,
     setup: &Setup,
     mind: impl InspectableController,
     path: &Path,
-) -> Result<Episode, Failure> {
-    let log = Log::create(path).map_err(|error| Failure::Log(error.to_string()))?;
+) -> Result<Episode, EpisodeError> {
+    let log = Log::create(path).map_err(|error| EpisodeError::Log(error.to_string()))?;
     let log = SharedLog::new(log);
     let record = SetupRecord::of(world.name(), setup);
     log.write(|log| log.setup(&record, Some(world)));
@@ -29,6 +29,6 @@ pub fn run(
     let mut watcher = Watcher::new(log.clone());
     let done = episode::run_observed(world, setup, &mut tap, Some(&mut watcher), |_, _, _| {});
     // Whatever came of the episode, its log ends as it should.
-    log.finish().map_err(Failure::Log)?;
+    log.finish().map_err(EpisodeError::Log)?;
     done
 }

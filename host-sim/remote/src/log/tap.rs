@@ -6,7 +6,7 @@ use amp::controller::{Command, Event, Outputs};
 use amp::units::Millis;
 use arena::world::World;
 use sim::episode::{Body, Observer, StepResult};
-use sim::failure::Failure;
+use sim::error::EpisodeError;
 use sim::pilot::{HeardEcho, InspectableController, Pilot, SimState};
 use std::io::{Seek, Write};
 
@@ -137,9 +137,9 @@ impl<P: Pilot, W: Write + Seek> Pilot for Tap<P, W> {
         (taken, outputs)
     }
 
-    fn failure(&self) -> Option<Failure> {
+    fn failure(&self) -> Option<EpisodeError> {
         let failed = |log: &SharedLog<W>| log.write(|log| log.failure().map(str::to_owned));
-        let failed = self.log.as_ref().and_then(failed).map(Failure::Log);
+        let failed = self.log.as_ref().and_then(failed).map(EpisodeError::Log);
         self.pilot.failure().or(failed)
     }
 }
@@ -152,7 +152,7 @@ impl<P: Pilot, W: Write + Seek> Tap<P, W> {
 }
 
 impl<P: InspectableController, W: Write + Seek> InspectableController for Tap<P, W> {
-    fn knowledge(&mut self) -> Result<&SimState, Failure> {
+    fn knowledge(&mut self) -> Result<&SimState, EpisodeError> {
         self.pilot.knowledge()
     }
 }
@@ -170,7 +170,7 @@ impl<W: Write + Seek> Watcher<W> {
 }
 
 impl<W: Write + Seek> Observer for Watcher<W> {
-    fn happened(&mut self, at: Millis, happened: &StepResult, body: &Body<'_>) {
+    fn on_step(&mut self, at: Millis, happened: &StepResult, body: &Body<'_>) {
         self.log.write(|log| {
             log.pose(at, happened.pose, body.leader());
             if happened.decision.is_some() {

@@ -8,7 +8,7 @@ use amp::units::Millis;
 use arena::sonar::SonarModel;
 use arena::world::World;
 use sim::episode::{self};
-use sim::pilot::{Mind, Pilot};
+use sim::pilot::{LocalController, Pilot};
 use std::io::{Cursor, Seek, SeekFrom, Write};
 use std::path::Path;
 
@@ -30,7 +30,7 @@ fn a_log_does_not_change_the_episode_and_is_the_same_twice() {
     let plain = episode::run(&world, &setup, |_, _, _| {}).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
-    let mind = Mind::new(setup.config.clone());
+    let mind = LocalController::new(setup.config.clone());
     let watched = run(&world, &setup, mind, &path).unwrap();
     assert_eq!(plain.report, watched.report);
     assert_eq!(std::fs::read(path).unwrap(), logged(SonarModel::Nomad));
@@ -132,7 +132,7 @@ fn a_full_disk_ends_the_episode_in_words() {
         at: 0,
     };
     let log = SharedLog::new(Log::begin(disk, "a.mcap").unwrap());
-    let mut tap = Tap::new(Mind::new(setup.config.clone()), Some(log.clone()));
+    let mut tap = Tap::new(LocalController::new(setup.config.clone()), Some(log.clone()));
     let mut watcher = Watcher::new(log);
     let done = episode::run_observed(&world, &setup, &mut tap, Some(&mut watcher), |_, _, _| {});
     let failure = done.unwrap_err().to_string();

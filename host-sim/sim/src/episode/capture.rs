@@ -34,7 +34,7 @@ pub fn perceive(
 mod tests {
     use super::*;
     use crate::episode::{Setup, run};
-    use crate::scenes::Behavior;
+    use crate::behavior::Behavior;
     use amp::config::Config;
     use arena::robot::TurretMode;
 

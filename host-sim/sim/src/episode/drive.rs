@@ -4,11 +4,11 @@ use super::Seeds;
 use super::body::{Body, Collision, StepResult, milliseconds};
 use super::measure::Measure;
 use super::record::Recorder;
-use super::tally::{Metrics, Report, Stride, rounded};
-use crate::failure::Failure;
-use crate::pilot::{InspectableController, Mind, Pilot};
+use super::metrics::{Metrics, EpisodeReport, StepFlags, rounded};
+use crate::error::EpisodeError;
+use crate::pilot::{InspectableController, LocalController, Pilot};
 use crate::recording::Recording;
-use crate::scenes::Behavior;
+use crate::behavior::Behavior;
 use amp::config::Config;
 use amp::controller::{Command, Decision, Event};
 use amp::fixed::Weight;
@@ -67,14 +67,14 @@ pub enum Phase {
 /// Looks on while an episode runs. What it does changes nothing.
 pub trait Observer {
     /// The simulation went on by a turn, which ended its ring at `at` and left the body so.
-    fn happened(&mut self, at: Millis, happened: &StepResult, body: &Body<'_>);
+    fn on_step(&mut self, at: Millis, happened: &StepResult, body: &Body<'_>);
 }
 
 /// What came of an episode.
 #[derive(Debug, Clone)]
 pub struct Episode {
     /// The figures.
-    pub report: Report,
+    pub report: EpisodeReport,
     /// Every step, if it was to be recorded.
     pub recording: Option<Recording>,
 }
@@ -87,8 +87,8 @@ pub fn run(
     world: &World,
     setup: &Setup,
     progress: impl FnMut(Phase, u32, u32),
-) -> Result<Episode, Failure> {
-    run_with(world, setup, &mut Mind::new(setup.config.clone()), progress)
+) -> Result<Episode, EpisodeError> {
+    run_with(world, setup, &mut LocalController::new(setup.config.clone()), progress)
 }
 
 /// As [`run`], with any mind; it should have the setup's configuration and know nothing.
@@ -100,7 +100,7 @@ pub fn run_with(
     setup: &Setup,
     mind: &mut impl InspectableController,
     progress: impl FnMut(Phase, u32, u32),
-) -> Result<Episode, Failure> {
+) -> Result<Episode, EpisodeError> {
     run_observed(world, setup, mind, None, progress)
 }
 
@@ -114,7 +114,7 @@ pub fn run_observed<'w>(
     mind: &mut impl InspectableController,
     observer: Option<&'w mut dyn Observer>,
     mut progress: impl FnMut(Phase, u32, u32),
-) -> Result<Episode, Failure> {
+) -> Result<Episode, EpisodeError> {
     let (mut driver, exploration) = educated(world, setup, mind, observer, &mut progress)?;
     driver.set_scene(setup);
     let began_s = driver.body.time_s();
@@ -139,7 +139,7 @@ pub(super) fn educated<'w>(
     mind: &mut impl Pilot,
     observer: Option<&'w mut dyn Observer>,
     mut progress: impl FnMut(Phase, u32, u32),
-) -> Result<(Driver<'w>, Metrics), Failure> {
+) -> Result<(Driver<'w>, Metrics), EpisodeError> {
     let seeds = Seeds::of(setup.seed);
     let body = Body::new(world, setup.sonar, setup.turret, seeds.noise).with_faults(&setup.faults);
     let mut driver = Driver::new(world, body, setup.record);
@@ -170,7 +170,7 @@ pub(super) fn educated<'w>(
 ///
 /// # Errors
 /// When the mind refuses a command or falls silent.
-pub fn educate(world: &World, setup: &Setup, mind: &mut impl Pilot) -> Result<(), Failure> {
+pub fn explore_and_learn(world: &World, setup: &Setup, mind: &mut impl Pilot) -> Result<(), EpisodeError> {
     educated(world, setup, mind, None, |_, _, _| {}).map(|_| ())
 }
 
@@ -183,7 +183,7 @@ pub fn drive_pilot(
     pilot: &mut impl Pilot,
     mut body: Body<'_>,
     steps: u32,
-) -> Result<Metrics, Failure> {
+) -> Result<Metrics, EpisodeError> {
     body.restart();
     let mut driver = Driver::new(world, body, false);
     driver.drive(pilot, |tally| tally.steps >= steps, |_| {})?;
@@ -197,8 +197,8 @@ pub(super) fn report(
     seeking: &Metrics,
     time_s: f64,
     (success, success_unit): (f64, &'static str),
-) -> Report {
-    Report {
+) -> EpisodeReport {
+    EpisodeReport {
         world: world.name().to_owned(),
         behavior: setup.behavior.name(),
         preset: setup.preset.clone(),
@@ -232,7 +232,7 @@ pub(super) struct Driver<'w> {
     pub(super) nest: Situation<16>,
     first: bool,
     /// The step under way.
-    open: Option<Stride>,
+    open: Option<StepFlags>,
     recorder: Option<Recorder>,
     observer: Option<&'w mut dyn Observer>,
 }
@@ -261,13 +261,13 @@ impl<'w> Driver<'w> {
         &mut self,
         mind: &mut impl Pilot,
         command: Command<16>,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), EpisodeError> {
         let outputs = mind.handle(self.body.now(), Event::Command(command));
-        let refused = outputs.refusal.map(Failure::Refused);
+        let refused = outputs.refusal.map(EpisodeError::Refused);
         mind.failure().or(refused).map_or(Ok(()), Err)
     }
 
-    fn learn(&mut self, mind: &mut impl Pilot) -> Result<(), Failure> {
+    fn learn(&mut self, mind: &mut impl Pilot) -> Result<(), EpisodeError> {
         self.command(mind, Command::Learn)?;
         while !mind.handle(self.body.now(), Event::Tick).mode_changed {
             mind.failure().map_or(Ok(()), Err)?;
@@ -281,18 +281,18 @@ impl<'w> Driver<'w> {
         pilot: &mut impl Pilot,
         is_over: impl Fn(&Metrics) -> bool,
         mut progress: impl FnMut(u32),
-    ) -> Result<(), Failure> {
+    ) -> Result<(), EpisodeError> {
         let mut last_decision_s = self.body.time_s();
         while !is_over(&self.tally) {
             let least_m = self.tally.min_clearance_m;
             self.body.tell_gaps_below(least_m.unwrap_or(f64::INFINITY));
             let happened = self.body.advance(pilot);
             if let Some(observer) = &mut self.observer {
-                observer.happened(milliseconds(happened.time_s), &happened, &self.body);
+                observer.on_step(milliseconds(happened.time_s), &happened, &self.body);
             }
             pilot.failure().map_or(Ok(()), Err)?;
             if let Some(reason) = happened.stopped {
-                return Err(Failure::Stopped(reason));
+                return Err(EpisodeError::Stopped(reason));
             }
             if happened.decision.is_some() || happened.mode_changed {
                 self.close();
@@ -304,7 +304,7 @@ impl<'w> Driver<'w> {
             }
             if self.body.time_s() - last_decision_s > f64::from(Self::PATIENCE) * self.body.ring_s()
             {
-                return Err(Failure::Silent);
+                return Err(EpisodeError::Silent);
             }
             if let Some(decision) = &happened.decision {
                 self.open(decision, &happened);
@@ -319,7 +319,7 @@ impl<'w> Driver<'w> {
             self.first = false;
             self.nest = decision.situation;
         }
-        self.open = Some(Stride {
+        self.open = Some(StepFlags {
             at_goal: decision.at_goal,
             shielded: decision.allowed != decision.wanted,
             touched: false,

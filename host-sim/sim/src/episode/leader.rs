@@ -3,7 +3,7 @@
 //! It hears walls and the robot behind it with an exact ring of its own, and waits rather than touch the robot. The robot
 //! meets it as one more post in the world: its sonars hear it, and touching it is a contact like any other.
 
-use crate::braitenberg::{Braitenberg, Tuning};
+use crate::braitenberg::{Braitenberg, BraitenbergTuning};
 use crate::pilot::Pilot as _;
 use crate::ring_pilot::RingPilot;
 use amp::controller::{Event, Progress};
@@ -54,7 +54,7 @@ impl Leader {
         let course = turned(best.unwrap_or(0));
         Self {
             position: place(best.unwrap_or(0)),
-            pilot: RingPilot::new(Braitenberg::towards(Tuning::default(), course), None),
+            pilot: RingPilot::new(Braitenberg::towards(BraitenbergTuning::default(), course), None),
             // An exact ring draws no noise.
             ring: Ring::new(SonarModel::Ideal, &mut Noise::new(0)),
             owed_s: 0.0,
@@ -65,9 +65,9 @@ impl Leader {
     /// One that drives straight on, whatever it hears and whoever is in its way.
     #[cfg(test)]
     pub(super) fn blind(position: Point, course: f64) -> Self {
-        let deaf = Tuning {
+        let deaf = BraitenbergTuning {
             push: 0.0,
-            ..Tuning::default()
+            ..BraitenbergTuning::default()
         };
         Self {
             position,

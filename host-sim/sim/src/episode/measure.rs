@@ -1,7 +1,7 @@
 //! How well each behavior goes, by the world as it is: the mind never sees any of this.
 
-use super::tally::Metrics;
-use crate::scenes::{Behavior, WALL_RANGE_M};
+use super::metrics::Metrics;
+use crate::behavior::{Behavior, WALL_RANGE_M};
 use arena::sonar::FACE_RADIUS_M;
 use arena::world::{ConeShape, Point, Shape, View, World};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};

@@ -13,20 +13,20 @@ mod measure;
 mod places;
 mod pursue;
 mod record;
-mod tally;
+mod metrics;
 
 pub use body::milliseconds;
 pub use body::{Body, Collision, Moved, StepResult};
 pub use capture::perceive;
 pub use drive::{
-    Episode, Observer, Phase, Setup, drive_pilot, educate, run, run_observed, run_with,
+    Episode, Observer, Phase, Setup, drive_pilot, explore_and_learn, run, run_observed, run_with,
 };
 pub use leader::Leader;
 pub use measure::{FOLLOWED_S, KEPT_M, NEST_M};
 pub use places::elsewhere;
 pub use pursue::{CARRIED_S, repeat};
-pub use tally::rounded;
-pub use tally::{Metrics, Report, Stride};
+pub use metrics::rounded;
+pub use metrics::{Metrics, EpisodeReport, StepFlags};
 
 use rand_core::{Rng as _, SeedableRng as _};
 use rand_xoshiro::SplitMix64;

@@ -1,10 +1,10 @@
 //! The last phase of an episode: one behavior, or several one after the other.
 
 use super::drive::{Driver, Setup, educated, report};
-use super::tally::{Metrics, Report};
-use crate::failure::Failure;
-use crate::pilot::{Mind, Pilot};
-use crate::scenes::{self, Behavior};
+use super::metrics::{Metrics, EpisodeReport};
+use crate::error::EpisodeError;
+use crate::pilot::{LocalController, Pilot};
+use crate::behavior::{self, Behavior};
 use amp::controller::Command;
 use arena::world::World;
 
@@ -15,8 +15,8 @@ pub const CARRIED_S: f64 = 601.0;
 ///
 /// # Errors
 /// When the mind refuses a command or falls silent.
-pub fn repeat(world: &World, setup: &Setup, times: u32) -> Result<Vec<Report>, Failure> {
-    let mut mind = Mind::new(setup.config.clone());
+pub fn repeat(world: &World, setup: &Setup, times: u32) -> Result<Vec<EpisodeReport>, EpisodeError> {
+    let mut mind = LocalController::new(setup.config.clone());
     let (mut driver, exploration) = educated(world, setup, &mut mind, None, |_, _, _| {})?;
     let mut reports = Vec::new();
     for _ in 0..times {
@@ -56,7 +56,7 @@ impl Driver<'_> {
         pilot: &mut impl Pilot,
         setup: &Setup,
         mut progress: impl FnMut(u32),
-    ) -> Result<(), Failure> {
+    ) -> Result<(), EpisodeError> {
         let parts = setup.behavior.parts();
         let alone = parts.len() == 1;
         for (number, part) in parts.iter().enumerate() {

@@ -2,9 +2,9 @@
 
 use super::body::{Body, Moved, StepResult};
 use super::drive::Setup;
-use super::tally::Stride;
+use super::metrics::StepFlags;
 use crate::pilot::SimState;
-use crate::recording::{MapRecord, PlanRecord, Recording, Step};
+use crate::recording::{MapRecord, PlanTrace, Recording, Step};
 use amp::controller::Decision;
 use amp::fixed::{Scalar, Weight, to_weight16};
 use amp::memory::from_bytes;
@@ -51,7 +51,7 @@ impl Recorder {
         }
     }
 
-    pub(super) fn close(&mut self, stride: Stride) {
+    pub(super) fn close(&mut self, stride: StepFlags) {
         if let Some(step) = self.open.take() {
             self.steps.push(Step {
                 touched: stride.touched,
@@ -138,8 +138,8 @@ fn values<T: Scalar>(weights: &[T]) -> Vec<f64> {
         .collect()
 }
 
-fn plan_record(plan: &Plan<16>) -> PlanRecord {
-    PlanRecord {
+fn plan_record(plan: &Plan<16>) -> PlanTrace {
+    PlanTrace {
         goal_neuron: usize::from(plan.goal_neuron),
         current_neuron: usize::from(plan.current_neuron),
         intermediate_neuron: usize::from(plan.intermediate_neuron),

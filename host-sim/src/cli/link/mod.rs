@@ -15,7 +15,7 @@ use files::error::BadInput;
 use follow::{Trouble, follow, monitor};
 use remote::link::{Address, Emulation, Knowledge, LinkError, Session};
 use sim::goal_file::GoalFile;
-use sim::scenes::Behavior;
+use sim::behavior::Behavior;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};

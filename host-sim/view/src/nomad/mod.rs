@@ -19,10 +19,10 @@ use arena::world::{Point, Pose};
 use nomad200::Host;
 use nomad200::bridge::{About, At, PAUSE, Reins, Thought, Trouble};
 use remote::log::{LogOutput, LoggedMind, SharedLog};
-use sim::episode::Stride;
-use sim::failure::Failure;
+use sim::episode::StepFlags;
+use sim::error::EpisodeError;
 use sim::pilot::SimState;
-use sim::scenes::Behavior;
+use sim::behavior::Behavior;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -81,7 +81,7 @@ pub struct WatchedNomad {
     /// Of those towards goals: all, touched, shielded, with the goal held.
     steps: [u32; 4],
     distance_m: f64,
-    open: Option<Stride>,
+    open: Option<StepFlags>,
     trail: Trail,
     heard: Heard,
     bounds: [Point; 2],
@@ -206,7 +206,7 @@ impl WatchedNomad {
         let happened = thought.about == About::Happenings;
         match self.doing {
             Doing::Explore | Doing::Seek if outputs.stopped.is_some() && happened => {
-                let why = outputs.stopped.map(Failure::Stopped);
+                let why = outputs.stopped.map(EpisodeError::Stopped);
                 self.note = why.map(|why| why.to_string());
                 self.interrupted = self.doing;
                 self.rest(Doing::Stopped);
@@ -255,7 +255,7 @@ impl WatchedNomad {
         self.before = self.decision.map(|before| before.situation);
         (self.decision, self.decided_at) = (Some(*decision), pose);
         self.mind.stale = true;
-        self.open = Some(Stride {
+        self.open = Some(StepFlags {
             at_goal: decision.at_goal,
             shielded: decision.allowed != decision.wanted,
             touched: false,

@@ -10,7 +10,7 @@ use amp::planner::difference;
 use amp::units::Displacement;
 use arena::robot::COLLISION_RADIUS_M;
 use arena::sonar::{RingGeometry, SonarModel};
-use sim::scenes::Behavior;
+use sim::behavior::Behavior;
 use std::sync::Arc;
 
 impl WatchedNomad {

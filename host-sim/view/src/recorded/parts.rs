@@ -12,7 +12,7 @@ use amp::units::{Displacement, Range};
 use arena::robot::COLLISION_RADIUS_M;
 use arena::sonar::{RingGeometry, SonarModel};
 use remote::log::Ending;
-use sim::scenes::Behavior;
+use sim::behavior::Behavior;
 use std::sync::Arc;
 
 impl Recorded {

@@ -10,7 +10,7 @@ use remote::log::{
     Answer, Ending, EventRecord, Happening, LogFile, SceneChange, Setup, channel, pose_of,
     scene_changes,
 };
-use sim::episode::Stride;
+use sim::episode::StepFlags;
 use std::sync::Arc;
 
 /// Something of a log.
@@ -128,7 +128,7 @@ fn bounds(items: &[(u64, Item)]) -> [Point; 2] {
 #[derive(Default)]
 struct Open {
     seeks: bool,
-    stride: Stride,
+    stride: StepFlags,
     neuron: Option<usize>,
     /// It has ended: when, and what was nearest then.
     ended: Option<(f64, Option<f64>)>,
@@ -211,7 +211,7 @@ impl Marking {
                 self.decisions += 1;
                 self.open = Some(Open {
                     seeks: plan.is_some(),
-                    stride: Stride {
+                    stride: StepFlags {
                         at_goal: decision.at_goal,
                         shielded: decision.allowed_mm != decision.wanted_mm,
                         touched: false,

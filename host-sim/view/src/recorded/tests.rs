@@ -5,7 +5,7 @@ use arena::world::World;
 use remote::link::Knowledge;
 use remote::log::fixture::{changed, file, logged, setup};
 use sim::episode;
-use sim::pilot::Mind;
+use sim::pilot::LocalController;
 
 fn recorded(sonar: SonarModel) -> Recorded {
     Recorded::new(&file(logged(sonar))).unwrap()
@@ -25,7 +25,7 @@ fn known(recorded: &Recorded) -> Vec<u8> {
 fn at_its_end_the_mind_knows_what_it_knew_in_the_episode() {
     for sonar in [SonarModel::Ideal, SonarModel::Nomad] {
         let setup = setup(sonar);
-        let mut mind = Mind::new(setup.config.clone());
+        let mut mind = LocalController::new(setup.config.clone());
         episode::run_with(&World::random(3), &setup, &mut mind, |_, _, _| {}).unwrap();
         let knowledge = Knowledge::of(mind.config(), mind.state());
         let mut recorded = recorded(sonar);

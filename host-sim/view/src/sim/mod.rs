@@ -20,8 +20,8 @@ use arena::world::{Point, Pose, World};
 use files::error::BadInput;
 use remote::link::{AnyMind, MindPlace};
 use remote::log::{Log, LogOutput, LoggedMind, Setup as SetupRecord, SharedLog, Watcher};
-use sim::episode::{Body, Metrics, Observer as _, Seeds, Setup, StepResult, Stride, milliseconds};
-use sim::failure::Failure;
+use sim::episode::{Body, Metrics, Observer as _, Seeds, Setup, StepResult, StepFlags, milliseconds};
+use sim::error::EpisodeError;
 use sim::pilot::Pilot as _;
 use std::borrow::Cow;
 use std::path::Path;
@@ -109,7 +109,7 @@ pub struct Simulator {
     explorations: u64,
     explored: Metrics,
     seeking: Metrics,
-    open: Option<Stride>,
+    open: Option<StepFlags>,
     trail: Trail,
     shown: Shown,
 }
@@ -175,7 +175,7 @@ impl Simulator {
 
     fn command(&mut self, command: Command<16>) -> Result<(), Refused> {
         let outputs = self.mind.handle(self.body.now(), Event::Command(command));
-        let refused = outputs.refusal.map(Failure::Refused);
+        let refused = outputs.refusal.map(EpisodeError::Refused);
         self.check_mind();
         match refused {
             Some(why) => Err(why.into()),
@@ -220,7 +220,7 @@ impl Simulator {
         let happened = self.body.advance(&mut self.mind);
         if let Some(watcher) = &mut self.watcher {
             let at = milliseconds(happened.time_s);
-            watcher.happened(at, &happened, &self.body);
+            watcher.on_step(at, &happened, &self.body);
         }
         self.check_mind();
         (self.ranges_m, self.heard_at) = (*self.body.ranges_m(), happened.pose);
@@ -232,7 +232,7 @@ impl Simulator {
         }
         if let Some(reason) = happened.stopped {
             self.interrupted = std::mem::replace(&mut self.doing, Doing::Stopped);
-            self.note = Some(Failure::Stopped(reason).to_string());
+            self.note = Some(EpisodeError::Stopped(reason).to_string());
         } else if happened.mode_changed && self.doing == Doing::Explore {
             self.doing = Doing::Idle;
             self.mind.pilot().forget_known(true);
@@ -246,7 +246,7 @@ impl Simulator {
         }
         let silent = self.body.time_s() - self.last_decision_s > PATIENCE * self.body.ring_s();
         if silent && matches!(self.doing, Doing::Explore | Doing::Seek) {
-            self.fail(Failure::Silent.to_string());
+            self.fail(EpisodeError::Silent.to_string());
         }
         Stepped::Took {
             took_s: self.step_s,
@@ -261,7 +261,7 @@ impl Simulator {
         self.before = self.decision.map(|before| before.situation);
         self.decision = Some(*decision);
         self.touched = false;
-        self.open = Some(Stride {
+        self.open = Some(StepFlags {
             at_goal: decision.at_goal,
             shielded: decision.allowed != decision.wanted,
             touched: false,

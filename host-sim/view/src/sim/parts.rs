@@ -10,7 +10,7 @@ use amp::units::Displacement;
 use arena::robot::COLLISION_RADIUS_M;
 use arena::sonar::RingGeometry;
 use arena::world::World;
-use sim::scenes::Behavior;
+use sim::behavior::Behavior;
 use std::sync::Arc;
 
 impl Simulator {

@@ -3,8 +3,8 @@ use crate::order::Reset;
 use arena::sonar::SonarModel;
 use remote::link::{Local, Session};
 use sim::episode;
-use sim::pilot::Mind;
-use sim::scenes::Behavior;
+use sim::pilot::LocalController;
+use sim::behavior::Behavior;
 
 fn start(sonar: SonarModel) -> Start {
     let config = Config::recommended();
@@ -66,7 +66,7 @@ fn decide(simulator: &mut Simulator, count: usize) -> Vec<Point> {
 fn it_decides_as_in_an_episode_whoever_watches() {
     for sonar in [SonarModel::Ideal, SonarModel::Nomad] {
         let start = start(sonar);
-        let mut mind = Mind::new(start.setup.config.clone());
+        let mut mind = LocalController::new(start.setup.config.clone());
         let run = episode::run_with(&start.world, &start.setup, &mut mind, |_, _, _| {}).unwrap();
         let recorded = run.recording.unwrap().seeking;
         for watched in [false, true] {

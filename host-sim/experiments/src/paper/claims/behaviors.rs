@@ -6,7 +6,7 @@ use crate::paper::any_ring::Count;
 use crate::paper::at_once::AtOnce;
 use crate::paper::gaps::Gaps;
 use crate::paper::measure::{FEWER_MOVES, Measured, Reached};
-use sim::scenes::Behavior;
+use sim::behavior::Behavior;
 use sim::statistics::{Mean, bootstrap};
 
 /// The claims of these sections, in their order.

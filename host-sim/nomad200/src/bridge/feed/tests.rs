@@ -2,7 +2,7 @@ use super::super::thinking::hear;
 use super::*;
 use amp::config::Config;
 use amp::controller::Command;
-use sim::pilot::{Mind, Pilot as _};
+use sim::pilot::{LocalController, Pilot as _};
 
 /// A robot at x (0.1 in), its turret a quarter turn to the left, at `ms`.
 fn at(x: i32, ms: u32) -> PosData {
@@ -204,7 +204,7 @@ fn time_that_passes_is_told_once() {
 /// A mind that explores, told by packets what a robot that stays where it is hears.
 struct Told {
     feed: Feed,
-    mind: Mind,
+    mind: LocalController,
     state: State,
     motion: Option<u16>,
 }
@@ -214,7 +214,7 @@ impl Told {
     fn new() -> Self {
         let mut told = Self {
             feed: Feed::default(),
-            mind: Mind::new(Config::recommended()),
+            mind: LocalController::new(Config::recommended()),
             state: state(0, 10_000, &[]),
             motion: None,
         };

@@ -10,9 +10,9 @@ use arena::robot::TurretMode;
 use arena::sonar::SonarModel;
 use arena::world::World;
 use sim::episode::{Episode, Setup, run, run_with};
-use sim::failure::Failure;
-use sim::pilot::{HeardEcho, Mind, Pilot as _};
-use sim::scenes::Behavior;
+use sim::error::EpisodeError;
+use sim::pilot::{HeardEcho, LocalController, Pilot as _};
+use sim::behavior::Behavior;
 use sim::settings;
 use std::io;
 use std::sync::Arc;
@@ -42,9 +42,9 @@ fn here(world: &World, setup: &Setup) -> Episode {
     run(world, setup, |_, _, _| {}).unwrap()
 }
 
-fn there(session: &mut Session, world: &World, setup: &Setup) -> Result<Episode, Failure> {
+fn there(session: &mut Session, world: &World, setup: &Setup) -> Result<Episode, EpisodeError> {
     let number = session.number() + 1;
-    let mut mind = RemoteMind::start(session, number, &setup.config).map_err(Failure::from)?;
+    let mut mind = RemoteMind::start(session, number, &setup.config).map_err(EpisodeError::from)?;
     run_with(world, setup, &mut mind, |_, _, _| {})
 }
 
@@ -165,7 +165,7 @@ fn refusals_come_through() {
     let hundred_and_one = setup(SonarModel::Ideal, 101, 1);
     let failure = there(&mut session, &World::random(1), &hundred_and_one).err();
     let most = Refused::Moves { most: 100 };
-    assert_eq!(failure, Some(Failure::Refused(most)));
+    assert_eq!(failure, Some(EpisodeError::Refused(most)));
     let refused = |error: LinkError| match error {
         LinkError::Refused(why) => why,
         other => panic!("{other}"),
@@ -238,7 +238,7 @@ fn the_same_over_a_socket_in_real_time() {
 
 /// A mind here and one at the end of a link are told the same: what each brings about has to be the same.
 struct Both {
-    here: Mind,
+    here: LocalController,
     there: RemoteMind<Session>,
     /// How often anything has been sent there.
     sent: Arc<AtomicU32>,
@@ -264,7 +264,7 @@ impl Both {
         let line = Counted(Local::new(config.clone()), Arc::clone(&sent));
         let mut both = Self {
             there: RemoteMind::start(Session::new(line), 1, &config).unwrap(),
-            here: Mind::new(config),
+            here: LocalController::new(config),
             sent,
         };
         both.tell(0, Event::Command(Command::Explore { moves: 5, seed: 12 }));
@@ -336,5 +336,5 @@ fn time_passes_there_without_a_frame_for_each_tick() {
     assert_eq!(stopped, Some(StopReason::RingIncomplete));
     assert_eq!(both.there.handle(late, Event::Tick), Outputs::NONE);
     let failed = LinkError::Stopped(StopReason::RingIncomplete);
-    assert_eq!(both.there.failure(), Some(Failure::from(failed)));
+    assert_eq!(both.there.failure(), Some(EpisodeError::from(failed)));
 }

@@ -1,6 +1,6 @@
 use super::*;
 use crate::episode::drive_pilot;
-use crate::pilot::Mind;
+use crate::pilot::LocalController;
 use amp::config::Config;
 use amp::controller::Command;
 use amp::fixed::Weight;
@@ -131,7 +131,7 @@ fn a_tally_keeps_both_kinds_of_touch_apart() {
 }
 
 /// A mind whose base says that it moves and gets nowhere, whatever it does.
-struct Blocked(Mind);
+struct Blocked(LocalController);
 
 impl Pilot for Blocked {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
@@ -157,7 +157,7 @@ fn a_motion_that_does_not_end_stops_the_robot() {
     ] {
         let world = World::random(1);
         let mut body = Body::new(&world, sonar, turret, 1);
-        let mut pilot = Blocked(Mind::new(Config::recommended()));
+        let mut pilot = Blocked(LocalController::new(Config::recommended()));
         let explore = Command::Explore { moves: 9, seed: 3 };
         let _ = pilot.handle(body.now(), Event::Command(explore));
         let decided_s = loop {
@@ -181,7 +181,7 @@ fn a_motion_that_does_not_end_stops_the_robot() {
 }
 
 /// Goes on for so many decisions, during which nothing stops the robot.
-fn decide(body: &mut Body<'_>, pilot: &mut Mind, count: u32) {
+fn decide(body: &mut Body<'_>, pilot: &mut LocalController, count: u32) {
     let (turret, began_s) = (body.turret, body.time_s());
     let mut decisions = 0;
     while decisions < count {
@@ -202,7 +202,7 @@ fn a_base_that_works_is_never_overdue() {
         for seed in 1..=4 {
             let world = World::random(seed);
             let mut body = Body::new(&world, SonarModel::Nomad, turret, seed);
-            let mut pilot = Mind::new(Config::recommended());
+            let mut pilot = LocalController::new(Config::recommended());
             let explore = Command::Explore {
                 moves: 100,
                 seed: 3,

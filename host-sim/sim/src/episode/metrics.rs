@@ -27,7 +27,7 @@ pub struct Metrics {
 
 /// What one step adds to a [`Metrics`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Stride {
+pub struct StepFlags {
     /// The body's own motion touched something.
     pub touched: bool,
     /// Another robot ran into the body.
@@ -55,7 +55,7 @@ impl Metrics {
     }
 
     /// A step has ended.
-    pub fn step(&mut self, stride: Stride) {
+    pub fn step(&mut self, stride: StepFlags) {
         self.steps += 1;
         self.contacts += u32::from(stride.touched);
         self.touched_by += u32::from(stride.touched_by);
@@ -82,7 +82,7 @@ impl Metrics {
 
 /// One world's line: what `host-sim run` prints, in this order.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Report {
+pub struct EpisodeReport {
     /// World.
     pub world: String,
     /// Behavior.
@@ -121,7 +121,7 @@ pub struct Report {
     pub success_unit: &'static str,
 }
 
-impl Report {
+impl EpisodeReport {
     /// The names of its fields, in their order.
     pub const FIELDS: [&str; 18] = [
         "world",

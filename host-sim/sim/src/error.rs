@@ -4,7 +4,7 @@ use amp::controller::{Refusal, StopReason};
 
 /// Why an episode ended early.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Failure {
+pub enum EpisodeError {
     /// The mind refused a command.
     Refused(Refusal),
     /// The mind has not decided anything for a hundred rings.
@@ -17,7 +17,7 @@ pub enum Failure {
     Log(String),
 }
 
-impl std::fmt::Display for Failure {
+impl std::fmt::Display for EpisodeError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Refused(why) => write!(f, "the mind refused a command: {why:?}"),
@@ -31,7 +31,7 @@ impl std::fmt::Display for Failure {
     }
 }
 
-impl std::error::Error for Failure {}
+impl std::error::Error for EpisodeError {}
 
 /// Why a robot stopped.
 #[must_use]
