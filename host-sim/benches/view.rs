@@ -6,8 +6,8 @@ use arena::sonar::SonarModel;
 use arena::world::World;
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use remote::link::MindPlace;
-use sim::episode::Setup;
 use sim::behavior::Behavior;
+use sim::episode::Setup;
 use view::order::Order;
 use view::{Simulator, Source, Start, Stepped};
 

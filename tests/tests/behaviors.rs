@@ -9,9 +9,9 @@ use arena::world::World;
 use experiments::behaviors::{Trial, each};
 use experiments::scenes::{SCENES, Scene};
 use serde_json::Value;
+use sim::behavior::Behavior;
 use sim::episode::{Body, EpisodeReport, run};
 use sim::pilot::Pilot;
-use sim::behavior::Behavior;
 use tests::{Program, host_sim};
 
 /// The figures of one line that `run --json` prints.

@@ -5,9 +5,9 @@ use amp::faults::{Fault, Verdict};
 use arena::robot::TurretMode;
 use arena::sonar::{SonarModel, TransducerFault};
 use arena::world::World;
+use sim::behavior::Behavior;
 use sim::episode::{Setup, run_with};
 use sim::pilot::LocalController;
-use sim::behavior::Behavior;
 use tests::{host_sim, words};
 
 /// What a mind that watches its transducers decides about them in a random room, and how often the robot touches something.

@@ -10,9 +10,9 @@ use amp::units::Millis;
 use arena::robot::TurretMode;
 use arena::sonar::SonarModel;
 use arena::world::World;
+use sim::behavior::Behavior;
 use sim::episode::{Body, Seeds, perceive};
 use sim::pilot::{Pilot, SimState};
-use sim::behavior::Behavior;
 
 /// A mind and, from some moment on, its twin: it hears the same and is not obeyed.
 struct Robot {

@@ -377,7 +377,7 @@ fn a_board_is_taught_and_steered_over_its_link() {
     steerer.order(json!({"do": "seek"})).expect("it seeks");
     steerer.wait("now", |now| {
         let note = now["note"].as_str().unwrap_or_default();
-        now["mode"] == "stopped" && note.contains("not every sonar was heard")
+        now["mode"] == "stopped" && note.contains("a sonar did not report")
     });
     board_page(&viewed);
     drop(served);

@@ -9,10 +9,10 @@ use arena::sonar::SonarModel;
 use arena::world::World;
 use files::error::BadInput;
 use rayon::prelude::*;
+use sim::behavior::Behavior;
 use sim::episode::{Body, Seeds, Setup, drive_pilot, run};
 use sim::error::EpisodeError;
 use sim::ring_pilot::RingPilot;
-use sim::behavior::Behavior;
 use sim::settings;
 
 /// One row: a preset with some choices changed.

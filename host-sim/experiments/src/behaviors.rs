@@ -7,10 +7,10 @@ use arena::robot::TurretMode;
 use arena::sonar::SonarModel;
 use arena::world::{Pose, World};
 use rayon::prelude::*;
+use sim::behavior::Behavior;
 use sim::episode::{Episode, EpisodeReport, Setup, elsewhere, perceive, run};
 use sim::error::EpisodeError;
 use sim::goal_file::GoalFile;
-use sim::behavior::Behavior;
 use sim::statistics::{Mean, bootstrap};
 
 /// How much is measured, and with what.

@@ -8,10 +8,10 @@ use arena::robot::TurretMode;
 use arena::sonar::{FaultKind, SonarModel, TransducerFault};
 use arena::world::World;
 use rayon::prelude::*;
+use sim::behavior::Behavior;
 use sim::episode::{Setup, run_with};
 use sim::error::EpisodeError;
 use sim::pilot::{HeardEcho, InspectableController, LocalController, Pilot, SimState};
-use sim::behavior::Behavior;
 
 /// What is the same for every episode.
 #[derive(Debug, Clone)]
@@ -92,7 +92,11 @@ pub fn courses(
     courses.collect()
 }
 
-fn course(fault: Option<TransducerFault>, room: u64, trial: &Trial) -> Result<Course, EpisodeError> {
+fn course(
+    fault: Option<TransducerFault>,
+    room: u64,
+    trial: &Trial,
+) -> Result<Course, EpisodeError> {
     let world = World::random(room);
     let setup = Setup {
         config: trial.config.clone(),

@@ -1,5 +1,6 @@
-//! Behaviors by name: goal situations, and where each begins. How well they go is [measured](crate::episode) by the
-//! world, which the mind never sees.
+//! Behaviors by name, their goal situations and start conditions.
+//!
+//! Success is [measured](crate::episode) in the true world, which the controller never sees.
 
 use crate::goal_file::GoalFile;
 use amp::config::Config;
@@ -10,13 +11,13 @@ use arena::world::Point;
 use files::error::BadInput;
 use std::str::FromStr;
 
-/// Range to the wall that is followed, meters from the ring.
+/// Range to the followed wall, meters from the ring.
 pub const WALL_RANGE_M: f64 = 0.6;
-/// Room kept clear on the side by which obstacles are passed, meters.
+/// Room to keep on the side on which obstacles are passed, meters.
 pub const PASSING_ROOM_M: f64 = 1.5;
 /// Range to the leader, meters from the ring.
 pub const LEADER_RANGE_M: f64 = 0.34;
-/// Decisions in which a behavior without an end has to hold in a chain before the next begins.
+/// In a chain, a behavior without an end is done when its goal has held for this many decisions.
 pub const CHAIN_HOLDS: u32 = 20;
 
 /// A behavior by name.
@@ -24,24 +25,24 @@ pub const CHAIN_HOLDS: u32 = 20;
 pub enum Behavior {
     /// Obstacle avoidance, the paper's experiment: nothing nearer than the clearance.
     Avoid,
-    /// The same, but obstacles are passed so that they stay on the robot's left.
+    /// As `Avoid`, but obstacles are passed on the robot's left.
     AvoidRight,
-    /// A wall is followed on the left.
+    /// Follow a wall on the left.
     WallLeft,
-    /// A wall is followed on the right.
+    /// Follow a wall on the right.
     WallRight,
-    /// Back to where the robot stood before its first move.
+    /// Return to the position before the first move.
     Nest,
-    /// Behind another robot.
+    /// Follow another robot.
     Follow,
-    /// To where a situation from a file is perceived.
+    /// Go to where the situation of a file was captured.
     Seek(Box<GoalFile>),
-    /// One after the other: the next begins when the goal is reached.
+    /// Several in a row: the next one begins when the goal is reached.
     Chain(Vec<Self>),
 }
 
 impl Behavior {
-    /// Names of those that take nothing.
+    /// Names of the behaviors without a parameter.
     pub const NAMES: [&str; 6] = [
         "avoid",
         "avoid-right",
@@ -51,7 +52,7 @@ impl Behavior {
         "follow",
     ];
 
-    /// What a behavior of this name does, in a few words; nothing for an unknown one.
+    /// A short description; empty for an unknown name.
     #[must_use]
     pub fn about(name: &str) -> &'static str {
         match name {
@@ -67,7 +68,7 @@ impl Behavior {
         }
     }
 
-    /// Its name, as it is written on the command line.
+    /// The name on the command line.
     #[must_use]
     pub fn name(&self) -> String {
         match self {
@@ -85,7 +86,8 @@ impl Behavior {
         }
     }
 
-    /// Its goal situation; `nest` is what was perceived before the first move. A chain's is that of its first part.
+    /// The goal situation; `nest` is the situation before the first move. A chain has that of its
+    /// first part.
     #[must_use]
     pub fn goal(&self, config: &Config<16>, nest: &Situation<16>) -> Goal<16> {
         let range = |meters: f64| Range::from_mm((meters * 1e3) as u16);
@@ -103,7 +105,7 @@ impl Behavior {
         }
     }
 
-    /// What is pursued one after the other.
+    /// The parts of a chain; one part for all others.
     #[must_use]
     pub fn parts(&self) -> &[Self] {
         match self {
@@ -112,17 +114,17 @@ impl Behavior {
         }
     }
 
-    /// After exploring the robot is set down elsewhere.
+    /// The robot is placed elsewhere after exploring.
     #[must_use]
     pub fn is_set_down_elsewhere(&self) -> bool {
         match self {
             Self::Nest | Self::Seek(_) => true,
-            // In a chain the way is made by what comes before.
+            // In a chain the parts before it move the robot away.
             _ => false,
         }
     }
 
-    /// The place to come to, if there is one that is known; `nest` is the nest.
+    /// The place to reach, if there is one and it is known.
     #[must_use]
     pub fn place(&self, nest: Point) -> Option<Point> {
         match self {
@@ -132,7 +134,7 @@ impl Behavior {
         }
     }
 
-    /// There is another robot to follow.
+    /// The world contains a second robot.
     #[must_use]
     pub fn has_leader(&self) -> bool {
         self.parts().contains(&Self::Follow)
@@ -171,8 +173,8 @@ impl FromStr for Behavior {
     }
 }
 
-/// Whether a part of a chain is done after so many steps, of which the goal held in some: a place when its goal holds, a
-/// way when its goal has held for a while.
+/// Whether a part of a chain is done. A place is reached as soon as the goal holds; other behaviors
+/// end after a number of decisions.
 #[must_use]
 pub fn is_reached(part: &Behavior, steps: u32, goal_steps: u32) -> bool {
     match part {

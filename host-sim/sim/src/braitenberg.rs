@@ -1,20 +1,20 @@
-//! A hand-written avoider in the manner of V. Braitenberg, *Vehicles*, MIT Press 1984: each sonar
-//! pushes the course away from what it hears, the stronger the nearer; speed is constant.
+//! A hand-written avoider after V. Braitenberg, *Vehicles*, MIT Press 1984. Each sonar pushes the
+//! course away from its echo, the stronger the nearer; the speed is constant.
 //!
-//! The yardstick for distance and coverage: it learns nothing and is tuned by hand.
+//! It is the reference for distance and coverage: it learns nothing and is tuned by hand.
 
 use crate::ring_pilot::{Perception, Policy, STEP_M, axis};
 use arena::world::Point;
 use std::f64::consts::PI;
 
-/// The yardstick's constants.
+/// Constants of the rule.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BraitenbergTuning {
     /// Step per decision, meters.
     pub step_m: f64,
-    /// What is farther than this is not heard, meters.
+    /// Farther echoes are ignored, meters.
     pub far_m: f64,
-    /// Weight of the push against the course.
+    /// Weight of the pushes against the course.
     pub push: f64,
 }
 
@@ -52,8 +52,8 @@ impl Braitenberg {
         }
     }
 
-    /// Course and pushes added up. Only what lies ahead (within a quarter turn of the course) pushes,
-    /// so a wall along the side does not drive the robot away from its course.
+    /// Adds the pushes to the course. Only echoes within about a quarter turn of the course push,
+    /// so a wall beside the robot does not turn it away.
     fn next_course(&self, perceived: &Perception) -> Point {
         let mut sum = self.course;
         for (sensor, range) in perceived.ranges.iter().enumerate() {
@@ -77,7 +77,7 @@ impl Braitenberg {
 
 impl Policy for Braitenberg {
     fn decide(&mut self, perceived: &Perception) -> Point {
-        // The ring has turned: the course stays where it is in the world.
+        // The ring has turned; the course keeps its direction in the world.
         let turned = f64::from(perceived.turned.as_signed_turns()) * PI / 32_768.0;
         self.course = self.course.turned_back(Point::unit(turned));
         self.course = self.next_course(perceived);

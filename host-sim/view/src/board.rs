@@ -21,9 +21,9 @@ use amp::wire::message::{self, GoalBy, ModeReport};
 use arena::world::Point;
 use files::hex::unhex;
 use remote::link::{Knowledge, LinkError, Session};
+use sim::behavior::Behavior;
 use sim::episode::{Seeds, StepFlags};
 use sim::pilot::SimState;
-use sim::behavior::Behavior;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 

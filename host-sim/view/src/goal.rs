@@ -9,9 +9,9 @@ use amp::goal::{Frame, Goal};
 use amp::scan::Situation;
 use arena::world::Point;
 use files::error::BadInput;
+use sim::behavior::{Behavior, is_reached};
 use sim::goal_file::{self, GoalFile};
 use sim::pilot::SimState;
-use sim::behavior::{Behavior, is_reached};
 
 /// A goal and where it came from.
 #[derive(Debug, Clone)]

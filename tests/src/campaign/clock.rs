@@ -9,10 +9,10 @@ use arena::robot::TurretMode;
 use arena::sonar::SonarModel;
 use arena::world::World;
 use rayon::prelude::*;
+use sim::behavior::Behavior;
 use sim::episode::{Setup, run_with};
 use sim::error::EpisodeError;
 use sim::pilot::{InspectableController, LocalController, Pilot, SimState};
-use sim::behavior::Behavior;
 
 /// Episodes of a full campaign.
 pub const COUNT: u64 = 1_000;

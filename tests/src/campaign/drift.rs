@@ -19,10 +19,10 @@ use arena::robot::TurretMode;
 use arena::sonar::SonarModel;
 use arena::world::World;
 use rayon::prelude::*;
+use sim::behavior::Behavior;
 use sim::episode::{Body, Metrics, Seeds, Setup, explore_and_learn};
 use sim::error::EpisodeError;
 use sim::pilot::{Pilot as _, SimState};
-use sim::behavior::Behavior;
 use sim::statistics::{Mean, bootstrap};
 
 /// Seeds of a full campaign.
@@ -69,7 +69,12 @@ pub fn run(
     Ok(verdict(&days?, sonar))
 }
 
-fn day(seed: u64, hours: u32, sonar: SonarModel, progress: Progress<'_>) -> Result<Day, EpisodeError> {
+fn day(
+    seed: u64,
+    hours: u32,
+    sonar: SonarModel,
+    progress: Progress<'_>,
+) -> Result<Day, EpisodeError> {
     let world = World::random(seed);
     let setup = Setup {
         config: Config::recommended(),

@@ -12,10 +12,10 @@ use arena::sonar::SonarModel;
 use arena::world::{Point, Pose, Shape, World};
 use files::error::BadInput;
 use rayon::prelude::*;
+use sim::behavior::Behavior;
 use sim::episode::{Setup, elsewhere, perceive, run as run_episode};
 use sim::error::EpisodeError;
 use sim::goal_file::GoalFile;
-use sim::behavior::Behavior;
 use std::f64::consts::TAU;
 
 /// Cells: 8 behaviors, 2 sonar models, 2 turret modes.
@@ -108,7 +108,12 @@ fn name(behavior: usize) -> &'static str {
     names.nth(behavior).copied().unwrap_or(CHAIN)
 }
 
-fn episode(world: &World, seed: u64, number: u64, config: &Config<16>) -> Result<Cell, EpisodeError> {
+fn episode(
+    world: &World,
+    seed: u64,
+    number: u64,
+    config: &Config<16>,
+) -> Result<Cell, EpisodeError> {
     let (behavior, sonar, turret) = parts(number);
     let seed = seed.wrapping_add(number / CELLS);
     let behavior = match name(behavior) {

@@ -27,11 +27,11 @@ use arena::robot::{COLLISION_RADIUS_M, TurretMode};
 use arena::sonar::SonarModel;
 use arena::world::{Point, World};
 use files::error::BadInput;
+use sim::behavior::Behavior;
 use sim::episode::{self, Body, Seeds, Setup};
 use sim::error::EpisodeError;
 use sim::pilot::{LocalController, Pilot};
 use sim::ring_pilot::{Perception, Policy, RingPilot, STEP_M, Steerable};
-use sim::behavior::Behavior;
 
 /// A run succeeds within this distance of the goal, m.
 pub const REACHED_M: f64 = 1.0;

@@ -51,7 +51,11 @@ impl Seeker {
     ///
     /// # Errors
     /// When the mind cannot tell what it knows.
-    pub fn new(mut mind: LocalController, tuning: Tuning, course: f64) -> Result<Self, EpisodeError> {
+    pub fn new(
+        mut mind: LocalController,
+        tuning: Tuning,
+        course: f64,
+    ) -> Result<Self, EpisodeError> {
         let config = mind.config().clone();
         let clearance = Range::from_mm((tuning.clearance_m * 1e3) as u16);
         let goal = Goal {

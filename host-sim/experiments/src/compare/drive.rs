@@ -12,12 +12,12 @@ use arena::noise::Noise;
 use arena::robot::TurretMode;
 use arena::sonar::SonarModel;
 use arena::world::World;
+use sim::behavior::Behavior;
 use sim::braitenberg::Braitenberg;
 use sim::episode::{Body, Seeds, Setup, drive_pilot, run_with};
 use sim::error::EpisodeError;
 use sim::pilot::LocalController;
 use sim::ring_pilot::{Policy, RingPilot};
-use sim::behavior::Behavior;
 use std::f64::consts::TAU;
 
 /// How a method is measured.
@@ -135,7 +135,11 @@ impl Place<'_> {
     }
 
     /// Measures a policy as it is.
-    fn measured<P: Policy>(&self, policy: P, learning_contacts: u32) -> Result<Outcome, EpisodeError> {
+    fn measured<P: Policy>(
+        &self,
+        policy: P,
+        learning_contacts: u32,
+    ) -> Result<Outcome, EpisodeError> {
         let mut watched = Watched::new(self.pilot(policy), self.conditions.timed);
         let tally = drive_pilot(self.world, &mut watched, self.body(), self.conditions.steps)?;
         Ok(Outcome {

@@ -200,9 +200,9 @@ impl<'w, const SENSORS: usize> AnyRing<'w, SENSORS> {
 mod tests {
     use super::*;
     use arena::sonar::SonarModel;
+    use sim::behavior::Behavior;
     use sim::episode::Seeds;
     use sim::pilot::LocalController;
-    use sim::behavior::Behavior;
 
     #[test]
     fn a_ring_of_16_remembers_what_the_nomad_does() {

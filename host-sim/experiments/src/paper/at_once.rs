@@ -8,10 +8,10 @@ use amp::scan::Situation;
 use amp::units::Millis;
 use arena::world::World;
 use rayon::prelude::*;
+use sim::behavior::Behavior;
 use sim::episode::run_with;
 use sim::error::EpisodeError;
 use sim::pilot::{InspectableController, LocalController, Pilot, SimState};
-use sim::behavior::Behavior;
 
 /// Decisions from one question to the next: every 50th.
 const EVERY: usize = 50;

@@ -12,10 +12,10 @@ use amp::memory::from_bytes;
 use amp::planner::Why;
 use amp::units::Displacement;
 use arena::world::World;
+use sim::behavior::Behavior;
 use sim::episode::run_with;
 use sim::error::EpisodeError;
 use sim::pilot::SimState;
-use sim::behavior::Behavior;
 
 /// Decisions of an episode: as long as the path in Fig. 5, several times over.
 pub const STEPS: u32 = 300;
@@ -76,7 +76,11 @@ pub struct DecisionFigure {
 ///
 /// # Errors
 /// When an episode fails; [`EpisodeError::Silent`] when none of a hundred has a decision that aims at a neighbor.
-pub fn decision(reading: &Reading, world: &World, seed: u64) -> Result<DecisionFigure, EpisodeError> {
+pub fn decision(
+    reading: &Reading,
+    world: &World,
+    seed: u64,
+) -> Result<DecisionFigure, EpisodeError> {
     for seed in (0..EPISODES).map(|i| seed.wrapping_add(i)) {
         let setup = rooms::setup(reading, Behavior::Avoid, seed, STEPS);
         let watch = |keep_after| {

@@ -21,10 +21,10 @@ use arena::sonar::{SonarConfig, SonarModel};
 use arena::world::World;
 use files::error::BadInput;
 use rayon::prelude::*;
+use sim::behavior::Behavior;
 use sim::episode::{Seeds, run};
 use sim::error::EpisodeError;
 use sim::recording::Recording;
-use sim::behavior::Behavior;
 
 /// Random moves with which avoidance is tried.
 pub const FEWER_MOVES: [u16; 5] = [10, 25, 50, 100, 200];

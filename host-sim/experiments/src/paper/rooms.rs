@@ -12,10 +12,10 @@ use amp::scan::{Situation, rotated};
 use arena::sonar::SonarModel;
 use arena::world::World;
 use rayon::prelude::*;
+use sim::behavior::Behavior;
 use sim::episode::{EpisodeReport, Setup, run_with};
 use sim::error::EpisodeError;
 use sim::pilot::SimState;
-use sim::behavior::Behavior;
 
 /// Added to an episode's seed for random moves that its maps have not learned.
 const OTHER_MOVES: u64 = 1_000_000;

@@ -3,8 +3,8 @@
 use crate::RobotError;
 use amp::config::Config;
 use serde::Serialize;
-use sim::error::EpisodeError;
 use sim::behavior::Behavior;
+use sim::error::EpisodeError;
 use std::fmt;
 
 /// What is to be done with the robot.

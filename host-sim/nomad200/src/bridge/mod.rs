@@ -27,9 +27,9 @@ use amp::fixed::Weight;
 use amp::scan::Situation;
 use reins::refused;
 use remote::log::LoggedMind;
+use sim::behavior::is_reached;
 use sim::episode::{Seeds, rounded};
 use sim::error::EpisodeError;
-use sim::behavior::is_reached;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 

@@ -132,7 +132,11 @@ impl Mind {
     }
 }
 
-fn think(mut pilot: LoggedMind, todo: &Receiver<Task>, done: &Sender<Result<Thought, EpisodeError>>) {
+fn think(
+    mut pilot: LoggedMind,
+    todo: &Receiver<Task>,
+    done: &Sender<Result<Thought, EpisodeError>>,
+) {
     while let Ok(task) = todo.recv() {
         let thought = obey(&mut pilot, task);
         let thought = pilot.failure().map_or(thought, Err);

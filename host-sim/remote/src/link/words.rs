@@ -50,7 +50,7 @@ pub fn refusal(why: Refusal) -> String {
             "not while the robot explores, learns or seeks (`host-sim link … stop`)".into()
         }
         Refusal::NoRing => "it has no sonars of its own, or goes by the clock here".into(),
-        Refusal::NothingPerceived => "not every sonar has been heard yet".into(),
+        Refusal::NothingPerceived => "some sonars have not reported yet".into(),
         Refusal::Flash(why) => why.to_string(),
         Refusal::NoSuchGoal => "it keeps no goal of this name (`host-sim link … goals`)".into(),
         Refusal::GoalName => "it keeps 8 goals already: drop one first".into(),

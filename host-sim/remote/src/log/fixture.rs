@@ -5,9 +5,9 @@ use amp::config::Config;
 use arena::robot::TurretMode;
 use arena::sonar::SonarModel;
 use arena::world::World;
+use sim::behavior::Behavior;
 use sim::episode::Setup;
 use sim::pilot::LocalController;
-use sim::behavior::Behavior;
 use std::io::Cursor;
 use std::path::Path;
 

@@ -132,7 +132,10 @@ fn a_full_disk_ends_the_episode_in_words() {
         at: 0,
     };
     let log = SharedLog::new(Log::begin(disk, "a.mcap").unwrap());
-    let mut tap = Tap::new(LocalController::new(setup.config.clone()), Some(log.clone()));
+    let mut tap = Tap::new(
+        LocalController::new(setup.config.clone()),
+        Some(log.clone()),
+    );
     let mut watcher = Watcher::new(log);
     let done = episode::run_observed(&world, &setup, &mut tap, Some(&mut watcher), |_, _, _| {});
     let failure = done.unwrap_err().to_string();

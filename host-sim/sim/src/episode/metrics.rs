@@ -1,4 +1,4 @@
-//! What is counted while a robot drives, and the line that is printed of it.
+//! Metrics of a phase, and the report that is printed of an episode.
 
 use crate::coverage::Coverage;
 use arena::robot::COLLISION_RADIUS_M;
@@ -14,18 +14,18 @@ pub struct Metrics {
     pub contacts: u32,
     /// Steps in which another robot ran into the body.
     pub touched_by: u32,
-    /// Way traveled, meters.
+    /// Path length, meters.
     pub distance_m: f64,
-    /// Least gap between the body and any surface, meters; `None` before the first step.
+    /// Least gap between body and surfaces, meters; `None` before the first step.
     pub min_clearance_m: Option<f64>,
-    /// Steps decided while the goal held.
+    /// Steps that were decided while the goal held.
     pub goal_steps: u32,
-    /// Steps the shield shortened or stopped.
+    /// Steps whose motion the shield shortened or stopped.
     pub shield_stops: u32,
     coverage: Coverage,
 }
 
-/// What one step adds to a [`Metrics`].
+/// Flags of one step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StepFlags {
     /// The body's own motion touched something.
@@ -39,7 +39,7 @@ pub struct StepFlags {
 }
 
 impl Metrics {
-    /// Nothing counted yet.
+    /// Nothing is counted yet.
     #[must_use]
     pub fn new(world: &World) -> Self {
         Self {
@@ -54,16 +54,16 @@ impl Metrics {
         }
     }
 
-    /// A step has ended.
-    pub fn step(&mut self, stride: StepFlags) {
+    /// Adds a step.
+    pub fn step(&mut self, flags: StepFlags) {
         self.steps += 1;
-        self.contacts += u32::from(stride.touched);
-        self.touched_by += u32::from(stride.touched_by);
-        self.goal_steps += u32::from(stride.at_goal);
-        self.shield_stops += u32::from(stride.shielded);
+        self.contacts += u32::from(flags.touched);
+        self.touched_by += u32::from(flags.touched_by);
+        self.goal_steps += u32::from(flags.at_goal);
+        self.shield_stops += u32::from(flags.shielded);
     }
 
-    /// The body has moved straight.
+    /// Adds a straight piece of the path.
     pub fn moved(&mut self, from: Point, to: Point, traveled_m: f64, clearance_m: f64) {
         self.distance_m += traveled_m;
         let least = self
@@ -80,14 +80,14 @@ impl Metrics {
     }
 }
 
-/// One world's line: what `host-sim run` prints, in this order.
+/// Result of one world: a line of `host-sim run`, with the fields in this order.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct EpisodeReport {
     /// World.
     pub world: String,
     /// Behavior.
     pub behavior: String,
-    /// Preset of the open choices.
+    /// Preset of the configuration.
     pub preset: String,
     /// Sonar model.
     pub sonar: String,
@@ -103,7 +103,7 @@ pub struct EpisodeReport {
     pub contacts: u32,
     /// Steps in which another robot ran into the body.
     pub touched_by: u32,
-    /// Way traveled while seeking, meters.
+    /// Path length while seeking, meters.
     pub distance_m: f64,
     /// Least gap to any surface while seeking, meters.
     pub min_clearance_m: f64,
@@ -111,9 +111,9 @@ pub struct EpisodeReport {
     pub coverage_m2: f64,
     /// Steps in which the goal held.
     pub goal_steps: u32,
-    /// Steps the shield shortened or stopped.
+    /// Steps whose motion the shield shortened or stopped.
     pub shield_stops: u32,
-    /// Simulated time of the seeking, seconds.
+    /// Simulated time of seeking, seconds.
     pub time_s: f64,
     /// The behavior's own measure.
     pub success: f64,
@@ -122,7 +122,7 @@ pub struct EpisodeReport {
 }
 
 impl EpisodeReport {
-    /// The names of its fields, in their order.
+    /// Names of the fields, in order.
     pub const FIELDS: [&str; 18] = [
         "world",
         "behavior",
@@ -145,7 +145,7 @@ impl EpisodeReport {
     ];
 }
 
-/// A figure as printed: four decimals are below a tenth of a millimeter.
+/// Rounds a figure to four decimals, as it is printed.
 #[must_use]
 pub fn rounded(value: f64) -> f64 {
     (value * 1e4 + 0.5).floor() / 1e4

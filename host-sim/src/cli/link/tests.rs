@@ -31,7 +31,7 @@ fn every_verb_says_what_came_of_it() {
     assert!(row("params far 1300").contains("far 1300"));
     assert!(verb("counters").unwrap().contains("frames accepted"));
     assert!(verb("goal avoid").unwrap().contains("done"));
-    assert!(verb("stop").unwrap().contains("stopped: it was told to"));
+    assert!(verb("stop").unwrap().contains("stopped: on command"));
     assert_eq!(verb("monitor --for 0.1").unwrap(), "");
     assert!(verb("keep free").unwrap().contains("done"));
     assert!(verb("goal kept:free").unwrap().contains("done"));
@@ -42,8 +42,8 @@ fn every_verb_says_what_came_of_it() {
         ("learn", "nothing to learn from"),
         ("seek", "it has not learned yet"),
         ("explore 0", "from 1 to 100 random moves"),
-        ("explore 5", "not every sonar was heard in time"),
-        ("goal perceived", "not every sonar has been heard"),
+        ("explore 5", "a sonar did not report in time"),
+        ("goal perceived", "some sonars have not reported"),
         ("goal none.toml", "none.toml: "),
         ("params fra", "did you mean \"far\"?"),
         ("params far 9999", "between 1 and 6500 mm"),

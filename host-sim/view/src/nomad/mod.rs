@@ -19,10 +19,10 @@ use arena::world::{Point, Pose};
 use nomad200::Host;
 use nomad200::bridge::{About, At, PAUSE, Reins, Thought, Trouble};
 use remote::log::{LogOutput, LoggedMind, SharedLog};
+use sim::behavior::Behavior;
 use sim::episode::StepFlags;
 use sim::error::EpisodeError;
 use sim::pilot::SimState;
-use sim::behavior::Behavior;
 use std::sync::Arc;
 use std::time::Duration;
 

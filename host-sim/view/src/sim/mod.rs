@@ -20,7 +20,9 @@ use arena::world::{Point, Pose, World};
 use files::error::BadInput;
 use remote::link::{AnyMind, MindPlace};
 use remote::log::{Log, LogOutput, LoggedMind, Setup as SetupRecord, SharedLog, Watcher};
-use sim::episode::{Body, Metrics, Observer as _, Seeds, Setup, StepResult, StepFlags, milliseconds};
+use sim::episode::{
+    Body, Metrics, Observer as _, Seeds, Setup, StepFlags, StepResult, milliseconds,
+};
 use sim::error::EpisodeError;
 use sim::pilot::Pilot as _;
 use std::borrow::Cow;

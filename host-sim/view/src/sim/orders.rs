@@ -15,7 +15,7 @@ use files::error::BadInput;
 use files::hex::unhex;
 use remote::link::{AnyMind, Knowledge};
 use remote::log::LoggedMind;
-use sim::episode::{CARRIED_S, Seeds};
+use sim::episode::{CARRY_TIME_S, Seeds};
 
 impl Simulator {
     pub(super) fn obey(&mut self, order: &Order) -> Result<Done, Refused> {
@@ -232,7 +232,7 @@ impl Simulator {
         if goes_on {
             self.stop()?;
         }
-        self.body.wait(CARRIED_S);
+        self.body.wait(CARRY_TIME_S);
         self.body.set_down_at(to);
         self.log_place();
         self.before = None;

@@ -2,9 +2,9 @@ use super::*;
 use crate::order::Reset;
 use arena::sonar::SonarModel;
 use remote::link::{Local, Session};
+use sim::behavior::Behavior;
 use sim::episode;
 use sim::pilot::LocalController;
-use sim::behavior::Behavior;
 
 fn start(sonar: SonarModel) -> Start {
     let config = Config::recommended();
