@@ -5,7 +5,7 @@ use arena::robot::TurretMode;
 use arena::sonar::SonarModel;
 use arena::world::World;
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
-use remote::link::MindPlace;
+use remote::link::ControllerPlace;
 use sim::behavior::Behavior;
 use sim::episode::Setup;
 use view::order::Order;
@@ -32,7 +32,8 @@ fn seeking() -> Simulator {
         whole: config,
         presets: Vec::new(),
     };
-    let mut robot = Simulator::new(start, MindPlace::Host, None).expect("a mind in this process");
+    let mut robot =
+        Simulator::new(start, ControllerPlace::Host, None).expect("a mind in this process");
     for order in [Order::Explore, Order::Learn] {
         robot.carry_out(&order).expect("it is done");
         while robot.step() != Stepped::Standing {}

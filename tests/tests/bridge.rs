@@ -2,8 +2,8 @@
 
 use amp::config::Config;
 use nomad200::Command;
-use remote::link::Served;
-use remote::log::{Answer, EventRecord, Happening, channel, read};
+use remote::link::NodeServer;
+use remote::log::{AnswerRecord, EventKind, EventRecord, channel, read};
 use serde_json::Value;
 use std::path::Path;
 use std::thread::sleep;
@@ -213,7 +213,7 @@ fn last_way(log: &Path) -> (u32, f64) {
         match message.topic.as_str() {
             channel::EVENT => {
                 let record: EventRecord = message.content().expect("an event");
-                if let Happening::Odometry { moved_mm, .. } = record.event
+                if let EventKind::Odometry { moved_mm, .. } = record.event
                     && moved_mm != [0; 2]
                 {
                     moved_ms = record.at_ms;
@@ -222,7 +222,7 @@ fn last_way(log: &Path) -> (u32, f64) {
                 }
             }
             channel::PLAN => {
-                let answer: Answer = message.content().expect("an answer");
+                let answer: AnswerRecord = message.content().expect("an answer");
                 said_ms = answer.at_ms;
             }
             _ => {}
@@ -266,7 +266,7 @@ fn blocked_wheels_stop_the_robot_of_a_mind_elsewhere() {
     let program = host_sim!();
     let robot = Robot::at_a_port(&program, "--world room --blocked-after 0.2");
     let at = format!("tcp:{}", robot.place);
-    let mind = Served::start(Config::recommended()).expect("a mind");
+    let mind = NodeServer::start(Config::recommended()).expect("a mind");
     let to_mind = format!("tcp:{}", mind.host());
     let mut driver = bridge(&program, &at, &format!("--mind {to_mind} --explore 100"));
     let (code, stdout, stderr) = driver.end(Duration::from_secs(30));
@@ -274,7 +274,7 @@ fn blocked_wheels_stop_the_robot_of_a_mind_elsewhere() {
     assert_eq!(
         stderr,
         format!(
-            "host-sim: {to_mind}: the mind stopped: its motion did not end in time: the wheels may be blocked; the robot was told to stand\n"
+            "host-sim: {to_mind}: the controller stopped: its motion did not end in time: the wheels may be blocked; the robot was told to stand\n"
         )
     );
     sleep(BRAKING);
@@ -291,7 +291,7 @@ fn without_its_mind_the_base_is_told_to_stand() {
     ] {
         let mut robot = Robot::at_a_port(&program, "--world room");
         let at = format!("tcp:{}", robot.place);
-        let mind = Served::start(Config::recommended()).expect("a mind");
+        let mind = NodeServer::start(Config::recommended()).expect("a mind");
         let line = Cut::to(&mind.host());
         let to_mind = format!("tcp:{}", line.place);
         let mut driver = bridge(&program, &at, &format!("--mind {to_mind}"));
@@ -328,7 +328,7 @@ fn without_its_chip_the_base_is_told_to_stand() {
     assert_eq!(
         stderr,
         format!(
-            "host-sim: {to_mind}: the mind has started anew (its program panicked); the robot was told to stand\n"
+            "host-sim: {to_mind}: the controller has restarted (its program panicked); the robot was told to stand\n"
         )
     );
     assert!(

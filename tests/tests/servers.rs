@@ -5,7 +5,7 @@ use amp::config::Config;
 use amp::wire::message::{Counters, FromMind};
 use amp::wire::{Frame, Header, Report};
 use nomad200::{Command, Greeting, Kind, LaserSetup, Mask, Packet};
-use remote::link::Served;
+use remote::link::NodeServer;
 use remote::log;
 use serde_json::{Value, json};
 use std::io::{ErrorKind, Read as _, Write as _};
@@ -175,7 +175,7 @@ fn a_board_whose_steering_page_is_gone_stops() {
     let program = host_sim!();
     let mut config = Config::recommended();
     config.robot.ring_period_ms = 10_000;
-    let served = Served::with_ring(config).expect("a mind behind a socket");
+    let served = NodeServer::with_ring(config).expect("a mind behind a socket");
     let flags = format!("--board tcp:{} --explore 20", served.host());
     let viewed = Viewed::start(&program, &flags);
     // Closed.

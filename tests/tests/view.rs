@@ -1,7 +1,7 @@
 //! The bench view as people meet it: in a real browser, and as strangers at the door.
 
 use amp::config::Config;
-use remote::link::Served;
+use remote::link::NodeServer;
 use serde_json::{Value, json};
 use std::fs;
 use std::time::{Duration, Instant};
@@ -339,7 +339,7 @@ fn a_board_is_taught_and_steered_over_its_link() {
     let maps = steerer.latest("maps");
     drop(viewed);
 
-    let served = Served::with_ring(Config::recommended()).expect("a mind behind a socket");
+    let served = NodeServer::with_ring(Config::recommended()).expect("a mind behind a socket");
     let flags = format!("--board tcp:{} --explore 20", served.host());
     let viewed = Viewed::start(&program, &flags);
     let mut steerer = viewed.steerer();
@@ -389,7 +389,7 @@ fn a_board_is_taught_and_steered_over_its_link() {
 #[test]
 fn a_board_without_sonars_says_that_it_will_not_move() {
     let program = host_sim!();
-    let served = Served::start(Config::recommended()).expect("a mind behind a socket");
+    let served = NodeServer::start(Config::recommended()).expect("a mind behind a socket");
     let viewed = Viewed::start(&program, &format!("--board tcp:{}", served.host()));
     viewed.steerer().wait("now", |now| {
         let note = now["note"].as_str().unwrap_or_default();
@@ -548,7 +548,7 @@ fn fifty_viewers_and_a_slow_one_change_nothing() {
 
 #[test]
 fn a_mind_at_the_end_of_a_link_is_watched_until_it_is_lost() {
-    let served = Served::start(Config::recommended()).expect("a mind behind a socket");
+    let served = NodeServer::start(Config::recommended()).expect("a mind behind a socket");
     let program = host_sim!();
     let flags = format!("--explore 6 --speed max --mind tcp:{}", served.host());
     let viewed = Viewed::start(&program, &flags);

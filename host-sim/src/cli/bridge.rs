@@ -12,8 +12,8 @@ use clap::Args;
 use files::error::BadInput;
 use nomad200::Host;
 use nomad200::bridge::{Driven, Plan, Trouble, drive};
-use remote::link::{Address, AnyMind, Serial, Tcp};
-use remote::log::{self, Log, LoggedMind, SharedLog};
+use remote::link::{Address, AnyController, Serial, Tcp};
+use remote::log::{self, LogWriter, LoggedController, SharedLog};
 use std::fmt;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -173,21 +173,21 @@ pub(super) fn mind(
     task: &TaskArgs,
     args: &MindArgs,
     log: Option<&Path>,
-) -> Result<LoggedMind, BadInput> {
+) -> Result<LoggedController, BadInput> {
     let config = held(task)?;
-    let mind = AnyMind::new(&config, args.place(task.explore)?)?;
+    let mind = AnyController::new(&config, args.place(task.explore)?)?;
     if let (replaced @ [_, ..], name) = (&*mind.replaced(), mind.name()) {
         eprintln!(
             "{name}: the mind came with another {}: replaced for this run",
             replaced.join(", another ")
         );
     }
-    let mut log = log.map(Log::create).transpose()?;
+    let mut log = log.map(LogWriter::create).transpose()?;
     if let Some(log) = &mut log {
         log.set_chunk_duration(CHUNK_DURATION);
     }
-    let mut mind = LoggedMind::new(mind, log.map(SharedLog::new));
-    let setup = log::Setup {
+    let mut mind = LoggedController::new(mind, log.map(SharedLog::new));
+    let setup = log::SetupRecord {
         format: log::FORMAT,
         program: env!("CARGO_PKG_VERSION").to_owned(),
         world: format!("Nomad at {}", robot.0),

@@ -110,7 +110,7 @@ impl Board {
     fn listen(&mut self) -> Result<bool, LinkError> {
         let until = Instant::now() + ALIVE;
         let at_ms = self.session.elapsed_ms();
-        self.session.alive(at_ms)?;
+        self.session.send_heartbeat(at_ms)?;
         let mut whole = false;
         while let Some(report) = self.session.next_report(until)? {
             whole |= self.take(&report.said);
@@ -202,7 +202,7 @@ impl Board {
 
     fn order(&mut self, order: message::Order<16>) -> Result<(), LinkError> {
         let at_ms = self.session.elapsed_ms();
-        let reports = self.session.order(at_ms, order)?;
+        let reports = self.session.command(at_ms, order)?;
         let mut changed = false;
         for report in &reports {
             changed |= self.take(&report.said);
@@ -249,7 +249,7 @@ impl Board {
             Order::SaveMind => return Ok(mind_file(&self.config, &self.known)),
             Order::LoadMind { hex } => {
                 let bytes = unhex(hex).ok_or("the file did not arrive whole")?;
-                Knowledge::from_bytes(&bytes)?.push(&mut self.session)?;
+                Knowledge::from_bytes(&bytes)?.upload(&mut self.session)?;
                 self.fetch()?;
                 self.scene = None;
             }

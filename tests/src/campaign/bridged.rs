@@ -10,8 +10,10 @@ use arena::sonar::SonarModel;
 use arena::world::{Point, Pose, Shape, World};
 use nomad200::bridge::{Plan, drive};
 use nomad200::{Command, Decoder, Host, Line, MAX_TO_ROBOT, Protocol, Simulated};
-use remote::link::{AnyMind, Local, MindPlace, Patience, Session, Transport};
-use remote::log::LoggedMind;
+use remote::link::{
+    AnyController, ControllerPlace, InProcessNode, RetryPolicy, Session, Transport,
+};
+use remote::log::LoggedController;
 use sim::behavior::Behavior;
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -187,7 +189,7 @@ impl Transport for ToRobot {
 
 /// The link to the mind.
 struct ToMind {
-    mind: Local,
+    mind: InProcessNode,
     scene: Arc<Mutex<Scene>>,
     is_over: Arc<AtomicBool>,
 }
@@ -237,17 +239,17 @@ fn try_it(gone: Gone, seed: u64, trial: u64) -> Stopped {
     let is_over = Arc::clone(&scene.is_over);
     let scene = Arc::new(Mutex::new(scene));
     let mut session = Session::new(ToMind {
-        mind: Local::new(config.clone()),
+        mind: InProcessNode::new(config.clone()),
         scene: Arc::clone(&scene),
         is_over: Arc::clone(&is_over),
     });
     // Whoever asks the mind waits for longer than the base may move.
-    session.set_patience(Patience {
-        attempt: Duration::from_millis(GIVE_UP_MS.into()),
+    session.set_retry_policy(RetryPolicy {
+        timeout: Duration::from_millis(GIVE_UP_MS.into()),
         attempts: 1,
     });
-    let place = MindPlace::Link(Box::new(session), "a mind".to_owned());
-    let mind = AnyMind::new(&config, place).expect("a mind");
+    let place = ControllerPlace::Link(Box::new(session), "a mind".to_owned());
+    let mind = AnyController::new(&config, place).expect("a mind");
     let plan = Plan {
         config,
         explore_moves: 100,
@@ -257,7 +259,13 @@ fn try_it(gone: Gone, seed: u64, trial: u64) -> Stopped {
         sonars_at_once: 16,
     };
     let host = Host::new(ToRobot(Arc::clone(&scene)));
-    let _ = drive(host, LoggedMind::new(mind, None), &plan, &is_over, |_| {});
+    let _ = drive(
+        host,
+        LoggedController::new(mind, None),
+        &plan,
+        &is_over,
+        |_| {},
+    );
     // A robot whose bridge is gone needs no clock.
     let mut scene = look(&scene);
     while scene.stood.is_none() && scene.lived_ms < GIVE_UP_MS {

@@ -26,7 +26,7 @@ use amp::controller::{self, Outputs, Progress};
 use amp::fixed::Weight;
 use amp::scan::Situation;
 use reins::refused;
-use remote::log::LoggedMind;
+use remote::log::LoggedController;
 use sim::behavior::is_reached;
 use sim::episode::{Seeds, rounded};
 use sim::error::EpisodeError;
@@ -57,7 +57,7 @@ enum Phase {
 /// is told to stop in the end; what was driven is returned beside the trouble.
 pub fn drive(
     host: Host,
-    mind: LoggedMind,
+    mind: LoggedController,
     plan: &Plan,
     interrupted: &AtomicBool,
     progress: impl FnMut(u32),

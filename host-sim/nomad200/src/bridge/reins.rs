@@ -10,7 +10,7 @@ use amp::controller::{self, Outputs, Progress};
 use amp::node::MOTION_TTL_MS;
 use arena::sonar::{FIRING_ORDER, FIRING_SLOT_S};
 use arena::world::{Point, Pose};
-use remote::log::{Log, LogOutput, LoggedMind, SharedLog};
+use remote::log::{LogOutput, LogWriter, LoggedController, SharedLog};
 use sim::error::EpisodeError;
 use std::time::Duration;
 
@@ -78,7 +78,7 @@ impl Reins {
     /// When the robot does not answer.
     pub fn take(
         mut host: Host,
-        mind: LoggedMind,
+        mind: LoggedController,
         config: &Config<16>,
         sonars_at_once: u32,
     ) -> Result<Self, Trouble> {
@@ -267,7 +267,7 @@ impl Reins {
             }
             // The robot's clock does not advance while it is silent, so the recorded events are written now.
             if let Some(log) = &self.log {
-                log.write(Log::flush);
+                log.write(LogWriter::flush);
             }
         }
         Ok(result?)

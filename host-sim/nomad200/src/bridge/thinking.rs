@@ -5,7 +5,7 @@ use amp::config::Config;
 use amp::controller::{Command, Event, Motion, Outputs};
 use amp::units::Millis;
 use arena::world::Point;
-use remote::log::LoggedMind;
+use remote::log::LoggedController;
 use sim::error::EpisodeError;
 use sim::pilot::{HeardEcho, Pilot, SimState};
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
@@ -67,7 +67,7 @@ pub(super) struct Mind {
 
 impl Mind {
     /// Starts the thread.
-    pub(super) fn start(pilot: LoggedMind) -> Self {
+    pub(super) fn start(pilot: LoggedController) -> Self {
         let (tasks, todo) = channel();
         let (done, thoughts) = channel();
         let thread = std::thread::spawn(move || think(pilot, &todo, &done));
@@ -133,7 +133,7 @@ impl Mind {
 }
 
 fn think(
-    mut pilot: LoggedMind,
+    mut pilot: LoggedController,
     todo: &Receiver<Task>,
     done: &Sender<Result<Thought, EpisodeError>>,
 ) {
@@ -146,7 +146,7 @@ fn think(
     }
 }
 
-fn obey(pilot: &mut LoggedMind, task: Task) -> Result<Thought, EpisodeError> {
+fn obey(pilot: &mut LoggedController, task: Task) -> Result<Thought, EpisodeError> {
     Ok(match task {
         Task::Happenings(happenings) => hear(pilot, &happenings),
         Task::Command(at, command) => {
@@ -158,8 +158,8 @@ fn obey(pilot: &mut LoggedMind, task: Task) -> Result<Thought, EpisodeError> {
             Thought::of(About::Else, Outputs::NONE)
         }
         Task::Tell => {
-            pilot.pilot().forget_known(true);
-            let known = Box::new(pilot.pilot().known()?.clone());
+            pilot.pilot().invalidate_cache(true);
+            let known = Box::new(pilot.pilot().cached_state()?.clone());
             Thought {
                 known: Some(known),
                 ..Thought::of(About::Else, Outputs::NONE)

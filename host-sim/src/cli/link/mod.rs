@@ -265,7 +265,7 @@ fn perform(
         (_, Task::Parameters(wanted)) => tables::parameters(session, wanted, out),
         (_, Task::Ask(message)) => ask(session, &message, out),
         (Verb::Push { file }, Task::Push(knowledge)) => {
-            knowledge.push(session)?;
+            knowledge.upload(session)?;
             let samples = knowledge.samples();
             let file = file.display();
             Ok(writeln!(
@@ -274,7 +274,7 @@ fn perform(
             )?)
         }
         (Verb::Pull { file }, _) => {
-            let knowledge = Knowledge::pull(session)?;
+            let knowledge = Knowledge::download(session)?;
             knowledge.save(file)?;
             let samples = knowledge.samples();
             let file = file.display();
@@ -310,7 +310,7 @@ fn ask(session: &mut Session, message: &ToMind<16>, out: &mut impl Write) -> Res
 
 fn order(session: &mut Session, order: Order<16>, out: &mut impl Write) -> Result<(), Trouble> {
     let at_ms = session.elapsed_ms();
-    for report in session.order(at_ms, order)? {
+    for report in session.command(at_ms, order)? {
         follow::print(&report, out)?;
     }
     Ok(writeln!(out, "done")?)
@@ -338,7 +338,7 @@ fn follow_order(
     out: &mut impl Write,
 ) -> Result<(), Trouble> {
     let at_ms = session.elapsed_ms();
-    for report in session.order(at_ms, order)? {
+    for report in session.command(at_ms, order)? {
         follow::print(&report, out)?;
     }
     let mut ended = None;

@@ -3,9 +3,9 @@
 use crate::cli::{Cli, Failure, execute};
 use amp::config::Config;
 use clap::Parser;
-use remote::link::{Knowledge, Served};
+use remote::link::{Knowledge, NodeServer};
 
-fn host_sim(served: &Served, line: &str) -> Result<String, String> {
+fn host_sim(served: &NodeServer, line: &str) -> Result<String, String> {
     let line = line.replace("MIND", &format!("tcp:{}", served.host()));
     let words = std::iter::once("host-sim").chain(line.split(' '));
     let cli = Cli::try_parse_from(words).unwrap();
@@ -20,7 +20,7 @@ fn host_sim(served: &Served, line: &str) -> Result<String, String> {
 
 #[test]
 fn every_verb_says_what_came_of_it() {
-    let served = Served::start(Config::recommended()).unwrap();
+    let served = NodeServer::start(Config::recommended()).unwrap();
     let verb = |verb: &str| host_sim(&served, &format!("link --to MIND {verb}"));
     assert!(verb("hello").unwrap().contains("samples the memory holds"));
     let row = |line: &str| {
@@ -64,8 +64,8 @@ fn every_verb_says_what_came_of_it() {
 #[test]
 fn what_an_episode_taught_is_pulled_and_pushed() {
     let (one, two) = (
-        Served::start(Config::recommended()).unwrap(),
-        Served::start(Config::touzet()).unwrap(),
+        NodeServer::start(Config::recommended()).unwrap(),
+        NodeServer::start(Config::touzet()).unwrap(),
     );
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("robot.mind");
@@ -96,7 +96,7 @@ fn what_an_episode_taught_is_pulled_and_pushed() {
 
 #[test]
 fn what_cannot_be_driven_there_is_refused_before_anything_is_written() {
-    let served = Served::start(Config::recommended()).unwrap();
+    let served = NodeServer::start(Config::recommended()).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     let line = format!("run --explore 101 --out {} --mind MIND", out.display());

@@ -18,7 +18,7 @@ use amp::scan::Situation;
 use arena::world::{Point, Pose};
 use nomad200::Host;
 use nomad200::bridge::{About, At, PAUSE, Reins, Thought, Trouble};
-use remote::log::{LogOutput, LoggedMind, SharedLog};
+use remote::log::{LogOutput, LoggedController, SharedLog};
 use sim::behavior::Behavior;
 use sim::episode::StepFlags;
 use sim::error::EpisodeError;
@@ -112,10 +112,10 @@ impl WatchedNomad {
     ///
     /// # Errors
     /// When the robot does not answer.
-    pub fn new(start: NomadStart, host: Host, mind: LoggedMind) -> Result<Self, Trouble> {
+    pub fn new(start: NomadStart, host: Host, mind: LoggedController) -> Result<Self, Trouble> {
         let seen = MindSeen {
             name: mind.inner().name(),
-            here: mind.inner().is_here(),
+            here: mind.inner().is_local(),
             known: None,
             stale: true,
             asked: false,

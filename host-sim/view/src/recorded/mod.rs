@@ -19,7 +19,7 @@ use amp::scan::Situation;
 use arena::robot::COLLISION_RADIUS_M;
 use arena::world::{Point, Pose};
 use files::error::BadInput;
-use remote::log::{Answer, EventRecord, Happening, LogFile, Replayer, Setup};
+use remote::log::{AnswerRecord, EventKind, EventRecord, LogFile, Replayer, SetupRecord};
 use sim::coverage::Coverage;
 use std::sync::Arc;
 use tape::{Item, Tape};
@@ -49,8 +49,8 @@ struct Shown {
 
 /// The robot and its mind at a moment of the recording.
 struct Playing {
-    setup: Setup,
-    retold: Replayer,
+    setup: SetupRecord,
+    replayer: Replayer,
     /// Starts so far.
     starts: usize,
     /// How often what stands around has changed.
@@ -172,11 +172,11 @@ impl Recorded {
 }
 
 impl Playing {
-    fn new(setup: &Setup, tape: &Tape, heard: Heard) -> Self {
+    fn new(setup: &SetupRecord, tape: &Tape, heard: Heard) -> Self {
         let [low, high] = tape.bounds;
         Self {
             setup: setup.clone(),
-            retold: Replayer::new(setup),
+            replayer: Replayer::new(setup),
             starts: 0,
             scene_changes: 0,
             decided: 0,
@@ -208,7 +208,7 @@ impl Playing {
                 self.unsaid();
                 self.hear(record);
                 let decision = &mut None;
-                let told = self.retold.tell(record, |outputs| {
+                let told = self.replayer.apply(record, |outputs| {
                     *decision = outputs.decision.or(*decision);
                 });
                 if let Err(why) = told {
@@ -231,12 +231,12 @@ impl Playing {
 
     /// What it said and the log does not, before it is told something else.
     fn unsaid(&mut self) {
-        if self.retold.unsaid().is_some() {
+        if self.replayer.unlogged_answer().is_some() {
             self.differs();
         }
     }
 
-    fn begin(&mut self, setup: &Setup, tape: &Tape) {
+    fn begin(&mut self, setup: &SetupRecord, tape: &Tape) {
         self.unsaid();
         let shapes = Arc::clone(&self.shapes);
         let mut next = Self::new(setup, tape, self.heard.afresh());
@@ -249,7 +249,7 @@ impl Playing {
 
     fn hear(&mut self, record: &EventRecord) {
         match &record.event {
-            Happening::Echoes(echoes) => {
+            EventKind::Echoes(echoes) => {
                 for echo in echoes {
                     let sensor = usize::from(echo.sensor);
                     let range_m = echo.range_mm.map(|mm| f64::from(mm) / 1e3);
@@ -261,7 +261,7 @@ impl Playing {
                     }
                 }
             }
-            Happening::Odometry {
+            EventKind::Odometry {
                 progress: Progress::Touched,
                 ..
             } => {
@@ -295,11 +295,11 @@ impl Playing {
     }
 
     /// Finds out what is pursued when that has changed.
-    fn pursue(&mut self, event: &Happening) {
-        if !matches!(event, Happening::Seek(_) | Happening::Resume) {
+    fn pursue(&mut self, event: &EventKind) {
+        if !matches!(event, EventKind::Seek(_) | EventKind::Resume) {
             return;
         }
-        let mind = self.retold.mind();
+        let mind = self.replayer.controller();
         if let Mode::Seek { goal } = mind.state().mode() {
             let nest = self
                 .nest
@@ -309,8 +309,8 @@ impl Playing {
         }
     }
 
-    fn compare(&mut self, logged: &Answer) {
-        if self.retold.compare(logged).is_some() {
+    fn compare(&mut self, logged: &AnswerRecord) {
+        if self.replayer.compare(logged).is_some() {
             self.differs();
         }
     }
@@ -374,7 +374,7 @@ impl Source for Recorded {
     }
 
     fn carry_out(&mut self, order: &Order) -> Result<Done, Refused> {
-        let mind = self.playing.retold.mind();
+        let mind = self.playing.replayer.controller();
         match order {
             Order::Jump { to } => self.jump(*to),
             Order::SaveMind => return Ok(mind_file(mind.config(), mind.state())),

@@ -20,7 +20,7 @@ impl Recorded {
         self.shown.revision += 1;
         let revision = self.shown.revision;
         let mut parts: Vec<Arc<dyn Showable>> = vec![self.scene(revision)];
-        let (mind, learns) = (self.playing.retold.mind(), self.learns());
+        let (mind, learns) = (self.playing.replayer.controller(), self.learns());
         let learned = learns || mind.state().has_learned();
         let knowing = &mut self.shown.knowing;
         parts.extend(knowing.parts(revision, mind.state(), mind.config(), learned));
@@ -35,7 +35,7 @@ impl Recorded {
 
     pub(super) fn learns(&self) -> bool {
         matches!(
-            self.playing.retold.mind().state().mode(),
+            self.playing.replayer.controller().state().mode(),
             Mode::Learn { .. }
         )
     }
@@ -52,7 +52,7 @@ impl Recorded {
 
     fn scene_now(&self) -> Scene {
         let (playing, setup) = (&self.playing, &self.playing.setup);
-        let config = playing.retold.mind().config();
+        let config = playing.replayer.controller().config();
         let [low, high] = self.tape.bounds;
         let sonar = setup.sonar.parse().unwrap_or(SonarModel::Nomad);
         let about = |name: &&str| [(*name).to_owned(), Behavior::about(name).to_owned()];
@@ -81,7 +81,7 @@ impl Recorded {
 
     fn now(&self) -> Now {
         let playing = &self.playing;
-        let mind = playing.retold.mind();
+        let mind = playing.replayer.controller();
         let (config, state) = (mind.config(), mind.state());
         let decision = playing.decision;
         let plan = decision.and_then(|decision| decision.plan);
@@ -157,7 +157,7 @@ impl Recorded {
     /// What the robot does, and how much of it is done.
     fn mode(&self) -> (&'static str, f64) {
         let moves = f64::from(self.playing.setup.explore_moves.max(1));
-        match self.playing.retold.mind().state().mode() {
+        match self.playing.replayer.controller().state().mode() {
             Mode::Idle => ("idle", 0.0),
             Mode::Explore { left } => ("explore", 1.0 - f64::from(*left) / moves),
             Mode::Learn { .. } => ("learn", 0.5),

@@ -7,8 +7,8 @@ use amp::controller::Progress;
 use arena::world::{Point, Pose};
 use files::error::BadInput;
 use remote::log::{
-    Answer, Ending, EventRecord, Happening, LogFile, SceneChange, Setup, channel, pose_of,
-    scene_changes,
+    AnswerRecord, Ending, EventKind, EventRecord, LogFile, SceneChange, SetupRecord, channel,
+    pose_of, scene_changes,
 };
 use sim::episode::StepFlags;
 use std::sync::Arc;
@@ -16,11 +16,11 @@ use std::sync::Arc;
 /// Something of a log.
 pub(super) enum Item {
     /// A mind that knows nothing starts.
-    Start(Box<Setup>),
+    Start(Box<SetupRecord>),
     /// It is told something.
     Event(EventRecord),
     /// It answered.
-    Answer(Box<Answer>),
+    Answer(Box<AnswerRecord>),
     /// Where the robot really is.
     Pose(Pose),
     /// What stands around.
@@ -180,16 +180,16 @@ impl Marking {
         }
     }
 
-    fn event(&mut self, event: &Happening) {
+    fn event(&mut self, event: &EventKind) {
         match event {
-            Happening::Echoes(echoes) => {
+            EventKind::Echoes(echoes) => {
                 for echo in echoes {
                     if let Some(range) = self.ranges_m.get_mut(usize::from(echo.sensor)) {
                         *range = echo.range_mm.map(|mm| f64::from(mm) / 1e3);
                     }
                 }
             }
-            Happening::Odometry {
+            EventKind::Odometry {
                 progress: Progress::Touched,
                 ..
             } => {
@@ -198,12 +198,12 @@ impl Marking {
                 }
             }
             // What was begun ends here.
-            Happening::Stop => self.close(),
+            EventKind::Stop => self.close(),
             _ => {}
         }
     }
 
-    fn answer(&mut self, answer: &Answer) {
+    fn answer(&mut self, answer: &AnswerRecord) {
         match &answer.decision {
             Some(decision) => {
                 self.close();

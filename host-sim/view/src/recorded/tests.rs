@@ -16,7 +16,7 @@ fn to_the_end(recorded: &mut Recorded) {
 }
 
 fn known(recorded: &Recorded) -> Vec<u8> {
-    let mind = recorded.playing.retold.mind();
+    let mind = recorded.playing.replayer.controller();
     let knowledge = Knowledge::of(mind.config(), mind.state());
     knowledge.to_bytes()
 }

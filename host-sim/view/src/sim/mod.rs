@@ -18,8 +18,8 @@ use amp::scan::Situation;
 use arena::robot::TurretMode;
 use arena::world::{Point, Pose, World};
 use files::error::BadInput;
-use remote::link::{AnyMind, MindPlace};
-use remote::log::{Log, LogOutput, LoggedMind, Setup as SetupRecord, SharedLog, Watcher};
+use remote::link::{AnyController, ControllerPlace};
+use remote::log::{LogOutput, LogWriter, LoggedController, SetupRecord, SharedLog, WorldLogger};
 use sim::episode::{
     Body, Metrics, Observer as _, Seeds, Setup, StepFlags, StepResult, milliseconds,
 };
@@ -84,9 +84,9 @@ pub struct Simulator {
     /// As it is now.
     config: Config<16>,
     body: Body<'static>,
-    mind: LoggedMind,
+    mind: LoggedController,
     /// Writes down where the robot really is.
-    watcher: Option<Watcher<LogOutput>>,
+    watcher: Option<WorldLogger<LogOutput>>,
     doing: Doing,
     /// What a stop interrupted.
     interrupted: Doing,
@@ -129,22 +129,22 @@ impl Simulator {
     ///
     /// # Errors
     /// When the mind cannot be reached, or the file cannot be written.
-    pub fn new(start: Start, place: MindPlace, log: Option<&Path>) -> Result<Self, BadInput> {
-        let mind = AnyMind::new(&start.setup.config, place)?;
-        let log = log.map(Log::create).transpose()?;
-        let mut mind = LoggedMind::new(mind, log.map(SharedLog::new));
+    pub fn new(start: Start, place: ControllerPlace, log: Option<&Path>) -> Result<Self, BadInput> {
+        let mind = AnyController::new(&start.setup.config, place)?;
+        let log = log.map(LogWriter::create).transpose()?;
+        let mut mind = LoggedController::new(mind, log.map(SharedLog::new));
         mind.begin(&start.record(), Some(&start.world));
         Ok(Self::with_mind(start, mind))
     }
 
-    fn with_mind(start: Start, mind: LoggedMind) -> Self {
+    fn with_mind(start: Start, mind: LoggedController) -> Self {
         let (setup, world) = (&start.setup, &start.world);
         let noise = Seeds::of(setup.seed).noise;
         let world = Cow::Owned(world.clone());
         let body = Body::within(world, setup.sonar, setup.turret, noise).with_faults(&setup.faults);
         let goal = Pursued::behavior(&setup.behavior);
         let ranges_m = body.look();
-        let watcher = mind.log().cloned().map(Watcher::new);
+        let watcher = mind.log().cloned().map(WorldLogger::new);
         Self {
             config: setup.config.clone(),
             mind,
@@ -213,7 +213,7 @@ impl Simulator {
             (self.doing, self.learned) = (Doing::Idle, true);
         }
         self.shown.knowing.forget_maps();
-        self.mind.pilot().forget_known(whole);
+        self.mind.pilot().invalidate_cache(whole);
         Stepped::Took { took_s, whole }
     }
 
@@ -237,7 +237,7 @@ impl Simulator {
             self.note = Some(EpisodeError::Stopped(reason).to_string());
         } else if happened.mode_changed && self.doing == Doing::Explore {
             self.doing = Doing::Idle;
-            self.mind.pilot().forget_known(true);
+            self.mind.pilot().invalidate_cache(true);
         }
         if let Some(decision) = &happened.decision {
             self.open(decision, &happened);
@@ -269,7 +269,7 @@ impl Simulator {
             touched: false,
             touched_by: false,
         });
-        self.mind.pilot().forget_known(false);
+        self.mind.pilot().invalidate_cache(false);
         if self.doing == Doing::Seek && self.config.online.is_some() {
             self.shown.knowing.forget_maps();
         }
@@ -344,7 +344,7 @@ impl Source for Simulator {
             reset: true,
             configure: true,
             save: true,
-            load: self.mind.inner().is_here(),
+            load: self.mind.inner().is_local(),
             ..Abilities::default()
         }
     }

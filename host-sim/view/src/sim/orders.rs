@@ -13,8 +13,8 @@ use arena::robot::COLLISION_RADIUS_M;
 use arena::world::{Point, Shape, World, WorldSource, parse_worlds};
 use files::error::BadInput;
 use files::hex::unhex;
-use remote::link::{AnyMind, Knowledge};
-use remote::log::LoggedMind;
+use remote::link::{AnyController, Knowledge};
+use remote::log::LoggedController;
 use sim::episode::{CARRY_TIME_S, Seeds};
 
 impl Simulator {
@@ -153,7 +153,7 @@ impl Simulator {
     fn choose_goal(&mut self, order: &Order) -> Result<(), Refused> {
         let here = (self.perceived(), self.body.pose().position);
         let known = match self.learned {
-            true => Some(self.mind.pilot().known()?),
+            true => Some(self.mind.pilot().cached_state()?),
             false => None,
         };
         let goal = Pursued::asked(order, here, known)?;
@@ -168,17 +168,17 @@ impl Simulator {
     }
 
     fn save_mind(&mut self) -> Result<Done, Refused> {
-        Ok(mind_file(&self.config, self.mind.pilot().known()?))
+        Ok(mind_file(&self.config, self.mind.pilot().cached_state()?))
     }
 
     fn load_mind(&mut self, hex: &str) -> Result<(), Refused> {
-        if !self.mind.inner().is_here() {
+        if !self.mind.inner().is_local() {
             return Err("a mind elsewhere takes its file from `host-sim link … push`".into());
         }
         let bytes = unhex(hex).ok_or("the file did not arrive whole")?;
         let knowledge = Knowledge::from_bytes(&bytes)?;
         self.renew(self.start.clone(), knowledge.config())?;
-        self.mind.know(self.body.now(), &knowledge);
+        self.mind.load(self.body.now(), &knowledge);
         self.learned = knowledge.state().has_learned();
         Ok(())
     }
@@ -270,11 +270,11 @@ impl Simulator {
     fn renew(&mut self, start: Start, config: &Config<16>) -> Result<(), Refused> {
         let mut record = start.record();
         record.config = config.clone();
-        if let Err(error) = self.mind.afresh(&record, Some(&start.world)) {
+        if let Err(error) = self.mind.reset(&record, Some(&start.world)) {
             self.fail(error.to_string());
             return Err(error.into());
         }
-        let placeholder = LoggedMind::new(AnyMind::here(config), None);
+        let placeholder = LoggedController::new(AnyController::here(config), None);
         let mind = std::mem::replace(&mut self.mind, placeholder);
         let mut next = Self::with_mind(start, mind);
         next.config = config.clone();

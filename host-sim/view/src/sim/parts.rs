@@ -17,7 +17,7 @@ impl Simulator {
     pub(super) fn parts(&mut self) -> Snapshot {
         self.shown.revision += 1;
         let revision = self.shown.revision;
-        if let Err(failure) = self.mind.pilot().known() {
+        if let Err(failure) = self.mind.pilot().cached_state() {
             self.fail(failure.to_string());
         }
         let mut parts: Vec<Arc<dyn Showable>> = vec![self.scene(revision)];
@@ -41,7 +41,7 @@ impl Simulator {
 
     fn maps_and_memory(&mut self, revision: u64) -> Vec<Arc<dyn Showable>> {
         let learned = self.learned || self.doing == Doing::Learn;
-        let Ok(known) = self.mind.pilot().known() else {
+        let Ok(known) = self.mind.pilot().cached_state() else {
             return Vec::new();
         };
         let parts = self
@@ -59,7 +59,8 @@ impl Simulator {
         };
         let decision = self.decision;
         let plan = decision.and_then(|decision| decision.plan);
-        let plan = plan.and_then(|plan| Some(plan_seen(&plan, self.mind.pilot().known().ok()?)));
+        let plan =
+            plan.and_then(|plan| Some(plan_seen(&plan, self.mind.pilot().cached_state().ok()?)));
         let (mode, done) = self.mode();
         let nest = self.nest();
         let start = self.nest.map_or(pose.position, |(_, place)| place);
@@ -91,7 +92,7 @@ impl Simulator {
             shield: self.config.shield.is_some(),
             online: self.config.online.is_some(),
             leader: self.body.leader().map(xy),
-            link: (!self.mind.inner().is_here()).then(|| self.mind.inner().name()),
+            link: (!self.mind.inner().is_local()).then(|| self.mind.inner().name()),
             pace: Default::default(),
             trail: self.trail.ends(),
             at: None,

@@ -1,7 +1,7 @@
 use super::*;
 use crate::order::Reset;
 use arena::sonar::SonarModel;
-use remote::link::{Local, Session};
+use remote::link::{InProcessNode, Session};
 use sim::behavior::Behavior;
 use sim::episode;
 use sim::pilot::LocalController;
@@ -34,7 +34,7 @@ fn start(sonar: SonarModel) -> Start {
 }
 
 fn simulator(sonar: SonarModel) -> Simulator {
-    Simulator::new(start(sonar), MindPlace::Host, None).unwrap()
+    Simulator::new(start(sonar), ControllerPlace::Host, None).unwrap()
 }
 
 fn rest(simulator: &mut Simulator) {
@@ -110,7 +110,7 @@ fn a_stop_stands_and_can_be_gone_on_from() {
     let samples = simulator
         .mind
         .pilot()
-        .known()
+        .cached_state()
         .unwrap()
         .memory()
         .samples()
@@ -205,7 +205,7 @@ fn a_neuron_and_a_place_become_goals() {
 fn an_obstacle_is_met_where_it_was_put_and_never_on_the_robot() {
     let mut start = start(SonarModel::Ideal);
     start.world = World::random(4);
-    let mut simulator = Simulator::new(start, MindPlace::Host, None).unwrap();
+    let mut simulator = Simulator::new(start, ControllerPlace::Host, None).unwrap();
     let robot = simulator.body.pose().position;
     let shapes = simulator.body.world().shapes();
     let index = shapes
@@ -280,10 +280,10 @@ fn a_mind_at_the_end_of_a_link_decides_the_same() {
     for remote in [false, true] {
         let start = start(SonarModel::Ideal);
         let place = if remote {
-            let local = Local::new(start.setup.config.clone());
-            MindPlace::Link(Box::new(Session::new(local)), "local".to_owned())
+            let local = InProcessNode::new(start.setup.config.clone());
+            ControllerPlace::Link(Box::new(Session::new(local)), "local".to_owned())
         } else {
-            MindPlace::Host
+            ControllerPlace::Host
         };
         let mut simulator = Simulator::new(start, place, None).unwrap();
         educate(&mut simulator);
@@ -329,7 +329,7 @@ fn a_log_with_several_starts_plays_from_one_to_the_next() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
     let start = start(SonarModel::Ideal);
-    let mut simulator = Simulator::new(start, MindPlace::Host, Some(&path)).unwrap();
+    let mut simulator = Simulator::new(start, ControllerPlace::Host, Some(&path)).unwrap();
     educate(&mut simulator);
     simulator.carry_out(&Order::Seek).unwrap();
     decide(&mut simulator, 30);

@@ -1,17 +1,16 @@
-//! A mind at the other end of a link drives the simulated robot.
+//! Drives the simulated robot with a controller at the other end of a link.
 //!
-//! Time is the simulation's: the mind's clock is that of the latest message ([`Clock::Host`]), so neither a slow link nor
-//! a slow chip changes what comes of an episode.
+//! The controller's clock follows the time of the messages ([`Clock::Host`]), so neither a slow
+//! link nor a slow chip changes the result of an episode.
 
-use super::{Answer, Knowledge, LinkError, Local, Session, next_number};
+use super::{Fingerprint, Knowledge, LinkError, Response, Session, next_number};
 use amp::config::Config;
 use amp::controller::{Command, Event, Motion, Outputs, Progress, StopReason};
 use amp::fixed::Mask;
 use amp::som::Grid;
 use amp::units::{Millis, Range};
 use amp::wire::message::{
-    Clock, FromMind, GoalBy, Heard, MindHello, ModeReport, MotionOrder, Notice, Order, Part,
-    Refusal, Report,
+    Clock, FromMind, GoalBy, Heard, ModeReport, MotionOrder, Notice, Order, Part, Refusal, Report,
 };
 use amp::wire::{ToMind, message};
 use sim::error::EpisodeError;
@@ -19,96 +18,52 @@ use sim::pilot::{HeardEcho, InspectableController, Pilot, SimState};
 use std::borrow::BorrowMut;
 use std::time::{Duration, Instant};
 
-/// A sign of life at least this often in simulated time, milliseconds: half the silence a mind bears, so that one may be
-/// lost.
-const ALIVE_MS: u32 = amp::link::SILENCE_MS / 2;
+/// Interval of heartbeats in simulated time, milliseconds: half of the allowed silence, so that one
+/// may be lost.
+const HEARTBEAT_MS: u32 = amp::link::SILENCE_MS / 2;
 
-/// How long a learning mind is left alone before it is asked whether it still learns.
-const LEARNING: Duration = Duration::from_millis(500);
+/// Interval of the queries whether the controller still learns.
+const LEARN_POLL: Duration = Duration::from_millis(500);
 
-/// How long a mind may learn: the F405 takes an eighth of a second.
-const MAX_LEARNING: Duration = Duration::from_secs(60);
+/// Limit for learning; the F405 takes an eighth of a second.
+const LEARN_TIMEOUT: Duration = Duration::from_secs(60);
 
-/// What a mind is, in checksums.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Fingerprint {
-    /// Of the configuration.
-    pub config_crc: u32,
-    /// Of the three maps.
-    pub maps_crc: u32,
-    /// Of the memory.
-    pub memory_crc: u32,
-}
-
-impl From<&MindHello> for Fingerprint {
-    fn from(hello: &MindHello) -> Self {
-        Self {
-            config_crc: hello.config_crc,
-            maps_crc: hello.maps_crc,
-            memory_crc: hello.memory_crc,
-        }
-    }
-}
-
-impl Fingerprint {
-    /// That of a mind with this configuration that knows nothing.
-    ///
-    /// # Errors
-    /// When the configuration is none a mind can send.
-    pub fn fresh(config: &Config<16>) -> Result<Self, LinkError> {
-        let mut session = Session::new(Local::new(config.clone()));
-        session.expect_open_space(config.open_space);
-        Ok(Self::from(&session.open(1, Clock::Host)?))
-    }
-
-    /// What differs from another one, in words; empty if nothing does.
-    #[must_use]
-    pub fn differences(&self, other: &Self) -> Vec<&'static str> {
-        let pairs = [
-            (self.config_crc != other.config_crc, "configuration"),
-            (self.maps_crc != other.maps_crc, "maps"),
-            (self.memory_crc != other.memory_crc, "memory"),
-        ];
-        let differing = pairs.into_iter().filter(|(differs, _)| *differs);
-        differing.map(|(_, what)| what).collect()
-    }
-}
-
-/// A mind at the other end of a link, for one episode; the session is its own (`Session`) or lent (`&mut Session`).
-pub struct RemoteMind<S> {
+/// A controller at the other end of a link, for one episode. It owns its session (`Session`) or
+/// borrows it (`&mut Session`).
+pub struct RemoteController<S> {
     session: S,
     config: Config<16>,
-    /// Transducers that its fault detector has disabled.
+    /// Transducers that the controller's fault detector has disabled.
     disabled: Mask,
     found: Fingerprint,
     fresh: Fingerprint,
     /// Time of the latest message.
-    told: Millis,
-    /// The latest motion asked for: number and revision.
+    last_sent: Millis,
+    /// Number and revision of the latest motion.
     motion: Option<(u16, u8)>,
-    /// It has been told to stop and not yet said that it has.
+    /// A stop command was sent and is not yet confirmed.
     stopping: bool,
-    /// It makes its maps.
+    /// The controller learns.
     learning: bool,
     knowledge: Box<SimState>,
     error: Option<LinkError>,
 }
 
-impl<S: BorrowMut<Session>> RemoteMind<S> {
-    /// Opens the sessions `number` and the one after it: gives the mind its configuration, makes it forget everything, and
-    /// makes sure that it did.
+impl<S: BorrowMut<Session>> RemoteController<S> {
+    /// Opens session `number` and the next one: writes the configuration, clears the knowledge and
+    /// checks both.
     ///
     /// # Errors
     /// [`LinkError`].
     pub fn start(mut session: S, number: u16, config: &Config<16>) -> Result<Self, LinkError> {
-        let (found, fresh) = begin(session.borrow_mut(), number, config)?;
+        let (found, fresh) = open_fresh(session.borrow_mut(), number, config)?;
         Ok(Self {
             session,
             config: config.clone(),
             disabled: Mask::NONE,
             found,
             fresh,
-            told: Millis::from_ms(0),
+            last_sent: Millis::from_ms(0),
             motion: None,
             stopping: false,
             learning: false,
@@ -117,33 +72,34 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
         })
     }
 
-    /// As after [`start`](Self::start) with another configuration, whatever went wrong before; the simulation's time begins anew.
+    /// Does the same as [`start`](Self::start) with another configuration, also after an error; the
+    /// simulated time restarts at 0.
     ///
     /// # Errors
     /// [`LinkError`].
     pub fn restart(&mut self, config: &Config<16>) -> Result<(), LinkError> {
         let session = self.session.borrow_mut();
         let number = next_number(session.number());
-        (self.found, self.fresh) = begin(session, number, config)?;
+        (self.found, self.fresh) = open_fresh(session, number, config)?;
         (self.config, self.disabled) = (config.clone(), Mask::NONE);
-        (self.told, self.motion, self.error) = (Millis::from_ms(0), None, None);
+        (self.last_sent, self.motion, self.error) = (Millis::from_ms(0), None, None);
         self.learning = false;
         Ok(())
     }
 
-    /// Gives the mind another configuration; what it knows stays.
+    /// Replaces the configuration and keeps the knowledge.
     ///
     /// # Errors
     /// [`LinkError`]; a refusal while the robot explores, learns or seeks.
     pub fn configure(&mut self, config: &Config<16>) -> Result<(), LinkError> {
-        let bytes = Knowledge::of_config(config)?;
+        let bytes = Knowledge::encode_config(config)?;
         let session = self.session.borrow_mut();
         session.write_part(Part::Config, &bytes)?;
         (self.config, self.disabled) = (config.clone(), Mask::NONE);
         Ok(())
     }
 
-    /// What the mind was told.
+    /// The configuration.
     #[must_use]
     pub fn config(&self) -> &Config<16> {
         &self.config
@@ -155,22 +111,23 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
         Mask::from_bits(self.config.believed.to_bits() & !self.disabled.to_bits())
     }
 
-    /// What the mind had instead of this configuration, empty maps and an empty memory before it was told; in words.
+    /// The parts that differed from this configuration and empty knowledge before the start, in
+    /// words.
     #[must_use]
     pub fn replaced(&self) -> Vec<&'static str> {
         self.found.differences(&self.fresh)
     }
 
-    fn happen(&mut self, at: Millis, event: Event<16>) -> Result<Outputs<16>, LinkError> {
+    fn dispatch(&mut self, at: Millis, event: Event<16>) -> Result<Outputs<16>, LinkError> {
         let at_ms = at.as_ms();
         match event {
-            Event::Echo { sensor, range } => self.hear(at, &[HeardEcho::now(sensor, range)]),
+            Event::Echo { sensor, range } => self.send_echoes(at, &[HeardEcho::now(sensor, range)]),
             Event::Odometry {
                 motion,
                 moved,
                 turned,
                 progress,
-            } => self.tell(
+            } => self.send(
                 at,
                 &ToMind::Odometry {
                     at_ms,
@@ -182,26 +139,26 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
                 },
             ),
             Event::Command(command) => self.command(at, command),
-            Event::Tick if self.learning => self.let_learn(MAX_LEARNING),
+            Event::Tick if self.learning => self.wait_until_learned(LEARN_TIMEOUT),
             Event::Tick => self.tick(at),
-            // Whoever is in charge of the link raises alarms, not whoever is at its end.
+            // Alarms come from the controller's side of the link.
             Event::Alarm(_) | Event::Touched => Ok(Outputs::NONE),
         }
     }
 
-    fn hear(&mut self, at: Millis, echoes: &[HeardEcho]) -> Result<Outputs<16>, LinkError> {
-        let heard = |echo: &HeardEcho| Heard {
+    fn send_echoes(&mut self, at: Millis, echoes: &[HeardEcho]) -> Result<Outputs<16>, LinkError> {
+        let received = |echo: &HeardEcho| Heard {
             sensor: echo.sensor,
             range_mm: echo.range.map(Range::as_mm),
-            // A minute and older: more than any mind still uses.
+            // Any controller ignores an echo older than a minute.
             age_ms: echo.age_ms.try_into().unwrap_or(u16::MAX),
         };
-        let echoes = echoes.iter().take(message::MAX_ECHOES).map(heard);
+        let echoes = echoes.iter().take(message::MAX_ECHOES).map(received);
         let message = ToMind::Scan {
             at_ms: at.as_ms(),
             echoes: echoes.collect(),
         };
-        self.tell(at, &message)
+        self.send(at, &message)
     }
 
     fn command(&mut self, at: Millis, command: Command<16>) -> Result<Outputs<16>, LinkError> {
@@ -223,12 +180,14 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
         done
     }
 
-    /// Lets the mind's time pass. Every message does so; one that says nothing else is needed only after a silence.
+    /// Advances the controller's time. Every message does so; a message of its own is needed only
+    /// after a silence.
     fn tick(&mut self, at: Millis) -> Result<Outputs<16>, LinkError> {
-        if !(ALIVE_MS..1 << 31).contains(&at.since(self.told)) {
+        if !(HEARTBEAT_MS..1 << 31).contains(&at.since(self.last_sent)) {
             return Ok(Outputs::NONE);
         }
-        // A sign of life is not answered, and whatever comes of the time is to be known: the base has not moved.
+        // A heartbeat is not answered, but its outcome is needed: so this sends odometry without
+        // motion.
         let message = ToMind::Odometry {
             at_ms: at.as_ms(),
             motion: self.motion.map_or(0, |(id, _)| id),
@@ -237,7 +196,7 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
             turned: 0,
             progress: Progress::Moving,
         };
-        self.tell(at, &message)
+        self.send(at, &message)
     }
 
     fn order(&mut self, at: Millis, order: Order<16>) -> Result<Outputs<16>, LinkError> {
@@ -246,34 +205,34 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
             ttl_ms: super::session::ORDER_TTL_MS,
             order,
         };
-        self.tell(at, &message)
+        self.send(at, &message)
     }
 
-    /// Sends something that happened at `at` and returns what came of it.
-    fn tell(&mut self, at: Millis, message: &ToMind<16>) -> Result<Outputs<16>, LinkError> {
+    /// Sends an event of the time `at` and returns its outputs.
+    fn send(&mut self, at: Millis, message: &ToMind<16>) -> Result<Outputs<16>, LinkError> {
         self.pass_time(at)?;
         let answer = self.session.borrow_mut().request(message)?;
         self.outputs(&answer)
     }
 
-    /// Has signs of life sent for the time until `at`, before whatever is sent next.
+    /// Queues heartbeats for the time until `at`.
     fn pass_time(&mut self, at: Millis) -> Result<(), LinkError> {
-        let mut gap_ms = at.since(self.told);
-        // A time before the latest one looks like one far ahead.
-        while (ALIVE_MS + 1..1 << 31).contains(&gap_ms) {
-            self.told = Millis::from_ms(self.told.as_ms().wrapping_add(ALIVE_MS));
-            let at_ms = self.told.as_ms();
-            self.session.borrow_mut().put(&ToMind::Alive { at_ms })?;
-            gap_ms = at.since(self.told);
+        let mut gap_ms = at.since(self.last_sent);
+        // A time before the latest one looks like a large gap.
+        while (HEARTBEAT_MS + 1..1 << 31).contains(&gap_ms) {
+            self.last_sent = Millis::from_ms(self.last_sent.as_ms().wrapping_add(HEARTBEAT_MS));
+            let at_ms = self.last_sent.as_ms();
+            self.session.borrow_mut().queue(&ToMind::Alive { at_ms })?;
+            gap_ms = at.since(self.last_sent);
         }
-        self.told = at;
+        self.last_sent = at;
         Ok(())
     }
 
-    fn outputs(&mut self, answer: &Answer) -> Result<Outputs<16>, LinkError> {
+    fn outputs(&mut self, answer: &Response) -> Result<Outputs<16>, LinkError> {
         if answer.missing > 0 {
             let reports = answer.missing;
-            return Err(LinkError::Lost { reports });
+            return Err(LinkError::ReportsLost { reports });
         }
         let mut outputs = Outputs::NONE;
         for report in &answer.reports {
@@ -290,7 +249,7 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
     fn take(&mut self, report: &Report<16>, outputs: &mut Outputs<16>) -> Result<(), LinkError> {
         match &report.said {
             FromMind::Decision(decision) => outputs.decision = Some(*decision),
-            FromMind::Motion(order) => outputs.motion = self.news(*order).or(outputs.motion),
+            FromMind::Motion(order) => outputs.motion = self.new_motion(*order).or(outputs.motion),
             FromMind::Mode(ModeReport::Stopped(StopReason::Commanded)) if self.stopping => {
                 outputs.mode_changed = true;
             }
@@ -309,14 +268,14 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
         Ok(())
     }
 
-    /// The motion, unless this only renews the time to live of the one under way.
-    fn news(&mut self, order: MotionOrder) -> Option<Motion> {
+    /// The motion, unless it only renews the time to live of the current one.
+    fn new_motion(&mut self, order: MotionOrder) -> Option<Motion> {
         let mark = Some((order.id, order.revision));
         (std::mem::replace(&mut self.motion, mark) != mark).then(|| order.motion())
     }
 
-    /// Waits until the mind has learned; it does so by itself, as fast as it can. After `limit` it is given up.
-    fn let_learn(&mut self, limit: Duration) -> Result<Outputs<16>, LinkError> {
+    /// Waits until the controller has learned, for `limit` at most.
+    fn wait_until_learned(&mut self, limit: Duration) -> Result<Outputs<16>, LinkError> {
         self.learning = false;
         let end = Instant::now() + limit;
         let mut outputs = Outputs::NONE;
@@ -325,10 +284,10 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
             if now >= end {
                 return Err(LinkError::Learning { waited: limit });
             }
-            let until = end.min(now + LEARNING);
+            let until = end.min(now + LEARN_POLL);
             match self.session.borrow_mut().next_report(until)? {
                 Some(report) => self.take(&report, &mut outputs)?,
-                // Had its report been lost, there would be nothing to wait for.
+                // The report may have been lost.
                 None => outputs.mode_changed = !self.is_learning()?,
             }
         }
@@ -340,7 +299,7 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
         Ok(mode == ModeReport::Learn)
     }
 
-    fn keep(&mut self, result: Result<Outputs<16>, LinkError>) -> Outputs<16> {
+    fn record_error(&mut self, result: Result<Outputs<16>, LinkError>) -> Outputs<16> {
         result.unwrap_or_else(|error| {
             self.error = Some(error);
             Outputs::NONE
@@ -348,24 +307,24 @@ impl<S: BorrowMut<Session>> RemoteMind<S> {
     }
 }
 
-impl<S: BorrowMut<Session>> Pilot for RemoteMind<S> {
+impl<S: BorrowMut<Session>> Pilot for RemoteController<S> {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
         if self.error.is_some() {
             return Outputs::NONE;
         }
-        let result = self.happen(at, event);
-        self.keep(result)
+        let result = self.dispatch(at, event);
+        self.record_error(result)
     }
 
-    /// Sends in one frame what cannot bring about a motion before its end: everything up to the last transducer that is
-    /// enabled, for a ring is complete no sooner.
+    /// Sends in one frame all echoes up to the last enabled transducer: only that one can complete
+    /// the ring and cause a motion.
     fn echoes(&mut self, at: Millis, echoes: &[HeardEcho]) -> (usize, Outputs<16>) {
         if self.error.is_some() {
             return (echoes.len(), Outputs::NONE);
         }
         let count = batch(echoes, self.enabled());
-        let result = self.hear(at, echoes.get(..count).unwrap_or(echoes));
-        (count, self.keep(result))
+        let result = self.send_echoes(at, echoes.get(..count).unwrap_or(echoes));
+        (count, self.record_error(result))
     }
 
     fn failure(&self) -> Option<EpisodeError> {
@@ -373,17 +332,18 @@ impl<S: BorrowMut<Session>> Pilot for RemoteMind<S> {
     }
 }
 
-impl<S: BorrowMut<Session>> InspectableController for RemoteMind<S> {
+impl<S: BorrowMut<Session>> InspectableController for RemoteController<S> {
     fn knowledge(&mut self) -> Result<&SimState, EpisodeError> {
-        // Nothing happens in the mind while nothing is said to it, whatever its mode.
-        let pulled = Knowledge::read(self.session.borrow_mut()).map(Knowledge::into_state);
-        self.knowledge = pulled.map_err(EpisodeError::from)?;
+        // The state does not change between messages, in any mode.
+        let read = Knowledge::read(self.session.borrow_mut()).map(Knowledge::into_state);
+        self.knowledge = read.map_err(EpisodeError::from)?;
         Ok(&self.knowledge)
     }
 }
 
-/// Opens two sessions with a mind: what it was before, and what it is with this configuration and nothing else.
-fn begin(
+/// Opens two sessions; returns the fingerprints before and after the configuration was written and
+/// the knowledge cleared.
+fn open_fresh(
     session: &mut Session,
     number: u16,
     config: &Config<16>,
@@ -391,51 +351,52 @@ fn begin(
     let fresh = Fingerprint::fresh(config)?;
     session.expect_open_space(config.open_space);
     let found = Fingerprint::from(&session.open(number, Clock::Host)?);
-    // A mind that learns takes no configuration.
-    session.order(0, Order::Stop)?;
-    session.write_part(Part::Config, &Knowledge::of_config(config)?)?;
-    session.order(0, Order::Forget)?;
+    // A learning controller accepts no configuration.
+    session.command(0, Order::Stop)?;
+    session.write_part(Part::Config, &Knowledge::encode_config(config)?)?;
+    session.command(0, Order::Forget)?;
     let hello = session.open(next_number(session.number()), Clock::Host)?;
     match Fingerprint::from(&hello).differences(&fresh).first() {
-        Some(what) => Err(LinkError::Unlike { what }),
+        Some(what) => Err(LinkError::Mismatch { what }),
         None => Ok((found, fresh)),
     }
 }
 
-/// How many of the echoes go into one frame.
+/// Number of echoes for one frame.
 fn batch(echoes: &[HeardEcho], believed: Mask) -> usize {
     let counts = |echo: &HeardEcho| believed.contains(usize::from(echo.sensor));
     let last = echoes.iter().rposition(counts);
-    // Behind the last believed one, or where none is, each may complete what was heard before.
+    // Without an enabled transducer after it, each echo may complete a ring that began earlier.
     last.map_or(1, |last| last + 1).min(message::MAX_ECHOES)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::link::InProcessNode;
     use crate::link::tests::floods::frames;
     use crate::link::{Flood, Transport};
     use amp::wire::{Frame, frame};
     use std::io;
 
-    /// A mind that says it still learns whenever it is asked for its mode. Breaks after 5 s, so that every wait ends.
-    struct Learner {
-        mind: Local,
+    /// Reports endlessly that it learns. Fails after 5 s, so that every wait ends.
+    struct EndlessLearner {
+        controller: InProcessNode,
         began: Instant,
     }
 
-    impl Transport for Learner {
+    impl Transport for EndlessLearner {
         fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
-            self.mind.send(bytes)
+            self.controller.send(bytes)
         }
 
-        fn receive(&mut self, buffer: &mut [u8], patience: Duration) -> io::Result<usize> {
+        fn receive(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
             if self.began.elapsed() > Duration::from_secs(5) {
                 return Err(io::Error::other("it has learned for long enough"));
             }
             let mut one = [0];
             let mut bytes = Vec::new();
-            while self.mind.receive(&mut one, patience)? > 0 && one != [0] {
+            while self.controller.receive(&mut one, timeout)? > 0 && one != [0] {
                 bytes.push(one[0]);
             }
             let Ok((header, mut report)) = frame::unpack::<Report<16>>(&bytes) else {
@@ -452,25 +413,28 @@ mod tests {
     #[test]
     fn a_mind_that_learns_without_end_is_given_up() {
         let config = Config::recommended();
-        let learner = Learner {
-            mind: Local::new(config.clone()),
+        let learner = EndlessLearner {
+            controller: InProcessNode::new(config.clone()),
             began: Instant::now(),
         };
-        let mut mind = RemoteMind::start(Session::new(learner), 1, &config).unwrap();
+        let mut controller = RemoteController::start(Session::new(learner), 1, &config).unwrap();
         let limit = Duration::from_millis(200);
         let given_up = Err(LinkError::Learning { waited: limit });
-        let ends = |mind: &mut RemoteMind<Session>, what| {
+        let ends = |controller: &mut RemoteController<Session>, what| {
             let began = Instant::now();
-            assert_eq!(mind.let_learn(limit), given_up, "{what}");
+            assert_eq!(controller.wait_until_learned(limit), given_up, "{what}");
             assert!(began.elapsed() < Duration::from_millis(700), "{what}");
         };
-        ends(&mut mind, "it says so when asked");
-        mind.session.transport = Box::new(Flood::of(frames(mind.session.number(), 1)));
-        ends(&mut mind, "it says other things");
+        ends(&mut controller, "it says so when asked");
+        controller.session.transport = Box::new(Flood::of(frames(controller.session.number(), 1)));
+        ends(&mut controller, "it says other things");
         let error = LinkError::Learning {
-            waited: MAX_LEARNING,
+            waited: LEARN_TIMEOUT,
         };
-        assert_eq!(error.to_string(), "the mind has not learned within 60 s");
+        assert_eq!(
+            error.to_string(),
+            "the controller has not learned within 60 s"
+        );
     }
 
     #[test]

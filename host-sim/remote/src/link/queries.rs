@@ -1,4 +1,4 @@
-//! Parts of a mind over a session: configuration, maps, memory; parameters and counters.
+//! Requests for parts of a controller: configuration, maps, memory, parameters and counters.
 
 use super::{LinkError, Session};
 use amp::parameters::{Parameter, Spec};
@@ -37,7 +37,7 @@ impl Session {
         })
     }
 
-    /// Replaces a whole part. The pieces end where components and samples do.
+    /// Writes a whole part. Pieces end on whole components and samples.
     ///
     /// # Errors
     /// [`LinkError`].
@@ -64,7 +64,7 @@ impl Session {
         }
     }
 
-    /// What the mind has counted since it started.
+    /// Counters since the controller started.
     ///
     /// # Errors
     /// [`LinkError`].
@@ -75,7 +75,7 @@ impl Session {
         })
     }
 
-    /// The mind's mode.
+    /// The mode.
     ///
     /// # Errors
     /// [`LinkError`].
@@ -86,7 +86,7 @@ impl Session {
         })
     }
 
-    /// Reads a parameter or, with a value, sets it; returns its value and what it may be.
+    /// Reads a parameter, or sets it; returns its value and its specification.
     ///
     /// # Errors
     /// [`LinkError`].
@@ -109,7 +109,7 @@ impl Session {
         })
     }
 
-    /// Asks until the answer holds what is looked for.
+    /// Repeats a request until a report matches.
     fn find<T>(
         &mut self,
         message: &ToMind<16>,
@@ -128,6 +128,6 @@ impl Session {
             }
             missing = answer.missing.max(1);
         }
-        Err(LinkError::Lost { reports: missing })
+        Err(LinkError::ReportsLost { reports: missing })
     }
 }

@@ -1,4 +1,4 @@
-//! Messages in words, for people.
+//! Messages as text, for people.
 
 use amp::controller::{self, Decision};
 use amp::goal::Name;
@@ -8,7 +8,7 @@ use amp::wire::message::{
 };
 use sim::error::stop_reason;
 
-/// Why a mind started.
+/// The cause of a reset, as a clause.
 #[must_use]
 pub fn reset(cause: ResetCause) -> &'static str {
     match cause {
@@ -23,7 +23,7 @@ pub fn reset(cause: ResetCause) -> &'static str {
     }
 }
 
-/// What clocks a mind's processor.
+/// The processor's clock source.
 #[must_use]
 pub fn oscillator(oscillator: Oscillator) -> &'static str {
     match oscillator {
@@ -35,7 +35,7 @@ pub fn oscillator(oscillator: Oscillator) -> &'static str {
     }
 }
 
-/// Why something was not done.
+/// Why a request was refused.
 #[must_use]
 pub fn refusal(why: Refusal) -> String {
     match why {
@@ -72,11 +72,11 @@ fn command(why: controller::Refusal) -> String {
     }
 }
 
-/// A report in one line: the mind's time, what kind of report, what it says.
+/// A report as one line: the controller's time, kind and content.
 #[must_use]
 pub fn describe(report: &Report<16>) -> String {
     let (kind, text) = match &report.said {
-        FromMind::Hello(mind) => ("hello", hello(mind)),
+        FromMind::Hello(controller) => ("hello", hello(controller)),
         FromMind::Motion(order) => ("motion", motion(order)),
         FromMind::Decision(taken) => ("decision", decision(taken)),
         FromMind::Mode(state) => ("mode", mode(*state)),
@@ -105,7 +105,7 @@ pub fn describe(report: &Report<16>) -> String {
             "parameter",
             format!("{} = {value} {}", parameter.name(), spec.unit),
         ),
-        FromMind::Log(Notice::LinkLost) => ("log", "nothing was heard from here".into()),
+        FromMind::Log(Notice::LinkLost) => ("log", "nothing was received from here".into()),
         FromMind::Log(Notice::FramesDropped { count }) => {
             ("log", format!("{count} frames found no room so far"))
         }
@@ -129,18 +129,18 @@ pub fn describe(report: &Report<16>) -> String {
     format!("{time_s:10.3} s  {kind:<9}  {}", text.trim_end())
 }
 
-fn hello(mind: &MindHello) -> String {
+fn hello(controller: &MindHello) -> String {
     format!(
         "build {}, started because {}; config {:08x}, maps {:08x}, memory {:08x}",
-        build(&mind.build),
-        reset(mind.reset),
-        mind.config_crc,
-        mind.maps_crc,
-        mind.memory_crc
+        build(&controller.build),
+        reset(controller.reset),
+        controller.config_crc,
+        controller.maps_crc,
+        controller.memory_crc
     )
 }
 
-/// A build's name, or "unknown".
+/// Name of the build, or "unknown".
 #[must_use]
 pub fn build(name: &[u8; 8]) -> String {
     let text = String::from_utf8_lossy(name);

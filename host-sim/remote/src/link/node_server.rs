@@ -1,4 +1,4 @@
-//! A mind in this process, at the end of a link: the very code of the chip.
+//! A node in this process behind a link: the same code as on the chip.
 
 use super::Transport;
 use amp::config::Config;
@@ -15,12 +15,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Time between two ticks, milliseconds.
+/// Period of ticks, milliseconds.
 const TICK_MS: u32 = 10;
 
-/// A node with its queues, as a [`Transport`] whose time passes only while somebody waits: a wait takes no time, and what
-/// comes of it is always the same.
-pub struct Local<const SENSORS: usize = 16> {
+/// A node as a [`Transport`]. Its time passes only during a wait, and a wait takes no real time, so
+/// results are repeatable.
+pub struct InProcessNode<const SENSORS: usize = 16> {
     node: Box<Node<SENSORS, 16, 100>>,
     receiver: Receiver,
     outgoing: Outgoing,
@@ -36,8 +36,8 @@ impl FrameSink for Outgoing {
     }
 }
 
-impl<const SENSORS: usize> Local<SENSORS> {
-    /// A mind that has just started.
+impl<const SENSORS: usize> InProcessNode<SENSORS> {
+    /// A node that has just started.
     #[must_use]
     pub fn new(config: Config<SENSORS>) -> Self {
         Self::with_identity(config, Identity::default())
@@ -66,7 +66,7 @@ impl<const SENSORS: usize> Local<SENSORS> {
         &self.node
     }
 
-    /// As after a reset, at the same time.
+    /// Resets the node; its time continues.
     pub fn restart(&mut self, config: Config<SENSORS>) {
         let now = self.now;
         *self = Self::new(config);
@@ -77,27 +77,27 @@ impl<const SENSORS: usize> Local<SENSORS> {
         for &byte in bytes {
             if let Some(frame) = self.receiver.push(byte) {
                 self.node.frame(self.now, frame, &mut self.outgoing);
-                // A process keeps nothing over its end.
+                // A process has no flash.
                 let absent = Err(FlashError::Absent);
                 self.node.flash_done(absent, self.now, &mut self.outgoing);
             }
         }
     }
 
-    /// Lets the node work until it has something to say or nothing to do.
+    /// Runs the node until it sends something or has nothing to do.
     fn work(&mut self) {
         while self.node.tick(self.now, &mut self.outgoing) && self.outgoing.0.is_empty() {}
     }
 }
 
-impl<const SENSORS: usize> Transport for Local<SENSORS> {
+impl<const SENSORS: usize> Transport for InProcessNode<SENSORS> {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         self.hear(bytes);
         Ok(())
     }
 
-    fn receive(&mut self, buffer: &mut [u8], patience: Duration) -> io::Result<usize> {
-        let end = self.now.as_ms().wrapping_add(patience.as_millis() as u32);
+    fn receive(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
+        let end = self.now.as_ms().wrapping_add(timeout.as_millis() as u32);
         while self.outgoing.0.is_empty() {
             self.work();
             let left = Millis::from_ms(end).since(self.now);
@@ -110,15 +110,16 @@ impl<const SENSORS: usize> Transport for Local<SENSORS> {
     }
 }
 
-/// A mind behind a TCP socket of this machine, for one connection at a time, in real time. Gone when dropped.
-pub struct Served {
+/// A node behind a TCP socket of this machine, for one connection at a time, in real time. Dropping
+/// it stops it.
+pub struct NodeServer {
     address: SocketAddr,
     over: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
 
-impl Served {
-    /// Starts it with a configuration.
+impl NodeServer {
+    /// Starts a node with a configuration.
     ///
     /// # Errors
     /// When there is no socket.
@@ -126,7 +127,7 @@ impl Served {
         Self::with_identity(config, Identity::default())
     }
 
-    /// As [`start`](Self::start), one that has a ring of its own, which never hears anything.
+    /// As [`start`](Self::start), with a ring of its own that never receives an echo.
     ///
     /// # Errors
     /// When there is no socket.
@@ -144,12 +145,15 @@ impl Served {
         let over = Arc::new(AtomicBool::new(false));
         let is_over = Arc::clone(&over);
         let thread = std::thread::spawn(move || {
-            let (mut local, began) = (Local::with_identity(config, identity), Instant::now());
+            let (mut local, began) = (
+                InProcessNode::with_identity(config, identity),
+                Instant::now(),
+            );
             for stream in listener.incoming() {
                 if is_over.load(Ordering::Relaxed) {
                     break;
                 }
-                // Whoever hangs up is replaced by the next one.
+                // After a lost connection the next one is accepted.
                 let _ = stream.and_then(|stream| serve(&mut local, began, &stream, &is_over));
             }
         });
@@ -160,17 +164,17 @@ impl Served {
         })
     }
 
-    /// Where it is, as `HOST:PORT`.
+    /// Its address, as `HOST:PORT`.
     #[must_use]
     pub fn host(&self) -> String {
         self.address.to_string()
     }
 }
 
-impl Drop for Served {
+impl Drop for NodeServer {
     fn drop(&mut self) {
         self.over.store(true, Ordering::Relaxed);
-        // Wakes it from waiting for a connection.
+        // Wakes the thread, which waits for a connection.
         let _ = TcpStream::connect(self.address);
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
@@ -179,7 +183,7 @@ impl Drop for Served {
 }
 
 fn serve(
-    local: &mut Local,
+    local: &mut InProcessNode,
     began: Instant,
     mut stream: &TcpStream,
     over: &AtomicBool,

@@ -1,6 +1,6 @@
-//! Between the robot and its mind: everything that passes is written down, nothing is changed.
+//! Wraps a pilot and logs its inputs and answers; it changes neither.
 
-use super::record::{Answer, EchoRecord, EventRecord, Happening, Setup};
+use super::record::{AnswerRecord, EchoRecord, EventKind, EventRecord, SetupRecord};
 use super::shared::SharedLog;
 use amp::controller::{Command, Event, Outputs};
 use amp::units::Millis;
@@ -10,36 +10,36 @@ use sim::error::EpisodeError;
 use sim::pilot::{HeardEcho, InspectableController, Pilot, SimState};
 use std::io::{Seek, Write};
 
-/// A pilot whose dealings go into a log, if there is one.
-pub struct Tap<P, W: Write + Seek> {
+/// A pilot with an optional log.
+pub struct LoggedPilot<P, W: Write + Seek> {
     pilot: P,
     log: Option<SharedLog<W>>,
-    /// Ticks that changed nothing, not yet written, and when they were.
+    /// Time and number of ticks without a result that are not logged yet.
     ticks: Option<(Millis, u32)>,
-    /// The pilot makes its maps: every tick is a step of that.
+    /// The pilot learns: every tick is a step of learning.
     learning: bool,
-    /// Time of the latest event written.
-    told: Option<Millis>,
+    /// Time of the latest logged event.
+    last_logged: Option<Millis>,
 }
 
-impl<P, W: Write + Seek> Tap<P, W> {
-    /// Taps a pilot.
+impl<P, W: Write + Seek> LoggedPilot<P, W> {
+    /// Wraps a pilot.
     pub fn new(pilot: P, log: Option<SharedLog<W>>) -> Self {
         Self {
             pilot,
             log,
             ticks: None,
             learning: false,
-            told: None,
+            last_logged: None,
         }
     }
 
-    /// The pilot itself: what is done with it now is not written down.
+    /// The pilot, mutable. Calls on it are not logged.
     pub fn pilot(&mut self) -> &mut P {
         &mut self.pilot
     }
 
-    /// The pilot itself, to be looked at.
+    /// The pilot.
     #[must_use]
     pub fn inner(&self) -> &P {
         &self.pilot
@@ -51,46 +51,48 @@ impl<P, W: Write + Seek> Tap<P, W> {
         self.log.as_ref()
     }
 
-    /// The pilot was told something other than an event.
-    pub fn note(&mut self, at: Millis, what: Happening) {
-        self.tell(at, what, &Outputs::NONE);
-        // It has not let time pass.
-        self.told = None;
+    /// Logs a change that is not an event of the pilot.
+    pub fn log_change(&mut self, at: Millis, what: EventKind) {
+        self.write_event(at, what, &Outputs::NONE);
+        // Such a change does not advance the time.
+        self.last_logged = None;
     }
 
-    /// A mind that knows nothing starts, in this world if it is known.
-    pub fn begin(&mut self, setup: &Setup, world: Option<&World>) {
-        self.tell_ticks();
-        (self.learning, self.told) = (false, None);
+    /// Logs the start of a controller without knowledge, in this world if it is known.
+    pub fn begin(&mut self, setup: &SetupRecord, world: Option<&World>) {
+        self.flush_ticks();
+        (self.learning, self.last_logged) = (false, None);
         if let Some(log) = &self.log {
             log.write(|log| log.setup(setup, world));
         }
     }
 
-    fn tell(&mut self, at: Millis, event: Happening, outputs: &Outputs<16>) {
-        self.tell_ticks();
-        self.told = Some(at);
+    fn write_event(&mut self, at: Millis, event: EventKind, outputs: &Outputs<16>) {
+        self.flush_ticks();
+        self.last_logged = Some(at);
         let Some(log) = &self.log else { return };
         let at_ms = at.as_ms();
         log.write(|log| {
             log.event(&EventRecord { at_ms, event });
-            if let Some(answer) = Answer::of(at_ms, outputs) {
+            if let Some(answer) = AnswerRecord::of(at_ms, outputs) {
                 log.answer(&answer);
             }
         });
     }
 
-    /// A learning mind is ticked thousands of times: they are counted. Otherwise a tick that changes nothing lets time
-    /// pass: of several the last one is enough, and none is needed where an event has brought the time along.
+    /// Ticks of a learning controller are counted. Any other tick without a result only advances
+    /// the time: only the last of several is logged, and none after an event of the same time.
     fn tick(&mut self, at: Millis, outputs: &Outputs<16>) {
         if *outputs == Outputs::NONE && !self.learning {
-            let is_news = self.told.is_none_or(|told| told.is_before(at));
-            self.ticks = is_news.then_some((at, 1)).or(self.ticks);
+            let is_new = self
+                .last_logged
+                .is_none_or(|last_logged| last_logged.is_before(at));
+            self.ticks = is_new.then_some((at, 1)).or(self.ticks);
             return;
         }
         let earlier = self.ticks.filter(|(then, _)| *then == at);
         if earlier.is_none() {
-            self.tell_ticks();
+            self.flush_ticks();
         }
         let count = earlier.map_or(0, |(_, count)| count).saturating_add(1);
         if *outputs == Outputs::NONE {
@@ -98,13 +100,13 @@ impl<P, W: Write + Seek> Tap<P, W> {
         } else {
             self.ticks = None;
             let done = outputs.mode_changed;
-            self.tell(at, Happening::Ticks { count, done }, outputs);
+            self.write_event(at, EventKind::Ticks { count, done }, outputs);
         }
     }
 
-    fn tell_ticks(&mut self) {
+    fn flush_ticks(&mut self) {
         if let Some((at, count)) = self.ticks.take() {
-            let event = Happening::Ticks { count, done: false };
+            let event = EventKind::Ticks { count, done: false };
             let at_ms = at.as_ms();
             if let Some(log) = &self.log {
                 log.write(|log| log.event(&EventRecord { at_ms, event }));
@@ -113,26 +115,26 @@ impl<P, W: Write + Seek> Tap<P, W> {
     }
 }
 
-impl<P: Pilot, W: Write + Seek> Pilot for Tap<P, W> {
+impl<P: Pilot, W: Write + Seek> Pilot for LoggedPilot<P, W> {
     fn handle(&mut self, at: Millis, event: Event<16>) -> Outputs<16> {
         let outputs = self.pilot.handle(at, event);
         if outputs.mode_changed {
             self.learning = event == Event::Command(Command::Learn);
         }
         match event {
-            _ if self.is_lost() => {}
+            _ if self.is_off() => {}
             Event::Tick => self.tick(at, &outputs),
-            _ => self.tell(at, Happening::of(&event), &outputs),
+            _ => self.write_event(at, EventKind::of(&event), &outputs),
         }
         outputs
     }
 
     fn echoes(&mut self, at: Millis, echoes: &[HeardEcho]) -> (usize, Outputs<16>) {
         let (taken, outputs) = self.pilot.echoes(at, echoes);
-        if !self.is_lost() {
+        if !self.is_off() {
             let heard = echoes.iter().take(taken);
             let heard = heard.map(EchoRecord::of).collect();
-            self.tell(at, Happening::Echoes(heard), &outputs);
+            self.write_event(at, EventKind::Echoes(heard), &outputs);
         }
         (taken, outputs)
     }
@@ -144,39 +146,39 @@ impl<P: Pilot, W: Write + Seek> Pilot for Tap<P, W> {
     }
 }
 
-impl<P: Pilot, W: Write + Seek> Tap<P, W> {
-    /// Nothing is to be written down: there is no log, or what came of it is not known because the way to the mind failed.
-    fn is_lost(&self) -> bool {
+impl<P: Pilot, W: Write + Seek> LoggedPilot<P, W> {
+    /// Nothing is logged without a log, or after the link has failed: then the outcome is unknown.
+    fn is_off(&self) -> bool {
         self.log.is_none() || self.pilot.failure().is_some()
     }
 }
 
-impl<P: InspectableController, W: Write + Seek> InspectableController for Tap<P, W> {
+impl<P: InspectableController, W: Write + Seek> InspectableController for LoggedPilot<P, W> {
     fn knowledge(&mut self) -> Result<&SimState, EpisodeError> {
         self.pilot.knowledge()
     }
 }
 
-/// Writes down what really happens.
-pub struct Watcher<W: Write + Seek> {
+/// Logs the true state of the simulated world.
+pub struct WorldLogger<W: Write + Seek> {
     log: SharedLog<W>,
 }
 
-impl<W: Write + Seek> Watcher<W> {
-    /// Into this log.
+impl<W: Write + Seek> WorldLogger<W> {
+    /// Logs into `log`.
     pub fn new(log: SharedLog<W>) -> Self {
         Self { log }
     }
 }
 
-impl<W: Write + Seek> Observer for Watcher<W> {
-    fn on_step(&mut self, at: Millis, happened: &StepResult, body: &Body<'_>) {
+impl<W: Write + Seek> Observer for WorldLogger<W> {
+    fn on_step(&mut self, at: Millis, result: &StepResult, body: &Body<'_>) {
         self.log.write(|log| {
-            log.pose(at, happened.pose, body.leader());
-            if happened.decision.is_some() {
+            log.pose(at, result.pose, body.leader());
+            if result.decision.is_some() {
                 log.sonar(at, body.ranges_m());
             }
-            if let Some(moved) = happened.moved.filter(|moved| moved.touched) {
+            if let Some(moved) = result.moved.filter(|moved| moved.touched) {
                 log.contact(at, moved.to);
             }
         });
