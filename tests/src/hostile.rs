@@ -18,7 +18,7 @@ use datasets::learn::{Columns, Log};
 use files::table::Table;
 use mcap::records::MessageHeader;
 use mcap::{Compression, McapResult, WriteOptions};
-use nomad200::{Line, Protocol, Simulated};
+use nomad200::{Protocol, RobotLine, SimulatedNomad};
 use remote::link::Knowledge;
 use remote::log::{LogFile, Summary, channel, replay};
 use sim::goal_file::GoalFile;
@@ -289,8 +289,8 @@ pub fn nomad(bytes: &[u8]) {
         speed: 1,
     };
     for protocol in [Protocol::Direct, nserver] {
-        let robot = Simulated::new(World::random(1), SonarModel::Ideal, 1);
-        let mut line = Line::new(robot, protocol);
+        let robot = SimulatedNomad::new(World::random(1), SonarModel::Ideal, 1);
+        let mut line = RobotLine::new(robot, protocol);
         for piece in bytes.chunks(64) {
             line.receive(piece);
             line.advance(5);

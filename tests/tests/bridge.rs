@@ -1,7 +1,7 @@
 //! A mind drives the simulated Nomad over the robot's own line, and either of them may be lost.
 
 use amp::config::Config;
-use nomad200::Command;
+use nomad200::NomadCommand;
 use remote::link::NodeServer;
 use remote::log::{AnswerRecord, EventKind, EventRecord, channel, read};
 use serde_json::Value;
@@ -123,7 +123,7 @@ fn under_way(robot: &mut Robot, driver: &mut Running) {
 /// To one who connects anew.
 fn assert_stands(robot: &Robot) {
     let mut host = robot.connect();
-    let state = host.ask(&Command::GetState).expect("an answer");
+    let state = host.request(&NomadCommand::GetState).expect("an answer");
     assert!(stands(state), "{state:?}");
 }
 
@@ -140,7 +140,10 @@ fn without_its_bridge_the_base_stops_by_itself() {
     // Whoever comes next does not ask before the time-out of a second is over: a question would be a sign of life.
     sleep(Duration::from_secs(1) + BRAKING);
     let mut host = robot.connect();
-    let state = host.ask(&Command::GetState).expect("an answer").clone();
+    let state = host
+        .request(&NomadCommand::GetState)
+        .expect("an answer")
+        .clone();
     assert!(stands(&state), "{:?} after {:?}", state, killed.elapsed());
     assert_eq!(state.bumpers, 0);
 }
@@ -155,10 +158,7 @@ fn an_interrupted_bridge_tells_the_base_to_stand() {
     driver.interrupt();
     let (code, stdout, stderr) = driver.end(Duration::from_secs(3));
     assert_eq!(code, Some(2));
-    assert_eq!(
-        stderr,
-        "host-sim: interrupted; the base was told to stand\n"
-    );
+    assert_eq!(stderr, "host-sim: interrupted; the base was stopped\n");
     assert!(figures(&stdout)["distance_m"].as_f64() > Some(0.0));
     sleep(BRAKING);
     assert_stands(&robot);
@@ -274,7 +274,7 @@ fn blocked_wheels_stop_the_robot_of_a_mind_elsewhere() {
     assert_eq!(
         stderr,
         format!(
-            "host-sim: {to_mind}: the controller stopped: its motion did not end in time: the wheels may be blocked; the robot was told to stand\n"
+            "host-sim: {to_mind}: the controller stopped: its motion did not end in time: the wheels may be blocked; the robot was stopped\n"
         )
     );
     sleep(BRAKING);
@@ -301,7 +301,7 @@ fn without_its_mind_the_base_is_told_to_stand() {
         assert_eq!(code, Some(2), "{stdout}");
         assert!(
             stderr.starts_with(&format!("host-sim: {to_mind}: {why}"))
-                && stderr.ends_with("; the robot was told to stand\n"),
+                && stderr.ends_with("; the robot was stopped\n"),
             "{stderr}"
         );
         assert!(figures(&stdout)["distance_m"].as_f64() > Some(0.0));
@@ -328,7 +328,7 @@ fn without_its_chip_the_base_is_told_to_stand() {
     assert_eq!(
         stderr,
         format!(
-            "host-sim: {to_mind}: the controller has restarted (its program panicked); the robot was told to stand\n"
+            "host-sim: {to_mind}: the controller has restarted (its program panicked); the robot was stopped\n"
         )
     );
     assert!(

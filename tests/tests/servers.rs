@@ -4,7 +4,7 @@
 use amp::config::Config;
 use amp::wire::message::{Counters, FromMind};
 use amp::wire::{Frame, Header, Report};
-use nomad200::{Command, Greeting, Kind, LaserSetup, Mask, Packet};
+use nomad200::{Greeting, Kind, LaserSetup, NomadCommand, Packet, StateMask};
 use remote::link::NodeServer;
 use remote::log;
 use serde_json::{Value, json};
@@ -165,7 +165,7 @@ fn a_robot_whose_steering_page_is_gone_stops() {
     drop(viewed);
     sleep(Duration::from_millis(500));
     let mut host = robot.connect();
-    let state = host.ask(&Command::GetState).expect("an answer");
+    let state = host.request(&NomadCommand::GetState).expect("an answer");
     assert!(tests::nomad::stands(state), "{state:?}");
 }
 
@@ -330,7 +330,7 @@ fn a_peer_that_sends_sound_messages_without_end_is_given_up() {
     // A robot that greets, and then answers what nobody has asked.
     let answers = Packet::new(Kind::Tk, vec![0; 80]).to_bytes().repeat(1_000);
     let greeting = Greeting {
-        mask: Mask::ALL,
+        mask: StateMask::ALL,
         laser: LaserSetup::default(),
     };
     let place = flood(&greeting.to_bytes(), &answers);

@@ -311,7 +311,7 @@ fn a_nomad_explores_learns_and_seeks_and_stops() {
     // The base stands once it has braked, or its wheels have: whoever comes next finds it so.
     std::thread::sleep(Duration::from_millis(1_700));
     let mut host = robot.connect();
-    let state = host.ask(&nomad200::Command::GetState);
+    let state = host.request(&nomad200::NomadCommand::GetState);
     assert!(tests::nomad::stands(state.expect("an answer")));
 }
 

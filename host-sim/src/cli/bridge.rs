@@ -11,7 +11,7 @@ use arena::robot::TurretMode;
 use clap::Args;
 use files::error::BadInput;
 use nomad200::Host;
-use nomad200::bridge::{Driven, Plan, Trouble, drive};
+use nomad200::bridge::{BridgeError, BridgePlan, BridgeReport, drive};
 use remote::link::{Address, AnyController, Serial, Tcp};
 use remote::log::{self, LogWriter, LoggedController, SharedLog};
 use std::fmt;
@@ -105,7 +105,8 @@ impl Robot {
             Address::Serial { path, baud } => Ok(Host::new(Serial::open(path, *baud).map_err(at)?)),
             Address::Tcp(host) => {
                 let line = Tcp::open(host).map_err(at)?;
-                Host::greeted(line).map_err(|error| BadInput::new(format!("{}: {error}", self.0)))
+                Host::with_greeting(line)
+                    .map_err(|error| BadInput::new(format!("{}: {error}", self.0)))
             }
             Address::Qemu => Err(BadInput::new("an emulated chip is no robot")),
         }
@@ -126,7 +127,7 @@ impl Robot {
 /// A robot or a mind that cannot be reached or falls silent, an interruption, a closed pipe.
 pub(super) fn bridge(args: &BridgeArgs, out: &mut impl Write) -> Result<(), Failure> {
     let task = &args.task;
-    let plan = Plan {
+    let plan = BridgePlan {
         config: held(task)?,
         explore_moves: task.explore,
         steps: args.steps,
@@ -203,11 +204,11 @@ pub(super) fn mind(
     Ok(mind)
 }
 
-fn explain(args: &BridgeArgs, trouble: &Trouble) -> BadInput {
+fn explain(args: &BridgeArgs, trouble: &BridgeError) -> BadInput {
     match (trouble, &args.mind.choice) {
-        (Trouble::Robot(error), _) => BadInput::new(format!("{}: {error}", args.nomad.0)),
-        (Trouble::Mind(failure), MindChoice::At(address)) => {
-            BadInput::new(format!("{address}: {failure}; the robot was told to stand"))
+        (BridgeError::Robot(error), _) => BadInput::new(format!("{}: {error}", args.nomad.0)),
+        (BridgeError::Controller(failure), MindChoice::At(address)) => {
+            BadInput::new(format!("{address}: {failure}; the robot was stopped"))
         }
         _ => BadInput::new(trouble.to_string()),
     }
@@ -222,7 +223,7 @@ pub(super) fn watch() -> Result<Arc<AtomicBool>, BadInput> {
     Ok(flag)
 }
 
-fn print(args: &BridgeArgs, driven: &Driven, out: &mut impl Write) -> Result<(), Failure> {
+fn print(args: &BridgeArgs, driven: &BridgeReport, out: &mut impl Write) -> Result<(), Failure> {
     if args.json {
         serde_json::to_writer(&mut *out, driven).map_err(std::io::Error::from)?;
         return Ok(out.write_all(b"\n")?);

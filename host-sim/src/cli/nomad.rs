@@ -5,7 +5,7 @@ use super::run::SonarChoice;
 use arena::world::{World, parse_worlds};
 use clap::{Args, Subcommand, ValueEnum};
 use files::error::BadInput;
-use nomad200::{Line, Protocol, Server, Simulated};
+use nomad200::{Protocol, RobotLine, Server, SimulatedNomad};
 use remote::listen::check_reach;
 use std::io::Write;
 use std::net::{TcpListener, ToSocketAddrs as _};
@@ -92,10 +92,10 @@ pub(super) fn nomad(args: &NomadArgs, out: &mut impl Write) -> Result<(), Failur
 }
 
 fn serve(args: &ServeArgs, out: &mut impl Write) -> Result<(), Failure> {
-    let robot = Simulated::new(world(&args.world)?, args.sonar.into(), args.seed)
+    let robot = SimulatedNomad::new(world(&args.world)?, args.sonar.into(), args.seed)
         .with_wheels_blocked_after(args.blocked_after.unwrap_or(f64::INFINITY));
     if args.pty {
-        let server = Server::new(Line::new(robot, Protocol::Direct), args.speed);
+        let server = Server::new(RobotLine::new(robot, Protocol::Direct), args.speed);
         serve_pty(server, out)
     } else {
         serve_tcp(robot, args, out)
@@ -119,7 +119,7 @@ fn announce(out: &mut impl Write, place: impl std::fmt::Display) -> Result<(), F
     Ok(out.flush()?)
 }
 
-fn serve_tcp(robot: Simulated, args: &ServeArgs, out: &mut impl Write) -> Result<(), Failure> {
+fn serve_tcp(robot: SimulatedNomad, args: &ServeArgs, out: &mut impl Write) -> Result<(), Failure> {
     let usual = match args.protocol {
         Spoken::Direct => DIRECT,
         Spoken::Nserver => NSERVER,
@@ -138,12 +138,12 @@ fn serve_tcp(robot: Simulated, args: &ServeArgs, out: &mut impl Write) -> Result
             speed: args.speed,
         },
     };
-    let mut server = Server::new(Line::new(robot, protocol), args.speed);
+    let mut server = Server::new(RobotLine::new(robot, protocol), args.speed);
     announce(out, place)?;
     loop {
         // Whoever is gone before the greeting is replaced by the next one.
         if let Ok(mut host) = server.accept(&listener) {
-            let error = server.speak(&mut host);
+            let error = server.serve(&mut host);
             report(&server, &error);
         }
     }
@@ -152,9 +152,9 @@ fn serve_tcp(robot: Simulated, args: &ServeArgs, out: &mut impl Write) -> Result
 #[cfg(unix)]
 fn serve_pty(mut server: Server, out: &mut impl Write) -> Result<(), Failure> {
     let refuse = |error: std::io::Error| BadInput::new(format!("--pty: {error}"));
-    let mut pty = nomad200::Pty::open().map_err(refuse)?;
+    let mut pty = nomad200::PseudoTerminal::open().map_err(refuse)?;
     announce(out, pty.path().display())?;
-    let error = server.speak(&mut pty);
+    let error = server.serve(&mut pty);
     Err(refuse(error).into())
 }
 
@@ -166,7 +166,7 @@ fn serve_pty(_: Server, _: &mut impl Write) -> Result<(), Failure> {
 /// What a host leaves behind.
 fn report(server: &Server, error: &std::io::Error) {
     let robot = server.line().robot();
-    let ledger = robot.ledger();
+    let ledger = robot.ground_truth();
     eprintln!(
         "host gone ({error}): {:.1} m rolled and {} contacts so far, {:.1} s of the robot's time",
         ledger.traveled_m,

@@ -8,8 +8,8 @@ use super::{Verdict, below, generator};
 use amp::config::Config;
 use arena::sonar::SonarModel;
 use arena::world::{Point, Pose, Shape, World};
-use nomad200::bridge::{Plan, drive};
-use nomad200::{Command, Decoder, Host, Line, MAX_TO_ROBOT, Protocol, Simulated};
+use nomad200::bridge::{BridgePlan, drive};
+use nomad200::{Decoder, Host, MAX_TO_ROBOT, NomadCommand, Protocol, RobotLine, SimulatedNomad};
 use remote::link::{
     AnyController, ControllerPlace, InProcessNode, RetryPolicy, Session, Transport,
 };
@@ -67,7 +67,7 @@ impl Gone {
 
 /// The robot, and what is seen of it.
 struct Scene {
-    line: Line,
+    line: RobotLine,
     began: Instant,
     lived_ms: u32,
     /// So long the motors run before the moment, ms.
@@ -87,9 +87,9 @@ impl Scene {
     fn new(gone: Gone, after_ms: u32, seed: u64) -> Self {
         let walls = Shape::room(Point::new(4.0, 4.0));
         let world = World::new("hall", Pose::default(), vec![walls]).expect("a world");
-        let robot = Simulated::new(world, SonarModel::Ideal, seed);
+        let robot = SimulatedNomad::new(world, SonarModel::Ideal, seed);
         Self {
-            line: Line::new(robot, Protocol::Direct),
+            line: RobotLine::new(robot, Protocol::Direct),
             began: Instant::now(),
             lived_ms: 0,
             after_ms,
@@ -139,7 +139,7 @@ impl Scene {
     fn hear(&mut self, bytes: &[u8]) {
         let mut packets = Vec::new();
         self.decoder.push(bytes, &mut packets);
-        let is_stop = |packet| matches!(Command::from_packet(packet), Ok(Command::Stop));
+        let is_stop = |packet| matches!(NomadCommand::from_packet(packet), Ok(NomadCommand::Stop));
         if let Some((moment_ms, _)) = self.moment
             && packets.iter().any(is_stop)
         {
@@ -250,7 +250,7 @@ fn try_it(gone: Gone, seed: u64, trial: u64) -> Stopped {
     });
     let place = ControllerPlace::Link(Box::new(session), "a mind".to_owned());
     let mind = AnyController::new(&config, place).expect("a mind");
-    let plan = Plan {
+    let plan = BridgePlan {
         config,
         explore_moves: 100,
         steps: 1,

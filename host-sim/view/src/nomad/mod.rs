@@ -17,7 +17,9 @@ use amp::controller::Decision;
 use amp::scan::Situation;
 use arena::world::{Point, Pose};
 use nomad200::Host;
-use nomad200::bridge::{About, At, PAUSE, Reins, Thought, Trouble};
+use nomad200::bridge::{
+    Activity, BridgeError, BridgeSession, POLL_INTERVAL, ResultKind, WorkerResult,
+};
 use remote::log::{LogOutput, LoggedController, SharedLog};
 use sim::behavior::Behavior;
 use sim::episode::StepFlags;
@@ -62,7 +64,7 @@ pub struct WatchedNomad {
     start: NomadStart,
     /// As it is now.
     config: Config<16>,
-    reins: Reins,
+    session: BridgeSession,
     log: Option<SharedLog<LogOutput>>,
     mind: MindSeen,
     doing: Doing,
@@ -108,11 +110,11 @@ struct Shown {
 }
 
 impl WatchedNomad {
-    /// Takes the reins of a robot: it stands. Everything goes into the mind's log, if it has one.
+    /// Takes the session of a robot: it stands. Everything goes into the mind's log, if it has one.
     ///
     /// # Errors
     /// When the robot does not answer.
-    pub fn new(start: NomadStart, host: Host, mind: LoggedController) -> Result<Self, Trouble> {
+    pub fn new(start: NomadStart, host: Host, mind: LoggedController) -> Result<Self, BridgeError> {
         let seen = MindSeen {
             name: mind.inner().name(),
             here: mind.inner().is_local(),
@@ -121,14 +123,14 @@ impl WatchedNomad {
             asked: false,
         };
         let log = mind.log().cloned();
-        let reins = Reins::take(host, mind, &start.config, start.sonars_at_once)?;
-        let place = reins.pose().position;
+        let session = BridgeSession::open(host, mind, &start.config, start.sonars_at_once)?;
+        let place = session.pose().position;
         Ok(Self {
             config: start.config.clone(),
             goal: Pursued::behavior(&start.behavior),
-            decided_at: reins.pose(),
+            decided_at: session.pose(),
             start,
-            reins,
+            session,
             log,
             mind: seen,
             doing: Doing::Idle,
@@ -152,8 +154,8 @@ impl WatchedNomad {
         })
     }
 
-    fn turn(&mut self) -> Result<bool, Trouble> {
-        let turn = self.reins.look()?;
+    fn turn(&mut self) -> Result<bool, BridgeError> {
+        let turn = self.session.update()?;
         if let (true, Some(open)) = (turn.touched, &mut self.open) {
             open.touched = true;
         }
@@ -162,14 +164,14 @@ impl WatchedNomad {
         }
         self.look_around();
         let mut whole = false;
-        if let Some(thought) = turn.thought {
+        if let Some(thought) = turn.result {
             whole = thought.outputs.decision.is_some() || thought.outputs.mode_changed;
             self.conclude(thought)?;
         }
-        self.reins.pass_on(match self.doing {
-            Doing::Explore | Doing::Seek => At::Work,
-            Doing::Learn => At::School,
-            Doing::Idle | Doing::Stopped => At::Rest,
+        self.session.deliver_events(match self.doing {
+            Doing::Explore | Doing::Seek => Activity::Moving,
+            Doing::Learn => Activity::Learning,
+            Doing::Idle | Doing::Stopped => Activity::Rest,
         })?;
         self.ask_mind();
         Ok(whole)
@@ -177,20 +179,20 @@ impl WatchedNomad {
 
     /// Notes where the robot is and where its sonars heard something.
     fn look_around(&mut self) {
-        for (sensor, range_m) in self.reins.ranges_m().into_iter().enumerate() {
-            let (heard_at, at_ms) = self.reins.heard_at(sensor);
+        for (sensor, range_m) in self.session.ranges_m().into_iter().enumerate() {
+            let (echo_origin, at_ms) = self.session.echo_origin(sensor);
             let new = self.heard_ms[sensor].replace(at_ms) != Some(at_ms);
             if let (true, Some(range_m)) = (new, range_m) {
-                self.heard.hear(heard_at, sensor, range_m);
+                self.heard.hear(echo_origin, sensor, range_m);
             }
         }
-        let bounds = around(self.reins.pose().position, self.bounds);
+        let bounds = around(self.session.pose().position, self.bounds);
         if bounds != self.bounds {
             (self.bounds, self.shown.scene) = (bounds, None);
         }
     }
 
-    fn conclude(&mut self, thought: Thought) -> Result<(), Trouble> {
+    fn conclude(&mut self, thought: WorkerResult) -> Result<(), BridgeError> {
         let outputs = &thought.outputs;
         if outputs.decision.is_some() || outputs.mode_changed {
             self.close();
@@ -203,7 +205,7 @@ impl WatchedNomad {
             self.note = Some(format!("the mind refused: {refusal:?}"));
             self.doing = Doing::Idle;
         }
-        let happened = thought.about == About::Happenings;
+        let happened = thought.kind == ResultKind::Events;
         match self.doing {
             Doing::Explore | Doing::Seek if outputs.stopped.is_some() && happened => {
                 let why = outputs.stopped.map(EpisodeError::Stopped);
@@ -212,8 +214,8 @@ impl WatchedNomad {
                 self.rest(Doing::Stopped);
             }
             Doing::Explore if outputs.mode_changed && happened => self.rest(Doing::Idle),
-            Doing::Learn if thought.about == About::Learning => {
-                self.reins.forget_heard();
+            Doing::Learn if thought.kind == ResultKind::Learning => {
+                self.session.discard_events();
                 self.rest(Doing::Idle);
             }
             _ => {}
@@ -224,7 +226,7 @@ impl WatchedNomad {
         if outputs.decision.is_some() && self.doing == Doing::Seek {
             self.go_on()?;
         }
-        if let Some(known) = thought.known {
+        if let Some(known) = thought.state {
             self.mind.known = Some(known);
             self.mind.asked = false;
             self.shown.knowing.forget_maps();
@@ -243,12 +245,12 @@ impl WatchedNomad {
         let may = self.mind.here && self.doing != Doing::Learn || !moves;
         if may && self.mind.stale && !self.mind.asked {
             (self.mind.stale, self.mind.asked) = (false, true);
-            self.reins.ask_knowledge();
+            self.session.request_state();
         }
     }
 
     fn decide(&mut self, decision: &Decision<16>) {
-        let pose = self.reins.pose();
+        let pose = self.session.pose();
         if self.nest.is_none() {
             self.nest = Some((decision.situation, pose.position));
         }
@@ -280,15 +282,15 @@ impl WatchedNomad {
         }
         let neuron = self.decision.and_then(|decision| decision.plan);
         let neuron = neuron.map(|plan| usize::from(plan.current_neuron));
-        let ranges_m = self.reins.ranges_m();
+        let ranges_m = self.session.ranges_m();
         let nearest = ranges_m.iter().flatten().copied().reduce(f64::min);
-        let (time_s, place) = (self.reins.time_s(), self.reins.pose().position);
+        let (time_s, place) = (self.session.time_s(), self.session.pose().position);
         self.trail
             .push(mark(time_s, place, seeks, stride, neuron, nearest));
     }
 
     /// Goes on to the next part of a chain when the present one is reached; after the last it stands.
-    fn go_on(&mut self) -> Result<(), Trouble> {
+    fn go_on(&mut self) -> Result<(), BridgeError> {
         let [steps, _, _, held] = self.steps;
         match self.goal.go_on(steps, held) {
             None => {}
@@ -302,13 +304,14 @@ impl WatchedNomad {
         Ok(())
     }
 
-    fn fail(&mut self, trouble: &Trouble) {
-        self.reins.finish(matches!(trouble, Trouble::Mind(_)));
+    fn fail(&mut self, trouble: &BridgeError) {
+        self.session
+            .finish(matches!(trouble, BridgeError::Controller(_)));
         let which = match trouble {
-            Trouble::Robot(_) => &self.start.name,
+            BridgeError::Robot(_) => &self.start.name,
             _ => &self.mind.name,
         };
-        self.failure = Some(format!("{which}: {trouble}; the robot was told to stand"));
+        self.failure = Some(format!("{which}: {trouble}; the robot was stopped"));
     }
 
     fn knows_maps(&self) -> bool {
@@ -342,7 +345,7 @@ impl Source for WatchedNomad {
         if self.failure.is_some() {
             return Stepped::Standing;
         }
-        std::thread::sleep(PAUSE);
+        std::thread::sleep(POLL_INTERVAL);
         let whole = match self.turn() {
             Ok(whole) => whole,
             Err(trouble) => {
@@ -350,7 +353,7 @@ impl Source for WatchedNomad {
                 return Stepped::Standing;
             }
         };
-        let before_s = std::mem::replace(&mut self.time_s, self.reins.time_s());
+        let before_s = std::mem::replace(&mut self.time_s, self.session.time_s());
         Stepped::Took {
             took_s: self.time_s - before_s,
             whole,
@@ -385,7 +388,7 @@ impl Source for WatchedNomad {
 
     fn end(&mut self) -> Result<(), String> {
         if self.failure.is_none() {
-            self.reins.finish(false);
+            self.session.finish(false);
         }
         self.log.as_ref().map_or(Ok(()), SharedLog::finish)
     }

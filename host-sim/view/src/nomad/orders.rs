@@ -8,7 +8,7 @@ use crate::source::Refused;
 use amp::controller::Command;
 use amp::scan::Situation;
 use amp::units::Range;
-use nomad200::bridge::Trouble;
+use nomad200::bridge::BridgeError;
 use sim::episode::Seeds;
 
 impl WatchedNomad {
@@ -38,8 +38,8 @@ impl WatchedNomad {
     }
 
     /// The base brakes at once, whatever the mind is at.
-    pub(super) fn stop(&mut self) -> Result<(), Trouble> {
-        self.reins.brake()?;
+    pub(super) fn stop(&mut self) -> Result<(), BridgeError> {
+        self.session.brake()?;
         if self.doing == Doing::Learn {
             return Ok(());
         }
@@ -48,7 +48,7 @@ impl WatchedNomad {
         } else if self.doing != Doing::Stopped {
             self.interrupted = Doing::Idle;
         }
-        self.reins.command(Command::Stop);
+        self.session.command(Command::Stop);
         self.open = None;
         self.rest(Doing::Stopped);
         Ok(())
@@ -70,7 +70,7 @@ impl WatchedNomad {
     fn explore(&mut self) -> Result<(), Refused> {
         self.refuse_while_learning()?;
         let seed = self.start.seed.wrapping_add(self.explorations);
-        self.reins.command(Command::Explore {
+        self.session.command(Command::Explore {
             moves: self.start.explore_moves,
             seed: Seeds::of(seed).exploration,
         });
@@ -89,7 +89,7 @@ impl WatchedNomad {
         if matches!(self.doing, Doing::Explore | Doing::Seek) {
             return Err("it moves: stop it first".into());
         }
-        self.reins.learn();
+        self.session.learn();
         self.begin(Doing::Learn);
         Ok(())
     }
@@ -111,20 +111,20 @@ impl WatchedNomad {
     /// Tells the mind the goal, of a chain that of its present part.
     pub(super) fn pursue(&mut self) {
         let goal = self.goal.goal(&self.config, &self.nest());
-        self.reins.command(Command::Seek(goal));
+        self.session.command(Command::Seek(goal));
     }
 
     fn resume(&mut self) -> Result<(), Refused> {
         if self.interrupted == Doing::Idle {
             return Err("nothing was interrupted".into());
         }
-        self.reins.command(Command::Resume);
+        self.session.command(Command::Resume);
         self.begin(self.interrupted);
         Ok(())
     }
 
     fn choose(&mut self, order: &Order) -> Result<(), Refused> {
-        let here = (self.perceived(), self.reins.pose().position);
+        let here = (self.perceived(), self.session.pose().position);
         let known = self.mind.known.as_deref().filter(|_| self.knows_maps());
         let goal = Pursued::asked(order, here, known)?;
         if goal
@@ -146,7 +146,7 @@ impl WatchedNomad {
             return Err("it moves: stop it first".into());
         }
         let config = switched(order, &self.config, &self.start.whole)?;
-        self.reins.configure(config.clone());
+        self.session.configure(config.clone());
         self.config = config;
         Ok(())
     }
@@ -160,7 +160,7 @@ impl WatchedNomad {
     pub(super) fn perceived(&self) -> Situation<16> {
         let millimeters = |m: f64| Range::from_mm((m * 1e3) as u16);
         let encoding = self.config.encoding;
-        let ranges_m = self.reins.ranges_m();
+        let ranges_m = self.session.ranges_m();
         ranges_m.map(|range| encoding.value(range.map(millimeters)))
     }
 }

@@ -72,7 +72,7 @@ impl WatchedNomad {
     }
 
     fn now(&self) -> Now {
-        let pose = self.reins.pose();
+        let pose = self.session.pose();
         let decision = self.decision;
         let busy = matches!(self.doing, Doing::Explore | Doing::Seek);
         let (situation, heard_at) = match &decision {
@@ -100,7 +100,7 @@ impl WatchedNomad {
             note: self.note.clone(),
             resumes: self.doing == Doing::Stopped && self.interrupted != Doing::Idle,
             done: Short(done),
-            ranges_m: self.reins.ranges_m().map(|range| range.map(Short)),
+            ranges_m: self.session.ranges_m().map(|range| range.map(Short)),
             on: std::array::from_fn(|sensor| self.config.believed.contains(sensor)),
             situation: ring(&situation),
             changed: self.changed(),

@@ -274,7 +274,7 @@ impl Simulator {
             self.fail(error.to_string());
             return Err(error.into());
         }
-        let placeholder = LoggedController::new(AnyController::here(config), None);
+        let placeholder = LoggedController::new(AnyController::local(config), None);
         let mind = std::mem::replace(&mut self.mind, placeholder);
         let mut next = Self::with_mind(start, mind);
         next.config = config.clone();

@@ -1,102 +1,109 @@
-//! The robot's state packets as the mind's events.
+//! Converts the robot's state packets into events of the controller.
 
 use crate::units::{M_PER_TENTH_INCH, TENTH_DEGREES_PER_TURN};
-use crate::{PosData, State};
+use crate::{NomadState, PosData};
 use amp::controller::{Event, Progress};
 use amp::units::{Bearing, Displacement, Millis, Range};
 use arena::sonar::{M_PER_INCH, MAX_READING_IN};
 use arena::world::{Point, Pose};
 use core::f64::consts::TAU;
 
-/// While the base rolls, echoes heard within this way of each other are reported from the same place, m. The shield keeps
-/// several times as much between the body and anything it has heard.
+/// Echoes within this distance of each other are reported from one position while the base rolls,
+/// m. The shield keeps several times as much clearance.
 const SAME_PLACE_M: f64 = 0.015;
 
-/// A gap between two state packets longer than this is shortened to it on the mind's clock, ms: after a pause of this
-/// program, or after an answer that was lost, the mind must not believe that its ring has fallen silent or that its motion
-/// is overdue. Less than the shortest time a motion is given, and a packet over a serial line takes a quarter of it.
+/// Longer gaps between two state packets are shortened to this on the controller's clock, ms.
+/// Otherwise a pause or a lost answer would look like a silent ring or an overdue motion. It is
+/// less than the shortest time of a motion; a packet over a serial line takes a quarter of it.
 const MAX_GAP_MS: u32 = 200;
 
-/// Something that happened, and where the robot was then.
+/// An event and the robot's pose at that time.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Happening {
-    /// When it is told, by the mind's clock, which never goes back.
+pub(super) struct TimedEvent {
+    /// When it is delivered, by the controller's clock, which never runs back.
     pub(super) at: Millis,
-    /// How long before that it happened, ms; never less than the truth.
+    /// Age at the delivery, ms; never less than the true age.
     pub(super) age_ms: u32,
-    /// In the robot's own frame, m.
+    /// Position in the robot's own frame, m.
     pub(super) place: Point,
     /// Bearing of the ring in that frame, rad.
     pub(super) ring: f64,
     pub(super) event: Event<16>,
 }
 
-/// What the mind has been told so far, and what it is to be told.
+/// Reports the differences between state packets, and queues the events.
 #[derive(Debug, Default)]
-pub(super) struct Feed {
+pub(super) struct EventQueue {
     now: Millis,
-    /// Robot's time of the latest packet.
+    /// The robot's time of the latest packet.
     board_ms: u32,
-    /// Where the mind believes to be; what rounding to millimeters leaves over goes into the next report.
+    /// The position reported so far; what rounding leaves over goes into the next report.
     reported: Point,
     bearing: Bearing,
-    /// When each sonar was heard last, by the robot.
-    heard_ms: [u32; 16],
-    happenings: Vec<Happening>,
-    /// Until when the mind has been told that time has passed.
+    /// The robot's time of the latest echo of each sonar.
+    sensed_ms: [u32; 16],
+    events: Vec<TimedEvent>,
+    /// Time of the latest tick.
     ticked: Millis,
 }
 
-impl Feed {
-    /// From this state on.
-    pub(super) fn begin(&mut self, state: &State) {
+impl EventQueue {
+    /// Starts from this state.
+    pub(super) fn begin(&mut self, state: &NomadState) {
         self.board_ms = state.time_ms;
         self.reported = position(&state.pose);
         self.bearing = bearing(state.pose[3]);
-        self.heard_ms = state.sonar_at.map(|place| place.sensed_ms);
+        self.sensed_ms = state.sonar_at.map(|place| place.sensed_ms);
     }
 
-    /// The mind's time of the latest packet.
+    /// The controller's time of the latest packet.
     pub(super) fn now(&self) -> Millis {
         self.now
     }
 
-    /// The same for a command that is given now: what has not been told yet is told later, and so is older then.
+    /// The time for a command that is given now. Queued events are moved to this time and become
+    /// older.
     pub(super) fn now_for_command(&mut self) -> Millis {
-        for happening in &mut self.happenings {
-            happening.age_ms += self.now.since(happening.at);
-            happening.at = self.now;
+        for event in &mut self.events {
+            event.age_ms += self.now.since(event.at);
+            event.at = self.now;
         }
         self.now
     }
 
-    /// So many sonars, those heard longest ago, as bits: the next to fire.
-    pub(super) fn longest_unheard(&self, count: u32) -> u16 {
+    /// The `count` sonars with the oldest echoes, as bits: the next ones to fire.
+    pub(super) fn oldest_sonars(&self, count: u32) -> u16 {
         let mut sonars: Vec<_> = (0..16).collect();
         sonars.sort_by_key(|&sonar| {
-            core::cmp::Reverse(self.board_ms.wrapping_sub(self.heard_ms[sonar]))
+            core::cmp::Reverse(self.board_ms.wrapping_sub(self.sensed_ms[sonar]))
         });
         let chosen = sonars.into_iter().take(count as usize);
         chosen.fold(0, |bits, sonar| bits | 1 << sonar)
     }
 
-    /// Takes a state packet: each new echo, with the way to where it was heard, and at the end the way to where the robot
-    /// is now. `motion` is the motion it carries out or carried out last, `news` what became of it, unless it just moves.
-    pub(super) fn take(&mut self, state: &State, motion: Option<u16>, news: Option<Progress>) {
+    /// Adds a state packet: each new echo, with odometry to where it was sensed, then odometry to
+    /// the current pose. `motion` is the current or last motion, `news` its progress unless it just
+    /// moves.
+    pub(super) fn add_state(
+        &mut self,
+        state: &NomadState,
+        motion: Option<u16>,
+        news: Option<Progress>,
+    ) {
         let gap_ms = state.time_ms.wrapping_sub(self.board_ms);
         self.board_ms = state.time_ms;
         let before = self.now;
         let passed = gap_ms.min(MAX_GAP_MS);
         self.now = Millis::from_ms(before.as_ms().wrapping_add(passed));
-        for sensor in self.news(state) {
+        for sensor in self.new_echoes(state) {
             let place = &state.sonar_at[sensor];
-            self.heard_ms[sensor] = place.sensed_ms;
-            // As old as the robot says, though the mind's clock may have gone on by less. One of a packet that was asked for
-            // later may have been heard before the packet that came earlier.
+            self.sensed_ms[sensor] = place.sensed_ms;
+            // The age is the robot's, even if the controller's clock advanced by less. A packet
+            // with other sonars may bring an older echo later.
             let age_ms = age_ms(state, sensor);
             let told_ms = age_ms.min(passed);
             let at = self.now.minus_ms(told_ms);
-            self.go_to(at, place, motion);
+            self.report_position(at, place, motion);
             let event = Event::Echo {
                 sensor: sensor as u8,
                 range: range(state.sonar[sensor]),
@@ -119,26 +126,26 @@ impl Feed {
         }
     }
 
-    /// What has happened since the last call, and at the end that time has passed, if it has: a mind in this process knows
-    /// no other clock.
-    pub(super) fn hand_over(&mut self) -> Vec<Happening> {
+    /// Takes the queued events, with a tick at the end if time has passed: a controller in this
+    /// process has no other clock.
+    pub(super) fn take_events(&mut self) -> Vec<TimedEvent> {
         if self.ticked != self.now {
             self.ticked = self.now;
             self.push(self.now, 0, Event::Tick);
         }
-        std::mem::take(&mut self.happenings)
+        std::mem::take(&mut self.events)
     }
 
-    /// Sonars that have been heard since the last packet, in the order of their firing.
-    fn news(&self, state: &State) -> Vec<usize> {
-        let is_new = |sensor: &usize| state.sonar_at[*sensor].sensed_ms != self.heard_ms[*sensor];
+    /// Sonars with a new echo, in the order of firing.
+    fn new_echoes(&self, state: &NomadState) -> Vec<usize> {
+        let is_new = |sensor: &usize| state.sonar_at[*sensor].sensed_ms != self.sensed_ms[*sensor];
         let mut sensors: Vec<_> = (0..16).filter(is_new).collect();
         sensors.sort_by_key(|&sensor| core::cmp::Reverse(age_ms(state, sensor)));
         sensors
     }
 
-    /// Reports the way to a place, unless it is as good as where the mind believes to be.
-    fn go_to(&mut self, at: Millis, place: &PosData, motion: Option<u16>) {
+    /// Reports odometry to a position, unless it is near the last reported one.
+    fn report_position(&mut self, at: Millis, place: &PosData, motion: Option<u16>) {
         let far = position(&place.pose).distance(self.reported) >= SAME_PLACE_M;
         if let Some(motion) = motion.filter(|_| far) {
             let way = self.way(place);
@@ -146,7 +153,7 @@ impl Feed {
         }
     }
 
-    /// The way to a place in whole millimeters of the ring's frame, and the ring's turn.
+    /// Displacement to a position in whole millimeters of the ring's frame, and the ring's turn.
     fn way(&self, place: &PosData) -> (Displacement, Bearing) {
         let ring = Point::unit(radians(self.bearing));
         let way = (position(&place.pose) - self.reported).turned_back(ring) * 1e3;
@@ -165,7 +172,7 @@ impl Feed {
         let way = (mm * 1e-3).turned(Point::unit(radians(self.bearing)));
         self.reported = self.reported + way;
         self.bearing = self.bearing.plus(turned);
-        if turned == Bearing::ZERO && self.adds(at, motion, moved, progress) {
+        if turned == Bearing::ZERO && self.merge(at, motion, moved, progress) {
             return;
         }
         self.push(
@@ -180,11 +187,11 @@ impl Feed {
         );
     }
 
-    /// Adds a way to the report before, if that says the same and nothing has happened since: a mind at a slow line is told
-    /// once of many packets.
-    fn adds(&mut self, at: Millis, motion: u16, moved: Displacement, progress: Progress) -> bool {
+    /// Adds a displacement to the previous report if that is of the same kind and nothing came
+    /// between. So a controller on a slow line receives one report for many packets.
+    fn merge(&mut self, at: Millis, motion: u16, moved: Displacement, progress: Progress) -> bool {
         let place = self.reported;
-        let Some(last) = self.happenings.last_mut() else {
+        let Some(last) = self.events.last_mut() else {
             return false;
         };
         match &mut last.event {
@@ -203,7 +210,7 @@ impl Feed {
     }
 
     fn push(&mut self, at: Millis, age_ms: u32, event: Event<16>) {
-        self.happenings.push(Happening {
+        self.events.push(TimedEvent {
             at,
             age_ms,
             place: self.reported,
@@ -213,23 +220,23 @@ impl Feed {
     }
 }
 
-/// How long before the packet a sonar was heard, ms; one that is said to be heard after it was heard just now.
-fn age_ms(state: &State, sensor: usize) -> u32 {
+/// Age of a sonar's echo at the packet, ms. An echo from the future counts as new.
+fn age_ms(state: &NomadState, sensor: usize) -> u32 {
     let age_ms = state.time_ms.wrapping_sub(state.sonar_at[sensor].sensed_ms);
     if age_ms < 1 << 31 { age_ms } else { 0 }
 }
 
-/// Where a reported pose is, m.
+/// Position in a reported pose, m.
 pub(super) fn position(pose: &[i32; 4]) -> Point {
     Point::new(f64::from(pose[0]), f64::from(pose[1])) * M_PER_TENTH_INCH
 }
 
-/// Where the robot is by a packet, and where its ring looks.
-pub(super) fn pose(state: &State) -> Pose {
+/// Position of the robot and heading of its ring in a packet.
+pub(super) fn pose(state: &NomadState) -> Pose {
     posed(&state.pose)
 }
 
-/// Where the robot was when something was sensed.
+/// The same when something was sensed.
 pub(super) fn pose_of(place: &PosData) -> Pose {
     posed(&place.pose)
 }
@@ -238,12 +245,12 @@ fn posed(pose: &[i32; 4]) -> Pose {
     Pose::new(position(pose), radians(bearing(pose[3])))
 }
 
-/// Whole inches, 255 = nothing heard; m.
+/// Converts whole inches to meters; 255 = no echo.
 pub(super) fn range_m(inches: u8) -> Option<f64> {
     (inches < MAX_READING_IN).then(|| f64::from(inches) * M_PER_INCH)
 }
 
-/// The same as the mind hears it.
+/// The range in the controller's unit.
 fn range(inches: u8) -> Option<Range> {
     // At most 6452 mm.
     range_m(inches).map(|range_m| Range::from_mm((range_m * 1e3) as u16))

@@ -1,13 +1,13 @@
 use super::*;
-use crate::{Line, Mask, Protocol, Simulated};
+use crate::{Protocol, RobotLine, SimulatedNomad, StateMask};
 use arena::sonar::SonarModel;
 use arena::world::{Pose, Shape, World};
 use remote::link::Transport;
 use std::io;
 use std::time::Duration;
 
-/// A robot in this process, whose time passes while somebody waits for its answer: a millisecond for each.
-struct Here(Line);
+/// A robot in this process; each wait for an answer lasts one millisecond of its time.
+struct Here(RobotLine);
 
 impl Transport for Here {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
@@ -30,14 +30,14 @@ impl Transport for Here {
 fn robot(x: f64) -> Host {
     let points = vec![Point::new(x, -9.0), Point::new(x, 9.0)];
     let world = World::new("wall", Pose::default(), vec![Shape::Wall { points }]).unwrap();
-    let robot = Simulated::new(world, SonarModel::Ideal, 1);
-    let mut host = Host::new(Here(Line::new(robot, Protocol::Direct)));
-    let mask = Mask {
+    let robot = SimulatedNomad::new(world, SonarModel::Ideal, 1);
+    let mut host = Host::new(Here(RobotLine::new(robot, Protocol::Direct)));
+    let mask = StateMask {
         infrared: 0,
         laser: false,
-        ..Mask::ALL
+        ..StateMask::ALL
     };
-    host.ask(&Command::Communicate(mask)).unwrap();
+    host.request(&NomadCommand::Communicate(mask)).unwrap();
     host
 }
 
@@ -49,27 +49,27 @@ fn motion(id: u16) -> Motion {
     }
 }
 
-fn begin(course: &mut Course, host: &mut Host, goal: Point, motion: &Motion) {
+fn begin(course: &mut MotionControl, host: &mut Host, goal: Point, motion: &Motion) {
     let state = host.state().clone();
     course.begin(host, &state, goal, motion).unwrap();
 }
 
-/// Asks for the state and looks at the course; returns how it ended, if it did.
-fn look(course: &mut Course, host: &mut Host) -> Ended {
-    let state = host.ask(&Command::GetState).unwrap().clone();
+/// Polls the state and follows the motion; returns how it ended, if it has.
+fn look(course: &mut MotionControl, host: &mut Host) -> Ended {
+    let state = host.request(&NomadCommand::GetState).unwrap().clone();
     if state.bumpers != 0 {
         course.touched(host).unwrap();
     }
     course.follow(host, &state).unwrap()
 }
 
-fn look_for(course: &mut Course, host: &mut Host, times: u32) {
+fn look_for(course: &mut MotionControl, host: &mut Host, times: u32) {
     for _ in 0..times {
         assert_eq!(look(course, host), None);
     }
 }
 
-fn to_the_end(course: &mut Course, host: &mut Host) -> Progress {
+fn to_the_end(course: &mut MotionControl, host: &mut Host) -> Progress {
     let ended = (0..10_000).find_map(|_| look(course, host));
     ended.expect("an end within ten seconds")
 }
@@ -84,7 +84,7 @@ fn it_steers_the_nearer_way_and_rolls_to_the_goal_but_never_beyond() {
         (-0.17, -0.17),
         (0.003, 0.2),
     ] {
-        let (mut host, mut course) = (robot(5.0), Course::default());
+        let (mut host, mut course) = (robot(5.0), MotionControl::default());
         let goal = Point::new(x, y);
         begin(&mut course, &mut host, goal, &motion(1));
         assert_eq!(to_the_end(&mut course, &mut host), Progress::Ended);
@@ -92,26 +92,26 @@ fn it_steers_the_nearer_way_and_rolls_to_the_goal_but_never_beyond() {
         let here = position(&state.pose);
         assert!(here.distance(goal) < 0.006, "{x} {y}: {here:?}");
         assert!(here.length() <= goal.length() + 0.0013, "{x} {y}: {here:?}");
-        // By a quarter turn at most, and without the turret.
+        // A quarter turn at most, without the turret.
         let steered = state.pose[2].min(3_600 - state.pose[2]);
         assert!(steered <= 900 && state.pose[3] == 0);
-        // It has ended once.
+        // It ends only once.
         assert_eq!(look(&mut course, &mut host), None);
     }
 }
 
 #[test]
 fn a_shortened_motion_ends_there_and_one_that_is_stopped_where_it_can() {
-    let (mut host, mut course) = (robot(5.0), Course::default());
+    let (mut host, mut course) = (robot(5.0), MotionControl::default());
     begin(&mut course, &mut host, Point::new(1.0, 0.0), &motion(1));
     look_for(&mut course, &mut host, 500);
     begin(&mut course, &mut host, Point::new(0.4, 0.0), &motion(1));
     assert_eq!(to_the_end(&mut course, &mut host), Progress::Ended);
     assert!((position(&host.state().pose).x - 0.4).abs() < 0.004);
-    // A late shortening of what has ended begins nothing.
+    // A late shortening of an ended motion begins nothing.
     begin(&mut course, &mut host, Point::new(0.9, 0.0), &motion(1));
     look_for(&mut course, &mut host, 300);
-    // Nearer than it can stop: it brakes, and does not come back.
+    // Nearer than the braking distance: it brakes and does not return.
     begin(&mut course, &mut host, Point::new(1.4, 0.0), &motion(2));
     look_for(&mut course, &mut host, 600);
     let (from, speed) = (host.state().pose[0], f64::from(host.state().velocity[0]));
@@ -120,7 +120,7 @@ fn a_shortened_motion_ends_there_and_one_that_is_stopped_where_it_can() {
     assert_eq!(to_the_end(&mut course, &mut host), Progress::Ended);
     let braked = f64::from(host.state().pose[0] - from);
     assert!((braked - speed * speed / 600.0).abs() < 4.0, "{braked}");
-    // No displacement: it stands, and says so.
+    // Without displacement it stands and reports the end.
     let none = Motion {
         displacement: Displacement::ZERO,
         ..motion(3)
@@ -132,7 +132,7 @@ fn a_shortened_motion_ends_there_and_one_that_is_stopped_where_it_can() {
 
 #[test]
 fn a_new_direction_waits_until_the_base_stands() {
-    let (mut host, mut course) = (robot(5.0), Course::default());
+    let (mut host, mut course) = (robot(5.0), MotionControl::default());
     begin(&mut course, &mut host, Point::new(1.0, 0.0), &motion(1));
     look_for(&mut course, &mut host, 500);
     let goal = position(&host.state().pose) + Point::new(0.0, 0.3);
@@ -148,10 +148,10 @@ fn a_new_direction_waits_until_the_base_stands() {
 
 #[test]
 fn a_wall_ends_a_motion_as_a_touch_and_a_silent_mind_ends_it_too() {
-    let (mut host, mut course) = (robot(0.5), Course::default());
+    let (mut host, mut course) = (robot(0.5), MotionControl::default());
     begin(&mut course, &mut host, Point::new(1.0, 0.0), &motion(1));
     assert_eq!(to_the_end(&mut course, &mut host), Progress::Touched);
-    // Away from the wall it is no touch.
+    // Away from the wall there is no contact.
     begin(&mut course, &mut host, Point::new(-0.5, 0.0), &motion(2));
     look_for(&mut course, &mut host, 300);
     assert_eq!(course.expire(&mut host), Ok(true));
@@ -160,21 +160,22 @@ fn a_wall_ends_a_motion_as_a_touch_and_a_silent_mind_ends_it_too() {
     assert!(position(&host.state().pose).x > -0.4);
 }
 
-/// The base's own time-out may stop the wheels half-way: they are turned again before anything rolls.
+/// The base's own time-out may stop the wheels half-way; they are turned again before the base
+/// rolls.
 #[test]
 fn wheels_that_were_stopped_on_their_way_are_turned_again() {
-    let (mut host, mut course) = (robot(5.0), Course::default());
+    let (mut host, mut course) = (robot(5.0), MotionControl::default());
     begin(&mut course, &mut host, Point::new(0.0, 0.25), &motion(1));
     look_for(&mut course, &mut host, 700);
-    host.ask(&Command::Stop).unwrap();
+    host.request(&NomadCommand::Stop).unwrap();
     assert_eq!(to_the_end(&mut course, &mut host), Progress::Ended);
     assert!(position(&host.state().pose).distance(Point::new(0.0, 0.25)) < 0.006);
 }
 
-/// Delays of this line are none of the motion's time, but wheels that are blocked are.
+/// The line's delays do not count as time of the motion; blocked wheels do.
 #[test]
 fn it_steers_until_it_is_seen_to_roll_or_to_stand() {
-    let (mut host, mut course) = (robot(5.0), Course::default());
+    let (mut host, mut course) = (robot(5.0), MotionControl::default());
     begin(&mut course, &mut host, Point::new(0.0, 0.25), &motion(1));
     let mut said = Vec::new();
     loop {
@@ -192,13 +193,13 @@ fn it_steers_until_it_is_seen_to_roll_or_to_stand() {
         (true, false, false),
         (true, false, true),
         (true, false, false),
-        // It has begun, and is still too slow to be seen to roll.
+        // It has begun but is too slow to be seen rolling.
         (false, false, false),
         (false, true, false),
         (false, false, false),
     ];
     assert_eq!(said, turns_and_rolls);
-    // Told to stand it takes its time, and says so.
+    // Braking takes time and is reported.
     begin(&mut course, &mut host, Point::new(0.0, 1.0), &motion(2));
     look_for(&mut course, &mut host, 500);
     assert!(!course.is_steering(host.state()));
@@ -211,15 +212,15 @@ fn it_steers_until_it_is_seen_to_roll_or_to_stand() {
 
 #[test]
 fn blocked_wheels_do_not_steer() {
-    let robot = Simulated::new(World::random(1), SonarModel::Ideal, 1);
+    let robot = SimulatedNomad::new(World::random(1), SonarModel::Ideal, 1);
     let robot = robot.with_wheels_blocked_after(0.05);
-    let mut host = Host::new(Here(Line::new(robot, Protocol::Direct)));
+    let mut host = Host::new(Here(RobotLine::new(robot, Protocol::Direct)));
     let mask = crate::bridge::mask(0);
-    host.ask(&Command::Communicate(mask)).unwrap();
-    let mut course = Course::default();
+    host.request(&NomadCommand::Communicate(mask)).unwrap();
+    let mut course = MotionControl::default();
     begin(&mut course, &mut host, Point::new(0.25, 0.0), &motion(1));
     look_for(&mut course, &mut host, 5_000);
-    // The motor runs on, and the base is where it was.
+    // The motor runs, but the base does not move.
     let state = host.state();
     assert_eq!((state.motors & 1, state.velocity), (1, [0; 3]));
     assert!((position(&state.pose).length() - 0.05).abs() < 0.003);

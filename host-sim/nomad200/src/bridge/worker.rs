@@ -1,6 +1,6 @@
-//! The mind's thread: takes tasks one by one, says what came of each.
+//! The thread of the controller: takes tasks in order and returns a result for each.
 
-use super::feed::Happening;
+use super::events::TimedEvent;
 use amp::config::Config;
 use amp::controller::{Command, Event, Motion, Outputs};
 use amp::units::Millis;
@@ -12,105 +12,105 @@ use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Echoes within this time are told together, ms: half a ring. A mind that is told of more at once believes that its ring
-/// has been silent.
+/// Echoes within this time are delivered together, ms: half a ring. With a longer time the ring
+/// would look incomplete to the controller.
 const SAME_TIME_MS: u32 = 320;
 
-/// What the mind is given to do.
-pub(super) enum Task {
-    /// To take note of what happened, in this order.
-    Happenings(Vec<Happening>),
-    /// To obey.
+/// A task of the controller.
+pub(super) enum WorkerTask {
+    /// Handle these events in order.
+    Events(Vec<TimedEvent>),
+    /// Execute a command.
     Command(Millis, Command<16>),
-    /// To make the maps; takes its time.
+    /// Learn the maps.
     Learn(Millis),
-    /// To choose otherwise from now on.
+    /// Replace the configuration.
     Configure(Millis, Box<Config<16>>),
-    /// To tell what it knows.
-    Tell,
+    /// Read the state.
+    ReadState,
 }
 
-/// What a thought is about.
+/// Kind of task that a result belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum About {
-    /// What happened.
-    Happenings,
+pub enum ResultKind {
+    /// Events.
+    Events,
     /// A command.
     Command,
-    /// The maps are made.
+    /// Learning has ended.
     Learning,
-    /// Other open choices, or a question.
-    Else,
+    /// Another task.
+    Other,
 }
 
-/// What came of a task.
-pub struct Thought {
-    /// What the task was.
-    pub about: About,
-    /// What it brought about.
+/// Result of a task.
+pub struct WorkerResult {
+    /// Kind of task.
+    pub kind: ResultKind,
+    /// The controller's outputs.
     pub outputs: Outputs<16>,
-    /// The last motion asked for, and where it leads to in the robot's frame, m.
+    /// The latest motion and its goal in the robot's frame, m.
     pub(super) motion: Option<(Point, Motion)>,
-    /// What the mind knows, if it was asked.
-    pub known: Option<Box<SimState>>,
+    /// The controller's state, if it was requested.
+    pub state: Option<Box<SimState>>,
 }
 
-/// The other end of the mind's thread, which ends with it.
-pub(super) struct Mind {
-    tasks: Option<Sender<Task>>,
-    thoughts: Receiver<Result<Thought, EpisodeError>>,
+/// Handle of the thread.
+pub(super) struct Worker {
+    tasks: Option<Sender<WorkerTask>>,
+    results: Receiver<Result<WorkerResult, EpisodeError>>,
     thread: Option<JoinHandle<()>>,
-    /// Tasks in the air, and since when the eldest is.
+    /// Number of unfinished tasks, and since when the oldest one waits.
     pending: u32,
     since: Instant,
 }
 
-impl Mind {
+impl Worker {
     /// Starts the thread.
     pub(super) fn start(pilot: LoggedController) -> Self {
         let (tasks, todo) = channel();
-        let (done, thoughts) = channel();
-        let thread = std::thread::spawn(move || think(pilot, &todo, &done));
+        let (done, results) = channel();
+        let thread = std::thread::spawn(move || run(pilot, &todo, &done));
         Self {
             tasks: Some(tasks),
-            thoughts,
+            results,
             thread: Some(thread),
             pending: 0,
             since: Instant::now(),
         }
     }
 
-    /// Gives it something to do; it does so in turn.
-    pub(super) fn give(&mut self, task: Task) {
+    /// Queues a task.
+    pub(super) fn submit(&mut self, task: WorkerTask) {
         if self.pending == 0 {
             self.since = Instant::now();
         }
         self.pending += 1;
         if let Some(tasks) = &self.tasks {
-            // A thread that is gone says so in `thought`.
+            // A thread that has ended is reported by `poll`.
             let _ = tasks.send(task);
         }
     }
 
-    /// What came of a task, if something has.
-    pub(super) fn thought(&mut self) -> Option<Result<Thought, EpisodeError>> {
-        match self.thoughts.try_recv() {
-            Ok(thought) => {
+    /// The next result, if there is one.
+    pub(super) fn poll(&mut self) -> Option<Result<WorkerResult, EpisodeError>> {
+        match self.results.try_recv() {
+            Ok(result) => {
                 self.pending = self.pending.saturating_sub(1);
                 self.since = Instant::now();
-                Some(thought)
+                Some(result)
             }
             Err(TryRecvError::Empty) => None,
             Err(TryRecvError::Disconnected) => Some(Err(EpisodeError::Silent)),
         }
     }
 
-    /// Whether it has nothing to do.
+    /// Whether no task is unfinished.
     pub(super) fn is_idle(&self) -> bool {
         self.pending == 0
     }
 
-    /// How long it has been at what it does.
+    /// How long the current task has taken.
     pub(super) fn busy_for(&self) -> Duration {
         if self.is_idle() {
             Duration::ZERO
@@ -119,61 +119,62 @@ impl Mind {
         }
     }
 
-    /// Ends its thread; before, it is told to stand still at a time, and waited for until it has heard that.
+    /// Ends the thread; with `at`, the controller stops first.
     pub(super) fn finish(&mut self, at: Option<Millis>) {
         if let Some(at) = at {
-            self.give(Task::Command(at, Command::Stop));
+            self.submit(WorkerTask::Command(at, Command::Stop));
         }
         self.tasks = None;
         if let Some(thread) = self.thread.take() {
-            // It has panicked at worst, and said so.
+            // An error here is a panic that was already printed.
             let _ = thread.join();
         }
     }
 }
 
-fn think(
+fn run(
     mut pilot: LoggedController,
-    todo: &Receiver<Task>,
-    done: &Sender<Result<Thought, EpisodeError>>,
+    todo: &Receiver<WorkerTask>,
+    done: &Sender<Result<WorkerResult, EpisodeError>>,
 ) {
     while let Ok(task) = todo.recv() {
-        let thought = obey(&mut pilot, task);
-        let thought = pilot.failure().map_or(thought, Err);
-        if done.send(thought).is_err() {
+        let result = execute(&mut pilot, task);
+        let result = pilot.failure().map_or(result, Err);
+        if done.send(result).is_err() {
             break;
         }
     }
 }
 
-fn obey(pilot: &mut LoggedController, task: Task) -> Result<Thought, EpisodeError> {
+fn execute(pilot: &mut LoggedController, task: WorkerTask) -> Result<WorkerResult, EpisodeError> {
     Ok(match task {
-        Task::Happenings(happenings) => hear(pilot, &happenings),
-        Task::Command(at, command) => {
-            Thought::of(About::Command, pilot.handle(at, Event::Command(command)))
-        }
-        Task::Learn(at) => learn(pilot, at),
-        Task::Configure(at, config) => {
+        WorkerTask::Events(events) => deliver(pilot, &events),
+        WorkerTask::Command(at, command) => WorkerResult::of(
+            ResultKind::Command,
+            pilot.handle(at, Event::Command(command)),
+        ),
+        WorkerTask::Learn(at) => learn(pilot, at),
+        WorkerTask::Configure(at, config) => {
             pilot.configure(at, &config).map_err(EpisodeError::from)?;
-            Thought::of(About::Else, Outputs::NONE)
+            WorkerResult::of(ResultKind::Other, Outputs::NONE)
         }
-        Task::Tell => {
+        WorkerTask::ReadState => {
             pilot.pilot().invalidate_cache(true);
-            let known = Box::new(pilot.pilot().cached_state()?.clone());
-            Thought {
-                known: Some(known),
-                ..Thought::of(About::Else, Outputs::NONE)
+            let state = Box::new(pilot.pilot().cached_state()?.clone());
+            WorkerResult {
+                state: Some(state),
+                ..WorkerResult::of(ResultKind::Other, Outputs::NONE)
             }
         }
     })
 }
 
-/// Tells the mind what happened; echoes from one place and about one time go together, at the time of the last, each with
-/// its age.
-pub(super) fn hear(pilot: &mut impl Pilot, happenings: &[Happening]) -> Thought {
-    let mut all = Thought::of(About::Happenings, Outputs::NONE);
-    for group in happenings.chunk_by(|_, next| is_echo(next)) {
-        // What is no echo begins a group.
+/// Delivers events. Echoes of about the same place and time are delivered together, at the time of
+/// the last one, each with its age.
+pub(super) fn deliver(pilot: &mut impl Pilot, events: &[TimedEvent]) -> WorkerResult {
+    let mut all = WorkerResult::of(ResultKind::Events, Outputs::NONE);
+    for group in events.chunk_by(|_, next| is_echo(next)) {
+        // A group begins with an event that is no echo.
         let (first, echoes) = match group.split_first() {
             Some((first, echoes)) if !is_echo(first) => (Some(first), echoes),
             _ => (None, group),
@@ -183,45 +184,45 @@ pub(super) fn hear(pilot: &mut impl Pilot, happenings: &[Happening]) -> Thought 
         }
         let mut left = echoes;
         while let Some(first) = left.first() {
-            let near = |happening: &&Happening| happening.at.since(first.at) <= SAME_TIME_MS;
+            let near = |event: &&TimedEvent| event.at.since(first.at) <= SAME_TIME_MS;
             let count = left.iter().take_while(near).count().max(1);
             let (together, rest) = left.split_at(count);
-            all.hear(pilot, together);
+            all.deliver_echoes(pilot, together);
             left = rest;
         }
     }
     all
 }
 
-fn is_echo(happening: &Happening) -> bool {
-    matches!(happening.event, Event::Echo { .. })
+fn is_echo(event: &TimedEvent) -> bool {
+    matches!(event.event, Event::Echo { .. })
 }
 
-impl Thought {
-    /// What came of something that happened nowhere: it asks for no motion but to stand.
-    fn of(about: About, outputs: Outputs<16>) -> Self {
+impl WorkerResult {
+    /// Result of a task without a position: its only motion can be a stop.
+    fn of(kind: ResultKind, outputs: Outputs<16>) -> Self {
         Self {
-            about,
+            kind,
             outputs,
             motion: outputs.motion.map(|motion| (Point::default(), motion)),
-            known: None,
+            state: None,
         }
     }
 
-    /// Echoes heard from one place.
-    fn hear(&mut self, pilot: &mut impl Pilot, happenings: &[Happening]) {
-        let Some(last) = happenings.last() else {
+    /// Delivers echoes that were sensed at one place.
+    fn deliver_echoes(&mut self, pilot: &mut impl Pilot, events: &[TimedEvent]) {
+        let Some(last) = events.last() else {
             return;
         };
-        let echo = |happening: &Happening| match happening.event {
+        let echo = |event: &TimedEvent| match event.event {
             Event::Echo { sensor, range } => Some(HeardEcho {
                 sensor,
                 range,
-                age_ms: last.at.since(happening.at) + happening.age_ms,
+                age_ms: last.at.since(event.at) + event.age_ms,
             }),
             _ => None,
         };
-        let echoes: Vec<_> = happenings.iter().filter_map(echo).collect();
+        let echoes: Vec<_> = events.iter().filter_map(echo).collect();
         let mut left = &echoes[..];
         while !left.is_empty() {
             let (taken, outputs) = pilot.echoes(last.at, left);
@@ -230,7 +231,7 @@ impl Thought {
         }
     }
 
-    fn add(&mut self, happening: &Happening, outputs: Outputs<16>) {
+    fn add(&mut self, event: &TimedEvent, outputs: Outputs<16>) {
         self.outputs.decision = self.outputs.decision.or(outputs.decision);
         self.outputs.mode_changed |= outputs.mode_changed;
         self.outputs.stopped = self.outputs.stopped.or(outputs.stopped);
@@ -238,20 +239,20 @@ impl Thought {
         if let Some(motion) = outputs.motion {
             let [x, y] = [motion.displacement.dx_mm, motion.displacement.dy_mm];
             let way = Point::new(f64::from(x), f64::from(y)) * 1e-3;
-            let goal = happening.place + way.turned(Point::unit(happening.ring));
+            let goal = event.place + way.turned(Point::unit(event.ring));
             self.outputs.motion = Some(motion);
             self.motion = Some((goal, motion));
         }
     }
 }
 
-fn learn(pilot: &mut impl Pilot, at: Millis) -> Thought {
+fn learn(pilot: &mut impl Pilot, at: Millis) -> WorkerResult {
     let mut outputs = pilot.handle(at, Event::Command(Command::Learn));
     outputs.mode_changed = false;
     while pilot.failure().is_none() && outputs.refusal.is_none() && !outputs.mode_changed {
         outputs = pilot.handle(at, Event::Tick);
     }
-    Thought::of(About::Learning, outputs)
+    WorkerResult::of(ResultKind::Learning, outputs)
 }
 
 #[cfg(test)]
@@ -260,14 +261,13 @@ mod tests {
     use amp::controller::Progress;
     use amp::units::{Bearing, Displacement};
 
-    /// Notes what it is told, as (time, transducers with the ages of what they heard), and asks for a motion at the sonar of
-    /// that number.
-    struct Noting {
+    /// Records its inputs as (time, transducers with ages) and commands a motion at one transducer.
+    struct RecordingPilot {
         told: Vec<(u32, Vec<(u8, u32)>)>,
         moves_at: u8,
     }
 
-    impl Pilot for Noting {
+    impl Pilot for RecordingPilot {
         fn handle(&mut self, at: Millis, _: Event<16>) -> Outputs<16> {
             self.told.push((at.as_ms(), Vec::new()));
             Outputs::NONE
@@ -294,8 +294,8 @@ mod tests {
         }
     }
 
-    fn happening(at_ms: u32, x: f64, event: Event<16>) -> Happening {
-        Happening {
+    fn event(at_ms: u32, x: f64, event: Event<16>) -> TimedEvent {
+        TimedEvent {
             at: Millis::from_ms(at_ms),
             age_ms: 0,
             place: Point::new(x, 0.0),
@@ -307,7 +307,7 @@ mod tests {
     #[test]
     fn echoes_of_one_place_and_time_go_together_and_a_motion_begins_where_it_was_asked_for() {
         let echo = |at_ms, x, sensor| {
-            happening(
+            event(
                 at_ms,
                 x,
                 Event::Echo {
@@ -316,7 +316,7 @@ mod tests {
                 },
             )
         };
-        let odometry = happening(
+        let odometry = event(
             100,
             0.1,
             Event::Odometry {
@@ -326,23 +326,23 @@ mod tests {
                 progress: Progress::Ended,
             },
         );
-        let mut pilot = Noting {
+        let mut pilot = RecordingPilot {
             told: Vec::new(),
             moves_at: 5,
         };
-        let happenings = [
+        let events = [
             echo(40, 0.0, 0),
             echo(80, 0.0, 2),
             odometry,
             echo(120, 0.1, 3),
             echo(440, 0.1, 4),
             echo(441, 0.1, 5),
-            Happening {
+            TimedEvent {
                 age_ms: 7,
                 ..echo(900, 0.1, 6)
             },
         ];
-        let thought = hear(&mut pilot, &happenings);
+        let result = deliver(&mut pilot, &events);
         assert_eq!(
             pilot.told,
             [
@@ -353,8 +353,8 @@ mod tests {
                 (900, vec![(6, 7)]),
             ]
         );
-        // 100 mm along a ring that looks along y.
-        let goal = thought.motion.map(|(goal, _)| goal);
+        // 100 mm along a ring that points along y.
+        let goal = result.motion.map(|(goal, _)| goal);
         assert!(goal.is_some_and(|goal| goal.distance(Point::new(0.1, 0.1)) < 1e-12));
     }
 }
