@@ -8,12 +8,12 @@ use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use remote::link::ControllerPlace;
 use sim::behavior::Behavior;
 use sim::episode::Setup;
-use view::order::Order;
-use view::{Simulator, Source, Start, Stepped};
+use view::command::PageCommand;
+use view::{Simulator, SimulatorStart, StepOutcome, ViewSource};
 
 fn seeking() -> Simulator {
     let config = Config::recommended();
-    let start = Start {
+    let start = SimulatorStart {
         world: World::random(1),
         named: "random:1".to_owned(),
         setup: Setup {
@@ -34,11 +34,11 @@ fn seeking() -> Simulator {
     };
     let mut robot =
         Simulator::new(start, ControllerPlace::Host, None).expect("a mind in this process");
-    for order in [Order::Explore, Order::Learn] {
-        robot.carry_out(&order).expect("it is done");
-        while robot.step() != Stepped::Standing {}
+    for order in [PageCommand::Explore, PageCommand::Learn] {
+        robot.execute(&order).expect("it is done");
+        while robot.step() != StepOutcome::Idle {}
     }
-    robot.carry_out(&Order::Seek).expect("it seeks");
+    robot.execute(&PageCommand::Seek).expect("it seeks");
     for _ in 0..1_000 {
         robot.step();
     }

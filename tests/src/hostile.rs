@@ -25,7 +25,7 @@ use sim::goal_file::GoalFile;
 use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::Path;
-use view::{Recorded, Source as _, Stepped};
+use view::{StepOutcome, ViewSource as _, WatchedLog};
 
 /// A kind of input and its reader.
 pub type Reader = (&'static str, fn(&[u8]));
@@ -308,9 +308,9 @@ pub fn log(bytes: &[u8]) {
     };
     let _ = Summary::of(&log);
     let _ = replay(&log, |_| {});
-    if let Ok(mut recorded) = Recorded::new(&log) {
+    if let Ok(mut recorded) = WatchedLog::new(&log) {
         let mut steps = 0..MAX_STEPS;
-        while steps.next().is_some() && recorded.step() != Stepped::Standing {}
+        while steps.next().is_some() && recorded.step() != StepOutcome::Idle {}
         let _ = recorded.snapshot();
     }
 }

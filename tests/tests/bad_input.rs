@@ -436,7 +436,7 @@ fn a_mind_that_is_not_whole_or_of_another_version_is_refused() {
         (&sound[..5], "it is cut off or damaged"),
         (&damaged, "it is cut off or damaged"),
         (&later, "it was written by another version of this program"),
-        (&continued, "something stands behind its end"),
+        (&continued, "there are bytes after its end"),
         (b"AMPMIND\0 of before", "it holds no controller"),
         (b"", "it holds no controller"),
     ] {

@@ -463,7 +463,7 @@ fn strangers_are_refused_and_watchers_cannot_steer() {
     watcher.wait("now", |now| now["mode"] == "idle");
     for order in ["explore", "stop", "learn", "reset", "save_mind"] {
         let refused = watcher.order(json!({"do": order})).expect_err(order);
-        assert!(refused.contains("take the seat"), "{order}: {refused}");
+        assert!(refused.contains("take control"), "{order}: {refused}");
     }
     for token in ["", "0", &"0".repeat(32)] {
         let refused = watcher.order(json!({"do": "steer", "token": token, "over": true}));
@@ -474,7 +474,7 @@ fn strangers_are_refused_and_watchers_cannot_steer() {
     watcher.wait("seat", |seat| seat["taken"] == true && seat["you"] == false);
     let token = viewed.token();
     let refused = watcher.order(json!({"do": "steer", "token": token}));
-    assert_eq!(refused, Err("somebody else steers".to_owned()));
+    assert_eq!(refused, Err("another viewer steers".to_owned()));
     first.order(json!({"do": "explore"})).expect("it explores");
     assert!(watcher.order(json!({"do": "explore"})).is_err());
     watcher.order(json!({"do": "stop"})).expect("it stops");

@@ -48,7 +48,7 @@ impl FromStr for Address {
             Some(("serial", port)) => serial(port),
             Some(("tcp", host)) => tcp(host),
             _ => Err(BadInput::new(format!(
-                "\"{text}\" is no address of a controller: it must be {}",
+                "\"{text}\" is no address of a controller: use {}",
                 Self::FORMS
             ))),
         }

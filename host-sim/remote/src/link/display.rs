@@ -12,10 +12,10 @@ use sim::error::stop_reason;
 #[must_use]
 pub fn reset(cause: ResetCause) -> &'static str {
     match cause {
-        ResetCause::Unknown => "nobody knows why",
-        ResetCause::PowerOn => "power came on",
+        ResetCause::Unknown => "the cause is unknown",
+        ResetCause::PowerOn => "the power came on",
         ResetCause::Pin => "its reset pin was pulled",
-        ResetCause::Requested => "it was asked to",
+        ResetCause::Requested => "a reset was requested",
         ResetCause::Watchdog => "its watchdog was not fed",
         ResetCause::Panic => "its program panicked",
         ResetCause::HardFault => "its processor faulted",
@@ -27,7 +27,7 @@ pub fn reset(cause: ResetCause) -> &'static str {
 #[must_use]
 pub fn oscillator(oscillator: Oscillator) -> &'static str {
     match oscillator {
-        Oscillator::Unknown => "not told",
+        Oscillator::Unknown => "unknown",
         Oscillator::Crystal => "its crystal",
         Oscillator::Internal => {
             "its internal oscillator: the crystal failed or has another frequency"
@@ -40,20 +40,20 @@ pub fn oscillator(oscillator: Oscillator) -> &'static str {
 pub fn refusal(why: Refusal) -> String {
     match why {
         Refusal::Incompatible(theirs) => format!("it speaks protocol {}", theirs.protocol),
-        Refusal::NoSession => "it knows of no session".into(),
-        Refusal::Expired { age_ms } => format!("the order came {age_ms} ms too late"),
+        Refusal::NoSession => "it has no session".into(),
+        Refusal::Expired { age_ms } => format!("the command came {age_ms} ms too late"),
         Refusal::Command(why) => command(why),
         Refusal::Parameter(why) => why.to_string(),
         Refusal::Piece(why) => why.to_string(),
-        Refusal::Config => "the bytes are no configuration it understands".into(),
+        Refusal::Config => "the bytes are not a valid configuration".into(),
         Refusal::Moving => {
             "not while the robot explores, learns or seeks (`host-sim link … stop`)".into()
         }
-        Refusal::NoRing => "it has no sonars of its own, or goes by the clock here".into(),
+        Refusal::NoRing => "it has no sonars of its own, or uses the host's clock".into(),
         Refusal::NothingPerceived => "some sonars have not reported yet".into(),
         Refusal::Flash(why) => why.to_string(),
-        Refusal::NoSuchGoal => "it keeps no goal of this name (`host-sim link … goals`)".into(),
-        Refusal::GoalName => "it keeps 8 goals already: drop one first".into(),
+        Refusal::NoSuchGoal => "it has no goal of this name (`host-sim link … goals`)".into(),
+        Refusal::GoalName => "it has 8 goals already: drop one first".into(),
     }
 }
 
@@ -68,7 +68,7 @@ fn command(why: controller::Refusal) -> String {
         controller::Refusal::NotLearnt => {
             "it has not learned yet: learn first, or push maps".into()
         }
-        controller::Refusal::NothingToResume => "no stop has interrupted anything".into(),
+        controller::Refusal::NothingToResume => "there is nothing to resume".into(),
     }
 }
 
@@ -105,24 +105,24 @@ pub fn describe(report: &Report<16>) -> String {
             "parameter",
             format!("{} = {value} {}", parameter.name(), spec.unit),
         ),
-        FromMind::Log(Notice::LinkLost) => ("log", "nothing was received from here".into()),
+        FromMind::Log(Notice::LinkLost) => ("log", "no message came from the host".into()),
         FromMind::Log(Notice::FramesDropped { count }) => {
-            ("log", format!("{count} frames found no room so far"))
+            ("log", format!("{count} frames dropped so far"))
         }
         FromMind::Log(Notice::Disbelieved { sensor, fault }) => (
             "log",
-            format!("sonar {sensor} is not believed any more: {fault:?}").to_lowercase(),
+            format!("sonar {sensor} is disabled: {fault:?}").to_lowercase(),
         ),
         FromMind::Log(Notice::Believed { sensor }) => {
-            ("log", format!("sonar {sensor} is believed again"))
+            ("log", format!("sonar {sensor} is enabled again"))
         }
         FromMind::Log(Notice::StaleEcho { age_ms }) => (
             "log",
-            format!("an echo was {age_ms} ms old and was not used"),
+            format!("an echo was {age_ms} ms old and was ignored"),
         ),
         FromMind::Done { seq } => ("done", format!("frame {seq}")),
         FromMind::Busy { ms } => ("busy", format!("for at most {ms} ms")),
-        FromMind::Goal { name, .. } if *name == Name::NONE => ("goal", "the present one".into()),
+        FromMind::Goal { name, .. } if *name == Name::NONE => ("goal", "the current one".into()),
         FromMind::Goal { name, .. } => ("goal", name.as_str().to_owned()),
     };
     let time_s = f64::from(report.device_ms) / 1e3;

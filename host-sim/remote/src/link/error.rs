@@ -75,7 +75,7 @@ impl fmt::Display for LinkError {
             Self::Broken { why } => write!(f, "the link broke: {why}"),
             Self::Silent { waited } => write!(
                 f,
-                "no answer within {} s: is the controller running, and this the right line and speed?",
+                "no answer within {} s: is the controller running, and are line and speed right?",
                 waited.as_secs_f32()
             ),
             Self::Incompatible(theirs) => incompatible(f, theirs),
@@ -83,7 +83,7 @@ impl fmt::Display for LinkError {
                 "the other end sends messages this program does not know: build firmware and host-sim from the same version",
             ),
             Self::Restarted(cause) => {
-                write!(f, "the controller has started anew ({})", display::reset(*cause))
+                write!(f, "the controller has restarted ({})", display::reset(*cause))
             }
             Self::Refused(why) => write!(f, "the controller refused: {}", display::refusal(*why)),
             Self::ReportsLost { reports } => write!(

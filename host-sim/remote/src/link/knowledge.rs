@@ -226,7 +226,7 @@ impl Knowledge {
         };
         match contents.read(&mut read, file.len()) {
             Ok(found) if found.bytes == file.len() => Ok(knowledge),
-            Ok(_) => Err("something stands behind its end".into()),
+            Ok(_) => Err("there are bytes after its end".into()),
             Err(fault) => Err(fault.to_string()),
         }
     }

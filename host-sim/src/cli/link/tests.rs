@@ -49,8 +49,8 @@ fn every_verb_says_what_came_of_it() {
         ("params far 9999", "between 1 and 6500 mm"),
         ("push none.mind", "none.mind: "),
         ("flash save", "it has nothing to save to"),
-        ("goal kept:nest", "it keeps no goal of this name"),
-        ("drop nest", "it keeps no goal of this name"),
+        ("goal kept:nest", "it has no goal of this name"),
+        ("drop nest", "it has no goal of this name"),
         (
             "keep thirteen-chars",
             "\"thirteen-chars\": a name has 1 to 12",

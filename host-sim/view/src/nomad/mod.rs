@@ -1,17 +1,17 @@
-//! A Nomad 200 as a source, real or simulated, over its own line, with a mind here or elsewhere.
+//! Shows a real or simulated Nomad 200, driven by a local or remote controller.
 //!
-//! Its time passes by itself, its surroundings are what its ring has heard.
+//! Its time is real time; its surroundings are the places of echoes.
 
-mod orders;
+mod commands;
 mod parts;
 
-use super::goal::Pursued;
-use super::heard::Heard;
-use super::order::{Done, Order};
-use super::seen::Knowing;
-use super::snapshot::{Part, Scene, Snapshot};
-use super::source::{Abilities, Refused, Source, Stepped};
-use super::trail::{Trail, mark};
+use super::command::{CommandOutcome, PageCommand};
+use super::dto::KnowledgeParts;
+use super::echo_trail::EchoTrail;
+use super::goal::ActiveGoal;
+use super::history::{History, mark};
+use super::snapshot::{SceneDto, Snapshot, SnapshotPart};
+use super::source::{Capabilities, CommandRefused, StepOutcome, ViewSource};
 use amp::config::Config;
 use amp::controller::Decision;
 use amp::scan::Situation;
@@ -28,30 +28,30 @@ use sim::pilot::SimState;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// What is watched, and how it is to begin.
+/// What to watch, and the initial settings.
 #[derive(Debug, Clone)]
 pub struct NomadStart {
-    /// Where the robot is.
+    /// Address of the robot.
     pub name: String,
-    /// The open choices of its mind.
+    /// The controller's configuration.
     pub config: Config<16>,
-    /// The same with shield and learning while behaving as they are when switched on.
+    /// The same with shield and online learning switched on.
     pub whole: Config<16>,
-    /// Name of their preset.
+    /// Name of the preset.
     pub preset: String,
-    /// What is pursued at first.
+    /// The first goal.
     pub behavior: Behavior,
     /// Random moves of an exploration.
     pub explore_moves: u16,
     /// Seed of the random moves.
     pub seed: u64,
-    /// Sonars asked for at once.
+    /// Sonars per poll.
     pub sonars_at_once: u32,
 }
 
 /// What the robot does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Doing {
+enum NomadActivity {
     Idle,
     Explore,
     Learn,
@@ -62,79 +62,83 @@ enum Doing {
 /// A Nomad that is watched and steered.
 pub struct WatchedNomad {
     start: NomadStart,
-    /// As it is now.
+    /// The current configuration.
     config: Config<16>,
     session: BridgeSession,
     log: Option<SharedLog<LogOutput>>,
-    mind: MindSeen,
-    doing: Doing,
-    interrupted: Doing,
+    controller: ControllerInfo,
+    activity: NomadActivity,
+    interrupted: NomadActivity,
     failure: Option<String>,
     note: Option<String>,
-    goal: Pursued,
+    goal: ActiveGoal,
     nest: Option<(Situation<16>, Point)>,
     decision: Option<Decision<16>>,
     before: Option<Situation<16>>,
     decided_at: Pose,
-    /// When each sonar was heard last, by the robot's clock.
+    /// Robot's time of each sonar's latest echo.
     heard_ms: [Option<u32>; 16],
     explorations: u64,
     explored: [u32; 2],
-    /// Of those towards goals: all, touched, shielded, with the goal held.
+    /// Counts of steps with a goal: all, touched, shielded, at the goal.
     steps: [u32; 4],
     distance_m: f64,
     open: Option<StepFlags>,
-    trail: Trail,
-    heard: Heard,
+    trail: History,
+    heard: EchoTrail,
     bounds: [Point; 2],
     time_s: f64,
-    shown: Shown,
+    cache: NomadCache,
 }
 
-/// What is known of the mind without asking it.
-struct MindSeen {
+/// What is known of the controller without a query.
+struct ControllerInfo {
     name: String,
     here: bool,
     known: Option<Box<SimState>>,
-    /// It knows more by now; it has been asked.
+    /// The state has changed; it was requested.
     stale: bool,
     asked: bool,
 }
 
-/// Parts that were made already, and how often anything has changed.
+/// Parts of the latest snapshot, and the number of snapshots.
 #[derive(Default)]
-struct Shown {
+struct NomadCache {
     revision: u64,
-    scene: Option<Arc<Part<Scene>>>,
-    knowing: Knowing,
+    scene: Option<Arc<SnapshotPart<SceneDto>>>,
+    knowledge: KnowledgeParts,
 }
 
 impl WatchedNomad {
-    /// Takes the session of a robot: it stands. Everything goes into the mind's log, if it has one.
+    /// Opens the session of a robot; the robot stands.
     ///
     /// # Errors
     /// When the robot does not answer.
-    pub fn new(start: NomadStart, host: Host, mind: LoggedController) -> Result<Self, BridgeError> {
-        let seen = MindSeen {
-            name: mind.inner().name(),
-            here: mind.inner().is_local(),
+    pub fn new(
+        start: NomadStart,
+        host: Host,
+        controller: LoggedController,
+    ) -> Result<Self, BridgeError> {
+        let info = ControllerInfo {
+            name: controller.inner().name(),
+            here: controller.inner().is_local(),
             known: None,
             stale: true,
             asked: false,
         };
-        let log = mind.log().cloned();
-        let session = BridgeSession::open(host, mind, &start.config, start.sonars_at_once)?;
+        let log = controller.log().cloned();
+        let session = BridgeSession::open(host, controller, &start.config, start.sonars_at_once)?;
         let place = session.pose().position;
         Ok(Self {
             config: start.config.clone(),
-            goal: Pursued::behavior(&start.behavior),
+            goal: ActiveGoal::behavior(&start.behavior),
             decided_at: session.pose(),
             start,
             session,
             log,
-            mind: seen,
-            doing: Doing::Idle,
-            interrupted: Doing::Idle,
+            controller: info,
+            activity: NomadActivity::Idle,
+            interrupted: NomadActivity::Idle,
             failure: None,
             note: None,
             nest: None,
@@ -146,54 +150,54 @@ impl WatchedNomad {
             steps: [0; 4],
             distance_m: 0.0,
             open: None,
-            trail: Trail::latest(),
-            heard: Heard::new(),
+            trail: History::latest(),
+            heard: EchoTrail::new(),
             bounds: around(place, [place; 2]),
             time_s: 0.0,
-            shown: Shown::default(),
+            cache: NomadCache::default(),
         })
     }
 
-    fn turn(&mut self) -> Result<bool, BridgeError> {
+    fn update(&mut self) -> Result<bool, BridgeError> {
         let turn = self.session.update()?;
         if let (true, Some(open)) = (turn.touched, &mut self.open) {
             open.touched = true;
         }
-        if self.doing == Doing::Seek {
+        if self.activity == NomadActivity::Seek {
             self.distance_m += turn.way_m;
         }
-        self.look_around();
+        self.record_echoes();
         let mut whole = false;
-        if let Some(thought) = turn.result {
-            whole = thought.outputs.decision.is_some() || thought.outputs.mode_changed;
-            self.conclude(thought)?;
+        if let Some(result) = turn.result {
+            whole = result.outputs.decision.is_some() || result.outputs.mode_changed;
+            self.handle_result(result)?;
         }
-        self.session.deliver_events(match self.doing {
-            Doing::Explore | Doing::Seek => Activity::Moving,
-            Doing::Learn => Activity::Learning,
-            Doing::Idle | Doing::Stopped => Activity::Rest,
+        self.session.deliver_events(match self.activity {
+            NomadActivity::Explore | NomadActivity::Seek => Activity::Moving,
+            NomadActivity::Learn => Activity::Learning,
+            NomadActivity::Idle | NomadActivity::Stopped => Activity::Rest,
         })?;
-        self.ask_mind();
+        self.request_state();
         Ok(whole)
     }
 
-    /// Notes where the robot is and where its sonars heard something.
-    fn look_around(&mut self) {
+    /// Records new echoes and extends the bounds.
+    fn record_echoes(&mut self) {
         for (sensor, range_m) in self.session.ranges_m().into_iter().enumerate() {
             let (echo_origin, at_ms) = self.session.echo_origin(sensor);
             let new = self.heard_ms[sensor].replace(at_ms) != Some(at_ms);
             if let (true, Some(range_m)) = (new, range_m) {
-                self.heard.hear(echo_origin, sensor, range_m);
+                self.heard.add(echo_origin, sensor, range_m);
             }
         }
         let bounds = around(self.session.pose().position, self.bounds);
         if bounds != self.bounds {
-            (self.bounds, self.shown.scene) = (bounds, None);
+            (self.bounds, self.cache.scene) = (bounds, None);
         }
     }
 
-    fn conclude(&mut self, thought: WorkerResult) -> Result<(), BridgeError> {
-        let outputs = &thought.outputs;
+    fn handle_result(&mut self, result: WorkerResult) -> Result<(), BridgeError> {
+        let outputs = &result.outputs;
         if outputs.decision.is_some() || outputs.mode_changed {
             self.close();
         } else if outputs.motion.is_some()
@@ -202,49 +206,56 @@ impl WatchedNomad {
             open.shielded = true;
         }
         if let Some(refusal) = outputs.refusal {
-            self.note = Some(format!("the mind refused: {refusal:?}"));
-            self.doing = Doing::Idle;
+            self.note = Some(format!("the controller refused: {refusal:?}"));
+            self.activity = NomadActivity::Idle;
         }
-        let happened = thought.kind == ResultKind::Events;
-        match self.doing {
-            Doing::Explore | Doing::Seek if outputs.stopped.is_some() && happened => {
+        let happened = result.kind == ResultKind::Events;
+        match self.activity {
+            NomadActivity::Explore | NomadActivity::Seek
+                if outputs.stopped.is_some() && happened =>
+            {
                 let why = outputs.stopped.map(EpisodeError::Stopped);
                 self.note = why.map(|why| why.to_string());
-                self.interrupted = self.doing;
-                self.rest(Doing::Stopped);
+                self.interrupted = self.activity;
+                self.rest(NomadActivity::Stopped);
             }
-            Doing::Explore if outputs.mode_changed && happened => self.rest(Doing::Idle),
-            Doing::Learn if thought.kind == ResultKind::Learning => {
+            NomadActivity::Explore if outputs.mode_changed && happened => {
+                self.rest(NomadActivity::Idle)
+            }
+            NomadActivity::Learn if result.kind == ResultKind::Learning => {
                 self.session.discard_events();
-                self.rest(Doing::Idle);
+                self.rest(NomadActivity::Idle);
             }
             _ => {}
         }
         if let Some(decision) = &outputs.decision {
             self.decide(decision);
         }
-        if outputs.decision.is_some() && self.doing == Doing::Seek {
-            self.go_on()?;
+        if outputs.decision.is_some() && self.activity == NomadActivity::Seek {
+            self.advance_goal()?;
         }
-        if let Some(known) = thought.state {
-            self.mind.known = Some(known);
-            self.mind.asked = false;
-            self.shown.knowing.forget_maps();
+        if let Some(known) = result.state {
+            self.controller.known = Some(known);
+            self.controller.asked = false;
+            self.cache.knowledge.invalidate_maps();
         }
         Ok(())
     }
 
-    fn rest(&mut self, doing: Doing) {
-        self.doing = doing;
-        self.mind.stale = true;
+    fn rest(&mut self, activity: NomadActivity) {
+        self.activity = activity;
+        self.controller.stale = true;
     }
 
-    /// Asks what the mind knows; one elsewhere only while nobody waits for it.
-    fn ask_mind(&mut self) {
-        let moves = matches!(self.doing, Doing::Explore | Doing::Learn | Doing::Seek);
-        let may = self.mind.here && self.doing != Doing::Learn || !moves;
-        if may && self.mind.stale && !self.mind.asked {
-            (self.mind.stale, self.mind.asked) = (false, true);
+    /// Requests the controller's state; from a remote controller only while the robot stands.
+    fn request_state(&mut self) {
+        let moves = matches!(
+            self.activity,
+            NomadActivity::Explore | NomadActivity::Learn | NomadActivity::Seek
+        );
+        let may = self.controller.here && self.activity != NomadActivity::Learn || !moves;
+        if may && self.controller.stale && !self.controller.asked {
+            (self.controller.stale, self.controller.asked) = (false, true);
             self.session.request_state();
         }
     }
@@ -256,7 +267,7 @@ impl WatchedNomad {
         }
         self.before = self.decision.map(|before| before.situation);
         (self.decision, self.decided_at) = (Some(*decision), pose);
-        self.mind.stale = true;
+        self.controller.stale = true;
         self.open = Some(StepFlags {
             at_goal: decision.at_goal,
             shielded: decision.allowed != decision.wanted,
@@ -265,20 +276,20 @@ impl WatchedNomad {
         });
     }
 
-    /// The step under way has ended.
+    /// Ends the current step.
     fn close(&mut self) {
-        let Some(stride) = self.open.take() else {
+        let Some(flags) = self.open.take() else {
             return;
         };
-        let seeks = self.doing == Doing::Seek;
+        let seeks = self.activity == NomadActivity::Seek;
         if seeks {
-            let counted = [true, stride.touched, stride.shielded, stride.at_goal];
+            let counted = [true, flags.touched, flags.shielded, flags.at_goal];
             for (count, add) in self.steps.iter_mut().zip(counted) {
                 *count += u32::from(add);
             }
         } else {
             self.explored[0] += 1;
-            self.explored[1] += u32::from(stride.touched);
+            self.explored[1] += u32::from(flags.touched);
         }
         let neuron = self.decision.and_then(|decision| decision.plan);
         let neuron = neuron.map(|plan| usize::from(plan.current_neuron));
@@ -286,13 +297,13 @@ impl WatchedNomad {
         let nearest = ranges_m.iter().flatten().copied().reduce(f64::min);
         let (time_s, place) = (self.session.time_s(), self.session.pose().position);
         self.trail
-            .push(mark(time_s, place, seeks, stride, neuron, nearest));
+            .push(mark(time_s, place, seeks, flags, neuron, nearest));
     }
 
-    /// Goes on to the next part of a chain when the present one is reached; after the last it stands.
-    fn go_on(&mut self) -> Result<(), BridgeError> {
+    /// Starts the next part of a chain when the current one is reached; stops after the last.
+    fn advance_goal(&mut self) -> Result<(), BridgeError> {
         let [steps, _, _, held] = self.steps;
-        match self.goal.go_on(steps, held) {
+        match self.goal.advance(steps, held) {
             None => {}
             Some(true) => self.pursue(),
             Some(false) => {
@@ -309,18 +320,18 @@ impl WatchedNomad {
             .finish(matches!(trouble, BridgeError::Controller(_)));
         let which = match trouble {
             BridgeError::Robot(_) => &self.start.name,
-            _ => &self.mind.name,
+            _ => &self.controller.name,
         };
         self.failure = Some(format!("{which}: {trouble}; the robot was stopped"));
     }
 
     fn knows_maps(&self) -> bool {
-        let known = self.mind.known.as_deref();
+        let known = self.controller.known.as_deref();
         known.is_some_and(SimState::has_learned)
     }
 }
 
-/// Bounds that hold a place and some meters around it; they grow by whole meters.
+/// Bounds with some meters around a place; they grow by whole meters.
 fn around(place: Point, [low, high]: [Point; 2]) -> [Point; 2] {
     const ROOM_M: f64 = 2.0;
     let down = |m: f64| libm::floor(m - ROOM_M);
@@ -331,40 +342,40 @@ fn around(place: Point, [low, high]: [Point; 2]) -> [Point; 2] {
     ]
 }
 
-impl Source for WatchedNomad {
-    fn abilities(&self) -> Abilities {
-        Abilities {
+impl ViewSource for WatchedNomad {
+    fn abilities(&self) -> Capabilities {
+        Capabilities {
             drive: true,
             configure: true,
             save: true,
-            ..Abilities::default()
+            ..Capabilities::default()
         }
     }
 
-    fn step(&mut self) -> Stepped {
+    fn step(&mut self) -> StepOutcome {
         if self.failure.is_some() {
-            return Stepped::Standing;
+            return StepOutcome::Idle;
         }
         std::thread::sleep(POLL_INTERVAL);
-        let whole = match self.turn() {
+        let whole = match self.update() {
             Ok(whole) => whole,
             Err(trouble) => {
                 self.fail(&trouble);
-                return Stepped::Standing;
+                return StepOutcome::Idle;
             }
         };
         let before_s = std::mem::replace(&mut self.time_s, self.session.time_s());
-        Stepped::Took {
+        StepOutcome::Took {
             took_s: self.time_s - before_s,
             whole,
         }
     }
 
-    fn carry_out(&mut self, order: &Order) -> Result<Done, Refused> {
+    fn execute(&mut self, command: &PageCommand) -> Result<CommandOutcome, CommandRefused> {
         if let Some(why) = &self.failure {
             return Err(why.clone().into());
         }
-        self.obey(order)
+        self.execute_command(command)
     }
 
     fn snapshot(&mut self) -> Snapshot {
@@ -372,7 +383,9 @@ impl Source for WatchedNomad {
     }
 
     fn steering_lost(&mut self, silence: Duration) {
-        if self.failure.is_some() || !matches!(self.doing, Doing::Explore | Doing::Seek) {
+        if self.failure.is_some()
+            || !matches!(self.activity, NomadActivity::Explore | NomadActivity::Seek)
+        {
             return;
         }
         match self.stop() {

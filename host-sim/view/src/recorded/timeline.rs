@@ -1,8 +1,8 @@
-//! A log as a series of things that happened, and its decisions at a glance.
+//! A log as a list of items, with the history of its decisions.
 
-use crate::seen::shape_seen;
-use crate::snapshot::ShapeSeen;
-use crate::trail::{Trail, mark};
+use crate::dto::shape_dto;
+use crate::history::{History, mark};
+use crate::snapshot::ShapeDto;
 use amp::controller::Progress;
 use arena::world::{Point, Pose};
 use files::error::BadInput;
@@ -13,86 +13,90 @@ use remote::log::{
 use sim::episode::StepFlags;
 use std::sync::Arc;
 
-/// Something of a log.
-pub(super) enum Item {
-    /// A mind that knows nothing starts.
+/// An item of a log.
+pub(super) enum TimelineItem {
+    /// A controller without knowledge starts.
     Start(Box<SetupRecord>),
-    /// It is told something.
+    /// An input of the controller.
     Event(EventRecord),
-    /// It answered.
+    /// Its answer.
     Answer(Box<AnswerRecord>),
-    /// Where the robot really is.
+    /// The true pose of the robot.
     Pose(Pose),
-    /// What stands around.
-    Shapes(Arc<Vec<ShapeSeen>>),
-    /// Where a second robot is.
+    /// The surroundings.
+    Shapes(Arc<Vec<ShapeDto>>),
+    /// Position of a second robot.
     Leader(Point),
 }
 
 /// A log in memory.
-pub(super) struct Tape {
-    /// What happened, with its time since the log began, ns.
-    pub items: Vec<(u64, Item)>,
-    /// Every decision; a piece ends with each start.
-    pub trail: Trail,
-    /// Decisions in it.
+pub(super) struct Timeline {
+    /// The items with their time since the log began, ns.
+    pub items: Vec<(u64, TimelineItem)>,
+    /// Every decision; a chunk ends at each start.
+    pub trail: History,
+    /// Number of decisions.
     pub decisions: usize,
-    /// First piece of each start.
+    /// First chunk of each start.
     pub starts: Vec<u64>,
-    /// Lower left and upper right corner of everything.
+    /// Lower left and upper right corner.
     pub bounds: [Point; 2],
     /// How the log ends.
     pub ending: Ending,
 }
 
-impl Tape {
-    /// Reads a whole log.
+impl Timeline {
+    /// Reads a log.
     ///
     /// # Errors
-    /// When a message is not what its channel should hold, or nothing was decided.
+    /// When a message does not match its channel, or there is no decision.
     pub fn read(log: &LogFile) -> Result<Self, BadInput> {
         let mut items = Vec::new();
         for message in log.messages() {
             let refuse = |why| BadInput::file(log.path(), why);
             let mut put = |item| items.push((message.time_ns, item));
             match message.topic.as_str() {
-                channel::SETUP => put(Item::Start(Box::new(message.content().map_err(refuse)?))),
-                channel::EVENT => put(Item::Event(message.content().map_err(refuse)?)),
-                channel::PLAN => put(Item::Answer(Box::new(message.content().map_err(refuse)?))),
-                channel::POSE => put(Item::Pose(pose_of(&message).map_err(refuse)?)),
+                channel::SETUP => put(TimelineItem::Start(Box::new(
+                    message.content().map_err(refuse)?,
+                ))),
+                channel::EVENT => put(TimelineItem::Event(message.content().map_err(refuse)?)),
+                channel::PLAN => put(TimelineItem::Answer(Box::new(
+                    message.content().map_err(refuse)?,
+                ))),
+                channel::POSE => put(TimelineItem::Pose(pose_of(&message).map_err(refuse)?)),
                 channel::SCENE => {
                     for change in scene_changes(&message).map_err(refuse)? {
                         put(match change {
-                            SceneChange::Shapes(shapes) => {
-                                Item::Shapes(Arc::new(shapes.iter().map(shape_seen).collect()))
-                            }
-                            SceneChange::Leader(at) => Item::Leader(at),
+                            SceneChange::Shapes(shapes) => TimelineItem::Shapes(Arc::new(
+                                shapes.iter().map(shape_dto).collect(),
+                            )),
+                            SceneChange::Leader(at) => TimelineItem::Leader(at),
                         });
                     }
                 }
                 _ => {}
             }
         }
-        let mut marking = Marking::new();
+        let mut builder = HistoryBuilder::new();
         items
             .iter()
-            .for_each(|(time_ns, item)| marking.take(*time_ns, item));
-        marking.end();
-        if marking.decisions == 0 {
+            .for_each(|(time_ns, item)| builder.take(*time_ns, item));
+        builder.end();
+        if builder.decisions == 0 {
             return Err(BadInput::file(log.path(), "holds no decision"));
         }
         Ok(Self {
             bounds: bounds(&items),
             items,
-            trail: marking.trail,
-            decisions: marking.decisions,
-            starts: marking.starts,
+            trail: builder.trail,
+            decisions: builder.decisions,
+            starts: builder.starts,
             ending: log.ending(),
         })
     }
 }
 
-fn bounds(items: &[(u64, Item)]) -> [Point; 2] {
+fn bounds(items: &[(u64, TimelineItem)]) -> [Point; 2] {
     let (mut low, mut high) = (
         Point::new(f64::INFINITY, f64::INFINITY),
         Point::new(f64::NEG_INFINITY, f64::NEG_INFINITY),
@@ -103,15 +107,15 @@ fn bounds(items: &[(u64, Item)]) -> [Point; 2] {
     };
     for (_, item) in items {
         match item {
-            // Where nobody said what stands around, what was heard is to be seen.
-            Item::Pose(pose) => stretch(pose.position.x, pose.position.y, 0.3),
-            Item::Shapes(shapes) => {
+            // Where the surroundings are not known, echoes are shown around the path.
+            TimelineItem::Pose(pose) => stretch(pose.position.x, pose.position.y, 0.3),
+            TimelineItem::Shapes(shapes) => {
                 for shape in shapes.iter() {
                     match shape {
-                        ShapeSeen::Wall(points) | ShapeSeen::Box(points) => {
+                        ShapeDto::Wall(points) | ShapeDto::Box(points) => {
                             points.iter().for_each(|[x, y]| stretch(x.0, y.0, 0.0));
                         }
-                        ShapeSeen::Circle([x, y], radius) => stretch(x.0, y.0, radius.0),
+                        ShapeDto::Circle([x, y], radius) => stretch(x.0, y.0, radius.0),
                     }
                 }
             }
@@ -124,33 +128,33 @@ fn bounds(items: &[(u64, Item)]) -> [Point; 2] {
     [low, high]
 }
 
-/// A decision that is being carried out.
+/// A decision that is being executed.
 #[derive(Default)]
-struct Open {
+struct OpenStep {
     seeks: bool,
-    stride: StepFlags,
+    flags: StepFlags,
     neuron: Option<usize>,
-    /// It has ended: when, and what was nearest then.
+    /// Time and nearest range at its end.
     ended: Option<(f64, Option<f64>)>,
 }
 
-/// Goes through a log and marks its decisions.
-struct Marking {
-    trail: Trail,
+/// Builds the history of a log's decisions.
+struct HistoryBuilder {
+    trail: History,
     decisions: usize,
     starts: Vec<u64>,
-    /// The latest decision, and one that waits to be told where it ended.
-    open: Option<Open>,
-    ending: Option<Open>,
+    /// The current decision, and one that waits for its final position.
+    open: Option<OpenStep>,
+    ending: Option<OpenStep>,
     place: Point,
     ranges_m: [Option<f64>; 16],
     time_s: f64,
 }
 
-impl Marking {
+impl HistoryBuilder {
     fn new() -> Self {
         Self {
-            trail: Trail::whole(),
+            trail: History::whole(),
             decisions: 0,
             starts: Vec::new(),
             open: None,
@@ -161,22 +165,22 @@ impl Marking {
         }
     }
 
-    fn take(&mut self, time_ns: u64, item: &Item) {
+    fn take(&mut self, time_ns: u64, item: &TimelineItem) {
         self.time_s = time_ns as f64 / 1e9;
         match item {
-            Item::Start(_) => {
+            TimelineItem::Start(_) => {
                 self.end();
                 self.trail.begin();
                 self.starts.push(self.trail.ends()[0]);
                 self.ranges_m = [None; 16];
             }
-            Item::Event(record) => self.event(&record.event),
-            Item::Answer(answer) => self.answer(answer),
-            Item::Pose(pose) => {
+            TimelineItem::Event(record) => self.event(&record.event),
+            TimelineItem::Answer(answer) => self.answer(answer),
+            TimelineItem::Pose(pose) => {
                 self.place = pose.position;
                 self.put();
             }
-            Item::Shapes(_) | Item::Leader(_) => {}
+            TimelineItem::Shapes(_) | TimelineItem::Leader(_) => {}
         }
     }
 
@@ -194,10 +198,10 @@ impl Marking {
                 ..
             } => {
                 if let Some(open) = &mut self.open {
-                    open.stride.touched = true;
+                    open.flags.touched = true;
                 }
             }
-            // What was begun ends here.
+            // A stop ends the step.
             EventKind::Stop => self.close(),
             _ => {}
         }
@@ -209,9 +213,9 @@ impl Marking {
                 self.close();
                 let plan = decision.plan.as_ref();
                 self.decisions += 1;
-                self.open = Some(Open {
+                self.open = Some(OpenStep {
                     seeks: plan.is_some(),
-                    stride: StepFlags {
+                    flags: StepFlags {
                         at_goal: decision.at_goal,
                         shielded: decision.allowed_mm != decision.wanted_mm,
                         touched: false,
@@ -224,13 +228,13 @@ impl Marking {
             None if answer.mode_changed => self.close(),
             None => {
                 if let (Some(open), Some(_)) = (&mut self.open, answer.motion) {
-                    open.stride.shielded = true;
+                    open.flags.shielded = true;
                 }
             }
         }
     }
 
-    /// The decision under way has been carried out.
+    /// Ends the current decision.
     fn close(&mut self) {
         self.put();
         if let Some(mut open) = self.open.take() {
@@ -240,7 +244,7 @@ impl Marking {
         }
     }
 
-    /// Marks what has ended, where the robot is now.
+    /// Adds the ended decision at the current position.
     fn put(&mut self) {
         let Some(ended) = self.ending.take() else {
             return;
@@ -250,14 +254,14 @@ impl Marking {
             time_s,
             self.place,
             ended.seeks,
-            ended.stride,
+            ended.flags,
             ended.neuron,
             nearest,
         );
         self.trail.push(mark);
     }
 
-    /// Nothing more comes, or a new start.
+    /// Ends the history, or a start.
     fn end(&mut self) {
         self.close();
         self.put();

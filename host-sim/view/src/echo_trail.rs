@@ -1,43 +1,43 @@
-//! Where something was heard: what is shown of surroundings nobody has described.
+//! Places of echoes, shown where the surroundings are not known.
 
-use super::snapshot::{MAX_PIECES, PIECE, Short, Showable, Xy};
-use super::trail::Pieces;
+use super::history::Chunks;
+use super::snapshot::{MAX_PIECES, PIECE, PartMessage, Rounded, Xy};
 use arena::sonar::RingGeometry;
 use arena::world::{Point, Pose};
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Places nearer to each other than this are one, m.
+/// Places nearer than this count as one, m.
 const CELL_M: f64 = 0.05;
-/// Echoes from farther away say little about where: at 2.5 m a lobe of 25° is more than a meter wide.
+/// Farther echoes are imprecise: at 2.5 m a lobe of 25° is more than a meter wide.
 const FARTHEST_M: f64 = 2.5;
 
-/// The places.
-pub(super) struct Heard {
-    pieces: Pieces<Xy>,
+/// Places of echoes.
+pub(super) struct EchoTrail {
+    pieces: Chunks<Xy>,
     cells: BTreeSet<[i32; 2]>,
 }
 
-impl Heard {
-    /// Nothing yet.
+impl EchoTrail {
+    /// No places.
     pub fn new() -> Self {
         Self {
-            pieces: Pieces::new("heard", MAX_PIECES),
+            pieces: Chunks::new("heard", MAX_PIECES),
             cells: BTreeSet::new(),
         }
     }
 
-    /// Nothing, after what was there.
-    pub fn afresh(&self) -> Self {
+    /// No places, after a restart.
+    pub fn restarted(&self) -> Self {
         Self {
-            pieces: self.pieces.afresh(),
+            pieces: self.pieces.restarted(),
             cells: BTreeSet::new(),
         }
     }
 
-    /// A sonar heard something in front of its face, with the ring in this pose.
-    pub fn hear(&mut self, ring: Pose, sensor: usize, range_m: f64) {
+    /// Adds an echo in front of a transducer, with the ring in this pose.
+    pub fn add(&mut self, ring: Pose, sensor: usize, range_m: f64) {
         if range_m > FARTHEST_M {
             return;
         }
@@ -45,22 +45,22 @@ impl Heard {
         let way = Point::unit(ring.heading + sensor as f64 * TAU / geometry.count as f64);
         let place = ring.position + way * (geometry.face_radius_m + range_m);
         let cell = [place.x, place.y].map(|m| libm::floor(m / CELL_M) as i32);
-        // The oldest are forgotten, and may be heard again.
+        // The oldest places are discarded and may be added again.
         if self.cells.len() >= MAX_PIECES * PIECE {
             self.cells.clear();
         }
         if self.cells.insert(cell) {
-            self.pieces.push([place.x, place.y].map(Short));
+            self.pieces.push([place.x, place.y].map(Rounded));
         }
     }
 
-    /// First and last piece.
+    /// First and last chunk.
     pub fn ends(&self) -> [u64; 2] {
         self.pieces.ends()
     }
 
-    /// All pieces.
-    pub fn parts(&self) -> impl Iterator<Item = Arc<dyn Showable>> + '_ {
+    /// All chunks.
+    pub fn parts(&self) -> impl Iterator<Item = Arc<dyn PartMessage>> + '_ {
         self.pieces.parts()
     }
 }
@@ -71,15 +71,15 @@ mod tests {
 
     #[test]
     fn an_echo_lies_in_front_of_its_sonar_and_is_kept_once() {
-        let mut heard = Heard::new();
+        let mut heard = EchoTrail::new();
         let ring = Pose::new(Point::new(1.0, 2.0), 0.0);
-        // To the left, half a meter from the face.
+        // Half a meter from the face, to the left.
         for _ in 0..2 {
-            heard.hear(ring, 4, 0.5);
+            heard.add(ring, 4, 0.5);
         }
-        heard.hear(ring, 4, 3.0);
+        heard.add(ring, 4, 3.0);
         let text = heard.parts().next().unwrap().text();
         assert!(text.ends_with("\"value\":[[1.0,2.7305]]}"), "{text}");
-        assert!(heard.afresh().ends()[0] > heard.ends()[1]);
+        assert!(heard.restarted().ends()[0] > heard.ends()[1]);
     }
 }

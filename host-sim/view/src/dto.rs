@@ -1,6 +1,8 @@
-//! What a mind knows and plans, and the world, as viewers are shown them.
+//! Converts maps, memory, plans and worlds into the values that viewers receive.
 
-use super::snapshot::{MapSeen, Maps, Part, PlanSeen, Ring, Row, ShapeSeen, Short, Showable, Xy};
+use super::snapshot::{
+    MapDto, Maps, MemoryRow, PartMessage, PlanDto, RingValues, Rounded, ShapeDto, SnapshotPart, Xy,
+};
 use amp::action_map::Effect;
 use amp::config::Config;
 use amp::fixed::{Scalar, to_weight16};
@@ -13,41 +15,41 @@ use arena::world::{Point, Pose, Shape};
 use sim::pilot::SimState;
 use std::sync::Arc;
 
-/// Maps and memory as parts, made anew when they have changed.
+/// Maps and memory as parts, rebuilt after a change.
 #[derive(Default)]
-pub(super) struct Knowing {
-    maps: Option<Arc<Part<Maps>>>,
-    memory: Option<Arc<Part<Vec<Row>>>>,
+pub(super) struct KnowledgeParts {
+    maps: Option<Arc<SnapshotPart<Maps>>>,
+    memory: Option<Arc<SnapshotPart<Vec<MemoryRow>>>>,
     samples: usize,
 }
 
-impl Knowing {
-    /// The maps have changed.
-    pub fn forget_maps(&mut self) {
+impl KnowledgeParts {
+    /// Marks the maps as changed.
+    pub fn invalidate_maps(&mut self) {
         self.maps = None;
     }
 
-    /// Everything may have changed.
-    pub fn forget(&mut self) {
+    /// Marks everything as changed.
+    pub fn invalidate(&mut self) {
         (self.maps, self.memory) = (None, None);
     }
 
-    /// Rows of the memory when the parts were made last.
+    /// Number of samples in the latest parts.
     pub fn samples(&self) -> usize {
         self.samples
     }
 
-    /// The parts; the maps are empty unless `learned`.
+    /// The parts; without `learned` the maps are empty.
     pub fn parts(
         &mut self,
         revision: u64,
         known: &SimState,
         config: &Config<16>,
         learned: bool,
-    ) -> [Arc<dyn Showable>; 2] {
+    ) -> [Arc<dyn PartMessage>; 2] {
         let samples = known.memory().samples();
         if samples.len() != self.samples {
-            self.forget();
+            self.invalidate();
             self.samples = samples.len();
         }
         let maps = self.maps.get_or_insert_with(|| {
@@ -56,27 +58,27 @@ impl Knowing {
             } else {
                 Maps::default()
             };
-            Arc::new(Part::new("maps", 0, revision, seen))
+            Arc::new(SnapshotPart::new("maps", 0, revision, seen))
         });
         let memory = self.memory.get_or_insert_with(|| {
             let rows = samples.iter().map(row).collect();
-            Arc::new(Part::new("memory", 0, revision, rows))
+            Arc::new(SnapshotPart::new("memory", 0, revision, rows))
         });
         [Arc::clone(maps) as _, Arc::clone(memory) as _]
     }
 }
 
-/// A thing in the world.
-pub(super) fn shape_seen(shape: &Shape) -> ShapeSeen {
+/// A shape of the world.
+pub(super) fn shape_dto(shape: &Shape) -> ShapeDto {
     match shape {
-        Shape::Wall { points } => ShapeSeen::Wall(points.iter().copied().map(xy).collect()),
-        Shape::Outline { from, to } => ShapeSeen::Wall([*from, *to].map(xy).to_vec()),
+        Shape::Wall { points } => ShapeDto::Wall(points.iter().copied().map(xy).collect()),
+        Shape::Outline { from, to } => ShapeDto::Wall([*from, *to].map(xy).to_vec()),
         Shape::Box {
             center,
             size,
             angle,
-        } => ShapeSeen::Box(Shape::box_corners(*center, *size, *angle).map(xy).to_vec()),
-        Shape::Circle { center, radius } => ShapeSeen::Circle(xy(*center), Short(*radius)),
+        } => ShapeDto::Box(Shape::box_corners(*center, *size, *angle).map(xy).to_vec()),
+        Shape::Circle { center, radius } => ShapeDto::Circle(xy(*center), Rounded(*radius)),
     }
 }
 
@@ -104,14 +106,14 @@ fn maps(known: &SimState, config: &Config<16>) -> Maps {
     Maps {
         grid: [situations.grid().columns(), situations.grid().rows()],
         learned: true,
-        situations: map_seen(situations, hits(0)),
-        changes: map_seen(actions.changes(), hits(1)),
+        situations: map_dto(situations, hits(0)),
+        changes: map_dto(actions.changes(), hits(1)),
         actions_m: actions.actions().code().iter().map(decode).collect(),
         rows,
     }
 }
 
-/// The neurons that answer to a sample in either map.
+/// The best neurons for a sample in both maps.
 fn answering(known: &SimState, config: &Config<16>, sample: &Sample<16>) -> [usize; 2] {
     let ((before, believed), (after, too)) =
         (from_bytes(&sample.before), from_bytes(&sample.after));
@@ -130,20 +132,20 @@ fn answering(known: &SimState, config: &Config<16>, sample: &Sample<16>) -> [usi
     [known.situations().winner(&after, too), action]
 }
 
-fn map_seen(map: &Som<16, 16>, hits: Vec<u32>) -> MapSeen {
+fn map_dto(map: &Som<16, 16>, hits: Vec<u32>) -> MapDto {
     let distances = map.u_matrix();
-    MapSeen {
+    MapDto {
         code: map.code().iter().map(|row| shorts(row)).collect(),
         hits,
         u_matrix: distances
             .iter()
-            .map(|&u| Short(f64::from(u) / 8_192.0))
+            .map(|&u| Rounded(f64::from(u) / 8_192.0))
             .collect(),
     }
 }
 
-/// A plan, with the walk over the maps it was made with.
-pub(super) fn plan_seen(plan: &Plan<16>, known: &SimState) -> PlanSeen {
+/// A plan with its walk over the maps.
+pub(super) fn plan_dto(plan: &Plan<16>, known: &SimState) -> PlanDto {
     let [goal, current, intermediate, action] = [
         plan.goal_neuron,
         plan.current_neuron,
@@ -152,7 +154,7 @@ pub(super) fn plan_seen(plan: &Plan<16>, known: &SimState) -> PlanSeen {
     ]
     .map(usize::from);
     let changes = known.actions().changes();
-    PlanSeen {
+    PlanDto {
         goal,
         current,
         intermediate,
@@ -165,7 +167,7 @@ pub(super) fn plan_seen(plan: &Plan<16>, known: &SimState) -> PlanSeen {
     }
 }
 
-/// From one neuron to another over direct neighbors, fewest steps, by those most like the goal.
+/// The shortest walk over direct neighbors; among equals the neurons most like the goal.
 fn walk(map: &Som<16, 16>, from: usize, to: usize) -> Vec<usize> {
     let grid: Grid = map.grid();
     let mut walk = vec![from];
@@ -190,44 +192,44 @@ fn walk(map: &Som<16, 16>, from: usize, to: usize) -> Vec<usize> {
     walk
 }
 
-pub(super) fn row(sample: &Sample<16>) -> Row {
+pub(super) fn row(sample: &Sample<16>) -> MemoryRow {
     let values = |bytes: &[u8; 16]| {
-        let value = |byte: u8| (byte < 255).then(|| Short(f64::from(byte) / 254.0));
+        let value = |byte: u8| (byte < 255).then(|| Rounded(f64::from(byte) / 254.0));
         bytes.map(value)
     };
-    Row {
+    MemoryRow {
         before: values(&sample.before),
         after: values(&sample.after),
         moved_m: meters(sample.executed),
     }
 }
 
-fn shorts<T: Scalar>(weights: &[T]) -> Vec<Short> {
+fn shorts<T: Scalar>(weights: &[T]) -> Vec<Rounded> {
     weights
         .iter()
-        .map(|weight| Short(weight.to_weight32().to_num()))
+        .map(|weight| Rounded(weight.to_weight32().to_num()))
         .collect()
 }
 
-/// A value per transducer.
-pub(super) fn ring(values: &Situation<16>) -> Ring {
-    values.map(|value| Short(value.to_num()))
+/// One value per transducer.
+pub(super) fn ring(values: &Situation<16>) -> RingValues {
+    values.map(|value| Rounded(value.to_num()))
 }
 
-pub(super) fn pose_seen(pose: Pose) -> [Short; 3] {
-    [pose.position.x, pose.position.y, pose.heading].map(Short)
+pub(super) fn pose_dto(pose: Pose) -> [Rounded; 3] {
+    [pose.position.x, pose.position.y, pose.heading].map(Rounded)
 }
 
 pub(super) fn xy(point: Point) -> Xy {
-    [point.x, point.y].map(Short)
+    [point.x, point.y].map(Rounded)
 }
 
-pub(super) fn millimeters(mm: u16) -> Short {
-    Short(f64::from(mm) / 1e3)
+pub(super) fn millimeters(mm: u16) -> Rounded {
+    Rounded(f64::from(mm) / 1e3)
 }
 
 pub(super) fn meters(way: Displacement) -> Xy {
-    [way.dx_mm, way.dy_mm].map(|mm| Short(f64::from(mm) / 1e3))
+    [way.dx_mm, way.dy_mm].map(|mm| Rounded(f64::from(mm) / 1e3))
 }
 
 #[cfg(test)]

@@ -1,37 +1,37 @@
-//! What a person may switch and keep, whatever robot it is.
+//! Settings that a page may change, and knowledge as a file.
 
-use super::order::{Done, File, Order};
-use super::source::Refused;
+use super::command::{CommandOutcome, PageCommand, PageFile};
+use super::source::CommandRefused;
 use amp::config::Config;
 use amp::shield::Shielding;
 use files::hex::hex;
 use remote::link::Knowledge;
 use sim::pilot::SimState;
 
-/// The open choices after something was switched; `whole` has everything switched on.
+/// The configuration after a command switched something; `whole` has everything switched on.
 ///
 /// # Errors
-/// What cannot be switched.
+/// Why it cannot be switched.
 pub(super) fn switched(
-    order: &Order,
+    command: &PageCommand,
     config: &Config<16>,
     whole: &Config<16>,
-) -> Result<Config<16>, Refused> {
+) -> Result<Config<16>, CommandRefused> {
     let mut config = config.clone();
-    match *order {
-        Order::Shield { on } => {
+    match *command {
+        PageCommand::Shield { on } => {
             let shield = whole.shield.unwrap_or(Shielding::nomad200());
             config.shield = on.then_some(shield);
         }
-        Order::Online { on } => {
+        PageCommand::Online { on } => {
             let online = whole.online.or(Config::recommended().online);
             config.online = online.filter(|_| on);
         }
-        Order::Sonar { number, .. } if number >= 16 => {
+        PageCommand::Sonar { number, .. } if number >= 16 => {
             return Err(format!("there is no sonar {number}: they are 0 to 15").into());
         }
-        Order::Sonar { number, on: true } => config.believed = config.believed.with(number),
-        Order::Sonar { number, on: false } => {
+        PageCommand::Sonar { number, on: true } => config.believed = config.believed.with(number),
+        PageCommand::Sonar { number, on: false } => {
             let after = config.believed.without(number);
             if (0..16).all(|sensor| !after.contains(sensor)) {
                 let why = "one sonar must stay on: without any the robot never decides";
@@ -44,10 +44,10 @@ pub(super) fn switched(
     Ok(config)
 }
 
-/// What a mind was told and has learned, as a file.
-pub(super) fn mind_file(config: &Config<16>, known: &SimState) -> Done {
+/// Configuration and knowledge as a file.
+pub(super) fn knowledge_file(config: &Config<16>, known: &SimState) -> CommandOutcome {
     let knowledge = Knowledge::of(config, known);
-    Done::File(File {
+    CommandOutcome::File(PageFile {
         name: "robot.mind",
         text: None,
         hex: Some(hex(&knowledge.to_bytes())),

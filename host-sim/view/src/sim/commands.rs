@@ -1,10 +1,10 @@
-//! What the simulator does when somebody asks.
+//! Executes the page's commands for the simulator.
 
-use super::{Doing, Simulator, Start};
-use crate::choices::{mind_file, switched};
-use crate::goal::Pursued;
-use crate::order::{Done, Order, Reset};
-use crate::source::Refused;
+use super::{Simulator, SimulatorActivity, SimulatorStart};
+use crate::command::{CommandOutcome, PageCommand, Reset};
+use crate::configure::{knowledge_file, switched};
+use crate::goal::ActiveGoal;
+use crate::source::CommandRefused;
 use amp::config::Config;
 use amp::controller::Command;
 use amp::scan::Situation;
@@ -18,44 +18,52 @@ use remote::log::LoggedController;
 use sim::episode::{CARRY_TIME_S, Seeds};
 
 impl Simulator {
-    pub(super) fn obey(&mut self, order: &Order) -> Result<Done, Refused> {
-        if let (Some(why), false) = (&self.failure, matches!(order, Order::Reset(_))) {
-            return Err(format!("{why}; start anew").into());
+    pub(super) fn execute_command(
+        &mut self,
+        command: &PageCommand,
+    ) -> Result<CommandOutcome, CommandRefused> {
+        if let (Some(why), false) = (&self.failure, matches!(command, PageCommand::Reset(_))) {
+            return Err(format!("{why}; restart").into());
         }
-        match order {
-            Order::Stop => self.stop()?,
-            Order::Explore => self.explore()?,
-            Order::Learn => self.begin_learning()?,
-            Order::Seek => self.seek()?,
-            Order::Resume => self.resume()?,
-            Order::Reset(reset) => self.reset(reset)?,
-            Order::SaveGoal => return self.goal.save(&self.config),
-            Order::SaveMind => return self.save_mind(),
-            Order::LoadMind { hex } => self.load_mind(hex)?,
-            Order::Shield { .. } | Order::Online { .. } | Order::Sonar { .. } => {
-                self.configure(order)?;
+        match command {
+            PageCommand::Stop => self.stop()?,
+            PageCommand::Explore => self.explore()?,
+            PageCommand::Learn => self.begin_learning()?,
+            PageCommand::Seek => self.seek()?,
+            PageCommand::Resume => self.resume()?,
+            PageCommand::Reset(reset) => self.reset(reset)?,
+            PageCommand::SaveGoal => return self.goal.save(&self.config),
+            PageCommand::SaveMind => return self.save_mind(),
+            PageCommand::LoadMind { hex } => self.load_mind(hex)?,
+            PageCommand::Shield { .. } | PageCommand::Online { .. } | PageCommand::Sonar { .. } => {
+                self.configure(command)?;
             }
-            Order::MoveShape { shape, x, y } => self.move_shape(*shape, Point::new(*x, *y))?,
-            Order::MoveRobot { x, y } => self.move_robot(Point::new(*x, *y))?,
-            Order::Behavior { .. }
-            | Order::GoalNeuron { .. }
-            | Order::GoalHere
-            | Order::GoalFile { .. } => self.choose_goal(order)?,
-            // Those of seat and pace do not come here.
-            _ => return Err("that is nothing for the robot".into()),
+            PageCommand::MoveShape { shape, x, y } => {
+                self.move_shape(*shape, Point::new(*x, *y))?
+            }
+            PageCommand::MoveRobot { x, y } => self.move_robot(Point::new(*x, *y))?,
+            PageCommand::Behavior { .. }
+            | PageCommand::GoalNeuron { .. }
+            | PageCommand::GoalHere
+            | PageCommand::GoalFile { .. } => self.choose_goal(command)?,
+            // Commands of the control lock and the clock are handled elsewhere.
+            _ => return Err("this is not a command for the robot".into()),
         }
-        Ok(Done::Well)
+        Ok(CommandOutcome::Done)
     }
 
-    pub(super) fn stop(&mut self) -> Result<(), Refused> {
-        if matches!(self.doing, Doing::Explore | Doing::Seek) {
-            self.interrupted = self.doing;
-        } else if self.doing != Doing::Stopped {
-            self.interrupted = Doing::Idle;
+    pub(super) fn stop(&mut self) -> Result<(), CommandRefused> {
+        if matches!(
+            self.activity,
+            SimulatorActivity::Explore | SimulatorActivity::Seek
+        ) {
+            self.interrupted = self.activity;
+        } else if self.activity != SimulatorActivity::Stopped {
+            self.interrupted = SimulatorActivity::Idle;
         }
         self.command(Command::Stop)?;
-        self.doing = Doing::Stopped;
-        // Not before it was known what the mind made of it: its last step ends here.
+        self.activity = SimulatorActivity::Stopped;
+        // The last step ends only after the controller has accepted the stop.
         self.open = None;
         if self.body.is_moving() {
             self.body.halt();
@@ -64,65 +72,65 @@ impl Simulator {
         Ok(())
     }
 
-    /// A log says where the robot is, also between two rings.
+    /// Logs the pose, also between two rings.
     fn log_place(&self) {
-        if let Some(log) = self.mind.log() {
+        if let Some(log) = self.controller.log() {
             log.write(|log| log.pose(self.body.now(), self.body.pose(), self.body.leader()));
         }
     }
 
-    fn begin(&mut self, doing: Doing) {
-        self.doing = doing;
-        self.interrupted = Doing::Idle;
+    fn begin(&mut self, activity: SimulatorActivity) {
+        self.activity = activity;
+        self.interrupted = SimulatorActivity::Idle;
         self.last_decision_s = self.body.time_s();
         self.before = None;
         self.note = None;
     }
 
-    fn explore(&mut self) -> Result<(), Refused> {
+    fn explore(&mut self) -> Result<(), CommandRefused> {
         let setup = &self.start.setup;
-        // Another exploration of the same start has moves of its own.
+        // Each further exploration has its own moves.
         let seed = Seeds::of(setup.seed.wrapping_add(self.explorations)).exploration;
         let moves = setup.explore_moves;
         self.command(Command::Explore { moves, seed })?;
         self.explorations += 1;
         self.explored = sim::episode::Metrics::new(self.body.world());
-        self.begin(Doing::Explore);
+        self.begin(SimulatorActivity::Explore);
         Ok(())
     }
 
-    fn begin_learning(&mut self) -> Result<(), Refused> {
+    fn begin_learning(&mut self) -> Result<(), CommandRefused> {
         self.command(Command::Learn)?;
         self.learning = 0;
-        self.begin(Doing::Learn);
+        self.begin(SimulatorActivity::Learn);
         Ok(())
     }
 
-    /// What was perceived before the first move, or now if there was none.
+    /// Situation before the first move; the current one if there was none.
     pub(super) fn nest(&self) -> Situation<16> {
         self.nest.map_or_else(|| self.perceived(), |(nest, _)| nest)
     }
 
-    fn seek(&mut self) -> Result<(), Refused> {
-        if self.doing == Doing::Learn {
+    fn seek(&mut self) -> Result<(), CommandRefused> {
+        if self.activity == SimulatorActivity::Learn {
             return Err("it still learns".into());
         }
         self.prepare_goal();
         self.goal.begin(self.seeking.steps, self.seeking.goal_steps);
         self.pursue()?;
-        if self.doing != Doing::Seek {
-            self.begin(Doing::Seek);
+        if self.activity != SimulatorActivity::Seek {
+            self.begin(SimulatorActivity::Seek);
         }
         Ok(())
     }
 
-    /// Tells the mind the goal, of a chain that of its present part.
-    pub(super) fn pursue(&mut self) -> Result<(), Refused> {
+    /// Sends the goal to the controller; of a chain the current part.
+    pub(super) fn pursue(&mut self) -> Result<(), CommandRefused> {
         let goal = self.goal.goal(&self.config, &self.nest());
         self.command(Command::Seek(goal))
     }
 
-    /// A leader where one is to be followed.
+    /// Adds a leader if the goal needs one.
     fn prepare_goal(&mut self) {
         let Some(behavior) = self.goal.as_behavior() else {
             return;
@@ -132,16 +140,16 @@ impl Simulator {
         }
     }
 
-    fn resume(&mut self) -> Result<(), Refused> {
+    fn resume(&mut self) -> Result<(), CommandRefused> {
         self.command(Command::Resume)?;
         self.begin(self.interrupted);
         Ok(())
     }
 
-    fn choose(&mut self, goal: Pursued) -> Result<(), Refused> {
+    fn choose(&mut self, goal: ActiveGoal) -> Result<(), CommandRefused> {
         let before = std::mem::replace(&mut self.goal, goal);
-        let outcome = match self.doing {
-            Doing::Seek => self.seek(),
+        let outcome = match self.activity {
+            SimulatorActivity::Seek => self.seek(),
             _ => Ok(()),
         };
         if outcome.is_err() {
@@ -150,47 +158,52 @@ impl Simulator {
         outcome
     }
 
-    fn choose_goal(&mut self, order: &Order) -> Result<(), Refused> {
+    fn choose_goal(&mut self, command: &PageCommand) -> Result<(), CommandRefused> {
         let here = (self.perceived(), self.body.pose().position);
         let known = match self.learned {
-            true => Some(self.mind.pilot().cached_state()?),
+            true => Some(self.controller.pilot().cached_state()?),
             false => None,
         };
-        let goal = Pursued::asked(order, here, known)?;
+        let goal = ActiveGoal::from_command(command, here, known)?;
         self.choose(goal)
     }
 
-    /// What the ring hears from here, as a situation.
+    /// The ranges in this pose as a situation.
     pub(super) fn perceived(&self) -> Situation<16> {
         let millimeters = |m: f64| Range::from_mm((m * 1e3) as u16);
         let value = |range: Option<f64>| self.config.encoding.value(range.map(millimeters));
         self.body.look().map(value)
     }
 
-    fn save_mind(&mut self) -> Result<Done, Refused> {
-        Ok(mind_file(&self.config, self.mind.pilot().cached_state()?))
+    fn save_mind(&mut self) -> Result<CommandOutcome, CommandRefused> {
+        Ok(knowledge_file(
+            &self.config,
+            self.controller.pilot().cached_state()?,
+        ))
     }
 
-    fn load_mind(&mut self, hex: &str) -> Result<(), Refused> {
-        if !self.mind.inner().is_local() {
-            return Err("a mind elsewhere takes its file from `host-sim link … push`".into());
+    fn load_mind(&mut self, hex: &str) -> Result<(), CommandRefused> {
+        if !self.controller.inner().is_local() {
+            return Err(
+                "load the file into a remote controller with `host-sim link … push`".into(),
+            );
         }
-        let bytes = unhex(hex).ok_or("the file did not arrive whole")?;
+        let bytes = unhex(hex).ok_or("the file is incomplete")?;
         let knowledge = Knowledge::from_bytes(&bytes)?;
         self.renew(self.start.clone(), knowledge.config())?;
-        self.mind.load(self.body.now(), &knowledge);
+        self.controller.load(self.body.now(), &knowledge);
         self.learned = knowledge.state().has_learned();
         Ok(())
     }
 
-    fn configure(&mut self, order: &Order) -> Result<(), Refused> {
-        let config = switched(order, &self.config, &self.start.whole)?;
-        self.mind.configure(self.body.now(), &config)?;
+    fn configure(&mut self, command: &PageCommand) -> Result<(), CommandRefused> {
+        let config = switched(command, &self.config, &self.start.whole)?;
+        self.controller.configure(self.body.now(), &config)?;
         self.config = config;
         Ok(())
     }
 
-    fn move_shape(&mut self, index: usize, to: Point) -> Result<(), Refused> {
+    fn move_shape(&mut self, index: usize, to: Point) -> Result<(), CommandRefused> {
         let world = self.body.world();
         let shape = match world.shapes().get(index) {
             Some(Shape::Box { size, angle, .. }) => Shape::Box {
@@ -212,23 +225,26 @@ impl Simulator {
         if !free(robot) || !self.body.leader().is_none_or(free) {
             return Err("the robot stands there".into());
         }
-        if let Some(log) = self.mind.log() {
+        if let Some(log) = self.controller.log() {
             log.write(|log| log.world(self.body.now(), &world));
         }
         self.body.set_world(world);
-        self.shown.scene = None;
+        self.cache.scene = None;
         Ok(())
     }
 
-    /// Carries the robot: what it did is interrupted, and its shield forgets what it heard before.
-    fn move_robot(&mut self, to: Point) -> Result<(), Refused> {
+    /// Moves the robot: its activity is interrupted, and its shield forgets earlier echoes.
+    fn move_robot(&mut self, to: Point) -> Result<(), CommandRefused> {
         let world = self.body.world();
         let (low, high) = world.bounds();
         let inside = (low.x..=high.x).contains(&to.x) && (low.y..=high.y).contains(&to.y);
         if !inside || world.is_inside(to) || world.clearance(to) < COLLISION_RADIUS_M {
             return Err("there is no room for the robot".into());
         }
-        let goes_on = matches!(self.doing, Doing::Explore | Doing::Seek);
+        let goes_on = matches!(
+            self.activity,
+            SimulatorActivity::Explore | SimulatorActivity::Seek
+        );
         if goes_on {
             self.stop()?;
         }
@@ -242,7 +258,7 @@ impl Simulator {
         Ok(())
     }
 
-    fn reset(&mut self, reset: &Reset) -> Result<(), Refused> {
+    fn reset(&mut self, reset: &Reset) -> Result<(), CommandRefused> {
         let mut start = self.start.clone();
         if let Some(seed) = reset.seed {
             start.setup.seed = seed;
@@ -258,7 +274,7 @@ impl Simulator {
         {
             choose_preset(&mut start, name)?;
         }
-        // What was switched stays switched.
+        // Switches keep their state.
         let (config, whole) = (&mut start.setup.config, &start.whole);
         config.shield = self.config.shield.and(whole.shield);
         config.online = self.config.online.and(whole.online);
@@ -266,20 +282,20 @@ impl Simulator {
         self.renew(start, &config)
     }
 
-    /// Everything from the beginning, but for what the goal is called.
-    fn renew(&mut self, start: Start, config: &Config<16>) -> Result<(), Refused> {
+    /// Restarts everything; a named goal stays.
+    fn renew(&mut self, start: SimulatorStart, config: &Config<16>) -> Result<(), CommandRefused> {
         let mut record = start.record();
         record.config = config.clone();
-        if let Err(error) = self.mind.reset(&record, Some(&start.world)) {
+        if let Err(error) = self.controller.reset(&record, Some(&start.world)) {
             self.fail(error.to_string());
             return Err(error.into());
         }
         let placeholder = LoggedController::new(AnyController::local(config), None);
-        let mind = std::mem::replace(&mut self.mind, placeholder);
-        let mut next = Self::with_mind(start, mind);
+        let controller = std::mem::replace(&mut self.controller, placeholder);
+        let mut next = Self::with_controller(start, controller);
         next.config = config.clone();
-        next.trail = self.trail.afresh();
-        next.shown.revision = self.shown.revision;
+        next.trail = self.trail.restarted();
+        next.cache.revision = self.cache.revision;
         if self.goal.as_behavior().is_some() {
             next.goal = self.goal.clone();
         }
@@ -288,8 +304,8 @@ impl Simulator {
     }
 }
 
-/// A world of the menu, or a random room: no files, which are for whoever sits at this machine.
-fn menu_world(name: &str) -> Result<World, Refused> {
+/// A world of the menu or a random room. Files are not allowed: they belong to this machine's user.
+fn menu_world(name: &str) -> Result<World, CommandRefused> {
     if !name.starts_with("random:") && !World::builtin_names().contains(&name) {
         let known = World::builtin_names();
         return Err(BadInput::unknown("world", name, &known).into());
@@ -300,7 +316,7 @@ fn menu_world(name: &str) -> Result<World, Refused> {
     }
 }
 
-fn choose_preset(start: &mut Start, name: &str) -> Result<(), Refused> {
+fn choose_preset(start: &mut SimulatorStart, name: &str) -> Result<(), CommandRefused> {
     let Some(preset) = start.presets.iter().find(|preset| preset.name == name) else {
         let names: Vec<_> = start.presets.iter().map(|preset| preset.name).collect();
         return Err(BadInput::unknown("preset", name, &names).into());

@@ -1,97 +1,98 @@
-//! What a viewer may ask for, and the answers.
+//! The commands of the page and the replies.
 
 use serde::{Deserialize, Serialize};
 
-/// An order with its number.
+/// A command with its number, `{"id": 7, "do": "explore"}`. The reply is `{"reply": 7}`, with
+/// `"error": "why not"` if it was refused, or with `"file": {"name", "text"}` (or `"hex"`).
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-pub struct Numbered {
-    /// Comes back in the reply.
+pub struct NumberedCommand {
+    /// Returned in the reply.
     pub id: u64,
-    /// The order.
+    /// The command.
     #[serde(flatten)]
-    pub order: Order,
+    pub command: PageCommand,
 }
 
-/// Something to do. Lengths in meters, in the world's frame.
+/// A command. Lengths in meters, in the world's frame.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(tag = "do", rename_all = "snake_case")]
-pub enum Order {
-    /// Take the seat.
+pub enum PageCommand {
+    /// Acquire the control lock.
     Steer {
         /// The run's token.
         token: String,
-        /// From whoever has it, too.
+        /// Also from another viewer.
         #[serde(default)]
         over: bool,
     },
-    /// Give the seat up.
+    /// Release the control lock.
     Leave,
-    /// Stand still.
+    /// Stop.
     Stop,
     /// Make random moves.
     Explore,
-    /// Make the maps.
+    /// Learn the maps.
     Learn,
     /// Pursue the chosen goal.
     Seek,
-    /// Go on with what a stop interrupted.
+    /// Resume what a stop interrupted.
     Resume,
-    /// One decision, then time stands still.
+    /// Take one decision, then pause.
     Step,
-    /// Lets time stand still or go on.
+    /// Pause or resume time.
     Pause {
-        /// Stand still.
+        /// Paused.
         paused: bool,
     },
-    /// How fast time passes.
+    /// Set the speed of time.
     Speed {
-        /// Simulated seconds per second; none = as fast as it goes.
+        /// Simulated seconds per second; `None` = maximum.
         factor: Option<f64>,
     },
-    /// Go to a moment of a recording.
+    /// Jump within a recording.
     Jump {
-        /// How many of its decisions then lie behind.
+        /// Number of decisions before the new position.
         to: usize,
     },
-    /// Start anew; what is not given stays.
+    /// Restart; omitted values stay.
     Reset(Reset),
-    /// Choose a behavior as the goal; a robot that seeks pursues it at once.
+    /// Set a behavior as the goal; a seeking robot pursues it at once.
     Behavior {
         /// Its name.
         name: String,
     },
-    /// Make the situation of a neuron the goal.
+    /// Set a neuron's situation as the goal.
     GoalNeuron {
-        /// The neuron, from 0.
+        /// Index of the neuron.
         neuron: usize,
     },
-    /// Make what is perceived now the goal.
+    /// Set the current situation as the goal.
     GoalHere,
-    /// Make a goal file's text the goal.
+    /// Set the goal of a file's text.
     GoalFile {
         /// The text.
         text: String,
     },
-    /// The goal as a file.
+    /// Save the goal as a file.
     SaveGoal,
-    /// What the mind was told and has learned, as a file.
+    /// Save configuration and knowledge as a file.
     SaveMind,
-    /// Replace what the mind was told and has learned.
+    /// Load configuration and knowledge.
     LoadMind {
         /// The file's bytes, in hexadecimal.
         hex: String,
     },
-    /// Let the sonars limit motion.
+    /// Switch the shield.
     Shield {
         /// On.
         on: bool,
     },
-    /// Let the maps go on learning while behaving.
+    /// Switch online learning.
     Online {
         /// On.
         on: bool,
     },
-    /// Switch a sonar on or off.
+    /// Switch a sonar.
     Sonar {
         /// Its number.
         number: usize,
@@ -100,46 +101,46 @@ pub enum Order {
     },
     /// Move a box or post.
     MoveShape {
-        /// Its place among the scene's shapes.
+        /// Index among the scene's shapes.
         shape: usize,
-        /// Where its center is to be.
+        /// New x of its center.
         x: f64,
-        /// As above.
+        /// New y of its center.
         y: f64,
     },
-    /// Carry the robot.
+    /// Move the robot.
     MoveRobot {
-        /// Where its center is to be.
+        /// New x of its center.
         x: f64,
-        /// As above.
+        /// New y of its center.
         y: f64,
     },
 }
 
-/// What a new start is to be made of.
+/// Values of a restart.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 pub struct Reset {
     /// Seed of all randomness.
     pub seed: Option<u64>,
-    /// A world of the menu, or `random:SEED`.
+    /// A world of the menu or `random:SEED`.
     pub world: Option<String>,
     /// A preset of the menu.
     pub preset: Option<String>,
 }
 
-/// What came of an order.
+/// Outcome of a command.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub enum Done {
-    /// It was done.
+pub enum CommandOutcome {
+    /// Done.
     #[default]
-    Well,
-    /// Here is a file.
-    File(File),
+    Done,
+    /// Done, with a file.
+    File(PageFile),
 }
 
-/// A file for the viewer to keep.
+/// A file for the viewer to save.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct File {
+pub struct PageFile {
     /// Its name.
     pub name: &'static str,
     /// Its text.
@@ -150,23 +151,23 @@ pub struct File {
     pub hex: Option<String>,
 }
 
-/// An answer as it goes out.
+/// A reply as JSON.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Reply {
     reply: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
     error: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    file: Option<File>,
+    file: Option<PageFile>,
 }
 
 impl Reply {
-    /// The answer to order `id`.
+    /// The reply to command `id`.
     #[must_use]
-    pub fn to(id: u64, outcome: Result<Done, String>) -> Self {
+    pub fn to(id: u64, outcome: Result<CommandOutcome, String>) -> Self {
         let (error, file) = match outcome {
-            Ok(Done::Well) => (None, None),
-            Ok(Done::File(file)) => (None, Some(file)),
+            Ok(CommandOutcome::Done) => (None, None),
+            Ok(CommandOutcome::File(file)) => (None, Some(file)),
             Err(why) => (Some(why), None),
         };
         Self {
@@ -183,11 +184,14 @@ mod tests {
 
     #[test]
     fn orders_are_read_and_strange_ones_refused() {
-        let read = |text: &str| serde_json::from_str::<Numbered>(text).map(|n| n.order);
-        assert_eq!(read(r#"{"id":1,"do":"explore"}"#).unwrap(), Order::Explore);
+        let read = |text: &str| serde_json::from_str::<NumberedCommand>(text).map(|n| n.command);
+        assert_eq!(
+            read(r#"{"id":1,"do":"explore"}"#).unwrap(),
+            PageCommand::Explore
+        );
         assert_eq!(
             read(r#"{"id":1,"do":"move_shape","shape":3,"x":1.5,"y":-2}"#).unwrap(),
-            Order::MoveShape {
+            PageCommand::MoveShape {
                 shape: 3,
                 x: 1.5,
                 y: -2.0
@@ -195,7 +199,7 @@ mod tests {
         );
         assert_eq!(
             read(r#"{"id":1,"do":"speed","factor":null}"#).unwrap(),
-            Order::Speed { factor: None }
+            PageCommand::Speed { factor: None }
         );
         for strange in [
             "",

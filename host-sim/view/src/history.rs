@@ -1,28 +1,28 @@
-//! What only grows, in pieces that no longer change once they are full: decisions, places where something was heard.
+//! Growing lists in chunks: a full chunk never changes, so it is sent once.
 
-use super::snapshot::{MAX_PIECES, Mark, PIECE, Part, Short, Showable};
+use super::snapshot::{HistoryEntry, MAX_PIECES, PIECE, PartMessage, Rounded, SnapshotPart};
 use arena::world::Point;
 use serde::Serialize;
 use sim::episode::StepFlags;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// Things of one kind in the order in which they came.
-pub(super) struct Pieces<T> {
+/// Items of one kind in order of arrival.
+pub(super) struct Chunks<T> {
     name: &'static str,
-    full: VecDeque<Arc<dyn Showable>>,
+    full: VecDeque<Arc<dyn PartMessage>>,
     last: Vec<T>,
-    /// Number of the last piece.
+    /// Number of the last chunk.
     number: u64,
-    /// Number of the first piece of this start.
+    /// Number of the first chunk since the start.
     began: u64,
-    /// Most full pieces that are kept.
+    /// Maximum number of full chunks; older ones are discarded.
     most: usize,
     revision: u64,
 }
 
-impl<T: Serialize + Clone + Send + Sync + 'static> Pieces<T> {
-    /// Nothing yet; older things than `most` full pieces are forgotten.
+impl<T: Serialize + Clone + Send + Sync + 'static> Chunks<T> {
+    /// An empty list that keeps `most` full chunks.
     pub fn new(name: &'static str, most: usize) -> Self {
         Self {
             name,
@@ -35,8 +35,8 @@ impl<T: Serialize + Clone + Send + Sync + 'static> Pieces<T> {
         }
     }
 
-    /// Nothing, for a new start whose pieces are not taken for those of the one before.
-    pub fn afresh(&self) -> Self {
+    /// An empty list after a restart; its chunk numbers continue, so they are not confused.
+    pub fn restarted(&self) -> Self {
         Self {
             number: self.number + 1,
             began: self.number + 1,
@@ -45,7 +45,7 @@ impl<T: Serialize + Clone + Send + Sync + 'static> Pieces<T> {
         }
     }
 
-    /// Adds one.
+    /// Adds an item.
     pub fn push(&mut self, thing: T) {
         self.last.push(thing);
         self.revision += 1;
@@ -54,7 +54,7 @@ impl<T: Serialize + Clone + Send + Sync + 'static> Pieces<T> {
         }
     }
 
-    /// Begins a new start whose pieces are kept beside those of the ones before.
+    /// Begins a new start and keeps the chunks of earlier ones.
     pub fn begin(&mut self) {
         if !self.last.is_empty() {
             self.revision += 1;
@@ -65,7 +65,7 @@ impl<T: Serialize + Clone + Send + Sync + 'static> Pieces<T> {
 
     fn fill(&mut self) {
         let things = std::mem::take(&mut self.last);
-        let part = Part::new(self.name, self.number, self.revision, things);
+        let part = SnapshotPart::new(self.name, self.number, self.revision, things);
         self.full.push_back(Arc::new(part));
         self.number += 1;
         if self.full.len() > self.most {
@@ -74,57 +74,57 @@ impl<T: Serialize + Clone + Send + Sync + 'static> Pieces<T> {
         }
     }
 
-    /// First piece of this start that is kept, and last piece.
+    /// First kept chunk of this start, and last chunk.
     pub fn ends(&self) -> [u64; 2] {
         [self.began, self.number]
     }
 
-    /// All pieces.
-    pub fn parts(&self) -> impl Iterator<Item = Arc<dyn Showable>> + '_ {
-        let last = Part::new(self.name, self.number, self.revision, self.last.clone());
-        let last: Arc<dyn Showable> = Arc::new(last);
+    /// All chunks.
+    pub fn parts(&self) -> impl Iterator<Item = Arc<dyn PartMessage>> + '_ {
+        let last = SnapshotPart::new(self.name, self.number, self.revision, self.last.clone());
+        let last: Arc<dyn PartMessage> = Arc::new(last);
         self.full.iter().cloned().chain([last])
     }
 }
 
 /// The decisions so far.
-pub(super) type Trail = Pieces<Mark>;
+pub(super) type History = Chunks<HistoryEntry>;
 
-impl Trail {
-    /// However many decisions.
+impl History {
+    /// Keeps all decisions.
     pub fn whole() -> Self {
         Self::new("trail", usize::MAX)
     }
 
-    /// The latest six thousand decisions.
+    /// Keeps the latest 6400 decisions.
     pub fn latest() -> Self {
         Self::new("trail", MAX_PIECES)
     }
 }
 
-/// A decision that was carried out at `time_s` and ended at `place`.
+/// The entry of a decision that ended at `time_s` at `place`.
 pub(super) fn mark(
     time_s: f64,
     place: Point,
     seeks: bool,
-    stride: StepFlags,
+    flags: StepFlags,
     neuron: Option<usize>,
     nearest_m: Option<f64>,
-) -> Mark {
-    let bits = [stride.touched, stride.shielded, stride.at_goal];
+) -> HistoryEntry {
+    let bits = [flags.touched, flags.shielded, flags.at_goal];
     let flags = bits
         .iter()
         .rev()
         .fold(0, |flags, bit| flags * 2 + u8::from(*bit));
     let neuron = neuron.and_then(|neuron| i16::try_from(neuron).ok());
     (
-        Short(time_s),
-        Short(place.x),
-        Short(place.y),
+        Rounded(time_s),
+        Rounded(place.x),
+        Rounded(place.y),
         u8::from(seeks),
         flags,
         neuron.unwrap_or(-1),
-        Short(nearest_m.unwrap_or(-1.0)),
+        Rounded(nearest_m.unwrap_or(-1.0)),
     )
 }
 
@@ -134,14 +134,14 @@ mod tests {
 
     #[test]
     fn full_pieces_stay_and_the_oldest_are_forgotten() {
-        let mut trail = Trail::latest();
-        let add = |trail: &mut Trail| {
-            let stride = StepFlags {
+        let mut trail = History::latest();
+        let add = |trail: &mut History| {
+            let flags = StepFlags {
                 touched: true,
                 at_goal: true,
                 ..StepFlags::default()
             };
-            trail.push(mark(1.0, Point::new(2.0, 3.0), true, stride, Some(4), None));
+            trail.push(mark(1.0, Point::new(2.0, 3.0), true, flags, Some(4), None));
         };
         add(&mut trail);
         let text = trail.parts().next().unwrap().text();
@@ -152,7 +152,7 @@ mod tests {
         let keys: Vec<_> = trail.parts().map(|part| part.key().1).collect();
         assert_eq!(keys.len(), MAX_PIECES + 1);
         assert_eq!([keys[0], keys[MAX_PIECES]], trail.ends());
-        let next = trail.afresh();
+        let next = trail.restarted();
         assert!(next.ends()[0] > trail.ends()[1]);
         assert_eq!(next.parts().count(), 1);
     }
