@@ -64,7 +64,7 @@ fn benches(c: &mut Criterion) {
     });
 }
 
-fn text_len(part: &std::sync::Arc<dyn view::snapshot::Showable>) -> usize {
+fn text_len(part: &std::sync::Arc<dyn view::snapshot::PartMessage>) -> usize {
     part.text().len()
 }
 

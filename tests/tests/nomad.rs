@@ -56,7 +56,7 @@ fn session(host: &mut Host) {
         timeout_s: 20,
     };
     let there = host
-        .ask_within(&wait, Duration::from_secs(21))
+        .request_within(&wait, Duration::from_secs(21))
         .expect("it stops")
         .clone();
     assert!(stands(&there));
@@ -308,11 +308,11 @@ fn a_program_of_the_simulators_server_finds_the_same_robot() {
         .expect("a time-out");
     let mut ask = |kind: u16, numbers: &[i32]| {
         let numbers = numbers.to_vec();
-        let request = Message { kind, numbers };
+        let request = ServerMessage { kind, numbers };
         line.write_all(&request.to_bytes()).expect("a line");
         let (mut bytes, mut buffer) = (Vec::new(), [0; 4_096]);
         loop {
-            if let Some(answer) = Message::take_from(&mut bytes) {
+            if let Some(answer) = ServerMessage::take_from(&mut bytes) {
                 return (answer.kind, answer.numbers);
             }
             let count = line.read(&mut buffer).expect("an answer in time");

@@ -229,13 +229,13 @@ impl SimulatedNomad {
         };
         let time_s = f64::from(self.time_ms()) * 1e-3;
         let pose = self.axes.pose();
-        let heard = self
+        let range_m = self
             .ring
             .ping(&self.world, &pose, shot.sensor, time_s, &mut self.noise);
-        let heard = heard.filter(|range_m| *range_m <= shot.reach_m);
+        let range_m = range_m.filter(|reading_m| *reading_m <= shot.reach_m);
         let here = self.place();
         if let Some(reading) = self.state.sonar.get_mut(shot.sensor) {
-            *reading = reading_in(heard);
+            *reading = reading_in(range_m);
         }
         if let Some(place) = self.state.sonar_at.get_mut(shot.sensor) {
             *place = here;

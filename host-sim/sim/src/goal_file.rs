@@ -1,9 +1,9 @@
-//! Reads and writes goal situations as files: `run --behavior seek:FILE`, `link goal FILE`, `capture`.
+//! Goal situations as files, for `run --behavior seek:FILE`, `link goal FILE` and `capture`.
 //!
 //! A file holds either a perceived situation:
 //!
 //! ```toml
-//! # By sonar (0 ahead, counter-clockwise): 1 = at the near limit, 0 = nothing within the far limit.
+//! # By sonar (0 ahead, counter-clockwise): 1 = near limit, 0 = nothing within the far limit.
 //! situation = [0.5, 0.4, 0.2, 0.0, 0.0, 0.1, 0.3, 0.2, 0.1, 0.0, 0.0, 0.0, 0.2, 0.4, 0.5, 0.5]
 //! place_m = [1.5, -0.5]   # optional; only measures success, the controller never uses it
 //! ```

@@ -338,10 +338,10 @@ mod tests {
                 self.other.policy_mut().0 = decision.plan.expect("it seeks").action;
             }
             let twin = self.other.handle(at, event);
-            let told = |motion: Option<Motion>| motion.map(|m| (m.displacement, m.speed_mm_s));
+            let what = |motion: Option<Motion>| motion.map(|m| (m.displacement, m.speed_mm_s));
             assert_eq!(
-                told(outputs.motion),
-                told(twin.motion),
+                what(outputs.motion),
+                what(twin.motion),
                 "{at:?} {event:?} {:?}",
                 outputs.stale_ms
             );

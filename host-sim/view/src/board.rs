@@ -164,16 +164,16 @@ impl WatchedBoard {
             touched_by: false,
         };
         let neuron = decision.plan.map(|plan| usize::from(plan.current_neuron));
-        let seeks = neuron.is_some();
-        match seeks {
+        let seeking = neuron.is_some();
+        match seeking {
             true => self.counts.steps += 1,
             false => self.counts.explored[0] += 1,
         }
-        self.counts.at_goal += u32::from(seeks && flags.at_goal);
-        self.counts.shielded += u32::from(seeks && flags.shielded);
+        self.counts.at_goal += u32::from(seeking && flags.at_goal);
+        self.counts.shielded += u32::from(seeking && flags.shielded);
         let place = Point::default();
         self.trail
-            .push(mark(self.time_s, place, seeks, flags, neuron, None));
+            .push(mark(self.time_s, place, seeking, flags, neuron, None));
     }
 
     /// Starts the next part of a chain when the current one is reached; stops after the last.

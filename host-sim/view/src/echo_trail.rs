@@ -71,15 +71,15 @@ mod tests {
 
     #[test]
     fn an_echo_lies_in_front_of_its_sonar_and_is_kept_once() {
-        let mut heard = EchoTrail::new();
+        let mut trail = EchoTrail::new();
         let ring = Pose::new(Point::new(1.0, 2.0), 0.0);
         // Half a meter from the face, to the left.
         for _ in 0..2 {
-            heard.add(ring, 4, 0.5);
+            trail.add(ring, 4, 0.5);
         }
-        heard.add(ring, 4, 3.0);
-        let text = heard.parts().next().unwrap().text();
+        trail.add(ring, 4, 3.0);
+        let text = trail.parts().next().unwrap().text();
         assert!(text.ends_with("\"value\":[[1.0,2.7305]]}"), "{text}");
-        assert!(heard.restarted().ends()[0] > heard.ends()[1]);
+        assert!(trail.restarted().ends()[0] > trail.ends()[1]);
     }
 }

@@ -106,7 +106,7 @@ impl History {
 pub(super) fn mark(
     time_s: f64,
     place: Point,
-    seeks: bool,
+    seeking: bool,
     flags: StepFlags,
     neuron: Option<usize>,
     nearest_m: Option<f64>,
@@ -121,7 +121,7 @@ pub(super) fn mark(
         Rounded(time_s),
         Rounded(place.x),
         Rounded(place.y),
-        u8::from(seeks),
+        u8::from(seeking),
         flags,
         neuron.unwrap_or(-1),
         Rounded(nearest_m.unwrap_or(-1.0)),

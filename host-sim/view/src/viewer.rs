@@ -143,9 +143,9 @@ async fn receive_commands(
     guard: &ViewerGuard,
     reply: mpsc::Sender<Reply>,
 ) {
-    while let Some(Ok(heard)) = incoming.next().await {
+    while let Some(Ok(message)) = incoming.next().await {
         shared.control_lock().refresh(guard.id, Instant::now());
-        let text = match heard {
+        let text = match message {
             Message::Text(text) => text,
             Message::Close(_) => return,
             _ => continue,

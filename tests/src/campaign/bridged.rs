@@ -120,7 +120,7 @@ impl Scene {
         self.lived_ms += 1;
         let robot = self.line.robot();
         let is_running = robot.state().motors != 0 || robot.state().velocity != [0; 3];
-        let way_m = robot.ledger().traveled_m;
+        let way_m = robot.ground_truth().traveled_m;
         self.ran_ms += u32::from(is_running);
         match self.moment {
             None if self.ran_ms > self.after_ms => self.moment = Some((self.lived_ms, way_m)),

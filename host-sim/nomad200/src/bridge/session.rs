@@ -266,7 +266,7 @@ impl BridgeSession {
             if !matches!(result, Err(RobotError::Silent { .. })) {
                 break;
             }
-            // The robot's clock does not advance while it is silent, so the recorded events are written now.
+            // A silent robot's clock does not advance, so the recorded events are written now.
             if let Some(log) = &self.log {
                 log.write(LogWriter::flush);
             }

@@ -263,13 +263,13 @@ mod tests {
 
     /// Records its inputs as (time, transducers with ages) and commands a motion at one transducer.
     struct RecordingPilot {
-        told: Vec<(u32, Vec<(u8, u32)>)>,
+        inputs: Vec<(u32, Vec<(u8, u32)>)>,
         moves_at: u8,
     }
 
     impl Pilot for RecordingPilot {
         fn handle(&mut self, at: Millis, _: Event<16>) -> Outputs<16> {
-            self.told.push((at.as_ms(), Vec::new()));
+            self.inputs.push((at.as_ms(), Vec::new()));
             Outputs::NONE
         }
 
@@ -285,7 +285,7 @@ mod tests {
                 },
                 speed_mm_s: 500,
             });
-            self.told.push((at.as_ms(), sensors));
+            self.inputs.push((at.as_ms(), sensors));
             let outputs = Outputs {
                 motion,
                 ..Outputs::NONE
@@ -327,7 +327,7 @@ mod tests {
             },
         );
         let mut pilot = RecordingPilot {
-            told: Vec::new(),
+            inputs: Vec::new(),
             moves_at: 5,
         };
         let events = [
@@ -344,7 +344,7 @@ mod tests {
         ];
         let result = deliver(&mut pilot, &events);
         assert_eq!(
-            pilot.told,
+            pilot.inputs,
             [
                 (80, vec![(0, 40), (2, 0)]),
                 (100, vec![]),

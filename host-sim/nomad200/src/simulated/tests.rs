@@ -20,7 +20,7 @@ fn robot() -> SimulatedNomad {
 }
 
 /// Executes a command and decodes its answer as a host does.
-fn told(robot: &mut SimulatedNomad, command: &NomadCommand) -> NomadState {
+fn send(robot: &mut SimulatedNomad, command: &NomadCommand) -> NomadState {
     let packet = robot.take(command).expect("an answer at once");
     assert_eq!(packet.kind, command.kind() as u8);
     let mut state = NomadState::default();
@@ -29,7 +29,7 @@ fn told(robot: &mut SimulatedNomad, command: &NomadCommand) -> NomadState {
 }
 
 fn state(robot: &mut SimulatedNomad) -> NomadState {
-    told(robot, &NomadCommand::GetState)
+    send(robot, &NomadCommand::GetState)
 }
 
 #[test]
@@ -51,7 +51,7 @@ fn it_begins_at_zero_with_a_meter_to_go() {
 #[test]
 fn velocities_ramp_and_stop() {
     let mut robot = robot();
-    told(&mut robot, &NomadCommand::Velocity([200, 0, 0]));
+    send(&mut robot, &NomadCommand::Velocity([200, 0, 0]));
     robot.advance(500);
     assert_eq!(state(&mut robot).velocity, [150, 0, 0]);
     robot.advance(1_500);
@@ -59,12 +59,12 @@ fn velocities_ramp_and_stop() {
     assert_eq!((rolling.velocity, rolling.motors), ([200, 0, 0], 1));
     // 20/30 s at half the speed, then 4/3 s at full speed: 33.3 in.
     assert_eq!(rolling.pose, [333, 0, 0, 0]);
-    told(&mut robot, &NomadCommand::Stop);
+    send(&mut robot, &NomadCommand::Stop);
     robot.advance(680);
     let rest = state(&mut robot);
     assert_eq!((rest.velocity, rest.motors, rest.pose[0]), ([0; 3], 0, 400));
     // Velocities saturate; 450 = 45°/s.
-    told(&mut robot, &NomadCommand::Velocity([0, -9_999, 9_999]));
+    send(&mut robot, &NomadCommand::Velocity([0, -9_999, 9_999]));
     robot.advance(2_000);
     assert_eq!(state(&mut robot).velocity, [0, -450, 450]);
 }
@@ -72,21 +72,21 @@ fn velocities_ramp_and_stop() {
 #[test]
 fn moves_end_where_they_were_sent_at_the_speed_that_was_set() {
     let mut robot = robot();
-    told(&mut robot, &NomadCommand::Speeds([100, 200, 450]));
-    told(&mut robot, &NomadCommand::Accelerations([300, 300, 300]));
+    send(&mut robot, &NomadCommand::Speeds([100, 200, 450]));
+    send(&mut robot, &NomadCommand::Accelerations([300, 300, 300]));
     // First the wheels turn across.
-    told(&mut robot, &NomadCommand::Relative([0, 900, 0]));
+    send(&mut robot, &NomadCommand::Relative([0, 900, 0]));
     robot.advance(3_000);
     assert_eq!(state(&mut robot).velocity, [0, 200, 0]);
     robot.advance(4_000);
-    told(&mut robot, &NomadCommand::Relative([200, 0, -900]));
+    send(&mut robot, &NomadCommand::Relative([200, 0, -900]));
     robot.advance(1_000);
     assert_eq!(state(&mut robot).velocity[0], 100);
     robot.advance(4_000);
     let there = state(&mut robot);
     assert_eq!((there.pose, there.motors), ([0, 200, 900, 2_700], 0));
     // Absolute angles are reached by the smaller turn.
-    told(&mut robot, &NomadCommand::Absolute([200, 0, 3_500]));
+    send(&mut robot, &NomadCommand::Absolute([200, 0, 3_500]));
     robot.advance(1_000);
     let turning = state(&mut robot);
     assert!(turning.velocity[1] < 0 && turning.velocity[2] > 0);
@@ -102,7 +102,7 @@ fn each_axis_moves_in_its_own_way() {
         (AxisMode::Relative, 100),
         (AxisMode::Ignore, 7),
     ];
-    told(&mut robot, &NomadCommand::Move(axes));
+    send(&mut robot, &NomadCommand::Move(axes));
     robot.advance(3_000);
     let state = state(&mut robot);
     assert_eq!((state.velocity, state.motors), ([50, 0, 0], 1));
@@ -117,8 +117,8 @@ fn each_axis_moves_in_its_own_way() {
 #[test]
 fn a_silent_host_ends_the_motion() {
     let mut robot = robot();
-    told(&mut robot, &NomadCommand::ConfigureTimeout(2));
-    told(&mut robot, &NomadCommand::Velocity([100, 0, 0]));
+    send(&mut robot, &NomadCommand::ConfigureTimeout(2));
+    send(&mut robot, &NomadCommand::Velocity([100, 0, 0]));
     robot.advance(1_900);
     // Any command restarts the time-out.
     assert_eq!(state(&mut robot).velocity[0], 100);
@@ -128,8 +128,8 @@ fn a_silent_host_ends_the_motion() {
     robot.advance(340);
     assert_eq!((robot.state().velocity[0], robot.state().motors), (0, 0));
     // 0 = never.
-    told(&mut robot, &NomadCommand::ConfigureTimeout(0));
-    told(&mut robot, &NomadCommand::Velocity([0, 0, 100]));
+    send(&mut robot, &NomadCommand::ConfigureTimeout(0));
+    send(&mut robot, &NomadCommand::Velocity([0, 0, 100]));
     robot.advance(60_000);
     assert_eq!(robot.state().velocity[2], 100);
 }
@@ -138,8 +138,8 @@ fn a_silent_host_ends_the_motion() {
 fn a_sonar_changes_when_it_fires_and_not_before() {
     let mut robot = robot_in(hall(3.0));
     robot.advance(640);
-    told(&mut robot, &NomadCommand::Speeds([200, 450, 450]));
-    told(&mut robot, &NomadCommand::Relative([400, 0, 0]));
+    send(&mut robot, &NomadCommand::Speeds([200, 450, 450]));
+    send(&mut robot, &NomadCommand::Relative([400, 0, 0]));
     let mut last = robot.state().clone();
     let mut fired = Vec::new();
     for _ in 0..1_280 {
@@ -167,20 +167,20 @@ fn another_order_fires_others_and_none_leaves_them_as_they_were() {
     let mut robot = robot_in(hall(3.0));
     let mut order = [255; 16];
     order[..3].copy_from_slice(&[0, 1, 15]);
-    told(&mut robot, &NomadCommand::ConfigureSonar { rate: 5, order });
+    send(&mut robot, &NomadCommand::ConfigureSonar { rate: 5, order });
     robot.advance(700);
-    let heard = |robot: &SimulatedNomad| -> Vec<_> {
+    let sensed = |robot: &SimulatedNomad| -> Vec<_> {
         let at = robot.state().sonar_at;
         (0..16).filter(|&sensor| at[sensor].sensed_ms > 0).collect()
     };
-    assert_eq!(heard(&robot), [0, 1, 15]);
+    assert_eq!(sensed(&robot), [0, 1, 15]);
     // 20 ms are enough for 3.4 m, 4 ms are not for 2.8 m.
     assert_eq!(robot.state().sonar[0], 109);
-    told(&mut robot, &NomadCommand::ConfigureSonar { rate: 1, order });
+    send(&mut robot, &NomadCommand::ConfigureSonar { rate: 1, order });
     robot.advance(100);
     assert_eq!(robot.state().sonar[0], 255);
     let order = [255; 16];
-    told(&mut robot, &NomadCommand::ConfigureSonar { rate: 0, order });
+    send(&mut robot, &NomadCommand::ConfigureSonar { rate: 0, order });
     let before = robot.state().sonar_at;
     robot.advance(1_000);
     assert_eq!(robot.state().sonar_at, before);
@@ -207,7 +207,7 @@ fn masks_make_packets_shorter_and_groups_ignore_them() {
 #[test]
 fn a_wall_is_felt_heard_and_seen() {
     let mut robot = robot_in(hall(1.0));
-    told(&mut robot, &NomadCommand::Relative([900, 0, 0]));
+    send(&mut robot, &NomadCommand::Relative([900, 0, 0]));
     robot.advance(5_000);
     let state = state(&mut robot);
     assert_eq!((state.bumpers, state.motors), (1, 0));
@@ -223,15 +223,15 @@ fn a_wall_is_felt_heard_and_seen() {
 #[test]
 fn positions_and_angles_are_what_the_host_says_they_are() {
     let mut robot = robot();
-    told(&mut robot, &NomadCommand::DefinePosition([1_000, -500]));
-    let state = told(&mut robot, &NomadCommand::DefineAngles([900, 1_800]));
+    send(&mut robot, &NomadCommand::DefinePosition([1_000, -500]));
+    let state = send(&mut robot, &NomadCommand::DefineAngles([900, 1_800]));
     assert_eq!(state.pose, [1_000, -500, 900, 1_800]);
-    told(&mut robot, &NomadCommand::Relative([100, 0, 0]));
+    send(&mut robot, &NomadCommand::Relative([100, 0, 0]));
     robot.advance(3_000);
-    let pose = told(&mut robot, &NomadCommand::GetState).pose;
+    let pose = send(&mut robot, &NomadCommand::GetState).pose;
     assert_eq!(pose, [1_000, -400, 900, 1_800]);
     // Zero is the base's front, whatever the angles were.
-    told(&mut robot, &NomadCommand::Relative([0, 450, -450]));
+    send(&mut robot, &NomadCommand::Relative([0, 450, -450]));
     robot.advance(5_000);
     assert_eq!(robot.take(&NomadCommand::Zero), None);
     let mut waited_ms = 0;
@@ -245,7 +245,7 @@ fn positions_and_angles_are_what_the_host_says_they_are() {
     // 45° at 30°/s²: 2·√(45/30) s.
     assert!((2_440..2_460).contains(&waited_ms), "{waited_ms}");
     assert_eq!(packet.kind, Kind::Zr as u8);
-    assert_eq!(told(&mut robot, &NomadCommand::GetState).pose, [0; 4]);
+    assert_eq!(send(&mut robot, &NomadCommand::GetState).pose, [0; 4]);
     assert_eq!(robot.pose().heading, 0.0);
 }
 
@@ -255,7 +255,7 @@ fn waiting_ends_with_the_motion_or_with_patience() {
     let mut robot = robot();
     // Nothing to wait for.
     assert!(robot.take(&wait([true; 3], 20)).is_some());
-    told(&mut robot, &NomadCommand::Velocity([50, 0, 0]));
+    send(&mut robot, &NomadCommand::Velocity([50, 0, 0]));
     assert!(robot.take(&wait([false, true, true], 20)).is_some());
     assert_eq!(robot.take(&wait([true, false, false], 2)), None);
     robot.advance(1_999);
@@ -281,13 +281,13 @@ fn the_seed_is_all_there_is_to_chance() {
 #[test]
 fn blocked_wheels_leave_the_robot_where_it_is_while_its_motor_runs() {
     let mut robot = robot().with_wheels_blocked_after(0.5);
-    told(&mut robot, &NomadCommand::Velocity([100, 0, 0]));
+    send(&mut robot, &NomadCommand::Velocity([100, 0, 0]));
     robot.advance(4_000);
     let blocked = state(&mut robot);
     assert_eq!((blocked.motors, blocked.velocity), (1, [0; 3]));
     // 0.5 m are 196.9 tenths of an inch.
     assert!((197..=198).contains(&blocked.pose[0]), "{:?}", blocked.pose);
-    told(&mut robot, &NomadCommand::Velocity([0, 450, 0]));
+    send(&mut robot, &NomadCommand::Velocity([0, 450, 0]));
     robot.advance(2_000);
     let turning = state(&mut robot);
     assert_eq!((turning.motors, turning.velocity), (2, [0, 450, 0]));

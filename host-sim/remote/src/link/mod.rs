@@ -1,8 +1,8 @@
 //! Links to controllers: on a chip at a serial port, behind a TCP socket, or in an emulator.
 //!
-//! This is the host's end of the protocol of [`amp::wire`]. A *request* is a frame that the controller
-//! confirms. The host repeats it, with the same number, until it is confirmed and all reports have
-//! come, or until the retry policy ends. A controller answers a repeated request without executing it
+//! This is the host's end of the protocol of [`amp::wire`]. A *request* is a frame that the
+//! controller confirms. The host repeats it, with the same number, until it is confirmed and all
+//! reports have come, or the retry policy ends. A controller does not execute a repeated request
 //! again. Reports are numbered, so the host notices lost ones.
 
 mod address;

@@ -132,9 +132,9 @@ impl<P: Pilot, W: Write + Seek> Pilot for LoggedPilot<P, W> {
     fn echoes(&mut self, at: Millis, echoes: &[HeardEcho]) -> (usize, Outputs<16>) {
         let (taken, outputs) = self.pilot.echoes(at, echoes);
         if !self.is_off() {
-            let heard = echoes.iter().take(taken);
-            let heard = heard.map(EchoRecord::of).collect();
-            self.write_event(at, EventKind::Echoes(heard), &outputs);
+            let records = echoes.iter().take(taken);
+            let records = records.map(EchoRecord::of).collect();
+            self.write_event(at, EventKind::Echoes(records), &outputs);
         }
         (taken, outputs)
     }

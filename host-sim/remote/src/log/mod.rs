@@ -1,8 +1,8 @@
 //! Logs of a controller's inputs and answers as MCAP files, which other tools can open.
 //!
-//! All messages are JSON; the names of the [channels](channel) say what they hold. The controller is a
-//! function of its configuration and events, so a log can be [replayed](replay()). A file consists of
-//! chunks of about [`CHUNK_BYTES`]; a log that was cut off is complete up to its last chunk.
+//! All messages are JSON; [`channel`] lists their schemas. The controller is a function of its
+//! configuration and events, so a log can be [replayed](replay()). A file consists of chunks of
+//! about [`CHUNK_BYTES`]; a log that was cut off is complete up to its last chunk.
 
 mod check;
 mod fields;

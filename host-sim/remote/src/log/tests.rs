@@ -90,8 +90,8 @@ fn the_summary_counts_what_happened() {
     let summary = Summary::of(&log).unwrap();
     assert_eq!(summary.random_moves, 30);
     assert_eq!(summary.decisions, 61);
-    let told: Vec<_> = summary.commands.iter().map(|(_, what)| *what).collect();
-    assert_eq!(told, ["explore", "learn", "seek"]);
+    let commands: Vec<_> = summary.commands.iter().map(|(_, what)| *what).collect();
+    assert_eq!(commands, ["explore", "learn", "seek"]);
     assert!(summary.distance_m > 10.0);
     assert_eq!(log.setup().seed, 5);
 }

@@ -316,13 +316,13 @@ mod tests {
         let mut log = LogWriter::create(&path).unwrap();
         log.set_chunk_duration(Duration::from_secs(1));
         let at = Millis::from_ms;
-        let mut heard = |at_ms| log.sonar(at(at_ms), &[None; 16]);
-        heard(0);
-        heard(999);
+        let mut log_silence = |at_ms| log.sonar(at(at_ms), &[None; 16]);
+        log_silence(0);
+        log_silence(999);
         assert_eq!(written(&path), 0);
-        heard(1_000);
+        log_silence(1_000);
         assert_eq!(written(&path), 3);
-        heard(1_200);
+        log_silence(1_200);
         // Time advances without a message.
         log.pass_time(at(2_199));
         assert_eq!(written(&path), 3);

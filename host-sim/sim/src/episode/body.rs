@@ -108,8 +108,8 @@ impl<'w> Body<'w> {
         RING_PERIOD_S
     }
 
-    /// Allows [`Moved::clearance_m`] to be infinite from this gap on, meters, which saves the search
-    /// for far surfaces. Lasts until the robot is placed elsewhere.
+    /// Allows [`Moved::clearance_m`] to be infinite from this gap on, meters, which saves the
+    /// search for far surfaces. Lasts until the robot is placed elsewhere.
     pub fn ignore_gaps_above(&mut self, gap_m: f64) {
         self.base.tell_gaps_below(gap_m);
     }
@@ -129,7 +129,7 @@ impl<'w> Body<'w> {
         result
     }
 
-    /// Sends the pilot a tick: it stops a robot whose motion is overdue or whose ring is incomplete.
+    /// Sends a tick: the pilot stops a robot whose motion is overdue or whose ring is incomplete.
     fn tick(&mut self, pilot: &mut impl Pilot, result: &mut StepResult) {
         let outputs = pilot.handle(self.now(), Event::Tick);
         result.add(&outputs);

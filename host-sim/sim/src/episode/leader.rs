@@ -110,8 +110,8 @@ impl Leader {
         for (sensor, range) in ranges.iter().enumerate() {
             let range = range.map(|m: f64| Range::from_mm((m * 1e3) as u16));
             let sensor = sensor as u8;
-            let heard = Event::Echo { sensor, range };
-            wanted = wanted.or(self.pilot.handle(Millis::from_ms(0), heard).motion);
+            let echo = Event::Echo { sensor, range };
+            wanted = wanted.or(self.pilot.handle(Millis::from_ms(0), echo).motion);
         }
         let Some(motion) = wanted else { return false };
         let way = Point::new(

@@ -4,29 +4,25 @@
 
 mod commands;
 mod parts;
+mod source;
 
-use super::command::{CommandOutcome, PageCommand};
 use super::dto::KnowledgeParts;
 use super::echo_trail::EchoTrail;
 use super::goal::ActiveGoal;
 use super::history::{History, mark};
-use super::snapshot::{SceneDto, Snapshot, SnapshotPart};
-use super::source::{Capabilities, CommandRefused, StepOutcome, ViewSource};
+use super::snapshot::{SceneDto, SnapshotPart};
 use amp::config::Config;
 use amp::controller::Decision;
 use amp::scan::Situation;
 use arena::world::{Point, Pose};
 use nomad200::Host;
-use nomad200::bridge::{
-    Activity, BridgeError, BridgeSession, POLL_INTERVAL, ResultKind, WorkerResult,
-};
+use nomad200::bridge::{Activity, BridgeError, BridgeSession, ResultKind, WorkerResult};
 use remote::log::{LogOutput, LoggedController, SharedLog};
 use sim::behavior::Behavior;
 use sim::episode::StepFlags;
 use sim::error::EpisodeError;
 use sim::pilot::SimState;
 use std::sync::Arc;
-use std::time::Duration;
 
 /// What to watch, and the initial settings.
 #[derive(Debug, Clone)]
@@ -77,7 +73,7 @@ pub struct WatchedNomad {
     before: Option<Situation<16>>,
     decided_at: Pose,
     /// Robot's time of each sonar's latest echo.
-    heard_ms: [Option<u32>; 16],
+    echo_ms: [Option<u32>; 16],
     explorations: u64,
     explored: [u32; 2],
     /// Counts of steps with a goal: all, touched, shielded, at the goal.
@@ -85,7 +81,7 @@ pub struct WatchedNomad {
     distance_m: f64,
     open: Option<StepFlags>,
     trail: History,
-    heard: EchoTrail,
+    echo_trail: EchoTrail,
     bounds: [Point; 2],
     time_s: f64,
     cache: NomadCache,
@@ -144,14 +140,14 @@ impl WatchedNomad {
             nest: None,
             decision: None,
             before: None,
-            heard_ms: [None; 16],
+            echo_ms: [None; 16],
             explorations: 0,
             explored: [0; 2],
             steps: [0; 4],
             distance_m: 0.0,
             open: None,
             trail: History::latest(),
-            heard: EchoTrail::new(),
+            echo_trail: EchoTrail::new(),
             bounds: around(place, [place; 2]),
             time_s: 0.0,
             cache: NomadCache::default(),
@@ -185,9 +181,9 @@ impl WatchedNomad {
     fn record_echoes(&mut self) {
         for (sensor, range_m) in self.session.ranges_m().into_iter().enumerate() {
             let (echo_origin, at_ms) = self.session.echo_origin(sensor);
-            let new = self.heard_ms[sensor].replace(at_ms) != Some(at_ms);
+            let new = self.echo_ms[sensor].replace(at_ms) != Some(at_ms);
             if let (true, Some(range_m)) = (new, range_m) {
-                self.heard.add(echo_origin, sensor, range_m);
+                self.echo_trail.add(echo_origin, sensor, range_m);
             }
         }
         let bounds = around(self.session.pose().position, self.bounds);
@@ -281,8 +277,8 @@ impl WatchedNomad {
         let Some(flags) = self.open.take() else {
             return;
         };
-        let seeks = self.activity == NomadActivity::Seek;
-        if seeks {
+        let seeking = self.activity == NomadActivity::Seek;
+        if seeking {
             let counted = [true, flags.touched, flags.shielded, flags.at_goal];
             for (count, add) in self.steps.iter_mut().zip(counted) {
                 *count += u32::from(add);
@@ -297,7 +293,7 @@ impl WatchedNomad {
         let nearest = ranges_m.iter().flatten().copied().reduce(f64::min);
         let (time_s, place) = (self.session.time_s(), self.session.pose().position);
         self.trail
-            .push(mark(time_s, place, seeks, flags, neuron, nearest));
+            .push(mark(time_s, place, seeking, flags, neuron, nearest));
     }
 
     /// Starts the next part of a chain when the current one is reached; stops after the last.
@@ -340,69 +336,4 @@ fn around(place: Point, [low, high]: [Point; 2]) -> [Point; 2] {
         Point::new(low.x.min(down(place.x)), low.y.min(down(place.y))),
         Point::new(high.x.max(up(place.x)), high.y.max(up(place.y))),
     ]
-}
-
-impl ViewSource for WatchedNomad {
-    fn abilities(&self) -> Capabilities {
-        Capabilities {
-            drive: true,
-            configure: true,
-            save: true,
-            ..Capabilities::default()
-        }
-    }
-
-    fn step(&mut self) -> StepOutcome {
-        if self.failure.is_some() {
-            return StepOutcome::Idle;
-        }
-        std::thread::sleep(POLL_INTERVAL);
-        let whole = match self.update() {
-            Ok(whole) => whole,
-            Err(trouble) => {
-                self.fail(&trouble);
-                return StepOutcome::Idle;
-            }
-        };
-        let before_s = std::mem::replace(&mut self.time_s, self.session.time_s());
-        StepOutcome::Took {
-            took_s: self.time_s - before_s,
-            whole,
-        }
-    }
-
-    fn execute(&mut self, command: &PageCommand) -> Result<CommandOutcome, CommandRefused> {
-        if let Some(why) = &self.failure {
-            return Err(why.clone().into());
-        }
-        self.execute_command(command)
-    }
-
-    fn snapshot(&mut self) -> Snapshot {
-        self.parts()
-    }
-
-    fn steering_lost(&mut self, silence: Duration) {
-        if self.failure.is_some()
-            || !matches!(self.activity, NomadActivity::Explore | NomadActivity::Seek)
-        {
-            return;
-        }
-        match self.stop() {
-            Ok(()) => {
-                let seconds = silence.as_secs_f64();
-                self.note = Some(format!(
-                    "It stopped: no page has steered it for {seconds} s"
-                ));
-            }
-            Err(trouble) => self.fail(&trouble),
-        }
-    }
-
-    fn end(&mut self) -> Result<(), String> {
-        if self.failure.is_none() {
-            self.session.finish(false);
-        }
-        self.log.as_ref().map_or(Ok(()), SharedLog::finish)
-    }
 }

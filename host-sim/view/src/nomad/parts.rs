@@ -28,7 +28,7 @@ impl WatchedNomad {
         Snapshot {
             parts,
             now: Box::new(self.now()),
-            trail: self.trail.parts().chain(self.heard.parts()).collect(),
+            trail: self.trail.parts().chain(self.echo_trail.parts()).collect(),
             revision,
         }
     }
@@ -77,7 +77,7 @@ impl WatchedNomad {
         let pose = self.session.pose();
         let decision = self.decision;
         let busy = matches!(self.activity, NomadActivity::Explore | NomadActivity::Seek);
-        let (situation, heard_at) = match &decision {
+        let (situation, scan_pose) = match &decision {
             Some(decision) if busy => (decision.situation, self.decided_at),
             _ => (self.perceived(), pose),
         };
@@ -96,7 +96,7 @@ impl WatchedNomad {
             time_s: Rounded(self.time_s),
             step_s: Rounded(0.1),
             pose: pose_dto(pose),
-            heard_at: pose_dto(heard_at),
+            heard_at: pose_dto(scan_pose),
             mode,
             why: self.failure.clone(),
             note: self.note.clone(),
@@ -124,7 +124,7 @@ impl WatchedNomad {
             pace: Default::default(),
             trail: self.trail.ends(),
             at: None,
-            heard: self.heard.ends(),
+            heard: self.echo_trail.ends(),
         }
     }
 

@@ -60,7 +60,7 @@ struct Playback {
     shapes: Arc<Vec<ShapeDto>>,
     start: Option<Point>,
     pose: Pose,
-    heard_at: Pose,
+    scan_pose: Pose,
     leader: Option<Point>,
     ranges_m: [Option<f64>; 16],
     nest: Option<(Situation<16>, Point)>,
@@ -71,7 +71,7 @@ struct Playback {
     counts: DriveCounts,
     distance_m: f64,
     coverage: Coverage,
-    heard: EchoTrail,
+    echo_trail: EchoTrail,
     time_s: f64,
     step_s: f64,
     /// The first difference between controller and log, in words.
@@ -112,7 +112,7 @@ impl WatchedLog {
             self.at += 1;
         }
         let pose = first.unwrap_or_default();
-        (self.playback.pose, self.playback.heard_at) = (pose, pose);
+        (self.playback.pose, self.playback.scan_pose) = (pose, pose);
     }
 
     /// Advances to the next pose, or by the longest step.
@@ -158,7 +158,8 @@ impl WatchedLog {
         if to < self.playback.decided || self.playback.difference.is_some() {
             self.at = 0;
             let setup = self.playback.setup.clone();
-            self.playback = Playback::new(&setup, &self.timeline, self.playback.heard.restarted());
+            self.playback =
+                Playback::new(&setup, &self.timeline, self.playback.echo_trail.restarted());
             self.set_scene();
         }
         while self.playback.decided < to && !self.is_over() {
@@ -174,7 +175,7 @@ impl WatchedLog {
 }
 
 impl Playback {
-    fn new(setup: &SetupRecord, timeline: &Timeline, heard: EchoTrail) -> Self {
+    fn new(setup: &SetupRecord, timeline: &Timeline, echo_trail: EchoTrail) -> Self {
         let [low, high] = timeline.bounds;
         Self {
             setup: setup.clone(),
@@ -185,7 +186,7 @@ impl Playback {
             shapes: Arc::default(),
             start: None,
             pose: Pose::default(),
-            heard_at: Pose::default(),
+            scan_pose: Pose::default(),
             leader: None,
             ranges_m: [None; 16],
             nest: None,
@@ -196,7 +197,7 @@ impl Playback {
             counts: DriveCounts::default(),
             distance_m: 0.0,
             coverage: Coverage::new((low, high), COLLISION_RADIUS_M),
-            heard,
+            echo_trail,
             time_s: 0.0,
             step_s: 0.0,
             difference: None,
@@ -208,12 +209,12 @@ impl Playback {
             TimelineItem::Start(setup) => self.begin(setup, timeline),
             TimelineItem::Event(record) => {
                 self.check_unlogged();
-                self.hear(record);
+                self.add_echoes(record);
                 let decision = &mut None;
-                let told = self.replayer.apply(record, |outputs| {
+                let applied = self.replayer.apply(record, |outputs| {
                     *decision = outputs.decision.or(*decision);
                 });
-                if let Err(why) = told {
+                if let Err(why) = applied {
                     self.difference.get_or_insert(why);
                 }
                 if let Some(decision) = decision {
@@ -241,7 +242,7 @@ impl Playback {
     fn begin(&mut self, setup: &SetupRecord, timeline: &Timeline) {
         self.check_unlogged();
         let shapes = Arc::clone(&self.shapes);
-        let mut next = Self::new(setup, timeline, self.heard.restarted());
+        let mut next = Self::new(setup, timeline, self.echo_trail.restarted());
         next.difference = self.difference.take();
         (next.starts, next.decided) = (self.starts + 1, self.decided);
         (next.shapes, next.time_s) = (shapes, self.time_s);
@@ -249,7 +250,7 @@ impl Playback {
         *self = next;
     }
 
-    fn hear(&mut self, record: &EventRecord) {
+    fn add_echoes(&mut self, record: &EventRecord) {
         match &record.event {
             EventKind::Echoes(echoes) => {
                 for echo in echoes {
@@ -259,7 +260,7 @@ impl Playback {
                         *range = range_m;
                     }
                     if let (true, Some(range_m)) = (self.shapes.is_empty(), range_m) {
-                        self.heard.add(self.pose, sensor, range_m);
+                        self.echo_trail.add(self.pose, sensor, range_m);
                     }
                 }
             }
@@ -268,7 +269,7 @@ impl Playback {
                 ..
             } => {
                 self.touched = true;
-                match self.seeks() {
+                match self.is_seeking() {
                     true => self.counts.contacts += 1,
                     false => self.counts.explored[1] += 1,
                 }
@@ -277,7 +278,7 @@ impl Playback {
         }
     }
 
-    fn seeks(&self) -> bool {
+    fn is_seeking(&self) -> bool {
         self.decision
             .is_some_and(|decision| decision.plan.is_some())
     }
@@ -287,7 +288,7 @@ impl Playback {
         self.before = self.decision.map(|before| before.situation);
         self.decision = Some(*decision);
         self.touched = false;
-        if !self.seeks() {
+        if !self.is_seeking() {
             self.counts.explored[0] += 1;
             return;
         }
@@ -327,14 +328,14 @@ impl Playback {
     }
 
     fn set_pose(&mut self, pose: Pose) {
-        let way_m = pose.position.distance(self.heard_at.position);
+        let way_m = pose.position.distance(self.scan_pose.position);
         // The first pose is the start; a longer distance than a step was carried.
         let driven = self.start.is_some() && way_m < 0.6;
-        if driven && self.seeks() {
+        if driven && self.is_seeking() {
             self.distance_m += way_m;
-            self.coverage.sweep(self.heard_at.position, pose.position);
+            self.coverage.sweep(self.scan_pose.position, pose.position);
         }
-        (self.pose, self.heard_at) = (pose, pose);
+        (self.pose, self.scan_pose) = (pose, pose);
         if self.start.is_none() {
             self.start = Some(pose.position);
             self.scene_changes += 1;

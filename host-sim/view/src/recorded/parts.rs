@@ -26,7 +26,7 @@ impl WatchedLog {
         let learned = learns || controller.state().has_learned();
         let knowledge = &mut self.cache.knowledge;
         parts.extend(knowledge.parts(revision, controller.state(), controller.config(), learned));
-        let heard = self.playback.heard.parts();
+        let heard = self.playback.echo_trail.parts();
         Snapshot {
             parts,
             now: Box::new(self.now()),
@@ -109,7 +109,7 @@ impl WatchedLog {
             time_s: Rounded(playback.time_s),
             step_s: Rounded(playback.step_s),
             pose: pose_dto(playback.pose),
-            heard_at: pose_dto(playback.heard_at),
+            heard_at: pose_dto(playback.scan_pose),
             mode,
             why: playback.difference.clone(),
             note: self.note(),
@@ -136,7 +136,7 @@ impl WatchedLog {
             pace: Default::default(),
             trail: [piece.unwrap_or(0), self.timeline.trail.ends()[1]],
             at: Some(playback.decided),
-            heard: playback.heard.ends(),
+            heard: playback.echo_trail.ends(),
         }
     }
 

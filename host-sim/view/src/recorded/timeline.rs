@@ -131,7 +131,7 @@ fn bounds(items: &[(u64, TimelineItem)]) -> [Point; 2] {
 /// A decision that is being executed.
 #[derive(Default)]
 struct OpenStep {
-    seeks: bool,
+    seeking: bool,
     flags: StepFlags,
     neuron: Option<usize>,
     /// Time and nearest range at its end.
@@ -214,7 +214,7 @@ impl HistoryBuilder {
                 let plan = decision.plan.as_ref();
                 self.decisions += 1;
                 self.open = Some(OpenStep {
-                    seeks: plan.is_some(),
+                    seeking: plan.is_some(),
                     flags: StepFlags {
                         at_goal: decision.at_goal,
                         shielded: decision.allowed_mm != decision.wanted_mm,
@@ -253,7 +253,7 @@ impl HistoryBuilder {
         let mark = mark(
             time_s,
             self.place,
-            ended.seeks,
+            ended.seeking,
             ended.flags,
             ended.neuron,
             nearest,

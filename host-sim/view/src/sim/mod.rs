@@ -102,7 +102,7 @@ pub struct Simulator {
     before: Option<Situation<16>>,
     /// Latest ranges, and the ring's pose at that time.
     ranges_m: [Option<f64>; 16],
-    heard_at: Pose,
+    scan_pose: Pose,
     learned: bool,
     learning: u32,
     touched: bool,
@@ -163,7 +163,7 @@ impl Simulator {
             decision: None,
             before: None,
             ranges_m,
-            heard_at: body.pose(),
+            scan_pose: body.pose(),
             learned: false,
             learning: 0,
             touched: false,
@@ -232,7 +232,7 @@ impl Simulator {
             watcher.on_step(at, &result, &self.body);
         }
         self.check_controller();
-        (self.ranges_m, self.heard_at) = (*self.body.ranges_m(), result.pose);
+        (self.ranges_m, self.scan_pose) = (*self.body.ranges_m(), result.pose);
         self.step_s = self.body.time_s() - began_s;
         let whole = result.decision.is_some() || result.mode_changed;
         if whole {
@@ -335,9 +335,9 @@ impl Simulator {
         let neuron = neuron.map(|plan| usize::from(plan.current_neuron));
         let nearest = self.ranges_m.iter().flatten().copied().reduce(f64::min);
         let place = self.body.pose().position;
-        let seeks = self.activity == SimulatorActivity::Seek;
+        let seeking = self.activity == SimulatorActivity::Seek;
         let time_s = self.body.time_s();
-        let mark = mark(time_s, place, seeks, flags, neuron, nearest);
+        let mark = mark(time_s, place, seeking, flags, neuron, nearest);
         self.trail.push(mark);
     }
 

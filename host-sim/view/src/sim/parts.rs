@@ -55,8 +55,8 @@ impl Simulator {
 
     fn now(&mut self) -> LiveState {
         let pose = self.body.pose();
-        let (situation, ranges_m, heard_at) = match (&self.decision, self.is_busy()) {
-            (Some(decision), true) => (decision.situation, self.ranges_m, self.heard_at),
+        let (situation, ranges_m, scan_pose) = match (&self.decision, self.is_busy()) {
+            (Some(decision), true) => (decision.situation, self.ranges_m, self.scan_pose),
             _ => (self.perceived(), self.body.look(), pose),
         };
         let decision = self.decision;
@@ -79,7 +79,7 @@ impl Simulator {
             time_s: Rounded(self.body.time_s()),
             step_s: Rounded(self.step_s),
             pose: pose_dto(pose),
-            heard_at: pose_dto(heard_at),
+            heard_at: pose_dto(scan_pose),
             mode,
             why: self.failure.clone(),
             note: self.note.clone(),

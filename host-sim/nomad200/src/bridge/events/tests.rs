@@ -13,14 +13,14 @@ fn at(x: i32, ms: u32) -> PosData {
     }
 }
 
-fn state(x: i32, ms: u32, heard: &[(usize, i32, u32)]) -> NomadState {
+fn state(x: i32, ms: u32, echoes: &[(usize, i32, u32)]) -> NomadState {
     let mut state = NomadState {
         pose: at(x, 0).pose,
         time_ms: ms,
         sonar: [50; 16],
         ..NomadState::default()
     };
-    for &(sensor, x, ms) in heard {
+    for &(sensor, x, ms) in echoes {
         state.sonar_at[sensor] = at(x, ms);
     }
     state
@@ -90,8 +90,12 @@ fn reports_in_a_row_are_one_and_an_echo_parts_them() {
     queue.add_state(&state(10, 1_120, &[]), Some(1), None);
     queue.add_state(&state(20, 1_160, &[]), Some(1), None);
     queue.add_state(&state(30, 1_200, &[(0, 20, 1_170)]), Some(1), None);
-    let heard = [(0, 20, 1_170)];
-    queue.add_state(&state(40, 1_240, &heard), Some(1), Some(Progress::Ended));
+    let new_echoes = [(0, 20, 1_170)];
+    queue.add_state(
+        &state(40, 1_240, &new_echoes),
+        Some(1),
+        Some(Progress::Ended),
+    );
     let delivered = queue.take_events();
     let delivered: Vec<_> = delivered
         .iter()
@@ -151,8 +155,8 @@ fn echoes(events: &[TimedEvent]) -> Vec<(u32, u32)> {
 fn a_pause_of_this_program_is_none_of_the_ring_and_makes_no_echo_younger() {
     let mut queue = EventQueue::default();
     queue.begin(&state(0, 1_000, &[]));
-    let heard = [(3, 0, 60_900), (4, 0, 2_000), (5, 0, 60_500)];
-    queue.add_state(&state(0, 61_000, &heard), None, None);
+    let new_echoes = [(3, 0, 60_900), (4, 0, 2_000), (5, 0, 60_500)];
+    queue.add_state(&state(0, 61_000, &new_echoes), None, None);
     // 59 s, 0.5 s and 0.1 s old; the controller's clock has advanced by 200 ms.
     let delivered = echoes(&queue.take_events());
     assert_eq!(delivered, [(0, 58_800), (0, 300), (100, 0)]);
@@ -167,8 +171,8 @@ fn an_echo_from_before_the_packet_before_keeps_its_age() {
     queue.add_state(&state(0, 1_046, &[]), None, None);
     assert_eq!(echoes(&queue.take_events()), []);
     // 130 ms ago, before the controller's time began; and 4 ms in the future.
-    let heard = [(0, 0, 962), (1, 0, 1_050), (2, 0, 1_096)];
-    queue.add_state(&state(0, 1_092, &heard), None, None);
+    let new_echoes = [(0, 0, 962), (1, 0, 1_050), (2, 0, 1_096)];
+    queue.add_state(&state(0, 1_092, &new_echoes), None, None);
     assert_eq!(echoes(&queue.take_events()), [(46, 84), (50, 0), (92, 0)]);
 }
 
@@ -202,14 +206,14 @@ fn time_that_passes_is_told_once() {
 }
 
 /// A controller that explores with the packets of a robot at rest.
-struct Exploration {
+struct ExploringRobot {
     events: EventQueue,
     controller: LocalController,
     state: NomadState,
     motion: Option<u16>,
 }
 
-impl Exploration {
+impl ExploringRobot {
     /// The robot's time starts at 10 s.
     fn new() -> Self {
         let mut exploration = Self {
@@ -248,7 +252,7 @@ impl Exploration {
 
 #[test]
 fn an_echo_from_before_the_motions_end_completes_no_ring() {
-    let mut exploration = Exploration::new();
+    let mut exploration = ExploringRobot::new();
     assert!(exploration.packet(10_040, Some(10_030), None));
     assert!(!exploration.packet(10_140, None, Some(Progress::Ended)));
     // 46 ms after the end: echoes from 1 ms before it, then from that moment.
@@ -258,7 +262,7 @@ fn an_echo_from_before_the_motions_end_completes_no_ring() {
 
 #[test]
 fn an_echo_from_before_a_pause_completes_no_ring() {
-    let mut exploration = Exploration::new();
+    let mut exploration = ExploringRobot::new();
     assert!(!exploration.packet(10_046, None, None));
     // No packet for 5 s. Echoes from before are too old; echoes from meanwhile are not.
     assert!(!exploration.packet(15_046, Some(10_045), None));

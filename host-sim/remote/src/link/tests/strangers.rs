@@ -127,9 +127,9 @@ fn the_mind_of_another_robot_is_refused() {
 
 /// A node that a test can reset.
 #[derive(Clone)]
-struct Shared(Arc<Mutex<InProcessNode>>);
+struct SharedNode(Arc<Mutex<InProcessNode>>);
 
-impl Transport for Shared {
+impl Transport for SharedNode {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         self.0.lock().unwrap().send(bytes)
     }
@@ -141,7 +141,7 @@ impl Transport for Shared {
 
 #[test]
 fn a_mind_that_starts_anew_is_noticed_and_found_again() {
-    let shared = Shared(Arc::new(Mutex::new(InProcessNode::new(
+    let shared = SharedNode(Arc::new(Mutex::new(InProcessNode::new(
         Config::recommended(),
     ))));
     let mut session = opened(shared.clone());
@@ -155,7 +155,7 @@ fn a_mind_that_starts_anew_is_noticed_and_found_again() {
 
 #[test]
 fn a_late_answer_of_the_session_before_is_nobodys() {
-    let shared = Shared(Arc::new(Mutex::new(InProcessNode::new(
+    let shared = SharedNode(Arc::new(Mutex::new(InProcessNode::new(
         Config::recommended(),
     ))));
     let mut earlier = opened(shared.clone());
@@ -170,7 +170,7 @@ fn a_late_answer_of_the_session_before_is_nobodys() {
 
 #[test]
 fn a_host_that_starts_anew_with_the_same_number_is_heard() {
-    let shared = Shared(Arc::new(Mutex::new(InProcessNode::new(
+    let shared = SharedNode(Arc::new(Mutex::new(InProcessNode::new(
         Config::recommended(),
     ))));
     let mut earlier = opened(shared.clone());
