@@ -188,10 +188,10 @@ impl<P: Policy> RingPilot<P> {
         }
     }
 
-    /// Decides: the ring is complete and the base stands.
-    fn decide(&mut self, now: Millis) -> Outputs<16> {
+    /// What the policy decides on; forgets the last motion.
+    fn perception(&mut self) -> Perception {
         let ended = self.active.take();
-        let perceived = Perception {
+        Perception {
             ranges: self.scan.echoes().map(|echo| echo.range),
             pose: self.pose,
             turned: ended.map_or(Bearing::ZERO, |ended| ended.turned),
@@ -200,8 +200,13 @@ impl<P: Policy> RingPilot<P> {
                 moved: ended.moved,
                 touched: self.touched,
             }),
-        };
-        let asked = self.policy.decide(&perceived);
+        }
+    }
+
+    /// Decides: the ring is complete and the base stands.
+    fn decide(&mut self, now: Millis) -> Outputs<16> {
+        let perception = self.perception();
+        let asked = self.policy.decide(&perception);
         let millimeters = |meters: f64| libm::round(meters * 1e3) as i32;
         let wanted = Displacement::saturating(millimeters(asked.x), millimeters(asked.y));
         let (way, limit) = self.allowed_path(wanted, now);

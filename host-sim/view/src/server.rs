@@ -149,22 +149,30 @@ pub fn serve(
         listening: door.address,
         lock,
     });
+    serve_pages(door.listener, shared, over).map_err(refuse)?;
+    // A panic there is a bug, and was already printed.
+    robot.join().unwrap_or(Ok(())).map_err(BadInput::new)
+}
+
+/// Serves the page and its sockets until the robot's thread is `over`.
+fn serve_pages(
+    listener: std::net::TcpListener,
+    shared: Arc<ServerState>,
+    over: oneshot::Receiver<()>,
+) -> std::io::Result<()> {
     let router = Router::new()
         .route("/", get(page))
         .route("/socket", get(socket))
         .with_state(shared);
     let mut runtime = tokio::runtime::Builder::new_current_thread();
-    let runtime = runtime.enable_all().build().map_err(refuse)?;
-    runtime.block_on(async {
-        let listener = tokio::net::TcpListener::from_std(door.listener).map_err(refuse)?;
+    runtime.enable_all().build()?.block_on(async {
+        let listener = tokio::net::TcpListener::from_std(listener)?;
         tokio::select! {
             () = connections::serve(listener, router) => {}
             _ = over => {}
         }
-        Ok::<_, BadInput>(())
-    })?;
-    // A panic there is a bug, and was already printed.
-    robot.join().unwrap_or(Ok(())).map_err(BadInput::new)
+        Ok(())
+    })
 }
 
 /// Checks the control lock in the robot's thread.
@@ -218,20 +226,21 @@ fn run(
             .unwrap_or(idle)
             .min(until_shown.unwrap_or(idle))
             .min(idle);
-        let mut command = match asked.recv_timeout(wait) {
-            Ok(command) => Some(command),
-            Err(RecvTimeoutError::Timeout) => None,
+        match asked.recv_timeout(wait) {
+            Ok(command) => execute_all(&mut runner, command, asked),
+            Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => return runner.end(),
-        };
-        while let Some(PendingCommand {
-            command: what,
-            answer,
-        }) = command
-        {
-            // The sender may be gone.
-            let _ = answer.send(runner.execute(&what));
-            command = asked.try_recv().ok();
         }
+    }
+}
+
+/// Executes a command and all that wait behind it.
+fn execute_all(runner: &mut Runner, first: PendingCommand, asked: &Receiver<PendingCommand>) {
+    let mut next = Some(first);
+    while let Some(PendingCommand { command, answer }) = next {
+        // The sender may be gone.
+        let _ = answer.send(runner.execute(&command));
+        next = asked.try_recv().ok();
     }
 }
 

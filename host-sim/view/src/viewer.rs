@@ -124,16 +124,21 @@ async fn send_updates(
                 sent.retain(|key, _| parts.iter().any(|part| part.key() == *key));
             }
         }
-        for message in messages {
-            let sending = outgoing.send(message);
-            if !matches!(
-                tokio::time::timeout(SEND_TIMEOUT, sending).await,
-                Ok(Ok(()))
-            ) {
-                return;
-            }
+        if !send_all(&mut outgoing, messages).await {
+            return;
         }
     }
+}
+
+/// Whether all messages could be sent in time.
+async fn send_all(outgoing: &mut SplitSink<WebSocket, Message>, messages: Vec<Message>) -> bool {
+    for message in messages {
+        let sending = tokio::time::timeout(SEND_TIMEOUT, outgoing.send(message));
+        if !matches!(sending.await, Ok(Ok(()))) {
+            return false;
+        }
+    }
+    true
 }
 
 /// Receives the viewer's commands.

@@ -205,6 +205,24 @@ impl WatchedNomad {
             self.note = Some(format!("the controller refused: {refusal:?}"));
             self.activity = NomadActivity::Idle;
         }
+        self.update_activity(&result);
+        if let Some(decision) = &outputs.decision {
+            self.decide(decision);
+        }
+        if outputs.decision.is_some() && self.activity == NomadActivity::Seek {
+            self.advance_goal()?;
+        }
+        if let Some(known) = result.state {
+            self.controller.known = Some(known);
+            self.controller.asked = false;
+            self.cache.knowledge.invalidate_maps();
+        }
+        Ok(())
+    }
+
+    /// Ends an activity that the controller has stopped or completed.
+    fn update_activity(&mut self, result: &WorkerResult) {
+        let outputs = &result.outputs;
         let happened = result.kind == ResultKind::Events;
         match self.activity {
             NomadActivity::Explore | NomadActivity::Seek
@@ -224,18 +242,6 @@ impl WatchedNomad {
             }
             _ => {}
         }
-        if let Some(decision) = &outputs.decision {
-            self.decide(decision);
-        }
-        if outputs.decision.is_some() && self.activity == NomadActivity::Seek {
-            self.advance_goal()?;
-        }
-        if let Some(known) = result.state {
-            self.controller.known = Some(known);
-            self.controller.asked = false;
-            self.cache.knowledge.invalidate_maps();
-        }
-        Ok(())
     }
 
     fn rest(&mut self, activity: NomadActivity) {

@@ -253,19 +253,22 @@ impl Simulator {
         if whole {
             self.advance_goal();
         }
-        let silent =
-            self.body.time_s() - self.last_decision_s > MAX_SILENT_RINGS * self.body.ring_s();
-        if silent
-            && matches!(
-                self.activity,
-                SimulatorActivity::Explore | SimulatorActivity::Seek
-            )
-        {
-            self.fail(EpisodeError::Silent.to_string());
-        }
+        self.check_silence();
         StepOutcome::Took {
             took_s: self.step_s,
             whole,
+        }
+    }
+
+    /// Fails if the controller should decide and has not done so for several rings.
+    fn check_silence(&mut self) {
+        let silent_s = self.body.time_s() - self.last_decision_s;
+        let deciding = matches!(
+            self.activity,
+            SimulatorActivity::Explore | SimulatorActivity::Seek
+        );
+        if deciding && silent_s > MAX_SILENT_RINGS * self.body.ring_s() {
+            self.fail(EpisodeError::Silent.to_string());
         }
     }
 
